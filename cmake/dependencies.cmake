@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Every library comes from Debian 12 (packages.txt). Three snags of its packaging are met here, once.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+
+find_package(CGAL REQUIRED)
+find_package(OpenMesh CONFIG REQUIRED)  # CONFIG: CGAL puts a failing FindOpenMesh on the module path
+find_package(GDAL CONFIG REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(TBB REQUIRED)
+find_package(embree 3 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)  # ships no CMake package
+pkg_check_modules(netcdf REQUIRED IMPORTED_TARGET netcdf)
+# OpenImageIO's CMake targets name OpenCV's include folder, which is not installed; pkg-config does not.
+pkg_check_modules(openimageio REQUIRED IMPORTED_TARGET OpenImageIO)

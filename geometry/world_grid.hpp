@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace tubefoot {
+
+/// A point or vector of the world grid, in grid units. All exact geometry starts from these integers.
+struct GridPoint {
+  std::int32_t x = 0, y = 0, z = 0;
+  friend auto operator<=>(const GridPoint&, const GridPoint&) = default;
+};
+
+struct GridPointHash {
+  std::size_t operator()(const GridPoint& p) const noexcept;
+};
+
+/// Thrown where a coordinate does not fit the grid or the bit budget (docs/bit-budget.md).
+struct GridRangeError : std::range_error {
+  using std::range_error::range_error;
+};
+
+/// The dyadic grid that every vertex and apex is snapped to, once, on load: unit 2^-k m in the local
+/// east-north-up frame, about an origin that is itself a multiple of the unit.
+class WorldGrid {
+ public:
+  /// Bits of an apex-relative coordinate: |x| <= 2^30. The exact arithmetic is derived from this number.
+  static constexpr int coordinate_bits = 30;
+  /// Default and finest unit that `fitting` chooses: 2^-20 m, about 1 micrometre.
+  static constexpr int finest_exponent = 20;
+
+  /// Unit 2^-`exponent` m; `origin_m` is rounded to a multiple of the unit.
+  WorldGrid(int exponent, glm::dvec3 origin_m);
+
+  /// The finest unit, at most 2^-finest_exponent m, for which every difference of two points in the box
+  /// [lo, hi] (metres) fits the coordinate bits, with the origin at the box's centre.
+  /// Throws GridRangeError where the box is not finite or so large (> 2^30 m) that no unit of 1 m or less fits.
+  static WorldGrid fitting(glm::dvec3 lo_m, glm::dvec3 hi_m);
+
+  /// The same, with the unit given: throws GridRangeError, naming the unit that would fit, if the box does not.
+  static WorldGrid with_exponent(int exponent, glm::dvec3 lo_m, glm::dvec3 hi_m);
+
+  int exponent() const { return exponent_; }
+  double unit_m() const;
+  glm::dvec3 origin_m() const { return origin_m_; }
+
+  /// Nearest grid point (ties away from zero). Throws GridRangeError when not finite or out of 31 bits.
+  GridPoint snap(glm::dvec3 point_m) const;
+  /// Exact: a grid point in metres of the local frame.
+  glm::dvec3 to_metres(GridPoint p) const;
+
+ private:
+  int exponent_;
+  glm::dvec3 origin_m_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/echo.hpp"
+#include "geometry/tube.hpp"
+#include "geometry/world_grid.hpp"
+#include "scene/scene_description.hpp"
+#include "scene/trajectory.hpp"
+
+namespace tubefoot {
+
+/// A beam's axis in the sensor's frame, for files and pictures.
+struct BeamAxis {
+  double azimuth_rad = 0;    ///< clockwise from the sensor's forward axis seen from above (starboard positive)
+  double elevation_rad = 0;  ///< above the sensor's horizontal plane
+  double azimuth_width_rad = 0, elevation_width_rad = 0;  ///< full one-way widths of the ideal rectangular beam
+};
+
+/// What a sonar asks of an engine and what it makes of a history. It knows no engine; a new sensor needs only
+/// this class and a case in make_sensor.
+class Sensor {
+ public:
+  virtual ~Sensor() = default;
+
+  const SensorDescription& description() const { return description_; }
+  double frequency_khz() const { return frequency_khz_; }
+  const std::vector<BeamAxis>& beams() const { return beams_; }
+  const RangeSamples& samples() const { return samples_; }
+  /// Per tube of `tubes()`: the beam it belongs to.
+  const std::vector<std::uint32_t>& beam_of_tube() const { return beam_of_tube_; }
+
+  /// The tubes of a ping from a pose of the sensor itself (mounting applied). Equal poses give equal sets.
+  TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid) const;
+  /// Pose of the sensor for a pose of its carrier: lever arm and mounting applied.
+  Pose pose_on(const Pose& carrier) const;
+  /// Times of the pings, seconds.
+  std::vector<double> ping_times_s() const;
+
+ protected:
+  explicit Sensor(SensorDescription description);
+
+  SensorDescription description_;
+  double frequency_khz_ = 0;
+  std::vector<BeamAxis> beams_;
+  RangeSamples samples_;
+  std::vector<std::uint32_t> beam_of_tube_;
+  std::vector<AngularGrid> sectors_;  ///< in the sensor's frame (x starboard, y forward, z up)
+};
+
+/// The sensor that a description asks for.
+std::unique_ptr<Sensor> make_sensor(const SensorDescription& description);
+
+}  // namespace tubefoot

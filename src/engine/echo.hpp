@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/history.hpp"
+
+namespace tubefoot {
+
+/// Range samples of a receiver: sample k covers slant ranges [first + k step, first + (k+1) step).
+struct RangeSamples {
+  double first_m = 0;
+  double step_m = 0;
+  int count = 0;
+};
+
+/// How a path's energy follows from its geometry: Lambert's law per material, spherical spreading both ways,
+/// absorption both ways. Source energy: 1 J/sr at 1 m.
+struct EchoLaw {
+  std::span<const double> material_mu;       ///< Lambert parameter mu (linear) by material
+  std::span<const std::uint16_t> material;   ///< material by facet
+  double absorption_db_per_m = 0;            ///< one way
+};
+
+/// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample].
+struct Echo {
+  int beams = 0;
+  int samples = 0;
+  std::vector<double> energy;
+  double at(int beam, int sample) const { return energy[std::size_t(beam) * samples + sample]; }
+};
+
+/// Turns a history into the echo of a receiver whose beams are unions of tubes.
+/// `beam_of_tube[t]` is the beam that tube t belongs to. Footprints are cut at the range samples' borders
+/// (arcs on the facet); ray hits fall into the sample that holds their range.
+Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,
+                    const RangeSamples& samples, const EchoLaw& law);
+
+}  // namespace tubefoot

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace tubefoot {
+
+/// A place in an input file; line and column count from 1, 0 means unknown (a binary file, or the whole file).
+struct SourcePlace {
+  std::string file;
+  int line = 0, column = 0;
+};
+
+/// "scene.toml:12:5" as far as the place is known.
+std::string to_string(const SourcePlace& place);
+
+/// The input is wrong: the program exits with 2 and prints "place: what was expected, what to do".
+struct InputError : std::runtime_error {
+  InputError(const SourcePlace& place, const std::string& message)
+      : std::runtime_error(to_string(place) + ": " + message) {}
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "scene/input_error.hpp"
+
+// What a scene file says, key by key, in the file's own units (degrees, metres, kHz). Nothing is loaded yet.
+// docs/scene-file.md documents every key with unit, default and range.
+namespace tubefoot {
+
+/// Where the local east-north-up frame lies. Without it, coordinates are local metres already.
+struct GeoreferenceDescription {
+  SourcePlace place;
+  std::optional<std::array<double, 2>> origin_lat_lon_deg;  ///< latitude, longitude (WGS 84)
+  std::optional<std::string> crs;                           ///< e.g. "EPSG:32602": frame axes and origin below
+  std::optional<std::array<double, 2>> origin_crs;          ///< easting, northing in `crs`
+  double origin_height_m = 0;                               ///< height that becomes z = 0
+};
+
+struct WaterDescription {
+  SourcePlace place;
+  std::optional<double> sound_speed_m_s;         ///< else Mackenzie 1981 from T, S and depth
+  std::optional<double> absorption_db_per_km;    ///< else Francois-Garrison 1982 at the sensor's frequency
+  double temperature_c = 10, salinity_psu = 35, ph = 8;
+  double depth_m = 10;                           ///< for the two formulas
+};
+
+struct MaterialDescription {
+  SourcePlace place;
+  std::string name;
+  double lambert_db = -27;  ///< 10 log10 mu; energy conservation wants <= -4.9715
+};
+
+struct FlatTerrain {
+  double width_m = 0, length_m = 0;    ///< east-west, north-south extent, centred on `centre_m`
+  std::array<double, 3> centre_m{0, 0, 0};
+  double cell_m = 0;                   ///< 0: two facets in all
+};
+
+/// Seeded fractal relief: fractional Brownian surface by midpoint-free spectral-like noise; same seed, same bed.
+struct FractalTerrain {
+  double width_m = 0, length_m = 0;
+  std::array<double, 3> centre_m{0, 0, 0};
+  double cell_m = 1;
+  double rms_height_m = 0.1;
+  double hurst = 0.8;                  ///< 0..1
+  double largest_wavelength_m = 0;     ///< 0: the larger extent
+  std::uint64_t seed = 1;
+  double ripple_height_m = 0;          ///< crest to trough of sinusoidal sand ripples, 0: none
+  double ripple_wavelength_m = 0.2;
+  double ripple_direction_deg = 0;     ///< compass direction of the wave vector (across the crests)
+};
+
+struct RasterTerrain {
+  std::filesystem::path file;                    ///< already resolved against the scene file's folder
+  std::optional<std::array<int, 4>> window;      ///< column, row, columns, rows (from the north-west corner)
+  int decimate = 1;                              ///< keep every n-th row and column
+  bool depth_positive_down = false;              ///< values are depths, not heights
+};
+
+struct TerrainDescription {
+  SourcePlace place;
+  std::string name = "terrain";
+  std::string material;
+  SourcePlace material_place;
+  std::variant<FlatTerrain, FractalTerrain, RasterTerrain> kind;
+};
+
+struct MeshFile { std::filesystem::path file; };
+struct SpherePrimitive { double radius_m = 1; };
+struct CylinderPrimitive { double radius_m = 1, height_m = 1; };                ///< along z, closed
+struct ConePrimitive { double radius_m = 1, top_radius_m = 0, height_m = 1; };  ///< along z, closed
+struct BoxPrimitive { std::array<double, 3> size_m{1, 1, 1}; };
+
+struct ObjectDescription {
+  SourcePlace place;
+  std::string name;
+  std::string material;
+  SourcePlace material_place;
+  std::variant<MeshFile, SpherePrimitive, CylinderPrimitive, ConePrimitive, BoxPrimitive> kind;
+  std::array<double, 3> position_m{0, 0, 0};        ///< of the primitive's centre / the file's origin
+  std::optional<std::array<double, 2>> position_lat_lon_deg;  ///< instead of x and y of position_m
+  double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
+  std::array<double, 3> scale{1, 1, 1};
+  bool y_up = false;               ///< the file's y axis is up: turned by 90 degrees about x first
+  double chord_error_m = 0.01;     ///< largest distance between a curved primitive and its facets
+  /// Put the object's lowest point this far above the terrain below its position (position z is then ignored).
+  std::optional<double> on_terrain_m;
+};
+
+/// Pose of the carrier: position in the local frame, heading clockwise from north, pitch bow up,
+/// roll starboard down.
+struct FixedTrajectory {
+  std::array<double, 3> position_m{0, 0, 0};
+  double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
+};
+struct LineTrajectory {
+  std::array<double, 3> start_m{0, 0, 0}, end_m{0, 0, 0};  ///< heading follows the line
+  double speed_m_s = 1;
+  double pitch_deg = 0, roll_deg = 0;
+};
+/// CSV with a header line: time_s, east_m, north_m, up_m, heading_deg, pitch_deg, roll_deg.
+struct WaypointTrajectory { std::filesystem::path file; };
+
+struct TrajectoryDescription {
+  SourcePlace place;
+  std::string name = "trajectory";
+  std::variant<FixedTrajectory, LineTrajectory, WaypointTrajectory> kind;
+};
+
+/// Acoustic camera: `beams` equal azimuth cells over `horizontal_deg`, one elevation cell.
+struct DidsonDescription {
+  double frequency_khz = 1800;
+  int beams = 96;
+  double horizontal_deg = 29, vertical_deg = 14;
+  int samples = 512;
+  double window_start_m = 0.84, window_length_m = 5;
+};
+/// Two fans about the along-track axis, port (beam 0) and starboard (beam 1).
+struct SidescanDescription {
+  double frequency_khz = 455;
+  double along_track_deg = 0.5;       ///< one-way width of the ideal rectangular beam
+  double depression_min_deg = 2, depression_max_deg = 85;  ///< the fan's limits below the horizontal
+  int samples = 1000;
+  double range_min_m = 0.5, range_max_m = 50;
+};
+
+struct SensorDescription {
+  SourcePlace place;
+  std::string name;
+  std::string trajectory;              ///< may be empty when the scene has just one
+  SourcePlace trajectory_place;
+  std::array<double, 3> lever_arm_m{0, 0, 0};      ///< starboard, forward, up from the carrier's reference point
+  double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;  ///< mounting: yaw to starboard, tilt downwards, roll
+  double first_ping_s = 0;
+  int pings = 1;
+  double ping_interval_s = 0.1;
+  std::variant<DidsonDescription, SidescanDescription> kind;
+};
+
+struct RunDescription {
+  SourcePlace place;
+  std::string engine = "tube";          ///< tube | ray
+  std::string arithmetic = "fixed";     ///< fixed | filtered | rational | double
+  std::int64_t rays_per_ping = 100000;  ///< ray engine
+  std::uint64_t seed = 1;
+  std::optional<int> grid_exponent;     ///< unit 2^-k m
+  int threads = 0;                      ///< 0: all cores
+};
+
+struct SceneDescription {
+  std::filesystem::path file;
+  std::string sha256;  ///< of the scene file's text and of every file it names, in order: the scene hash
+  std::string title;
+  std::optional<GeoreferenceDescription> georeference;
+  WaterDescription water;
+  std::vector<MaterialDescription> materials;
+  std::vector<TerrainDescription> terrains;
+  std::vector<ObjectDescription> objects;
+  std::vector<TrajectoryDescription> trajectories;
+  std::vector<SensorDescription> sensors;
+  RunDescription run;
+};
+
+/// Reads and checks a scene file: keys, types, ranges, names that refer to each other, files that must exist.
+/// Throws InputError "scene.toml:12:5: ..." that says what was expected.
+SceneDescription read_scene_file(const std::filesystem::path& file);
+
+}  // namespace tubefoot
