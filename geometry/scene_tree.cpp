@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/scene_tree.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace tubefoot {
+namespace {
+
+constexpr std::uint32_t facets_per_leaf = 8;
+
+GridPoint min(GridPoint a, GridPoint b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+GridPoint max(GridPoint a, GridPoint b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+
+/// Distance from the origin to the interval [lo, hi].
+double gap(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? -hi : 0; }
+
+/// Relative to the apex and to the size of the products: far more than their rounding.
+constexpr double slack = 1e-12;
+
+}  // namespace
+
+SceneTree::SceneTree(const FacetMesh& mesh) : mesh_(&mesh), order_(mesh.facets.size()) {
+  std::iota(order_.begin(), order_.end(), 0u);
+  if (order_.empty()) return;
+  // Three times the centroid, in single precision: it only decides the tree's shape.
+  std::vector<std::array<float, 3>> centre(order_.size());
+  for (std::size_t f = 0; f < centre.size(); ++f) {
+    centre[f] = {0, 0, 0};
+    for (const VertexId v : mesh.facets[f]) {
+      const GridPoint p = mesh.vertices[v];
+      centre[f][0] += static_cast<float>(p.x);
+      centre[f][1] += static_cast<float>(p.y);
+      centre[f][2] += static_cast<float>(p.z);
+    }
+  }
+  nodes_.reserve(2 * (order_.size() / (facets_per_leaf / 2) + 1));
+  const auto build = [&](const auto& self, std::uint32_t begin, std::uint32_t end) -> std::uint32_t {
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.emplace_back();
+    if (end - begin <= facets_per_leaf) {
+      constexpr auto top = std::numeric_limits<std::int32_t>::max();
+      Box box{{top, top, top}, {-top, -top, -top}};
+      for (std::uint32_t k = begin; k < end; ++k)
+        for (const VertexId v : mesh.facets[order_[k]]) {
+          box.lo = min(box.lo, mesh.vertices[v]);
+          box.hi = max(box.hi, mesh.vertices[v]);
+        }
+      nodes_[index] = {box, begin, end - begin};
+      return index;
+    }
+    std::array<float, 3> lo = centre[order_[begin]], hi = lo;
+    for (std::uint32_t k = begin; k < end; ++k)
+      for (int a = 0; a < 3; ++a) {
+        lo[a] = std::min(lo[a], centre[order_[k]][a]);
+        hi[a] = std::max(hi[a], centre[order_[k]][a]);
+      }
+    int axis = 0;
+    for (int a = 1; a < 3; ++a)
+      if (hi[a] - lo[a] > hi[axis] - lo[axis]) axis = a;
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                     [&](FacetId f, FacetId g) { return centre[f][axis] < centre[g][axis]; });
+    const std::uint32_t first = self(self, begin, middle), second = self(self, middle, end);
+    nodes_[index] = {
+        {min(nodes_[first].box.lo, nodes_[second].box.lo), max(nodes_[first].box.hi, nodes_[second].box.hi)},
+        second,
+        0};
+    return index;
+  };
+  build(build, 0, static_cast<std::uint32_t>(order_.size()));
+  nodes_.shrink_to_fit();
+}
+
+void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
+                      std::vector<FacetId>& out) const {
+  if (nodes_.empty()) return;
+  const double reach2 = reach * reach;
+  const auto meets = [&](const Box& box) {
+    const double lx = double(box.lo.x) - apex.x, hx = double(box.hi.x) - apex.x,
+                 ly = double(box.lo.y) - apex.y, hy = double(box.hi.y) - apex.y,
+                 lz = double(box.lo.z) - apex.z, hz = double(box.hi.z) - apex.z;
+    const double dx = gap(lx, hx), dy = gap(ly, hy), dz = gap(lz, hz);
+    if (dx * dx + dy * dy + dz * dz > reach2) return false;
+    for (const HalfSpace& h : half_spaces) {
+      const double px = h.x * (h.x > 0 ? hx : lx), py = h.y * (h.y > 0 ? hy : ly),
+                   pz = h.z * (h.z > 0 ? hz : lz);
+      if (px + py + pz < -slack * (std::abs(px) + std::abs(py) + std::abs(pz))) return false;
+    }
+    return true;
+  };
+  std::array<std::uint32_t, 64> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t index = stack[--depth];
+    const Node& node = nodes_[index];
+    if (!meets(node.box)) continue;
+    if (node.count == 0) {
+      stack[depth++] = node.link;
+      stack[depth++] = index + 1;
+      continue;
+    }
+    for (std::uint32_t k = node.link; k < node.link + node.count; ++k) {
+      // The facet's own box decides, so that the answer does not depend on the shape of the tree.
+      const auto& facet = mesh_->facets[order_[k]];
+      const GridPoint a = mesh_->vertices[facet[0]], b = mesh_->vertices[facet[1]],
+                      c = mesh_->vertices[facet[2]];
+      if (meets({min(min(a, b), c), max(max(a, b), c)})) out.push_back(order_[k]);
+    }
+  }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/facet_mesh.hpp"
+
+namespace tubefoot {
+
+/// Bounding-box tree over the facets of a mesh, asked for the facets that may meet a pyramid of planes
+/// through an apex, within a reach. 32 bytes a node, eight facets a leaf. (CGAL's AABB_tree holds points and
+/// boxes in double and answers one facet at a time; this one needs a third of its memory:
+/// docs/visibility.md.)
+class SceneTree {
+ public:
+  explicit SceneTree(const FacetMesh& mesh);
+
+  /// A half-space through the apex: directions d with normal . d >= 0 (to within rounding: a filter, not a
+  /// verdict).
+  struct HalfSpace {
+    double x, y, z;
+  };
+
+  /// Appends to `out`, in no particular order, every facet whose box meets all half-spaces and comes nearer
+  /// to the apex than `reach` (grid units). Facets that do not meet the pyramid may be among them; none that
+  /// does is missing.
+  void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
+             std::vector<FacetId>& out) const;
+
+  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(FacetId); }
+
+ private:
+  struct Box {
+    GridPoint lo, hi;
+  };
+  /// Depth first: an inner node's first child follows it, its second child is at `link`. A leaf holds the
+  /// facets order_[link, link + count).
+  struct Node {
+    Box box;
+    std::uint32_t link = 0, count = 0;
+  };
+
+  const FacetMesh* mesh_;
+  std::vector<Node> nodes_;
+  std::vector<FacetId> order_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/arithmetic_double.hpp"
+#include "geometry/visibility_solver.hpp"
+#include "geometry/visibility_state.hpp"
+
+namespace tubefoot {
+namespace {
+
+class DoubleSolver final : public TubeSolver {
+ public:
+  void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
+           const VisibilityOptions& options, TubeVisibility& out) override {
+    solver_.run(DoubleArithmetic{options.tolerance}, mesh, apex, candidates, options, out);
+  }
+
+ private:
+  VisibilitySolver<DoubleArithmetic> solver_;
+};
+
+}  // namespace
+
+std::unique_ptr<TubeSolver> make_double_solver() { return std::make_unique<DoubleSolver>(); }
+
+}  // namespace tubefoot

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/arithmetic_filtered.hpp"
+#include "geometry/visibility_solver.hpp"
+#include "geometry/visibility_state.hpp"
+
+namespace tubefoot {
+namespace {
+
+class FilteredSolver final : public TubeSolver {
+ public:
+  void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
+           const VisibilityOptions& options, TubeVisibility& out) override {
+    const FilteredArithmetic::Guard guard;
+    solver_.run(FilteredArithmetic{}, mesh, apex, candidates, options, out);
+  }
+
+ private:
+  VisibilitySolver<FilteredArithmetic> solver_;
+};
+
+}  // namespace
+
+std::unique_ptr<TubeSolver> make_filtered_solver() { return std::make_unique<FilteredSolver>(); }
+
+}  // namespace tubefoot

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/arithmetic_rational.hpp"
+#include "geometry/visibility_solver.hpp"
+#include "geometry/visibility_state.hpp"
+
+namespace tubefoot {
+namespace {
+
+class RationalSolver final : public TubeSolver {
+ public:
+  void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
+           const VisibilityOptions& options, TubeVisibility& out) override {
+    solver_.run(RationalArithmetic{}, mesh, apex, candidates, options, out);
+  }
+
+ private:
+  VisibilitySolver<RationalArithmetic> solver_;
+};
+
+}  // namespace
+
+std::unique_ptr<TubeSolver> make_rational_solver() { return std::make_unique<RationalSolver>(); }
+
+}  // namespace tubefoot

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "geometry/visibility.hpp"
+
+// One solver per arithmetic, each in a translation unit of its own: heavy number types stay out of the
+// others.
+namespace tubefoot {
+
+class TubeSolver {
+ public:
+  virtual ~TubeSolver() = default;
+  virtual void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
+                   const VisibilityOptions& options, TubeVisibility& out) = 0;
+};
+
+std::unique_ptr<TubeSolver> make_fixed_solver();
+std::unique_ptr<TubeSolver> make_filtered_solver();
+std::unique_ptr<TubeSolver> make_rational_solver();
+std::unique_ptr<TubeSolver> make_double_solver();
+
+}  // namespace tubefoot
