@@ -16,6 +16,12 @@ struct Footprint {
   std::uint32_t tube = 0;
   std::uint32_t first_piece = 0, piece_count = 0;        ///< in FootprintSet::pieces
   std::uint32_t first_occluder = 0, occluder_count = 0;  ///< in FootprintSet::occluders
+  /// The facet's plane: unit normal that points to the apex's side, and the apex's distance from the plane.
+  /// Filled by the visibility code, from the facet's mesh vertices: the pieces may be slivers with no reliable
+  /// plane of their own. Read by measure() and by integrate_echo().
+  glm::dvec3 plane_normal{0};
+  double plane_distance_m = 0;
+  // From here on: filled by measure() (measure.hpp) from the plane and the pieces.
   double area_m2 = 0;
   double solid_angle_sr = 0;
   glm::dvec3 centroid_m{0};      ///< centroid of the area, relative to the apex

@@ -15,9 +15,10 @@ namespace tubefoot {
 
 /// A beam's axis in the sensor's frame, for files and pictures.
 struct BeamAxis {
-  double azimuth_rad = 0;    ///< clockwise from the sensor's forward axis seen from above (starboard positive)
+  double azimuth_rad = 0;  ///< clockwise from the sensor's forward axis seen from above (starboard positive)
   double elevation_rad = 0;  ///< above the sensor's horizontal plane
-  double azimuth_width_rad = 0, elevation_width_rad = 0;  ///< full one-way widths of the ideal rectangular beam
+  double azimuth_width_rad = 0,
+         elevation_width_rad = 0;  ///< full one-way widths of the ideal rectangular beam
 };
 
 /// What a sonar asks of an engine and what it makes of a history. It knows no engine; a new sensor needs only

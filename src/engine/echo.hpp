@@ -19,9 +19,9 @@ struct RangeSamples {
 /// How a path's energy follows from its geometry: Lambert's law per material, spherical spreading both ways,
 /// absorption both ways. Source energy: 1 J/sr at 1 m.
 struct EchoLaw {
-  std::span<const double> material_mu;       ///< Lambert parameter mu (linear) by material
-  std::span<const std::uint16_t> material;   ///< material by facet
-  double absorption_db_per_m = 0;            ///< one way
+  std::span<const double> material_mu;      ///< Lambert parameter mu (linear) by material
+  std::span<const std::uint16_t> material;  ///< material by facet
+  double absorption_db_per_m = 0;           ///< one way
 };
 
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample].

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/footprint_builder.hpp"
+
+#include <glm/glm.hpp>
+
+#include "geometry/exact_corner.hpp"
+
+namespace tubefoot {
+
+void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
+                       const TubeVisibility& seen, double unit_m, FootprintSet& set) {
+  const NameContext context{mesh, tubes.apex, seen.rays};
+  auto occluder = seen.occluders.begin();
+  for (std::size_t k = 0; k < seen.pieces.size();) {
+    const FacetId facet = seen.pieces[k].facet;
+    FacetCone cone;
+    FacetCone::make(mesh, facet, tubes.apex, cone);
+    const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
+    const double length = glm::length(normal);
+
+    Footprint footprint;
+    footprint.facet = facet;
+    footprint.tube = tube;
+    footprint.plane_normal = -normal / length;
+    footprint.plane_distance_m = static_cast<double>(cone.offset) / length * unit_m;
+    footprint.first_piece = static_cast<std::uint32_t>(set.pieces.size());
+    for (; k < seen.pieces.size() && seen.pieces[k].facet == facet; ++k) {
+      const NamedPiece& piece = seen.pieces[k];
+      set.pieces.push_back({static_cast<std::uint32_t>(set.corners_m.size()), piece.count});
+      for (std::uint32_t c = 0; c < piece.count; ++c)
+        set.corners_m.push_back(point_on_facet(context, seen.corners[piece.first + c], cone) * unit_m);
+    }
+    footprint.piece_count = static_cast<std::uint32_t>(set.pieces.size()) - footprint.first_piece;
+
+    footprint.first_occluder = static_cast<std::uint32_t>(set.occluders.size());
+    while (occluder != seen.occluders.end() && occluder->first < facet) ++occluder;  // those of unseen facets
+    for (; occluder != seen.occluders.end() && occluder->first == facet; ++occluder)
+      set.occluders.push_back(occluder->second);
+    footprint.occluder_count = static_cast<std::uint32_t>(set.occluders.size()) - footprint.first_occluder;
+    set.footprints.push_back(footprint);
+  }
+}
+
+void append(FootprintSet& set, const FootprintSet& more) {
+  const auto corners = static_cast<std::uint32_t>(set.corners_m.size()),
+             pieces = static_cast<std::uint32_t>(set.pieces.size()),
+             occluders = static_cast<std::uint32_t>(set.occluders.size());
+  for (Footprint footprint : more.footprints) {
+    footprint.first_piece += pieces;
+    footprint.first_occluder += occluders;
+    set.footprints.push_back(footprint);
+  }
+  for (Piece piece : more.pieces) {
+    piece.first += corners;
+    set.pieces.push_back(piece);
+  }
+  set.corners_m.insert(set.corners_m.end(), more.corners_m.begin(), more.corners_m.end());
+  set.occluders.insert(set.occluders.end(), more.occluders.begin(), more.occluders.end());
+}
+
+}  // namespace tubefoot

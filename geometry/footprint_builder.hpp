@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "geometry/footprint.hpp"
+#include "geometry/tube.hpp"
+#include "geometry/visibility.hpp"
+
+namespace tubefoot {
+
+/// Appends what tube `tube` sees as footprints with coordinates in metres (grid unit `unit_m`), planes filled
+/// and not yet measured (measure.hpp). Coordinates are the exact ones, rounded once.
+void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
+                       const TubeVisibility& seen, double unit_m, FootprintSet& set);
+
+/// Appends all of `more` to `set`.
+void append(FootprintSet& set, const FootprintSet& more);
+
+}  // namespace tubefoot

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/facet_mesh.hpp"
+#include "geometry/scene_tree.hpp"
+
+namespace tubefoot {
+
+/// Where the vertical line through a point crosses a component of the mesh.
+struct VerticalCrossings {
+  std::uint16_t component = 0;
+  std::size_t above = 0, below = 0;  ///< facets crossed; a point on a facet counts as below it
+  double lowest_above = 0;           ///< height of the lowest crossing above the point over it, grid units
+};
+
+/// Crossings per component that the line meets, exactly: a line through an edge or a vertex is moved aside by
+/// an infinitesimal step, so that a closed surface is crossed an even number of times in all.
+std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, const SceneTree& tree,
+                                                  GridPoint point);
+
+}  // namespace tubefoot

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// echoes.nc, as docs/echo-file.md describes it.
+#include <fmt/format.h>
+#include <netcdf.h>
+#include <netcdf_mem.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+
+#include "sensors/angles.hpp"
+#include "sensors/checked_file.hpp"
+#include "sensors/recording.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A netCDF-4 file under construction in memory, every call checked. It reaches the disk whole, or not at
+/// all.
+class EchoFile {
+ public:
+  explicit EchoFile(fs::path path) : path_(std::move(path)) {
+    constexpr std::size_t first_guess_bytes = 1 << 20;
+    check(nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_), "create the file");
+    open_ = true;
+  }
+  ~EchoFile() {
+    if (open_) nc_abort(id_);
+  }
+  EchoFile(const EchoFile&) = delete;
+  EchoFile& operator=(const EchoFile&) = delete;
+
+  int id() const { return id_; }
+
+  void close() {
+    NC_memio memory{};
+    open_ = false;
+    check(nc_close_memio(id_, &memory), "complete the file");
+    const std::unique_ptr<void, decltype(&std::free)> owned(memory.memory, &std::free);
+    write_file(path_, {static_cast<const unsigned char*>(memory.memory), memory.size});
+  }
+
+  void check(int status, const std::string& task) const {
+    if (status != NC_NOERR)
+      throw std::runtime_error(fmt::format("{}: cannot {}: {}", path_.string(), task, nc_strerror(status)));
+  }
+
+ private:
+  fs::path path_;
+  int id_ = 0;
+  bool open_ = false;
+};
+
+/// One group (or the root) under construction: all variables are defined first, then written.
+class EchoGroup {
+ public:
+  EchoGroup(const EchoFile& file, int id) : file_(file), id_(id) {}
+
+  int dimension(const char* name, std::size_t length) {
+    int dimension = 0;
+    check(nc_def_dim(id_, name, length, &dimension), "define dimension", name);
+    return dimension;
+  }
+
+  void attribute(const char* name, const std::string& text) { attribute(NC_GLOBAL, name, text); }
+  void attribute(const char* name, double value) {
+    check(nc_put_att_double(id_, NC_GLOBAL, name, NC_DOUBLE, 1, &value), "write attribute", name);
+  }
+
+  /// A float64 variable; its values are written by write().
+  int variable(const char* name, const std::vector<int>& dimensions, const char* units, const char* long_name,
+               std::vector<double> values) {
+    const int variable = define(name, dimensions, units, long_name);
+    pending_.push_back({name, variable, std::move(values)});
+    return variable;
+  }
+
+  int define(const char* name, const std::vector<int>& dimensions, const char* units, const char* long_name) {
+    int variable = 0;
+    check(nc_def_var(id_, name, NC_DOUBLE, static_cast<int>(dimensions.size()), dimensions.data(), &variable),
+          "define variable", name);
+    attribute(variable, "units", units);
+    attribute(variable, "long_name", long_name);
+    return variable;
+  }
+
+  void attribute(int variable, const char* name, const std::string& text) {
+    check(nc_put_att_text(id_, variable, name, text.size(), text.c_str()), "write attribute", name);
+  }
+
+  void compress(int variable, const char* name, const std::vector<std::size_t>& chunk) {
+    check(nc_def_var_chunking(id_, variable, NC_CHUNKED, chunk.data()), "chunk variable", name);
+    constexpr int shuffle = 1, deflate = 1, level = 4;
+    check(nc_def_var_deflate(id_, variable, shuffle, deflate, level), "compress variable", name);
+  }
+
+  void write(int variable, const char* name, const double* values) {
+    check(nc_put_var_double(id_, variable, values), "write variable", name);
+  }
+
+  void write() {
+    for (const auto& pending : pending_) write(pending.id, pending.name, pending.values.data());
+    pending_.clear();
+  }
+
+ private:
+  struct Pending {
+    const char* name;
+    int id;
+    std::vector<double> values;
+  };
+
+  void check(int status, const char* task, const char* name) const {
+    if (status != NC_NOERR) file_.check(status, fmt::format("{} '{}'", task, name));
+  }
+
+  const EchoFile& file_;
+  int id_;
+  std::vector<Pending> pending_;
+};
+
+struct Angles {
+  double heading_deg, pitch_deg, roll_deg;
+};
+
+/// The inverse of attitude_from_angles: heading in [0, 360), pitch in [-90, 90], roll in (-180, 180].
+/// Looking straight up or down, heading and roll are one turn: all of it is called heading.
+Angles angles_of(const glm::dquat& attitude) {
+  const glm::dmat3 axes = glm::mat3_cast(glm::normalize(attitude));
+  const glm::dvec3 starboard = axes[0], forward = axes[1], up = axes[2];
+  const bool vertical = std::hypot(forward.x, forward.y) < 1e-9;
+  double heading_deg =
+      degrees(vertical ? std::atan2(-starboard.y, starboard.x) : std::atan2(forward.x, forward.y));
+  if (heading_deg < 0) heading_deg += 360;
+  if (heading_deg >= 360) heading_deg = 0;  // a rounding below zero was lifted to 360
+  return {heading_deg + 0.0, degrees(std::atan2(forward.z, std::hypot(forward.x, forward.y))),
+          vertical ? 0 : degrees(std::atan2(-starboard.z, up.z))};
+}
+
+std::string kind_of(const SensorDescription& sensor) {
+  return std::holds_alternative<DidsonDescription>(sensor.kind) ? "didson" : "sidescan";
+}
+
+template <typename Item, typename Value>
+std::vector<double> column(const std::vector<Item>& items, Value value) {
+  std::vector<double> values;
+  values.reserve(items.size());
+  for (const Item& item : items) values.push_back(value(item));
+  return values;
+}
+
+void write_recording(EchoGroup& group, const Recording& recording) {
+  const Sensor& sensor = *recording.sensor;
+  const std::vector<BeamAxis>& beams = sensor.beams();
+  const RangeSamples& samples = sensor.samples();
+
+  group.attribute("sensor_name", sensor.description().name);
+  group.attribute("sensor_kind", kind_of(sensor.description()));
+  group.attribute("frequency_khz", sensor.frequency_khz());
+  group.attribute("source_energy", "1 J/sr at 1 m");
+  group.attribute("sound_speed_m_s", recording.sound_speed_m_s);
+  group.attribute("absorption_db_per_km", recording.absorption_db_per_km);
+
+  const int ping = group.dimension("ping", recording.ping_time_s.size());
+  const int beam = group.dimension("beam", beams.size());
+  const int sample = group.dimension("sample", static_cast<std::size_t>(samples.count));
+  const int bound = group.dimension("bound", 2);
+  const int xyz = group.dimension("xyz", 3);
+  const int wxyz = group.dimension("wxyz", 4);
+
+  const int energy = group.define("energy", {ping, beam, sample}, "J",
+                                  "echo energy per beam and range sample, for a source of 1 J/sr at 1 m");
+  group.attribute(energy, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
+  group.compress(energy, "energy", {1, beams.size(), static_cast<std::size_t>(samples.count)});
+
+  group.variable("ping_time", {ping}, "s", "time of the transmission on the scene's clock",
+                 recording.ping_time_s);
+
+  std::vector<double> centres, bounds, travel_times;
+  for (int k = 0; k < samples.count; ++k) {
+    const double centre = samples.first_m + (k + 0.5) * samples.step_m;
+    centres.push_back(centre);
+    bounds.push_back(samples.first_m + k * samples.step_m);
+    bounds.push_back(samples.first_m + (k + 1) * samples.step_m);
+    travel_times.push_back(2 * centre / recording.sound_speed_m_s);
+  }
+  const int range =
+      group.variable("slant_range", {sample}, "m", "slant range of the sample's centre", centres);
+  group.attribute(range, "bounds", "slant_range_bounds");
+  group.variable("slant_range_bounds", {sample, bound}, "m",
+                 "slant ranges between which the sample gathers energy, the nearer included", bounds);
+  group.variable("two_way_travel_time", {sample}, "s", "two-way travel time of the sample's centre",
+                 travel_times);
+
+  group.variable(
+      "beam_azimuth", {beam}, "degree",
+      "azimuth of the beam's axis in the sensor's frame, clockwise from forward, starboard positive",
+      column(beams, [](const BeamAxis& axis) { return degrees(axis.azimuth_rad); }));
+  group.variable("beam_elevation", {beam}, "degree",
+                 "elevation of the beam's axis above the sensor's horizontal plane",
+                 column(beams, [](const BeamAxis& axis) { return degrees(axis.elevation_rad); }));
+  group.variable("beam_azimuth_width", {beam}, "degree",
+                 "full one-way width of the ideal rectangular beam in azimuth",
+                 column(beams, [](const BeamAxis& axis) { return degrees(axis.azimuth_width_rad); }));
+  group.variable("beam_elevation_width", {beam}, "degree",
+                 "full one-way width of the ideal rectangular beam in elevation",
+                 column(beams, [](const BeamAxis& axis) { return degrees(axis.elevation_width_rad); }));
+
+  std::vector<double> positions, attitudes;
+  std::vector<Angles> angles;
+  for (const Pose& pose : recording.ping_pose) {
+    const auto& p = pose.position_m;
+    const glm::dquat q = glm::normalize(pose.attitude);
+    positions.insert(positions.end(), {p.x, p.y, p.z});
+    attitudes.insert(attitudes.end(), {q.w, q.x, q.y, q.z});
+    angles.push_back(angles_of(q));
+  }
+  group.variable("sensor_position", {ping, xyz}, "m",
+                 "position of the sensor in the local frame: east, north, up", positions);
+  group.variable("sensor_attitude", {ping, wxyz}, "1",
+                 "quaternion w, x, y, z that turns the sensor's axes (x starboard, y forward, z up) into the "
+                 "local frame",
+                 attitudes);
+  group.variable("sensor_heading", {ping}, "degree",
+                 "heading of the sensor's forward axis, clockwise from north",
+                 column(angles, [](const Angles& a) { return a.heading_deg; }));
+  group.variable("sensor_pitch", {ping}, "degree", "pitch of the sensor, forward axis up positive",
+                 column(angles, [](const Angles& a) { return a.pitch_deg; }));
+  group.variable("sensor_roll", {ping}, "degree", "roll of the sensor, starboard down positive",
+                 column(angles, [](const Angles& a) { return a.roll_deg; }));
+
+  group.write();
+  group.write(energy, "energy", recording.energy.data());
+}
+
+}  // namespace
+
+void write_echoes(const fs::path& path, const std::vector<Recording>& recordings,
+                  const Provenance& provenance) {
+  if (recordings.empty()) throw std::invalid_argument("no recording to write into " + path.string());
+  for (const Recording& recording : recordings) check(recording);
+
+  EchoFile file(path);
+  EchoGroup root(file, file.id());
+  root.attribute("title", provenance.title);
+  root.attribute("Conventions", "tubefoot-echoes-1.0");
+  root.attribute("scene_hash", provenance.scene_hash);
+  root.attribute("engine", provenance.engine);
+  root.attribute("arithmetic", provenance.arithmetic);
+  root.attribute("version", provenance.version);
+  if (recordings.size() == 1) {
+    write_recording(root, recordings.front());
+  } else {
+    for (const Recording& recording : recordings) {
+      const std::string& name = recording.sensor->description().name;
+      int id = 0;
+      file.check(nc_def_grp(file.id(), name.c_str(), &id), fmt::format("define group '{}'", name));
+      EchoGroup group(file, id);
+      write_recording(group, recording);
+    }
+  }
+  file.close();
+}
+
+}  // namespace tubefoot

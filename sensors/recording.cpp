@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/recording.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace tubefoot {
+
+void check(const Recording& recording) {
+  if (!recording.sensor) throw std::invalid_argument("a recording without a sensor cannot be written");
+  const Sensor& sensor = *recording.sensor;
+  const std::size_t pings = recording.ping_time_s.size();
+  const std::size_t cells = pings * sensor.beams().size() * static_cast<std::size_t>(sensor.samples().count);
+  if (pings == 0 || recording.ping_pose.size() != pings || recording.energy.size() != cells)
+    throw std::invalid_argument(fmt::format(
+        "recording of '{}' does not add up: {} ping times, {} poses, {} energies for {} beams of {} samples",
+        sensor.description().name, pings, recording.ping_pose.size(), recording.energy.size(),
+        sensor.beams().size(), sensor.samples().count));
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/sidescan.hpp"
+
+#include "sensors/angles.hpp"
+
+namespace tubefoot {
+
+Sidescan::Sidescan(const SensorDescription& description) : Sensor(description) {
+  const auto& fan = std::get<SidescanDescription>(description.kind);
+  require(fan.samples >= 1, description, "samples", fan.samples, "1 or more");
+  require(fan.along_track_deg > 0 && fan.along_track_deg < 180, description, "along_track_deg",
+          fan.along_track_deg, "above 0 and below 180");
+  require(fan.depression_min_deg >= -90 && fan.depression_min_deg < fan.depression_max_deg, description,
+          "depression_min_deg", fan.depression_min_deg, "-90 or more and below depression_max_deg");
+  require(fan.depression_max_deg <= 90, description, "depression_max_deg", fan.depression_max_deg,
+          "at most 90: beyond, the fans of port and starboard overlap");
+  require(fan.range_min_m >= 0, description, "range_min_m", fan.range_min_m, "0 or more");
+  require(fan.range_max_m > fan.range_min_m, description, "range_max_m", fan.range_max_m,
+          "above range_min_m");
+
+  frequency_khz_ = fan.frequency_khz;
+  samples_ = {fan.range_min_m, (fan.range_max_m - fan.range_min_m) / fan.samples, fan.samples};
+
+  const double shallow_rad = radians(fan.depression_min_deg), steep_rad = radians(fan.depression_max_deg);
+  const double half_width_rad = radians(fan.along_track_deg) / 2;
+  const double middle_rad = (shallow_rad + steep_rad) / 2;
+  const int slices = slices_for(steep_rad - shallow_rad);
+  for (const double side : {-1.0, 1.0}) {
+    beams_.push_back({side * radians(90), -middle_rad, 2 * half_width_rad, steep_rad - shallow_rad});
+    // The grid's azimuth is the depression angle: 0 horizontal to the side, 90 degrees straight down.
+    sectors_.push_back({even_edges(shallow_rad, steep_rad, slices),
+                        {-half_width_rad, half_width_rad},
+                        glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});
+    beam_of_tube_.insert(beam_of_tube_.end(), static_cast<std::size_t>(slices), side < 0 ? 0u : 1u);
+  }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "sensors/canvas.hpp"
+#include "sensors/recording.hpp"
+
+namespace tubefoot {
+
+/// Draws a sidescan recording as a waterfall: slant range to port left and to starboard right, the first ping
+/// at the bottom and the last on top, so that forward is up. Pings are repeated so that along-track and
+/// across-track scales are equal, within limits (and the subtitle says where they are not). A pixel shows the
+/// mean energy of the cells (ping, sample) that it covers, weighted by their shares of it. Beam 0 is port.
+/// `font` as for Canvas.
+Canvas draw_waterfall(const Recording& recording, const std::string& font);
+
+}  // namespace tubefoot

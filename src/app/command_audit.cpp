@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/commands.hpp"
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
+#include "app/settings.hpp"
+#include "app/survey.hpp"
+#include "app/usage_error.hpp"
+#include "engine/tube_engine.hpp"
+
+namespace tubefoot {
+
+int audit_command(const AuditOptions& options) {
+  SceneDescription description = described(options);
+  const ThreadLimit limit(description.run.threads);
+  const auto survey = open_survey(description);
+  print_warnings(survey->scene.report.warnings, options.quiet);
+  const Scene& scene = survey->scene;
+  VisibilityOptions visibility;
+  visibility.arithmetic = arithmetic_from_name(description.run.arithmetic);
+  const TubeEngine engine(scene.mesh, *survey->tree, scene.grid.unit_m(), visibility);
+  const std::size_t only = options.sensor ? survey->sensor_named(*options.sensor) : 0;
+
+  struct Shot {
+    const SharedShots* group;
+    std::size_t ping;
+  };
+  std::vector<Shot> shots;
+  for (const SharedShots& group : survey->shots) {
+    if (options.sensor && std::find(group.sensors.begin(), group.sensors.end(), only) == group.sensors.end())
+      continue;
+    const PingRange range = resolved(options.pings, survey->pings(group));
+    for (std::int64_t ping = range.first; ping <= range.last; ++ping)
+      shots.push_back({&group, static_cast<std::size_t>(ping)});
+  }
+
+  std::size_t tubes = 0, pieces = 0, facets = 0, failures = 0;
+  double worst = 0;
+  TopologyHash hash;
+  const InterruptGuard interrupt;
+  Progress progress("audited pings", shots.size(), options.quiet);
+  for (std::size_t k = 0; k < shots.size(); ++k) {
+    if (InterruptGuard::requested()) throw std::runtime_error("interrupted");
+    const TubeSet set = survey->tubes(*shots[k].group, shots[k].ping);
+    const std::vector<TubeAudit> audits = engine.audit(set, k);
+    for (std::size_t tube = 0; tube < audits.size(); ++tube) {
+      const TubeAudit& audit = audits[tube];
+      ++tubes;
+      pieces += audit.pieces;
+      facets += audit.facets;
+      hash += audit.hash;
+      if (audit.closes) continue;
+      if (++failures <= 10)
+        fmt::print(stderr, "sensor '{}', ping {}, tube {}: off by {:.3e} of the tube\n",
+                   survey->sensors[shots[k].group->sensors.front()].sensor->description().name, shots[k].ping,
+                   tube, audit.defect);
+      worst = std::max(worst, std::abs(audit.defect));
+    }
+    progress.step();
+  }
+  fmt::print("arithmetic     {}\n", description.run.arithmetic);
+  fmt::print("pings          {}\n", shots.size());
+  fmt::print("tubes          {}\n", tubes);
+  fmt::print("footprints     {}\n", facets);
+  fmt::print("pieces         {}\n", pieces);
+  fmt::print("failures       {}\n", failures);
+  if (failures > 0) fmt::print("worst defect   {:.3e} of its tube\n", worst);
+  fmt::print("topology hash  {}\n", hash.hex());
+  return failures == 0 ? 0 : 1;
+}
+
+}  // namespace tubefoot

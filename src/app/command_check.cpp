@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "app/commands.hpp"
+#include "app/settings.hpp"
+#include "app/survey.hpp"
+#include "engine/echo.hpp"
+#include "engine/tube_engine.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// A length with a unit that keeps it readable.
+std::string length_text(double metres) {
+  if (metres == 0) return "0 m";
+  if (metres < 1e-3) return fmt::format("{:.3g} um", metres * 1e6);
+  if (metres < 1) return fmt::format("{:.3g} mm", metres * 1e3);
+  return fmt::format("{:.3g} m", metres);
+}
+
+void print_components(const Scene& scene) {
+  fmt::print("{:<24} {:>10} {:>10} {:>10}  extent east, north, up (m)\n", "component", "in file", "facets",
+             "hole cells");
+  for (const ComponentReport& c : scene.report.components)
+    fmt::print("{:<24} {:>10} {:>10} {:>10}  {:.2f}..{:.2f}, {:.2f}..{:.2f}, {:.2f}..{:.2f}\n", c.name,
+               c.facets_in_file, c.facets, c.hole_cells, c.lo_m.x, c.hi_m.x, c.lo_m.y, c.hi_m.y, c.lo_m.z,
+               c.hi_m.z);
+}
+
+/// Measures a few pings of each group of sensors, spread over their track, and extrapolates.
+void print_cost(const Survey& survey, int threads) {
+  const Scene& scene = survey.scene;
+  VisibilityOptions options;
+  options.arithmetic = arithmetic_from_name(scene.description.run.arithmetic);
+  const TubeEngine engine(scene.mesh, *survey.tree, scene.grid.unit_m(), options);
+  double seconds = 0;
+  for (const SharedShots& group : survey.shots) {
+    const std::size_t pings = survey.pings(group), probes = std::min<std::size_t>(pings, 3);
+    std::size_t candidates = 0, footprints = 0;
+    const auto start = std::chrono::steady_clock::now();
+    for (std::size_t k = 0; k < probes; ++k) {
+      const History history =
+          engine.trace(survey.tubes(group, (2 * k + 1) * pings / (2 * probes)), &candidates);
+      footprints += history.footprints.footprints.size();
+      for (const std::size_t s : group.sensors) {
+        const Sensor& sensor = *survey.sensors[s].sensor;
+        integrate_echo(history, sensor.beam_of_tube(), static_cast<int>(sensor.beams().size()),
+                       sensor.samples(),
+                       {scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)});
+      }
+    }
+    const double per_ping = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() /
+                            static_cast<double>(probes);
+    std::string names;
+    for (const std::size_t s : group.sensors)
+      names += (names.empty() ? "" : ", ") + survey.sensors[s].sensor->description().name;
+    fmt::print("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, candidates / probes,
+               footprints / probes, per_ping * 1e3);
+    seconds += per_ping * static_cast<double>(pings);
+  }
+  fmt::print(
+      "expected cost  {:.3g} s for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
+      "to 3 "
+      "pings a sensor)\n",
+      seconds, scene.description.run.arithmetic, threads);
+}
+
+}  // namespace
+
+int check_command(const CommonOptions& options) {
+  SceneDescription description = described(options);
+  const ThreadLimit limit(description.run.threads);
+  const auto survey = open_survey(description);
+  const Scene& scene = survey->scene;
+  print_warnings(scene.report.warnings, options.quiet);
+
+  fmt::print("scene          {}\n",
+             description.title.empty() ? description.file.string() : description.title);
+  fmt::print("scene hash     {}\n\n", description.sha256);
+  print_components(scene);
+  std::size_t refused = 0;
+  for (const ComponentReport& c : scene.report.components) refused += c.kept_outside_halfedge;
+  fmt::print(
+      "\nfacets         {} ({} degenerate, {} duplicate, {} that no half-edge mesh takes; all take part)\n",
+      scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
+      refused);
+  fmt::print("vertices       {}\n", scene.mesh.vertices.size());
+  fmt::print("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
+  fmt::print("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
+  fmt::print("water          {:.2f} m/s\n", scene.sound_speed_m_s);
+  fmt::print("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->load_seconds,
+             survey->tree_seconds,
+             (static_cast<double>(survey->tree->bytes()) +
+              static_cast<double>(scene.mesh.vertices.size() * sizeof(GridPoint)) +
+              static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
+                 static_cast<double>(scene.mesh.facets.size()));
+
+  for (const SensorPings& pings : survey->sensors) {
+    const Sensor& sensor = *pings.sensor;
+    const RangeSamples& samples = sensor.samples();
+    fmt::print(
+        "sensor         {}: {} pings, {} beams, {} samples from {:g} to {:g} m, {:g} kHz, absorption {:.1f} "
+        "dB/km\n",
+        sensor.description().name, pings.times_s.size(), sensor.beams().size(), samples.count,
+        samples.first_m, samples.first_m + samples.step_m * samples.count, sensor.frequency_khz(),
+        1000 * absorption_db_per_m(scene, sensor));
+  }
+  print_cost(*survey, limit.threads());
+  return 0;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/command_line.hpp"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+
+#include "app/commands.hpp"
+#include "app/usage_error.hpp"
+#include "scene/input_error.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int done = 0, failed = 1, wrong_input = 2;
+
+void add_common(CLI::App& command, CommonOptions& options) {
+  command.add_option("SCENE", options.scene, "scene file (docs/scene-file.md)")->required();
+  command
+      .add_option("--arithmetic", options.arithmetic,
+                  "number type of the exact kernel; default: as the scene says")
+      ->check(CLI::IsMember({"fixed", "filtered", "rational", "double"}));
+  command
+      .add_option("--threads", options.threads, "threads to use; default: as the scene says, else all cores")
+      ->check(CLI::Range(1, 4096));
+  command.add_flag("--quiet", options.quiet, "print results and errors only");
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app{"tubefoot: a sonar simulator that measures footprints instead of sampling them.", "tubefoot"};
+  app.set_version_flag("--version", "tubefoot " TUBEFOOT_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  std::function<int()> command;
+
+  RunOptions run;
+  CLI::App* run_app =
+      app.add_subcommand("run", "Simulate all pings of a scene and write echoes, pictures and statistics");
+  add_common(*run_app, run);
+  run_app->add_option("-o,--output", run.output, "folder to write; made whole or not at all")->required();
+  run_app->add_option("--engine", run.engine, "tube (exact) or ray (sampling)")
+      ->check(CLI::IsMember({"tube", "ray"}));
+  run_app->add_option("--rays", run.rays, "ray engine: rays per ping")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
+  run_app->add_option("--seed", run.seed, "ray engine: seed of the sampling");
+  run_app->footer("Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead");
+  run_app->callback([&] { command = [&] { return run_command(run); }; });
+
+  CommonOptions check;
+  CLI::App* check_app =
+      app.add_subcommand("check", "Load everything a scene names and say what was understood");
+  add_common(*check_app, check);
+  check_app->footer("Example:\n  tubefoot check scenes/wellhead/scene.toml");
+  check_app->callback([&] { command = [&] { return check_command(check); }; });
+
+  AuditOptions audit;
+  CLI::App* audit_app = app.add_subcommand(
+      "audit", "Prove the closure law, tube by tube, in rationals: visible pieces + open water = the tube");
+  add_common(*audit_app, audit);
+  audit_app->add_option("--sensor", audit.sensor, "only this sensor");
+  audit_app->add_option("--pings", audit.pings, "pings A:B, both included, counted from 0 (default: all)");
+  audit_app->footer("Example:\n  tubefoot audit scenes/wellhead/scene.toml --sensor camera --pings 0:2");
+  audit_app->callback([&] { command = [&] { return audit_command(audit); }; });
+
+  FootprintOptions footprints;
+  CLI::App* footprints_app =
+      app.add_subcommand("footprints", "Write the visible polygons of some pings of a sensor");
+  add_common(*footprints_app, footprints);
+  footprints_app->add_option("--sensor", footprints.sensor, "the sensor")->required();
+  footprints_app->add_option("--pings", footprints.pings,
+                             "pings A:B, both included, counted from 0 (default: 0)");
+  footprints_app
+      ->add_option("-o,--output", footprints.output, "file: .gpkg (GeoPackage), .geojson, or .csv with WKT")
+      ->required();
+  footprints_app->footer(
+      "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --pings 0 -o camera.gpkg");
+  footprints_app->callback([&] { command = [&] { return footprints_command(footprints); }; });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // --help and --version arrive as errors of code 0.
+    return app.exit(error) == 0 ? done : wrong_input;
+  }
+  try {
+    return command();
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return wrong_input;
+  } catch (const UsageError& error) {
+    fmt::print(stderr, "tubefoot: {}\n", error.what());
+    return wrong_input;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "tubefoot: out of memory: use a window, a coarser decimation or a smaller scene\n");
+    return failed;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "tubefoot: {}\n", error.what());
+    return failed;
+  }
+}
+
+}  // namespace tubefoot

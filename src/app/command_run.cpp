@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.hpp"
+#include "app/interrupt.hpp"
+#include "app/output_folder.hpp"
+#include "app/settings.hpp"
+#include "app/simulation.hpp"
+#include "app/survey.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts kibibytes
+}
+
+}  // namespace
+
+int run_command(const RunOptions& options) {
+  const Clock::time_point start = Clock::now();
+  SceneDescription description = described(options);
+  if (options.engine) description.run.engine = *options.engine;
+  if (options.rays) description.run.rays_per_ping = *options.rays;
+  if (options.seed) description.run.seed = *options.seed;
+  const InterruptGuard interrupt;
+  OutputFolder output(options.output);
+  const ThreadLimit limit(description.run.threads);
+  const auto survey = open_survey(description);
+  const Scene& scene = survey->scene;
+  std::vector<std::string> warnings = scene.report.warnings;
+  print_warnings(warnings, options.quiet);
+
+  SimulationStats stats;
+  const Clock::time_point simulation_start = Clock::now();
+  const std::vector<Recording> recordings = simulate(*survey, options.quiet, stats);
+  const double simulation_seconds = seconds_since(simulation_start);
+
+  const Clock::time_point write_start = Clock::now();
+  const RunDescription& run = description.run;
+  const bool exact = run.engine == "tube";
+  write_echoes(output.staging() / "echoes.nc", recordings,
+               {description.title, description.sha256, run.engine, exact ? run.arithmetic : "float",
+                TUBEFOOT_VERSION});
+  std::vector<std::filesystem::path> pictures;
+  std::vector<std::string> picture_warnings;
+  for (const Recording& recording : recordings)
+    for (const auto& file : write_pictures(output.staging(), recording, &picture_warnings))
+      pictures.push_back(file);
+  print_warnings(picture_warnings, options.quiet);
+  warnings.insert(warnings.end(), picture_warnings.begin(), picture_warnings.end());
+
+  nlohmann::ordered_json json;
+  json["scene"] = description.file.string();
+  json["scene_hash"] = description.sha256;
+  json["version"] = TUBEFOOT_VERSION;
+  json["engine"] = run.engine;
+  if (exact)
+    json["arithmetic"] = run.arithmetic;
+  else
+    json["rays_per_ping"] = run.rays_per_ping, json["seed"] = run.seed;
+  json["threads"] = limit.threads();
+  json["grid_unit_m"] = scene.grid.unit_m();
+  json["facets"] = scene.mesh.facets.size();
+  json["pings"] = stats.pings;
+  json["tubes"] = stats.tubes;
+  json["candidates"] = stats.candidates;
+  json["footprints"] = stats.footprints;
+  json["pieces"] = stats.pieces;
+  json["ray_hits"] = stats.hits;
+  json["seconds"] = {
+      {"load", survey->load_seconds},           {"tree", survey->tree_seconds},
+      {"simulation", simulation_seconds},       {"visibility_all_threads", stats.visibility_seconds},
+      {"echo_all_threads", stats.echo_seconds}, {"write", seconds_since(write_start)},
+      {"total", seconds_since(start)}};
+  json["peak_memory_mb"] = peak_memory_mb();
+  json["warnings"] = warnings;
+  write_text_file(output.staging() / "stats.json", json.dump(2) + "\n");
+  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+  output.commit();
+
+  if (!options.quiet)
+    fmt::print("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
+               exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
+               seconds_since(start));
+  const std::filesystem::path folder = options.output;
+  fmt::print("wrote {}\n", (folder / "echoes.nc").string());
+  for (const auto& picture : pictures) fmt::print("wrote {}\n", (folder / picture).string());
+  fmt::print("wrote {}\n", (folder / "stats.json").string());
+  return 0;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace tubefoot {
+
+/// Options that several commands share; unset means: as the scene file says.
+struct CommonOptions {
+  std::filesystem::path scene;
+  std::optional<std::string> arithmetic;
+  std::optional<int> threads;
+  bool quiet = false;
+};
+
+/// Pings `first` to `last`, both included; the default is all of them.
+struct PingRange {
+  std::int64_t first = 0;
+  std::int64_t last = -1;
+};
+
+/// "3", "2:5", ":5" or "2:"; throws std::invalid_argument saying what was expected.
+PingRange parse_ping_range(const std::string& text);
+
+struct RunOptions : CommonOptions {
+  std::filesystem::path output;
+  std::optional<std::string> engine;
+  std::optional<std::int64_t> rays;
+  std::optional<std::uint64_t> seed;
+};
+
+struct AuditOptions : CommonOptions {
+  std::optional<std::string> sensor;
+  std::string pings = ":";
+};
+
+struct FootprintOptions : CommonOptions {
+  std::string sensor;
+  std::string pings = "0";
+  std::filesystem::path output;
+};
+
+// Each prints to stdout and returns the exit code. They throw InputError where the input is wrong, UsageError
+// where the command line is, and std::exception where the run fails.
+int run_command(const RunOptions& options);
+int check_command(const CommonOptions& options);
+int audit_command(const AuditOptions& options);
+int footprints_command(const FootprintOptions& options);
+
+}  // namespace tubefoot

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/settings.hpp"
+
+#include <fmt/format.h>
+#include <tbb/info.h>
+
+#include <charconv>
+#include <stdexcept>
+
+#include "app/usage_error.hpp"
+
+namespace tubefoot {
+namespace {
+
+std::int64_t number(std::string_view text, std::int64_t otherwise) {
+  if (text.empty()) return otherwise;
+  std::int64_t value = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 0)
+    throw std::invalid_argument("expected pings as N, A:B, A: or :B, counted from 0");
+  return value;
+}
+
+}  // namespace
+
+PingRange parse_ping_range(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) {
+    if (text.empty()) throw std::invalid_argument("expected pings as N, A:B, A: or :B, counted from 0");
+    const std::int64_t ping = number(text, 0);
+    return {ping, ping};
+  }
+  return {number(std::string_view(text).substr(0, colon), 0),
+          number(std::string_view(text).substr(colon + 1), -1)};
+}
+
+PingRange resolved(const std::string& text, std::size_t pings) {
+  PingRange range;
+  try {
+    range = parse_ping_range(text);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--pings '{}': {}", text, error.what()));
+  }
+  const auto last = static_cast<std::int64_t>(pings) - 1;
+  if (range.last < 0) range.last = last;
+  if (range.first > range.last || range.last > last)
+    throw UsageError(fmt::format("--pings '{}': the sensor has pings 0 to {}", text, last));
+  return range;
+}
+
+SceneDescription described(const CommonOptions& options) {
+  SceneDescription description = read_scene_file(options.scene);
+  if (options.arithmetic) description.run.arithmetic = *options.arithmetic;
+  if (options.threads) description.run.threads = *options.threads;
+  return description;
+}
+
+ThreadLimit::ThreadLimit(int threads)
+    : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
+      control_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_)) {}
+
+void print_warnings(const std::vector<std::string>& warnings, bool quiet) {
+  if (quiet) return;
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+}
+
+}  // namespace tubefoot

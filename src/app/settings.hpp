@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <tbb/global_control.h>
+
+#include <memory>
+#include <string>
+
+#include "app/commands.hpp"
+#include "scene/scene_description.hpp"
+
+namespace tubefoot {
+
+/// Reads the scene file and lets the command line's options override its [run] section.
+SceneDescription described(const CommonOptions& options);
+
+/// Limits the threads of everything while it lives; 0 is all cores.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads);
+  int threads() const { return threads_; }
+
+ private:
+  int threads_;
+  tbb::global_control control_;
+};
+
+/// Prints the warnings of a scene to stderr, unless quiet.
+void print_warnings(const std::vector<std::string>& warnings, bool quiet);
+
+/// Checks a ping range against a number of pings; throws UsageError.
+PingRange resolved(const std::string& text, std::size_t pings);
+
+}  // namespace tubefoot

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/simulation.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <stdexcept>
+
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
+#include "engine/echo.hpp"
+#include "engine/ray_engine.hpp"
+#include "engine/tube_engine.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// An engine: tubes in, history out. `candidates` is added to by engines that look at facets one by one.
+using Engine = std::function<History(TubeSet tubes, std::uint64_t ping, std::size_t& candidates)>;
+
+Engine make_engine(const Survey& survey) {
+  const Scene& scene = survey.scene;
+  const RunDescription& run = scene.description.run;
+  const double unit = scene.grid.unit_m();
+  if (run.engine == "ray") {
+    const auto rays = std::make_shared<RayScene>(scene.mesh, scene.grid);
+    return [rays, unit, &run](TubeSet tubes, std::uint64_t ping, std::size_t&) {
+      // Every ping draws its own sample, so that errors of neighbours are independent.
+      return trace_rays(*rays, std::move(tubes), unit, run.rays_per_ping,
+                        run.seed + 0x9e3779b97f4a7c15u * ping);
+    };
+  }
+  VisibilityOptions options;
+  options.arithmetic = arithmetic_from_name(run.arithmetic);
+  const auto engine = std::make_shared<TubeEngine>(scene.mesh, *survey.tree, unit, options);
+  return [engine](TubeSet tubes, std::uint64_t, std::size_t& candidates) {
+    return engine->trace(std::move(tubes), &candidates);
+  };
+}
+
+}  // namespace
+
+std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats) {
+  const Scene& scene = survey.scene;
+  std::vector<Recording> recordings;
+  for (const SensorPings& pings : survey.sensors) {
+    Recording recording;
+    recording.sensor = pings.sensor.get();
+    recording.ping_time_s = pings.times_s;
+    recording.ping_pose = pings.poses;
+    recording.energy.resize(pings.times_s.size() * pings.sensor->beams().size() *
+                            static_cast<std::size_t>(pings.sensor->samples().count));
+    recording.sound_speed_m_s = scene.sound_speed_m_s;
+    recording.absorption_db_per_km = 1000 * absorption_db_per_m(scene, *pings.sensor);
+    recordings.push_back(std::move(recording));
+  }
+
+  std::size_t total = 0;
+  for (const SharedShots& group : survey.shots) total += survey.pings(group);
+  const Engine engine = make_engine(survey);
+  Progress progress("pings", total, quiet);
+  std::mutex mutex;
+  std::uint64_t label = 0;
+  for (const SharedShots& group : survey.shots) {
+    tbb::parallel_for(std::size_t{0}, survey.pings(group), [&](std::size_t ping) {
+      if (InterruptGuard::requested()) return;
+      SimulationStats own;
+      const Clock::time_point start = Clock::now();
+      const History history = engine(survey.tubes(group, ping), label + ping, own.candidates);
+      const Clock::time_point traced = Clock::now();
+      for (const std::size_t s : group.sensors) {
+        const Sensor& sensor = *survey.sensors[s].sensor;
+        const EchoLaw law{scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)};
+        const Echo echo = integrate_echo(history, sensor.beam_of_tube(),
+                                         static_cast<int>(sensor.beams().size()), sensor.samples(), law);
+        std::copy(echo.energy.begin(), echo.energy.end(),
+                  recordings[s].energy.begin() + static_cast<std::ptrdiff_t>(ping * echo.energy.size()));
+      }
+      const std::lock_guard lock(mutex);
+      stats.pings += group.sensors.size();
+      stats.tubes += history.tubes.tubes.size();
+      stats.candidates += own.candidates;
+      stats.footprints += history.footprints.footprints.size();
+      stats.pieces += history.footprints.pieces.size();
+      stats.hits += history.hits.size();
+      stats.visibility_seconds += std::chrono::duration<double>(traced - start).count();
+      stats.echo_seconds += std::chrono::duration<double>(Clock::now() - traced).count();
+      progress.step();
+    });
+    label += survey.pings(group);
+  }
+  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+  return recordings;
+}
+
+}  // namespace tubefoot

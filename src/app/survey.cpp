@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/survey.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "app/usage_error.hpp"
+#include "geometry/vertical_line.hpp"
+
+namespace tubefoot {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool same_shots(const Survey& survey, const SensorPings& a, const SensorPings& b) {
+  if (a.times_s != b.times_s) return false;
+  for (std::size_t k = 0; k < a.poses.size(); ++k)
+    if (a.poses[k].position_m != b.poses[k].position_m || a.poses[k].attitude != b.poses[k].attitude)
+      return false;
+  TubeSet first = a.sensor->tubes(a.poses.front(), survey.scene.grid);
+  TubeSet second = b.sensor->tubes(b.poses.front(), survey.scene.grid);
+  first.reach = second.reach = 0;
+  return first == second;
+}
+
+void find_shared_shots(Survey& survey) {
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    const auto group = std::find_if(survey.shots.begin(), survey.shots.end(), [&](const SharedShots& g) {
+      return same_shots(survey, survey.sensors[g.sensors.front()], survey.sensors[s]);
+    });
+    if (group != survey.shots.end())
+      group->sensors.push_back(s);
+    else
+      survey.shots.push_back({{s}});
+  }
+}
+
+/// A sensor under the terrain is a mistake in the scene; one inside an object may be its own housing.
+void check_places(Survey& survey) {
+  Scene& scene = survey.scene;
+  const std::size_t terrains = scene.description.terrains.size();
+  for (const SensorPings& pings : survey.sensors) {
+    std::set<std::uint16_t> inside;
+    const SensorDescription& sensor = pings.sensor->description();
+    for (std::size_t k = 0; k < pings.poses.size(); ++k) {
+      const GridPoint place = scene.grid.snap(pings.poses[k].position_m);
+      for (const VerticalCrossings& c : vertical_crossings(scene.mesh, *survey.tree, place)) {
+        if (c.component < terrains) {
+          if (c.above > 0 && c.below == 0)
+            throw InputError(
+                sensor.place,
+                fmt::format("sensor '{}' is {:.3g} m below the seabed ('{}') at ping {} (t = {:.3f} s, "
+                            "east {:.2f}, north {:.2f}, up {:.2f} m): raise its trajectory or lever arm",
+                            sensor.name, c.lowest_above * scene.grid.unit_m(),
+                            scene.report.components[c.component].name, k, pings.times_s[k],
+                            pings.poses[k].position_m.x, pings.poses[k].position_m.y,
+                            pings.poses[k].position_m.z));
+        } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
+          scene.report.warnings.push_back(
+              fmt::format("{}: sensor '{}' is inside object '{}' at ping {} (t = {:.3f} s): it sees the "
+                          "object's inner side",
+                          to_string(sensor.place), sensor.name, scene.report.components[c.component].name, k,
+                          pings.times_s[k]));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TubeSet Survey::tubes(const SharedShots& group, std::size_t ping) const {
+  const SensorPings& first = sensors[group.sensors.front()];
+  TubeSet set = first.sensor->tubes(first.poses[ping], scene.grid);
+  for (const std::size_t s : group.sensors)
+    set.reach = std::max(set.reach, sensors[s].sensor->tubes(sensors[s].poses[ping], scene.grid).reach);
+  return set;
+}
+
+std::size_t Survey::sensor_named(const std::string& name) const {
+  std::string names;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    const std::string& own = sensors[s].sensor->description().name;
+    if (own == name) return s;
+    names += (s == 0 ? "'" : ", '") + own + "'";
+  }
+  throw UsageError(fmt::format("the scene has no sensor '{}'; it has {}", name, names));
+}
+
+std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
+  const auto load_start = std::chrono::steady_clock::now();
+  auto survey = std::make_unique<Survey>(load_scene(description));
+  survey->load_seconds = seconds_since(load_start);
+  const auto tree_start = std::chrono::steady_clock::now();
+  survey->tree = std::make_unique<SceneTree>(survey->scene.mesh);
+  survey->tree_seconds = seconds_since(tree_start);
+  for (std::size_t s = 0; s < description.sensors.size(); ++s) {
+    SensorPings pings{make_sensor(description.sensors[s]), {}, {}};
+    pings.times_s = pings.sensor->ping_times_s();
+    const Trajectory& trajectory = survey->scene.trajectories[survey->scene.sensor_trajectory[s]];
+    for (const double time : pings.times_s) pings.poses.push_back(pings.sensor->pose_on(trajectory.at(time)));
+    survey->sensors.push_back(std::move(pings));
+  }
+  check_places(*survey);
+  find_shared_shots(*survey);
+  return survey;
+}
+
+double absorption_db_per_m(const Scene& scene, const Sensor& sensor) {
+  return absorption_db_per_km(scene.description.water, sensor.frequency_khz()) / 1000;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "geometry/scene_tree.hpp"
+#include "scene/scene.hpp"
+#include "sensors/sensor.hpp"
+
+namespace tubefoot {
+
+/// All pings of one sensor: times and poses of the sensor itself.
+struct SensorPings {
+  std::unique_ptr<Sensor> sensor;
+  std::vector<double> times_s;
+  std::vector<Pose> poses;
+};
+
+/// Sensors that fire the same tubes from the same places at the same times: one history serves them all.
+struct SharedShots {
+  std::vector<std::size_t> sensors;  ///< indices into Survey::sensors
+};
+
+/// A loaded scene, its tree, and who pings where.
+struct Survey {
+  explicit Survey(Scene loaded) : scene(std::move(loaded)) {}
+  Survey(const Survey&) = delete;  // the tree points into the scene
+  Survey& operator=(const Survey&) = delete;
+
+  Scene scene;
+  std::unique_ptr<SceneTree> tree;
+  std::vector<SensorPings> sensors;
+  std::vector<SharedShots> shots;
+  double load_seconds = 0, tree_seconds = 0;
+
+  /// Tubes of ping `ping` of a group, with the largest reach of its sensors.
+  TubeSet tubes(const SharedShots& group, std::size_t ping) const;
+  std::size_t pings(const SharedShots& group) const { return sensors[group.sensors.front()].times_s.size(); }
+  /// Index of the sensor of that name; throws UsageError naming the nearest ones.
+  std::size_t sensor_named(const std::string& name) const;
+};
+
+/// Loads the scene, builds the tree, lays out the pings. `arithmetic` and `threads` are the caller's
+/// business. Throws InputError: also where a sensor lies below the seabed. Adds warnings to the scene's
+/// report.
+std::unique_ptr<Survey> open_survey(const SceneDescription& description);
+
+/// dB per metre, one way, for a sensor's frequency in the scene's water.
+double absorption_db_per_m(const Scene& scene, const Sensor& sensor);
+
+}  // namespace tubefoot

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/echo.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "engine/radial_law.hpp"
+#include "geometry/range_cut.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// The rows of an echo, and what a facet and a tube look up.
+class Rows {
+ public:
+  Rows(Echo& echo, std::span<const std::uint32_t> beam_of_tube, const EchoLaw& law)
+      : echo_(echo), beam_of_tube_(beam_of_tube), law_(law) {}
+
+  std::span<double> of_tube(std::uint32_t tube) {
+    if (tube >= beam_of_tube_.size())
+      throw std::invalid_argument(
+          fmt::format("the history has tube {}, but only {} tubes have a beam", tube, beam_of_tube_.size()));
+    const std::uint32_t beam = beam_of_tube_[tube];
+    if (beam >= std::uint32_t(echo_.beams))
+      throw std::invalid_argument(fmt::format("tube {} belongs to beam {} of {}", tube, beam, echo_.beams));
+    return std::span(echo_.energy).subspan(std::size_t(beam) * echo_.samples, echo_.samples);
+  }
+
+  double mu(FacetId facet) const {
+    if (facet >= law_.material.size() || law_.material[facet] >= law_.material_mu.size())
+      throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
+    return law_.material_mu[law_.material[facet]];
+  }
+
+ private:
+  Echo& echo_;
+  std::span<const std::uint32_t> beam_of_tube_;
+  const EchoLaw& law_;
+};
+
+void add_footprints(const FootprintSet& set, const RadialIntegral& radial, Rows& rows) {
+  RangeCutter cutter(radial);
+  PlanarPolygon polygon;
+  for (const Footprint& footprint : set.footprints) {
+    const std::span<double> row = rows.of_tube(footprint.tube);
+    const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
+    const PlaneFrame frame(plane);
+    const double factor = rows.mu(footprint.facet) * plane.distance_m * plane.distance_m;
+    for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
+      const Piece piece = set.pieces[footprint.first_piece + p];
+      polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
+      cutter.add(polygon, factor, row);
+    }
+  }
+}
+
+/// A hit stands for the area solid_angle r^2 / sin(grazing), so it returns mu sin(grazing) solid_angle / r^2.
+void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, double absorption_db_per_m,
+              Rows& rows) {
+  const double beta = two_way_absorption_per_m(absorption_db_per_m);
+  const std::vector<double> borders = sample_borders_m(samples);
+  for (const RayHit& hit : hits) {
+    const double r = hit.slant_range_m;
+    const std::span<double> row = rows.of_tube(hit.tube);
+    const double mu = rows.mu(hit.facet);
+    if (!(r > 0 && r >= borders.front() && r < borders.back())) continue;
+    // The borders decide, not a division: footprints are cut at the same numbers.
+    const auto above = std::upper_bound(borders.begin(), borders.end(), r);
+    row[std::size_t(above - borders.begin() - 1)] +=
+        mu * std::sin(hit.grazing_angle_rad) * hit.solid_angle_sr / (r * r) * std::exp(-beta * r);
+  }
+}
+
+}  // namespace
+
+Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,
+                    const RangeSamples& samples, const EchoLaw& law) {
+  if (beams < 0) throw std::invalid_argument(fmt::format("a receiver cannot have {} beams", beams));
+  if (!(law.absorption_db_per_m >= 0 && std::isfinite(law.absorption_db_per_m)))
+    throw std::invalid_argument(
+        fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
+  const RadialIntegral radial = lambert_radial_integral(samples, law.absorption_db_per_m);
+
+  Echo echo;
+  echo.beams = beams;
+  echo.samples = samples.count;
+  echo.energy.assign(std::size_t(beams) * samples.count, 0);
+  Rows rows(echo, beam_of_tube, law);
+  add_footprints(history.footprints, radial, rows);
+  add_hits(history.hits, samples, law.absorption_db_per_m, rows);
+  return echo;
+}
+
+}  // namespace tubefoot

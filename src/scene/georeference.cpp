@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/georeference.hpp"
+
+#include <fmt/core.h>
+#include <ogr_spatialref.h>
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <cmath>
+#include <memory>
+
+#include "scene/raster_messages.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr const char* kWgs84 = "EPSG:4326";
+
+// A CRS with x = east or longitude, y = north or latitude, whatever order its authority prescribes, without
+// a vertical part: heights are not touched.
+OGRSpatialReference crs_from(const std::string& text, const SourcePlace& place) {
+  const GdalMessages messages;
+  OGRSpatialReference crs;
+  if (crs.SetFromUserInput(text.c_str()) != OGRERR_NONE) {
+    throw InputError(place,
+                     fmt::format("'{}' is no coordinate reference system that is known{}: expected one like "
+                                 "EPSG:32632",
+                                 text.substr(0, 200), messages.in_brackets()));
+  }
+  if (crs.IsCompound()) crs.StripVertical();
+  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return crs;
+}
+
+std::string wkt_of(const OGRSpatialReference& crs) {
+  char* text = nullptr;
+  crs.exportToWkt(&text);
+  const std::string wkt = text == nullptr ? "" : text;
+  CPLFree(text);
+  return wkt;
+}
+
+bool is_same(const OGRSpatialReference& a, const OGRSpatialReference& b) {
+  // Names and axis order do not matter: a BAG's "unnamed" UTM zone 2N is EPSG:32602.
+  const char* const options[] = {"CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS",
+                                 "IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", nullptr};
+  return a.IsSame(&b, options) != 0;
+}
+
+// In place, x and y only.
+void transform(std::span<glm::dvec3> points, const OGRSpatialReference& from, const OGRSpatialReference& to,
+               const SourcePlace& place) {
+  const GdalMessages messages;
+  const std::unique_ptr<OGRCoordinateTransformation> step(OGRCreateCoordinateTransformation(&from, &to));
+  if (step == nullptr) {
+    throw InputError(place, fmt::format("no transformation from {} to {} is known{}", from.GetName(),
+                                        to.GetName(), messages.in_brackets()));
+  }
+  constexpr std::size_t kBlock = 4096;
+  std::vector<double> x(kBlock), y(kBlock);
+  std::vector<int> ok(kBlock);
+  for (std::size_t begin = 0; begin < points.size(); begin += kBlock) {
+    const auto block = points.subspan(begin, std::min(kBlock, points.size() - begin));
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      x[i] = block[i].x;
+      y[i] = block[i].y;
+    }
+    step->Transform(static_cast<int>(block.size()), x.data(), y.data(), nullptr, ok.data());
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      if (!ok[i] || !std::isfinite(x[i]) || !std::isfinite(y[i])) {
+        throw InputError(place,
+                         fmt::format("the point ({:.10g}, {:.10g}) of {} has no place in {}{}", block[i].x,
+                                     block[i].y, from.GetName(), to.GetName(), messages.in_brackets()));
+      }
+      block[i].x = x[i];
+      block[i].y = y[i];
+    }
+  }
+}
+
+void check_lat_lon(double latitude_deg, double longitude_deg, const SourcePlace& place) {
+  if (!(std::abs(latitude_deg) <= 90) || !(std::abs(longitude_deg) <= 360)) {
+    throw InputError(
+        place, fmt::format("latitude {}, longitude {} is no place on Earth: expected degrees, latitude first",
+                           latitude_deg, longitude_deg));
+  }
+}
+
+}  // namespace
+
+LocalFrame LocalFrame::at_lat_lon(double latitude_deg, double longitude_deg, double height_m) {
+  LocalFrame frame;
+  frame.kind_ = Kind::kTangent;
+  frame.origin_ = {latitude_deg, longitude_deg, height_m};
+  return frame;
+}
+
+LocalFrame LocalFrame::projected(const std::string& crs, double easting, double northing, double height_m,
+                                 const SourcePlace& place) {
+  const OGRSpatialReference known = crs_from(crs, place);
+  if (!known.IsProjected()) {
+    throw InputError(
+        place, fmt::format("{} is not a projected coordinate reference system: give origin_lat_lon for a "
+                           "frame tangent to the Earth",
+                           known.GetName()));
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    OGRAxisOrientation orientation = OAO_Other;
+    known.GetAxis(nullptr, axis, &orientation);
+    if (orientation == OAO_West || orientation == OAO_South) {
+      throw InputError(
+          place,
+          fmt::format("{} counts towards the west or south, expected easting and northing", known.GetName()));
+    }
+  }
+  LocalFrame frame;
+  frame.kind_ = Kind::kProjected;
+  frame.crs_ = wkt_of(known);
+  frame.metres_per_unit_ = known.GetLinearUnits();
+  frame.origin_ = {easting, northing, height_m};
+  return frame;
+}
+
+LocalFrame LocalFrame::from(const GeoreferenceDescription& description) {
+  if (description.origin_lat_lon_deg) {
+    const auto [latitude, longitude] = *description.origin_lat_lon_deg;
+    check_lat_lon(latitude, longitude, description.place);
+    return at_lat_lon(latitude, longitude, description.origin_height_m);
+  }
+  if (!description.crs || !description.origin_crs) {
+    throw InputError(description.place, "expected either origin_lat_lon, or crs and origin_crs");
+  }
+  const auto [easting, northing] = *description.origin_crs;
+  return projected(*description.crs, easting, northing, description.origin_height_m, description.place);
+}
+
+void LocalFrame::carry(std::span<glm::dvec3> points, const std::string& crs, const SourcePlace& place) const {
+  const OGRSpatialReference source = crs_from(crs, place);
+  switch (kind_) {
+    case Kind::kLocal:
+      throw InputError(place, "the scene has no [georeference]");
+    case Kind::kTangent: {
+      transform(points, source, crs_from(kWgs84, place), place);
+      const GeographicLib::LocalCartesian tangent(origin_.x, origin_.y, origin_.z);
+      for (glm::dvec3& p : points) {
+        const glm::dvec3 lon_lat = p;
+        tangent.Forward(lon_lat.y, lon_lat.x, lon_lat.z, p.x, p.y, p.z);
+      }
+      break;
+    }
+    case Kind::kProjected: {
+      const OGRSpatialReference own = crs_from(crs_, place);
+      if (!is_same(source, own)) transform(points, source, own, place);
+      for (glm::dvec3& p : points) {
+        p = {(p.x - origin_.x) * metres_per_unit_, (p.y - origin_.y) * metres_per_unit_, p.z - origin_.z};
+      }
+      break;
+    }
+  }
+}
+
+glm::dvec3 LocalFrame::from_lat_lon(double latitude_deg, double longitude_deg, double height_m,
+                                    const SourcePlace& place) const {
+  check_lat_lon(latitude_deg, longitude_deg, place);
+  glm::dvec3 point(longitude_deg, latitude_deg, height_m);
+  carry({&point, 1}, kWgs84, place);
+  return point;
+}
+
+bool is_geographic(const std::string& crs, const SourcePlace& place) {
+  const OGRSpatialReference known = crs_from(crs, place);
+  if (known.IsGeographic() == known.IsProjected()) {
+    throw InputError(
+        place, fmt::format("its coordinate reference system {} is neither geographic nor projected: convert "
+                           "it with gdalwarp -t_srs EPSG:...",
+                           known.GetName()));
+  }
+  return known.IsGeographic() != 0;
+}
+
+}  // namespace tubefoot

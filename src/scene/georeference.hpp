@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+
+#include "scene/scene_description.hpp"
+
+namespace tubefoot {
+
+/// Where the local east-north-up frame lies on Earth: either tangent to the WGS 84 ellipsoid (GeographicLib's
+/// LocalCartesian), or along the axes of a projected CRS about a point of it, in which case coordinates are
+/// the projection's own, less the origin (grid north, the projection's scale). Heights are taken as they
+/// come: no vertical datum is changed.
+class LocalFrame {
+ public:
+  /// Coordinates are local metres; nothing can be carried into the frame.
+  LocalFrame() = default;
+  /// East-north-up at a point. Degrees, metres above the ellipsoid.
+  static LocalFrame at_lat_lon(double latitude_deg, double longitude_deg, double height_m);
+  /// Axes of a projected CRS ("EPSG:32602", WKT, PROJ text), origin in its own units. Throws InputError at
+  /// `place` for a CRS that is unknown, not projected, or whose axes are not east and north.
+  static LocalFrame projected(const std::string& crs, double easting, double northing, double height_m,
+                              const SourcePlace& place);
+  /// What [georeference] asks for. Throws InputError at its place.
+  static LocalFrame from(const GeoreferenceDescription& description);
+
+  bool is_georeferenced() const { return kind_ != Kind::kLocal; }
+
+  /// Carries points (easting or longitude, northing or latitude, height in m) of a CRS into the frame. A CRS
+  /// equal to the frame's own costs one subtraction: no precision is lost. Throws InputError at `place` where
+  /// it fails.
+  void carry(std::span<glm::dvec3> points, const std::string& crs, const SourcePlace& place) const;
+
+  /// Local position of a point on WGS 84. Throws InputError at `place` for a latitude beyond +-90 degrees, a
+  /// frame that is not georeferenced, a point that the CRS cannot hold.
+  glm::dvec3 from_lat_lon(double latitude_deg, double longitude_deg, double height_m,
+                          const SourcePlace& place) const;
+
+ private:
+  enum class Kind { kLocal, kTangent, kProjected };
+  Kind kind_ = Kind::kLocal;
+  std::string crs_;             // projected: as WKT
+  double metres_per_unit_ = 1;  // projected: of the CRS's own axes
+  glm::dvec3 origin_{0};        // tangent: latitude, longitude, height; projected: easting, northing, height
+};
+
+/// True for a CRS in degrees; throws InputError at `place` for one that is neither geographic nor projected.
+bool is_geographic(const std::string& crs, const SourcePlace& place);
+
+}  // namespace tubefoot

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/mesh_file.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+
+#include "scene/input_error.hpp"
+#include "scene/mesh_file_polygons.hpp"
+
+namespace tubefoot {
+namespace {
+
+std::string read_whole(const std::filesystem::path& file) {
+  const SourcePlace place{file.string(), 0, 0};
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw InputError(place, "is no readable file, expected a mesh: check the path");
+  }
+  const auto size = std::filesystem::file_size(file, error);
+  std::ifstream in(file, std::ios::binary);
+  if (error || !in) throw InputError(place, "cannot be opened: check the permissions");
+  std::string content(size, '\0');
+  in.read(content.data(), static_cast<std::streamsize>(size));
+  if (in.gcount() != static_cast<std::streamsize>(size)) throw InputError(place, "cannot be read to its end");
+  if (content.find_first_not_of(" \t\r\n") == content.npos)
+    throw InputError(place, "is empty, expected a mesh");
+  return content;
+}
+
+}  // namespace
+
+ComponentMesh read_mesh_file(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto parse = extension == ".obj"   ? parse_obj
+                     : extension == ".ply" ? parse_ply
+                     : extension == ".stl" ? parse_stl
+                     : extension == ".off" ? parse_off
+                                           : nullptr;
+  if (parse == nullptr) {
+    throw InputError(
+        {name, 0, 0},
+        fmt::format("'{}' is no mesh format that is read: expected .obj, .ply, .stl or .off", extension));
+  }
+  PolygonSoup soup = parse(read_whole(file), name);
+  return triangulate(std::move(soup), name);
+}
+
+}  // namespace tubefoot

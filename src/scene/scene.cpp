@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/scene.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <limits>
+#include <utility>
+
+#include "medium/absorption.hpp"
+#include "medium/sound_speed.hpp"
+#include "scene/georeference.hpp"
+#include "scene/mesh_file.hpp"
+#include "scene/primitives.hpp"
+#include "scene/raster.hpp"
+#include "scene/scene_placement.hpp"
+#include "scene/terrain.hpp"
+#include "scene/trajectory_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+struct Box {
+  glm::dvec3 lo{std::numeric_limits<double>::infinity()}, hi{-std::numeric_limits<double>::infinity()};
+  void add(glm::dvec3 p) {
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  bool is_empty() const { return lo.x > hi.x; }
+};
+
+// An error in a file that the scene names: both places are told.
+template <typename Read>
+auto named_at(const SourcePlace& place, Read read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(place, error.what());
+  }
+}
+
+template <typename Described>
+std::size_t index_of(const std::vector<Described>& list, const std::string& name, const char* what,
+                     const SourcePlace& place) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].name == name) return i;
+  }
+  throw InputError(place, fmt::format("there is no {} named '{}'", what, name));
+}
+
+ComponentMesh terrain_mesh(const TerrainDescription& terrain, std::optional<LocalFrame>& frame) {
+  if (const auto* flat = std::get_if<FlatTerrain>(&terrain.kind)) return flat_facets(*flat, terrain.place);
+  if (const auto* fractal = std::get_if<FractalTerrain>(&terrain.kind))
+    return fractal_facets(*fractal, terrain.place);
+  return named_at(terrain.place, [&] { return read_raster(std::get<RasterTerrain>(terrain.kind), frame); });
+}
+
+ComponentMesh object_mesh(const ObjectDescription& object) {
+  // The stated chord error is that of the facets in the scene, after scaling.
+  const double chord_error =
+      object.chord_error_m / *std::max_element(object.scale.begin(), object.scale.end());
+  struct {
+    const SourcePlace& place;
+    double chord_error;
+    ComponentMesh operator()(const MeshFile& mesh) const {
+      return named_at(place, [&] { return read_mesh_file(mesh.file); });
+    }
+    ComponentMesh operator()(const SpherePrimitive& sphere) const {
+      return sphere_facets(sphere, chord_error, place);
+    }
+    ComponentMesh operator()(const CylinderPrimitive& cylinder) const {
+      return cylinder_facets(cylinder, chord_error, place);
+    }
+    ComponentMesh operator()(const ConePrimitive& cone) const {
+      return cone_facets(cone, chord_error, place);
+    }
+    ComponentMesh operator()(const BoxPrimitive& box) const { return box_facets(box, place); }
+  } make{object.place, chord_error};
+  return std::visit(make, object.kind);
+}
+
+// Where the sensor is at each of its pings, which is also the check that its trajectory covers them.
+void add_sensor_positions(Box& box, const SensorDescription& sensor, const TrajectoryDescription& described,
+                          const Trajectory& trajectory) {
+  const glm::dvec3 lever_arm(sensor.lever_arm_m[0], sensor.lever_arm_m[1], sensor.lever_arm_m[2]);
+  const int pings = trajectory.is_fixed() ? 1 : sensor.pings;
+  for (int ping = 0; ping < pings; ++ping) {
+    const double time_s = sensor.first_ping_s + ping * sensor.ping_interval_s;
+    try {
+      const Pose pose = trajectory.at(time_s);
+      box.add(pose.position_m + pose.attitude * lever_arm);
+    } catch (const std::out_of_range&) {
+      throw InputError(
+          sensor.place,
+          fmt::format(
+              "ping {} of sensor '{}' is at {:.9g} s, outside of its trajectory '{}', which lasts from "
+              "{:.9g} s to {:.9g} s: change first_ping_s, pings or ping_interval_s, or the trajectory",
+              ping, sensor.name, time_s, described.name, trajectory.begin_s(), trajectory.end_s()));
+    }
+  }
+}
+
+struct LoadedComponent {
+  ComponentMesh mesh;
+  std::uint16_t material = 0;
+  bool is_file = false;
+  SourcePlace place;
+};
+
+WorldGrid grid_for(const SceneDescription& description, const Box& box, const SceneReport& report,
+                   const std::vector<LoadedComponent>& components) {
+  const Box used = box.is_empty() ? Box{glm::dvec3(0), glm::dvec3(0)} : box;
+  try {
+    if (description.run.grid_exponent)
+      return WorldGrid::with_exponent(*description.run.grid_exponent, used.lo, used.hi);
+    return WorldGrid::fitting(used.lo, used.hi);
+  } catch (const GridRangeError& error) {
+    // The culprit is most likely the component that reaches furthest out.
+    double furthest = 0;
+    SourcePlace place = description.run.place;
+    if (place.file.empty()) place.file = description.file.string();
+    std::string hint;
+    for (std::size_t i = 0; i < components.size(); ++i) {
+      const glm::dvec3 reach =
+          glm::max(glm::abs(report.components[i].lo_m), glm::abs(report.components[i].hi_m));
+      const double distance = std::max({reach.x, reach.y, reach.z});
+      if (!(distance > furthest)) continue;
+      furthest = distance;
+      hint = fmt::format(
+          "; '{}' reaches {:.6g} m from the frame's origin: is its position, scale or the [georeference] "
+          "wrong?",
+          report.components[i].name, distance);
+      if (!description.run.grid_exponent) place = components[i].place;
+    }
+    throw InputError(place, error.what() + hint);
+  }
+}
+
+void warn_about(Scene& scene) {
+  const MeshReport& mesh = scene.report.mesh;
+  std::vector<std::string>& warnings = scene.report.warnings;
+  if (scene.mesh.facets.empty()) warnings.push_back("the scene has no facet: nothing will echo");
+  if (mesh.degenerate_facets > 0) {
+    warnings.push_back(fmt::format("{} facets have no area on the grid: they are kept, but show nothing",
+                                   mesh.degenerate_facets));
+  }
+  if (mesh.duplicate_facets > 0) {
+    warnings.push_back(fmt::format("{} facets lie exactly on an earlier one: the earlier one is seen",
+                                   mesh.duplicate_facets));
+  }
+  constexpr double kCoarse_m = 1e-3;
+  if (scene.grid.unit_m() > kCoarse_m) {
+    warnings.push_back(
+        fmt::format("the scene is so large that its grid has a unit of {:.3g} m; vertices moved by up to "
+                    "{:.3g} m",
+                    scene.grid.unit_m(), mesh.largest_snap_m));
+  }
+}
+
+class Loader {
+ public:
+  explicit Loader(const SceneDescription& description) : description_(description) {
+    if (description.georeference) frame_ = LocalFrame::from(*description.georeference);
+  }
+
+  Scene load() {
+    constexpr std::size_t kMost = std::numeric_limits<std::uint16_t>::max();
+    if (description_.materials.size() > kMost ||
+        description_.terrains.size() + description_.objects.size() > kMost) {
+      throw InputError(
+          {description_.file.string(), 0, 0},
+          fmt::format("more than {} materials or more than {} terrains and objects", kMost, kMost));
+    }
+    load_components();
+    std::vector<Trajectory> trajectories;
+    for (const TrajectoryDescription& t : description_.trajectories)
+      trajectories.push_back(make_trajectory(t));
+    std::vector<std::size_t> sensor_trajectory;
+    for (const SensorDescription& sensor : description_.sensors) {
+      sensor_trajectory.push_back(trajectory_of(sensor));
+      const std::size_t t = sensor_trajectory.back();
+      add_sensor_positions(box_, sensor, description_.trajectories[t], trajectories[t]);
+    }
+
+    Scene scene{.description = description_,
+                .grid = grid_for(description_, box_, report_, components_),
+                .mesh = {},
+                .material_mu = {},
+                .trajectories = std::move(trajectories),
+                .sensor_trajectory = std::move(sensor_trajectory),
+                .report = {}};
+    for (const MaterialDescription& m : description_.materials) {
+      scene.material_mu.push_back(std::pow(10.0, m.lambert_db / 10));
+    }
+    const WaterDescription& water = description_.water;
+    scene.sound_speed_m_s = water.sound_speed_m_s.value_or(
+        mackenzie_sound_speed_m_s(water.temperature_c, water.salinity_psu, water.depth_m));
+    build_mesh(scene);
+    scene.report = std::move(report_);
+    warn_about(scene);
+    return scene;
+  }
+
+ private:
+  void load_components() {
+    std::vector<ComponentMesh> terrains;  // objects may stand on them
+    for (const TerrainDescription& t : description_.terrains) terrains.push_back(terrain_mesh(t, frame_));
+    std::vector<ComponentMesh> objects;
+    for (const ObjectDescription& object : description_.objects) {
+      objects.push_back(object_mesh(object));
+      place_object(objects.back(), object, frame_.value_or(LocalFrame()), terrains);
+    }
+    for (std::size_t i = 0; i < terrains.size(); ++i) {
+      const TerrainDescription& t = description_.terrains[i];
+      add_component(std::move(terrains[i]), t.name, t.material, t.material_place, t.place, false);
+    }
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const ObjectDescription& o = description_.objects[i];
+      add_component(std::move(objects[i]), o.name, o.material, o.material_place, o.place,
+                    std::holds_alternative<MeshFile>(o.kind));
+    }
+  }
+
+  void add_component(ComponentMesh mesh, const std::string& name, const std::string& material,
+                     const SourcePlace& material_place, const SourcePlace& place, bool is_file) {
+    Box extent;
+    for (const glm::dvec3& p : mesh.points_m) extent.add(p);
+    box_.add(extent.lo);
+    box_.add(extent.hi);
+    ComponentReport& report = report_.components.emplace_back();
+    report.name = name;
+    report.facets_in_file = mesh.triangles.size();
+    report.hole_cells = mesh.hole_cells;
+    report.lo_m = extent.lo;
+    report.hi_m = extent.hi;
+    report_.warnings.insert(report_.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
+    const std::size_t index = index_of(description_.materials, material, "material", material_place);
+    components_.push_back({std::move(mesh), static_cast<std::uint16_t>(index), is_file, place});
+  }
+
+  std::size_t trajectory_of(const SensorDescription& sensor) const {
+    if (!sensor.trajectory.empty()) {
+      return index_of(description_.trajectories, sensor.trajectory, "trajectory", sensor.trajectory_place);
+    }
+    if (description_.trajectories.size() != 1) {
+      throw InputError(
+          sensor.place,
+          fmt::format("sensor '{}' names no trajectory, and the scene has {}: expected the name of "
+                      "one",
+                      sensor.name, description_.trajectories.size()));
+    }
+    return 0;
+  }
+
+  void build_mesh(Scene& scene) {
+    MeshBuilder builder(scene.grid);
+    for (std::size_t i = 0; i < components_.size(); ++i) {
+      LoadedComponent& c = components_[i];
+      builder.add(c.mesh.points_m, c.mesh.triangles, c.material, static_cast<std::uint16_t>(i));
+      c.mesh = {};  // millions of facets need not be held twice
+    }
+    scene.mesh = builder.finish(report_.mesh);
+    FacetId first = 0;
+    for (std::size_t i = 0; i < components_.size(); ++i) {
+      FacetId last = first;
+      while (last < scene.mesh.facets.size() && scene.mesh.component[last] == i) ++last;
+      ComponentReport& report = report_.components[i];
+      report.facets = last - first;
+      if (components_[i].is_file)
+        report.kept_outside_halfedge = facets_outside_halfedge(scene.mesh, first, last);
+      first = last;
+    }
+  }
+
+  const SceneDescription& description_;
+  std::optional<LocalFrame> frame_;  // unset: the first raster settles it
+  Box box_;
+  std::vector<LoadedComponent> components_;
+  SceneReport report_;
+};
+
+}  // namespace
+
+Scene load_scene(const SceneDescription& description) { return Loader(description).load(); }
+
+double absorption_db_per_km(const WaterDescription& water, double frequency_khz) {
+  if (water.absorption_db_per_km) return *water.absorption_db_per_km;
+  return francois_garrison_absorption_db_per_km(frequency_khz, water.temperature_c, water.salinity_psu,
+                                                water.depth_m, water.ph);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scene/scene_description.hpp"
+#include "scene/toml_reader.hpp"
+
+// The sections of a scene file: every key with its rule, and what holds among the keys of one table.
+namespace tubefoot {
+
+const TomlField<SceneDescription>& title_field();
+const TomlSection<GeoreferenceDescription>& georeference_section();
+const TomlSection<WaterDescription>& water_section();
+const TomlSection<MaterialDescription>& material_section();
+const TomlSection<TerrainDescription>& terrain_section();
+const TomlSection<ObjectDescription>& object_section();
+const TomlSection<TrajectoryDescription>& trajectory_section();
+const TomlSection<SensorDescription>& sensor_section();
+const TomlSection<RunDescription>& run_section();
+
+}  // namespace tubefoot

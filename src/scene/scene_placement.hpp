@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "scene/georeference.hpp"
+#include "scene/scene_component.hpp"
+#include "scene/scene_description.hpp"
+
+namespace tubefoot {
+
+/// Height of the highest terrain facet above or below a place (edges included); nothing where there is none.
+std::optional<double> terrain_height_m(std::span<const ComponentMesh> terrains, double east_m,
+                                       double north_m);
+
+/// Puts an object where its description says: turns y up, scales along east, north and up, turns by roll,
+/// pitch and heading, moves to its position, and sets it on the terrain if asked to. Throws InputError at the
+/// object's place.
+void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
+                  std::span<const ComponentMesh> terrains);
+
+}  // namespace tubefoot

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/georeference.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+
+namespace tubefoot {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+const SourcePlace kPlace{"scene.toml", 2, 1};
+constexpr double kSemiMajor = 6378137.0, kFlattening = 1 / 298.257223563;  // WGS 84
+
+void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance) {
+  EXPECT_LE(glm::distance(a, b), tolerance)
+      << "(" << a.x << ", " << a.y << ", " << a.z << ") and (" << b.x << ", " << b.y << ", " << b.z << ")";
+}
+
+TEST(TangentFrame, TheEquatorIsACircle) {
+  const LocalFrame frame = LocalFrame::at_lat_lon(0, 20, 0);
+  const double angle = glm::radians(0.5);
+  expect_near(frame.from_lat_lon(0, 20.5, 0, kPlace),
+              {kSemiMajor * std::sin(angle), 0, kSemiMajor * (std::cos(angle) - 1)}, 1e-8);
+  expect_near(frame.from_lat_lon(0, 20, 35, kPlace), {0, 0, 35}, 1e-9);
+}
+
+// Geocentric position on the ellipsoid, by the definition of geodetic latitude.
+glm::dvec3 geocentric(double latitude_deg, double longitude_deg, double height) {
+  const double lat = glm::radians(latitude_deg), lon = glm::radians(longitude_deg);
+  const double e2 = kFlattening * (2 - kFlattening);
+  const double normal = kSemiMajor / std::sqrt(1 - e2 * std::sin(lat) * std::sin(lat));
+  return {(normal + height) * std::cos(lat) * std::cos(lon),
+          (normal + height) * std::cos(lat) * std::sin(lon), (normal * (1 - e2) + height) * std::sin(lat)};
+}
+
+TEST(TangentFrame, AgreesWithGeocentricCoordinatesTurnedByHand) {
+  const double lat = 65.31, lon = -168.39;
+  const LocalFrame frame = LocalFrame::at_lat_lon(lat, lon, 12);
+  const glm::dvec3 d = geocentric(65.32, -168.36, -52) - geocentric(lat, lon, 12);
+  const double sp = std::sin(glm::radians(lat)), cp = std::cos(glm::radians(lat));
+  const double sl = std::sin(glm::radians(lon)), cl = std::cos(glm::radians(lon));
+  expect_near(frame.from_lat_lon(65.32, -168.36, -52, kPlace),
+              {-sl * d.x + cl * d.y, -sp * cl * d.x - sp * sl * d.y + cp * d.z,
+               cp * cl * d.x + cp * sl * d.y + sp * d.z},
+              1e-8);
+}
+
+TEST(TangentFrame, UtmPointsArriveWhereTheirLatitudeAndLongitudeDo) {
+  const LocalFrame frame = LocalFrame::at_lat_lon(0.4, -171, 0);
+  // On zone 2's central meridian 1 degree is 110574.3886 m of arc (Snyder, Map Projections, WGS 84
+  // constants), times 0.9996.
+  glm::dvec3 point(500000, 0.9996 * 55287.1536, -10);  // half a degree: 55287.1536 m
+  frame.carry({&point, 1}, "EPSG:32602", kPlace);
+  expect_near(point, frame.from_lat_lon(0.5, -171, -10, kPlace), 0.01);
+}
+
+TEST(ProjectedFrame, SubtractsItsOriginAndLosesNoPrecision) {
+  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 621860, 7245027, -50, kPlace);
+  std::vector<glm::dvec3> points = {{620152.872885373, 7246504.911727688, -52.25}, {621860, 7245027, -50}};
+  frame.carry(points, "EPSG:32602", kPlace);
+  EXPECT_EQ(points[0], glm::dvec3(620152.872885373 - 621860, 7246504.911727688 - 7245027, -2.25));
+  EXPECT_EQ(points[1], glm::dvec3(0, 0, 0));
+}
+
+TEST(ProjectedFrame, KnowsItsOwnCrsByAnotherName) {
+  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 621860, 7245027, 0, kPlace);
+  glm::dvec3 point(621861, 7245029, 0);
+  frame.carry({&point, 1}, "+proj=utm +zone=2 +datum=WGS84 +units=m +no_defs", kPlace);
+  EXPECT_EQ(point, glm::dvec3(1, 2, 0)) << "not through a transformation";
+}
+
+TEST(ProjectedFrame, CarriesLatitudeAndLongitude) {
+  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 500000, 0, 0, kPlace);
+  expect_near(frame.from_lat_lon(0, -171, 7, kPlace), {0, 0, 7}, 1e-6);
+  expect_near(frame.from_lat_lon(0.5, -171, 7, kPlace), {0, 0.9996 * 55287.1536, 7}, 0.01);
+}
+
+TEST(ProjectedFrame, TakesItsUnitIntoAccount) {
+  // California zone 3 in US survey feet.
+  const LocalFrame frame = LocalFrame::projected("EPSG:2227", 6000000, 2000000, 0, kPlace);
+  glm::dvec3 point(6003937, 2000000, 5);
+  frame.carry({&point, 1}, "EPSG:2227", kPlace);
+  expect_near(point, {1200, 0, 5}, 1e-9);
+}
+
+TEST(LocalFrame, FollowsTheDescription) {
+  GeoreferenceDescription description;
+  description.place = kPlace;
+  description.crs = "EPSG:32602";
+  description.origin_crs = {{621860, 7245027}};
+  description.origin_height_m = 5;
+  glm::dvec3 point(621861, 7245025, 0);
+  LocalFrame::from(description).carry({&point, 1}, "EPSG:32602", kPlace);
+  EXPECT_EQ(point, glm::dvec3(1, -2, -5));
+
+  GeoreferenceDescription tangent;
+  tangent.origin_lat_lon_deg = {{10, 20}};
+  expect_near(LocalFrame::from(tangent).from_lat_lon(10, 20, 3, kPlace), {0, 0, 3}, 1e-8);
+}
+
+TEST(LocalFrame, RefusesWhatHasNoPlace) {
+  const auto message = [](const char* text) {
+    return ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:2:1"), HasSubstr(text)));
+  };
+  EXPECT_THAT([] { LocalFrame::projected("EPSG:99999999", 0, 0, 0, kPlace); }, message("EPSG:99999999"));
+  EXPECT_THAT([] { LocalFrame::projected("utm two", 0, 0, 0, kPlace); },
+              message("no coordinate reference system"));
+  EXPECT_THAT([] { LocalFrame::projected("EPSG:4326", 0, 0, 0, kPlace); }, message("not a projected"));
+  EXPECT_THAT([] { LocalFrame::projected("EPSG:2053", 0, 0, 0, kPlace); }, message("west or south"));
+  EXPECT_THAT([] { LocalFrame::at_lat_lon(0, 0, 0).from_lat_lon(91, 0, 0, kPlace); }, message("latitude 91"));
+  EXPECT_THAT([] { LocalFrame().from_lat_lon(1, 0, 0, kPlace); }, message("[georeference]"));
+  EXPECT_THAT(
+      [] { LocalFrame::projected("+proj=gnom +lat_0=90", 0, 0, 0, kPlace).from_lat_lon(-10, 0, 0, kPlace); },
+      message("no place"));
+}
+
+TEST(LocalFrame, PrintsNothing) {
+  testing::internal::CaptureStderr();
+  EXPECT_THROW(LocalFrame::projected("EPSG:99999999", 0, 0, 0, kPlace), InputError);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace tubefoot

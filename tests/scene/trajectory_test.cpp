@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/trajectory.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <numbers>
+
+#include "scene/scene_file_folder.hpp"
+#include "scene/trajectory_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr double kRight = std::numbers::pi / 2;
+const glm::dvec3 kStarboard(1, 0, 0), kForward(0, 1, 0), kUp(0, 0, 1);
+
+void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-12) {
+  EXPECT_LE(glm::distance(a, b), tolerance)
+      << "(" << a.x << ", " << a.y << ", " << a.z << ") and (" << b.x << ", " << b.y << ", " << b.z << ")";
+}
+
+TEST(Attitude, IdentityLooksNorth) { expect_near(attitude_from_angles(0, 0, 0) * kForward, {0, 1, 0}); }
+
+TEST(Attitude, HeadingTurnsClockwiseFromNorth) {
+  const glm::dquat east = attitude_from_angles(kRight, 0, 0);
+  expect_near(east * kForward, {1, 0, 0});
+  expect_near(east * kStarboard, {0, -1, 0});
+}
+
+TEST(Attitude, PitchRaisesTheBowAndRollLowersStarboard) {
+  expect_near(attitude_from_angles(0, kRight, 0) * kForward, {0, 0, 1});
+  expect_near(attitude_from_angles(0, 0, kRight) * kStarboard, {0, 0, -1});
+  expect_near(attitude_from_angles(0, 0, kRight) * kUp, {1, 0, 0});
+}
+
+TEST(Attitude, RollActsFirstThenPitchThenHeading) {
+  // Bow up by 30 degrees, heading east: forward rises over east whatever the roll.
+  const glm::dquat q = attitude_from_angles(kRight, glm::radians(30.0), glm::radians(70.0));
+  expect_near(q * kForward, {std::cos(glm::radians(30.0)), 0, 0.5});
+}
+
+Trajectory two_poses(double heading_a_deg, double heading_b_deg) {
+  return Trajectory({{10, {{0, 0, -1}, attitude_from_angles(glm::radians(heading_a_deg), 0, 0)}},
+                     {20, {{4, 8, -3}, attitude_from_angles(glm::radians(heading_b_deg), 0, 0)}}});
+}
+
+TEST(Trajectory, MovesLinearlyAndTurnsAtAConstantRate) {
+  const Trajectory t = two_poses(10, 50);
+  expect_near(t.at(10).position_m, {0, 0, -1});
+  expect_near(t.at(12.5).position_m, {1, 2, -1.5});
+  expect_near(t.at(20).position_m, {4, 8, -3});
+  for (double s : {0.0, 0.25, 0.5, 0.9, 1.0}) {
+    const double heading = glm::radians(10 + 40 * s);
+    expect_near(t.at(10 + 10 * s).attitude * kForward, {std::sin(heading), std::cos(heading), 0});
+  }
+}
+
+TEST(Trajectory, TurnsAlongTheShorterArc) {
+  expect_near(two_poses(350, 10).at(15).attitude * kForward, {0, 1, 0});
+  expect_near(two_poses(10, -350 + 20).at(15).attitude * kForward,
+              {std::sin(glm::radians(20.0)), std::cos(glm::radians(20.0)), 0});
+}
+
+TEST(Trajectory, HoldsWithinItsTimesOnly) {
+  const Trajectory t = two_poses(0, 0);
+  EXPECT_THROW(t.at(9.999), std::out_of_range);
+  EXPECT_THROW(t.at(20.001), std::out_of_range);
+  EXPECT_THROW(t.at(std::nan("")), std::out_of_range);
+  EXPECT_NO_THROW(t.at(20.000000000000004));  // what 200 * 0.1 may come to
+  const Trajectory fixed({{0, {{1, 2, 3}, {1, 0, 0, 0}}}});
+  expect_near(fixed.at(-1e9).position_m, {1, 2, 3});
+}
+
+TEST(Trajectory, RefusesNoSamplesAndTimesThatDoNotIncrease) {
+  EXPECT_THROW(Trajectory({}), std::invalid_argument);
+  EXPECT_THROW(Trajectory({{1, {}}, {1, {}}}), std::invalid_argument);
+}
+
+TEST(LineTrajectory, KeepsItsSpeedAndLooksAlongItself) {
+  TrajectoryDescription description;
+  description.kind = LineTrajectory{{10, 20, -5}, {40, -20, -5}, 2.0, 0, 0};
+  const Trajectory t = make_trajectory(description);
+  EXPECT_EQ(t.begin_s(), 0);
+  EXPECT_DOUBLE_EQ(t.end_s(), 25);  // 50 m at 2 m/s
+  EXPECT_NEAR(glm::distance(t.at(3).position_m, t.at(8.5).position_m), 11, 1e-12);
+  expect_near(t.at(7).attitude * kForward, {0.6, -0.8, 0});
+}
+
+TEST(LineTrajectory, RefusesALineWithoutHeadingAndASpeedOfZero) {
+  TrajectoryDescription description;
+  description.place = {"scene.toml", 7, 1};
+  description.kind = LineTrajectory{{1, 1, 0}, {1, 1, -9}, 1, 0, 0};
+  EXPECT_THAT([&] { make_trajectory(description); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:7:1"), HasSubstr("no heading"))));
+  description.kind = LineTrajectory{{1, 1, 0}, {1, 2, 0}, 0, 0, 0};
+  EXPECT_THAT([&] { make_trajectory(description); }, ThrowsMessage<InputError>(HasSubstr("speed")));
+}
+
+constexpr const char* kHeader = "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n";
+
+TEST(Waypoints, AreReadInAnyColumnOrderWithCommentsAndFurtherColumns) {
+  const SceneFolder folder;
+  const Trajectory t =
+      read_waypoints(folder.write("route.csv",
+                                  "# a survey\r\n\r\n"
+                                  "note, up_m ,time_s,east_m,north_m,heading_deg,pitch_deg,roll_deg\r\n"
+                                  "start,-3,0,1,2,90,0,0\r\n"
+                                  "end,-5,2,3,4,90,0,0\r\n"));
+  expect_near(t.at(1).position_m, {2, 3, -4});
+  expect_near(t.at(1).attitude * kForward, {1, 0, 0});
+}
+
+struct BadCsv {
+  const char* name;
+  std::string content;
+  const char* place;
+  const char* message;
+};
+class WaypointsRefuse : public testing::TestWithParam<BadCsv> {};
+
+TEST_P(WaypointsRefuse, BadFiles) {
+  const SceneFolder folder;
+  const auto file = folder.write("route.csv", GetParam().content);
+  EXPECT_THAT([&] { read_waypoints(file); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("route.csv" + std::string(GetParam().place)),
+                                              HasSubstr(GetParam().message))));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Csv, WaypointsRefuse,
+    testing::Values(BadCsv{"Empty", "", ": ", "expected the header"},
+                    BadCsv{"MissingColumn", "time_s,east_m,north_m,up_m,heading_deg,pitch_deg\n",
+                           ":1: ", "roll_deg"},
+                    BadCsv{"NoRow", kHeader, ": ", "at least one row"},
+                    BadCsv{"NotANumber", std::string(kHeader) + "0,1,2,3,4,5,6\n1,1,north,3,4,5,6\n",
+                           ":3:5: ", "north_m is 'north'"},
+                    BadCsv{"Nan", std::string(kHeader) + "0,nan,2,3,4,5,6\n", ":2:3: ", "finite"},
+                    BadCsv{"ShortRow", std::string(kHeader) + "0,1,2,3,4,5\n", ":2: ", "6 fields"},
+                    BadCsv{"TimeStandsStill", std::string(kHeader) + "0,1,2,3,4,5,6\n0,1,2,3,4,5,6\n",
+                           ":3:1: ", "increase"}),
+    [](const auto& bad) { return bad.param.name; });
+
+TEST(Waypoints, AMissingFileIsNamedWithThePlaceThatNamedIt) {
+  TrajectoryDescription description;
+  description.place = {"scene.toml", 3, 2};
+  description.kind = WaypointTrajectory{"no_such_file.csv"};
+  EXPECT_THAT([&] { make_trajectory(description); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:3:2"), HasSubstr("no_such_file.csv"))));
+}
+
+}  // namespace
+}  // namespace tubefoot
