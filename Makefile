@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The front door. Everything else is CMake: see CMakePresets.json.
+#
+#   make demo    install what is missing, build, run scenes/wellhead, name the pictures
+#   make test    install what is missing, build, run the tests
+#   make bench   build without assertions and run the benchmarks
+#   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
+
+JOBS := $(shell nproc)
+PROGRAM := build/release/tubefoot
+
+.PHONY: demo test build setup bench format tidy clean
+
+demo: build
+	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
+	@echo
+	@echo "The acoustic camera, from three sides:  out/wellhead/camera-0000.png  camera-0001.png  camera-0002.png"
+	@echo "The sidescan sonar, in passing:         out/wellhead/sidescan.png"
+
+test: build
+	cmake --build --preset release --parallel $(JOBS)
+	ctest --preset release --parallel $(JOBS)
+
+build: setup
+	@cmake --preset release -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot
+
+setup:
+	@mkdir -p build
+	@tools/setup
+
+bench: setup
+	cmake --preset bench -Wno-dev
+	cmake --build --preset bench --parallel $(JOBS)
+	build/bench/tubefoot_bench
+
+SOURCES = $(shell git ls-files '*.cpp' '*.hpp')
+
+format:
+	clang-format -i $(SOURCES)
+
+tidy: build
+	clang-tidy -p build/release $(filter %.cpp,$(filter-out tests/% bench/%,$(SOURCES)))
+
+clean:
+	rm -rf build out
