@@ -17,8 +17,8 @@ struct Footprint {
   std::uint32_t first_piece = 0, piece_count = 0;        ///< in FootprintSet::pieces
   std::uint32_t first_occluder = 0, occluder_count = 0;  ///< in FootprintSet::occluders
   /// The facet's plane: unit normal that points to the apex's side, and the apex's distance from the plane.
-  /// Filled by the visibility code, from the facet's mesh vertices: the pieces may be slivers with no reliable
-  /// plane of their own. Read by measure() and by integrate_echo().
+  /// Filled by the visibility code, from the facet's mesh vertices: the pieces may be slivers with no
+  /// reliable plane of their own. Read by measure() and by integrate_echo().
   glm::dvec3 plane_normal{0};
   double plane_distance_m = 0;
   // From here on: filled by measure() (measure.hpp) from the plane and the pieces.
@@ -29,7 +29,8 @@ struct Footprint {
   double slant_range_min_m = 0, slant_range_max_m = 0;
 };
 
-/// A convex polygon on a facet: corners [first, first + count), turning as the rays of its tube do (tube.hpp).
+/// A convex polygon on a facet: corners [first, first + count), turning as the rays of its tube do
+/// (tube.hpp).
 struct Piece {
   std::uint32_t first = 0, count = 0;
 };

@@ -5,20 +5,19 @@
 #include <array>
 #include <cmath>
 #include <deque>
-#include <glm/glm.hpp>
-#include <limits>
 #include <numeric>
 #include <vector>
 
 #include "geometry/cone_clip.hpp"
 #include "geometry/facet_cone.hpp"
+#include "geometry/gnomonic_frame.hpp"
+#include "geometry/layer_grid.hpp"
+#include "geometry/neighbours.hpp"
 #include "geometry/visibility.hpp"
 
 // The visibility algorithm, once for all arithmetics; instantiated in visibility_<arithmetic>.cpp.
 // Steps and their proofs: docs/visibility.md.
 namespace tubefoot {
-
-inline glm::dvec3 as_double(GridPoint p) { return {p.x, p.y, p.z}; }
 
 template <class A>
 class VisibilitySolver {
@@ -32,14 +31,17 @@ class VisibilitySolver {
     out_ = &out;
     buffer_.clear();
     walls_.clear();
-    depth_planes_.clear();
-    make_tile_frame();
-    const PieceRange tile = make_tube_cone();
+    frame_ = GnomonicFrame({out.rays[0], out.rays[1], out.rays[2], out.rays[3]});
+    tube_ = make_tube_cone();
     gather(apex, candidates);
-    list_.resize(facets_.size());
-    std::iota(list_.begin(), list_.end(), 0u);
     out.candidates = facets_.size();
-    solve(tile, 0, list_.size(), box_, 0);
+    find_layers();
+    const std::size_t mark = buffer_.size();
+    for (std::uint32_t f = 0; f < facets_.size(); ++f) {
+      see_facet(f);
+      buffer_.resize(mark);
+    }
+    if (options_.open_water) find_open_water();
     std::sort(out.pieces.begin(), out.pieces.end(), [](const NamedPiece& a, const NamedPiece& b) {
       return a.facet != b.facet ? a.facet < b.facet : a.first < b.first;
     });
@@ -48,26 +50,18 @@ class VisibilitySolver {
   }
 
  private:
-  /// Bounds in the tube's gnomonic plane, in double and a little too wide: a filter, never a verdict.
-  struct Bounds {
-    double x0, x1, y0, y1;
-    bool meets(const Bounds& o) const { return x0 <= o.x1 && o.x0 <= x1 && y0 <= o.y1 && o.y0 <= y1; }
-  };
-
-  struct SeenFacet {
-    FacetCone cone;
-    typename A::Facet plane;
-    std::array<ClipPlane<A>, 3> edges;
-    std::array<Half<A>, 3> halves;
-    Bounds bounds;
-    double nearest, farthest;  ///< bounds on its distance from the apex, grid units
-  };
-
   enum class Hides { no, where_covered, where_nearer };
 
+  /// Planes of a facet, made when first needed: most facets never are.
+  struct FacetPlanes {
+    bool made = false;
+    typename A::Facet facet;
+    std::array<ClipPlane<A>, 3> edges;
+    std::array<Half<A>, 3> halves;
+  };
+
+  /// Nobody splits a tube into more than 2^40 tiles.
   static constexpr int deepest_split = 40;
-  static constexpr double shallowest =
-      1e-3;  ///< sine of the least angle to the horizon of the gnomonic plane
 
   ClipPlane<A> plane_through(PointId a, GridPoint pa, PointId b, GridPoint pb) const {
     ClipPlane<A> plane;
@@ -87,27 +81,6 @@ class VisibilitySolver {
     return {&walls_.back(), a < b ? 1 : -1};
   }
 
-  void make_tile_frame() {
-    glm::dvec3 sum{0};
-    for (int k = 0; k < 4; ++k) sum += glm::normalize(as_double(out_->rays[k]));
-    axis_ = glm::normalize(sum);
-    right_ = glm::normalize(as_double(out_->rays[1]) - as_double(out_->rays[0]));
-    right_ = glm::normalize(right_ - axis_ * glm::dot(right_, axis_));
-    up_ = glm::cross(axis_, right_);
-    constexpr double inf = std::numeric_limits<double>::infinity();
-    box_ = {inf, -inf, inf, -inf};
-    for (int k = 0; k < 4; ++k) {
-      const glm::dvec3 d = glm::normalize(as_double(out_->rays[k]));
-      const double depth = glm::dot(d, axis_);
-      if (depth < shallowest) {  // too wide a tube for a gnomonic plane: never split
-        box_ = {-inf, inf, -inf, inf};
-        return;
-      }
-      const double x = glm::dot(d, right_) / depth, y = glm::dot(d, up_) / depth;
-      box_ = {std::min(box_.x0, x), std::max(box_.x1, x), std::min(box_.y0, y), std::max(box_.y1, y)};
-    }
-  }
-
   PieceRange make_tube_cone() {
     for (std::uint32_t k = 0; k < 4; ++k) {
       const Half<A> edge = wall(ray_bit | k, ray_bit | (k + 1) % 4);
@@ -116,94 +89,145 @@ class VisibilitySolver {
     return {0, 4};
   }
 
-  Bounds bounds_of(const FacetCone& cone) const {
-    constexpr double inf = std::numeric_limits<double>::infinity();
-    Bounds b{inf, -inf, inf, -inf};
-    for (const GridPoint& p : cone.point) {
-      const glm::dvec3 d = as_double(p);
-      const double depth = glm::dot(d, axis_);
-      // Beyond 89.9 degrees from the axis the gnomonic plane says nothing: such a facet meets everything.
-      if (depth < shallowest * glm::length(d)) return {-inf, inf, -inf, inf};
-      const double x = glm::dot(d, right_) / depth, y = glm::dot(d, up_) / depth;
-      // Rounding of x is below 1e-12 (1 + |x|): |d| / depth <= 1000.
-      const double ex = 1e-12 * (1 + std::abs(x)), ey = 1e-12 * (1 + std::abs(y));
-      b = {std::min(b.x0, x - ex), std::max(b.x1, x + ex), std::min(b.y0, y - ey), std::max(b.y1, y + ey)};
-    }
-    return b;
-  }
-
   void gather(GridPoint apex, const std::vector<FacetId>& candidates) {
     facets_.clear();
-    facets_.reserve(candidates.size());  // halves point into facets_: it must not move
     for (const FacetId id : candidates) {
-      SeenFacet& f = facets_.emplace_back();
-      if (!FacetCone::make(*mesh_, id, apex, f.cone) || outside_tube(f.cone)) {
+      SeenFacet& facet = facets_.emplace_back();
+      if (FacetCone::make(*mesh_, id, apex, facet.cone) && !outside_tube(facet.cone))
+        facet.measure(frame_);
+      else
         facets_.pop_back();
-        continue;
-      }
-      const FacetCone& cone = f.cone;
-      f.bounds = bounds_of(cone);
-      std::array<double, 3> distance;
-      for (int k = 0; k < 3; ++k) distance[k] = glm::length(as_double(cone.point[k]));
-      const auto [low, high] = std::minmax_element(distance.begin(), distance.end());
-      double longest = 0;
-      for (int k = 0; k < 3; ++k)
-        longest =
-            std::max(longest, glm::length(as_double(cone.point[k]) - as_double(cone.point[(k + 1) % 3])));
-      // No point of a triangle is farther than its longest side / sqrt(3) from a vertex; nor nearer than its
-      // plane.
-      const double plane_distance = static_cast<double>(cone.offset) /
-                                    glm::length(glm::dvec3(cone.normal.x, cone.normal.y, cone.normal.z));
-      f.nearest = std::max(*low - 0.57736 * longest, plane_distance) * (1 - 1e-12);
-      f.farthest = *high * (1 + 1e-12);
     }
-    order_.resize(facets_.size());
-    std::iota(order_.begin(), order_.end(), 0u);
-    std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
-      return facets_[a].nearest != facets_[b].nearest ? facets_[a].nearest < facets_[b].nearest
-                                                      : facets_[a].cone.id < facets_[b].cone.id;
-    });
-    sorted_.clear();
-    sorted_.reserve(facets_.size());
-    for (const std::uint32_t k : order_) sorted_.push_back(facets_[k]);
-    facets_.swap(sorted_);
-    for (SeenFacet& f : facets_) {
-      arithmetic_.facet(f.plane, f.cone);
-      for (int k = 0; k < 3; ++k) {
-        const int next = (k + 1) % 3;
-        f.edges[k] =
-            plane_through(f.cone.vertex[k], f.cone.point[k], f.cone.vertex[next], f.cone.point[next]);
-        f.halves[k] = {&f.edges[k], f.cone.vertex[k] < f.cone.vertex[next] ? 1 : -1};
-      }
-    }
+    if (planes_.size() < facets_.size()) planes_.resize(facets_.size());
+    for (std::size_t f = 0; f < facets_.size(); ++f) planes_[f].made = false;
   }
 
   /// Exact: some wall of the tube has no vertex strictly inside.
   bool outside_tube(const FacetCone& cone) const {
     for (int w = 0; w < 4; ++w) {
       const Half<A> half = buffer_[w].edge;
-      bool inside = false;
-      for (int k = 0; k < 3 && !inside; ++k)
-        inside = half.sign * arithmetic_.side(cone.point[k], half.plane->plane) > 0;
-      if (!inside) return true;
+      if (!is_inside(half, cone.point[0]) && !is_inside(half, cone.point[1]) &&
+          !is_inside(half, cone.point[2]))
+        return true;
     }
     return false;
   }
 
-  /// Splits the tile while it holds many facets and splitting sets some of them apart, then clips.
-  void solve(PieceRange tile, std::size_t begin, std::size_t end, Bounds box, int depth) {
-    if (end - begin > options_.facets_per_split && depth < deepest_split && std::isfinite(box.x0) &&
-        split(tile, begin, end, box, depth))
-      return;
-    see_tile(tile, begin, end);
+  bool is_inside(Half<A> half, GridPoint p) const {
+    return half.sign * arithmetic_.side(p, half.plane->plane) > 0;
   }
 
-  bool split(PieceRange tile, std::size_t begin, std::size_t end, Bounds box, int depth) {
+  const FacetPlanes& planes_of(std::uint32_t f) {
+    FacetPlanes& planes = planes_[f];
+    if (planes.made) return planes;
+    planes.made = true;
+    const FacetCone& cone = facets_[f].cone;
+    arithmetic_.facet(planes.facet, cone);
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      planes.edges[k] = plane_through(cone.vertex[k], cone.point[k], cone.vertex[next], cone.point[next]);
+      planes.halves[k] = {&planes.edges[k], cone.vertex[k] < cone.vertex[next] ? 1 : -1};
+    }
+    return planes;
+  }
+
+  void find_layers() {
+    neighbour_finder_.find(
+        facets_, neighbours_,
+        [this](std::uint32_t f, std::uint32_t k, std::uint32_t g) {
+          // f lies on the positive side of its edge's plane; g must lie on the other.
+          const FacetCone &cone = facets_[f].cone, &other = facets_[g].cone;
+          typename A::Plane plane;
+          arithmetic_.through(plane, cone.point[k], cone.point[(k + 1) % 3]);
+          for (int v = 0; v < 3; ++v)
+            if (other.vertex[v] != cone.vertex[k] && other.vertex[v] != cone.vertex[(k + 1) % 3])
+              return arithmetic_.side(other.point[v], plane) < 0;
+          return false;
+        },
+        [this](std::uint32_t f, std::uint32_t k) {
+          const FacetCone& cone = facets_[f].cone;
+          for (int w = 0; w < 4; ++w) {
+            const Half<A> half = buffer_[w].edge;
+            if (!is_inside(half, cone.point[k]) && !is_inside(half, cone.point[(k + 1) % 3])) return true;
+          }
+          return false;
+        });
+    grid_.build(frame_, facets_, neighbours_);
+  }
+
+  /// The facet's cone within the tube; false if nothing with an interior is left.
+  bool facet_in_tube(std::uint32_t f, PieceRange& piece) {
+    const FacetCone& cone = facets_[f].cone;
+    const FacetPlanes& planes = planes_of(f);
+    piece = {static_cast<std::uint32_t>(buffer_.size()), 3};
+    for (int k = 0; k < 3; ++k)
+      buffer_.push_back(point_corner(arithmetic_, cone.vertex[k], cone.point[k], planes.halves[k]));
+    for (std::uint32_t k = 0; k < tube_.count; ++k)
+      if (!clip_to(piece, Half<A>(buffer_[tube_.first + k].edge))) return false;
+    return true;
+  }
+
+  void see_facet(std::uint32_t f) {
+    const LayerGrid::Verdict verdict = grid_.verdict(f);
+    PieceRange piece;
+    if (verdict == LayerGrid::Verdict::hidden || !facet_in_tube(f, piece)) return;
+    list_.clear();
+    if (verdict == LayerGrid::Verdict::unsure) {
+      grid_.occluder_candidates(f, list_);
+      // Only facets that can hide some of it, by the sides of vertices, are worth a cut.
+      std::erase_if(list_, [&](std::uint32_t o) { return hides(f, o) == Hides::no; });
+    }
+    depth_planes_.clear();
+    receiver_ = f;
+    const Bounds tube = frame_.tube(), own = facets_[f].bounds;
+    carve(piece, 0, list_.size(),
+          {std::max(tube.x0, own.x0), std::min(tube.x1, own.x1), std::max(tube.y0, own.y0),
+           std::min(tube.y1, own.y1)},
+          0);
+  }
+
+  /// What no facet covers, found without regard to depth or to what else was found: the closure law's other
+  /// half.
+  void find_open_water() {
+    receiver_ = nobody;
+    list_.resize(facets_.size());
+    std::iota(list_.begin(), list_.end(), 0u);
+    carve(tube_, 0, list_.size(), frame_.tube(), 0);
+  }
+
+  /// Takes the facets list_[begin, end) away from a piece, or, if they are many and lie apart, from its two
+  /// halves separately: a large facet behind many small ones would otherwise be cut up across its whole width
+  /// again and again.
+  void carve(PieceRange piece, std::size_t begin, std::size_t end, Bounds box, int depth) {
+    if (end - begin > options_.facets_per_split && depth < deepest_split && box.is_finite() &&
+        split(piece, begin, end, box, depth))
+      return;
+    pieces_.assign(1, piece);
+    for (std::size_t k = begin; k < end && !pieces_.empty(); ++k) {
+      const std::uint32_t o = list_[k];
+      const FacetPlanes& planes = planes_of(o);
+      std::array<Half<A>, 4> halves{planes.halves[0], planes.halves[1], planes.halves[2], Half<A>{}};
+      int count = 3;
+      if (receiver_ != nobody && hides(receiver_, o) == Hides::where_nearer) {
+        ClipPlane<A>& plane = depth_planes_.emplace_back();
+        plane.name = {facets_[receiver_].cone.id, facets_[o].cone.id, true};
+        arithmetic_.depth(plane.plane, planes_of(receiver_).facet, planes.facet);
+        halves[count++] = {&plane, 1};
+      }
+      if (take_away(facets_[o], halves.data(), count) && receiver_ != nobody)
+        out_->occluders.emplace_back(facets_[receiver_].cone.id, facets_[o].cone.id);
+    }
+    for (const PieceRange& left : pieces_)
+      emit(receiver_ == nobody ? out_->open : out_->pieces,
+           receiver_ == nobody ? no_point : facets_[receiver_].cone.id, left);
+  }
+
+  bool split(PieceRange piece, std::size_t begin, std::size_t end, Bounds box, int depth) {
     const std::size_t corner_mark = buffer_.size(), list_mark = list_.size(), ray_mark = out_->rays.size();
     const bool across = box.x1 - box.x0 >= box.y1 - box.y0;
     const double xm = (box.x0 + box.x1) / 2, ym = (box.y0 + box.y1) / 2;
     const auto ray = [&](double x, double y) {
-      out_->rays.push_back(integer_ray(glm::normalize(axis_ + x * right_ + y * up_)));
+      out_->rays.push_back(integer_ray(frame_.direction({x, y})));
       return ray_bit | static_cast<PointId>(out_->rays.size() - 1);
     };
     const PointId a = across ? ray(xm, box.y0) : ray(box.x0, ym),
@@ -232,10 +256,10 @@ class VisibilitySolver {
     // Facets that pile up in the same place are not set apart by splitting: clip them where they are.
     const std::size_t count = end - begin;
     if (positive + negative > count * 3 / 2 && std::max(positive, negative) > count * 9 / 10) return undo();
-    if (sides_of(tile, half) != 3) return undo();
+    if (sides_of(piece, half) != 3) return undo();
     flip_sides();
-    const PieceRange first = clip(arithmetic_, buffer_, tile, half, sides_.data());
-    const PieceRange second = clip(arithmetic_, buffer_, tile, other, flipped_.data());
+    const PieceRange first = clip(arithmetic_, buffer_, piece, half, sides_.data());
+    const PieceRange second = clip(arithmetic_, buffer_, piece, other, flipped_.data());
     for (std::size_t k = 0; k < count; ++k)
       if (where_[k] & 1) list_.push_back(std::uint32_t(list_[begin + k]));
     const std::size_t middle = list_.size();
@@ -246,8 +270,8 @@ class VisibilitySolver {
     Bounds low = box, high = box;
     (across ? low.x1 : low.y1) = (across ? high.x0 : high.y0) = across ? xm : ym;
     const bool first_is_low = positive_is_low(half, across, xm, ym, box);
-    solve(first, list_mark, middle, first_is_low ? low : high, depth + 1);
-    solve(second, middle, last, first_is_low ? high : low, depth + 1);
+    carve(first, list_mark, middle, first_is_low ? low : high, depth + 1);
+    carve(second, middle, last, first_is_low ? high : low, depth + 1);
     buffer_.resize(corner_mark);
     list_.resize(list_mark);
     return true;
@@ -257,9 +281,7 @@ class VisibilitySolver {
   /// more.
   bool positive_is_low(Half<A> half, bool across, double xm, double ym, const Bounds& box) const {
     const double x = across ? (box.x0 + xm) / 2 : xm, y = across ? ym : (box.y0 + ym) / 2;
-    return half.sign * arithmetic_.side(integer_ray(glm::normalize(axis_ + x * right_ + y * up_)),
-                                        half.plane->plane) >
-           0;
+    return half.sign * arithmetic_.side(integer_ray(frame_.direction({x, y})), half.plane->plane) > 0;
   }
 
   /// Fills sides_ with the side of each corner; returns 1 if any is positive, plus 2 if any is negative.
@@ -287,64 +309,15 @@ class VisibilitySolver {
     return piece.count >= 3;
   }
 
-  void see_tile(PieceRange tile, std::size_t begin, std::size_t end) {
-    const std::size_t mark = buffer_.size();
-    for (std::size_t k = begin; k < end; ++k) {
-      see_facet(tile, facets_[list_[k]], begin, end);
-      buffer_.resize(mark);
-    }
-    if (!options_.open_water) return;
-    pieces_.assign(1, tile);
-    for (std::size_t k = begin; k < end && !pieces_.empty(); ++k) {
-      const SeenFacet& f = facets_[list_[k]];
-      take_away(f, f.halves.data(), 3);
-    }
-    for (const PieceRange& piece : pieces_) emit(out_->open, no_point, piece);
-    buffer_.resize(mark);
-  }
-
-  void see_facet(PieceRange tile, const SeenFacet& receiver, std::size_t begin, std::size_t end) {
-    PieceRange piece{static_cast<std::uint32_t>(buffer_.size()), 3};
-    for (int k = 0; k < 3; ++k)
-      buffer_.push_back(
-          point_corner(arithmetic_, receiver.cone.vertex[k], receiver.cone.point[k], receiver.halves[k]));
-    for (std::uint32_t k = 0; k < tile.count; ++k)
-      if (!clip_to(piece, Half<A>(buffer_[tile.first + k].edge))) return;
-    pieces_.assign(1, piece);
-    depth_planes_.clear();
-    for (std::size_t k = begin; k < end; ++k) {
-      const SeenFacet& occluder = facets_[list_[k]];
-      if (occluder.nearest >= receiver.farthest) break;  // sorted by `nearest`: none of the rest can hide
-      if (&occluder == &receiver || !occluder.bounds.meets(receiver.bounds)) continue;
-      std::array<Half<A>, 4> halves{occluder.halves[0], occluder.halves[1], occluder.halves[2], Half<A>{}};
-      int count = 3;
-      switch (hides(receiver, occluder)) {
-        case Hides::no:
-          continue;
-        case Hides::where_covered:
-          break;
-        case Hides::where_nearer: {
-          ClipPlane<A>& plane = depth_planes_.emplace_back();
-          plane.name = {receiver.cone.id, occluder.cone.id, true};
-          arithmetic_.depth(plane.plane, receiver.plane, occluder.plane);
-          halves[count++] = {&plane, 1};
-        }
-      }
-      if (take_away(occluder, halves.data(), count)) {
-        out_->occluders.emplace_back(receiver.cone.id, occluder.cone.id);
-        if (pieces_.empty()) return;
-      }
-    }
-    for (const PieceRange& visible : pieces_) emit(out_->pieces, receiver.cone.id, visible);
-  }
-
   /// Which way `occluder` can hide `receiver`, from the sides of vertices alone: it hides where it covers,
   /// only on the near side of the depth plane, or not at all.
-  Hides hides(const SeenFacet& receiver, const SeenFacet& occluder) const {
+  Hides hides(std::uint32_t receiver, std::uint32_t occluder) {
     bool near = false, far = false;
     sort_vertices(receiver, occluder, near, far);
     if (!near && far) return Hides::no;
-    if (!near) return wins_tie(*mesh_, occluder.cone.id, receiver.cone.id) ? Hides::where_covered : Hides::no;
+    if (!near)
+      return wins_tie(*mesh_, facets_[occluder].cone.id, facets_[receiver].cone.id) ? Hides::where_covered
+                                                                                    : Hides::no;
     if (!far) return Hides::where_covered;
     bool receiver_near = false, receiver_far = false;
     sort_vertices(occluder, receiver, receiver_near, receiver_far);
@@ -353,14 +326,16 @@ class VisibilitySolver {
   }
 
   /// Whether `facet` has vertices nearer and farther than the plane of `reference`.
-  void sort_vertices(const SeenFacet& reference, const SeenFacet& facet, bool& near, bool& far) const {
+  void sort_vertices(std::uint32_t reference, std::uint32_t facet, bool& near, bool& far) {
+    const typename A::Facet& plane = planes_of(reference).facet;
+    const FacetCone &own = facets_[reference].cone, &other = facets_[facet].cone;
     for (int k = 0; k < 3; ++k) {
       if constexpr (A::uses_names) {
-        const auto& v = reference.cone.vertex;
-        const VertexId id = facet.cone.vertex[k];
+        const auto& v = own.vertex;
+        const VertexId id = other.vertex[k];
         if (id == v[0] || id == v[1] || id == v[2]) continue;
       }
-      const int s = arithmetic_.nearer(reference.plane, facet.cone.point[k]);
+      const int s = arithmetic_.nearer(plane, other.point[k]);
       near |= s > 0;
       far |= s < 0;
     }
@@ -439,20 +414,27 @@ class VisibilitySolver {
     }
   }
 
+  static constexpr std::uint32_t nobody = 0xffffffffu;
+
   A arithmetic_{};
   const FacetMesh* mesh_ = nullptr;
   VisibilityOptions options_;
   TubeVisibility* out_ = nullptr;
-  glm::dvec3 axis_{}, right_{}, up_{};
-  Bounds box_{};
-  std::vector<SeenFacet> facets_, sorted_;
-  std::vector<std::uint32_t> order_, list_;
+  GnomonicFrame frame_;
+  PieceRange tube_;
+  std::uint32_t receiver_ = nobody;  ///< facet at hand; nobody: open water
+  std::vector<SeenFacet> facets_;
+  std::deque<FacetPlanes> planes_;  ///< by facet; a deque, because halves point into it
+  std::vector<Neighbours> neighbours_;
+  NeighbourFinder neighbour_finder_;
+  LayerGrid grid_;
+  std::vector<std::uint32_t> list_;
   CornerBuffer<A> buffer_;
   std::deque<ClipPlane<A>> walls_, depth_planes_;
   std::vector<PieceRange> pieces_, kept_;
   std::vector<int> sides_, flipped_;
   std::vector<std::uint8_t>
-      where_;  ///< per facet of a tile: 1 on the positive side of the split, 2 on the negative
+      where_;  ///< per listed facet: 1 on the positive side of a split, 2 on the negative
 };
 
 }  // namespace tubefoot

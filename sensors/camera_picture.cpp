@@ -76,11 +76,23 @@ PixelEcho echo_under(const Fan& fan, std::span<const double> energy, int x, int 
   return {sum / inside, inside / static_cast<double>(points * points)};
 }
 
-/// Distance of the angle lines: what divides a circle well, eight parts of the sector at most.
-double angle_step_deg(double extent_deg) {
+/// Distance of the angle lines: what divides a circle well, at most eight parts, labels 50 pixels apart or
+/// more.
+double angle_step_deg(const Fan& fan) {
+  const double extent_rad = fan.beams * fan.beam_width_rad;
+  const double parts = std::clamp(std::floor(extent_rad * fan.far_m * fan.pixels_per_m / 50), 1.0, 8.0);
   for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0})
-    if (extent_deg <= 8 * step) return step;
+    if (degrees(extent_rad) <= parts * step) return step;
   return 45;
+}
+
+/// Distance of the range arcs: at most six parts, with room for their labels along the starboard edge.
+double range_step_m(const Fan& fan) {
+  const double steepness = std::abs(std::cos(fan.last_azimuth_rad()));
+  const double gap = steepness > 0.4 ? 26 / steepness : 65;  // below each other, or side by side
+  const double extent_m = fan.far_m - fan.near_m;
+  return tick_step(extent_m,
+                   static_cast<int>(std::clamp(std::floor(extent_m * fan.pixels_per_m / gap), 1.0, 6.0)));
 }
 
 /// How much of a line of one pixel's width covers a pixel at this distance.
@@ -91,7 +103,7 @@ struct GridCoverage {
   double grid = 0, outline = 0;
 };
 
-GridCoverage grid_at(const Fan& fan, double x, double y, double range_step_m, double angle_step_rad) {
+GridCoverage grid_at(const Fan& fan, double x, double y, double range_step, double angle_step_rad) {
   const double across = x - fan.apex_x, ahead = fan.apex_y - y;
   const double range = std::hypot(across, ahead), azimuth = std::atan2(across, ahead);  // pixels, radians
   const double near = fan.near_m * fan.pixels_per_m, far = fan.far_m * fan.pixels_per_m;
@@ -104,7 +116,7 @@ GridCoverage grid_at(const Fan& fan, double x, double y, double range_step_m, do
   for (const double edge : {fan.first_azimuth_rad, fan.last_azimuth_rad()})
     if (std::cos(azimuth - edge) > 0)
       covered.outline = std::max(covered.outline, line_coverage(range * std::sin(azimuth - edge)));
-  const double arc = std::round(range / fan.pixels_per_m / range_step_m) * range_step_m;
+  const double arc = std::round(range / fan.pixels_per_m / range_step) * range_step;
   const double ray = std::round(azimuth / angle_step_rad) * angle_step_rad;
   covered.grid =
       std::max(line_coverage(range - arc * fan.pixels_per_m), line_coverage(range * std::sin(azimuth - ray)));
@@ -112,12 +124,12 @@ GridCoverage grid_at(const Fan& fan, double x, double y, double range_step_m, do
 }
 
 /// Metres along the starboard edge, degrees along the far arc.
-void draw_labels(Canvas& canvas, const Fan& fan, double range_step_m, double angle_step) {
-  for (const double range : ticks(fan.near_m, fan.far_m, range_step_m)) {
+void draw_labels(Canvas& canvas, const Fan& fan, double range_step, double angle_step) {
+  for (const double range : ticks(fan.near_m, fan.far_m, range_step)) {
     const double azimuth = fan.last_azimuth_rad(), pixels = range * fan.pixels_per_m;
     const int x = static_cast<int>(std::lround(fan.x(azimuth, pixels) + range_label_gap));
     const int y = static_cast<int>(std::lround(fan.y(azimuth, pixels) + 5));  // beside the edge, not on it
-    canvas.text(x, y, tick_label(range, range_step_m) + " m", label_size, palette.ink);
+    canvas.text(x, y, tick_label(range, range_step) + " m", label_size, palette.ink);
   }
   for (const double angle :
        ticks(degrees(fan.first_azimuth_rad), degrees(fan.last_azimuth_rad()), angle_step)) {
@@ -141,9 +153,9 @@ Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std
   const std::string title = fmt::format("{}   ping {}   t = {:.2f} s", sensor.description().name, ping,
                                         recording.ping_time_s[ping]);
   const std::string subtitle = fmt::format(
-      "{:g} kHz, {} beams over {:g} degrees, {} samples over {:.2f} to {:.2f} m", sensor.frequency_khz(),
-      fan.beams, std::round(degrees(fan.beams * fan.beam_width_rad) * 100) / 100, fan.samples, fan.near_m,
-      fan.far_m);
+      "{:g} kHz, {} beam{} over {:g} degrees, {} samples over {:.2f} to {:.2f} m", sensor.frequency_khz(),
+      fan.beams, fan.beams == 1 ? "" : "s", std::round(degrees(fan.beams * fan.beam_width_rad) * 100) / 100,
+      fan.samples, fan.near_m, fan.far_m);
   const std::string footer = scale.reference_j() > 0
                                  ? fmt::format("0 dB: {} dB re 1 J; darkest: no echo",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1))
@@ -152,6 +164,7 @@ Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std
   // The fan, its labels and the legend side by side; short fans leave room for the title.
   const int fan_width = static_cast<int>(std::ceil((fan.right_m - fan.left_m) * fan.pixels_per_m));
   const int fan_height = static_cast<int>(std::ceil((fan.high_m - fan.low_m) * fan.pixels_per_m));
+  const int drawing_height = std::max(fan_height, 200);  // room for the legend
   const int content = fan_width + 2 * range_label_width + DecibelScale::legend_width;
   const int width =
       2 * margin + std::max({content, text_width(title, title_size, font),
@@ -159,26 +172,25 @@ Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std
   const int fan_left = margin + range_label_width + (width - 2 * margin - content) / 2;
   fan.apex_x = fan_left - fan.left_m * fan.pixels_per_m;
   fan.apex_y = header_height + fan.high_m * fan.pixels_per_m;
-  Canvas canvas(width, header_height + fan_height + footer_height + margin, palette.background, font);
+  Canvas canvas(width, header_height + drawing_height + footer_height + margin, palette.background, font);
 
-  const double range_step_m = tick_step(fan.far_m - fan.near_m, 6);
-  const double angle_step = angle_step_deg(degrees(fan.beams * fan.beam_width_rad));
+  const double range_step = range_step_m(fan), angle_step = angle_step_deg(fan);
   const int points = std::clamp(static_cast<int>(std::ceil(1 / (fan.pixels_per_m * fan.step_m))), 3, 8);
   for (int y = header_height - 2; y < header_height + fan_height + 2; ++y) {
     for (int x = fan_left - 2; x < fan_left + fan_width + 2; ++x) {
       const PixelEcho echo = echo_under(fan, energy, x, y, points);
       canvas.blend(x, y, scale.colour(echo.energy_j), echo.coverage);
-      const GridCoverage lines = grid_at(fan, x + 0.5, y + 0.5, range_step_m, radians(angle_step));
+      const GridCoverage lines = grid_at(fan, x + 0.5, y + 0.5, range_step, radians(angle_step));
       canvas.blend(x, y, palette.grid, 0.28 * lines.grid * echo.coverage);
       canvas.blend(x, y, palette.grid, 0.55 * lines.outline);
     }
   }
 
-  draw_labels(canvas, fan, range_step_m, angle_step);
+  draw_labels(canvas, fan, range_step, angle_step);
   canvas.text(margin, margin, title, title_size, palette.ink);
   canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
   canvas.text(margin, canvas.height() - margin, footer, label_size, palette.faint_ink);
-  const int legend_bottom = header_height + fan_height;
+  const int legend_bottom = header_height + drawing_height;
   scale.draw_legend(canvas, width - margin - DecibelScale::legend_width + 20,
                     std::max(header_height, legend_bottom - 400), legend_bottom);
   return canvas;

@@ -89,7 +89,8 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
   if (spacing_m <= 0)
     subtitle += ", sensor at rest";
   else if (std::abs(stretch - 1) > 0.02)
-    subtitle += fmt::format(", along-track scale x {:.2g}", stretch);
+    subtitle += ", along-track scale x " +
+                (stretch < 10 ? fmt::format("{:.2g}", stretch) : fmt::format("{:.0f}", stretch));
   else
     subtitle += ", equal scales";
   const std::string footer = scale.reference_j() > 0

@@ -5,8 +5,10 @@
 #include <ogr_spatialref.h>
 
 #include <GeographicLib/LocalCartesian.hpp>
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "scene/raster_messages.hpp"
 
@@ -34,19 +36,14 @@ OGRSpatialReference crs_from(const std::string& text, const SourcePlace& place) 
 std::string wkt_of(const OGRSpatialReference& crs) {
   char* text = nullptr;
   crs.exportToWkt(&text);
-  const std::string wkt = text == nullptr ? "" : text;
+  std::string wkt = text == nullptr ? "" : text;
   CPLFree(text);
   return wkt;
 }
 
-bool is_same(const OGRSpatialReference& a, const OGRSpatialReference& b) {
-  // Names and axis order do not matter: a BAG's "unnamed" UTM zone 2N is EPSG:32602.
-  const char* const options[] = {"CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS",
-                                 "IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", nullptr};
-  return a.IsSame(&b, options) != 0;
-}
-
-// In place, x and y only.
+// In place, x and y only. GDAL recognises equal systems, whatever their names and axis orders (a BAG's
+// "unnamed" UTM zone 2N is EPSG:32602), and leaves their points as they are, to the last bit; a test holds it
+// to that.
 void transform(std::span<glm::dvec3> points, const OGRSpatialReference& from, const OGRSpatialReference& to,
                const SourcePlace& place) {
   const GdalMessages messages;
@@ -148,8 +145,7 @@ void LocalFrame::carry(std::span<glm::dvec3> points, const std::string& crs, con
       break;
     }
     case Kind::kProjected: {
-      const OGRSpatialReference own = crs_from(crs_, place);
-      if (!is_same(source, own)) transform(points, source, own, place);
+      transform(points, source, crs_from(crs_, place), place);
       for (glm::dvec3& p : points) {
         p = {(p.x - origin_.x) * metres_per_unit_, (p.y - origin_.y) * metres_per_unit_, p.z - origin_.z};
       }

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "scene/mesh_file_polygons.hpp"
 #include "scene/mesh_file_text.hpp"

@@ -77,8 +77,9 @@ class Geodesic {
   // Point of a face at barycentric integers (parts - j - k, j, k).
   glm::dvec3 point(int face, int j, int k) const {
     const auto& f = ico_.face[face];
-    return glm::normalize(double(parts_ - j - k) * ico_.corner[f[0]] + double(j) * ico_.corner[f[1]] +
-                          double(k) * ico_.corner[f[2]]);
+    return glm::normalize(static_cast<double>(parts_ - j - k) * ico_.corner[f[0]] +
+                          static_cast<double>(j) * ico_.corner[f[1]] +
+                          static_cast<double>(k) * ico_.corner[f[2]]);
   }
 
   // Shared number of the point: corners first, then edges, then the inside of faces.

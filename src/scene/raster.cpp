@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <gdal_priv.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -41,11 +42,7 @@ class RasterReader {
   std::string crs() const {
     const OGRSpatialReference* known = dataset_->GetSpatialRef();
     if (known == nullptr || known->IsEmpty() || known->IsLocal()) return {};
-    char* text = nullptr;
-    known->exportToWkt(&text);
-    const std::string wkt = text == nullptr ? "" : text;
-    CPLFree(text);
-    return wkt;
+    return dataset_->GetProjectionRef();  // as WKT
   }
 
   Heights read() {

@@ -28,7 +28,6 @@ struct Box {
     lo = glm::min(lo, p);
     hi = glm::max(hi, p);
   }
-  bool is_empty() const { return lo.x > hi.x; }
 };
 
 // An error in a file that the scene names: both places are told.
@@ -82,8 +81,9 @@ ComponentMesh object_mesh(const ObjectDescription& object) {
 }
 
 // Where the sensor is at each of its pings, which is also the check that its trajectory covers them.
-void add_sensor_positions(Box& box, const SensorDescription& sensor, const TrajectoryDescription& described,
-                          const Trajectory& trajectory) {
+Box sensor_positions(const SensorDescription& sensor, const TrajectoryDescription& described,
+                     const Trajectory& trajectory) {
+  Box box;
   const glm::dvec3 lever_arm(sensor.lever_arm_m[0], sensor.lever_arm_m[1], sensor.lever_arm_m[2]);
   const int pings = trajectory.is_fixed() ? 1 : sensor.pings;
   for (int ping = 0; ping < pings; ++ping) {
@@ -100,41 +100,47 @@ void add_sensor_positions(Box& box, const SensorDescription& sensor, const Traje
               ping, sensor.name, time_s, described.name, trajectory.begin_s(), trajectory.end_s()));
     }
   }
+  return box;
 }
 
 struct LoadedComponent {
   ComponentMesh mesh;
   std::uint16_t material = 0;
   bool is_file = false;
-  SourcePlace place;
 };
 
-WorldGrid grid_for(const SceneDescription& description, const Box& box, const SceneReport& report,
-                   const std::vector<LoadedComponent>& components) {
-  const Box used = box.is_empty() ? Box{glm::dvec3(0), glm::dvec3(0)} : box;
+// What the grid must hold of one component or sensor, for the message when it does not fit.
+struct Part {
+  std::string name;
+  SourcePlace place;
+  Box box;
+};
+
+WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>& parts) {
+  Box box;
+  for (const Part& part : parts) {
+    box.add(part.box.lo);
+    box.add(part.box.hi);
+  }
+  if (parts.empty()) box.add(glm::dvec3(0));
+  const std::optional<int>& exponent = description.run.grid_exponent;
   try {
-    if (description.run.grid_exponent)
-      return WorldGrid::with_exponent(*description.run.grid_exponent, used.lo, used.hi);
-    return WorldGrid::fitting(used.lo, used.hi);
+    return exponent ? WorldGrid::with_exponent(*exponent, box.lo, box.hi)
+                    : WorldGrid::fitting(box.lo, box.hi);
   } catch (const GridRangeError& error) {
-    // The culprit is most likely the component that reaches furthest out.
-    double furthest = 0;
-    SourcePlace place = description.run.place;
-    if (place.file.empty()) place.file = description.file.string();
-    std::string hint;
-    for (std::size_t i = 0; i < components.size(); ++i) {
-      const glm::dvec3 reach =
-          glm::max(glm::abs(report.components[i].lo_m), glm::abs(report.components[i].hi_m));
-      const double distance = std::max({reach.x, reach.y, reach.z});
-      if (!(distance > furthest)) continue;
-      furthest = distance;
-      hint = fmt::format(
-          "; '{}' reaches {:.6g} m from the frame's origin: is its position, scale or the [georeference] "
-          "wrong?",
-          report.components[i].name, distance);
-      if (!description.run.grid_exponent) place = components[i].place;
-    }
-    throw InputError(place, error.what() + hint);
+    if (parts.empty()) throw InputError(description.run.place, error.what());
+    // The culprit is most likely the one that reaches furthest out.
+    const auto reach = [](const Part& part) {
+      const glm::dvec3 r = glm::max(glm::abs(part.box.lo), glm::abs(part.box.hi));
+      return std::max({r.x, r.y, r.z});
+    };
+    const Part& furthest = *std::max_element(
+        parts.begin(), parts.end(), [&reach](const Part& a, const Part& b) { return reach(a) < reach(b); });
+    throw InputError(
+        exponent ? description.run.place : furthest.place,
+        fmt::format("{}; '{}' reaches {:.6g} m from the frame's origin: is its position, scale or the "
+                    "[georeference] wrong?",
+                    error.what(), furthest.name, reach(furthest)));
   }
 }
 
@@ -179,13 +185,14 @@ class Loader {
       trajectories.push_back(make_trajectory(t));
     std::vector<std::size_t> sensor_trajectory;
     for (const SensorDescription& sensor : description_.sensors) {
-      sensor_trajectory.push_back(trajectory_of(sensor));
-      const std::size_t t = sensor_trajectory.back();
-      add_sensor_positions(box_, sensor, description_.trajectories[t], trajectories[t]);
+      const std::size_t t = trajectory_of(sensor);
+      sensor_trajectory.push_back(t);
+      parts_.push_back({sensor.name, sensor.place,
+                        sensor_positions(sensor, description_.trajectories[t], trajectories[t])});
     }
 
     Scene scene{.description = description_,
-                .grid = grid_for(description_, box_, report_, components_),
+                .grid = grid_for(description_, parts_),
                 .mesh = {},
                 .material_mu = {},
                 .trajectories = std::move(trajectories),
@@ -227,8 +234,7 @@ class Loader {
                      const SourcePlace& material_place, const SourcePlace& place, bool is_file) {
     Box extent;
     for (const glm::dvec3& p : mesh.points_m) extent.add(p);
-    box_.add(extent.lo);
-    box_.add(extent.hi);
+    parts_.push_back({name, place, extent});
     ComponentReport& report = report_.components.emplace_back();
     report.name = name;
     report.facets_in_file = mesh.triangles.size();
@@ -237,7 +243,7 @@ class Loader {
     report.hi_m = extent.hi;
     report_.warnings.insert(report_.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
     const std::size_t index = index_of(description_.materials, material, "material", material_place);
-    components_.push_back({std::move(mesh), static_cast<std::uint16_t>(index), is_file, place});
+    components_.push_back({std::move(mesh), static_cast<std::uint16_t>(index), is_file});
   }
 
   std::size_t trajectory_of(const SensorDescription& sensor) const {
@@ -276,7 +282,7 @@ class Loader {
 
   const SceneDescription& description_;
   std::optional<LocalFrame> frame_;  // unset: the first raster settles it
-  Box box_;
+  std::vector<Part> parts_;
   std::vector<LoadedComponent> components_;
   SceneReport report_;
 };

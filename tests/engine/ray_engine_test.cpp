@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <numeric>
+#include <random>
 
 #include "engine/echo.hpp"
 #include "geometry/measure.hpp"
@@ -238,28 +239,29 @@ TEST(RayEngine, NearerFacetsHide) {
 }
 
 TEST(RayEngine, FacetsInAPlaneThroughTheApexAreTransparent) {
-  // An oblique facet in a plane that holds the apex exactly, on the grid; in float it does not, and some rays
-  // of this narrow tube meet it.
-  const GridPoint p = grid.snap({1.2345678, 2.3456789, -5.1}), q = grid.snap({-2.1, 1.7, -4.3});
-  FacetMesh mesh = flat_bed(10);
-  const auto first = VertexId(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), {p, q, {p.x + q.x, p.y + q.y, p.z + q.z}});
-  mesh.facets.push_back({first, first + 1, first + 2});
-  // One of no area, in the way as well.
-  add_facet(mesh, {-0.5, 2, -5}, {-0.5, 2, -5}, {-0.25, 2, -5});
-  const RayScene scene(mesh, grid);
-  TubeSet tubes;
-  tubes.reach = 1e3 / grid.unit_m();
-  const glm::dvec3 a = as_vector(p) + 0.4 * as_vector(q), b = as_vector(p) + 1.5 * as_vector(q);
-  const glm::dvec3 across = 1e-7 * glm::length(a) * glm::normalize(glm::cross(a, b));
-  for (const glm::dvec3& ray : {a - across, b - across, b + across, a + across})
-    tubes.rays.push_back(ray_towards(ray));
-  tubes.tubes = {{0, 1, 2, 3}};
-  const History history = trace_rays(scene, tubes, grid.unit_m(), 3000, 9);
-  ASSERT_EQ(history.hits.size(), 3000u);
-  for (const RayHit& hit : history.hits) {
-    ASSERT_LT(hit.facet, 2u);
-    ASSERT_GE(hit.slant_range_m, 10);
+  const unsigned seed = 3;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> gauss;
+  for (int i = 0; i < 40; ++i) {
+    // A facet in a plane that holds the apex exactly, on the grid; in float it does not, and for a third of
+    // such facets Embree reports some rays of this narrow tube as hits.
+    const GridPoint p = grid.snap({gauss(random), gauss(random), -5.1});
+    const GridPoint q = grid.snap({gauss(random), gauss(random), -4.3});
+    FacetMesh mesh = flat_bed(10);
+    const auto first = VertexId(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {p, q, {p.x + q.x, p.y + q.y, p.z + q.z}});
+    mesh.facets.push_back({first, first + 1, first + 2});
+    TubeSet tubes;
+    tubes.reach = 1e3 / grid.unit_m();
+    const glm::dvec3 a = as_vector(p) + 0.4 * as_vector(q), b = as_vector(p) + 1.5 * as_vector(q);
+    const glm::dvec3 across = 3e-8 * glm::length(a) * glm::normalize(glm::cross(a, b));
+    for (const glm::dvec3& ray : {a - across, b - across, b + across, a + across})
+      tubes.rays.push_back(ray_towards(ray));
+    tubes.tubes = {{0, 1, 2, 3}};
+    const History history = trace_rays(RayScene(mesh, grid), tubes, grid.unit_m(), 500, 9);
+    ASSERT_EQ(history.hits.size(), 500u);
+    for (const RayHit& hit : history.hits) ASSERT_LT(hit.facet, 2u);
   }
 }
 

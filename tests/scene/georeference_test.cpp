@@ -85,9 +85,9 @@ TEST(ProjectedFrame, CarriesLatitudeAndLongitude) {
 TEST(ProjectedFrame, TakesItsUnitIntoAccount) {
   // California zone 3 in US survey feet.
   const LocalFrame frame = LocalFrame::projected("EPSG:2227", 6000000, 2000000, 0, kPlace);
-  glm::dvec3 point(6003937, 2000000, 5);
+  glm::dvec3 point(6003937, 2007874, 5);
   frame.carry({&point, 1}, "EPSG:2227", kPlace);
-  expect_near(point, {1200, 0, 5}, 1e-9);
+  expect_near(point, {1200, 2400, 5}, 1e-9);
 }
 
 TEST(LocalFrame, FollowsTheDescription) {

@@ -232,13 +232,13 @@ TEST(LoadScene, AnErrorInAFileNamesTheSceneToo) {
 
 TEST(LoadScene, TheGridHoldsFacetsAndSensorsWithTheirLeverArms) {
   SceneDescription d = pond();
-  d.trajectories[0].kind = LineTrajectory{{0, 0, 0}, {0, 1500, 0}, 10, 0, 0};
-  d.sensors[0].pings = 150;
+  d.trajectories[0].kind = LineTrajectory{{0, 0, 0}, {0, 910, 0}, 10, 0, 0};
+  d.sensors[0].pings = 91;
   d.sensors[0].ping_interval_s = 1;
-  d.sensors[0].lever_arm_m = {0, 0, 100};
+  d.sensors[0].lever_arm_m = {0, 100, 0};
   const Scene scene = load_scene(d);
-  EXPECT_EQ(scene.grid.exponent(), 19);  // 1540 m by 110 m
-  for (const glm::dvec3& p : {glm::dvec3(0, 1490, 100), glm::dvec3(-50, -50, -10)}) {
+  EXPECT_EQ(scene.grid.exponent(), 19);  // 1050 m; without the lever arm, 950 m would take 2^-20 m
+  for (const glm::dvec3& p : {glm::dvec3(0, 1000, 0), glm::dvec3(-50, -50, -10)}) {
     const GridPoint snapped = scene.grid.snap(p);
     EXPECT_LE(std::abs(std::int64_t{snapped.y}), 1 << 29);
     EXPECT_LE(glm::distance(scene.grid.to_metres(snapped), p), scene.grid.unit_m());
@@ -268,6 +268,11 @@ TEST(LoadScene, CoordinatesBeyondTheGridAreRefused) {
   d.objects[0].position_m = {3e9, 0, 0};
   EXPECT_THAT([&] { load_scene(d); }, ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:20:1"),
                                                                       HasSubstr("'moon' reaches 3e+09 m"))));
+  std::get<FixedTrajectory>(d.trajectories[0].kind).position_m = {0, -4e9, 0};
+  EXPECT_THAT(
+      [&] { load_scene(d); },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:40:1"), HasSubstr("'camera' reaches 4e+09 m"))));
+  std::get<FixedTrajectory>(d.trajectories[0].kind).position_m = {0, 0, 0};
   d.objects[0].position_m = {5000, 0, 0};
   d.run.place = {"scene.toml", 60, 1};
   d.run.grid_exponent = 20;

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/gnomonic_frame.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Side of p against the line from a to b: +1 left, -1 right, 0 within the margin.
+int side_of_line(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p) {
+  const double ux = b.x - a.x, uy = b.y - a.y, vx = p.x - a.x, vy = p.y - a.y;
+  const double cross = ux * vy - uy * vx;
+  // Each coordinate may be off by margin (1 + |c|) and is below 1 / shallowest in size.
+  const double scale = 1 + std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y),
+                                     std::abs(p.x), std::abs(p.y)});
+  const double bound =
+      8 * GnomonicFrame::margin * scale *
+      (std::abs(ux) + std::abs(uy) + std::abs(vx) + std::abs(vy) + GnomonicFrame::margin * scale);
+  return cross > bound ? 1 : cross < -bound ? -1 : 0;
+}
+
+}  // namespace
+
+GnomonicFrame::GnomonicFrame(const std::array<GridPoint, 4>& rays) {
+  glm::dvec3 sum{0};
+  for (const GridPoint& ray : rays) sum += glm::normalize(as_double(ray));
+  axis_ = glm::normalize(sum);
+  right_ = glm::normalize(as_double(rays[1]) - as_double(rays[0]));
+  right_ = glm::normalize(right_ - axis_ * glm::dot(right_, axis_));
+  up_ = glm::cross(axis_, right_);
+  tube_ = Bounds::nothing();
+  for (int k = 0; k < 4; ++k) {
+    if (!project(as_double(rays[k]), corner_[k])) {
+      tube_ = Bounds::everything();
+      return;
+    }
+    tube_.add(corner_[k]);
+  }
+}
+
+bool GnomonicFrame::surely_inside(glm::dvec2 p) const {
+  if (!tube_.is_finite()) return false;
+  const int first = side_of_line(corner_[0], corner_[1], p);
+  if (first == 0) return false;
+  for (int k = 1; k < 4; ++k)
+    if (side_of_line(corner_[k], corner_[(k + 1) % 4], p) != first) return false;
+  return true;
+}
+
+void SeenFacet::measure(const GnomonicFrame& frame) {
+  double low = std::numeric_limits<double>::infinity(), high = 0, longest = 0;
+  bounds = Bounds::nothing();
+  bool finite = true;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 d = as_double(cone.point[k]), edge = as_double(cone.point[(k + 1) % 3]) - d;
+    low = std::min(low, glm::dot(d, d));
+    high = std::max(high, glm::dot(d, d));
+    longest = std::max(longest, glm::dot(edge, edge));
+    finite = finite && frame.project(d, corner[k]);
+    if (finite) bounds.add(corner[k]);
+  }
+  if (finite)
+    bounds.widen(GnomonicFrame::margin * (1 + std::max({std::abs(bounds.x0), std::abs(bounds.x1),
+                                                        std::abs(bounds.y0), std::abs(bounds.y1)})));
+  else
+    bounds = Bounds::everything();
+  // No point of a triangle is farther than its longest side / sqrt(3) from a vertex, nor nearer than its
+  // plane.
+  const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
+  const double plane = static_cast<double>(cone.offset) / std::sqrt(glm::dot(normal, normal));
+  nearest = std::max(std::sqrt(low) - 0.57736 * std::sqrt(longest), plane) * (1 - 1e-12);
+  farthest = std::sqrt(high) * (1 + 1e-12);
+}
+
+int where(const SeenFacet& facet, glm::dvec2 p) {
+  if (p.x < facet.bounds.x0 || p.x > facet.bounds.x1 || p.y < facet.bounds.y0 || p.y > facet.bounds.y1)
+    return -1;
+  // The triangle's turn in the plane is not known beforehand: inside is where all three sides agree.
+  int left = 0, right = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int s = side_of_line(facet.corner[k], facet.corner[(k + 1) % 3], p);
+    left += s > 0;
+    right += s < 0;
+  }
+  if (left == 3 || right == 3) return 1;
+  return left > 0 && right > 0 ? -1 : 0;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/layer_grid.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace tubefoot {
+namespace {
+
+/// Facets a cell should hold about, when all have the same size. Measured: docs/performance.md.
+constexpr double facets_per_cell = 6;
+/// More entries than this for each facet, on average, and the cells are made larger.
+constexpr double entries_per_facet = 6;
+constexpr int most_cells_a_side = 512;
+
+std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
+  while (parent[k] != k) k = parent[k] = parent[parent[k]];
+  return k;
+}
+
+}  // namespace
+
+void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& facets,
+                      const std::vector<Neighbours>& neighbours) {
+  frame_ = &frame;
+  facets_ = &facets;
+  neighbours_ = &neighbours;
+  verdicts_.assign(facets.size(), Verdict::unsure);
+  place_.resize(facets.size());
+  stamp_.assign(facets.size(), 0);
+  stamp_now_ = 0;
+  choose_size();
+  fill();
+  mark_silhouettes();
+  for (int y = 0; y < rows_; ++y)
+    for (int x = 0; x < columns_; ++x) find_layers(x, y);
+  judge();
+}
+
+void LayerGrid::choose_size() {
+  columns_ = rows_ = 1;
+  const Bounds& tube = frame_->tube();
+  if (tube.is_finite()) {
+    const double width = tube.x1 - tube.x0, height = tube.y1 - tube.y0;
+    double cells = static_cast<double>(facets_->size()) / facets_per_cell;
+    for (int attempt = 0; attempt < 12 && cells > 1; ++attempt, cells /= 2) {
+      columns_ = std::clamp(static_cast<int>(std::sqrt(cells * width / height)), 1, most_cells_a_side);
+      rows_ = std::clamp(static_cast<int>(cells / columns_), 1, most_cells_a_side);
+      cell_width_ = width / columns_;
+      cell_height_ = height / rows_;
+      double entries = 0;
+      for (const SeenFacet& facet : *facets_) {
+        const Cells c = cells_of(facet.bounds);
+        entries += static_cast<double>(c.x1 - c.x0 + 1) * (c.y1 - c.y0 + 1);
+      }
+      if (entries <= entries_per_facet * static_cast<double>(facets_->size())) break;
+      columns_ = rows_ = 1;
+    }
+    cell_width_ = width / columns_;
+    cell_height_ = height / rows_;
+  }
+  cells_.assign(static_cast<std::size_t>(columns_) * rows_, Cell{});
+}
+
+LayerGrid::Cells LayerGrid::cells_of(const Bounds& bounds) const {
+  const Bounds& tube = frame_->tube();
+  // Clamped as doubles: bounds may be infinite or far outside.
+  const auto index = [](double coordinate, double origin, double size, int count) {
+    return static_cast<int>(std::clamp(std::floor((coordinate - origin) / size), 0.0, count - 1.0));
+  };
+  // One cell in a direction needs no arithmetic, which an infinite tube would not allow.
+  return {columns_ == 1 ? 0 : index(bounds.x0, tube.x0, cell_width_, columns_),
+          columns_ == 1 ? 0 : index(bounds.x1, tube.x0, cell_width_, columns_),
+          rows_ == 1 ? 0 : index(bounds.y0, tube.y0, cell_height_, rows_),
+          rows_ == 1 ? 0 : index(bounds.y1, tube.y0, cell_height_, rows_)};
+}
+
+void LayerGrid::fill() {
+  const auto each_cell = [&](const Bounds& bounds, const auto& visit) {
+    const Cells c = cells_of(bounds);
+    for (int y = c.y0; y <= c.y1; ++y)
+      for (int x = c.x0; x <= c.x1; ++x) visit(cells_[static_cast<std::size_t>(y) * columns_ + x]);
+  };
+  for (const SeenFacet& facet : *facets_) each_cell(facet.bounds, [](Cell& cell) { ++cell.end; });
+  std::uint32_t total = 0;
+  for (Cell& cell : cells_) {
+    const std::uint32_t count = cell.end;
+    cell.begin = cell.end = total;
+    total += count;
+  }
+  entries_.resize(total);
+  for (std::uint32_t f = 0; f < facets_->size(); ++f)
+    each_cell((*facets_)[f].bounds, [&](Cell& cell) { entries_[cell.end++] = {f, -1}; });
+}
+
+void LayerGrid::mark_silhouettes() {
+  broken_.assign(cells_.size(), 0);
+  for (std::size_t f = 0; f < facets_->size(); ++f) {
+    const SeenFacet& facet = (*facets_)[f];
+    const bool finite = facet.bounds.is_finite();
+    for (int k = 0; k < 3; ++k) {
+      if ((*neighbours_)[f][k] != silhouette) continue;
+      Bounds edge = facet.bounds;
+      if (finite) {
+        edge = Bounds::nothing();
+        edge.add(facet.corner[k]);
+        edge.add(facet.corner[(k + 1) % 3]);
+        edge.widen(GnomonicFrame::margin * (1 + std::max({std::abs(edge.x0), std::abs(edge.x1),
+                                                          std::abs(edge.y0), std::abs(edge.y1)})));
+      }
+      const Cells c = cells_of(edge);
+      for (int y = c.y0; y <= c.y1; ++y)
+        for (int x = c.x0; x <= c.x1; ++x) broken_[static_cast<std::size_t>(y) * columns_ + x] = 1;
+    }
+  }
+}
+
+Bounds LayerGrid::bounds_of(int x, int y) const {
+  const Bounds& tube = frame_->tube();
+  return {tube.x0 + x * cell_width_, tube.x0 + (x + 1) * cell_width_, tube.y0 + y * cell_height_,
+          tube.y0 + (y + 1) * cell_height_};
+}
+
+void LayerGrid::find_layers(int x, int y) {
+  Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
+  if (broken_[static_cast<std::size_t>(y) * columns_ + x] || cell.begin == cell.end ||
+      !frame_->tube().is_finite())
+    return;
+  const std::uint32_t count = cell.end - cell.begin;
+  ++stamp_now_;
+  parent_.resize(count);
+  std::iota(parent_.begin(), parent_.end(), 0u);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::uint32_t f = entries_[cell.begin + k].facet;
+    if (!(*facets_)[f].bounds.is_finite()) return;
+    stamp_[f] = stamp_now_;
+    place_[f] = k;
+  }
+  for (std::uint32_t k = 0; k < count; ++k)
+    for (const std::int32_t n : (*neighbours_)[entries_[cell.begin + k].facet])
+      if (n >= 0 && stamp_[n] == stamp_now_) parent_[root(parent_, k)] = root(parent_, place_[n]);
+
+  // A point of the cell that is surely inside the tube and surely on one side or the other of every facet
+  // there.
+  constexpr std::array<glm::dvec2, 5> tries{
+      {{0.5, 0.5}, {0.31, 0.37}, {0.67, 0.29}, {0.35, 0.71}, {0.73, 0.66}}};
+  const Bounds box = bounds_of(x, y);
+  std::array<std::uint32_t, 8> covering;  // entries that cover the point
+  std::size_t covers = 0;
+  bool certain = false;
+  for (const glm::dvec2& t : tries) {
+    const glm::dvec2 p{box.x0 + t.x * cell_width_, box.y0 + t.y * cell_height_};
+    if (!frame_->surely_inside(p)) continue;
+    covers = 0;
+    certain = true;
+    for (std::uint32_t k = 0; k < count && certain; ++k) {
+      const int s = where((*facets_)[entries_[cell.begin + k].facet], p);
+      if (s == 0) certain = false;
+      if (s > 0) {
+        if (covers == covering.size()) return;  // very many layers: leave them to the pairs
+        covering[covers++] = k;
+      }
+    }
+    if (certain) break;
+  }
+  if (!certain || covers == 0) return;
+
+  for (std::size_t c = 0; c < covers; ++c) {
+    const std::uint32_t layer = root(parent_, covering[c]);
+    const bool simple =
+        std::none_of(covering.begin(), covering.begin() + static_cast<std::ptrdiff_t>(covers),
+                     [&](std::uint32_t o) { return o != covering[c] && root(parent_, o) == layer; });
+    double farthest = 0;
+    for (std::uint32_t k = 0; k < count; ++k)
+      if (root(parent_, k) == layer) {
+        farthest = std::max(farthest, (*facets_)[entries_[cell.begin + k].facet].farthest);
+        if (simple) entries_[cell.begin + k].simple_layer = static_cast<std::int32_t>(layer);
+      }
+    if (farthest >= cell.closed_beyond) continue;
+    cell.closed_beyond = farthest;
+    cell.clear_front = simple;
+    for (std::uint32_t k = 0; k < count && cell.clear_front; ++k)
+      cell.clear_front =
+          root(parent_, k) == layer || (*facets_)[entries_[cell.begin + k].facet].nearest > farthest;
+  }
+}
+
+void LayerGrid::judge() {
+  for (std::uint32_t f = 0; f < facets_->size(); ++f) {
+    const Cells c = cells_of((*facets_)[f].bounds);
+    bool hidden = true, clear = true;
+    for (int y = c.y0; y <= c.y1 && (hidden || clear); ++y)
+      for (int x = c.x0; x <= c.x1 && (hidden || clear); ++x) {
+        const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
+        const bool beyond = (*facets_)[f].nearest > cell.closed_beyond;
+        hidden = hidden && beyond;
+        clear = clear && cell.clear_front && !beyond;
+      }
+    verdicts_[f] = hidden ? Verdict::hidden : clear ? Verdict::clear : Verdict::unsure;
+  }
+}
+
+void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
+  out.clear();
+  const SeenFacet& receiver = (*facets_)[facet];
+  ++stamp_now_;
+  stamp_[facet] = stamp_now_;
+  const Cells c = cells_of(receiver.bounds);
+  for (int y = c.y0; y <= c.y1; ++y)
+    for (int x = c.x0; x <= c.x1; ++x) {
+      const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
+      std::int32_t layer = -1;
+      if (!broken_[static_cast<std::size_t>(y) * columns_ + x])
+        for (std::uint32_t e = cell.begin; e < cell.end; ++e)
+          if (entries_[e].facet == facet) layer = entries_[e].simple_layer;
+      for (std::uint32_t e = cell.begin; e < cell.end; ++e) {
+        const Entry& entry = entries_[e];
+        if (stamp_[entry.facet] == stamp_now_ || verdicts_[entry.facet] == Verdict::hidden) continue;
+        if (layer >= 0 && entry.simple_layer == layer)
+          continue;  // the same layer does not overlap itself here
+        const SeenFacet& other = (*facets_)[entry.facet];
+        if (other.nearest >= receiver.farthest || !other.bounds.meets(receiver.bounds)) continue;
+        stamp_[entry.facet] = stamp_now_;
+        out.push_back(entry.facet);
+      }
+    }
+  std::sort(out.begin(), out.end(), [this](std::uint32_t a, std::uint32_t b) {
+    return (*facets_)[a].nearest != (*facets_)[b].nearest ? (*facets_)[a].nearest < (*facets_)[b].nearest
+                                                          : a < b;
+  });
+}
+
+}  // namespace tubefoot

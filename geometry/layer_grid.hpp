@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/gnomonic_frame.hpp"
+
+namespace tubefoot {
+
+/// What lies beyond an edge of a facet, as seen from the apex.
+constexpr std::int32_t silhouette = -1;    ///< nothing, a fold, or more than one facet
+constexpr std::int32_t outside_tube = -2;  ///< whatever it is, the edge does not enter the tube
+
+/// Neighbours across the three edges: a facet's index, silhouette or outside_tube. Edge k runs from vertex k
+/// to k + 1.
+using Neighbours = std::array<std::int32_t, 3>;
+
+/// Finds out, without a single exact predicate, which facets of a tube are surely hidden, which surely stand
+/// clear, and which pairs need a closer look.
+///
+/// The argument (docs/visibility.md, 'Layers'). Cut the gnomonic plane into cells. In a cell that no
+/// silhouette edge enters, the facets joined by shared edges form layers, and a layer covers every point of
+/// the cell (within the tube) equally often: stepping over a shared edge leaves one facet and enters one. So
+/// one point decides: a layer that covers it hides whatever lies wholly beyond the layer's farthest facet; a
+/// layer that covers it once does not overlap itself anywhere in the cell.
+class LayerGrid {
+ public:
+  enum class Verdict : std::uint8_t {
+    unsure,  ///< look at the pairs
+    clear,   ///< nothing hides any part of it
+    hidden,  ///< no part of it is seen; it hides nothing that others do not hide
+  };
+
+  /// Facets and neighbours are indexed alike and must outlive the grid's use.
+  void build(const GnomonicFrame& frame, const std::vector<SeenFacet>& facets,
+             const std::vector<Neighbours>& neighbours);
+
+  Verdict verdict(std::uint32_t facet) const { return verdicts_[facet]; }
+
+  /// Fills `out` with every facet that might hide part of `facet` and is not hidden itself, nearest first.
+  void occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out);
+
+ private:
+  struct Cells {
+    int x0, x1, y0, y1;
+  };
+  struct Cell {
+    std::uint32_t begin = 0, end = 0;  ///< in entries_
+    /// Everything wholly beyond this distance is hidden here.
+    double closed_beyond = std::numeric_limits<double>::infinity();
+    /// All facets of the one layer in front, which covers the cell once, nearer than all others.
+    bool clear_front = false;
+    double front_farthest = 0;
+  };
+  struct Entry {
+    std::uint32_t facet;
+    std::int32_t simple_layer;  ///< layer that covers this cell exactly once, by its first entry; -1: none
+  };
+
+  void choose_size();
+  Cells cells_of(const Bounds& bounds) const;
+  Bounds bounds_of(int x, int y) const;
+  void fill();
+  void mark_silhouettes();
+  void find_layers(int x, int y);
+  void judge();
+
+  const GnomonicFrame* frame_ = nullptr;
+  const std::vector<SeenFacet>* facets_ = nullptr;
+  const std::vector<Neighbours>* neighbours_ = nullptr;
+  int columns_ = 1, rows_ = 1;
+  double cell_width_ = 1, cell_height_ = 1;
+  std::vector<Cell> cells_;
+  std::vector<Entry> entries_;
+  std::vector<std::uint8_t> broken_;  ///< per cell: a silhouette edge may enter it
+  std::vector<Verdict> verdicts_;
+
+  // Scratch: per facet, its place in the cell at hand; per place, layers as a union-find forest.
+  std::vector<std::uint32_t> place_, stamp_;
+  std::uint32_t stamp_now_ = 0;
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace tubefoot
