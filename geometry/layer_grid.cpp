@@ -31,7 +31,6 @@ void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& 
   stamp_now_ = 0;
   choose_size();
   fill();
-  mark_silhouettes();
   for (int y = 0; y < rows_; ++y)
     for (int x = 0; x < columns_; ++x) find_layers(x, y);
   judge();
@@ -90,29 +89,27 @@ void LayerGrid::fill() {
   }
   entries_.resize(total);
   for (std::uint32_t f = 0; f < facets_->size(); ++f)
-    each_cell((*facets_)[f].bounds, [&](Cell& cell) { entries_[cell.end++] = {f, -1}; });
+    each_cell((*facets_)[f].bounds, [&](Cell& cell) {
+      entries_[cell.end++] = {(*facets_)[f].nearest, f, -1};
+    });
+  for (const Cell& cell : cells_)
+    std::sort(entries_.begin() + cell.begin, entries_.begin() + cell.end, [](const Entry& a, const Entry& b) {
+      return a.nearest != b.nearest ? a.nearest < b.nearest : a.facet < b.facet;
+    });
 }
 
-void LayerGrid::mark_silhouettes() {
-  broken_.assign(cells_.size(), 0);
-  for (std::size_t f = 0; f < facets_->size(); ++f) {
-    const SeenFacet& facet = (*facets_)[f];
-    const bool finite = facet.bounds.is_finite();
-    for (int k = 0; k < 3; ++k) {
-      if ((*neighbours_)[f][k] != silhouette) continue;
-      Bounds edge = facet.bounds;
-      if (finite) {
-        edge = Bounds::nothing();
-        edge.add(facet.corner[k]);
-        edge.add(facet.corner[(k + 1) % 3]);
-        edge.widen(GnomonicFrame::margin * (1 + std::max({std::abs(edge.x0), std::abs(edge.x1),
-                                                          std::abs(edge.y0), std::abs(edge.y1)})));
-      }
-      const Cells c = cells_of(edge);
-      for (int y = c.y0; y <= c.y1; ++y)
-        for (int x = c.x0; x <= c.x1; ++x) broken_[static_cast<std::size_t>(y) * columns_ + x] = 1;
-    }
+bool LayerGrid::has_silhouette_in(std::uint32_t f, const Bounds& cell) const {
+  const SeenFacet& facet = (*facets_)[f];
+  for (int k = 0; k < 3; ++k) {
+    if ((*neighbours_)[f][k] != silhouette) continue;
+    Bounds edge = Bounds::nothing();
+    edge.add(facet.corner[k]);
+    edge.add(facet.corner[(k + 1) % 3]);
+    edge.widen(GnomonicFrame::margin *
+               (1 + std::max({std::abs(edge.x0), std::abs(edge.x1), std::abs(edge.y0), std::abs(edge.y1)})));
+    if (edge.meets(cell)) return true;
   }
+  return false;
 }
 
 Bounds LayerGrid::bounds_of(int x, int y) const {
@@ -123,9 +120,7 @@ Bounds LayerGrid::bounds_of(int x, int y) const {
 
 void LayerGrid::find_layers(int x, int y) {
   Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
-  if (broken_[static_cast<std::size_t>(y) * columns_ + x] || cell.begin == cell.end ||
-      !frame_->tube().is_finite())
-    return;
+  if (cell.begin == cell.end || !frame_->tube().is_finite()) return;
   const std::uint32_t count = cell.end - cell.begin;
   ++stamp_now_;
   parent_.resize(count);
@@ -139,37 +134,37 @@ void LayerGrid::find_layers(int x, int y) {
   for (std::uint32_t k = 0; k < count; ++k)
     for (const std::int32_t n : (*neighbours_)[entries_[cell.begin + k].facet])
       if (n >= 0 && stamp_[n] == stamp_now_) parent_[root(parent_, k)] = root(parent_, place_[n]);
+  const Bounds box = bounds_of(x, y);
+  broken_.assign(count, 0);
+  for (std::uint32_t k = 0; k < count; ++k)
+    if (const std::uint32_t layer = root(parent_, k); !broken_[layer])
+      broken_[layer] = has_silhouette_in(entries_[cell.begin + k].facet, box);
 
   // A point of the cell that is surely inside the tube and surely on one side or the other of every facet
   // there.
   constexpr std::array<glm::dvec2, 5> tries{
       {{0.5, 0.5}, {0.31, 0.37}, {0.67, 0.29}, {0.35, 0.71}, {0.73, 0.66}}};
-  const Bounds box = bounds_of(x, y);
-  std::array<std::uint32_t, 8> covering;  // entries that cover the point
-  std::size_t covers = 0;
   bool certain = false;
   for (const glm::dvec2& t : tries) {
     const glm::dvec2 p{box.x0 + t.x * cell_width_, box.y0 + t.y * cell_height_};
     if (!frame_->surely_inside(p)) continue;
-    covers = 0;
+    covering_.clear();
     certain = true;
     for (std::uint32_t k = 0; k < count && certain; ++k) {
+      if (broken_[root(parent_, k)]) continue;
       const int s = where((*facets_)[entries_[cell.begin + k].facet], p);
       if (s == 0) certain = false;
-      if (s > 0) {
-        if (covers == covering.size()) return;  // very many layers: leave them to the pairs
-        covering[covers++] = k;
-      }
+      if (s > 0) covering_.push_back(k);
     }
     if (certain) break;
   }
-  if (!certain || covers == 0) return;
+  if (!certain) return;
 
-  for (std::size_t c = 0; c < covers; ++c) {
-    const std::uint32_t layer = root(parent_, covering[c]);
-    const bool simple =
-        std::none_of(covering.begin(), covering.begin() + static_cast<std::ptrdiff_t>(covers),
-                     [&](std::uint32_t o) { return o != covering[c] && root(parent_, o) == layer; });
+  for (const std::uint32_t covers : covering_) {
+    const std::uint32_t layer = root(parent_, covers);
+    const bool simple = std::none_of(covering_.begin(), covering_.end(), [&](std::uint32_t other) {
+      return other != covers && root(parent_, other) == layer;
+    });
     double farthest = 0;
     for (std::uint32_t k = 0; k < count; ++k)
       if (root(parent_, k) == layer) {
@@ -180,8 +175,7 @@ void LayerGrid::find_layers(int x, int y) {
     cell.closed_beyond = farthest;
     cell.clear_front = simple;
     for (std::uint32_t k = 0; k < count && cell.clear_front; ++k)
-      cell.clear_front =
-          root(parent_, k) == layer || (*facets_)[entries_[cell.begin + k].facet].nearest > farthest;
+      cell.clear_front = root(parent_, k) == layer || entries_[cell.begin + k].nearest > farthest;
   }
 }
 
@@ -210,16 +204,15 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
     for (int x = c.x0; x <= c.x1; ++x) {
       const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
       std::int32_t layer = -1;
-      if (!broken_[static_cast<std::size_t>(y) * columns_ + x])
-        for (std::uint32_t e = cell.begin; e < cell.end; ++e)
-          if (entries_[e].facet == facet) layer = entries_[e].simple_layer;
+      for (std::uint32_t e = cell.begin; e < cell.end && layer < 0; ++e)
+        if (entries_[e].facet == facet) layer = entries_[e].simple_layer;
       for (std::uint32_t e = cell.begin; e < cell.end; ++e) {
         const Entry& entry = entries_[e];
+        if (entry.nearest >= receiver.farthest || entry.nearest > cell.closed_beyond) break;
         if (stamp_[entry.facet] == stamp_now_ || verdicts_[entry.facet] == Verdict::hidden) continue;
         if (layer >= 0 && entry.simple_layer == layer)
           continue;  // the same layer does not overlap itself here
-        const SeenFacet& other = (*facets_)[entry.facet];
-        if (other.nearest >= receiver.farthest || !other.bounds.meets(receiver.bounds)) continue;
+        if (!(*facets_)[entry.facet].bounds.meets(receiver.bounds)) continue;
         stamp_[entry.facet] = stamp_now_;
         out.push_back(entry.facet);
       }

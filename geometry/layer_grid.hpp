@@ -52,18 +52,18 @@ class LayerGrid {
     double closed_beyond = std::numeric_limits<double>::infinity();
     /// All facets of the one layer in front, which covers the cell once, nearer than all others.
     bool clear_front = false;
-    double front_farthest = 0;
   };
   struct Entry {
+    double nearest;  ///< of the facet; a cell's entries are sorted by it
     std::uint32_t facet;
-    std::int32_t simple_layer;  ///< layer that covers this cell exactly once, by its first entry; -1: none
+    std::int32_t simple_layer;  ///< layer that covers this cell exactly once, by its root; -1: none
   };
 
   void choose_size();
   Cells cells_of(const Bounds& bounds) const;
   Bounds bounds_of(int x, int y) const;
   void fill();
-  void mark_silhouettes();
+  bool has_silhouette_in(std::uint32_t facet, const Bounds& cell) const;
   void find_layers(int x, int y);
   void judge();
 
@@ -74,13 +74,13 @@ class LayerGrid {
   double cell_width_ = 1, cell_height_ = 1;
   std::vector<Cell> cells_;
   std::vector<Entry> entries_;
-  std::vector<std::uint8_t> broken_;  ///< per cell: a silhouette edge may enter it
   std::vector<Verdict> verdicts_;
 
   // Scratch: per facet, its place in the cell at hand; per place, layers as a union-find forest.
   std::vector<std::uint32_t> place_, stamp_;
   std::uint32_t stamp_now_ = 0;
-  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> parent_, covering_;
+  std::vector<std::uint8_t> broken_;  ///< by a layer's root: one of its silhouette edges may enter the cell
 };
 
 }  // namespace tubefoot

@@ -50,13 +50,14 @@ struct Icosahedron {
       corner[1 + k] = {r * std::cos(a), r * std::sin(a), z};
       corner[6 + k] = {r * std::cos(b), r * std::sin(b), -z};
     }
+    auto* out = face.begin();
     for (int k = 0; k < 5; ++k) {
       const int next = (k + 1) % 5, upper = 1 + k, upper_next = 1 + next, lower = 6 + k,
                 lower_next = 6 + next;
-      face[4 * k] = {0, upper, upper_next};
-      face[4 * k + 1] = {upper, lower, upper_next};
-      face[4 * k + 2] = {upper_next, lower, lower_next};
-      face[4 * k + 3] = {11, lower_next, lower};
+      *out++ = {0, upper, upper_next};
+      *out++ = {upper, lower, upper_next};
+      *out++ = {upper_next, lower, lower_next};
+      *out++ = {11, lower_next, lower};
     }
     int edges = 0;
     for (const auto& f : face) {

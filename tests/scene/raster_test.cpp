@@ -270,11 +270,11 @@ std::filesystem::path copy_as(const SceneFolder& folder, const char* driver, con
   return file;
 }
 
-class RasterFormat : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+class RasterFormat : public testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 TEST_P(RasterFormat, IsReadWholeAndRefusedWhenCutOff) {
   const SceneFolder folder;
-  const auto file = copy_as(folder, GetParam().first, GetParam().second);
+  const auto file = copy_as(folder, GetParam().first.c_str(), GetParam().second.c_str());
   std::optional<LocalFrame> frame = utm_frame();
   const ComponentMesh mesh = read_raster({file, {}, 1, false}, frame);
   ASSERT_THAT(mesh.points_m, SizeIs(3600));
@@ -290,7 +290,7 @@ TEST_P(RasterFormat, IsReadWholeAndRefusedWhenCutOff) {
         [&] {
           read_raster({file, {}, 1, false}, frame);
         },
-        ThrowsMessage<InputError>(HasSubstr(std::string(GetParam().second) + ": ")))
+        ThrowsMessage<InputError>(HasSubstr(GetParam().second + ": ")))
         << size << " of " << content.size() << " bytes";
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   }
@@ -299,7 +299,7 @@ TEST_P(RasterFormat, IsReadWholeAndRefusedWhenCutOff) {
 INSTANTIATE_TEST_SUITE_P(Gdal, RasterFormat,
                          testing::Values(std::pair{"GTiff", "cut.tif"}, std::pair{"AAIGrid", "cut.asc"},
                                          std::pair{"netCDF", "cut.nc"}, std::pair{"BAG", "cut.bag"}),
-                         [](const auto& format) { return std::string(format.param.first); });
+                         [](const auto& format) { return format.param.first; });
 
 TEST(RasterFormats, OthersAreRefusedWithTheOnesThatAreRead) {
   const SceneFolder folder;

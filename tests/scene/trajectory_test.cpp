@@ -124,6 +124,8 @@ struct BadCsv {
   const char* place;
   const char* message;
 };
+void PrintTo(const BadCsv& bad, std::ostream* out) { *out << bad.name; }
+
 class WaypointsRefuse : public testing::TestWithParam<BadCsv> {};
 
 TEST_P(WaypointsRefuse, BadFiles) {

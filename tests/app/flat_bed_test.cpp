@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A flat Lambert bed has a closed form (physics.md 7.5): the whole program has to give it, however the bed is cut into
+// facets, and to the last bit whatever the arithmetic and the number of threads.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <boost/math/special_functions/expint.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "app/echo_reader.hpp"
+#include "app/test_mesh.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double height_m = 10, fan_rad = 1.5 * std::numbers::pi / 180;
+const double mu = std::pow(10, -2.7);
+
+/// One beam of 1.5 degrees that hangs 10 m above the bed and sees it from nearly straight below out to 40 m.
+/// `bed`: a [[terrain]] or [[objects]] entry of material "bed".
+std::string flat_scene(double absorption_db_per_km, const std::string& bed, double heading_deg = 37) {
+  return fmt::format(R"(
+[water]
+sound_speed_m_s = 1500
+absorption_db_per_km = {}
+[[materials]]
+name = "bed"
+lambert_db = -27
+{}
+[trajectory]
+kind = "fixed"
+position_m = [0, 0, 10]
+heading_deg = {}
+[[sensors]]
+name = "beam"
+kind = "didson"
+beams = 1
+horizontal_deg = 1.5
+vertical_deg = 170
+samples = 640
+window_start_m = 8
+window_length_m = 32
+)",
+                     absorption_db_per_km, bed, heading_deg);
+}
+
+const std::string two_facets = "[[terrain]]\nkind = \"flat\"\nwidth_m = 128\nlength_m = 128\n";
+const std::string mesh_bed = "[[objects]]\nname = \"bed\"\nshape = \"mesh\"\nfile = \"bed.obj\"\n";
+
+/// physics.md 7.5 for the slant ranges near_m to far_m.
+double closed_form(double absorption_db_per_km, double near_m, double far_m) {
+  const double scale = mu * height_m * height_m * fan_rad;
+  if (absorption_db_per_km == 0) return scale / 4 * (std::pow(near_m, -4) - std::pow(far_m, -4));
+  const double beta = 2 * absorption_db_per_km / 1000 * std::numbers::ln10 / 10;
+  const auto tail = [&](double range_m) {  // integral of R^-5 exp(-beta R) from range_m to infinity
+    return std::pow(range_m, -4) * boost::math::expint(5u, beta * range_m);
+  };
+  return scale * (tail(near_m) - tail(far_m));
+}
+
+/// Largest relative error over the samples that the beam's ground extent fills; the fan ends 85 degrees below the
+/// horizontal, at 10.04 m of slant range.
+double largest_error(const Echoes& echoes, double absorption_db_per_km) {
+  double worst = 0;
+  std::size_t compared = 0;
+  for (std::size_t k = 0; k < echoes.samples; ++k) {
+    if (echoes.first_m(k) < 10.05) continue;
+    const double exact = closed_form(absorption_db_per_km, echoes.first_m(k), echoes.last_m(k));
+    worst = std::max(worst, std::abs(echoes.at(0, 0, k) / exact - 1));
+    ++compared;
+  }
+  EXPECT_GT(compared, 590u);
+  return worst;
+}
+
+// The figures that the physics sheet prints, so that closed_form() itself is held to something.
+TEST(FlatBed, ClosedFormGivesThePublishedFigures) {
+  EXPECT_NEAR(closed_form(0, 20, 20.05), 8.111093200e-11, 1e-20);
+  EXPECT_NEAR(closed_form(61.5, 20, 20.05), 4.600156e-11, 1e-17);
+  EXPECT_NEAR(closed_form(423.68, 20, 20.05), 1.630223e-12, 1e-18);
+}
+
+TEST(FlatBed, WithoutAbsorptionEverySampleIsTheClosedForm) {
+  for (const double heading_deg : {0.0, 37.0, 90.0, 213.5}) {
+    SCOPED_TRACE(heading_deg);
+    const double error = largest_error(echoes_of(flat_scene(0, two_facets, heading_deg)), 0);
+    EXPECT_LT(error, 1e-6);
+    RecordProperty(fmt::format("largest_error_at_{:g}_degrees", heading_deg), fmt::format("{:.2e}", error));
+  }
+}
+
+TEST(FlatBed, WithAbsorptionEverySampleIsTheClosedForm) {
+  for (const double absorption : {61.5, 423.68}) {
+    SCOPED_TRACE(absorption);
+    const double error = largest_error(echoes_of(flat_scene(absorption, two_facets)), absorption);
+    EXPECT_LT(error, 1e-6);
+    RecordProperty(fmt::format("largest_error_at_{:g}_dB_km", absorption), fmt::format("{:.2e}", error));
+  }
+}
+
+TEST(FlatBed, WaterColumnIsEmpty) {
+  const Echoes echoes = echoes_of(flat_scene(61.5, two_facets));
+  for (std::size_t k = 0; k < echoes.samples; ++k)
+    if (echoes.last_m(k) <= height_m) {
+      EXPECT_EQ(echoes.at(0, 0, k), 0) << k;
+    }
+  EXPECT_GT(echoes.at(0, 0, echoes.sample_at(10.06)), 0);
+}
+
+TEST(FlatBed, CutIntoCellsIsTheSameBed) {
+  const Echoes whole = echoes_of(flat_scene(61.5, two_facets));
+  const Echoes cells = echoes_of(flat_scene(61.5, two_facets + "cell_m = 1.7\n"));
+  EXPECT_LT(largest_error(cells, 61.5), 1e-6);
+  EXPECT_LT(largest_relative_difference(whole, cells), 1e-11);
+}
+
+TEST(FlatBed, FromAMeshFileInAnyOrderIsTheSameBed) {
+  const Echoes whole = echoes_of(flat_scene(61.5, two_facets));
+  const TestMesh mesh = relief(128, 16, [](double, double) { return 0.0; });
+  for (const std::uint32_t seed : {1u, 2u}) {
+    SCOPED_TRACE(seed);
+    const TestFolder folder;
+    folder.write("bed.obj", obj_text(shuffled(mesh, seed)));
+    EXPECT_LT(largest_relative_difference(whole, echoes_in(folder, flat_scene(61.5, mesh_bed))), 1e-11);
+  }
+}
+
+// One of two neighbours is split at a point of their common edge: no half-edge mesh holds that.
+TEST(FlatBed, WithTJunctionsIsTheSameBed) {
+  const Echoes whole = echoes_of(flat_scene(61.5, two_facets));
+  TestMesh mesh = relief(128, 16, [](double, double) { return 0.0; });
+  const std::size_t facets = mesh.facets.size();
+  for (std::size_t k = 0; k < facets; k += 2) {
+    const auto [a, b, c] = mesh.facets[k];  // c - a is the diagonal
+    const auto &start = mesh.vertices[a], end = mesh.vertices[c];
+    mesh.vertices.push_back({(3 * start[0] + end[0]) / 4, (3 * start[1] + end[1]) / 4, 0});
+    mesh.facets[k] = {a, b, mesh.vertices.size() - 1};
+    mesh.facets.push_back({mesh.vertices.size() - 1, b, c});
+  }
+  const TestFolder folder;
+  folder.write("bed.obj", obj_text(mesh));
+  EXPECT_LT(largest_relative_difference(whole, echoes_in(folder, flat_scene(61.5, mesh_bed))), 1e-11);
+}
+
+TEST(FlatBed, ExactArithmeticsAgreeToTheLastBit) {
+  const std::string scene = flat_scene(61.5, two_facets + "cell_m = 6.5\n");
+  const Echoes fixed = echoes_of(scene, {"--arithmetic", "fixed"});
+  EXPECT_EQ(fixed.energy, echoes_of(scene, {"--arithmetic", "filtered"}).energy);
+  EXPECT_EQ(fixed.energy, echoes_of(scene, {"--arithmetic", "rational"}).energy);
+}
+
+TEST(FlatBed, ThreadsAgreeToTheLastBit) {
+  const std::string scene = flat_scene(61.5, two_facets + "cell_m = 1.7\n");
+  const Echoes alone = echoes_of(scene, {"--threads", "1"});
+  for (const char* threads : {"2", "7"}) EXPECT_EQ(alone.energy, echoes_of(scene, {"--threads", threads}).energy);
+}
+
+}  // namespace
+}  // namespace tubefoot
