@@ -4,17 +4,30 @@
 namespace tubefoot {
 namespace {
 
-/// Side of p against the line from a to b: +1 left, -1 right, 0 within the margin.
-int side_of_line(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p) {
+/// Side of p against the line from a to b, all with coordinates known to `slack`: +1 left, -1 right, 0
+/// unknown.
+int side_of_line(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p, double slack) {
   const double ux = b.x - a.x, uy = b.y - a.y, vx = p.x - a.x, vy = p.y - a.y;
   const double cross = ux * vy - uy * vx;
-  // Each coordinate may be off by margin (1 + |c|) and is below 1 / shallowest in size.
-  const double scale = 1 + std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y),
-                                     std::abs(p.x), std::abs(p.y)});
-  const double bound =
-      8 * GnomonicFrame::margin * scale *
-      (std::abs(ux) + std::abs(uy) + std::abs(vx) + std::abs(vy) + GnomonicFrame::margin * scale);
+  const double bound = 8 * slack * (std::abs(ux) + std::abs(uy) + std::abs(vx) + std::abs(vy) + slack);
   return cross > bound ? 1 : cross < -bound ? -1 : 0;
+}
+
+double slack_of(double largest_coordinate) { return GnomonicFrame::margin * (1 + largest_coordinate); }
+
+/// True only if an edge of `a` has all of `b` on its far side.
+bool edge_parts(const SeenFacet& a, const SeenFacet& b, double slack) {
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3, third = (k + 2) % 3;
+    const int own = side_of_line(a.corner[k], a.corner[next], a.corner[third], slack);
+    if (own == 0) continue;
+    bool apart = true;
+    for (int v = 0; v < 3 && apart; ++v)
+      apart = b.cone.vertex[v] == a.cone.vertex[k] || b.cone.vertex[v] == a.cone.vertex[next] ||
+              side_of_line(a.corner[k], a.corner[next], b.corner[v], slack) == -own;
+    if (apart) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -38,10 +51,12 @@ GnomonicFrame::GnomonicFrame(const std::array<GridPoint, 4>& rays) {
 
 bool GnomonicFrame::surely_inside(glm::dvec2 p) const {
   if (!tube_.is_finite()) return false;
-  const int first = side_of_line(corner_[0], corner_[1], p);
+  const double slack =
+      slack_of(std::max({std::abs(tube_.x0), std::abs(tube_.x1), std::abs(tube_.y0), std::abs(tube_.y1)}));
+  const int first = side_of_line(corner_[0], corner_[1], p, slack);
   if (first == 0) return false;
   for (int k = 1; k < 4; ++k)
-    if (side_of_line(corner_[k], corner_[(k + 1) % 4], p) != first) return false;
+    if (side_of_line(corner_[k], corner_[(k + 1) % 4], p, slack) != first) return false;
   return true;
 }
 
@@ -57,11 +72,13 @@ void SeenFacet::measure(const GnomonicFrame& frame) {
     finite = finite && frame.project(d, corner[k]);
     if (finite) bounds.add(corner[k]);
   }
-  if (finite)
-    bounds.widen(GnomonicFrame::margin * (1 + std::max({std::abs(bounds.x0), std::abs(bounds.x1),
-                                                        std::abs(bounds.y0), std::abs(bounds.y1)})));
-  else
+  if (finite) {
+    slack = slack_of(
+        std::max({std::abs(bounds.x0), std::abs(bounds.x1), std::abs(bounds.y0), std::abs(bounds.y1)}));
+    bounds.widen(slack);
+  } else {
     bounds = Bounds::everything();
+  }
   // No point of a triangle is farther than its longest side / sqrt(3) from a vertex, nor nearer than its
   // plane.
   const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
@@ -76,12 +93,18 @@ int where(const SeenFacet& facet, glm::dvec2 p) {
   // The triangle's turn in the plane is not known beforehand: inside is where all three sides agree.
   int left = 0, right = 0;
   for (int k = 0; k < 3; ++k) {
-    const int s = side_of_line(facet.corner[k], facet.corner[(k + 1) % 3], p);
+    const int s = side_of_line(facet.corner[k], facet.corner[(k + 1) % 3], p, facet.slack);
     left += s > 0;
     right += s < 0;
   }
   if (left == 3 || right == 3) return 1;
   return left > 0 && right > 0 ? -1 : 0;
+}
+
+bool surely_apart(const SeenFacet& a, const SeenFacet& b) {
+  if (!a.bounds.is_finite() || !b.bounds.is_finite()) return false;
+  const double slack = std::max(a.slack, b.slack);
+  return edge_parts(a, b, slack) || edge_parts(b, a, slack);
 }
 
 }  // namespace tubefoot

@@ -81,6 +81,7 @@ struct SeenFacet {
   double nearest = 0, farthest = 0;  ///< bounds on its distance from the apex, grid units
   Bounds bounds = Bounds::everything();
   std::array<glm::dvec2, 3> corner{};  ///< of its vertices; meaningless where bounds are infinite
+  double slack = 0;                    ///< bound on the error of a coordinate of a corner
 
   /// Everything but the cone, from the cone.
   void measure(const GnomonicFrame& frame);
@@ -88,5 +89,9 @@ struct SeenFacet {
 
 /// Whether p is inside (1), outside (-1) or too near the border of a finite facet's triangle to tell (0).
 int where(const SeenFacet& facet, glm::dvec2 p);
+
+/// True only if the facets' cones have no interior direction in common: an edge of one has the other on its
+/// far side. Shared vertices are on the edge by name; the others must be there beyond rounding.
+bool surely_apart(const SeenFacet& a, const SeenFacet& b);
 
 }  // namespace tubefoot

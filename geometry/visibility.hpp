@@ -27,9 +27,9 @@ struct VisibilityOptions {
   Arithmetic arithmetic = Arithmetic::fixed;
   /// plain_double only: values within this, relative to their factors, count as zero.
   double tolerance = 0;
-  /// A tube with more facets than this is split to find out which facets can hide which; the visible region
-  /// does not depend on it, only its cut into pieces and the time it takes.
-  std::uint32_t facets_per_split = 24;
+  /// A facet that more facets than this may hide is split before they are taken away from it; the visible
+  /// region does not depend on it, only its cut into pieces and the time it takes.
+  std::uint32_t facets_per_split = 64;
   /// Also find the open water of each tube: what no facet covers (for the closure law).
   bool open_water = false;
 };

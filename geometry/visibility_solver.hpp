@@ -174,8 +174,10 @@ class VisibilitySolver {
     list_.clear();
     if (verdict == LayerGrid::Verdict::unsure) {
       grid_.occluder_candidates(f, list_);
-      // Only facets that can hide some of it, by the sides of vertices, are worth a cut.
-      std::erase_if(list_, [&](std::uint32_t o) { return hides(f, o) == Hides::no; });
+      // Only facets that can hide some of it are worth a cut.
+      std::erase_if(list_, [&](std::uint32_t o) {
+        return surely_apart(facets_[f], facets_[o]) || hides(f, o) == Hides::no;
+      });
     }
     depth_planes_.clear();
     receiver_ = f;

@@ -102,8 +102,96 @@ TEST(Mirror, SwapsPortAndStarboard) {
         if (a != b) worst = std::max(worst, std::abs(a - b) / std::max(a, b));
       }
     EXPECT_LT(worst, 1e-12);
-    std::printf("worst %.3e  differ %.3e\n", worst, largest_relative_difference(there, mirrored_there));
     EXPECT_GT(largest_relative_difference(there, mirrored_there), 0.01);  // the bed is not symmetric itself
+  }
+}
+
+TEST(Translation, ByGridUnitsChangesNothing) {
+  const TestMesh mesh = relief(96, 40, bumps);
+  const std::string at_origin = mesh_scene(23, sidescan, R"(
+[[terrain]]
+kind = "flat"
+width_m = 64
+length_m = 64
+centre_m = [0, 0, -0.25]
+[[objects]]
+name = "ball"
+shape = "sphere"
+radius_m = 0.75
+chord_error_m = 0.01
+position_m = [9, 2, 0.5]
+)");
+  const Echoes there = echoes_over(mesh, at_origin);
+  struct Shift {
+    double east, north, up;
+  };
+  for (const Shift& by : {Shift{1.0 / 65536, 0, 0}, Shift{-64.5, 32.25, 3.125}, Shift{300 + 3.0 / 4096, -200, -40}}) {
+    SCOPED_TRACE(fmt::format("{} {} {}", by.east, by.north, by.up));
+    const auto place = [&](double east, double north, double up) {
+      return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", by.east + east, by.north + north, by.up + up);
+    };
+    std::string moved = replaced(at_origin, "file = \"bed.obj\"", "file = \"bed.obj\"\nposition_m = " + place(0, 0, 0));
+    moved = replaced(moved, "centre_m = [0, 0, -0.25]", "centre_m = " + place(0, 0, -0.25));
+    moved = replaced(moved, "position_m = [9, 2, 0.5]", "position_m = " + place(9, 2, 0.5));
+    moved = replaced(moved, "position_m = [0, 0, 6]", "position_m = " + place(0, 0, 6));
+    EXPECT_EQ(there.energy, echoes_over(mesh, moved).energy);
+  }
+}
+
+/// An ESRI ASCII grid of 40 x 40 cells of 2 m whose south-west corner lies at (east, north).
+std::string ascii_grid(double east, double north) {
+  std::string text =
+      fmt::format("ncols 40\nnrows 40\nxllcorner {:.3f}\nyllcorner {:.3f}\ncellsize 2\nNODATA_value -9999\n", east, north);
+  for (int row = 0; row < 40; ++row) {
+    for (int column = 0; column < 40; ++column)
+      text += row == 3 && column < 5 ? "-9999 " : fmt::format("{:.4f} ", bumps(2 * column, 80 - 2 * row));
+    text += "\n";
+  }
+  return text;
+}
+
+constexpr std::string_view raster_scene = R"(
+[[materials]]
+name = "sand"
+[[terrain]]
+kind = "raster"
+file = "bed.asc"
+[[objects]]
+name = "box"
+shape = "box"
+position_m = [9, 2, 0]
+on_terrain_m = 0
+[trajectory]
+kind = "fixed"
+position_m = [0, 0, 6]
+heading_deg = 30
+)";
+
+std::string projection_of(int epsg) {
+  OGRSpatialReference reference;
+  if (reference.importFromEPSG(epsg) != OGRERR_NONE) throw std::runtime_error("unknown EPSG code");
+  char* text = nullptr;
+  reference.exportToWkt(&text);
+  const std::unique_ptr<char, decltype(&CPLFree)> owner(text, CPLFree);
+  return text;
+}
+
+// Coordinates of seven digits before the point cost no precision: the same grid in its own frame, in UTM zone 2N and
+// elsewhere in that zone echoes alike to the last bit.
+TEST(Georeference, UtmCoordinatesCostNothing) {
+  const TestFolder local;
+  local.write("bed.asc", ascii_grid(-40, -40));
+  const std::string own_frame = std::string(raster_scene) + std::string(sidescan);
+  const Echoes there = echoes_in(local, own_frame);
+  EXPECT_GT(there.total(), 0);
+  for (const auto& [east, north] : {std::pair{621930.0, 7245100.0}, std::pair{345678.0, 5000001.0}}) {
+    SCOPED_TRACE(east);
+    const TestFolder folder;
+    folder.write("bed.asc", ascii_grid(east - 40, north - 40));
+    folder.write("bed.prj", projection_of(32602));
+    const Echoes utm = echoes_in(
+        folder, fmt::format("[georeference]\ncrs = \"EPSG:32602\"\norigin_crs = [{}, {}]\n", east, north) + own_frame);
+    EXPECT_EQ(there.energy, utm.energy);
   }
 }
 

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The sampling engine is a second opinion: it has to come to the exact engine's energies as its rays grow in number.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/echo_reader.hpp"
+
+namespace tubefoot {
+namespace {
+
+const std::string scene = R"(
+[[materials]]
+name = "sand"
+[[materials]]
+name = "steel"
+lambert_db = -10
+[[terrain]]
+kind = "flat"
+material = "sand"
+width_m = 30
+length_m = 30
+[[objects]]
+name = "ball"
+material = "steel"
+shape = "sphere"
+radius_m = 0.5
+position_m = [0.2, 4, 0.4]
+[[objects]]
+name = "box"
+material = "steel"
+shape = "box"
+size_m = [0.6, 0.2, 0.5]
+position_m = [-0.8, 4.5, 0.2]
+heading_deg = 20
+[trajectory]
+kind = "fixed"
+position_m = [0, 0, 2]
+[[sensors]]
+name = "camera"
+kind = "didson"
+tilt_deg = 25
+vertical_deg = 20
+beams = 24
+samples = 64
+window_start_m = 2
+window_length_m = 8
+)";
+
+std::vector<std::string> rays(int count, int seed) {
+  return {"--engine", "ray", "--rays", std::to_string(count), "--seed", std::to_string(seed)};
+}
+
+/// Mean and standard deviation of the total energy over eight seeds.
+std::pair<double, double> spread(int count) {
+  std::vector<double> totals;
+  for (int seed = 1; seed <= 8; ++seed) totals.push_back(echoes_of(scene, rays(count, seed)).total());
+  double mean = 0, square = 0;
+  for (const double total : totals) mean += total / 8;
+  for (const double total : totals) square += (total - mean) * (total - mean) / 7;
+  return {mean, std::sqrt(square)};
+}
+
+TEST(RayRun, TotalEnergyConvergesToTheTubeEngines) {
+  const double exact = echoes_of(scene).total();
+  const auto [few_mean, few_deviation] = spread(5000);
+  const auto [many_mean, many_deviation] = spread(500000);
+  // The mean of eight lies within five of its own standard errors; Embree's floats are far below that.
+  EXPECT_NEAR(few_mean, exact, 5 * few_deviation / std::sqrt(8));
+  EXPECT_NEAR(many_mean, exact, 5 * many_deviation / std::sqrt(8) + 1e-6 * exact);
+  EXPECT_LT(many_deviation, few_deviation / 5);  // 100 times the rays: at least the 10 of plain sampling, with margin
+  EXPECT_LT(many_deviation, 1e-3 * exact);
+  std::printf("few %.2e +- %.2e   many %.2e +- %.2e\n", few_mean / exact - 1, few_deviation / exact,
+              many_mean / exact - 1, many_deviation / exact);
+}
+
+TEST(RayRun, EverySampleComesClose) {
+  const Echoes exact = echoes_of(scene), sampled = echoes_of(scene, rays(2000000, 3));
+  double difference = 0;
+  for (std::size_t k = 0; k < exact.energy.size(); ++k) difference += std::abs(exact.energy[k] - sampled.energy[k]);
+  EXPECT_LT(difference, 0.02 * exact.total());
+  std::printf("difference %.3e\n", difference / exact.total());
+  for (std::size_t k = 0; k < exact.energy.size(); ++k)
+    if (exact.energy[k] == 0) {
+      EXPECT_LT(sampled.energy[k], 1e-6 * exact.total()) << "sample " << k;
+    }
+}
+
+TEST(RayRun, SameSeedSameFile) {
+  const TestFolder folder;
+  const auto bytes = [&](const std::vector<std::string>& arguments) {
+    echoes_in(folder, scene, arguments);
+    return bytes_of(folder / "results" / "echoes.nc");
+  };
+  const std::string once = bytes(rays(3000, 7));
+  EXPECT_EQ(once, bytes(rays(3000, 7)));
+  auto threads = rays(3000, 7);
+  threads.insert(threads.end(), {"--threads", "1"});
+  EXPECT_EQ(once, bytes(threads));
+  EXPECT_NE(once, bytes(rays(3000, 8)));
+}
+
+TEST(RayRun, StatisticsAndResultsNameEngineRaysAndSeed) {
+  const TestFolder folder;
+  echoes_in(folder, scene, rays(4321, 9));
+  const auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
+  EXPECT_EQ(stats["engine"], "ray");
+  EXPECT_EQ(stats["rays_per_ping"], 4321);
+  EXPECT_EQ(stats["seed"], 9);
+  EXPECT_GT(stats["ray_hits"], 4321 / 2);
+  EXPECT_LE(stats["ray_hits"], 4321 + 100);
+  EXPECT_EQ(stats["footprints"], 0);
+  EXPECT_EQ(read_attribute(folder / "results" / "echoes.nc", "engine"), "ray");
+  EXPECT_EQ(read_attribute(folder / "results" / "echoes.nc", "arithmetic"), "float");
+}
+
+TEST(RayRun, CommandLineGoesBeforeTheSceneFile) {
+  const TestFolder folder;
+  echoes_in(folder, scene + "[run]\nengine = \"ray\"\nrays_per_ping = 1000\nseed = 4\n", {"--rays", "2000"});
+  auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
+  EXPECT_EQ(stats["engine"], "ray");
+  EXPECT_EQ(stats["rays_per_ping"], 2000);
+  EXPECT_EQ(stats["seed"], 4);
+  echoes_in(folder, scene + "[run]\nengine = \"ray\"\n", {"--engine", "tube", "--arithmetic", "filtered"});
+  stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
+  EXPECT_EQ(stats["engine"], "tube");
+  EXPECT_EQ(stats["arithmetic"], "filtered");
+}
+
+}  // namespace
+}  // namespace tubefoot
