@@ -45,15 +45,28 @@ double ping_spacing_m(const Recording& recording) {
   return path / static_cast<double>(recording.ping_pose.size() - 1);
 }
 
+/// Energies after a time-varied gain that undoes spreading and absorption both ways, 40 log R + 2 alpha R, as
+/// every sidescan display does: without it the far half of a waterfall is dark. For looking at only.
+std::vector<double> gained(const Recording& recording) {
+  const RangeSamples& samples = recording.sensor->samples();
+  std::vector<double> gain(static_cast<std::size_t>(samples.count));
+  for (std::size_t k = 0; k < gain.size(); ++k) {
+    const double range_m = samples.first_m + (static_cast<double>(k) + 0.5) * samples.step_m;
+    gain[k] = std::pow(range_m, 4) * std::pow(10, 2 * recording.absorption_db_per_km * range_m / 1e4);
+  }
+  std::vector<double> energies = recording.energy;
+  for (std::size_t k = 0; k < energies.size(); ++k) energies[k] *= gain[k % gain.size()];
+  return energies;
+}
+
 /// Mean energy per column of one side, of one beam under the pings of a row.
-double mean_energy(const Recording& recording, std::size_t beam, const CellSpan& pings,
-                   const CellSpan& samples) {
+double mean_energy(const Recording& recording, const std::vector<double>& energies, std::size_t beam,
+                   const CellSpan& pings, const CellSpan& samples) {
   const std::size_t beams = recording.sensor->beams().size();
   const auto count = static_cast<std::size_t>(recording.sensor->samples().count);
   double sum = 0, weight = 0;
   for (std::size_t p = 0; p < pings.weights.size(); ++p) {
-    const double* energy =
-        recording.energy.data() + ((pings.first + p) * beams + beam) * count + samples.first;
+    const double* energy = energies.data() + ((pings.first + p) * beams + beam) * count + samples.first;
     for (std::size_t s = 0; s < samples.weights.size(); ++s) {
       sum += pings.weights[p] * samples.weights[s] * energy[s];
       weight += pings.weights[p] * samples.weights[s];
@@ -69,7 +82,8 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
   const RangeSamples& samples = sensor.samples();
   const auto pings = recording.ping_time_s.size();
   const double far_m = samples.first_m + samples.count * samples.step_m;
-  const DecibelScale scale(recording.energy);
+  const std::vector<double> energies = gained(recording);
+  const DecibelScale scale(energies);
 
   const int side =
       std::clamp(static_cast<int>(std::ceil(far_m / samples.step_m)), narrowest_side, widest_side);
@@ -93,10 +107,11 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
                 (stretch < 10 ? fmt::format("{:.2g}", stretch) : fmt::format("{:.0f}", stretch));
   else
     subtitle += ", equal scales";
-  const std::string footer = scale.reference_j() > 0
-                                 ? fmt::format("0 dB: {} dB re 1 J; darkest: no echo",
-                                               tick_label(10 * std::log10(scale.reference_j()), 0.1))
-                                 : "no echo";
+  const std::string footer =
+      scale.reference_j() > 0
+          ? fmt::format("time-varied gain 40 log R + 2 alpha R; 0 dB: {} dB re 1 J at 1 m; darkest: no echo",
+                        tick_label(10 * std::log10(scale.reference_j()), 0.1))
+          : "no echo";
 
   const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
   const int right = middle + side;
@@ -114,8 +129,10 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
       const CellSpan& column = columns[static_cast<std::size_t>(x)];
       if (column.weights.empty()) continue;
       const int y = bottom - 1 - row;
-      canvas.blend(middle - 1 - x, y, scale.colour(mean_energy(recording, 0, under, column)), column.covered);
-      canvas.blend(middle + x, y, scale.colour(mean_energy(recording, 1, under, column)), column.covered);
+      canvas.blend(middle - 1 - x, y, scale.colour(mean_energy(recording, energies, 0, under, column)),
+                   column.covered);
+      canvas.blend(middle + x, y, scale.colour(mean_energy(recording, energies, 1, under, column)),
+                   column.covered);
     }
   }
 

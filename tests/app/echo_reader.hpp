@@ -33,8 +33,8 @@ Echoes read_echoes(const std::filesystem::path& file, const std::string& sensor 
 /// A text attribute of the root group; throws where it is missing.
 std::string read_attribute(const std::filesystem::path& file, const std::string& name);
 
-/// Writes the scene, runs it with further arguments and reads the energies; throws with the program's own words
-/// if it fails.
+/// Writes the scene, runs it with further arguments and reads the energies; throws with the program's own
+/// words if it fails.
 Echoes echoes_of(const std::string& scene, const std::vector<std::string>& arguments = {},
                  const std::string& sensor = {});
 /// The same where the scene names files in `folder`.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A flat Lambert bed has a closed form (physics.md 7.5): the whole program has to give it, however the bed is cut into
-// facets, and to the last bit whatever the arithmetic and the number of threads.
+// A flat Lambert bed has a closed form (physics.md 7.5): the whole program has to give it, however the bed is
+// cut into facets, and to the last bit whatever the arithmetic and the number of threads.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -59,8 +59,8 @@ double closed_form(double absorption_db_per_km, double near_m, double far_m) {
   return scale * (tail(near_m) - tail(far_m));
 }
 
-/// Largest relative error over the samples that the beam's ground extent fills; the fan ends 85 degrees below the
-/// horizontal, at 10.04 m of slant range.
+/// Largest relative error over the samples that the beam's ground extent fills; the fan ends 85 degrees below
+/// the horizontal, at 10.04 m of slant range.
 double largest_error(const Echoes& echoes, double absorption_db_per_km) {
   double worst = 0;
   std::size_t compared = 0;
@@ -153,7 +153,8 @@ TEST(FlatBed, ExactArithmeticsAgreeToTheLastBit) {
 TEST(FlatBed, ThreadsAgreeToTheLastBit) {
   const std::string scene = flat_scene(61.5, two_facets + "cell_m = 1.7\n");
   const Echoes alone = echoes_of(scene, {"--threads", "1"});
-  for (const char* threads : {"2", "7"}) EXPECT_EQ(alone.energy, echoes_of(scene, {"--threads", threads}).energy);
+  for (const char* threads : {"2", "7"})
+    EXPECT_EQ(alone.energy, echoes_of(scene, {"--threads", threads}).energy);
 }
 
 }  // namespace

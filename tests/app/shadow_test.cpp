@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shadows and first returns lie where height and geometry put them (physics.md 7.2): to the sample, and shadows are
-// exactly dark.
+// Shadows and first returns lie where height and geometry put them (physics.md 7.2): to the sample, and
+// shadows are exactly dark.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,8 @@ namespace {
 
 constexpr double beam_rad = 0.3 * std::numbers::pi / 180;
 
-/// One narrow beam, 5 m above the bed, that looks north; samples of 1 cm whose borders lie at odd half centimetres.
+/// One narrow beam, 5 m above the bed, that looks north; samples of 1 cm whose borders lie at odd half
+/// centimetres.
 std::string camera_scene(const std::string& rest) {
   return R"(
 [water]
@@ -46,7 +47,8 @@ const std::string sphere =
     "[[objects]]\nname = \"sphere\"\nshape = \"sphere\"\nradius_m = 1\nchord_error_m = 0.0005\n"
     "position_m = [0, 10, 1]\n";
 
-constexpr double wall_shadow_end_m = 13.462912018, sphere_first_m = 9.770329614, sphere_shadow_end_m = 17.631740393;
+constexpr double wall_shadow_end_m = 13.462912018, sphere_first_m = 9.770329614,
+                 sphere_shadow_end_m = 17.631740393;
 
 /// Energy of a bare bed between two slant ranges (physics.md 7.5).
 double bare_bed(double near_m, double far_m) {

@@ -24,7 +24,8 @@ range_max_m = 40
 )";
 
 double bumps(double east, double north) {
-  return 0.4 * std::sin(0.31 * east + 0.2) * std::cos(0.23 * north) + 0.1 * std::sin(1.9 * east - 1.3 * north);
+  return 0.4 * std::sin(0.31 * east + 0.2) * std::cos(0.23 * north) +
+         0.1 * std::sin(1.9 * east - 1.3 * north);
 }
 
 /// A sidescan 6 m above a bed, heading as told, with a box 12 m away in a compass direction.
@@ -125,12 +126,14 @@ position_m = [9, 2, 0.5]
   struct Shift {
     double east, north, up;
   };
-  for (const Shift& by : {Shift{1.0 / 65536, 0, 0}, Shift{-64.5, 32.25, 3.125}, Shift{300 + 3.0 / 4096, -200, -40}}) {
+  for (const Shift& by :
+       {Shift{1.0 / 65536, 0, 0}, Shift{-64.5, 32.25, 3.125}, Shift{300 + 3.0 / 4096, -200, -40}}) {
     SCOPED_TRACE(fmt::format("{} {} {}", by.east, by.north, by.up));
     const auto place = [&](double east, double north, double up) {
       return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", by.east + east, by.north + north, by.up + up);
     };
-    std::string moved = replaced(at_origin, "file = \"bed.obj\"", "file = \"bed.obj\"\nposition_m = " + place(0, 0, 0));
+    std::string moved =
+        replaced(at_origin, "file = \"bed.obj\"", "file = \"bed.obj\"\nposition_m = " + place(0, 0, 0));
     moved = replaced(moved, "centre_m = [0, 0, -0.25]", "centre_m = " + place(0, 0, -0.25));
     moved = replaced(moved, "position_m = [9, 2, 0.5]", "position_m = " + place(9, 2, 0.5));
     moved = replaced(moved, "position_m = [0, 0, 6]", "position_m = " + place(0, 0, 6));
@@ -141,7 +144,8 @@ position_m = [9, 2, 0.5]
 /// An ESRI ASCII grid of 40 x 40 cells of 2 m whose south-west corner lies at (east, north).
 std::string ascii_grid(double east, double north) {
   std::string text =
-      fmt::format("ncols 40\nnrows 40\nxllcorner {:.3f}\nyllcorner {:.3f}\ncellsize 2\nNODATA_value -9999\n", east, north);
+      fmt::format("ncols 40\nnrows 40\nxllcorner {:.3f}\nyllcorner {:.3f}\ncellsize 2\nNODATA_value -9999\n",
+                  east, north);
   for (int row = 0; row < 40; ++row) {
     for (int column = 0; column < 40; ++column)
       text += row == 3 && column < 5 ? "-9999 " : fmt::format("{:.4f} ", bumps(2 * column, 80 - 2 * row));
@@ -176,8 +180,8 @@ std::string projection_of(int epsg) {
   return text;
 }
 
-// Coordinates of seven digits before the point cost no precision: the same grid in its own frame, in UTM zone 2N and
-// elsewhere in that zone echoes alike to the last bit.
+// Coordinates of seven digits before the point cost no precision: the same grid in its own frame, in UTM zone
+// 2N and elsewhere in that zone echoes alike to the last bit.
 TEST(Georeference, UtmCoordinatesCostNothing) {
   const TestFolder local;
   local.write("bed.asc", ascii_grid(-40, -40));
@@ -190,7 +194,8 @@ TEST(Georeference, UtmCoordinatesCostNothing) {
     folder.write("bed.asc", ascii_grid(east - 40, north - 40));
     folder.write("bed.prj", projection_of(32602));
     const Echoes utm = echoes_in(
-        folder, fmt::format("[georeference]\ncrs = \"EPSG:32602\"\norigin_crs = [{}, {}]\n", east, north) + own_frame);
+        folder, fmt::format("[georeference]\ncrs = \"EPSG:32602\"\norigin_crs = [{}, {}]\n", east, north) +
+                    own_frame);
     EXPECT_EQ(there.energy, utm.energy);
   }
 }

@@ -15,8 +15,8 @@ struct TestMesh {
   std::vector<std::array<std::size_t, 3>> facets;  ///< vertex indices from 0
 };
 
-/// A horizontal square about the origin, cells x cells, two facets each. `height(east, north)` rounded to 2^-16 m,
-/// so that its vertices lie on any world grid of that unit or finer.
+/// A horizontal square about the origin, cells x cells, two facets each. `height(east, north)` rounded to
+/// 2^-16 m, so that its vertices lie on any world grid of that unit or finer.
 template <typename Height>
 TestMesh relief(double side_m, std::size_t cells, Height height) {
   TestMesh mesh;
@@ -25,8 +25,8 @@ TestMesh relief(double side_m, std::size_t cells, Height height) {
   };
   for (std::size_t row = 0; row <= cells; ++row)
     for (std::size_t column = 0; column <= cells; ++column)
-      mesh.vertices.push_back({place(column), place(row),
-                               std::round(height(place(column), place(row)) * 65536) / 65536});
+      mesh.vertices.push_back(
+          {place(column), place(row), std::round(height(place(column), place(row)) * 65536) / 65536});
   for (std::size_t row = 0; row < cells; ++row)
     for (std::size_t column = 0; column < cells; ++column) {
       const std::size_t corner = row * (cells + 1) + column, above = corner + cells + 1;

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Figures of speed and memory, as medians of interleaved repeats in one run, into figures.json beside the
+// program.
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "engine/ray_engine.hpp"
+#include "engine/tube_engine.hpp"
+#include "terrain.hpp"
+
+namespace {
+
+using namespace tubefoot;
+
+double milliseconds(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+/// Runs all works in turn, `repeats` times, and returns each one's median.
+std::vector<double> interleaved(int repeats, const std::vector<std::function<void()>>& works) {
+  std::vector<std::vector<double>> times(works.size());
+  for (int r = -1; r < repeats; ++r)  // the first round warms up
+    for (std::size_t w = 0; w < works.size(); ++w) {
+      const double t = milliseconds(works[w]);
+      if (r >= 0) times[w].push_back(t);
+    }
+  std::vector<double> medians;
+  for (const auto& t : times) medians.push_back(median(t));
+  return medians;
+}
+
+/// Candidates to finished pieces for a whole sector, the tree already built.
+struct View {
+  explicit View(FacetMesh m, int columns = 1)
+      : mesh(std::move(m)), tree(mesh), tubes(benchmark_sector(columns)) {}
+  void look(Arithmetic arithmetic, double tolerance = 0) {
+    VisibilityOptions options;
+    options.arithmetic = arithmetic;
+    options.tolerance = tolerance;
+    pieces = 0;
+    for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
+      see(mesh, tree, tubes, tube, options, scratch, seen);
+      pieces += seen.pieces.size();
+    }
+  }
+  FacetMesh mesh;
+  SceneTree tree;
+  TubeSet tubes;
+  VisibilityScratch scratch;
+  TubeVisibility seen;
+  std::size_t pieces = 0;
+};
+
+}  // namespace
+
+int main(int, char** argv) {
+  nlohmann::ordered_json figures;
+  const auto figure = [&](const std::string& name, double value) {
+    figures[name] = value;
+    fmt::print("{:<36} {:.4g}\n", name, value);
+    std::fflush(stdout);
+  };
+  constexpr double tuned_tolerance = 1e-14;  // the right topology on this terrain; docs/performance.md
+  {
+    View sector(benchmark_terrain(200)), beams(benchmark_terrain(200), 96);
+    const auto t =
+        interleaved(15, {[&] { sector.look(Arithmetic::fixed); }, [&] { sector.look(Arithmetic::filtered); },
+                         [&] { sector.look(Arithmetic::plain_double, tuned_tolerance); },
+                         [&] { beams.look(Arithmetic::fixed); }});
+    figure("visibility_ms_n200_fixed", t[0]);
+    figure("fixed_over_double", t[0] / t[2]);
+    figure("filtered_over_double", t[1] / t[2]);
+    figure("visibility_ms_n200_fixed_96_beams", t[3]);
+    const WorldGrid grid(terrain_grid_exponent, glm::dvec3(0));
+    const RayScene rays(sector.mesh, grid);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    figure("embree_million_rays_ms",
+           interleaved(5, {[&] { trace_rays(rays, sector.tubes, grid.unit_m(), 1000000, 1); }})[0]);
+    const auto bytes = [](const auto& v) { return static_cast<double>(v.capacity() * sizeof(v[0])); };
+    const FacetMesh& mesh = sector.mesh;
+    figure("bytes_per_facet", (bytes(mesh.vertices) + bytes(mesh.facets) + bytes(mesh.material) +
+                               bytes(mesh.component) + static_cast<double>(sector.tree.bytes())) /
+                                  static_cast<double>(mesh.facets.size()));
+  }
+  {
+    View small(benchmark_terrain(200)), middle(benchmark_terrain(400)), large(benchmark_terrain(800));
+    const auto t =
+        interleaved(5, {[&] { small.look(Arithmetic::fixed); }, [&] { middle.look(Arithmetic::fixed); },
+                        [&] { large.look(Arithmetic::fixed); }});
+    figure("visibility_ms_n400_fixed", t[1]);
+    figure("visibility_ms_n800_fixed", t[2]);
+    figure("growth_per_fourfold", std::sqrt(t[2] / t[0]));
+  }
+  {
+    View bare(benchmark_terrain(200)), buried(benchmark_terrain(200, 9));
+    const auto t =
+        interleaved(7, {[&] { bare.look(Arithmetic::fixed); }, [&] { buried.look(Arithmetic::fixed); }});
+    figure("hidden_tenfold", t[1] / t[0]);
+  }
+  {
+    const FacetMesh mesh = benchmark_terrain(200);
+    const SceneTree tree(mesh);
+    const TubeEngine engine(mesh, tree, std::ldexp(1.0, -terrain_grid_exponent), {});
+    const auto survey = [&](std::size_t threads) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      tbb::parallel_for(0, 16, [&](int) { engine.trace(benchmark_sector(1)); });
+    };
+    const auto t = interleaved(5, {[&] { survey(1); }, [&] { survey(2); }});
+    figure("two_thread_speedup", t[0] / t[1]);
+  }
+  const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
+  std::ofstream out(file);
+  out << figures.dump(2) << "\n";
+  out.close();
+  if (!out) {
+    fmt::print(stderr, "cannot write {}\n", file.string());
+    return 1;
+  }
+  fmt::print("wrote {}\n", file.string());
+  return 0;
+}

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tubefoot audit: the closure law holds in every tube, and what is visible does not depend on arithmetic,
+// threads, or the order in which a file lists its facets and vertices.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "app/program.hpp"
+#include "app/test_mesh.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// What an audit printed, by its first word or words.
+std::map<std::string, std::string> audited(const fs::path& scene, std::vector<std::string> arguments = {}) {
+  arguments.insert(arguments.begin(), {"audit", scene.string(), "--quiet"});
+  const Outcome outcome = run_program(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err << outcome.out;
+  std::map<std::string, std::string> lines;
+  std::istringstream stream(outcome.out);
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t gap = line.find("  ");
+    if (gap == std::string::npos) continue;
+    lines[line.substr(0, gap)] = line.substr(line.find_first_not_of(' ', gap));
+  }
+  EXPECT_EQ(lines["failures"], "0");
+  EXPECT_EQ(lines["topology hash"].size(), 32u);
+  return lines;
+}
+
+constexpr std::string_view looks = R"(
+[[trajectories]]
+name = "above"
+kind = "fixed"
+position_m = [0.3, -4, 3]
+[[trajectories]]
+name = "past"
+kind = "line"
+start_m = [-5, -1, 2.5]
+end_m = [-5, 1, 2.5]
+[[sensors]]
+name = "camera"
+kind = "didson"
+trajectory = "above"
+tilt_deg = 30
+beams = 16
+[[sensors]]
+name = "sidescan"
+kind = "sidescan"
+trajectory = "past"
+pings = 2
+ping_interval_s = 0.5
+range_max_m = 20
+)";
+
+/// Bodies that stick in each other and in the bed, no edge of one on an edge of another.
+constexpr std::string_view interpenetrating = R"(
+[[materials]]
+name = "sand"
+[[terrain]]
+kind = "fractal"
+width_m = 16
+length_m = 16
+cell_m = 0.4
+rms_height_m = 0.1
+[[objects]]
+name = "ball"
+shape = "sphere"
+radius_m = 0.7
+chord_error_m = 0.01
+position_m = [0, 1, 0.3]
+[[objects]]
+name = "box"
+shape = "box"
+position_m = [0.6, 1.2, 0.1]
+heading_deg = 31
+pitch_deg = 12
+[[objects]]
+name = "pipe"
+shape = "cylinder"
+radius_m = 0.2
+height_m = 3
+position_m = [0.1, 1.1, 0.4]
+pitch_deg = 80
+heading_deg = 77
+[[objects]]
+name = "cone"
+shape = "cone"
+radius_m = 0.6
+height_m = 1.4
+position_m = [-0.7, 0.7, 0.2]
+)";
+
+TEST(Audit, InterpenetratingBodiesCloseAndHashAlikeInEveryExactArithmetic) {
+  const TestFolder folder;
+  const auto scene = folder.write("scene.toml", std::string(interpenetrating) + std::string(looks));
+  auto fixed = audited(scene, {"--arithmetic", "fixed"});
+  EXPECT_EQ(fixed["arithmetic"], "fixed");
+  EXPECT_EQ(fixed["pings"], "3");
+  EXPECT_GT(std::stoi(fixed["footprints"]), 500);
+  EXPECT_GE(std::stoi(fixed["pieces"]), std::stoi(fixed["footprints"]));
+  for (const char* arithmetic : {"filtered", "rational"}) {
+    auto other = audited(scene, {"--arithmetic", arithmetic});
+    EXPECT_EQ(other["arithmetic"], arithmetic);
+    EXPECT_EQ(other["topology hash"], fixed["topology hash"]) << arithmetic;
+    EXPECT_EQ(other["footprints"], fixed["footprints"]) << arithmetic;
+  }
+  for (const char* threads : {"1", "2", "5"})
+    EXPECT_EQ(audited(scene, {"--threads", threads})["topology hash"], fixed["topology hash"]) << threads;
+}
+
+double bumps(double east, double north) {
+  return 0.4 * std::sin(0.9 * east + 0.2) * std::cos(0.7 * north) + 0.2 * std::sin(3 * east - 2 * north);
+}
+
+std::string mesh_scene() {
+  return "[[materials]]\nname = \"sand\"\n[[objects]]\nname = \"bed\"\nshape = \"mesh\"\nfile = "
+         "\"bed.obj\"\n" +
+         std::string(looks);
+}
+
+TEST(Audit, OrderOfFacetsAndVerticesDoesNotChangeTheHash) {
+  const TestFolder folder;
+  const auto scene = folder.write("scene.toml", mesh_scene());
+  const TestMesh mesh = relief(24, 24, bumps);
+  folder.write("bed.obj", obj_text(mesh));
+  auto first = audited(scene);
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    folder.write("bed.obj", obj_text(shuffled(mesh, seed)));
+    auto other = audited(scene);
+    EXPECT_EQ(other["topology hash"], first["topology hash"]);
+    EXPECT_EQ(other["footprints"], first["footprints"]);
+  }
+}
+
+// A hash that never changes proves nothing: the least move of one vertex that is seen has to show.
+TEST(Audit, HashFollowsWhatIsVisible) {
+  const TestFolder folder;
+  const auto scene = folder.write("scene.toml", mesh_scene());
+  TestMesh mesh = relief(24, 24, bumps);
+  folder.write("bed.obj", obj_text(mesh));
+  const std::string first = audited(scene)["topology hash"];
+  for (auto& vertex : mesh.vertices)
+    if (vertex[0] == 0 && vertex[1] == -1) vertex[2] += 1.0 / 65536;
+  folder.write("bed.obj", obj_text(mesh));
+  EXPECT_NE(audited(scene)["topology hash"], first);
+}
+
+TEST(Audit, SensorAndPingsChooseWhatIsAudited) {
+  const TestFolder folder;
+  const auto scene = folder.write("scene.toml", std::string(interpenetrating) + std::string(looks));
+  EXPECT_EQ(audited(scene, {"--sensor", "sidescan"})["pings"], "2");
+  EXPECT_EQ(audited(scene, {"--sensor", "sidescan", "--pings", "1"})["pings"], "1");
+  EXPECT_EQ(audited(scene, {"--sensor", "camera", "--pings", "0:"})["pings"], "1");
+}
+
+// Rounding has to show somewhere, or the law proves nothing: doubles without tolerance may break it, and must
+// then say so and fail. They may also get away with it.
+TEST(Audit, ExitCodeFollowsTheFailures) {
+  const TestFolder folder;
+  const auto scene = folder.write("scene.toml", std::string(interpenetrating) + std::string(looks));
+  const Outcome outcome = run_program({"audit", scene.string(), "--arithmetic", "double", "--quiet"});
+  const bool closed = outcome.out.find("failures       0\n") != std::string::npos;
+  EXPECT_EQ(outcome.exit_code, closed ? 0 : 1) << outcome.out;
+  EXPECT_EQ(outcome.err.find("off by") == std::string::npos, closed);
+}
+
+/// A shipped scene over real data, or nothing where the data is absent.
+fs::path real_scene(const std::string& name, const char* data) {
+  const fs::path scene = fs::path(TUBEFOOT_SOURCE_DIR) / "scenes" / name / "scene.toml";
+  return fs::exists(scene.parent_path() / "../../../shared/data" / data) ? scene : fs::path();
+}
+
+TEST(AuditOfRealData, PanelOnASurveyedSeabed) {
+  const fs::path scene = real_scene("real-grid", "jd211.bag");
+  if (scene.empty()) GTEST_SKIP() << "no jd211.bag beside the repository";
+  auto camera = audited(scene, {"--sensor", "camera"});
+  EXPECT_GT(std::stoi(camera["footprints"]), 1000);
+  EXPECT_EQ(audited(scene, {"--sensor", "camera", "--arithmetic", "filtered"})["topology hash"],
+            camera["topology hash"]);
+  const std::vector<std::string> beside_panel{"--sensor", "sidescan", "--pings", "160"};
+  auto rational = beside_panel;
+  rational.insert(rational.end(), {"--arithmetic", "rational"});
+  EXPECT_EQ(audited(scene, beside_panel)["topology hash"], audited(scene, rational)["topology hash"]);
+}
+
+TEST(AuditOfRealData, LakeBed) {
+  const fs::path scene = real_scene("lake", "lake_bottom.obj");
+  if (scene.empty()) GTEST_SKIP() << "no lake_bottom.obj beside the repository";
+  for (const char* pings : {"0:2", "150"}) {
+    SCOPED_TRACE(pings);
+    auto fixed = audited(scene, {"--pings", pings});
+    for (const char* arithmetic : {"filtered", "rational"})
+      EXPECT_EQ(audited(scene, {"--pings", pings, "--arithmetic", arithmetic})["topology hash"],
+                fixed["topology hash"])
+          << arithmetic;
+  }
+}
+
+TEST(AuditOfShippedScenes, WellHead) {
+  const fs::path scene = fs::path(TUBEFOOT_SOURCE_DIR) / "scenes/wellhead/scene.toml";
+  const std::vector<std::string> look{"--sensor", "sidescan", "--pings", "180"};
+  auto filtered = look;
+  filtered.insert(filtered.end(), {"--arithmetic", "filtered"});
+  EXPECT_EQ(audited(scene, look)["topology hash"], audited(scene, filtered)["topology hash"]);
+}
+
+}  // namespace
+}  // namespace tubefoot

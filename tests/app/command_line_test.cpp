@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the command line answers: exit code 0 for what was asked and done, 2 for what cannot be meant.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "app/program.hpp"
+#include "app/small_scene.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+/// The small scene in a folder of its own, and what happens to the program there.
+struct CommandLine : testing::Test {
+  TestFolder folder;
+  std::string scene = folder.write("scene.toml", small_scene).string();
+  std::string output = (folder / "results").string();
+  std::string table = (folder / "polygons.csv").string();
+  CommandLine() { folder.write("thing.obj", tetrahedron); }
+
+  /// Refused with exit code 2, words on stderr only, and nothing written.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& message) const {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    const Outcome outcome = run_program(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml", "thing.obj"}));
+  }
+};
+
+TEST_F(CommandLine, HelpOfEverySubcommandShowsAnExample) {
+  for (const char* command : {"run", "check", "audit", "footprints"}) {
+    const Outcome outcome = run_program({command, "--help"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(outcome.out, HasSubstr("Example:\n  tubefoot " + std::string(command) + " scenes/"));
+    EXPECT_THAT(outcome.out, HasSubstr("SCENE"));
+    EXPECT_THAT(outcome.err, IsEmpty());
+  }
+  const Outcome outcome = run_program({"--help"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* command : {"run", "check", "audit", "footprints"})
+    EXPECT_THAT(outcome.out, HasSubstr("\n  " + std::string(command) + " "));
+}
+
+TEST_F(CommandLine, VersionIsPrinted) {
+  const Outcome outcome = run_program({"--version"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, testing::MatchesRegex("tubefoot [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST_F(CommandLine, WhatCannotBeMeantIsRefused) {
+  expect_refused({}, "subcommand");
+  expect_refused({"paint", scene}, "");
+  expect_refused({"run"}, "required");
+  expect_refused({"run", scene}, "--output is required");
+  expect_refused({"run", scene, "-o", output, "--pinks", "3"}, "--pinks");
+  expect_refused({"run", scene, scene, "-o", output}, "scene.toml");
+  expect_refused({"run", scene, "-o", output, "--engine", "beam"}, "beam not in {tube,ray}");
+  expect_refused({"run", scene, "-o", output, "--arithmetic", "exact"}, "exact not in {fixed,");
+  expect_refused({"run", scene, "-o", output, "--rays", "0"}, "--rays");
+  expect_refused({"run", scene, "-o", output, "--rays", "many"}, "--rays");
+  expect_refused({"run", scene, "-o", output, "--seed", "-1"}, "--seed");
+  expect_refused({"run", scene, "-o", output, "--threads", "0"}, "--threads");
+  expect_refused({"footprints", scene, "-o", table}, "--sensor is required");
+  expect_refused({"footprints", scene, "--sensor", "camera"}, "--output is required");
+}
+
+TEST_F(CommandLine, PingsAndSensorsThatTheSceneLacksAreRefused) {
+  for (const std::string command : {"audit", "footprints"}) {
+    std::vector<std::string> words{command, scene, "--sensor", "camera"};
+    if (command == "footprints") words.insert(words.end(), {"-o", table});
+    for (const char* pings : {"1", "0:1", "7:", ":1", "2:1"}) {
+      auto arguments = words;
+      arguments.insert(arguments.end(), {"--pings", pings});
+      expect_refused(arguments, "the sensor has pings 0 to 0");
+    }
+    for (const char* pings : {"x", "-1", "0-1", "1.5", "99999999999999999999"}) {
+      auto arguments = words;
+      arguments.push_back(std::string("--pings=") + pings);
+      expect_refused(arguments, "expected pings as N, A:B, A: or :B, counted from 0");
+    }
+    words[3] = "kamera";
+    expect_refused(words, "the scene has no sensor 'kamera'; it has 'camera'");
+  }
+}
+
+TEST_F(CommandLine, CheckSaysWhatWasUnderstood) {
+  const Outcome outcome = run_program({"check", scene});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* words :
+       {"A tetrahedron", "facets         6 (0 degenerate, 0 duplicate", "grid unit      2^-20 m",
+        "largest snap   0 m", "sensor         camera: 1 pings, 4 beams, 512 samples", "expected cost"})
+    EXPECT_THAT(outcome.out, HasSubstr(words));
+  EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml", "thing.obj"}));
+}
+
+TEST_F(CommandLine, QuietKeepsResultsAndDropsTheRest) {
+  const Outcome talkative = run_program({"run", scene, "-o", output}),
+                quiet = run_program({"run", scene, "-o", output, "--quiet"});
+  EXPECT_THAT(talkative.err, HasSubstr("pings 1/1"));
+  EXPECT_THAT(talkative.err, Not(HasSubstr("\r"))) << "plain lines where there is no terminal";
+  EXPECT_THAT(quiet.err, IsEmpty());
+  EXPECT_THAT(quiet.out, HasSubstr("wrote " + output + "/echoes.nc\n"));
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a run leaves: attributes, statistics and pictures, and the same bytes every time.
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/echo_reader.hpp"
+#include "app/small_scene.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A camera and a sidescan over the tetrahedron.
+const std::string scene = std::string(small_scene) +
+                          "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\npings = 5\nsamples = 100\n"
+                          "range_max_m = 12\nalong_track_deg = 2\n";
+
+struct RunResults : testing::Test {
+  TestFolder folder;
+  const fs::path results = folder / "results";
+  RunResults() { folder.write("thing.obj", tetrahedron); }
+  Echoes run(const std::vector<std::string>& arguments = {}) const {
+    return echoes_in(folder, scene, arguments, "camera");
+  }
+};
+
+TEST_F(RunResults, EchoesSayWhatComputedThem) {
+  for (const std::string arithmetic : {"fixed", "filtered"}) {
+    run({"--arithmetic", arithmetic});
+    const fs::path file = results / "echoes.nc";
+    EXPECT_EQ(read_attribute(file, "title"), "A tetrahedron");
+    EXPECT_EQ(read_attribute(file, "engine"), "tube");
+    EXPECT_EQ(read_attribute(file, "arithmetic"), arithmetic);
+    EXPECT_EQ("tubefoot " + read_attribute(file, "version") + "\n", run_program({"--version"}).out);
+    EXPECT_THAT(read_attribute(file, "scene_hash"), testing::MatchesRegex("[0-9a-f]+"));
+    EXPECT_EQ(read_attribute(file, "scene_hash").size(), 64u);
+  }
+}
+
+TEST_F(RunResults, SceneHashFollowsTheSceneAndItsFiles) {
+  run();
+  const std::string first = read_attribute(results / "echoes.nc", "scene_hash");
+  folder.write("thing.obj", std::string(tetrahedron) + "# a remark\n");
+  run();
+  EXPECT_NE(read_attribute(results / "echoes.nc", "scene_hash"), first);
+}
+
+TEST_F(RunResults, EnergyHasThePlaceItsDimensionsSay) {
+  const Echoes camera = run();
+  EXPECT_EQ(camera.pings, 1u);
+  EXPECT_EQ(camera.beams, 4u);
+  EXPECT_EQ(camera.samples, 512u);
+  const Echoes side = read_echoes(results / "echoes.nc", "side");
+  EXPECT_EQ(side.pings, 5u);
+  EXPECT_EQ(side.beams, 2u);
+  EXPECT_EQ(side.samples, 100u);
+  EXPECT_DOUBLE_EQ(side.first_m(0), 0.5);
+  EXPECT_DOUBLE_EQ(side.last_m(99), 12);
+  EXPECT_GT(camera.total(), 0);
+  EXPECT_GT(side.total(), 0);
+}
+
+TEST_F(RunResults, StatisticsCountAndMeasure) {
+  run({"--threads", "1"});
+  const auto stats = nlohmann::json::parse(bytes_of(results / "stats.json"));
+  EXPECT_EQ(stats["facets"], 6);
+  EXPECT_EQ(stats["pings"], 6);
+  EXPECT_EQ(stats["threads"], 1);
+  EXPECT_EQ(stats["engine"], "tube");
+  EXPECT_EQ(stats["arithmetic"], "fixed");
+  EXPECT_EQ(stats["scene_hash"], read_attribute(results / "echoes.nc", "scene_hash"));
+  EXPECT_GT(stats["tubes"], 4);
+  EXPECT_GT(stats["candidates"], 0);
+  EXPECT_GT(stats["footprints"], 4);
+  EXPECT_GE(stats["pieces"], stats["footprints"]);
+  EXPECT_GT(stats["peak_memory_mb"], 1);
+  EXPECT_TRUE(stats["warnings"].empty());
+  for (const char* stage : {"load", "tree", "simulation", "write", "total"})
+    EXPECT_GE(stats["seconds"][stage], 0) << stage;
+  EXPECT_GE(stats["seconds"]["total"], stats["seconds"]["simulation"]);
+}
+
+TEST_F(RunResults, PicturesAreSixteenBitAndMeasurementsAreFloat) {
+  run();
+  for (const char* name : {"camera-0000.png", "side.png"}) {
+    const auto image = OIIO::ImageInput::open((results / name).string());
+    ASSERT_TRUE(image) << name;
+    EXPECT_EQ(image->spec().format, OIIO::TypeDesc::UINT16);
+    EXPECT_EQ(image->spec().nchannels, 3);
+    EXPECT_GT(image->spec().width, 100);
+    EXPECT_GT(image->spec().height, 100);
+  }
+  const auto camera = OIIO::ImageInput::open((results / "camera-0000.exr").string());
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->spec().format, OIIO::TypeDesc::FLOAT);
+  EXPECT_EQ(camera->spec().width, 4);
+  EXPECT_EQ(camera->spec().height, 512);
+}
+
+TEST_F(RunResults, CameraMeasurementsAreTheEnergies) {
+  const Echoes echoes = run();
+  const auto image = OIIO::ImageInput::open((results / "camera-0000.exr").string());
+  ASSERT_TRUE(image);
+  std::vector<float> pixels(echoes.beams * echoes.samples);
+  ASSERT_TRUE(image->read_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+  for (std::size_t beam = 0; beam < echoes.beams; ++beam)
+    for (std::size_t k = 0; k < echoes.samples; ++k)
+      ASSERT_EQ(pixels[k * echoes.beams + beam], static_cast<float>(echoes.at(0, beam, k)));
+}
+
+TEST_F(RunResults, EqualRunsGiveEqualBytes) {
+  const auto bytes = [&](const std::vector<std::string>& arguments) {
+    run(arguments);
+    std::map<std::string, std::string> files;
+    for (const std::string& name : names_below(results))
+      if (name != "stats.json") files[name] = bytes_of(results / name);
+    return files;
+  };
+  const auto once = bytes({});
+  EXPECT_EQ(once.size(), 6u);
+  EXPECT_TRUE(once == bytes({}));
+  EXPECT_TRUE(once == bytes({"--threads", "1"}));
+}
+
+}  // namespace
+}  // namespace tubefoot
