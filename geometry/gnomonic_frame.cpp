@@ -17,14 +17,13 @@ double slack_of(double largest_coordinate) { return GnomonicFrame::margin * (1 +
 
 /// True only if an edge of `a` has all of `b` on its far side.
 bool edge_parts(const SeenFacet& a, const SeenFacet& b, double slack) {
+  if (a.turn == 0) return false;
   for (int k = 0; k < 3; ++k) {
-    const int next = (k + 1) % 3, third = (k + 2) % 3;
-    const int own = side_of_line(a.corner[k], a.corner[next], a.corner[third], slack);
-    if (own == 0) continue;
+    const int next = (k + 1) % 3;
     bool apart = true;
     for (int v = 0; v < 3 && apart; ++v)
       apart = b.cone.vertex[v] == a.cone.vertex[k] || b.cone.vertex[v] == a.cone.vertex[next] ||
-              side_of_line(a.corner[k], a.corner[next], b.corner[v], slack) == -own;
+              side_of_line(a.corner[k], a.corner[next], b.corner[v], slack) == -a.turn;
     if (apart) return true;
   }
   return false;
@@ -76,8 +75,10 @@ void SeenFacet::measure(const GnomonicFrame& frame) {
     slack = slack_of(
         std::max({std::abs(bounds.x0), std::abs(bounds.x1), std::abs(bounds.y0), std::abs(bounds.y1)}));
     bounds.widen(slack);
+    turn = side_of_line(corner[0], corner[1], corner[2], slack);
   } else {
     bounds = Bounds::everything();
+    turn = 0;
   }
   // No point of a triangle is farther than its longest side / sqrt(3) from a vertex, nor nearer than its
   // plane.
@@ -90,15 +91,14 @@ void SeenFacet::measure(const GnomonicFrame& frame) {
 int where(const SeenFacet& facet, glm::dvec2 p) {
   if (p.x < facet.bounds.x0 || p.x > facet.bounds.x1 || p.y < facet.bounds.y0 || p.y > facet.bounds.y1)
     return -1;
-  // The triangle's turn in the plane is not known beforehand: inside is where all three sides agree.
-  int left = 0, right = 0;
+  if (facet.turn == 0) return 0;
+  bool inside = true;
   for (int k = 0; k < 3; ++k) {
     const int s = side_of_line(facet.corner[k], facet.corner[(k + 1) % 3], p, facet.slack);
-    left += s > 0;
-    right += s < 0;
+    if (s == -facet.turn) return -1;
+    inside = inside && s != 0;
   }
-  if (left == 3 || right == 3) return 1;
-  return left > 0 && right > 0 ? -1 : 0;
+  return inside ? 1 : 0;
 }
 
 bool surely_apart(const SeenFacet& a, const SeenFacet& b) {

@@ -82,6 +82,7 @@ struct SeenFacet {
   Bounds bounds = Bounds::everything();
   std::array<glm::dvec2, 3> corner{};  ///< of its vertices; meaningless where bounds are infinite
   double slack = 0;                    ///< bound on the error of a coordinate of a corner
+  int turn = 0;                        ///< +1 if the corners turn left, -1 right, 0 if that is uncertain
 
   /// Everything but the cone, from the cone.
   void measure(const GnomonicFrame& frame);

@@ -34,6 +34,7 @@ void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& 
   for (int y = 0; y < rows_; ++y)
     for (int x = 0; x < columns_; ++x) find_layers(x, y);
   judge();
+  drop_hidden();
 }
 
 void LayerGrid::choose_size() {
@@ -194,6 +195,16 @@ void LayerGrid::judge() {
   }
 }
 
+void LayerGrid::drop_hidden() {
+  for (Cell& cell : cells_) {
+    const auto end =
+        std::remove_if(entries_.begin() + cell.begin, entries_.begin() + cell.end, [&](const Entry& e) {
+          return verdicts_[e.facet] == Verdict::hidden || e.nearest > cell.closed_beyond;
+        });
+    cell.end = static_cast<std::uint32_t>(end - entries_.begin());
+  }
+}
+
 void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
   out.clear();
   const SeenFacet& receiver = (*facets_)[facet];
@@ -208,8 +219,8 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
         if (entries_[e].facet == facet) layer = entries_[e].simple_layer;
       for (std::uint32_t e = cell.begin; e < cell.end; ++e) {
         const Entry& entry = entries_[e];
-        if (entry.nearest >= receiver.farthest || entry.nearest > cell.closed_beyond) break;
-        if (stamp_[entry.facet] == stamp_now_ || verdicts_[entry.facet] == Verdict::hidden) continue;
+        if (entry.nearest >= receiver.farthest) break;
+        if (stamp_[entry.facet] == stamp_now_) continue;
         if (layer >= 0 && entry.simple_layer == layer)
           continue;  // the same layer does not overlap itself here
         if (!(*facets_)[entry.facet].bounds.meets(receiver.bounds)) continue;

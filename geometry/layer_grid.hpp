@@ -66,6 +66,7 @@ class LayerGrid {
   bool has_silhouette_in(std::uint32_t facet, const Bounds& cell) const;
   void find_layers(int x, int y);
   void judge();
+  void drop_hidden();
 
   const GnomonicFrame* frame_ = nullptr;
   const std::vector<SeenFacet>* facets_ = nullptr;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/echo_reader.hpp"
@@ -106,7 +107,7 @@ TEST_F(RunResults, CameraMeasurementsAreTheEnergies) {
   const auto image = OIIO::ImageInput::open((results / "camera-0000.exr").string());
   ASSERT_TRUE(image);
   std::vector<float> pixels(echoes.beams * echoes.samples);
-  ASSERT_TRUE(image->read_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+  ASSERT_TRUE(image->read_image(0, 0, 0, 1, OIIO::TypeDesc::FLOAT, pixels.data()));
   for (std::size_t beam = 0; beam < echoes.beams; ++beam)
     for (std::size_t k = 0; k < echoes.samples; ++k)
       ASSERT_EQ(pixels[k * echoes.beams + beam], static_cast<float>(echoes.at(0, beam, k)));

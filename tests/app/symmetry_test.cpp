@@ -91,7 +91,7 @@ Echoes echoes_over(const TestMesh& mesh, const std::string& scene) {
 }
 
 TEST(Mirror, SwapsPortAndStarboard) {
-  const TestMesh mesh = relief(96, 40, bumps);
+  const TestMesh mesh = relief(96, 48, bumps);
   for (const double heading_deg : {0.0, 17.0}) {
     SCOPED_TRACE(heading_deg);
     const Echoes there = echoes_over(mesh, mesh_scene(heading_deg, sidescan)),
@@ -108,7 +108,7 @@ TEST(Mirror, SwapsPortAndStarboard) {
 }
 
 TEST(Translation, ByGridUnitsChangesNothing) {
-  const TestMesh mesh = relief(96, 40, bumps);
+  const TestMesh mesh = relief(96, 48, bumps);
   const std::string at_origin = mesh_scene(23, sidescan, R"(
 [[terrain]]
 kind = "flat"

@@ -15,13 +15,13 @@ struct TestMesh {
   std::vector<std::array<std::size_t, 3>> facets;  ///< vertex indices from 0
 };
 
-/// A horizontal square about the origin, cells x cells, two facets each. `height(east, north)` rounded to
-/// 2^-16 m, so that its vertices lie on any world grid of that unit or finer.
+/// A square bed about the origin, cells x cells, two facets each. Heights are rounded to 2^-16 m; choose
+/// cells of a dyadic width, and every vertex lies on any world grid of that unit or finer.
 template <typename Height>
 TestMesh relief(double side_m, std::size_t cells, Height height) {
   TestMesh mesh;
   const auto place = [&](std::size_t k) {
-    return side_m * (static_cast<double>(k) / static_cast<double>(cells) - 0.5);
+    return side_m * static_cast<double>(k) / static_cast<double>(cells) - side_m / 2;
   };
   for (std::size_t row = 0; row <= cells; ++row)
     for (std::size_t column = 0; column <= cells; ++column)
