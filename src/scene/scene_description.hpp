@@ -120,7 +120,9 @@ struct TrajectoryDescription {
 struct DidsonDescription {
   double frequency_khz = 1800;
   int beams = 96;
-  double horizontal_deg = 29, vertical_deg = 14;
+  double horizontal_deg = 29, vertical_deg = 14;  ///< receive sector
+  /// Transmit sector, about the same axis; without it, the receive sector. Tubes cover what both look at.
+  std::optional<double> transmit_horizontal_deg, transmit_vertical_deg;
   int samples = 512;
   double window_start_m = 0.84, window_length_m = 5;
 };

@@ -292,6 +292,10 @@ const TomlSection<SensorDescription>& sensor_section() {
                          field("beams", &Didson::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
                          field("horizontal_deg", &Didson::horizontal_deg, {.ranges = {sector(180, true)}}),
                          field("vertical_deg", &Didson::vertical_deg, {.ranges = {sector(170, false)}}),
+                         field("transmit_horizontal_deg", &Didson::transmit_horizontal_deg,
+                               {.ranges = {sector(180, true)}, .default_value = "as horizontal_deg"}),
+                         field("transmit_vertical_deg", &Didson::transmit_vertical_deg,
+                               {.ranges = {sector(170, false)}, .default_value = "as vertical_deg"}),
                          field("samples", &Didson::samples, {.ranges = {range_samples}}),
                          field("window_start_m", &Didson::window_start_m, {.ranges = {sonar_range}}),
                          field("window_length_m", &Didson::window_length_m, {.ranges = {sonar_range}})})

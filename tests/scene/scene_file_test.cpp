@@ -152,6 +152,8 @@ frequency_khz = 1100
 beams = 48
 horizontal_deg = 28
 vertical_deg = 12
+transmit_horizontal_deg = 27
+transmit_vertical_deg = 11
 samples = 256
 window_start_m = 2
 window_length_m = 10
@@ -295,6 +297,8 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(didson.beams, 48);
   EXPECT_EQ(didson.horizontal_deg, 28);
   EXPECT_EQ(didson.vertical_deg, 12);
+  EXPECT_EQ(didson.transmit_horizontal_deg, 27);
+  EXPECT_EQ(didson.transmit_vertical_deg, 11);
   EXPECT_EQ(didson.samples, 256);
   EXPECT_EQ(didson.window_start_m, 2);
   EXPECT_EQ(didson.window_length_m, 10);

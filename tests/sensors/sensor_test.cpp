@@ -59,6 +59,29 @@ TEST(Didson, SamplesCoverTheWindowAndTubesReachItsEnd) {
   EXPECT_NEAR(sensor->tubes(Pose{}, grid).reach, 5.84 * std::exp2(20), 1e-3);
 }
 
+TEST(Didson, TubesCoverWhatTransmitterAndReceiverBothLookAt) {
+  SensorDescription description = samples::camera();
+  auto& didson = std::get<DidsonDescription>(description.kind);
+  didson.transmit_horizontal_deg = 10;
+  didson.transmit_vertical_deg = 20;  // more than the receiver's 14
+  const auto sensor = make_sensor(description);
+  const TubeSet set = sensor->tubes(Pose{}, grid);
+  EXPECT_EQ(sensor->beams().size(), 96u);
+  ASSERT_EQ(sensor->beam_of_tube().size(), set.tubes.size());
+  EXPECT_EQ(set.tubes.size(), 34u);  // 10 degrees in beams of 29/96: 16 and a half to each side
+  double widest = 0;
+  for (std::size_t tube = 0; tube < set.tubes.size(); ++tube) {
+    const BeamAxis& beam = sensor->beams()[sensor->beam_of_tube()[tube]];
+    for (const auto corner : set.tubes[tube]) {
+      const glm::dvec3 ray = unit(set.rays[corner]);
+      EXPECT_LE(std::abs(azimuth_deg(ray) - beam.azimuth_rad / degree), 29.0 / 192 + 1e-6);
+      EXPECT_NEAR(std::abs(elevation_deg(ray)), 7, 1e-6);
+      widest = std::max(widest, std::abs(azimuth_deg(ray)));
+    }
+  }
+  EXPECT_NEAR(widest, 5, 1e-6);
+}
+
 TEST(Didson, WideBeamsAndHighFansAreSeveralTubesOfOneBeam) {
   SensorDescription description = samples::camera(4);
   auto& didson = std::get<DidsonDescription>(description.kind);
