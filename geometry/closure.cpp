@@ -82,8 +82,12 @@ TubeAudit audit(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
   std::vector<ExactVector> walls;
   for (const std::uint32_t ray : tubes.tubes.at(tube)) walls.push_back(exact(tubes.rays[ray]));
   const Rational whole = gnomonic_area(axis, walls);
+  bool cones = true;
   const auto area_of = [&](const NamedPiece& piece) {
-    return gnomonic_area(axis, exact_directions(context, seen.corners, piece));
+    const std::vector<ExactVector> directions = exact_directions(context, seen.corners, piece);
+    if (in_front(axis, directions)) return gnomonic_area(axis, directions);
+    cones = false;  // no exact arithmetic comes here
+    return Rational(0);
   };
 
   TubeAudit result;
@@ -102,8 +106,8 @@ TubeAudit audit(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
 
   const Fraction total = sum(areas, 0, areas.size());
   const Integer left = total.numerator * denominator(whole), right = numerator(whole) * total.denominator;
-  result.closes = left == right;
-  result.defect = result.closes ? 0 : Rational(Rational(left - right) / Rational(right)).convert_to<double>();
+  result.closes = cones && left == right;
+  result.defect = left == right ? 0 : Rational(Rational(left - right) / Rational(right)).convert_to<double>();
   for (std::size_t k = 0; k < visible; ++k)
     result.covered_fraction += Rational(areas[k] / whole).convert_to<double>();
   return result;

@@ -22,9 +22,9 @@ struct TopologyHash {
 
 /// The closure law of one tube, in rationals: gnomonic areas of all visible pieces + open water = the tube.
 struct TubeAudit {
-  bool closes = false;
-  std::size_t pieces = 0;       ///< visible ones
-  std::size_t facets = 0;       ///< seen
+  bool closes = false;     ///< false too if a piece is no cone within the tube, which only inexact signs make
+  std::size_t pieces = 0;  ///< visible ones
+  std::size_t facets = 0;  ///< seen
   double covered_fraction = 0;  ///< of the tube's gnomonic area, for people
   /// (visible + open - tube) / tube; exactly 0 where the law holds.
   double defect = 0;

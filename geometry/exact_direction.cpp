@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/exact_direction.hpp"
 
+#include <algorithm>
+
 namespace tubefoot {
 
 using Rational = CGAL::Exact_rational;
@@ -42,6 +44,11 @@ std::vector<ExactVector> exact_directions(const NameContext& context, const std:
   for (std::uint32_t k = 0; k < piece.count; ++k)
     directions[k] = exact_direction(context, corners[piece.first + k]);
   return directions;
+}
+
+bool in_front(const ExactVector& axis, const std::vector<ExactVector>& directions) {
+  return std::all_of(directions.begin(), directions.end(),
+                     [&](const ExactVector& d) { return dot(axis, d) > 0; });
 }
 
 ExactVector gnomonic_axis(const TubeSet& tubes, std::uint32_t tube) {

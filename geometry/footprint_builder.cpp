@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/footprint_builder.hpp"
 
+#include <cmath>
 #include <glm/glm.hpp>
 
 #include "geometry/exact_corner.hpp"
@@ -26,9 +27,16 @@ void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_
     footprint.first_piece = static_cast<std::uint32_t>(set.pieces.size());
     for (; k < seen.pieces.size() && seen.pieces[k].facet == facet; ++k) {
       const NamedPiece& piece = seen.pieces[k];
-      set.pieces.push_back({static_cast<std::uint32_t>(set.corners_m.size()), piece.count});
-      for (std::uint32_t c = 0; c < piece.count; ++c)
+      const auto first = static_cast<std::uint32_t>(set.corners_m.size());
+      bool finite = true;
+      for (std::uint32_t c = 0; c < piece.count; ++c) {
         set.corners_m.push_back(point_on_facet(context, seen.corners[piece.first + c], cone) * unit_m);
+        finite = finite && std::isfinite(glm::dot(set.corners_m.back(), glm::dvec3(1)));
+      }
+      if (finite)
+        set.pieces.push_back({first, piece.count});
+      else  // a corner of two coincident planes: plain double makes such pieces, exact signs never
+        set.corners_m.resize(first);
     }
     footprint.piece_count = static_cast<std::uint32_t>(set.pieces.size()) - footprint.first_piece;
 

@@ -74,8 +74,6 @@ TEST(RayRun, TotalEnergyConvergesToTheTubeEngines) {
   EXPECT_LT(many_deviation,
             few_deviation / 5);  // 100 times the rays: at least the 10 of plain sampling, with margin
   EXPECT_LT(many_deviation, 1e-3 * exact);
-  std::printf("few %.2e +- %.2e   many %.2e +- %.2e\n", few_mean / exact - 1, few_deviation / exact,
-              many_mean / exact - 1, many_deviation / exact);
 }
 
 TEST(RayRun, EverySampleComesClose) {
@@ -84,7 +82,6 @@ TEST(RayRun, EverySampleComesClose) {
   for (std::size_t k = 0; k < exact.energy.size(); ++k)
     difference += std::abs(exact.energy[k] - sampled.energy[k]);
   EXPECT_LT(difference, 0.02 * exact.total());
-  std::printf("difference %.3e\n", difference / exact.total());
   for (std::size_t k = 0; k < exact.energy.size(); ++k)
     if (exact.energy[k] == 0) {
       EXPECT_LT(sampled.energy[k], 1e-6 * exact.total()) << "sample " << k;

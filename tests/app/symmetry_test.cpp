@@ -53,7 +53,7 @@ heading_deg = {}
 
 TEST(Sides, AnObjectEchoesOnItsOwnSideOnly) {
   constexpr std::size_t port = 0, starboard = 1;
-  for (const double heading_deg : {0.0, 90.0, 200.0})
+  for (const double heading_deg : {0.0, 200.0})
     for (const std::size_t side : {port, starboard}) {
       SCOPED_TRACE(fmt::format("heading {}, {}", heading_deg, side == port ? "port" : "starboard"));
       const double bearing = heading_deg + (side == port ? -90 : 90);

@@ -95,7 +95,7 @@ std::vector<FacetId> plane_leaders(const FacetMesh& mesh, GridPoint apex) {
 TEST(EnvelopeOracle, AreasEqualThoseOfTheLowerEnvelope) {
   const GnomonicPlane plane(forward);
   std::size_t compared = 0, scenes = 0;
-  for (std::uint64_t seed = 201; seed <= 212; ++seed)
+  for (std::uint64_t seed = 201; seed < 201 + (12 + one_in - 1) / one_in; ++seed)
     for (const Scene& scene : stumbling_blocks(seed)) {
       if (!all_ahead(scene)) continue;
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
@@ -120,8 +120,8 @@ TEST(EnvelopeOracle, AreasEqualThoseOfTheLowerEnvelope) {
         if (testing::Test::HasFailure()) return;
       }
     }
-  EXPECT_GT(scenes, 20u);
-  EXPECT_GT(compared, 1000u);
+  EXPECT_GT(scenes, 20 / one_in);
+  EXPECT_GT(compared, 1000 / one_in);
 }
 
 }  // namespace

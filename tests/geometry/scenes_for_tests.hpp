@@ -17,6 +17,14 @@ namespace tubefoot::test {
 
 using Random = std::mt19937_64;
 
+/// Sanitizers make rationals some fifty times slower: with them, one in so many of the seeds (and of the
+/// cases that a test expects at least) has to do.
+#ifdef __SANITIZE_ADDRESS__
+constexpr std::uint64_t one_in = 8;
+#else
+constexpr std::uint64_t one_in = 1;
+#endif
+
 inline std::int32_t uniform(Random& random, std::int32_t lo, std::int32_t hi) {
   return std::uniform_int_distribution<std::int32_t>(lo, hi)(random);
 }
