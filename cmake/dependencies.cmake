@@ -7,7 +7,6 @@ find_package(CGAL REQUIRED)
 find_package(OpenMesh CONFIG REQUIRED)  # CONFIG: CGAL puts a failing FindOpenMesh on the module path
 find_package(GDAL CONFIG REQUIRED)
 find_package(fmt REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(TBB REQUIRED)

@@ -8,15 +8,24 @@
 #include "geometry/facet_cone.hpp"
 #include "geometry/wide_int.hpp"
 
-// The Arithmetic concept, and its default model.
+// The Arithmetic concept, and its default model. An arithmetic provides three types and the decisions on
+// them; nothing else in the kernel touches a number.
 //
-// An arithmetic provides three types and the decisions on them. Nothing else in the kernel touches a number.
-//   Plane   a plane through the apex:  through(a, b) with normal a x b;  depth(i, j) with normal c_i n_j -
-//   c_j n_i Corner  a ray from the apex:       point(d);  meet(p, q, sign) in the direction sign * (n_p x
-//   n_q) Facet   a facet's plane:           facet(cone) side(corner, plane)      sign of normal . direction
-//   side(point, plane)       the same for an input point
-//   nearer(facet, point)     sign of offset - normal . point: +1 on the apex's side of the facet's plane
-//   uses_names               whether zeros that follow from names alone are settled without arithmetic
+// clang-format off
+//   Plane                   a plane through the apex
+//     through(plane, a, b)    with normal a x b
+//     depth(plane, i, j)      with normal c_i n_j - c_j n_i
+//   Corner                  a ray from the apex
+//     point(corner, d)        in the direction d
+//     meet(corner, p, q, s)   in the direction s * (n_p x n_q)
+//   Facet                   a facet's plane n . x = c
+//     facet(f, cone)
+//   side(corner, plane)     sign of normal . direction
+//   side(point, plane)      the same for an input point
+//   nearer(facet, point)    sign of c - n . point: +1 on the apex's side
+//   uses_names              whether zeros that follow from names alone are settled without arithmetic
+// clang-format on
+//
 // Laws (tests/geometry/arithmetic_test.cpp): side(meet(p, q), r) is antisymmetric and cyclic in p, q, r; it
 // changes sign with each normal; it is 0 for r = p and r = q.
 namespace tubefoot {

@@ -31,7 +31,8 @@ class WeldTable {
   VertexId id_of(GridPoint p) {
     VertexId& slot = slots_[slot_of(p)];
     if (slot == kNone) {
-      if (vertices_.size() >= kNone) throw std::length_error("a mesh holds at most 2^32 - 1 vertices");
+      // Names of points (names.hpp) need the top bit.
+      if (vertices_.size() >= 0x80000000u) throw std::length_error("a mesh holds at most 2^31 vertices");
       slot = static_cast<VertexId>(vertices_.size());
       vertices_.push_back(p);
     }

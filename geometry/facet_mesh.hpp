@@ -25,9 +25,9 @@ struct FacetMesh {
 
 /// What snapping and welding did; nothing is ever dropped.
 struct MeshReport {
-  double largest_snap_m = 0;         ///< largest displacement of a vertex by snapping
-  std::size_t degenerate_facets = 0; ///< zero area on the grid: kept, but they subtend nothing
-  std::size_t duplicate_facets = 0;  ///< same three vertices as an earlier facet: kept, the tie rule decides
+  double largest_snap_m = 0;          ///< largest displacement of a vertex by snapping
+  std::size_t degenerate_facets = 0;  ///< zero area on the grid: kept, but they subtend nothing
+  std::size_t duplicate_facets = 0;   ///< same three vertices as an earlier facet: kept, the tie rule decides
 };
 
 /// Gathers components into one FacetMesh: snaps, welds equal grid points, counts.
@@ -40,8 +40,9 @@ class MeshBuilder {
 
   /// Adds one component. `points_m` in the local frame; `triangles` index into it.
   /// Throws GridRangeError for a point outside the grid, std::out_of_range for a bad index.
-  void add(const std::vector<glm::dvec3>& points_m, const std::vector<std::array<std::uint32_t, 3>>& triangles,
-           std::uint16_t material, std::uint16_t component);
+  void add(const std::vector<glm::dvec3>& points_m,
+           const std::vector<std::array<std::uint32_t, 3>>& triangles, std::uint16_t material,
+           std::uint16_t component);
 
   /// Hands over the mesh and its report; the builder is empty afterwards.
   FacetMesh finish(MeshReport& report);

@@ -25,7 +25,6 @@ void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& 
   frame_ = &frame;
   facets_ = &facets;
   neighbours_ = &neighbours;
-  verdicts_.assign(facets.size(), Verdict::unsure);
   place_.resize(facets.size());
   stamp_.assign(facets.size(), 0);
   stamp_now_ = 0;
@@ -33,7 +32,7 @@ void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& 
   fill();
   for (int y = 0; y < rows_; ++y)
     for (int x = 0; x < columns_; ++x) find_layers(x, y);
-  judge();
+  find_hidden();
   drop_hidden();
 }
 
@@ -102,7 +101,8 @@ void LayerGrid::fill() {
 bool LayerGrid::has_silhouette_in(std::uint32_t f, const Bounds& cell) const {
   const SeenFacet& facet = (*facets_)[f];
   for (int k = 0; k < 3; ++k) {
-    if ((*neighbours_)[f][k] != silhouette) continue;
+    const std::int32_t n = (*neighbours_)[f][k];
+    if (n == outside_tube || (n >= 0 && (*facets_)[n].bounds.is_finite())) continue;
     Bounds edge = Bounds::nothing();
     edge.add(facet.corner[k]);
     edge.add(facet.corner[(k + 1) % 3]);
@@ -126,20 +126,26 @@ void LayerGrid::find_layers(int x, int y) {
   ++stamp_now_;
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0u);
+  // A facet that reaches behind the apex has no place in the plane: it joins no layer, and where it adjoins
+  // one, that one ends.
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t f = entries_[cell.begin + k].facet;
-    if (!(*facets_)[f].bounds.is_finite()) return;
+    if (!(*facets_)[f].bounds.is_finite()) continue;
     stamp_[f] = stamp_now_;
     place_[f] = k;
   }
-  for (std::uint32_t k = 0; k < count; ++k)
-    for (const std::int32_t n : (*neighbours_)[entries_[cell.begin + k].facet])
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::uint32_t f = entries_[cell.begin + k].facet;
+    if (stamp_[f] != stamp_now_) continue;
+    for (const std::int32_t n : (*neighbours_)[f])
       if (n >= 0 && stamp_[n] == stamp_now_) parent_[root(parent_, k)] = root(parent_, place_[n]);
+  }
   const Bounds box = bounds_of(x, y);
   broken_.assign(count, 0);
-  for (std::uint32_t k = 0; k < count; ++k)
-    if (const std::uint32_t layer = root(parent_, k); !broken_[layer])
-      broken_[layer] = has_silhouette_in(entries_[cell.begin + k].facet, box);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::uint32_t f = entries_[cell.begin + k].facet, layer = root(parent_, k);
+    if (!broken_[layer]) broken_[layer] = stamp_[f] != stamp_now_ || has_silhouette_in(f, box);
+  }
 
   // A point of the cell that is surely inside the tube and surely on one side or the other of every facet
   // there.
@@ -172,35 +178,27 @@ void LayerGrid::find_layers(int x, int y) {
         farthest = std::max(farthest, (*facets_)[entries_[cell.begin + k].facet].farthest);
         if (simple) entries_[cell.begin + k].simple_layer = static_cast<std::int32_t>(layer);
       }
-    if (farthest >= cell.closed_beyond) continue;
-    cell.closed_beyond = farthest;
-    cell.clear_front = simple;
-    for (std::uint32_t k = 0; k < count && cell.clear_front; ++k)
-      cell.clear_front = root(parent_, k) == layer || entries_[cell.begin + k].nearest > farthest;
+    cell.closed_beyond = std::min(cell.closed_beyond, farthest);
   }
 }
 
-void LayerGrid::judge() {
+void LayerGrid::find_hidden() {
+  hidden_.resize(facets_->size());
   for (std::uint32_t f = 0; f < facets_->size(); ++f) {
     const Cells c = cells_of((*facets_)[f].bounds);
-    bool hidden = true, clear = true;
-    for (int y = c.y0; y <= c.y1 && (hidden || clear); ++y)
-      for (int x = c.x0; x <= c.x1 && (hidden || clear); ++x) {
-        const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
-        const bool beyond = (*facets_)[f].nearest > cell.closed_beyond;
-        hidden = hidden && beyond;
-        clear = clear && cell.clear_front && !beyond;
-      }
-    verdicts_[f] = hidden ? Verdict::hidden : clear ? Verdict::clear : Verdict::unsure;
+    bool hidden = true;
+    for (int y = c.y0; y <= c.y1 && hidden; ++y)
+      for (int x = c.x0; x <= c.x1 && hidden; ++x)
+        hidden = (*facets_)[f].nearest > cells_[static_cast<std::size_t>(y) * columns_ + x].closed_beyond;
+    hidden_[f] = hidden;
   }
 }
 
 void LayerGrid::drop_hidden() {
   for (Cell& cell : cells_) {
     const auto end =
-        std::remove_if(entries_.begin() + cell.begin, entries_.begin() + cell.end, [&](const Entry& e) {
-          return verdicts_[e.facet] == Verdict::hidden || e.nearest > cell.closed_beyond;
-        });
+        std::remove_if(entries_.begin() + cell.begin, entries_.begin() + cell.end,
+                       [&](const Entry& e) { return hidden_[e.facet] || e.nearest > cell.closed_beyond; });
     cell.end = static_cast<std::uint32_t>(end - entries_.begin());
   }
 }

@@ -17,27 +17,22 @@ constexpr std::int32_t outside_tube = -2;  ///< whatever it is, the edge does no
 /// to k + 1.
 using Neighbours = std::array<std::int32_t, 3>;
 
-/// Finds out, without a single exact predicate, which facets of a tube are surely hidden, which surely stand
-/// clear, and which pairs need a closer look.
+/// Finds out, without a single exact predicate, which facets of a tube are surely hidden, and which pairs
+/// need a closer look.
 ///
-/// The argument (docs/visibility.md, 'Layers'). Cut the gnomonic plane into cells. In a cell that no
-/// silhouette edge enters, the facets joined by shared edges form layers, and a layer covers every point of
+/// The argument (docs/visibility.md, 'Layers'). Cut the gnomonic plane into cells. In each, the facets joined
+/// by shared edges form layers. A layer none of whose silhouette edges enters the cell covers every point of
 /// the cell (within the tube) equally often: stepping over a shared edge leaves one facet and enters one. So
 /// one point decides: a layer that covers it hides whatever lies wholly beyond the layer's farthest facet; a
 /// layer that covers it once does not overlap itself anywhere in the cell.
 class LayerGrid {
  public:
-  enum class Verdict : std::uint8_t {
-    unsure,  ///< look at the pairs
-    clear,   ///< nothing hides any part of it
-    hidden,  ///< no part of it is seen; it hides nothing that others do not hide
-  };
-
   /// Facets and neighbours are indexed alike and must outlive the grid's use.
   void build(const GnomonicFrame& frame, const std::vector<SeenFacet>& facets,
              const std::vector<Neighbours>& neighbours);
 
-  Verdict verdict(std::uint32_t facet) const { return verdicts_[facet]; }
+  /// True only if no part of the facet is seen; then it hides nothing that others do not hide.
+  bool is_hidden(std::uint32_t facet) const { return hidden_[facet] != 0; }
 
   /// Fills `out` with every facet that might hide part of `facet` and is not hidden itself, nearest first.
   void occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out);
@@ -50,8 +45,6 @@ class LayerGrid {
     std::uint32_t begin = 0, end = 0;  ///< in entries_
     /// Everything wholly beyond this distance is hidden here.
     double closed_beyond = std::numeric_limits<double>::infinity();
-    /// All facets of the one layer in front, which covers the cell once, nearer than all others.
-    bool clear_front = false;
   };
   struct Entry {
     double nearest;  ///< of the facet; a cell's entries are sorted by it
@@ -65,7 +58,7 @@ class LayerGrid {
   void fill();
   bool has_silhouette_in(std::uint32_t facet, const Bounds& cell) const;
   void find_layers(int x, int y);
-  void judge();
+  void find_hidden();
   void drop_hidden();
 
   const GnomonicFrame* frame_ = nullptr;
@@ -75,7 +68,7 @@ class LayerGrid {
   double cell_width_ = 1, cell_height_ = 1;
   std::vector<Cell> cells_;
   std::vector<Entry> entries_;
-  std::vector<Verdict> verdicts_;
+  std::vector<std::uint8_t> hidden_;
 
   // Scratch: per facet, its place in the cell at hand; per place, layers as a union-find forest.
   std::vector<std::uint32_t> place_, stamp_;

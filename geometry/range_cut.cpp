@@ -55,12 +55,15 @@ bool fit(Cell& cell, const std::function<double(double)>& g) {
     chebyshev[k] *= (k == 0 ? 1.0 : 2.0) / nodes;
     largest = std::max(largest, std::abs(chebyshev[k]));
   }
-  if (std::max(std::abs(chebyshev[nodes - 1]), std::abs(chebyshev[nodes - 2])) > 1e-15 * largest)
-    return false;
+  // The range itself is rounded, which shows as slope * range * rounding: where absorption is strong the
+  // values carry many times their own rounding, and no finer cell makes them smoother.
+  const double slope = std::abs(value[0] - value[nodes - 1]) / (cell.hi - cell.lo);
+  const double noise = 1e-15 * (largest + slope * cell.hi) + 1e-300;
+  if (std::max(std::abs(chebyshev[nodes - 1]), std::abs(chebyshev[nodes - 2])) > noise) return false;
 
   int degree =
       nodes - 1;  // what is below the rounding of s and g(s) is left off: narrow samples need degree 3 or 4
-  while (degree > 0 && std::abs(chebyshev[degree]) <= 1e-15 * largest) --degree;
+  while (degree > 0 && std::abs(chebyshev[degree]) <= noise) --degree;
   std::array<double, nodes> coefficient{};
   for (int k = 0; k <= degree; ++k)
     for (int i = 0; i <= k; ++i) coefficient[i] += chebyshev[k] * tables.monomial[k][i];

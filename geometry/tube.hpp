@@ -10,11 +10,13 @@
 
 namespace tubefoot {
 
-/// Four rays from one apex, as indices into TubeSet::rays, in the order that makes ray[k] x ray[k+1] the inward
-/// normal of wall k (counter-clockwise for someone who looks back at the apex). A pyramid: its walls are planes.
+/// Four rays from one apex, as indices into TubeSet::rays, in the order that makes ray[k] x ray[k+1] the
+/// inward normal of wall k (counter-clockwise for someone who looks back at the apex). A pyramid: its walls
+/// are planes.
 using Tube = std::array<std::uint32_t, 4>;
 
-/// All tubes of one ping: they share the apex, and neighbours share rays, so that they partition their sector.
+/// All tubes of one ping: they share the apex, and neighbours share rays, so that they partition their
+/// sector.
 struct TubeSet {
   GridPoint apex;
   /// Ray directions as integer vectors, |coordinate| <= 2^30; rounding a unit vector costs about 1e-9 rad.
@@ -26,15 +28,16 @@ struct TubeSet {
   friend bool operator==(const TubeSet&, const TubeSet&) = default;
 };
 
-/// A sector in the angles (azimuth about `axis`, elevation from the plane perpendicular to it), cut into a grid of
-/// tubes. Walls of constant azimuth are planes that contain the axis; walls of constant elevation are replaced
-/// by the planes through neighbouring corner rays.
+/// A sector in the angles (azimuth about `axis`, elevation from the plane perpendicular to it), cut into a
+/// grid of tubes. Walls of constant azimuth are planes that contain the axis; walls of constant elevation are
+/// replaced by the planes through neighbouring corner rays.
 struct AngularGrid {
   /// Edges in increasing order, radians; n+1 edges make n cells. Azimuth cells < pi, |elevation| < pi/2.
   std::vector<double> azimuth_edges_rad;
   std::vector<double> elevation_edges_rad;
   /// Columns: the directions of (azimuth 0, elevation 0), of azimuth +90 degrees, and of the axis,
-  /// in the local frame. Orthonormal. May be left- or right-handed: tubes come out counter-clockwise either way.
+  /// in the local frame. Orthonormal. May be left- or right-handed: tubes come out counter-clockwise either
+  /// way.
   glm::dmat3 frame{1.0};
 };
 

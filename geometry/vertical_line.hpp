@@ -12,7 +12,7 @@ namespace tubefoot {
 /// Where the vertical line through a point crosses a component of the mesh.
 struct VerticalCrossings {
   std::uint16_t component = 0;
-  std::size_t above = 0, below = 0;  ///< facets crossed; a point on a facet counts as below it
+  std::size_t above = 0, below = 0;  ///< facets crossed; one that holds the point counts as below the point
   double lowest_above = 0;           ///< height of the lowest crossing above the point over it, grid units
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/visibility.hpp"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string>
@@ -76,6 +77,8 @@ void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std
   VisibilityScratch::State& state = scratch.state();
   state.candidates.clear();
   tree.query(tubes.apex, walls, tubes.reach, state.candidates);
+  // The tree's order is the standard library's business; ours must not depend on it.
+  std::sort(state.candidates.begin(), state.candidates.end());
   auto& solver = state.solvers[static_cast<std::size_t>(options.arithmetic)];
   if (!solver) solver = make_solver(options.arithmetic);
   solver->run(mesh, tubes.apex, state.candidates, options, out);

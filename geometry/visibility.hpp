@@ -16,7 +16,8 @@
 // docs/visibility.md
 namespace tubefoot {
 
-/// Number types that the one algorithm runs on. The first three give the same answer, always.
+/// Number types that the one algorithm runs on. The first three see the same regions, always (how those are
+/// cut into pieces may differ, as it does with facets_per_split).
 enum class Arithmetic { fixed, filtered, rational, plain_double };
 
 /// Name as in scene files and --arithmetic ("double" for plain_double); throws std::invalid_argument.

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <deque>
-#include <numeric>
 #include <vector>
 
 #include "geometry/cone_clip.hpp"
@@ -51,6 +50,11 @@ class VisibilitySolver {
 
  private:
   enum class Hides { no, where_covered, where_nearer };
+
+  struct Occluder {
+    std::uint32_t facet;
+    Hides how;
+  };
 
   /// Planes of a facet, made when first needed: most facets never are.
   struct FacetPlanes {
@@ -168,17 +172,14 @@ class VisibilitySolver {
   }
 
   void see_facet(std::uint32_t f) {
-    const LayerGrid::Verdict verdict = grid_.verdict(f);
     PieceRange piece;
-    if (verdict == LayerGrid::Verdict::hidden || !facet_in_tube(f, piece)) return;
+    if (grid_.is_hidden(f) || !facet_in_tube(f, piece)) return;
+    // Only facets that can hide some of it are worth a cut.
+    grid_.occluder_candidates(f, candidates_);
     list_.clear();
-    if (verdict == LayerGrid::Verdict::unsure) {
-      grid_.occluder_candidates(f, list_);
-      // Only facets that can hide some of it are worth a cut.
-      std::erase_if(list_, [&](std::uint32_t o) {
-        return surely_apart(facets_[f], facets_[o]) || hides(f, o) == Hides::no;
-      });
-    }
+    for (const std::uint32_t o : candidates_)
+      if (!surely_apart(facets_[f], facets_[o]))
+        if (const Hides how = hides(f, o); how != Hides::no) list_.push_back({o, how});
     depth_planes_.clear();
     receiver_ = f;
     const Bounds tube = frame_.tube(), own = facets_[f].bounds;
@@ -192,8 +193,8 @@ class VisibilitySolver {
   /// half.
   void find_open_water() {
     receiver_ = nobody;
-    list_.resize(facets_.size());
-    std::iota(list_.begin(), list_.end(), 0u);
+    list_.clear();
+    for (std::uint32_t f = 0; f < facets_.size(); ++f) list_.push_back({f, Hides::where_covered});
     carve(tube_, 0, list_.size(), frame_.tube(), 0);
   }
 
@@ -206,11 +207,11 @@ class VisibilitySolver {
       return;
     pieces_.assign(1, piece);
     for (std::size_t k = begin; k < end && !pieces_.empty(); ++k) {
-      const std::uint32_t o = list_[k];
+      const auto [o, how] = list_[k];
       const FacetPlanes& planes = planes_of(o);
       std::array<Half<A>, 4> halves{planes.halves[0], planes.halves[1], planes.halves[2], Half<A>{}};
       int count = 3;
-      if (receiver_ != nobody && hides(receiver_, o) == Hides::where_nearer) {
+      if (how == Hides::where_nearer) {
         ClipPlane<A>& plane = depth_planes_.emplace_back();
         plane.name = {facets_[receiver_].cone.id, facets_[o].cone.id, true};
         arithmetic_.depth(plane.plane, planes_of(receiver_).facet, planes.facet);
@@ -247,7 +248,7 @@ class VisibilitySolver {
     std::size_t positive = 0, negative = 0;
     for (std::size_t k = begin; k < end; ++k) {
       unsigned mask = 0;
-      for (const GridPoint& p : facets_[list_[k]].cone.point) {
+      for (const GridPoint& p : facets_[list_[k].facet].cone.point) {
         const int s = half.sign * arithmetic_.side(p, half.plane->plane);
         mask |= s > 0 ? 1u : s < 0 ? 2u : 0u;
       }
@@ -263,10 +264,10 @@ class VisibilitySolver {
     const PieceRange first = clip(arithmetic_, buffer_, piece, half, sides_.data());
     const PieceRange second = clip(arithmetic_, buffer_, piece, other, flipped_.data());
     for (std::size_t k = 0; k < count; ++k)
-      if (where_[k] & 1) list_.push_back(std::uint32_t(list_[begin + k]));
+      if (where_[k] & 1) list_.push_back(Occluder(list_[begin + k]));
     const std::size_t middle = list_.size();
     for (std::size_t k = 0; k < count; ++k)
-      if (where_[k] & 2) list_.push_back(std::uint32_t(list_[begin + k]));
+      if (where_[k] & 2) list_.push_back(Occluder(list_[begin + k]));
     const std::size_t last = list_.size();
 
     Bounds low = box, high = box;
@@ -363,8 +364,8 @@ class VisibilitySolver {
       }
       if (signs & 2) cutting[cuts++] = halves[h];
     }
-    // Two convex cones with disjoint interiors are set apart by an edge plane of one of them; without this
-    // test the piece would be cut up for nothing.
+    // Two convex cones in one half-space with disjoint interiors are set apart by an edge plane of one of
+    // them; without this test the piece would be cut up for nothing.
     for (std::uint32_t k = 0; cuts > 0 && k < piece.count; ++k) {
       const Half<A> edge = buffer_[piece.first + k].edge;
       if (!any_vertex_inside(facet, edge)) {
@@ -376,7 +377,8 @@ class VisibilitySolver {
     PieceRange rest = piece;
     for (int h = 0; h < cuts; ++h) {
       const int signs = sides_of(rest, cutting[h]);
-      if (!(signs & 1)) {  // they do not meet after all (a depth plane set them apart): undo the cuts
+      if (!(signs &
+            1)) {  // they do not meet after all (set apart by a depth plane, or by the apex): undo the cuts
         buffer_.resize(mark);
         kept_.resize(kept_mark);
         kept_.push_back(piece);
@@ -430,7 +432,8 @@ class VisibilitySolver {
   std::vector<Neighbours> neighbours_;
   NeighbourFinder neighbour_finder_;
   LayerGrid grid_;
-  std::vector<std::uint32_t> list_;
+  std::vector<std::uint32_t> candidates_;
+  std::vector<Occluder> list_;
   CornerBuffer<A> buffer_;
   std::deque<ClipPlane<A>> walls_, depth_planes_;
   std::vector<PieceRange> pieces_, kept_;

@@ -39,10 +39,12 @@ class WorldGrid {
 
   /// The finest unit, at most 2^-finest_exponent m, for which every difference of two points in the box
   /// [lo, hi] (metres) fits the coordinate bits, with the origin at the box's centre.
-  /// Throws GridRangeError where the box is not finite or so large (> 2^30 m) that no unit of 1 m or less fits.
+  /// Throws GridRangeError where the box is not finite or so large (> 2^30 m) that no unit of 1 m or less
+  /// fits.
   static WorldGrid fitting(glm::dvec3 lo_m, glm::dvec3 hi_m);
 
-  /// The same, with the unit given: throws GridRangeError, naming the unit that would fit, if the box does not.
+  /// The same, with the unit given: throws GridRangeError, naming the unit that would fit, if the box does
+  /// not.
   static WorldGrid with_exponent(int exponent, glm::dvec3 lo_m, glm::dvec3 hi_m);
 
   int exponent() const { return exponent_; }

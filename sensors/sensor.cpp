@@ -14,11 +14,15 @@ Sensor::Sensor(SensorDescription description) : description_(std::move(descripti
 TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid) const {
   TubeSet set;
   set.apex = grid.snap(sensor_pose.position_m);
-  set.reach = (samples_.first_m + samples_.count * samples_.step_m) / grid.unit_m();
+  set.reach = reach(grid);
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
   for (const AngularGrid& sector : sectors_)
     append_tubes(set, {sector.azimuth_edges_rad, sector.elevation_edges_rad, turn * sector.frame});
   return set;
+}
+
+double Sensor::reach(const WorldGrid& grid) const {
+  return (samples_.first_m + samples_.count * samples_.step_m) / grid.unit_m();
 }
 
 Pose Sensor::pose_on(const Pose& carrier) const {

@@ -36,6 +36,8 @@ class Sensor {
 
   /// The tubes of a ping from a pose of the sensor itself (mounting applied). Equal poses give equal sets.
   TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid) const;
+  /// TubeSet::reach of its tubes: the end of the last sample, in grid units.
+  double reach(const WorldGrid& grid) const;
   /// Pose of the sensor for a pose of its carrier: lever arm and mounting applied.
   Pose pose_on(const Pose& carrier) const;
   /// Times of the pings, seconds.

@@ -28,6 +28,8 @@ int audit_command(const AuditOptions& options) {
   struct Shot {
     const SharedShots* group;
     std::size_t ping;
+    std::uint64_t label;  ///< of group and ping, so that a ping's share of the hash does not depend on what
+                          ///< else is audited
   };
   std::vector<Shot> shots;
   for (const SharedShots& group : survey->shots) {
@@ -35,7 +37,9 @@ int audit_command(const AuditOptions& options) {
       continue;
     const PingRange range = resolved(options.pings, survey->pings(group));
     for (std::int64_t ping = range.first; ping <= range.last; ++ping)
-      shots.push_back({&group, static_cast<std::size_t>(ping)});
+      shots.push_back({&group, static_cast<std::size_t>(ping),
+                       (static_cast<std::uint64_t>(&group - survey->shots.data()) << 24) |
+                           static_cast<std::uint64_t>(ping)});
   }
 
   std::size_t tubes = 0, pieces = 0, facets = 0, failures = 0;
@@ -46,7 +50,7 @@ int audit_command(const AuditOptions& options) {
   for (std::size_t k = 0; k < shots.size(); ++k) {
     if (InterruptGuard::requested()) throw std::runtime_error("interrupted");
     const TubeSet set = survey->tubes(*shots[k].group, shots[k].ping);
-    const std::vector<TubeAudit> audits = engine.audit(set, k);
+    const std::vector<TubeAudit> audits = engine.audit(set, shots[k].label);
     for (std::size_t tube = 0; tube < audits.size(); ++tube) {
       const TubeAudit& audit = audits[tube];
       ++tubes;

@@ -47,7 +47,7 @@ int run_command_line(int argc, char** argv) {
       ->check(CLI::IsMember({"tube", "ray"}));
   run_app->add_option("--rays", run.rays, "ray engine: rays per ping")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
-  run_app->add_option("--seed", run.seed, "ray engine: seed of the sampling");
+  run_app->add_option("--seed", run.seed, "ray engine: seed of the sampling")->check(CLI::NonNegativeNumber);
   run_app->footer("Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead");
   run_app->callback([&] { command = [&] { return run_command(run); }; });
 
@@ -81,6 +81,11 @@ int run_command_line(int argc, char** argv) {
       "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --pings 0 -o camera.gpkg");
   footprints_app->callback([&] { command = [&] { return footprints_command(footprints); }; });
 
+  const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
+    fmt::print(stderr, "tubefoot: there is no command '{}': run, check, audit or footprints\n", argv[1]);
+    return wrong_input;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -80,14 +80,16 @@ int run_command(const RunOptions& options) {
   json["footprints"] = stats.footprints;
   json["pieces"] = stats.pieces;
   json["ray_hits"] = stats.hits;
-  json["seconds"] = {
-      {"load", survey->load_seconds},           {"tree", survey->tree_seconds},
-      {"simulation", simulation_seconds},       {"visibility_all_threads", stats.visibility_seconds},
-      {"echo_all_threads", stats.echo_seconds}, {"write", seconds_since(write_start)},
-      {"total", seconds_since(start)}};
+  json["seconds"] = {{"load", survey->load_seconds},
+                     {"tree", survey->tree_seconds},
+                     {"simulation", simulation_seconds},
+                     {"visibility_of_all_pings", stats.visibility_seconds},
+                     {"echo_of_all_pings", stats.echo_seconds},
+                     {"write", seconds_since(write_start)},
+                     {"total", seconds_since(start)}};
   json["peak_memory_mb"] = peak_memory_mb();
   json["warnings"] = warnings;
-  write_text_file(output.staging() / "stats.json", json.dump(2) + "\n");
+  write_file(output.staging() / "stats.json", json.dump(2) + "\n");
   if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
   output.commit();
 

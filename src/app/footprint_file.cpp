@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/footprint_file.hpp"
 
+#include <cpl_vsi.h>
 #include <fmt/format.h>
+#include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 
 #include <array>
 
+#include "app/output_folder.hpp"
 #include "app/usage_error.hpp"
 #include "scene/raster_messages.hpp"
 
@@ -30,12 +33,14 @@ constexpr double degrees = 57.29577951308232;
 
 struct FootprintFile::State {
   std::filesystem::path file;
+  std::string memory_file;  ///< GDAL's drivers write here: some of them do not notice a full disk
   GdalMessages messages;
   GDALDataset* dataset = nullptr;
   OGRLayer* layer = nullptr;
 
   ~State() {
     if (dataset) GDALClose(dataset);
+    VSIUnlink(memory_file.c_str());
   }
   void require(bool good, const char* what) const {
     if (!good)
@@ -54,7 +59,9 @@ FootprintFile::FootprintFile(const std::filesystem::path& file) : state_(std::ma
   s.file = file;
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(driver_name);
   s.require(driver != nullptr, "find the GDAL driver for");
-  s.dataset = driver->Create(file.c_str(), 0, 0, 0, GDT_Unknown, nullptr);
+  s.memory_file =
+      fmt::format("/vsimem/footprints-{}{}", static_cast<const void*>(&s), file.extension().string());
+  s.dataset = driver->Create(s.memory_file.c_str(), 0, 0, 0, GDT_Unknown, nullptr);
   s.require(s.dataset != nullptr, "create");
   std::array<const char*, 2> options{driver_name == std::string("CSV") ? "GEOMETRY=AS_WKT" : nullptr,
                                      nullptr};
@@ -123,6 +130,10 @@ void FootprintFile::close() {
   GDALClose(s.dataset);
   s.dataset = nullptr;
   s.require(s.messages.failures().empty(), "finish");
+  vsi_l_offset size = 0;
+  const GByte* bytes = VSIGetMemFileBuffer(s.memory_file.c_str(), &size, FALSE);
+  s.require(bytes != nullptr, "finish");
+  write_file(s.file, {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size)});
 }
 
 }  // namespace tubefoot

@@ -17,7 +17,7 @@ namespace tubefoot {
 /// .geojson, .csv (WKT).
 class FootprintFile {
  public:
-  /// Writes to `file`, which must not exist yet. Throws UsageError for an unknown ending, std::runtime_error
+  /// Will write to `file`, at close(). Throws UsageError for an unknown ending, std::runtime_error
   /// with GDAL's message if the file cannot be made.
   explicit FootprintFile(const std::filesystem::path& file);
   ~FootprintFile();

@@ -12,7 +12,7 @@ namespace tubefoot {
 class OutputFolder {
  public:
   /// Throws UsageError if `target` holds files that tubefoot did not write or cannot be created.
-  explicit OutputFolder(std::filesystem::path target);
+  explicit OutputFolder(const std::filesystem::path& target);
   /// Removes what was not committed.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -25,11 +25,15 @@ class OutputFolder {
   void commit();
 
  private:
+  void clean_up();
+
   std::filesystem::path target_, staging_;
+  std::vector<std::filesystem::path> made_parents_;  ///< innermost first
   bool committed_ = false;
 };
 
-/// Writes a text file; throws std::runtime_error naming it if anything fails, a full disk included.
-void write_text_file(const std::filesystem::path& file, const std::string& text);
+/// Writes a file, whatever the bytes; throws std::runtime_error naming it if anything fails, a full disk
+/// included.
+void write_file(const std::filesystem::path& file, const std::string& bytes);
 
 }  // namespace tubefoot

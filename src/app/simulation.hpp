@@ -9,7 +9,7 @@
 
 namespace tubefoot {
 
-/// What a simulation counted, summed over its pings. Seconds are summed over threads.
+/// What a simulation counted, summed over its pings. Seconds are those of each ping's task, added up.
 struct SimulationStats {
   std::size_t pings = 0, tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
   double visibility_seconds = 0, echo_seconds = 0;

@@ -78,7 +78,7 @@ TubeSet Survey::tubes(const SharedShots& group, std::size_t ping) const {
   const SensorPings& first = sensors[group.sensors.front()];
   TubeSet set = first.sensor->tubes(first.poses[ping], scene.grid);
   for (const std::size_t s : group.sensors)
-    set.reach = std::max(set.reach, sensors[s].sensor->tubes(sensors[s].poses[ping], scene.grid).reach);
+    set.reach = std::max(set.reach, sensors[s].sensor->reach(scene.grid));
   return set;
 }
 

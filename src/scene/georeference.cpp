@@ -96,7 +96,7 @@ LocalFrame LocalFrame::projected(const std::string& crs, double easting, double 
   const OGRSpatialReference known = crs_from(crs, place);
   if (!known.IsProjected()) {
     throw InputError(
-        place, fmt::format("{} is not a projected coordinate reference system: give origin_lat_lon for a "
+        place, fmt::format("{} is not a projected coordinate reference system: give origin_lat_lon_deg for a "
                            "frame tangent to the Earth",
                            known.GetName()));
   }
@@ -124,7 +124,7 @@ LocalFrame LocalFrame::from(const GeoreferenceDescription& description) {
     return at_lat_lon(latitude, longitude, description.origin_height_m);
   }
   if (!description.crs || !description.origin_crs) {
-    throw InputError(description.place, "expected either origin_lat_lon, or crs and origin_crs");
+    throw InputError(description.place, "expected either origin_lat_lon_deg, or crs and origin_crs");
   }
   const auto [easting, northing] = *description.origin_crs;
   return projected(*description.crs, easting, northing, description.origin_height_m, description.place);

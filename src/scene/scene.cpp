@@ -157,7 +157,7 @@ void warn_about(Scene& scene) {
                                    mesh.duplicate_facets));
   }
   constexpr double kCoarse_m = 1e-3;
-  if (scene.grid.unit_m() > kCoarse_m) {
+  if (scene.grid.unit_m() > kCoarse_m && !scene.description.run.grid_exponent) {
     warnings.push_back(
         fmt::format("the scene is so large that its grid has a unit of {:.3g} m; vertices moved by up to "
                     "{:.3g} m",
