@@ -191,8 +191,10 @@ std::vector<Polygon> section(const GnomonicPlane& plane, const Cone& cone) {
 }
 
 PolygonSet join_of(const std::vector<Polygon>& polygons) {
+  // One at a time: the join of a range, which CGAL divides and conquers, crashes now and then in 5.5.1,
+  // depending on where memory happens to lie (compare CGAL issue 8414).
   PolygonSet set;
-  set.join(polygons.begin(), polygons.end());
+  for (const Polygon& polygon : polygons) set.join(polygon);
   return set;
 }
 
