@@ -27,6 +27,11 @@ const char* driver_for(const std::filesystem::path& file) {
       fmt::format("'{}': the ending chooses the format: .gpkg, .geojson or .csv", file.string()));
 }
 
+/// East and north in metres about the scene's own origin; heights are metres above it.
+constexpr const char* local_crs =
+    R"(ENGCRS["tubefoot local east-north",EDATUM["scene origin"],CS[Cartesian,2],)"
+    R"(AXIS["east (E)",east,ORDER[1],LENGTHUNIT["metre",1]],AXIS["north (N)",north,ORDER[2],LENGTHUNIT["metre",1]]])";
+
 constexpr double degrees = 57.29577951308232;
 
 }  // namespace
@@ -65,8 +70,10 @@ FootprintFile::FootprintFile(const std::filesystem::path& file) : state_(std::ma
   s.require(s.dataset != nullptr, "create");
   std::array<const char*, 2> options{driver_name == std::string("CSV") ? "GEOMETRY=AS_WKT" : nullptr,
                                      nullptr};
+  OGRSpatialReference local;
+  s.require(local.importFromWkt(local_crs) == OGRERR_NONE, "describe the frame of");
   s.layer =
-      s.dataset->CreateLayer("footprints", nullptr, wkbMultiPolygon25D, const_cast<char**>(options.data()));
+      s.dataset->CreateLayer("footprints", &local, wkbMultiPolygon25D, const_cast<char**>(options.data()));
   s.require(s.layer != nullptr, "create");
   for (const char* name : {"ping", "beam", "tube", "facet"}) s.field(name, OFTInteger64);
   for (const char* name : {"component", "material"}) s.field(name, OFTString);

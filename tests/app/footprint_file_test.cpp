@@ -214,6 +214,23 @@ TEST_P(FootprintFiles, EarlierFileOutlivesAFailedRun) {
   EXPECT_NE(bytes_of(file), earlier);
 }
 
+TEST(Footprints, OfAGeoPackageAreMetresOfALocalFrameNotDegrees) {
+  const TestFolder folder;
+  const fs::path file = folder / "camera.gpkg";
+  ASSERT_EQ(run_program({"footprints", folder.write("scene.toml", scene).string(), "--sensor", "camera", "-o",
+                         file.string(), "--quiet"})
+                .exit_code,
+            0);
+  GDALAllRegister();
+  const std::unique_ptr<GDALDataset> data(
+      GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(data);
+  const OGRSpatialReference* frame = data->GetLayer(0)->GetSpatialRef();
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->IsLocal());
+  EXPECT_FALSE(frame->IsGeographic());
+}
+
 TEST(Footprints, OfAnUnknownKindAreRefused) {
   const TestFolder folder;
   const auto scene_file = folder.write("scene.toml", scene);
