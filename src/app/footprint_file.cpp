@@ -29,8 +29,9 @@ const char* driver_for(const std::filesystem::path& file) {
 
 /// East and north in metres about the scene's own origin; heights are metres above it.
 constexpr const char* local_crs =
-    R"(ENGCRS["tubefoot local east-north",EDATUM["scene origin"],CS[Cartesian,2],)"
-    R"(AXIS["east (E)",east,ORDER[1],LENGTHUNIT["metre",1]],AXIS["north (N)",north,ORDER[2],LENGTHUNIT["metre",1]]])";
+    R"wkt(ENGCRS["tubefoot local east-north",EDATUM["scene origin"],CS[Cartesian,2],)wkt"
+    R"wkt(AXIS["east (E)",east,ORDER[1],LENGTHUNIT["metre",1]],)wkt"
+    R"wkt(AXIS["north (N)",north,ORDER[2],LENGTHUNIT["metre",1]]])wkt";
 
 constexpr double degrees = 57.29577951308232;
 
