@@ -35,6 +35,7 @@ inline int slices_for(double width_rad) {
 /// n + 1 edges of n equal cells; the last edge is exact.
 inline std::vector<double> even_edges(double first, double last, int cells) {
   std::vector<double> edges;
+  edges.reserve(static_cast<std::size_t>(cells) + 1);
   for (int k = 0; k < cells; ++k) edges.push_back(first + (last - first) * k / cells);
   edges.push_back(last);
   return edges;

@@ -18,13 +18,14 @@ struct RayHit {
   double solid_angle_sr = 0;  ///< weight: the hit stands for an area solid_angle * range^2 / sin(grazing)
 };
 
-/// What one transmission met, seen from one apex: the value that every sensor reads. It knows facets, tubes and
-/// geometry, no sound and no sensor. A path is apex -> facet -> apex, so a footprint (or a hit) is a path.
+/// What one transmission met, seen from one apex: the value that every sensor reads. It knows facets, tubes
+/// and geometry, no sound and no sensor. A path is apex -> facet -> apex, so a footprint (or a hit) is a
+/// path.
 struct History {
   TubeSet tubes;
-  double grid_unit_m = 1;   ///< metres per grid unit of `tubes`
-  FootprintSet footprints;  ///< filled by the tube engine
-  std::vector<RayHit> hits; ///< filled by the ray engine
+  double grid_unit_m = 1;    ///< metres per grid unit of `tubes`
+  FootprintSet footprints;   ///< filled by the tube engine
+  std::vector<RayHit> hits;  ///< filled by the ray engine
 };
 
 }  // namespace tubefoot

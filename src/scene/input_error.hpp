@@ -7,7 +7,8 @@
 
 namespace tubefoot {
 
-/// A place in an input file; line and column count from 1, 0 means unknown (a binary file, or the whole file).
+/// A place in an input file; line and column count from 1, 0 means unknown (a binary file, or the whole
+/// file).
 struct SourcePlace {
   std::string file;
   int line = 0, column = 0;

@@ -15,11 +15,11 @@ namespace tubefoot {
 /// What loading one component met.
 struct ComponentReport {
   std::string name;
-  std::size_t facets_in_file = 0;   ///< triangles the source holds (polygons counted as their triangles)
-  std::size_t facets = 0;           ///< facets in the scene: equal, always
-  std::size_t hole_cells = 0;       ///< raster cells left open because a corner has no data
+  std::size_t facets_in_file = 0;  ///< triangles the source holds (polygons counted as their triangles)
+  std::size_t facets = 0;          ///< facets in the scene: equal, always
+  std::size_t hole_cells = 0;      ///< raster cells left open because a corner has no data
   std::size_t kept_outside_halfedge = 0;  ///< facets that OpenMesh refused and that take part all the same
-  glm::dvec3 lo_m{0}, hi_m{0};      ///< extent in the local frame
+  glm::dvec3 lo_m{0}, hi_m{0};            ///< extent in the local frame
 };
 
 struct SceneReport {
@@ -33,10 +33,10 @@ struct Scene {
   SceneDescription description;
   WorldGrid grid;
   FacetMesh mesh;
-  std::vector<double> material_mu;              ///< Lambert mu (linear), by material index
+  std::vector<double> material_mu;  ///< Lambert mu (linear), by material index
   double sound_speed_m_s = 1500;
-  std::vector<Trajectory> trajectories;         ///< as in the description
-  std::vector<std::size_t> sensor_trajectory;   ///< per sensor: index of its trajectory
+  std::vector<Trajectory> trajectories;        ///< as in the description
+  std::vector<std::size_t> sensor_trajectory;  ///< per sensor: index of its trajectory
   SceneReport report;
 };
 

@@ -20,17 +20,17 @@ namespace tubefoot {
 struct GeoreferenceDescription {
   SourcePlace place;
   std::optional<std::array<double, 2>> origin_lat_lon_deg;  ///< latitude, longitude (WGS 84)
-  std::optional<std::string> crs;                           ///< e.g. "EPSG:32602": frame axes and origin below
-  std::optional<std::array<double, 2>> origin_crs;          ///< easting, northing in `crs`
-  double origin_height_m = 0;                               ///< height that becomes z = 0
+  std::optional<std::string> crs;                   ///< e.g. "EPSG:32602": frame axes and origin below
+  std::optional<std::array<double, 2>> origin_crs;  ///< easting, northing in `crs`
+  double origin_height_m = 0;                       ///< height that becomes z = 0
 };
 
 struct WaterDescription {
   SourcePlace place;
-  std::optional<double> sound_speed_m_s;         ///< else Mackenzie 1981 from T, S and depth
-  std::optional<double> absorption_db_per_km;    ///< else Francois-Garrison 1982 at the sensor's frequency
+  std::optional<double> sound_speed_m_s;       ///< else Mackenzie 1981 from T, S and depth
+  std::optional<double> absorption_db_per_km;  ///< else Francois-Garrison 1982 at the sensor's frequency
   double temperature_c = 10, salinity_psu = 35, ph = 8;
-  double depth_m = 10;                           ///< for the two formulas
+  double depth_m = 10;  ///< for the two formulas
 };
 
 struct MaterialDescription {
@@ -40,30 +40,31 @@ struct MaterialDescription {
 };
 
 struct FlatTerrain {
-  double width_m = 0, length_m = 0;    ///< east-west, north-south extent, centred on `centre_m`
+  double width_m = 0, length_m = 0;  ///< east-west, north-south extent, centred on `centre_m`
   std::array<double, 3> centre_m{0, 0, 0};
-  double cell_m = 0;                   ///< 0: two facets in all
+  double cell_m = 0;  ///< 0: two facets in all
 };
 
-/// Seeded fractal relief: fractional Brownian surface by midpoint-free spectral-like noise; same seed, same bed.
+/// Seeded fractal relief: fractional Brownian surface by midpoint-free spectral-like noise; same seed, same
+/// bed.
 struct FractalTerrain {
   double width_m = 0, length_m = 0;
   std::array<double, 3> centre_m{0, 0, 0};
   double cell_m = 1;
   double rms_height_m = 0.1;
-  double hurst = 0.8;                  ///< 0..1
-  double largest_wavelength_m = 0;     ///< 0: the larger extent
+  double hurst = 0.8;               ///< 0..1
+  double largest_wavelength_m = 0;  ///< 0: the larger extent
   std::uint64_t seed = 1;
-  double ripple_height_m = 0;          ///< crest to trough of sinusoidal sand ripples, 0: none
+  double ripple_height_m = 0;  ///< crest to trough of sinusoidal sand ripples, 0: none
   double ripple_wavelength_m = 0.2;
-  double ripple_direction_deg = 0;     ///< compass direction of the wave vector (across the crests)
+  double ripple_direction_deg = 0;  ///< compass direction of the wave vector (across the crests)
 };
 
 struct RasterTerrain {
-  std::filesystem::path file;                    ///< already resolved against the scene file's folder
-  std::optional<std::array<int, 4>> window;      ///< column, row, columns, rows (from the north-west corner)
-  int decimate = 1;                              ///< keep every n-th row and column
-  bool depth_positive_down = false;              ///< values are depths, not heights
+  std::filesystem::path file;                ///< already resolved against the scene file's folder
+  std::optional<std::array<int, 4>> window;  ///< column, row, columns, rows (from the north-west corner)
+  int decimate = 1;                          ///< keep every n-th row and column
+  bool depth_positive_down = false;          ///< values are depths, not heights
 };
 
 struct TerrainDescription {
@@ -74,11 +75,21 @@ struct TerrainDescription {
   std::variant<FlatTerrain, FractalTerrain, RasterTerrain> kind;
 };
 
-struct MeshFile { std::filesystem::path file; };
-struct SpherePrimitive { double radius_m = 1; };
-struct CylinderPrimitive { double radius_m = 1, height_m = 1; };                ///< along z, closed
-struct ConePrimitive { double radius_m = 1, top_radius_m = 0, height_m = 1; };  ///< along z, closed
-struct BoxPrimitive { std::array<double, 3> size_m{1, 1, 1}; };
+struct MeshFile {
+  std::filesystem::path file;
+};
+struct SpherePrimitive {
+  double radius_m = 1;
+};
+struct CylinderPrimitive {
+  double radius_m = 1, height_m = 1;
+};  ///< along z, closed
+struct ConePrimitive {
+  double radius_m = 1, top_radius_m = 0, height_m = 1;
+};  ///< along z, closed
+struct BoxPrimitive {
+  std::array<double, 3> size_m{1, 1, 1};
+};
 
 struct ObjectDescription {
   SourcePlace place;
@@ -86,13 +97,14 @@ struct ObjectDescription {
   std::string material;
   SourcePlace material_place;
   std::variant<MeshFile, SpherePrimitive, CylinderPrimitive, ConePrimitive, BoxPrimitive> kind;
-  std::array<double, 3> position_m{0, 0, 0};        ///< of the primitive's centre / the file's origin
+  std::array<double, 3> position_m{0, 0, 0};  ///< of the primitive's centre / the file's origin
   std::optional<std::array<double, 2>> position_lat_lon_deg;  ///< instead of x and y of position_m
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
   std::array<double, 3> scale{1, 1, 1};
-  bool y_up = false;               ///< the file's y axis is up: turned by 90 degrees about x first
-  double chord_error_m = 0.01;     ///< largest distance between a curved primitive and its facets
-  /// Put the object's lowest point this far above the terrain below its position (position z is then ignored).
+  bool y_up = false;            ///< the file's y axis is up: turned by 90 degrees about x first
+  double chord_error_m = 0.01;  ///< largest distance between a curved primitive and its facets
+  /// Put the object's lowest point this far above the terrain below its position (position z is then
+  /// ignored).
   std::optional<double> on_terrain_m;
 };
 
@@ -108,7 +120,9 @@ struct LineTrajectory {
   double pitch_deg = 0, roll_deg = 0;
 };
 /// CSV with a header line: time_s, east_m, north_m, up_m, heading_deg, pitch_deg, roll_deg.
-struct WaypointTrajectory { std::filesystem::path file; };
+struct WaypointTrajectory {
+  std::filesystem::path file;
+};
 
 struct TrajectoryDescription {
   SourcePlace place;
@@ -129,7 +143,7 @@ struct DidsonDescription {
 /// Two fans about the along-track axis, port (beam 0) and starboard (beam 1).
 struct SidescanDescription {
   double frequency_khz = 455;
-  double along_track_deg = 0.5;       ///< one-way width of the ideal rectangular beam
+  double along_track_deg = 0.5;                            ///< one-way width of the ideal rectangular beam
   double depression_min_deg = 2, depression_max_deg = 85;  ///< the fan's limits below the horizontal
   int samples = 1000;
   double range_min_m = 0.5, range_max_m = 50;
@@ -138,9 +152,9 @@ struct SidescanDescription {
 struct SensorDescription {
   SourcePlace place;
   std::string name;
-  std::string trajectory;              ///< may be empty when the scene has just one
+  std::string trajectory;  ///< may be empty when the scene has just one
   SourcePlace trajectory_place;
-  std::array<double, 3> lever_arm_m{0, 0, 0};      ///< starboard, forward, up from the carrier's reference point
+  std::array<double, 3> lever_arm_m{0, 0, 0};  ///< starboard, forward, up from the carrier's reference point
   double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;  ///< mounting: yaw to starboard, tilt downwards, roll
   double first_ping_s = 0;
   int pings = 1;
@@ -154,8 +168,8 @@ struct RunDescription {
   std::string arithmetic = "fixed";     ///< fixed | filtered | rational | double
   std::int64_t rays_per_ping = 100000;  ///< ray engine
   std::uint64_t seed = 1;
-  std::optional<int> grid_exponent;     ///< unit 2^-k m
-  int threads = 0;                      ///< 0: all cores
+  std::optional<int> grid_exponent;  ///< unit 2^-k m
+  int threads = 0;                   ///< 0: all cores
 };
 
 struct SceneDescription {

@@ -18,7 +18,8 @@ struct Pose {
 /// Heading clockwise from north, pitch bow up, roll starboard down; radians. Identity looks north.
 glm::dquat attitude_from_angles(double heading_rad, double pitch_rad, double roll_rad);
 
-/// A pose as a function of time: a fixed pose, a line, or interpolated waypoints (positions linear, attitude slerp).
+/// A pose as a function of time: a fixed pose, a line, or interpolated waypoints (positions linear, attitude
+/// slerp).
 class Trajectory {
  public:
   struct Sample {
