@@ -10,6 +10,7 @@ namespace tubefoot {
 namespace {
 
 std::string duration(double seconds) {
+  if (seconds < 1) return "under 1 s";
   if (seconds < 60) return fmt::format("{:.0f} s", seconds);
   const auto whole = static_cast<long>(seconds + 0.5);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
