@@ -64,7 +64,7 @@ class VisibilitySolver {
     std::array<Half<A>, 3> halves;
   };
 
-  /// Nobody splits a tube into more than 2^40 tiles.
+  /// Halvings of a facet's bounds, at most: below that integer rays no longer tell the halves apart.
   static constexpr int deepest_split = 40;
 
   ClipPlane<A> plane_through(PointId a, GridPoint pa, PointId b, GridPoint pb) const {
