@@ -60,6 +60,8 @@ Didson::Didson(const SensorDescription& description) : Sensor(description) {
                          static_cast<std::uint32_t>(cell) / static_cast<std::uint32_t>(slices));
   }
   sectors_.push_back(std::move(lit));
+  fans_.push_back({0, static_cast<std::uint32_t>(beams_.size()),
+                   static_cast<std::uint32_t>(beam_of_tube_.size()), forward_axis, starboard_axis, up_axis});
 }
 
 }  // namespace tubefoot

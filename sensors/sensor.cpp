@@ -1,14 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/sensor.hpp"
 
+#include <cmath>
+#include <numbers>
+
 #include "sensors/angles.hpp"
 #include "sensors/didson.hpp"
+#include "sensors/pattern_file.hpp"
 #include "sensors/sidescan.hpp"
 
 namespace tubefoot {
+namespace {
+
+/// Nothing for "none", else the pattern's table or a null pointer.
+std::optional<std::shared_ptr<const PatternTable>> opened(const PatternDescription& pattern) {
+  if (pattern.pattern == "none") return std::nullopt;
+  if (!pattern.file) return std::shared_ptr<const PatternTable>();
+  try {
+    return std::make_shared<const PatternTable>(read_pattern_file(*pattern.file));
+  } catch (const InputError& error) {
+    throw InputError(pattern.file_place, error.what());
+  }
+}
+
+/// Direction of a beam's axis in the sensor's frame.
+glm::dvec3 direction_of(const BeamAxis& axis) {
+  const double level = std::cos(axis.elevation_rad);
+  return {level * std::sin(axis.azimuth_rad), level * std::cos(axis.azimuth_rad),
+          std::sin(axis.elevation_rad)};
+}
+
+}  // namespace
 
 Sensor::Sensor(SensorDescription description) : description_(std::move(description)) {
   require(description_.pings >= 1, description_, "pings", description_.pings, "1 or more");
+  transmit_ = opened(description_.transmit);
+  receive_ = opened(description_.receive);
 }
 
 TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid) const {
@@ -19,6 +46,54 @@ TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid) const {
   for (const AngularGrid& sector : sectors_)
     append_tubes(set, {sector.azimuth_edges_rad, sector.elevation_edges_rad, turn * sector.frame});
   return set;
+}
+
+Directivity Sensor::directivity(const PatternDescription& pattern,
+                                const std::shared_ptr<const PatternTable>& table, const Fan& fan,
+                                glm::dvec3 beam_axis, const glm::dmat3& turn, double sound_speed_m_s) const {
+  using Kind = Directivity::Kind;
+  Directivity made;
+  made.kind = pattern.pattern == "line"       ? Kind::line
+              : pattern.pattern == "piston"   ? Kind::piston
+              : pattern.pattern == "gaussian" ? Kind::gaussian
+                                              : Kind::table;
+  made.from_axis = made.kind == Kind::piston || pattern.angle == "off_axis";
+  const glm::dvec3 own = made.from_axis                 ? beam_axis
+                         : pattern.angle == "elevation" ? fan.elevation
+                                                        : fan.azimuth;
+  made.axis = glm::normalize(turn * own);
+  if (!made.from_axis) made.centre = glm::dot(own, beam_axis);
+  const double wavelength_m = sound_speed_m_s / (frequency_khz_ * 1000);
+  if (made.kind == Kind::line) made.size = *pattern.aperture_m / wavelength_m;
+  if (made.kind == Kind::piston) made.size = std::numbers::pi * *pattern.aperture_m / wavelength_m;
+  if (made.kind == Kind::gaussian) made.size = radians(*pattern.width_deg);
+  made.table = table;
+  return made;
+}
+
+BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s) const {
+  const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
+  BeamPatterns made;
+  made.receive.resize(beams_.size());
+  for (const Fan& fan : fans_) {
+    made.transmit.emplace_back();
+    if (transmit_)
+      made.transmit.back() =
+          directivity(description_.transmit, *transmit_, fan, fan.axis, turn, sound_speed_m_s);
+    if (receive_)
+      for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
+        made.receive[beam] = directivity(description_.receive, *receive_, fan, direction_of(beams_[beam]),
+                                         turn, sound_speed_m_s);
+    while (made.fan_of_tube.size() < fan.end_tube) {
+      const std::uint32_t own = beam_of_tube_[made.fan_of_tube.size()];
+      made.fan_of_tube.push_back(static_cast<std::uint32_t>(made.transmit.size() - 1));
+      if (receive_)
+        made.beams_of_tube.emplace_back(fan.first_beam, fan.end_beam);
+      else
+        made.beams_of_tube.emplace_back(own, own + 1);
+    }
+  }
+  return made;
 }
 
 double Sensor::reach(const WorldGrid& grid) const {

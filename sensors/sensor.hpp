@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "engine/beam_pattern.hpp"
 #include "engine/echo.hpp"
 #include "geometry/tube.hpp"
 #include "geometry/world_grid.hpp"
@@ -36,6 +38,12 @@ class Sensor {
 
   /// The tubes of a ping from a pose of the sensor itself (mounting applied). Equal poses give equal sets.
   TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid) const;
+  /// Whether transmitter or receiver have a pattern; if not, beams are 1 inside their tubes and 0 outside.
+  bool has_patterns() const { return transmit_.has_value() || receive_.has_value(); }
+  /// The patterns from a pose of the sensor itself. A receive pattern is steered to its beam's axis, a
+  /// transmit pattern to the middle of its fan. With a receive pattern a beam hears its whole fan.
+  BeamPatterns patterns(const Pose& sensor_pose, double sound_speed_m_s) const;
+
   /// TubeSet::reach of its tubes: the end of the last sample, in grid units.
   double reach(const WorldGrid& grid) const;
   /// Pose of the sensor for a pose of its carrier: lever arm and mounting applied.
@@ -46,12 +54,28 @@ class Sensor {
  protected:
   explicit Sensor(SensorDescription description);
 
+  /// One transmission, heard by the receiver of the beams [first_beam, end_beam).
+  struct Fan {
+    std::uint32_t first_beam = 0, end_beam = 0, end_tube = 0;  ///< tubes: from the end of the fan before
+    glm::dvec3 axis{0, 1, 0};                                  ///< its middle, in the sensor's frame
+    glm::dvec3 azimuth{1, 0, 0}, elevation{0, 0, 1};           ///< where the two angles' directions grow
+  };
+
   SensorDescription description_;
   double frequency_khz_ = 0;
   std::vector<BeamAxis> beams_;
   RangeSamples samples_;
   std::vector<std::uint32_t> beam_of_tube_;
   std::vector<AngularGrid> sectors_;  ///< in the sensor's frame (x starboard, y forward, z up)
+  std::vector<Fan> fans_;
+
+ private:
+  Directivity directivity(const PatternDescription& pattern, const std::shared_ptr<const PatternTable>& table,
+                          const Fan& fan, glm::dvec3 beam_axis, const glm::dmat3& turn,
+                          double sound_speed_m_s) const;
+
+  /// Set where there is a pattern; a pointer to its table, if it is one.
+  std::optional<std::shared_ptr<const PatternTable>> transmit_, receive_;
 };
 
 /// The sensor that a description asks for.

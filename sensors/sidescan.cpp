@@ -32,6 +32,11 @@ Sidescan::Sidescan(const SensorDescription& description) : Sensor(description) {
                         {-half_width_rad, half_width_rad},
                         glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});
     beam_of_tube_.insert(beam_of_tube_.end(), static_cast<std::size_t>(slices), side < 0 ? 0u : 1u);
+    const glm::dvec3 axis = std::cos(middle_rad) * side * starboard_axis - std::sin(middle_rad) * up_axis;
+    const glm::dvec3 across = std::sin(middle_rad) * side * starboard_axis + std::cos(middle_rad) * up_axis;
+    const auto beam = static_cast<std::uint32_t>(beams_.size());
+    fans_.push_back(
+        {beam - 1, beam, static_cast<std::uint32_t>(beam_of_tube_.size()), axis, forward_axis, across});
   }
 }
 

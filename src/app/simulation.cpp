@@ -75,7 +75,12 @@ std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStat
       const Clock::time_point traced = Clock::now();
       for (const std::size_t s : group.sensors) {
         const Sensor& sensor = *survey.sensors[s].sensor;
-        const EchoLaw law{scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)};
+        EchoLaw law{scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)};
+        BeamPatterns patterns;
+        if (sensor.has_patterns()) {
+          patterns = sensor.patterns(survey.sensors[s].poses[ping], scene.sound_speed_m_s);
+          law.patterns = &patterns;
+        }
         const Echo echo = integrate_echo(history, sensor.beam_of_tube(),
                                          static_cast<int>(sensor.beams().size()), sensor.samples(), law);
         std::copy(echo.energy.begin(), echo.energy.end(),

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <stdexcept>
 
+#include "engine/pattern_integral.hpp"
 #include "engine/radial_law.hpp"
 #include "geometry/range_cut.hpp"
 
@@ -41,6 +43,15 @@ class Rows {
   const EchoLaw& law_;
 };
 
+void check(const BeamPatterns& patterns, std::size_t tubes, int beams) {
+  bool fits = patterns.receive.size() == std::size_t(beams) && patterns.fan_of_tube.size() == tubes &&
+              patterns.beams_of_tube.size() == tubes;
+  for (const std::uint32_t fan : patterns.fan_of_tube) fits = fits && fan < patterns.transmit.size();
+  for (const auto& [first, end] : patterns.beams_of_tube)
+    fits = fits && first <= end && end <= std::uint32_t(beams);
+  if (!fits) throw std::invalid_argument("the beam patterns belong to other beams or other tubes");
+}
+
 void add_footprints(const FootprintSet& set, const RadialIntegral& radial, Rows& rows) {
   RangeCutter cutter(radial);
   PlanarPolygon polygon;
@@ -57,10 +68,28 @@ void add_footprints(const FootprintSet& set, const RadialIntegral& radial, Rows&
   }
 }
 
+void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
+                            Rows& rows, Echo& echo) {
+  const std::vector<double> borders = sample_borders_m(samples);
+  PatternIntegrator integrator(borders, two_way_absorption_per_m(law.absorption_db_per_m), *law.patterns);
+  PlanarPolygon polygon;
+  for (const Footprint& footprint : set.footprints) {
+    const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
+    const PlaneFrame frame(plane);
+    const double factor = rows.mu(footprint.facet) * plane.distance_m * plane.distance_m;
+    rows.of_tube(footprint.tube);  // refuses a tube that has no beam
+    for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
+      const Piece piece = set.pieces[footprint.first_piece + p];
+      polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
+      integrator.add(polygon, plane, frame, footprint.tube, factor, echo.energy);
+    }
+  }
+}
+
 /// A hit stands for the area solid_angle r^2 / sin(grazing), so it returns mu sin(grazing) solid_angle / r^2.
-void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, double absorption_db_per_m,
-              Rows& rows) {
-  const double beta = two_way_absorption_per_m(absorption_db_per_m);
+void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, const EchoLaw& law, Rows& rows,
+              Echo& echo) {
+  const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
   const std::vector<double> borders = sample_borders_m(samples);
   for (const RayHit& hit : hits) {
     const double r = hit.slant_range_m;
@@ -69,8 +98,20 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, doub
     if (!(r > 0 && r >= borders.front() && r < borders.back())) continue;
     // The borders decide, not a division: footprints are cut at the same numbers.
     const auto above = std::upper_bound(borders.begin(), borders.end(), r);
-    row[std::size_t(above - borders.begin() - 1)] +=
+    const auto sample = std::size_t(above - borders.begin() - 1);
+    const double energy =
         mu * std::sin(hit.grazing_angle_rad) * hit.solid_angle_sr / (r * r) * std::exp(-beta * r);
+    if (law.patterns == nullptr) {
+      row[sample] += energy;
+      continue;
+    }
+    const BeamPatterns& patterns = *law.patterns;
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(hit.direction));
+    const double sent = energy * patterns.transmit[patterns.fan_of_tube[hit.tube]].gain(direction);
+    const auto [first, end] = patterns.beams_of_tube[hit.tube];
+    for (std::uint32_t beam = first; beam < end; ++beam)
+      echo.energy[beam * std::size_t(samples.count) + sample] +=
+          sent * patterns.receive[beam].gain(direction);
   }
 }
 
@@ -83,14 +124,18 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
     throw std::invalid_argument(
         fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
   const RadialIntegral radial = lambert_radial_integral(samples, law.absorption_db_per_m);
+  if (law.patterns != nullptr) check(*law.patterns, beam_of_tube.size(), beams);
 
   Echo echo;
   echo.beams = beams;
   echo.samples = samples.count;
   echo.energy.assign(std::size_t(beams) * samples.count, 0);
   Rows rows(echo, beam_of_tube, law);
-  add_footprints(history.footprints, radial, rows);
-  add_hits(history.hits, samples, law.absorption_db_per_m, rows);
+  if (law.patterns == nullptr)
+    add_footprints(history.footprints, radial, rows);
+  else
+    add_weighed_footprints(history.footprints, samples, law, rows, echo);
+  add_hits(history.hits, samples, law, rows, echo);
   return echo;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/beam_pattern.hpp"
 #include "engine/history.hpp"
 
 namespace tubefoot {
@@ -22,6 +23,7 @@ struct EchoLaw {
   std::span<const double> material_mu;      ///< Lambert parameter mu (linear) by material
   std::span<const std::uint16_t> material;  ///< material by facet
   double absorption_db_per_m = 0;           ///< one way
+  const BeamPatterns* patterns = nullptr;   ///< none: beams are ideal, 1 inside their tubes and 0 outside
 };
 
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample].
@@ -34,7 +36,9 @@ struct Echo {
 
 /// Turns a history into the echo of a receiver whose beams are unions of tubes.
 /// `beam_of_tube[t]` is the beam that tube t belongs to. Footprints are cut at the range samples' borders
-/// (arcs on the facet); ray hits fall into the sample that holds their range.
+/// (arcs on the facet); ray hits fall into the sample that holds their range. With patterns the energy from
+/// an area element is weighed by transmit and receive pattern in its own direction, and a beam hears the
+/// tubes that `law.patterns->beams_of_tube` says.
 Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,
                     const RangeSamples& samples, const EchoLaw& law);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "geometry/footprint.hpp"
@@ -16,6 +17,7 @@ struct RayHit {
   double slant_range_m = 0;
   double grazing_angle_rad = 0;
   double solid_angle_sr = 0;  ///< weight: the hit stands for an area solid_angle * range^2 / sin(grazing)
+  glm::vec3 direction{0};     ///< of the ray, unit, in the local frame; read by beam patterns
 };
 
 /// What one transmission met, seen from one apex: the value that every sensor reads. It knows facets, tubes

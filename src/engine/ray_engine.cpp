@@ -292,6 +292,7 @@ History trace_rays(const RayScene& scene, TubeSet tubes, double grid_unit_m, std
       hit.tube = row.tube;
       if (!scene.state_->meet(set.apex, direction, reach_m, hit)) continue;
       hit.solid_angle_sr = solid_angle(tube.patch, cell);
+      hit.direction = glm::vec3(direction);
       row.hits.push_back(hit);
     }
   };

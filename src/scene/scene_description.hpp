@@ -149,6 +149,16 @@ struct SidescanDescription {
   double range_min_m = 0.5, range_max_m = 50;
 };
 
+/// Beam pattern (power) of a transmitter or a receiver.
+struct PatternDescription {
+  std::string pattern = "none";      ///< none | line | piston | gaussian | table
+  std::string angle = "azimuth";     ///< azimuth | elevation | off_axis: what all but piston depend on
+  std::optional<double> aperture_m;  ///< line: length; piston: diameter
+  std::optional<double> width_deg;   ///< gaussian: full one-way width at -3 dB
+  std::optional<std::filesystem::path> file;  ///< table
+  SourcePlace file_place;
+};
+
 struct SensorDescription {
   SourcePlace place;
   std::string name;
@@ -159,6 +169,7 @@ struct SensorDescription {
   double first_ping_s = 0;
   int pings = 1;
   double ping_interval_s = 0.1;
+  PatternDescription transmit, receive;
   std::variant<DidsonDescription, SidescanDescription> kind;
 };
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/scene_file_sections.hpp"
 
+#include <algorithm>
+
+#include "scene/scene_file_words.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -101,7 +105,42 @@ void check_trajectory(const TrajectoryDescription& trajectory, const TomlTable& 
   }
 }
 
+/// Of a sensor's transmit or receive pattern: each pattern needs its own measure and takes no other.
+void check_pattern(const PatternDescription& pattern, const std::string& side, const TomlTable& table) {
+  const struct {
+    const char* measure;
+    bool given;
+    std::vector<std::string> patterns;
+  } rules[] = {
+      {"_aperture_m", pattern.aperture_m.has_value(), {"line", "piston"}},
+      {"_beam_width_deg", pattern.width_deg.has_value(), {"gaussian"}},
+      {"_pattern_file", pattern.file.has_value(), {"table"}},
+      {"_pattern_angle", table.has(side + "_pattern_angle"), {"line", "gaussian", "table"}},
+  };
+  for (const auto& [measure, given, patterns] : rules) {
+    const bool takes = std::ranges::find(patterns, pattern.pattern) != patterns.end();
+    const std::string key = side + measure,
+                      choice = fmt::format("{}_pattern = \"{}\"", side, pattern.pattern);
+    if (given && !takes) {
+      throw InputError(table.place_of(key),
+                       fmt::format("'{}' goes with {}_pattern = {} and not with {}: remove it, or change the "
+                                   "latter",
+                                   key, side, one_of(patterns, '"'), choice));
+    }
+    if (takes && !given && key != side + "_pattern_angle")
+      throw InputError(table.place_of(side + "_pattern"), fmt::format("{} needs the key '{}'", choice, key));
+  }
+  if (pattern.pattern == "line" && pattern.angle == "off_axis") {
+    throw InputError(table.place_of(side + "_pattern_angle"),
+                     fmt::format("a line array's pattern depends on \"azimuth\" or \"elevation\", not on "
+                                 "\"off_axis\": take {}_pattern = \"piston\" for a round aperture",
+                                 side));
+  }
+}
+
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
+  check_pattern(sensor.transmit, "transmit", table);
+  check_pattern(sensor.receive, "receive", table);
   constexpr std::size_t longest_name = 64;
   constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
   if (sensor.name.size() > longest_name || sensor.name.find_first_not_of(allowed) != std::string::npos) {
@@ -124,6 +163,30 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
                                    sidescan->range_min_m, sidescan->range_max_m));
     }
   }
+}
+
+/// The keys of a transmit or receive pattern, as keys of the sensor.
+std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side,
+                                                         PatternDescription SensorDescription::*pattern) {
+  using P = PatternDescription;
+  constexpr ValueRange aperture{.lo = 0, .hi = 1000, .lo_excluded = true};
+  constexpr ValueRange width{.lo = 0, .hi = 180, .lo_excluded = true};
+  const std::vector<TomlField<P>> own{
+      field(side + "_pattern", &P::pattern, {.choices = {"none", "line", "piston", "gaussian", "table"}}),
+      field(side + "_pattern_angle", &P::angle, {.choices = {"azimuth", "elevation", "off_axis"}}),
+      field(side + "_aperture_m", &P::aperture_m, {.ranges = {aperture}}),
+      field(side + "_beam_width_deg", &P::width_deg, {.ranges = {width}}),
+      field(side + "_pattern_file", &P::file)};
+  std::vector<TomlField<SensorDescription>> fields;
+  for (const TomlField<P>& f : own) {
+    const bool is_file = f.key.type == "file";
+    fields.push_back({f.key, [read = f.read, pattern, is_file](const toml::node& node, TomlSource& source,
+                                                               SensorDescription& s) {
+                        read(node, source, s.*pattern);
+                        if (is_file) (s.*pattern).file_place = source.place(node.source());
+                      }});
+  }
+  return fields;
 }
 
 }  // namespace
@@ -287,6 +350,8 @@ const TomlSection<SensorDescription>& sensor_section() {
                  field("pings", &S::pings, {.ranges = {{.lo = 1, .hi = 1e7}}}),
                  field("ping_interval_s", &S::ping_interval_s,
                        {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}})})
+          .keys(pattern_fields("transmit", &S::transmit))
+          .keys(pattern_fields("receive", &S::receive))
           .kind<Didson>("kind", "didson",
                         {field("frequency_khz", &Didson::frequency_khz, {.ranges = {frequency}}),
                          field("beams", &Didson::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),

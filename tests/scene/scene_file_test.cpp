@@ -336,6 +336,10 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
   const std::string text =
       "\n" + std::string(full_scene) + "\ncrs = \norigin_crs = ";  // of the test after it
   for (const SceneKey& key : scene_file_keys()) {
+    // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
+    if (key.section == "[[sensors]]" && key.kind.empty() &&
+        (key.name.starts_with("transmit_") || key.name.starts_with("receive_")))
+      continue;
     EXPECT_NE(text.find("\n" + key.name + " = "), std::string::npos) << key.section << " " << key.name;
   }
 }

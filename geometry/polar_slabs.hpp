@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace tubefoot {
+
+/// An enclosure of a slant range.
+struct RangeEnclosure {
+  double lo = 0, hi = 0;
+};
+
+/// What the cutting into slabs has to know of a polygon's edge. s runs along the edge's line from the line's
+/// nearest point to the apex.
+struct EdgeRanges {
+  RangeEnclosure from, to, nearest;  ///< of the edge's start, its end, and its line's nearest point
+  int side_from = 0, side_to = 0;    ///< sign of s at start and end; 0 where it is not known
+};
+
+/// A circle of constant range meets an edge: at s > 0 (`rising`), where the polygon begins as the angle about
+/// the foot point grows, or at s < 0, where it ends.
+struct Crossing {
+  std::uint32_t edge = 0;
+  bool rising = false;
+};
+
+/// Cuts a convex polygon on a plane into slabs of slant range, by range samples and by the ranges at which
+/// circles about the foot point of the apex change what edges they meet. In a slab all circles meet the same
+/// edges, so that the polygon's part in it is a set of arcs whose ends are smooth functions of range.
+///
+/// Ranges come as enclosures, and a slab is an interval between them: what the slabs leave out are gaps as
+/// wide as the enclosures. Nothing that is decided here depends on a comparison within an enclosure.
+class PolarSlabs {
+ public:
+  struct Slab {
+    double lo = 0, hi = 0;  ///< slant ranges
+    std::uint32_t sample = 0;
+    std::uint32_t first = 0, count = 0;  ///< in crossings(); none: all of the circle lies in the polygon
+  };
+  struct Gap {
+    double lo = 0, hi = 0;
+    std::uint32_t first_sample = 0, end_sample = 0;  ///< samples it may belong to, [first, end)
+  };
+
+  /// `edges`: in order, turning counter-clockwise about the inside (as pieces do). `foot`: the apex's
+  /// distance from the plane if the foot point lies strictly inside the polygon, or if that is not known.
+  /// `foot_inside`: it surely does. `borders_m`: of the samples, increasing.
+  void cut(std::span<const EdgeRanges> edges, const std::optional<RangeEnclosure>& foot, bool foot_inside,
+           std::span<const double> borders_m);
+
+  const std::vector<Slab>& slabs() const { return slabs_; }
+  const std::vector<Gap>& gaps() const { return gaps_; }
+  std::span<const Crossing> crossings(const Slab& slab) const {
+    return std::span(crossings_).subspan(slab.first, slab.count);
+  }
+
+ private:
+  struct Branch {
+    Crossing crossing;
+    RangeEnclosure begin, end;
+    std::size_t begin_event = 0, end_event = 0;
+  };
+  std::size_t event_of(const RangeEnclosure& range) const;
+  void add_slabs(double lo, double hi, std::uint32_t first, std::span<const double> borders_m);
+
+  std::vector<Branch> branches_;
+  std::vector<RangeEnclosure> events_;
+  std::vector<Crossing> crossings_;
+  std::vector<Slab> slabs_;
+  std::vector<Gap> gaps_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace tubefoot {
+
+/// A measured pattern: level in dB over an angle, interpolated by the monotone cubic of Fritsch & Carlson
+/// (1980), which neither overshoots nor leaves the table's values between two of its angles, and held at its
+/// first and last level outside of them.
+class PatternTable {
+ public:
+  /// A cubic in (angle - from): level_db = c[0] + c[1] x + c[2] x^2 + c[3] x^3.
+  struct Segment {
+    double from = 0, c[4] = {};
+  };
+  /// Angles in radians, increasing, at least two; finite levels. Throws std::invalid_argument.
+  PatternTable(std::vector<double> angle_rad, const std::vector<double>& level_db);
+
+  double level_db(double angle_rad) const;
+  /// Segment k holds angles below border(k) and not below border(k - 1); the first and the last are constant.
+  const std::vector<Segment>& segments() const { return segments_; }
+  std::size_t segment_at(double angle_rad) const;
+  const std::vector<double>& borders() const { return angle_; }
+  /// Largest |d level / d angle|, dB per radian.
+  double steepest() const { return steepest_; }
+
+ private:
+  std::vector<double> angle_;
+  std::vector<Segment> segments_;
+  double steepest_ = 0;
+};
+
+/// A power pattern, 1 on its axis, that depends on a direction through one cosine: that between the direction
+/// and `axis`. For a line array the axis is the array; a pattern about the beam's axis has that for its own.
+struct Directivity {
+  enum class Kind {
+    uniform,   ///< 1 everywhere
+    line,      ///< sinc^2(size * (cosine - centre)), size = length / wavelength, sinc x = sin(pi x) / (pi x)
+    piston,    ///< (2 J1(x) / x)^2, x = size * sine, size = pi diameter / wavelength; alike in front and
+               ///< behind
+    gaussian,  ///< exp(-4 ln 2 (angle / size)^2), size = full width at -3 dB, radians
+    table      ///< PatternTable over the angle
+  };
+  Kind kind = Kind::uniform;
+  glm::dvec3 axis{0, 1, 0};  ///< unit
+  /// gaussian and table: the angle is that from the axis; else asin(cosine) - asin(centre), an angle from the
+  /// plane that is perpendicular to the axis.
+  bool from_axis = false;
+  double centre = 0;  ///< cosine of the beam's own direction; not used with from_axis
+  double size = 0;
+  std::shared_ptr<const PatternTable> table{};
+
+  /// Power in a direction (unit vector) relative to that on the beam's axis.
+  double gain(glm::dvec3 direction) const { return gain_at(glm::dot(direction, axis)); }
+  double gain_at(double cosine) const;
+
+  /// How fast the pattern may grow along a path in the complex plane of directions: over a segment of
+  /// directions half_extent long to either side, |gain| <= exp(growth(y)) in the ellipse that reaches y into
+  /// the imaginary.
+  double growth(double imaginary_extent) const;
+};
+
+/// The patterns of a sonar at one pose, in the local frame. Beams belong to fans (one transmission and one
+/// receiver each): a beam with a receive pattern hears all tubes of its fan, one without only its own.
+struct BeamPatterns {
+  std::vector<Directivity> transmit;       ///< by fan
+  std::vector<Directivity> receive;        ///< by beam
+  std::vector<std::uint32_t> fan_of_tube;  ///< by tube
+  /// By tube: the beams [first, second) that hear it.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> beams_of_tube;
+};
+
+}  // namespace tubefoot

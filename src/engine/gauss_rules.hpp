@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+namespace tubefoot {
+
+/// The Gauss-Legendre rule of n nodes on [-1, 1].
+struct GaussRule {
+  std::vector<double> node, weight;
+};
+
+constexpr int most_gauss_nodes = 24;
+
+/// Rules of 1 to most_gauss_nodes nodes.
+const GaussRule& gauss_rule(int nodes);
+
+}  // namespace tubefoot
