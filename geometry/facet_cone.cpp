@@ -20,7 +20,8 @@ bool FacetCone::make(const FacetMesh& mesh, FacetId id, GridPoint apex, FacetCon
   cone.normal = {sum(ab.x, bc.x, ca.x), sum(ab.y, bc.y, ca.y), sum(ab.z, bc.z, ca.z)};
   cone.offset = dot(cone.normal, cone.point[0]);
   if (cone.offset == 0) return false;
-  if (cone.offset < 0) {
+  cone.reversed = cone.offset < 0;
+  if (cone.reversed) {
     std::swap(cone.vertex[1], cone.vertex[2]);
     std::swap(cone.point[1], cone.point[2]);
     cone.normal = {-cone.normal.x, -cone.normal.y, -cone.normal.z};

@@ -32,6 +32,7 @@ inline Int128 dot(const Vec64& n, GridPoint p) {
 /// three positive, so that the facet subtends the cone of directions inside its three edge planes.
 struct FacetCone {
   FacetId id = 0;
+  bool reversed = false;  ///< the order is the reverse of the mesh's
   std::array<VertexId, 3> vertex{};
   std::array<GridPoint, 3> point{};
   Vec64 normal;     ///< of the facet's plane normal . x = offset

@@ -15,15 +15,27 @@ int side_of_line(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p, double slack) {
 
 double slack_of(double largest_coordinate) { return GnomonicFrame::margin * (1 + largest_coordinate); }
 
-/// True only if an edge of `a` has all of `b` on its far side.
-bool edge_parts(const SeenFacet& a, const SeenFacet& b, double slack) {
+/// True only if an edge of `a` has all of `b`, whose bounds meet those of `a`, on its far side. `extent`: of
+/// both together, so that no corner of one is farther from a corner of the other.
+bool edge_parts(const SeenFacet& a, const SeenFacet& b, double slack, double extent) {
   if (a.turn == 0) return false;
+  const auto shared = [&](VertexId v) {
+    return static_cast<unsigned>(v == a.cone.vertex[0]) | static_cast<unsigned>(v == a.cone.vertex[1]) << 1 |
+           static_cast<unsigned>(v == a.cone.vertex[2]) << 2;
+  };
+  const std::array<unsigned, 3> same{shared(b.cone.vertex[0]), shared(b.cone.vertex[1]),
+                                     shared(b.cone.vertex[2])};
+  constexpr std::array<unsigned, 3> ends{0b011, 0b110, 0b101};
   for (int k = 0; k < 3; ++k) {
-    const int next = (k + 1) % 3;
+    const glm::dvec3& line = a.line[k];
+    // As in side_of_line, where a corner's distance from the edge's start is at most the extent; the line's
+    // constant carries the rounding of products with the coordinates, of which slack is a large multiple.
+    const double bound = 8 * slack * (std::abs(line.x) + std::abs(line.y) + extent + slack);
     bool apart = true;
-    for (int v = 0; v < 3 && apart; ++v)
-      apart = b.cone.vertex[v] == a.cone.vertex[k] || b.cone.vertex[v] == a.cone.vertex[next] ||
-              side_of_line(a.corner[k], a.corner[next], b.corner[v], slack) == -a.turn;
+    for (int v = 0; v < 3; ++v) {
+      const double s = line.x * b.corner[v].x + line.y * b.corner[v].y - line.z;
+      apart = apart & ((s < -bound) | ((same[v] & ends[k]) != 0));
+    }
     if (apart) return true;
   }
   return false;
@@ -76,6 +88,10 @@ void SeenFacet::measure(const GnomonicFrame& frame) {
         std::max({std::abs(bounds.x0), std::abs(bounds.x1), std::abs(bounds.y0), std::abs(bounds.y1)}));
     bounds.widen(slack);
     turn = side_of_line(corner[0], corner[1], corner[2], slack);
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec2 a = corner[k], along = static_cast<double>(turn) * (corner[(k + 1) % 3] - a);
+      line[k] = {-along.y, along.x, along.x * a.y - along.y * a.x};
+    }
   } else {
     bounds = Bounds::everything();
     turn = 0;
@@ -104,7 +120,9 @@ int where(const SeenFacet& facet, glm::dvec2 p) {
 bool surely_apart(const SeenFacet& a, const SeenFacet& b) {
   if (!a.bounds.is_finite() || !b.bounds.is_finite()) return false;
   const double slack = std::max(a.slack, b.slack);
-  return edge_parts(a, b, slack) || edge_parts(b, a, slack);
+  const double extent = (a.bounds.x1 - a.bounds.x0) + (a.bounds.y1 - a.bounds.y0) +
+                        (b.bounds.x1 - b.bounds.x0) + (b.bounds.y1 - b.bounds.y0);
+  return edge_parts(a, b, slack, extent) || edge_parts(b, a, slack, extent);
 }
 
 }  // namespace tubefoot

@@ -8,7 +8,7 @@ namespace tubefoot {
 namespace {
 
 /// Facets a cell should hold about, when all have the same size. Measured: docs/performance.md.
-constexpr double facets_per_cell = 6;
+constexpr double facets_per_cell = 4;
 /// More entries than this for each facet, on average, and the cells are made larger.
 constexpr double entries_per_facet = 6;
 constexpr int most_cells_a_side = 512;
@@ -18,7 +18,15 @@ std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
   return k;
 }
 
+float below(double x) {
+  const auto rounded = static_cast<float>(x);
+  return rounded <= x ? rounded : std::nextafterf(rounded, -std::numeric_limits<float>::infinity());
+}
+
 }  // namespace
+
+LayerGrid::RoundedBounds::RoundedBounds(const Bounds& b)
+    : x0(below(b.x0)), x1(-below(-b.x1)), y0(below(b.y0)), y1(-below(-b.y1)) {}
 
 void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& facets,
                       const std::vector<Neighbours>& neighbours) {
@@ -26,6 +34,7 @@ void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& 
   facets_ = &facets;
   neighbours_ = &neighbours;
   place_.resize(facets.size());
+  cells_of_facet_.resize(facets.size());
   stamp_.assign(facets.size(), 0);
   stamp_now_ = 0;
   choose_size();
@@ -65,7 +74,7 @@ LayerGrid::Cells LayerGrid::cells_of(const Bounds& bounds) const {
   const Bounds& tube = frame_->tube();
   // Clamped as doubles: bounds may be infinite or far outside.
   const auto index = [](double coordinate, double origin, double size, int count) {
-    return static_cast<int>(std::clamp(std::floor((coordinate - origin) / size), 0.0, count - 1.0));
+    return static_cast<int>(std::clamp((coordinate - origin) / size, 0.0, count - 1.0));
   };
   // One cell in a direction needs no arithmetic, which an infinite tube would not allow.
   return {columns_ == 1 ? 0 : index(bounds.x0, tube.x0, cell_width_, columns_),
@@ -75,23 +84,26 @@ LayerGrid::Cells LayerGrid::cells_of(const Bounds& bounds) const {
 }
 
 void LayerGrid::fill() {
-  const auto each_cell = [&](const Bounds& bounds, const auto& visit) {
-    const Cells c = cells_of(bounds);
+  const auto each_cell = [&](std::uint32_t f, const auto& visit) {
+    const Cells c = cells_of_facet_[f];
     for (int y = c.y0; y <= c.y1; ++y)
       for (int x = c.x0; x <= c.x1; ++x) visit(cells_[static_cast<std::size_t>(y) * columns_ + x]);
   };
-  for (const SeenFacet& facet : *facets_) each_cell(facet.bounds, [](Cell& cell) { ++cell.end; });
+  for (std::uint32_t f = 0; f < facets_->size(); ++f) {
+    cells_of_facet_[f] = cells_of((*facets_)[f].bounds);
+    each_cell(f, [](Cell& cell) { ++cell.end; });
+  }
   std::uint32_t total = 0;
   for (Cell& cell : cells_) {
     const std::uint32_t count = cell.end;
     cell.begin = cell.end = total;
     total += count;
   }
-  entries_.resize(total);
-  for (std::uint32_t f = 0; f < facets_->size(); ++f)
-    each_cell((*facets_)[f].bounds, [&](Cell& cell) {
-      entries_[cell.end++] = {(*facets_)[f].nearest, f, -1};
-    });
+  entries_.resize(total, Entry{0, 0, no_layer, RoundedBounds(Bounds::everything())});
+  for (std::uint32_t f = 0; f < facets_->size(); ++f) {
+    const Entry entry{(*facets_)[f].nearest, f, no_layer, RoundedBounds((*facets_)[f].bounds)};
+    each_cell(f, [&](Cell& cell) { entries_[cell.end++] = entry; });
+  }
   for (const Cell& cell : cells_)
     std::sort(entries_.begin() + cell.begin, entries_.begin() + cell.end, [](const Entry& a, const Entry& b) {
       return a.nearest != b.nearest ? a.nearest < b.nearest : a.facet < b.facet;
@@ -172,6 +184,7 @@ void LayerGrid::find_layers(int x, int y) {
     const bool simple = std::none_of(covering_.begin(), covering_.end(), [&](std::uint32_t other) {
       return other != covers && root(parent_, other) == layer;
     });
+    cell.has_simple_layer |= simple;
     double farthest = 0;
     for (std::uint32_t k = 0; k < count; ++k)
       if (root(parent_, k) == layer) {
@@ -185,7 +198,7 @@ void LayerGrid::find_layers(int x, int y) {
 void LayerGrid::find_hidden() {
   hidden_.resize(facets_->size());
   for (std::uint32_t f = 0; f < facets_->size(); ++f) {
-    const Cells c = cells_of((*facets_)[f].bounds);
+    const Cells c = cells_of_facet_[f];
     bool hidden = true;
     for (int y = c.y0; y <= c.y1 && hidden; ++y)
       for (int x = c.x0; x <= c.x1 && hidden; ++x)
@@ -204,32 +217,35 @@ void LayerGrid::drop_hidden() {
 }
 
 void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
-  out.clear();
+  found_.clear();
   const SeenFacet& receiver = (*facets_)[facet];
+  const RoundedBounds bounds(receiver.bounds);
+  const double farthest = receiver.farthest;
   ++stamp_now_;
   stamp_[facet] = stamp_now_;
-  const Cells c = cells_of(receiver.bounds);
+  const Cells c = cells_of_facet_[facet];
   for (int y = c.y0; y <= c.y1; ++y)
     for (int x = c.x0; x <= c.x1; ++x) {
       const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
-      std::int32_t layer = -1;
-      for (std::uint32_t e = cell.begin; e < cell.end && layer < 0; ++e)
-        if (entries_[e].facet == facet) layer = entries_[e].simple_layer;
-      for (std::uint32_t e = cell.begin; e < cell.end; ++e) {
-        const Entry& entry = entries_[e];
-        if (entry.nearest >= receiver.farthest) break;
-        if (stamp_[entry.facet] == stamp_now_) continue;
-        if (layer >= 0 && entry.simple_layer == layer)
-          continue;  // the same layer does not overlap itself here
-        if (!(*facets_)[entry.facet].bounds.meets(receiver.bounds)) continue;
-        stamp_[entry.facet] = stamp_now_;
-        out.push_back(entry.facet);
+      const Entry *const begin = entries_.data() + cell.begin, *const end = entries_.data() + cell.end;
+      std::int32_t own_layer = no_layer;
+      if (cell.has_simple_layer)
+        for (const Entry* e = begin; e != end; ++e)
+          if (e->facet == facet) own_layer = e->simple_layer;
+      for (const Entry* e = begin; e != end && e->nearest < farthest; ++e) {
+        if (!e->bounds.meets(bounds)) continue;
+        // A simple layer does not overlap itself here.
+        if (own_layer != no_layer && e->simple_layer == own_layer) continue;
+        if (stamp_[e->facet] == stamp_now_) continue;
+        stamp_[e->facet] = stamp_now_;
+        found_.push_back({e->nearest, e->facet});
       }
     }
-  std::sort(out.begin(), out.end(), [this](std::uint32_t a, std::uint32_t b) {
-    return (*facets_)[a].nearest != (*facets_)[b].nearest ? (*facets_)[a].nearest < (*facets_)[b].nearest
-                                                          : a < b;
+  std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+    return a.nearest != b.nearest ? a.nearest < b.nearest : a.facet < b.facet;
   });
+  out.clear();
+  for (const Found& found : found_) out.push_back(found.facet);
 }
 
 }  // namespace tubefoot

@@ -41,15 +41,30 @@ class LayerGrid {
   struct Cells {
     int x0, x1, y0, y1;
   };
+  /// Bounds in single precision, rounded outwards.
+  struct RoundedBounds {
+    float x0, x1, y0, y1;
+    explicit RoundedBounds(const Bounds& b);
+    bool meets(const RoundedBounds& o) const {
+      return (x0 <= o.x1) & (o.x0 <= x1) & (y0 <= o.y1) & (o.y0 <= y1);
+    }
+  };
   struct Cell {
     std::uint32_t begin = 0, end = 0;  ///< in entries_
+    bool has_simple_layer = false;
     /// Everything wholly beyond this distance is hidden here.
     double closed_beyond = std::numeric_limits<double>::infinity();
   };
   struct Entry {
     double nearest;  ///< of the facet; a cell's entries are sorted by it
     std::uint32_t facet;
-    std::int32_t simple_layer;  ///< layer that covers this cell exactly once, by its root; -1: none
+    std::int32_t simple_layer;  ///< layer that covers this cell exactly once, by its root; or no_layer
+    RoundedBounds bounds;       ///< of the facet, here because every pair of a cell is asked for them
+  };
+  static constexpr std::int32_t no_layer = -1;
+  struct Found {
+    double nearest;
+    std::uint32_t facet;
   };
 
   void choose_size();
@@ -68,12 +83,14 @@ class LayerGrid {
   double cell_width_ = 1, cell_height_ = 1;
   std::vector<Cell> cells_;
   std::vector<Entry> entries_;
+  std::vector<Cells> cells_of_facet_;  ///< by facet
   std::vector<std::uint8_t> hidden_;
 
   // Scratch: per facet, its place in the cell at hand; per place, layers as a union-find forest.
   std::vector<std::uint32_t> place_, stamp_;
   std::uint32_t stamp_now_ = 0;
   std::vector<std::uint32_t> parent_, covering_;
+  std::vector<Found> found_;
   std::vector<std::uint8_t> broken_;  ///< by a layer's root: one of its silhouette edges may enter the cell
 };
 

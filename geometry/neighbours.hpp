@@ -19,7 +19,7 @@ class NeighbourFinder {
   void find(const std::vector<SeenFacet>& facets, std::vector<Neighbours>& neighbours,
             const Unfolded& unfolded, const EdgeOutside& edge_outside) {
     neighbours.assign(facets.size(), Neighbours{silhouette, silhouette, silhouette});
-    const std::size_t size = std::bit_ceil(facets.size() * 6 + 1);
+    const std::size_t size = std::bit_ceil(facets.size() * 4 + 1);
     table_.assign(size, Slot{});
     for (std::uint32_t f = 0; f < facets.size(); ++f)
       for (std::uint32_t k = 0; k < 3; ++k) {

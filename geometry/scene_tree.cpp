@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "geometry/height_sheets.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -25,7 +27,7 @@ constexpr double slack = 1e-12;
 
 }  // namespace
 
-SceneTree::SceneTree(const FacetMesh& mesh) : mesh_(&mesh), order_(mesh.facets.size()) {
+SceneTree::SceneTree(const FacetMesh& mesh, Sheets sheets) : mesh_(&mesh), order_(mesh.facets.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   if (order_.empty()) return;
   // Three times the centroid, in single precision: it only decides the tree's shape.
@@ -75,6 +77,14 @@ SceneTree::SceneTree(const FacetMesh& mesh) : mesh_(&mesh), order_(mesh.facets.s
   };
   build(build, 0, static_cast<std::uint32_t>(order_.size()));
   nodes_.shrink_to_fit();
+  if (sheets == Sheets::proven)
+    if (auto found = std::make_shared<const HeightSheets>(mesh); found->count() > 0)
+      sheets_ = std::move(found);
+}
+
+std::size_t SceneTree::bytes() const {
+  return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(FacetId) +
+         (sheets_ ? sheets_->bytes() : 0);
 }
 
 void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,

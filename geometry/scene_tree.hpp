@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,13 +11,18 @@
 
 namespace tubefoot {
 
+class HeightSheets;
+
 /// Bounding-box tree over the facets of a mesh, asked for the facets that may meet a pyramid of planes
 /// through an apex, within a reach. 32 bytes a node, eight facets a leaf. (CGAL's AABB_tree holds points and
 /// boxes in double and answers one facet at a time; this one needs a third of its memory:
 /// docs/visibility.md.)
 class SceneTree {
  public:
-  explicit SceneTree(const FacetMesh& mesh);
+  enum class Sheets { proven, ignored };
+
+  /// `sheets`: whether to look for height sheets too.
+  explicit SceneTree(const FacetMesh& mesh, Sheets sheets = Sheets::proven);
 
   /// A half-space through the apex: directions d with normal . d >= 0 (to within rounding: a filter, not a
   /// verdict).
@@ -30,7 +36,10 @@ class SceneTree {
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
              std::vector<FacetId>& out) const;
 
-  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(FacetId); }
+  /// Null if there are none.
+  const HeightSheets* sheets() const { return sheets_.get(); }
+
+  std::size_t bytes() const;
 
  private:
   struct Box {
@@ -46,6 +55,7 @@ class SceneTree {
   const FacetMesh* mesh_;
   std::vector<Node> nodes_;
   std::vector<FacetId> order_;
+  std::shared_ptr<const HeightSheets> sheets_;
 };
 
 }  // namespace tubefoot

@@ -16,6 +16,13 @@ struct VerticalCrossings {
   double lowest_above = 0;           ///< height of the lowest crossing above the point over it, grid units
 };
 
+/// Appends the facets that may meet the vertical line through a point; none that does is missing.
+void facets_near_vertical(const SceneTree& tree, GridPoint point, std::vector<FacetId>& out);
+
+/// Where the vertical line through a point crosses a facet: +1 above the point, -1 at the point or below, 0
+/// nowhere. Exact; the line is moved aside as below.
+int vertical_side(const FacetMesh& mesh, FacetId facet, GridPoint point);
+
 /// Crossings per component that the line meets, exactly: a line through an edge or a vertex is moved aside by
 /// an infinitesimal step, so that a closed surface is crossed an even number of times in all.
 std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, const SceneTree& tree,

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "geometry/facet_cone.hpp"
+#include "geometry/height_sheets.hpp"
 #include "geometry/visibility_state.hpp"
 
 namespace tubefoot {
@@ -36,7 +37,8 @@ std::unique_ptr<TubeSolver> make_solver(Arithmetic arithmetic) {
 
 struct VisibilityScratch::State {
   std::array<std::unique_ptr<TubeSolver>, arithmetic_names.size()> solvers;
-  std::vector<FacetId> candidates;
+  std::vector<FacetId> candidates, hidden;
+  HeightSheets::View sheets;
 };
 
 VisibilityScratch::VisibilityScratch() : state_(std::make_unique<State>()) {}
@@ -77,11 +79,22 @@ void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std
   VisibilityScratch::State& state = scratch.state();
   state.candidates.clear();
   tree.query(tubes.apex, walls, tubes.reach, state.candidates);
+  state.hidden.clear();
+  if (const HeightSheets* sheets = tree.sheets()) {
+    sheets->look(mesh, tree, tubes.apex, {out.rays[0], out.rays[1], out.rays[2], out.rays[3]}, walls,
+                 state.sheets);
+    std::erase_if(state.candidates, [&](FacetId facet) {
+      const bool hidden = sheets->surely_hidden(mesh, facet, tubes.apex, state.sheets);
+      if (hidden) state.hidden.push_back(facet);
+      return hidden;
+    });
+  }
   // The tree's order is the standard library's business; ours must not depend on it.
   std::sort(state.candidates.begin(), state.candidates.end());
+  if (options.open_water) std::sort(state.hidden.begin(), state.hidden.end());
   auto& solver = state.solvers[static_cast<std::size_t>(options.arithmetic)];
   if (!solver) solver = make_solver(options.arithmetic);
-  solver->run(mesh, tubes.apex, state.candidates, options, out);
+  solver->run(mesh, tubes.apex, state.candidates, state.hidden, options, out);
 }
 
 }  // namespace tubefoot

@@ -9,9 +9,10 @@ namespace {
 class FilteredSolver final : public TubeSolver {
  public:
   void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
-           const VisibilityOptions& options, TubeVisibility& out) override {
+           const std::vector<FacetId>& hidden, const VisibilityOptions& options,
+           TubeVisibility& out) override {
     const FilteredArithmetic::Guard guard;
-    solver_.run(FilteredArithmetic{}, mesh, apex, candidates, options, out);
+    solver_.run(FilteredArithmetic{}, mesh, apex, candidates, hidden, options, out);
   }
 
  private:

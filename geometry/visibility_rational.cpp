@@ -9,8 +9,9 @@ namespace {
 class RationalSolver final : public TubeSolver {
  public:
   void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
-           const VisibilityOptions& options, TubeVisibility& out) override {
-    solver_.run(RationalArithmetic{}, mesh, apex, candidates, options, out);
+           const std::vector<FacetId>& hidden, const VisibilityOptions& options,
+           TubeVisibility& out) override {
+    solver_.run(RationalArithmetic{}, mesh, apex, candidates, hidden, options, out);
   }
 
  private:

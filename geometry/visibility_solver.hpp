@@ -23,7 +23,7 @@ class VisibilitySolver {
  public:
   /// One thread's work on one tube. The solver is reused from tube to tube and keeps its buffers.
   void run(const A& arithmetic, const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
-           const VisibilityOptions& options, TubeVisibility& out) {
+           const std::vector<FacetId>& hidden, const VisibilityOptions& options, TubeVisibility& out) {
     arithmetic_ = arithmetic;
     mesh_ = &mesh;
     options_ = options;
@@ -32,6 +32,7 @@ class VisibilitySolver {
     walls_.clear();
     frame_ = GnomonicFrame({out.rays[0], out.rays[1], out.rays[2], out.rays[3]});
     tube_ = make_tube_cone();
+    facets_.clear();
     gather(apex, candidates);
     out.candidates = facets_.size();
     find_layers();
@@ -40,12 +41,10 @@ class VisibilitySolver {
       see_facet(f);
       buffer_.resize(mark);
     }
-    if (options_.open_water) find_open_water();
-    std::sort(out.pieces.begin(), out.pieces.end(), [](const NamedPiece& a, const NamedPiece& b) {
-      return a.facet != b.facet ? a.facet < b.facet : a.first < b.first;
-    });
-    std::sort(out.occluders.begin(), out.occluders.end());
-    out.occluders.erase(std::unique(out.occluders.begin(), out.occluders.end()), out.occluders.end());
+    if (options_.open_water) {
+      gather(apex, hidden);
+      find_open_water();
+    }
   }
 
  private:
@@ -94,27 +93,36 @@ class VisibilitySolver {
   }
 
   void gather(GridPoint apex, const std::vector<FacetId>& candidates) {
-    facets_.clear();
+    const std::size_t first = facets_.size();
+    walls_cut_.resize(first);
     for (const FacetId id : candidates) {
       SeenFacet& facet = facets_.emplace_back();
-      if (FacetCone::make(*mesh_, id, apex, facet.cone) && !outside_tube(facet.cone))
+      std::uint8_t walls = 0;
+      if (FacetCone::make(*mesh_, id, apex, facet.cone) && enters_tube(facet.cone, walls)) {
         facet.measure(frame_);
-      else
+        walls_cut_.push_back(walls);
+      } else {
         facets_.pop_back();
+      }
     }
     if (planes_.size() < facets_.size()) planes_.resize(facets_.size());
-    for (std::size_t f = 0; f < facets_.size(); ++f) planes_[f].made = false;
+    for (std::size_t f = first; f < facets_.size(); ++f) planes_[f].made = false;
   }
 
-  /// Exact: some wall of the tube has no vertex strictly inside.
-  bool outside_tube(const FacetCone& cone) const {
+  /// False if some wall of the tube has no vertex strictly inside; else `walls` has a bit for each wall that
+  /// has a vertex outside. Exact.
+  bool enters_tube(const FacetCone& cone, std::uint8_t& walls) const {
     for (int w = 0; w < 4; ++w) {
       const Half<A> half = buffer_[w].edge;
-      if (!is_inside(half, cone.point[0]) && !is_inside(half, cone.point[1]) &&
-          !is_inside(half, cone.point[2]))
-        return true;
+      bool inside = false;
+      for (const GridPoint& p : cone.point) {
+        const int s = half.sign * arithmetic_.side(p, half.plane->plane);
+        inside |= s > 0;
+        if (s < 0) walls = static_cast<std::uint8_t>(walls | 1u << w);
+      }
+      if (!inside) return false;
     }
-    return false;
+    return true;
   }
 
   bool is_inside(Half<A> half, GridPoint p) const {
@@ -166,8 +174,9 @@ class VisibilitySolver {
     piece = {static_cast<std::uint32_t>(buffer_.size()), 3};
     for (int k = 0; k < 3; ++k)
       buffer_.push_back(point_corner(arithmetic_, cone.vertex[k], cone.point[k], planes.halves[k]));
-    for (std::uint32_t k = 0; k < tube_.count; ++k)
-      if (!clip_to(piece, Half<A>(buffer_[tube_.first + k].edge))) return false;
+    for (std::uint32_t w = 0; w < tube_.count; ++w)
+      if (walls_cut_[f] >> w & 1u)
+        if (!clip_to(piece, Half<A>(buffer_[tube_.first + w].edge))) return false;
     return true;
   }
 
@@ -181,12 +190,16 @@ class VisibilitySolver {
       if (!surely_apart(facets_[f], facets_[o]))
         if (const Hides how = hides(f, o); how != Hides::no) list_.push_back({o, how});
     depth_planes_.clear();
+    const auto first_occluder = static_cast<std::ptrdiff_t>(out_->occluders.size());
     receiver_ = f;
     const Bounds tube = frame_.tube(), own = facets_[f].bounds;
     carve(piece, 0, list_.size(),
           {std::max(tube.x0, own.x0), std::min(tube.x1, own.x1), std::max(tube.y0, own.y0),
            std::min(tube.y1, own.y1)},
           0);
+    const auto begin = out_->occluders.begin() + first_occluder;
+    std::sort(begin, out_->occluders.end());
+    out_->occluders.erase(std::unique(begin, out_->occluders.end()), out_->occluders.end());
   }
 
   /// What no facet covers, found without regard to depth or to what else was found: the closure law's other
@@ -289,7 +302,7 @@ class VisibilitySolver {
 
   /// Fills sides_ with the side of each corner; returns 1 if any is positive, plus 2 if any is negative.
   int sides_of(PieceRange piece, Half<A> half) {
-    sides_.resize(piece.count);
+    if (sides_.size() < piece.count) sides_.resize(piece.count);
     int signs = 0;
     for (std::uint32_t k = 0; k < piece.count; ++k) {
       const int s = side(arithmetic_, buffer_[piece.first + k], half);
@@ -300,7 +313,7 @@ class VisibilitySolver {
   }
 
   void flip_sides() {
-    flipped_.resize(sides_.size());
+    if (flipped_.size() < sides_.size()) flipped_.resize(sides_.size());
     std::transform(sides_.begin(), sides_.end(), flipped_.begin(), [](int s) { return -s; });
   }
 
@@ -362,7 +375,9 @@ class VisibilitySolver {
         kept_.push_back(piece);
         return false;
       }
-      if (signs & 2) cutting[cuts++] = halves[h];
+      if (!(signs & 2)) continue;
+      if (cuts == 0) sides_.swap(first_sides_);
+      cutting[cuts++] = halves[h];
     }
     // Two convex cones in one half-space with disjoint interiors are set apart by an edge plane of one of
     // them; without this test the piece would be cut up for nothing.
@@ -376,7 +391,8 @@ class VisibilitySolver {
     const std::size_t mark = buffer_.size(), kept_mark = kept_.size();
     PieceRange rest = piece;
     for (int h = 0; h < cuts; ++h) {
-      const int signs = sides_of(rest, cutting[h]);
+      if (h == 0) sides_.swap(first_sides_);
+      const int signs = h == 0 ? 3 : sides_of(rest, cutting[h]);
       if (!(signs &
             1)) {  // they do not meet after all (set apart by a depth plane, or by the apex): undo the cuts
         buffer_.resize(mark);
@@ -428,7 +444,8 @@ class VisibilitySolver {
   PieceRange tube_;
   std::uint32_t receiver_ = nobody;  ///< facet at hand; nobody: open water
   std::vector<SeenFacet> facets_;
-  std::deque<FacetPlanes> planes_;  ///< by facet; a deque, because halves point into it
+  std::vector<std::uint8_t> walls_cut_;  ///< by facet: a bit for each wall of the tube that it reaches beyond
+  std::deque<FacetPlanes> planes_;       ///< by facet; a deque, because halves point into it
   std::vector<Neighbours> neighbours_;
   NeighbourFinder neighbour_finder_;
   LayerGrid grid_;
@@ -437,7 +454,7 @@ class VisibilitySolver {
   CornerBuffer<A> buffer_;
   std::deque<ClipPlane<A>> walls_, depth_planes_;
   std::vector<PieceRange> pieces_, kept_;
-  std::vector<int> sides_, flipped_;
+  std::vector<int> sides_, first_sides_, flipped_;
   std::vector<std::uint8_t>
       where_;  ///< per listed facet: 1 on the positive side of a split, 2 on the negative
 };

@@ -10,8 +10,11 @@ namespace tubefoot {
 class TubeSolver {
  public:
   virtual ~TubeSolver() = default;
+  /// `hidden`: facets that are known to be hidden by candidates; only the search for open water looks at
+  /// them.
   virtual void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
-                   const VisibilityOptions& options, TubeVisibility& out) = 0;
+                   const std::vector<FacetId>& hidden, const VisibilityOptions& options,
+                   TubeVisibility& out) = 0;
 };
 
 std::unique_ptr<TubeSolver> make_fixed_solver();
