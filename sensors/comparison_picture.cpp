@@ -166,7 +166,7 @@ void draw_axes(Canvas& canvas, const Drawing& drawing, int left, int top, bool l
   const SensorEchoes& echoes = drawing.echoes();
   const int bottom = top + drawing.height();
   const double near_m = echoes.slant_range_m.front(), far_m = echoes.slant_range_m.back();
-  const double range_step = far_m > near_m ? tick_step(far_m - near_m, drawing.waterfall() ? 3 : 8) : 1;
+  const double range_step = far_m > near_m ? tick_step(far_m - near_m, drawing.waterfall() ? 4 : 8) : 1;
   const auto ranges = ticks(near_m, far_m, range_step);
   const int middle = left + drawing.width() / 2;
   if (drawing.waterfall()) {
@@ -230,11 +230,12 @@ class Section {
     title_ = drawing_.waterfall()
                  ? fmt::format("{}   {} pings, 40 log R gain", name_, echoes.pings)
                  : fmt::format("{}   ping {}{}", name_, sensor.ping,
-                               echoes.pings > 1
-                                   ? fmt::format(" of {}, the one with the largest difference", echoes.pings)
-                                   : "");
-    title_ += scale_.reference_j() > 0 ? fmt::format("   (0 dB: {} dB re 1 J)",
-                                                     tick_label(10 * std::log10(scale_.reference_j()), 0.1))
+                               echoes.pings > 1 ? fmt::format(" (of {}), the one with the largest difference",
+                                                              echoes.pings)
+                                                : "");
+    title_ += scale_.reference_j() > 0 ? fmt::format("   (0 dB: {} dB re 1 J{})",
+                                                     tick_label(10 * std::log10(scale_.reference_j()), 0.1),
+                                                     drawing_.waterfall() ? " at 1 m" : "")
                                        : "   (the reference has no echo)";
   }
 

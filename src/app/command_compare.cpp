@@ -7,9 +7,9 @@
 
 #include "app/commands.hpp"
 #include "app/echo_pairs.hpp"
-#include "app/output_folder.hpp"
 #include "app/usage_error.hpp"
 #include "compare/echo_errors.hpp"
+#include "sensors/checked_file.hpp"
 #include "sensors/comparison_picture.hpp"
 
 namespace tubefoot {
@@ -236,7 +236,8 @@ int compare_command(const CompareOptions& options) {
     fmt::print("{}", json);
     return held ? within : beyond;
   }
-  if (options.json) write_file(*options.json, json);
+  if (options.json)
+    write_file(*options.json, {reinterpret_cast<const unsigned char*>(json.data()), json.size()});
 
   fmt::print("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(),
              made_by(reference.provenance), candidate.file.string(), made_by(candidate.provenance));
