@@ -86,6 +86,57 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
   }
 }
 
+/// The energy of what lies in one direction, shared out to the beams that hear the tube. `add(beam, energy)`.
+template <class Add>
+void for_each_beam(std::span<const std::uint32_t> beam_of_tube, const EchoLaw& law, std::uint32_t tube,
+                   glm::dvec3 direction, double energy, const Add& add) {
+  if (law.patterns == nullptr) {
+    add(beam_of_tube[tube], energy);
+    return;
+  }
+  const BeamPatterns& patterns = *law.patterns;
+  const double sent = energy * patterns.transmit[patterns.fan_of_tube[tube]].gain(direction);
+  const auto [first, end] = patterns.beams_of_tube[tube];
+  for (std::uint32_t beam = first; beam < end; ++beam)
+    add(beam, sent * patterns.receive[beam].gain(direction));
+}
+
+/// Sample that holds a slant range. The borders decide, not a division: footprints are cut at the same
+/// numbers.
+std::size_t sample_at(const std::vector<double>& borders, double range_m) {
+  return std::size_t(std::upper_bound(borders.begin(), borders.end(), range_m) - borders.begin() - 1);
+}
+
+void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
+                          Binning binning, std::span<const std::uint32_t> beam_of_tube, Rows& rows,
+                          Echo& echo) {
+  const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
+  const std::vector<double> borders = sample_borders_m(samples);
+  for (const Footprint& footprint : set.footprints) {
+    const double range = glm::length(footprint.centroid_m);
+    const double near = footprint.slant_range_min_m, far = footprint.slant_range_max_m;
+    if (!(range > 0 && footprint.area_m2 > 0)) continue;
+    rows.of_tube(footprint.tube);  // refuses a tube that has no beam
+    const double sine = std::sin(footprint.grazing_angle_rad), r2 = range * range;
+    const double energy =
+        rows.mu(footprint.facet) * sine * sine * footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
+    const auto put = [&](std::size_t sample, double part) {
+      for_each_beam(beam_of_tube, law, footprint.tube, footprint.centroid_m / range, part * energy,
+                    [&](std::uint32_t beam, double heard) {
+                      echo.energy[beam * std::size_t(samples.count) + sample] += heard;
+                    });
+    };
+    if (binning == Binning::centroid || !(far > near)) {
+      if (range >= borders.front() && range < borders.back()) put(sample_at(borders, range), 1);
+      continue;
+    }
+    if (!(far > borders.front() && near < borders.back())) continue;
+    for (std::size_t k = near <= borders.front() ? 0 : sample_at(borders, near);
+         k + 1 < borders.size() && borders[k] < far; ++k)
+      put(k, (std::min(far, borders[k + 1]) - std::max(near, borders[k])) / (far - near));
+  }
+}
+
 /// A hit stands for the area solid_angle r^2 / sin(grazing), so it returns mu sin(grazing) solid_angle / r^2.
 void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, const EchoLaw& law, Rows& rows,
               Echo& echo) {
@@ -117,13 +168,19 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, cons
 
 }  // namespace
 
+Binning binning_from_name(std::string_view name) {
+  if (name == "exact") return Binning::exact;
+  if (name == "spread") return Binning::spread;
+  if (name == "centroid") return Binning::centroid;
+  throw std::invalid_argument(fmt::format("no binning named '{}': exact, spread or centroid", name));
+}
+
 Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,
-                    const RangeSamples& samples, const EchoLaw& law) {
+                    const RangeSamples& samples, const EchoLaw& law, Binning binning) {
   if (beams < 0) throw std::invalid_argument(fmt::format("a receiver cannot have {} beams", beams));
   if (!(law.absorption_db_per_m >= 0 && std::isfinite(law.absorption_db_per_m)))
     throw std::invalid_argument(
         fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
-  const RadialIntegral radial = lambert_radial_integral(samples, law.absorption_db_per_m);
   if (law.patterns != nullptr) check(*law.patterns, beam_of_tube.size(), beams);
 
   Echo echo;
@@ -131,8 +188,10 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
   echo.samples = samples.count;
   echo.energy.assign(std::size_t(beams) * samples.count, 0);
   Rows rows(echo, beam_of_tube, law);
-  if (law.patterns == nullptr)
-    add_footprints(history.footprints, radial, rows);
+  if (binning != Binning::exact)
+    add_whole_footprints(history.footprints, samples, law, binning, beam_of_tube, rows, echo);
+  else if (law.patterns == nullptr)
+    add_footprints(history.footprints, lambert_radial_integral(samples, law.absorption_db_per_m), rows);
   else
     add_weighed_footprints(history.footprints, samples, law, rows, echo);
   add_hits(history.hits, samples, law, rows, echo);

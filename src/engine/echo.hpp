@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "engine/beam_pattern.hpp"
@@ -26,6 +27,16 @@ struct EchoLaw {
   const BeamPatterns* patterns = nullptr;   ///< none: beams are ideal, 1 inside their tubes and 0 outside
 };
 
+/// How a footprint's energy gets into range samples.
+enum class Binning {
+  exact,     ///< cut at the samples' borders, integrated over each part
+  spread,    ///< the law at the centroid, evenly over the footprint's interval of slant range
+  centroid,  ///< the law at the centroid, all in the sample that holds the centroid's slant range
+};
+
+/// Name as in scene files; throws std::invalid_argument.
+Binning binning_from_name(std::string_view name);
+
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample].
 struct Echo {
   int beams = 0;
@@ -36,10 +47,11 @@ struct Echo {
 
 /// Turns a history into the echo of a receiver whose beams are unions of tubes.
 /// `beam_of_tube[t]` is the beam that tube t belongs to. Footprints are cut at the range samples' borders
-/// (arcs on the facet); ray hits fall into the sample that holds their range. With patterns the energy from
-/// an area element is weighed by transmit and receive pattern in its own direction, and a beam hears the
-/// tubes that `law.patterns->beams_of_tube` says.
+/// (arcs on the facet), or binned as `binning` says, which reads what measure() filled; ray hits fall into
+/// the sample that holds their range. With patterns the energy from an area element is weighed by transmit
+/// and receive pattern in its own direction, and a beam hears the tubes that `law.patterns->beams_of_tube`
+/// says.
 Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,
-                    const RangeSamples& samples, const EchoLaw& law);
+                    const RangeSamples& samples, const EchoLaw& law, Binning binning = Binning::exact);
 
 }  // namespace tubefoot
