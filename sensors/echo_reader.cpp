@@ -11,6 +11,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "scene/input_error.hpp"
 #include "scene/raster_netcdf_size.hpp"
@@ -24,6 +25,7 @@ constexpr const char* layout = "docs/echo-file.md has the layout";
 constexpr std::size_t longest_text = 1 << 16;
 
 using Words = std::vector<std::string>;
+using Units = std::span<const std::string_view>;
 
 /// A netCDF file open for reading.
 class NetcdfInput {
@@ -84,7 +86,7 @@ class EchoGroupInput {
   std::string text(const char* attribute) const { return text(NC_GLOBAL, attribute).value_or(""); }
 
   /// Values of a variable that must have these dimensions and one of these units.
-  std::vector<double> values(const char* name, const Words& dimensions, const Words& units,
+  std::vector<double> values(const char* name, const Words& dimensions, Units units,
                              std::vector<std::size_t>* lengths = nullptr) const {
     const auto variable = find(name);
     if (!variable)
@@ -189,7 +191,7 @@ class EchoGroupInput {
          fmt::format("has type {}, expected float64 (or float32): write plain floating-point values", word));
   }
 
-  void check_unit(const char* name, int variable, const Words& expected) const {
+  void check_unit(const char* name, int variable, Units expected) const {
     const auto unit = text(variable, "units");
     if (!unit)
       fail(name, fmt::format("has no unit, expected '{0}': write attribute units = '{0}' once it is true",
@@ -247,14 +249,16 @@ class EchoGroupInput {
   std::string prefix_;
 };
 
-const Words joules{"J", "joule", "joules"}, metres{"m", "metre", "metres", "meter", "meters"},
-    degrees_{"degree", "degrees", "deg"}, seconds{"s", "second", "seconds"};
+// The first of each is the layout's, the others are the same thing by another name.
+constexpr std::string_view joules[] = {"J", "joule", "joules"},
+                           metres[] = {"m", "metre", "metres", "meter", "meters"},
+                           degrees_[] = {"degree", "degrees", "deg"}, seconds[] = {"s", "second", "seconds"};
 
 bool finite(double value) { return std::isfinite(value); }
 
 /// A variable along one dimension, finite; `optional`: empty where it is missing.
-std::vector<double> axis(const EchoGroupInput& group, const char* name, const char* dimension,
-                         const Words& units, std::size_t length, bool optional = false) {
+std::vector<double> axis(const EchoGroupInput& group, const char* name, const char* dimension, Units units,
+                         std::size_t length, bool optional = false) {
   if (optional && !group.has(name)) return {};
   std::vector<std::size_t> shape;
   std::vector<double> values = group.values(name, {dimension}, units, &shape);

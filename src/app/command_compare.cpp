@@ -168,6 +168,7 @@ std::size_t worst_ping(const EchoPairs::Sensor& pair) {
 void write_picture(const fs::path& file, const std::vector<SensorErrors>& sensors,
                    const EchoContents& reference, const EchoContents& candidate) {
   std::vector<ComparedEchoes> drawn;
+  drawn.reserve(sensors.size());
   for (const auto& [pair, errors] : sensors)
     drawn.push_back({pair.reference, pair.candidate, errors.lit_threshold_j, worst_ping(pair)});
   const std::vector<std::string> subtitle{

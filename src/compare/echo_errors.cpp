@@ -101,9 +101,7 @@ std::vector<BinError> worst_bins(const EchoPair& pair, double difference_j, std:
 }  // namespace
 
 double decibel_error(double reference_j, double candidate_j) {
-  if (reference_j == candidate_j) return 0;
-  if (candidate_j == 0) return -largest_error_db;
-  if (reference_j == 0) return largest_error_db;
+  if (reference_j == candidate_j) return 0;  // both silent included
   return std::clamp(10 * std::log10(candidate_j / reference_j), -largest_error_db, largest_error_db);
 }
 

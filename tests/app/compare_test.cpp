@@ -146,8 +146,10 @@ TEST_F(Compare, TwiceTheEnergyIsThreeDecibelsAndNotWithinLess) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("within the allowed error"));
   }
-  for (const Words& less :
-       {Words{"--within", "0.999"}, {"--within-db", "3"}, {"--within", "2", "--within-db", "3"}}) {
+  for (const Words& less : {Words{"--within", "0.999"},
+                            {"--within-db", "3"},
+                            {"--within", "2", "--within-db", "3"},
+                            {"--within", "0.5", "--within-db", "4"}}) {
     const Outcome outcome = compare(less);
     EXPECT_EQ(outcome.exit_code, 3);
     EXPECT_THAT(outcome.out,
@@ -264,9 +266,11 @@ TEST_F(CompareSensors, AreComparedByName) {
   EXPECT_EQ(json["sensors"][1]["name"], "stern");
   EXPECT_NEAR(json["sensors"][1]["l1_error"], 1, 1e-12);
   EXPECT_THAT(json["notes"], ElementsAre("the candidate's sensor 'mast' is not in the reference"));
-  EXPECT_EQ(compare({"--within", "0.5"}).exit_code, 3);
-  EXPECT_EQ(compare({"--within", "0.5", "--sensor", "bow"}).exit_code, 0);
   EXPECT_EQ(figures({"--sensor", "stern"})["sensors"].size(), 1u);
+  EXPECT_EQ(compare({"--within", "0.5", "--sensor", "bow"}).exit_code, 0);
+  EXPECT_EQ(compare({"--within", "0.5"}).exit_code, 3);
+  std::swap(candidate_groups["bow"], candidate_groups["stern"]);
+  EXPECT_EQ(compare({"--within", "0.5"}).exit_code, 3) << "the first sensor counts as the last one does";
 }
 
 TEST_F(CompareSensors, ThatAreMissingAreRefused) {

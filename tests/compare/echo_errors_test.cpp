@@ -93,13 +93,13 @@ TEST(EchoErrors, SilenceOnOneSideOrBoth) {
 }
 
 TEST(EchoErrors, WorstBinsHavePlacesInOrderOfTheirDifference) {
-  Case pair{{2, 2, 3}, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 3, 1, 1, 1, 0, 1, 1, 2}};
+  Case pair{{3, 2, 2}, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 1, 1, 3, 1, 0, 1, 1, 2}};
   const auto worst = pair.errors(10).worst;
   ASSERT_EQ(worst.size(), 3u) << "bins that agree are not among the worst";
-  EXPECT_EQ(worst[0].place, (BinPlace{0, 1, 1}));
-  EXPECT_EQ(worst[1].place, (BinPlace{1, 0, 2}));  // as large as the next one, and before it
-  EXPECT_EQ(worst[2].place, (BinPlace{1, 1, 2}));
-  EXPECT_EQ(worst[0].slant_range_m, 2.5);
+  EXPECT_EQ(worst[0].place, (BinPlace{1, 1, 0}));
+  EXPECT_EQ(worst[1].place, (BinPlace{2, 0, 0}));  // as large as the next one, and before it
+  EXPECT_EQ(worst[2].place, (BinPlace{2, 1, 1}));
+  EXPECT_EQ(worst[2].slant_range_m, 2.5);
   EXPECT_EQ(worst[0].reference_j, 1);
   EXPECT_EQ(worst[0].candidate_j, 3);
   EXPECT_DOUBLE_EQ(worst[0].error_db, 10 * std::log10(3));
