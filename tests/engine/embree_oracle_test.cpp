@@ -262,6 +262,7 @@ TEST(EmbreeOracle, SolidAnglesAreSharesOfRays) {
 TEST(EmbreeOracle, AreasAreSharesOfPointsOnTheFacets) {
   constexpr std::int64_t points = 1000;
   std::size_t compared = 0, partly_seen = 0;
+  double excess = 0, variance = 0, uncertain = 0;
   for (std::uint64_t seed = 11; seed < 11 + (3 + one_in - 1) / one_in; ++seed)
     for (const Scene& scene : scenes_for_embree(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
@@ -298,6 +299,9 @@ TEST(EmbreeOracle, AreasAreSharesOfPointsOnTheFacets) {
               << "facet " << f << ": share " << share << ", " << hits << " of " << points << " points";
           ++compared;
           partly_seen += share > 0.01 && share < 0.99;
+          excess += static_cast<double>(hits) - points * share;
+          variance += points * std::max(share * (1 - share), 0.0);
+          uncertain += points * float_leak;
         }
         if (testing::Test::HasFailure()) return;
       }
@@ -305,6 +309,7 @@ TEST(EmbreeOracle, AreasAreSharesOfPointsOnTheFacets) {
   RecordProperty("compared", static_cast<int>(compared));
   EXPECT_LT(compared, most_comparisons);
   EXPECT_GT(partly_seen, 3000 / one_in);
+  EXPECT_LT(std::abs(excess), 5 * std::sqrt(variance) + uncertain) << "all facets together";
 }
 
 }  // namespace
