@@ -215,13 +215,13 @@ void check(const Scene& scene, Tally& tally) {
 TEST(LayerGrid, HidesOnlyTheHiddenAndMissesNoOccluder) {
   Tally tally;
   const std::uint64_t seed = 1;
-  for (const Scene& scene : all_scenes(seed)) {
+  for (const Scene& scene : one_in > 1 ? stumbling_blocks(seed) : all_scenes(seed)) {
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
     check(scene, tally);
     if (testing::Test::HasFailure()) return;
   }
-  EXPECT_GT(tally.hidden, 250) << "of " << tally.truly_hidden;
-  EXPECT_GT(tally.true_occluders, 1500);
+  EXPECT_GT(tally.hidden, one_in > 1 ? 0 : 250) << "of " << tally.truly_hidden;
+  EXPECT_GT(tally.true_occluders, 1500 / one_in);
 }
 
 // A closed sheet hides all that is behind it, and hardly a facet of it is compared with another.
