@@ -18,8 +18,8 @@ struct Case {
   std::string why;    ///< why methods fail there, one sentence
   FacetMesh mesh;
   TubeSet tubes;
-  int columns = 1, rows = 1;  ///< of tubes: number j * columns + i
-  int grid_exponent = 20;     ///< the unit is 2^-grid_exponent m
+  int columns = 1;         ///< of tubes, and as many rows: number j * columns + i
+  int grid_exponent = 20;  ///< the unit is 2^-grid_exponent m
   /// Where the scene lies, metres. The kernel subtracts it; engines that keep absolute coordinates do not.
   glm::dvec3 origin_m{0};
 };

@@ -77,7 +77,7 @@ Case walls_along_edges(Size size) {
     add_sheet(c.mesh, 8, 8,
               [&](int u, int v) { return on_lattice(u - 4, v - 4, uniform(random, 700, 2400)); });
   c.tubes = lattice_tubes();
-  c.columns = c.rows = 2;
+  c.columns = 2;
   return c;
 }
 
@@ -101,7 +101,7 @@ Case vertices_on_walls(Size size) {
   }
   weld(c.mesh);
   c.tubes = lattice_tubes();
-  c.columns = c.rows = 2;
+  c.columns = 2;
   return c;
 }
 
@@ -176,7 +176,7 @@ Case across_the_horizon(Size size) {
   }
   c.tubes = parallelogram_tubes({12345, -6789, 1011}, {-800000011, 300000007, -600000001}, {800000011, 0, 0},
                                 {0, 0, 600000001}, 2, 2);
-  c.columns = c.rows = 2;
+  c.columns = 2;
   return c;
 }
 
@@ -197,7 +197,7 @@ Case tiny_lattice(Size size) {
   }
   weld(c.mesh);
   c.tubes = parallelogram_tubes({0, 0, 0}, {-2, 4, -2}, {2, 0, 0}, {0, 0, 2}, 2, 2);
-  c.columns = c.rows = 2;
+  c.columns = 2;
   c.grid_exponent = 0;
   return c;
 }

@@ -12,12 +12,16 @@ namespace {
 
 using Rational = CGAL::Exact_rational;
 
+/// Pieces turn clockwise in (u, v). One so small that its rounded corners coincide covers nothing.
 bool covers(const std::vector<glm::dvec2>& corners, glm::dvec2 p) {
+  bool inside = false;
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const glm::dvec2 a = corners[k] - p, b = corners[k + 1 == corners.size() ? 0 : k + 1] - p;
-    if (a.x * b.y - a.y * b.x > 0) return false;  // pieces turn clockwise in (u, v)
+    const double turn = a.x * b.y - a.y * b.x;
+    if (turn > 0) return false;
+    inside = inside || turn < 0;
   }
-  return true;
+  return inside;
 }
 
 }  // namespace
