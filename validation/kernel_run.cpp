@@ -24,7 +24,7 @@ void see_absolutely(const Case& scene, std::uint32_t tube, const VisibilityOptio
   arithmetic.unit_m = unit_m(scene);
   const GridPoint apex = scene.tubes.apex;
   arithmetic.apex_m = scene.origin_m + arithmetic.unit_m * glm::dvec3(apex.x, apex.y, apex.z);
-  solver.run(arithmetic, scene.mesh, apex, all, options, out);
+  solver.run(arithmetic, scene.mesh, apex, all, {}, options, out);
 }
 
 }  // namespace
