@@ -4,12 +4,13 @@
 #   make demo    install what is missing, build, run scenes/wellhead, name the pictures
 #   make test    install what is missing, build, run the tests
 #   make bench   build without assertions and run the benchmarks
+#   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo test build setup bench format tidy clean
+.PHONY: demo test build setup bench atlas format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -33,6 +34,11 @@ bench: setup
 	cmake --preset bench -Wno-dev
 	cmake --build --preset bench --parallel $(JOBS)
 	build/bench/tubefoot_bench
+
+atlas: setup
+	@cmake --preset release -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_atlas
+	build/release/tubefoot_atlas validation
 
 SOURCES = $(shell git ls-files '*.cpp' '*.hpp')
 

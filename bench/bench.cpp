@@ -13,8 +13,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "allocations.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/tube_engine.hpp"
+#include "envelope.hpp"
+#include "geometry/footprint_builder.hpp"
 #include "terrain.hpp"
 
 namespace {
@@ -68,6 +71,36 @@ struct View {
   std::size_t pieces = 0;
 };
 
+struct FootprintMemory {
+  double bytes = 0, allocations = 0;  ///< per footprint
+};
+
+/// Bytes of a ping's footprints, and how often memory is asked for while the ping is repeated into the same
+/// buffers.
+FootprintMemory footprint_memory(View& view) {
+  FootprintSet set;
+  const auto ping = [&] {
+    set.footprints.clear();
+    set.pieces.clear();
+    set.corners_m.clear();
+    set.occluders.clear();
+    for (std::uint32_t tube = 0; tube < view.tubes.tubes.size(); ++tube) {
+      see(view.mesh, view.tree, view.tubes, tube, {}, view.scratch, view.seen);
+      append_footprints(view.mesh, view.tubes, tube, view.seen, std::ldexp(1.0, -terrain_grid_exponent), set);
+    }
+  };
+  for (int warm_up = 0; warm_up < 3; ++warm_up) ping();
+  constexpr int pings = 5;
+  const std::uint64_t before = allocations();
+  for (int k = 0; k < pings; ++k) ping();
+  const std::uint64_t asked = allocations() - before;
+  const auto bytes = [](const auto& v) { return static_cast<double>(v.size() * sizeof(v[0])); };
+  const auto footprints = static_cast<double>(set.footprints.size());
+  return {
+      (bytes(set.footprints) + bytes(set.pieces) + bytes(set.corners_m) + bytes(set.occluders)) / footprints,
+      static_cast<double>(asked) / (pings * footprints)};
+}
+
 }  // namespace
 
 int main(int, char** argv) {
@@ -98,7 +131,13 @@ int main(int, char** argv) {
     figure("bytes_per_facet", (bytes(mesh.vertices) + bytes(mesh.facets) + bytes(mesh.material) +
                                bytes(mesh.component) + static_cast<double>(sector.tree.bytes())) /
                                   static_cast<double>(mesh.facets.size()));
+    const FootprintMemory memory = footprint_memory(beams);
+    figure("bytes_per_footprint", memory.bytes);
+    figure("allocations_per_footprint_steady", memory.allocations);
   }
+  // Some 270 facets, few and large or many and small.
+  figure("envelope_over_fixed", envelope_over_fixed(benchmark_terrain(20), benchmark_sector(1), 0));
+  figure("envelope_over_fixed_beam", envelope_over_fixed(benchmark_terrain(200), benchmark_sector(150), 75));
   {
     View small(benchmark_terrain(200)), middle(benchmark_terrain(400)), large(benchmark_terrain(800));
     const auto t =

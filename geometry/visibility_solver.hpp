@@ -12,6 +12,7 @@
 #include "geometry/gnomonic_frame.hpp"
 #include "geometry/layer_grid.hpp"
 #include "geometry/neighbours.hpp"
+#include "geometry/reused_list.hpp"
 #include "geometry/visibility.hpp"
 
 // The visibility algorithm, once for all arithmetics; instantiated in visibility_<arithmetic>.cpp.
@@ -80,8 +81,9 @@ class VisibilitySolver {
   }
 
   Half<A> wall(PointId a, PointId b) {
-    walls_.push_back(plane_through(a, out_->rays[a & ~ray_bit], b, out_->rays[b & ~ray_bit]));
-    return {&walls_.back(), a < b ? 1 : -1};
+    ClipPlane<A>& plane = walls_.next();
+    plane = plane_through(a, out_->rays[a & ~ray_bit], b, out_->rays[b & ~ray_bit]);
+    return {&plane, a < b ? 1 : -1};
   }
 
   PieceRange make_tube_cone() {
@@ -225,7 +227,7 @@ class VisibilitySolver {
       std::array<Half<A>, 4> halves{planes.halves[0], planes.halves[1], planes.halves[2], Half<A>{}};
       int count = 3;
       if (how == Hides::where_nearer) {
-        ClipPlane<A>& plane = depth_planes_.emplace_back();
+        ClipPlane<A>& plane = depth_planes_.next();
         plane.name = {facets_[receiver_].cone.id, facets_[o].cone.id, true};
         arithmetic_.depth(plane.plane, planes_of(receiver_).facet, planes.facet);
         halves[count++] = {&plane, 1};
@@ -452,7 +454,7 @@ class VisibilitySolver {
   std::vector<std::uint32_t> candidates_;
   std::vector<Occluder> list_;
   CornerBuffer<A> buffer_;
-  std::deque<ClipPlane<A>> walls_, depth_planes_;
+  ReusedList<ClipPlane<A>> walls_, depth_planes_;
   std::vector<PieceRange> pieces_, kept_;
   std::vector<int> sides_, first_sides_, flipped_;
   std::vector<std::uint8_t>

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/input_error.hpp"
 
+#include <fmt/format.h>
+
 namespace tubefoot {
 
 std::string to_string(const SourcePlace& place) {
-  std::string text = place.file;
-  if (place.line > 0) {
-    text += ":" + std::to_string(place.line);
-    if (place.column > 0) text += ":" + std::to_string(place.column);
-  }
-  return text;
+  if (place.line <= 0) return place.file;
+  if (place.column <= 0) return fmt::format("{}:{}", place.file, place.line);
+  return fmt::format("{}:{}:{}", place.file, place.line, place.column);
 }
 
 }  // namespace tubefoot

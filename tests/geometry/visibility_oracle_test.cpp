@@ -6,11 +6,12 @@
 
 #include <map>
 #include <numeric>
+#include <string>
 
 #include "exact_for_tests.hpp"
 #include "geometry/exact_direction.hpp"
 #include "geometry/visibility.hpp"
-#include "layered_scenes_for_tests.hpp"
+#include "small_views_for_tests.hpp"
 
 // What the kernel sees, against two methods that share nothing with it: rays cast by brute force, and Boolean
 // operations on polygons in the tube's gnomonic plane (CGAL Polygon_set_2). All in rationals; equalities.
@@ -112,10 +113,16 @@ void expect_pieces_agree(const std::vector<SeenCone>& cones, const V3& d, const 
       << inside << " inside, " << on_boundary << " on";
 }
 
+std::vector<Scene> scenes_for_rays(std::uint64_t seed) {
+  std::vector<Scene> scenes = seed % 4 == 0 ? all_scenes(seed) : stumbling_blocks(seed);
+  for (Scene& view : small_views(seed, 40)) scenes.push_back(std::move(view));
+  return scenes;
+}
+
 TEST(VisibilityOracle, RaysMeetTheFacetWhosePieceHoldsThem) {
   std::size_t rays = 0, skipped = 0, hits = 0;
   for (std::uint64_t seed = 1; seed < 1 + std::max<std::uint64_t>(4, 12 / one_in); ++seed)
-    for (const Scene& scene : seed % 4 == 0 ? all_scenes(seed) : stumbling_blocks(seed)) {
+    for (const Scene& scene : scenes_for_rays(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       const auto facets = facets_from(scene.mesh, scene.tubes.apex);
       Random random(seed);
@@ -246,38 +253,57 @@ std::map<FacetId, Q> areas_by_polygons(const FacetMesh& mesh, const TubeSet& tub
   return areas;
 }
 
+/// Compares all tubes of a scene; returns how many facets (or groups of coplanar ones) are seen in a tube.
+std::size_t compare_with_polygons(const Scene& scene) {
+  std::size_t compared = 0;
+  for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
+    SCOPED_TRACE(testing::Message() << "tube " << t);
+    const V3 axis = gnomonic_axis(scene.tubes, t);
+    const GnomonicPlane plane(axis);
+    std::map<FacetId, FacetId> group;
+    Q open;
+    auto expected = areas_by_polygons(scene.mesh, scene.tubes, t, plane, group, open);
+
+    const TubeVisibility seen = see_with_open_water(scene.mesh, scene.tubes, t);
+    for (const SeenCone& c : cones_of(scene.mesh, scene.tubes.apex, seen)) {
+      const Q area = plane.area(c.cone);
+      EXPECT_GT(area, 0);
+      // The library's own area is that of the plane, the oracle's that of its projection along one axis.
+      EXPECT_EQ(gnomonic_area(axis, c.cone) *
+                    CGAL::max(CGAL::abs(axis[0]), CGAL::max(CGAL::abs(axis[1]), CGAL::abs(axis[2]))),
+                area);
+      (c.open ? open : expected[group.at(c.facet)]) -= area;
+    }
+    EXPECT_EQ(open, 0) << "open water";
+    for (const auto& [facet, rest] : expected) {
+      EXPECT_EQ(rest, 0) << "facet " << facet << " of " << scene.mesh.facets.size();
+      ++compared;
+    }
+  }
+  return compared;
+}
+
 TEST(VisibilityOracle, AreasEqualThoseOfPolygonBooleans) {
   std::size_t compared = 0;
   for (std::uint64_t seed = 101; seed < 101 + (3 + one_in - 1) / one_in; ++seed)
     for (const Scene& scene : stumbling_blocks(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
-      for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
-        SCOPED_TRACE(testing::Message() << "tube " << t);
-        const V3 axis = gnomonic_axis(scene.tubes, t);
-        const GnomonicPlane plane(axis);
-        std::map<FacetId, FacetId> group;
-        Q open;
-        auto expected = areas_by_polygons(scene.mesh, scene.tubes, t, plane, group, open);
-
-        const TubeVisibility seen = see_with_open_water(scene.mesh, scene.tubes, t);
-        for (const SeenCone& c : cones_of(scene.mesh, scene.tubes.apex, seen)) {
-          const Q area = plane.area(c.cone);
-          EXPECT_GT(area, 0);
-          // The library's own area is that of the plane, the oracle's that of its projection along one axis.
-          EXPECT_EQ(gnomonic_area(axis, c.cone) *
-                        CGAL::max(CGAL::abs(axis[0]), CGAL::max(CGAL::abs(axis[1]), CGAL::abs(axis[2]))),
-                    area);
-          (c.open ? open : expected[group.at(c.facet)]) -= area;
-        }
-        EXPECT_EQ(open, 0) << "open water";
-        for (const auto& [facet, rest] : expected) {
-          EXPECT_EQ(rest, 0) << "facet " << facet << " of " << scene.mesh.facets.size();
-          ++compared;
-        }
-        if (testing::Test::HasFailure()) return;
-      }
+      compared += compare_with_polygons(scene);
+      if (testing::Test::HasFailure()) return;
     }
   EXPECT_GT(compared, 1000 / one_in);
+}
+
+TEST(VisibilityOracle, AreasOfSolidsTerrainAndRealMeshesEqualThoseOfPolygonBooleans) {
+  std::map<std::string, std::size_t> compared;
+  for (std::uint64_t seed = 131; seed < 131 + (2 + one_in - 1) / one_in; ++seed)
+    for (const Scene& scene : small_views(seed, 32)) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
+      compared[scene.name] += compare_with_polygons(scene);
+      if (testing::Test::HasFailure()) return;
+    }
+  EXPECT_GE(compared.size(), 4u);
+  for (const auto& [name, facets] : compared) EXPECT_GT(facets, 12 / one_in) << name;
 }
 
 }  // namespace

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <CGAL/Exact_rational.h>
+
+#include <array>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "geometry/exact_corner.hpp"
+#include "geometry/exact_vector.hpp"
+#include "geometry/visibility.hpp"
+
+namespace tubefoot::atlas {
+
+/// The section of one tube, coordinates (u, v): direction = ray 0 + u (ray 3 - ray 0) + v (ray 1 - ray 0).
+/// The tube is the unit square, and area in it is area of the gnomonic plane over the tube's own.
+class Chart {
+ public:
+  /// Throws std::invalid_argument if the tube is not a parallelogram.
+  Chart(const TubeSet& tubes, std::uint32_t tube);
+
+  glm::dvec3 direction(glm::dvec2 uv) const;
+
+  struct Polygon {
+    FacetId facet = 0;
+    std::vector<glm::dvec2> corners;  ///< exact, then rounded once
+    CGAL::Exact_rational area;        ///< signed: positive if it turns as the tube does
+  };
+  /// What the names of a piece stand for; false if they stand for no cone before the apex.
+  bool polygon(const NameContext& context, const TubeVisibility& seen, const NamedPiece& piece,
+               Polygon& result) const;
+
+ private:
+  std::array<GridPoint, 3> frame_;  ///< ray 0, and the directions of u and v
+  std::array<ExactVector, 3> dual_;
+};
+
+/// Facet numbers at sample points. Beyond the facets themselves:
+constexpr FacetId nothing_there = 0xffffffffu, several_there = 0xfffffffeu;
+
+/// Which facet's polygon covers each point; points are ordered by the cells of an n x n grid (row by row,
+/// v upwards), one inside each cell.
+std::vector<FacetId> locate(std::span<const Chart::Polygon> polygons, std::span<const glm::dvec2> points,
+                            std::uint32_t n);
+
+}  // namespace tubefoot::atlas

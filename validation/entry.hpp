@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "validation/kernel_run.hpp"
+#include "validation/naive_rays.hpp"
+
+namespace tubefoot::atlas {
+
+/// One arithmetic's answer against that of `rational`.
+struct Answer {
+  Sight sight;
+  double error = 0;
+  bool same_hash = false;
+  /// Equal areas, and every tube closes. (The hash also tells of pieces without area.)
+  bool is_right() const { return error == 0 && sight.unclosed == 0; }
+  bool is_exact() const { return is_right() && same_hash; }
+};
+
+/// A row of the atlas.
+struct Entry {
+  Case scene;
+  Answer rational, fixed, filtered, plain;
+  std::vector<Tolerance> sweep;
+  Answer tuned;              ///< double with the best tolerance of the sweep,
+  double tolerance = 0;      ///< which is this,
+  double as_good_up_to = 0;  ///< or any other of the sweep from it to this one
+  Sampling sampling;
+  RayResult usual, robust;
+
+  /// Whether the exact arithmetics agree with `rational`, which closes.
+  bool exact_ones_agree() const {
+    return rational.sight.unclosed == 0 && fixed.is_exact() && filtered.is_exact();
+  }
+};
+
+/// Runs everything on a case; `rays` is n for n x n rays a tube.
+Entry evaluate(Case scene, std::uint32_t rays);
+
+/// Rays along one side of a tube's grid.
+constexpr std::uint32_t rays_of(Size size, bool one_tube) {
+  return (size == Size::page ? 512u : 64u) / (one_tube ? 1u : 2u);
+}
+
+}  // namespace tubefoot::atlas

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "validation/kernel_run.hpp"
+
+#include <cmath>
+#include <numeric>
+
+#include "geometry/visibility_solver.hpp"
+#include "validation/absolute_double.hpp"
+
+namespace tubefoot::atlas {
+namespace {
+
+double unit_m(const Case& scene) { return std::ldexp(1.0, -scene.grid_exponent); }
+
+/// As see(), in the coordinates of an engine that subtracts no origin.
+void see_absolutely(const Case& scene, std::uint32_t tube, const VisibilityOptions& options,
+                    VisibilitySolver<AbsoluteDouble>& solver, TubeVisibility& out) {
+  out.clear();
+  for (const std::uint32_t ray : scene.tubes.tubes.at(tube)) out.rays.push_back(scene.tubes.rays[ray]);
+  std::vector<FacetId> all(scene.mesh.facets.size());
+  std::iota(all.begin(), all.end(), FacetId{0});
+  AbsoluteDouble arithmetic;
+  arithmetic.tolerance = options.tolerance;
+  arithmetic.unit_m = unit_m(scene);
+  const GridPoint apex = scene.tubes.apex;
+  arithmetic.apex_m = scene.origin_m + arithmetic.unit_m * glm::dvec3(apex.x, apex.y, apex.z);
+  solver.run(arithmetic, scene.mesh, apex, all, {}, options, out);
+}
+
+}  // namespace
+
+Sight look(const Case& scene, Arithmetic arithmetic, double tolerance, Audit audited) {
+  VisibilityOptions options;
+  options.arithmetic = arithmetic;
+  options.tolerance = tolerance;
+  options.open_water = audited == Audit::yes;
+  const bool absolute = arithmetic == Arithmetic::plain_double && scene.origin_m != glm::dvec3(0);
+  const SceneTree tree(scene.mesh);
+  VisibilityScratch scratch;
+  VisibilitySolver<AbsoluteDouble> absolute_solver;
+  TubeVisibility seen;
+  Sight sight;
+  for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
+    if (absolute)
+      see_absolutely(scene, t, options, absolute_solver, seen);
+    else
+      see(scene.mesh, tree, scene.tubes, t, options, scratch, seen);
+    Sight::OfTube& tube = sight.tubes.emplace_back();
+    const Chart chart(scene.tubes, t);
+    const NameContext context{scene.mesh, scene.tubes.apex, seen.rays};
+    for (const NamedPiece& piece : seen.pieces) {
+      Chart::Polygon polygon;
+      if (!chart.polygon(context, seen, piece, polygon)) continue;
+      tube.areas[piece.facet] += polygon.area;
+      tube.polygons.push_back(std::move(polygon));
+    }
+    sight.pieces += seen.pieces.size();
+    sight.facets += tube.areas.size();
+    if (audited == Audit::no) continue;
+    const TubeAudit verdict = audit(scene.mesh, scene.tubes, t, seen, t);
+    sight.hash += verdict.hash;
+    sight.unclosed += !verdict.closes;
+  }
+  return sight;
+}
+
+double error_of(const Sight& found, const Sight& truth) {
+  double sum = 0;
+  for (std::size_t t = 0; t < truth.tubes.size(); ++t) {
+    const Areas &a = found.tubes[t].areas, &b = truth.tubes[t].areas;
+    const auto add = [&](const CGAL::Exact_rational& difference) {
+      sum += std::abs(difference.convert_to<double>());
+    };
+    for (const auto& [facet, area] : a) {
+      const auto other = b.find(facet);
+      if (other == b.end())
+        add(area);
+      else if (area != other->second)
+        add(CGAL::Exact_rational(area - other->second));
+    }
+    for (const auto& [facet, area] : b)
+      if (!a.contains(facet)) add(area);
+  }
+  return sum / double(truth.tubes.size());
+}
+
+std::vector<Tolerance> sweep(const Case& scene, const Sight& truth) {
+  std::vector<Tolerance> tried;
+  for (int exponent = -17; exponent <= -3; ++exponent) {
+    const double value = std::pow(10.0, exponent);
+    tried.push_back({value, error_of(look(scene, Arithmetic::plain_double, value, Audit::no), truth)});
+  }
+  return tried;
+}
+
+}  // namespace tubefoot::atlas

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "geometry/closure.hpp"
+#include "validation/case.hpp"
+#include "validation/chart.hpp"
+
+namespace tubefoot::atlas {
+
+using Areas = std::map<FacetId, CGAL::Exact_rational>;
+
+/// What one arithmetic sees of one case, its names evaluated in rationals: only decisions can be wrong.
+struct Sight {
+  struct OfTube {
+    std::vector<Chart::Polygon> polygons;
+    Areas areas;
+  };
+  std::vector<OfTube> tubes;
+  TopologyHash hash;
+  std::size_t unclosed = 0;  ///< tubes that fail the audit
+  std::size_t pieces = 0, facets = 0;
+};
+
+enum class Audit { no, yes };
+
+/// Runs the kernel. plain_double computes in absolute coordinates where the case has an origin.
+Sight look(const Case& scene, Arithmetic arithmetic, double tolerance = 0, Audit audited = Audit::yes);
+
+/// Sum over facets of |area found - true area|, over the area of the tubes. Exactly 0 only for equal
+/// rationals.
+double error_of(const Sight& found, const Sight& truth);
+
+struct Tolerance {
+  double value = 0, error = 0;
+};
+/// The sweep: powers of ten from 1e-17 to 1e-3, each with its error.
+std::vector<Tolerance> sweep(const Case& scene, const Sight& truth);
+
+}  // namespace tubefoot::atlas
