@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/exact_corner.hpp"
 
-#include "geometry/wide_vector.hpp"
-
 namespace tubefoot {
 namespace {
 
@@ -19,6 +17,17 @@ WideVec wide_normal_of(const NameContext& context, const PlaneName& name) {
 }
 
 }  // namespace
+
+WideVec wide_direction(const NameContext& context, const CornerName& corner) {
+  if (corner.point != no_point) {
+    const GridPoint d = context.point(corner.point);
+    return {WideInt(d.x), WideInt(d.y), WideInt(d.z)};
+  }
+  WideVec d = cross(wide_normal_of(context, corner.p), wide_normal_of(context, corner.q));
+  if (corner.sign < 0)
+    for (WideInt& x : d) x = -x;
+  return d;
+}
 
 glm::dvec3 point_on_facet(const NameContext& context, const CornerName& corner, const FacetCone& facet) {
   const double offset = static_cast<double>(facet.offset);

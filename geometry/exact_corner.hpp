@@ -6,6 +6,7 @@
 
 #include "geometry/facet_cone.hpp"
 #include "geometry/names.hpp"
+#include "geometry/wide_vector.hpp"
 
 namespace tubefoot {
 
@@ -22,5 +23,8 @@ struct NameContext {
 /// Everything is an exact integer until the last quotient: relative error of each coordinate at most 4 units
 /// in the last place.
 glm::dvec3 point_on_facet(const NameContext& context, const CornerName& corner, const FacetCone& facet);
+
+/// Direction of a corner's ray, exactly.
+WideVec wide_direction(const NameContext& context, const CornerName& corner);
 
 }  // namespace tubefoot

@@ -7,7 +7,7 @@ namespace tubefoot {
 
 std::size_t PolarSlabs::event_of(const RangeEnclosure& range) const {
   const auto after = std::upper_bound(events_.begin(), events_.end(), range.lo,
-                                      [](double lo, const RangeEnclosure& event) { return lo < event.lo; });
+                                      [](long double lo, const RangeEnclosure& event) { return lo < event.lo; });
   return std::size_t(after - events_.begin()) - 1;
 }
 
@@ -65,13 +65,13 @@ void PolarSlabs::cut(std::span<const EdgeRanges> edges, const std::optional<Rang
   }
 }
 
-void PolarSlabs::add_slabs(double lo, double hi, std::uint32_t first, std::span<const double> borders_m) {
-  lo = std::max(lo, borders_m.front());
-  hi = std::min(hi, borders_m.back());
+void PolarSlabs::add_slabs(long double lo, long double hi, std::uint32_t first, std::span<const double> borders_m) {
+  lo = std::max<long double>(lo, borders_m.front());
+  hi = std::min<long double>(hi, borders_m.back());
   const auto count = std::uint32_t(crossings_.size()) - first;
   auto border = std::upper_bound(borders_m.begin(), borders_m.end(), lo);
   while (lo < hi && border != borders_m.end()) {
-    const double end = std::min(hi, *border);
+    const long double end = std::min<long double>(hi, *border);
     slabs_.push_back({lo, end, std::uint32_t(border - borders_m.begin()) - 1, first, count});
     lo = end;
     ++border;

@@ -9,9 +9,10 @@
 
 namespace tubefoot {
 
-/// An enclosure of a slant range.
+/// An enclosure of a slant range. Long doubles, so that what lies between lo and hi is next to nothing even
+/// beside a sample without an echo of its own.
 struct RangeEnclosure {
-  double lo = 0, hi = 0;
+  long double lo = 0, hi = 0;
 };
 
 /// What the cutting into slabs has to know of a polygon's edge. s runs along the edge's line from the line's
@@ -37,12 +38,12 @@ struct Crossing {
 class PolarSlabs {
  public:
   struct Slab {
-    double lo = 0, hi = 0;  ///< slant ranges
+    long double lo = 0, hi = 0;  ///< slant ranges
     std::uint32_t sample = 0;
     std::uint32_t first = 0, count = 0;  ///< in crossings(); none: all of the circle lies in the polygon
   };
   struct Gap {
-    double lo = 0, hi = 0;
+    long double lo = 0, hi = 0;
     std::uint32_t first_sample = 0, end_sample = 0;  ///< samples it may belong to, [first, end)
   };
 
@@ -65,7 +66,7 @@ class PolarSlabs {
     std::size_t begin_event = 0, end_event = 0;
   };
   std::size_t event_of(const RangeEnclosure& range) const;
-  void add_slabs(double lo, double hi, std::uint32_t first, std::span<const double> borders_m);
+  void add_slabs(long double lo, long double hi, std::uint32_t first, std::span<const double> borders_m);
 
   std::vector<Branch> branches_;
   std::vector<RangeEnclosure> events_;

@@ -176,6 +176,13 @@ void write_recording(EchoGroup& group, const Recording& recording) {
   group.attribute(energy, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
   group.compress(energy, "energy", {1, beams.size(), static_cast<std::size_t>(samples.count)});
 
+  int energy_bound = 0;
+  if (!recording.energy_bound.empty()) {
+    energy_bound = group.define("energy_bound", {ping, beam, sample}, "J",
+                                "certified half-width: the true energy lies within energy +- energy_bound");
+    group.compress(energy_bound, "energy_bound", {1, beams.size(), static_cast<std::size_t>(samples.count)});
+  }
+
   group.variable("ping_time", {ping}, "s", "time of the transmission on the scene's clock",
                  recording.ping_time_s);
 
@@ -234,6 +241,8 @@ void write_recording(EchoGroup& group, const Recording& recording) {
 
   group.write();
   group.write(energy, "energy", recording.energy.data());
+  if (!recording.energy_bound.empty())
+    group.write(energy_bound, "energy_bound", recording.energy_bound.data());
 }
 
 }  // namespace
@@ -251,6 +260,7 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
   root.attribute("engine", provenance.engine);
   root.attribute("arithmetic", provenance.arithmetic);
   root.attribute("version", provenance.version);
+  if (provenance.reference_tolerance) root.attribute("reference_tolerance", *provenance.reference_tolerance);
   if (recordings.size() == 1) {
     write_recording(root, recordings.front());
   } else {

@@ -12,7 +12,8 @@ void check(const Recording& recording) {
   const Sensor& sensor = *recording.sensor;
   const std::size_t pings = recording.ping_time_s.size();
   const std::size_t cells = pings * sensor.beams().size() * static_cast<std::size_t>(sensor.samples().count);
-  if (pings == 0 || recording.ping_pose.size() != pings || recording.energy.size() != cells)
+  if (pings == 0 || recording.ping_pose.size() != pings || recording.energy.size() != cells ||
+      (!recording.energy_bound.empty() && recording.energy_bound.size() != cells))
     throw std::invalid_argument(fmt::format(
         "recording of '{}' does not add up: {} ping times, {} poses, {} energies for {} beams of {} samples",
         sensor.description().name, pings, recording.ping_pose.size(), recording.energy.size(),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct Recording {
   std::vector<double> ping_time_s;
   std::vector<Pose> ping_pose;  ///< of the sensor
   std::vector<double> energy;   ///< [ping][beam][sample], J for a source of 1 J/sr at 1 m
+  /// Reference runs: certified half-width of each energy [J], laid out as the energies; empty in others.
+  std::vector<double> energy_bound;
   double sound_speed_m_s = 0;
   double absorption_db_per_km = 0;
 };
@@ -26,6 +29,7 @@ void check(const Recording& recording);
 /// Where a recording comes from; written as global attributes.
 struct Provenance {
   std::string title, scene_hash, engine, arithmetic, version;
+  std::optional<double> reference_tolerance{};  ///< of a reference run
 };
 
 /// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording: variables in the root group. Several: one

@@ -48,6 +48,11 @@ int run_command_line(int argc, char** argv) {
   run_app->add_option("--rays", run.rays, "ray engine: rays per ping")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
   run_app->add_option("--seed", run.seed, "ray engine: seed of the sampling")->check(CLI::NonNegativeNumber);
+  auto* reference = run_app->add_flag("--reference", run.reference,
+                                      "tube engine: certify every energy and write energy_bound beside it");
+  run_app->add_option("--tolerance", run.tolerance, "reference: bound asked for, relative (default: 1e-9)")
+      ->needs(reference)
+      ->check(CLI::Range(1e-12, 0.1));
   run_app->footer("Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead");
   run_app->callback([&] { command = [&] { return run_command(run); }; });
 

@@ -11,6 +11,7 @@
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
+#include "app/usage_error.hpp"
 
 namespace tubefoot {
 namespace {
@@ -27,6 +28,18 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts kibibytes
 }
 
+void print_reference(double tolerance, const ReferenceStats& reference) {
+  if (reference.bins_over == 0)
+    fmt::print("reference: every energy within {:g} of its bin, certified\n", tolerance);
+  else
+    fmt::print(
+        "reference: {} bins have wider bounds than {:g}; the widest is {:.3g} times what was asked, at "
+        "sensor "
+        "'{}', ping {}, beam {}, sample {}\n",
+        reference.bins_over, tolerance, reference.worst_ratio, reference.worst_sensor, reference.worst_ping,
+        reference.worst_beam, reference.worst_sample);
+}
+
 }  // namespace
 
 int run_command(const RunOptions& options) {
@@ -35,6 +48,14 @@ int run_command(const RunOptions& options) {
   if (options.engine) description.run.engine = *options.engine;
   if (options.rays) description.run.rays_per_ping = *options.rays;
   if (options.seed) description.run.seed = *options.seed;
+  std::optional<double> reference_tolerance;
+  if (options.reference) {
+    reference_tolerance = options.tolerance.value_or(1e-9);
+    if (description.run.engine != "tube")
+      throw UsageError("--reference measures footprints: it needs --engine tube");
+    if (description.run.arithmetic == "double")
+      throw UsageError("--reference needs an exact arithmetic: fixed, filtered or rational, not double");
+  }
   const InterruptGuard interrupt;
   OutputFolder output(options.output);
   const ThreadLimit limit(description.run.threads);
@@ -45,7 +66,7 @@ int run_command(const RunOptions& options) {
 
   SimulationStats stats;
   const Clock::time_point simulation_start = Clock::now();
-  const std::vector<Recording> recordings = simulate(*survey, options.quiet, stats);
+  const std::vector<Recording> recordings = simulate(*survey, options.quiet, stats, reference_tolerance);
   const double simulation_seconds = seconds_since(simulation_start);
 
   const Clock::time_point write_start = Clock::now();
@@ -53,7 +74,7 @@ int run_command(const RunOptions& options) {
   const bool exact = run.engine == "tube";
   write_echoes(output.staging() / "echoes.nc", recordings,
                {description.title, description.sha256, run.engine, exact ? run.arithmetic : "float",
-                TUBEFOOT_VERSION});
+                TUBEFOOT_VERSION, reference_tolerance});
   std::vector<std::filesystem::path> pictures;
   std::vector<std::string> picture_warnings;
   for (const Recording& recording : recordings)
@@ -71,6 +92,16 @@ int run_command(const RunOptions& options) {
     json["arithmetic"] = run.arithmetic;
   else
     json["rays_per_ping"] = run.rays_per_ping, json["seed"] = run.seed;
+  if (reference_tolerance) {
+    const ReferenceStats& reference = stats.reference;
+    json["reference"] = {{"tolerance", *reference_tolerance},
+                         {"bins_over_tolerance", reference.bins_over},
+                         {"worst_bound_over_asked", reference.worst_ratio},
+                         {"worst_sensor", reference.worst_sensor},
+                         {"worst_ping", reference.worst_ping},
+                         {"worst_beam", reference.worst_beam},
+                         {"worst_sample", reference.worst_sample}};
+  }
   json["threads"] = limit.threads();
   json["grid_unit_m"] = scene.grid.unit_m();
   json["facets"] = scene.mesh.facets.size();
@@ -97,6 +128,7 @@ int run_command(const RunOptions& options) {
     fmt::print("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
                exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
                seconds_since(start));
+  if (reference_tolerance) print_reference(*reference_tolerance, stats.reference);
   const std::filesystem::path folder = options.output;
   fmt::print("wrote {}\n", (folder / "echoes.nc").string());
   for (const auto& picture : pictures) fmt::print("wrote {}\n", (folder / picture).string());

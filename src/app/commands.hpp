@@ -30,6 +30,8 @@ struct RunOptions : CommonOptions {
   std::optional<std::string> engine;
   std::optional<std::int64_t> rays;
   std::optional<std::uint64_t> seed;
+  bool reference = false;
+  std::optional<double> tolerance;  ///< of a reference; 1e-9 if unset
 };
 
 struct AuditOptions : CommonOptions {

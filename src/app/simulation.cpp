@@ -8,11 +8,13 @@
 #include <functional>
 #include <mutex>
 #include <stdexcept>
+#include <tuple>
 
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "engine/echo.hpp"
 #include "engine/ray_engine.hpp"
+#include "engine/reference.hpp"
 #include "engine/tube_engine.hpp"
 
 namespace tubefoot {
@@ -22,6 +24,23 @@ using Clock = std::chrono::steady_clock;
 
 /// An engine: tubes in, history out. `candidates` is added to by engines that look at facets one by one.
 using Engine = std::function<History(TubeSet tubes, std::uint64_t ping, std::size_t& candidates)>;
+
+VisibilityOptions options_of(const RunDescription& run) {
+  VisibilityOptions options;
+  options.arithmetic = arithmetic_from_name(run.arithmetic);
+  return options;
+}
+
+/// Of equals the one that comes first in the file, whichever thread was faster.
+void keep_worst(ReferenceStats& kept, const ReferenceStats& met) {
+  const auto place = [](const ReferenceStats& r) { return std::tie(r.worst_sensor, r.worst_ping); };
+  if (met.worst_ratio < kept.worst_ratio ||
+      (met.worst_ratio == kept.worst_ratio && !(place(met) < place(kept))))
+    return;
+  const std::size_t bins = kept.bins_over;
+  kept = met;
+  kept.bins_over = bins;
+}
 
 Engine make_engine(const Survey& survey) {
   const Scene& scene = survey.scene;
@@ -35,9 +54,7 @@ Engine make_engine(const Survey& survey) {
                         run.seed + 0x9e3779b97f4a7c15u * ping);
     };
   }
-  VisibilityOptions options;
-  options.arithmetic = arithmetic_from_name(run.arithmetic);
-  const auto engine = std::make_shared<TubeEngine>(scene.mesh, *survey.tree, unit, options);
+  const auto engine = std::make_shared<TubeEngine>(scene.mesh, *survey.tree, unit, options_of(run));
   return [engine](TubeSet tubes, std::uint64_t, std::size_t& candidates) {
     return engine->trace(std::move(tubes), &candidates);
   };
@@ -45,7 +62,8 @@ Engine make_engine(const Survey& survey) {
 
 }  // namespace
 
-std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats) {
+std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats,
+                                std::optional<double> reference_tolerance) {
   const Scene& scene = survey.scene;
   std::vector<Recording> recordings;
   for (const SensorPings& pings : survey.sensors) {
@@ -55,6 +73,7 @@ std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStat
     recording.ping_pose = pings.poses;
     recording.energy.resize(pings.times_s.size() * pings.sensor->beams().size() *
                             static_cast<std::size_t>(pings.sensor->samples().count));
+    if (reference_tolerance) recording.energy_bound.resize(recording.energy.size());
     recording.sound_speed_m_s = scene.sound_speed_m_s;
     recording.absorption_db_per_km = 1000 * absorption_db_per_m(scene, *pings.sensor);
     recordings.push_back(std::move(recording));
@@ -81,10 +100,23 @@ std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStat
           patterns = sensor.patterns(survey.sensors[s].poses[ping], scene.sound_speed_m_s);
           law.patterns = &patterns;
         }
-        const Echo echo = integrate_echo(history, sensor.beam_of_tube(),
-                                         static_cast<int>(sensor.beams().size()), sensor.samples(), law);
-        std::copy(echo.energy.begin(), echo.energy.end(),
-                  recordings[s].energy.begin() + static_cast<std::ptrdiff_t>(ping * echo.energy.size()));
+        Echo echo = integrate_echo(history, sensor.beam_of_tube(), static_cast<int>(sensor.beams().size()),
+                                   sensor.samples(), law);
+        const auto place = static_cast<std::ptrdiff_t>(ping * echo.energy.size());
+        if (reference_tolerance) {
+          CertifiedEcho certified =
+              certify_echo(scene.mesh, *survey.tree, history, options_of(scene.description.run),
+                           sensor.beam_of_tube(), sensor.samples(), law, echo, *reference_tolerance);
+          std::copy(certified.bound.begin(), certified.bound.end(),
+                    recordings[s].energy_bound.begin() + place);
+          echo = std::move(certified.echo);
+          const std::lock_guard lock(mutex);
+          stats.reference.bins_over += certified.bins_over;
+          const ReferenceStats worst{0,    certified.worst_ratio, sensor.description().name,
+                                     ping, certified.worst_beam,  certified.worst_sample};
+          keep_worst(stats.reference, worst);
+        }
+        std::copy(echo.energy.begin(), echo.energy.end(), recordings[s].energy.begin() + place);
       }
       const std::lock_guard lock(mutex);
       stats.pings += group.sensors.size();

@@ -116,7 +116,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
     piece_.q2 = piece_.distance2;
     for (const Crossing& c : crossings) piece_.q2 = std::max(piece_.q2, edges_[c.edge].nearest2);
     const auto t_of = [&](double r) { return std::sqrt(std::max(r * r - piece_.q2, 0.0)); };
-    const double t0 = t_of(slab.lo), t1 = t_of(slab.hi);
+    const double t0 = t_of(double(slab.lo)), t1 = t_of(double(slab.hi));
     if (!(t1 > t0)) continue;
     find_arcs(crossings, (t0 + t1) / 2, inside);
     sum_.assign(end_beam - first_beam, 0);

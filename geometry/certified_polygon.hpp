@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "geometry/ball.hpp"
+#include "geometry/exact_corner.hpp"
+#include "geometry/polar_slabs.hpp"
+#include "geometry/visibility.hpp"
+
+namespace tubefoot {
+
+/// A visible piece in its facet's plane, every coordinate enclosed: from the exact integers that its corners'
+/// names stand for, nothing rounded before. Metres.
+struct CertifiedPolygon {
+  struct Edge {
+    Ball angle;     ///< of its direction in the plane, from u to v
+    Ball height;    ///< of the foot point to the edge's left
+    Ball nearest2;  ///< squared range of its line's nearest point
+  };
+  Ball distance;                   ///< of the apex from the plane
+  std::array<Ball, 3> u, v, away;  ///< the plane's frame, pieces turning from u to v; away from the apex
+  std::vector<Edge> edges;
+  Ball perimeter;
+  std::vector<EdgeRanges> ranges;      ///< by edge
+  std::optional<RangeEnclosure> foot;  ///< see PolarSlabs::cut
+  bool foot_inside = false;
+};
+
+/// The enclosure of a piece. `unit_m` is a power of two. An edge whose two corners cannot be told apart is
+/// left out.
+CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
+                                   const NamedPiece& piece, double unit_m);
+
+}  // namespace tubefoot

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/reference.hpp"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "engine/certified_integral.hpp"
+#include "engine/radial_law.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double least_allowed = 1e-300;
+
+std::vector<double> targets(const Echo& echo, double tolerance) {
+  const auto samples = std::size_t(echo.samples);
+  const double ping_peak =
+      echo.energy.empty() ? 0 : *std::max_element(echo.energy.begin(), echo.energy.end());
+  std::vector<double> target(echo.energy.size());
+  for (std::size_t row = 0; row < target.size(); row += samples) {
+    double floor = reference_floor * reference_floor * ping_peak;
+    for (std::size_t k = 0; k < samples; ++k) floor = std::max(floor, reference_floor * echo.energy[row + k]);
+    for (std::size_t k = 0; k < samples; ++k)
+      target[row + k] = std::max(tolerance * std::max(echo.energy[row + k], floor), least_allowed);
+  }
+  return target;
+}
+
+std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
+                                                 std::span<const std::uint32_t> beam_of_tube,
+                                                 const EchoLaw& law) {
+  if (law.patterns != nullptr) return law.patterns->beams_of_tube[tube];
+  return {beam_of_tube[tube], beam_of_tube[tube] + 1};
+}
+
+/// About how many slabs share a bin.
+std::vector<double> slabs_of_bins(const History& history, std::span<const std::uint32_t> beam_of_tube,
+                                  std::span<const double> borders, const EchoLaw& law, std::size_t bins) {
+  const std::size_t samples = borders.size() - 1;
+  std::vector<double> slabs(bins, 0);
+  for (const Footprint& footprint : history.footprints.footprints) {
+    const auto first = std::upper_bound(borders.begin(), borders.end(), footprint.slant_range_min_m);
+    const auto end = std::lower_bound(borders.begin(), borders.end(), footprint.slant_range_max_m);
+    const auto [first_beam, end_beam] = beams_of(footprint.tube, beam_of_tube, law);
+    for (auto k = std::max<std::ptrdiff_t>(first - borders.begin() - 1, 0);
+         k < std::min<std::ptrdiff_t>(end - borders.begin(), std::ssize(borders) - 1); ++k)
+      for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
+        slabs[beam * samples + std::size_t(k)] += 4.0 * footprint.piece_count;
+  }
+  return slabs;
+}
+
+using Bins = std::map<std::size_t, Ball>;
+
+}  // namespace
+
+CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
+                           const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
+                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           double tolerance) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+  const std::vector<double> borders = sample_borders_m(samples);
+  const std::vector<double> target = targets(ordinary, tolerance);
+  const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
+  const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(5);
+  const auto row = std::size_t(samples.count);
+
+  const TubeSet& tubes = history.tubes;
+  std::vector<Bins> by_tube(tubes.tubes.size());
+  struct Buffers {
+    VisibilityScratch visibility;
+    TubeVisibility seen;
+  };
+  tbb::enumerable_thread_specific<Buffers> threads;
+  tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
+    auto& [visibility, seen] = threads.local();
+    see(mesh, tree, tubes, tube, options, visibility, seen);
+    const NameContext context{mesh, tubes.apex, seen.rays};
+    CertifiedIntegrator integrator(borders, beta);
+    for (const NamedPiece& piece : seen.pieces) {
+      const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
+      const Ball factor = Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
+      const double size = factor.hi();
+      // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
+      const CertifiedIntegrator::Allowance allowance{
+          tolerance / 3, [&](std::uint32_t beam, std::uint32_t sample) {
+            const std::size_t bin = beam * row + sample;
+            return std::max(target[bin] / 3 / std::max(slabs[bin], 1.0) / size, least_allowed);
+          }};
+      const auto sink = [&](std::uint32_t beam, std::uint32_t sample, const Ball& part) {
+        by_tube[tube][beam * row + sample] += factor * part;
+      };
+      if (law.patterns != nullptr)
+        integrator.add(polygon, *law.patterns, tube, allowance, sink);
+      else
+        integrator.add(polygon, beam_of_tube[tube], allowance, sink);
+    }
+  });
+
+  std::vector<Ball> total(ordinary.energy.size());
+  for (const Bins& bins : by_tube)  // in order, so that the result does not depend on the threads
+    for (const auto& [bin, part] : bins) total[bin] += part;
+
+  CertifiedEcho certified;
+  certified.echo = ordinary;
+  certified.bound.resize(total.size());
+  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    const double energy = std::max(total[bin].middle(), 0.0);
+    const Ball off = total[bin] - Ball(energy);
+    certified.echo.energy[bin] = energy;
+    certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
+  }
+  const std::vector<double> asked = targets(certified.echo, tolerance);
+  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    const double ratio = certified.bound[bin] / asked[bin];
+    certified.bins_over += ratio > 1;
+    if (ratio > certified.worst_ratio) {
+      certified.worst_ratio = ratio;
+      certified.worst_beam = int(bin / row);
+      certified.worst_sample = int(bin % row);
+    }
+  }
+  return certified;
+}
+
+}  // namespace tubefoot
