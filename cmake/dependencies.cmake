@@ -16,3 +16,4 @@ pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)  # ships
 pkg_check_modules(netcdf REQUIRED IMPORTED_TARGET netcdf)
 # OpenImageIO's CMake targets name OpenCV's include folder, which is not installed; pkg-config does not.
 pkg_check_modules(openimageio REQUIRED IMPORTED_TARGET OpenImageIO)
+pkg_check_modules(rsvg REQUIRED IMPORTED_TARGET librsvg-2.0 cairo)

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tubefoot {
+
+/// One line of a diagram: points in the order they are joined.
+struct PlotSeries {
+  std::string name;
+  std::string note;  ///< beside the line's last point, e.g. its order; may be empty
+  std::vector<std::pair<double, double>> points;
+  bool joined = true;
+};
+
+/// A diagram with two logarithmic axes. Points that are not positive are left out of it, but see `floor`.
+struct LogPlot {
+  std::string title, x_label, y_label;
+  std::vector<PlotSeries> series;
+  double floor = 0;        ///< a dashed line; points below it are drawn on it, hollow. 0: none
+  std::string floor_name;  ///< what the line says
+};
+
+/// The diagram as a self-contained SVG of 760 x 520 pixels.
+std::string to_svg(const LogPlot& plot);
+
+}  // namespace tubefoot

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/svg_png.hpp"
+
+#include <cairo.h>
+#include <fmt/format.h>
+#include <librsvg/rsvg.h>
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+namespace tubefoot {
+
+void write_png_of_svg(const std::string& svg, const std::filesystem::path& file, double scale) {
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(), why));
+  };
+  GError* error = nullptr;
+  const std::unique_ptr<RsvgHandle, void (*)(gpointer)> handle(
+      rsvg_handle_new_from_data(reinterpret_cast<const guint8*>(svg.data()), svg.size(), &error),
+      g_object_unref);
+  const auto message = [&] {
+    std::string text = error != nullptr ? error->message : "no reason given";
+    g_clear_error(&error);
+    return text;
+  };
+  if (!handle) fail(message());
+  gdouble width = 0, height = 0;
+  if (!rsvg_handle_get_intrinsic_size_in_pixels(handle.get(), &width, &height))
+    fail("the drawing has no size");
+  const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::lround(width * scale)),
+                                 static_cast<int>(std::lround(height * scale))),
+      cairo_surface_destroy);
+  const std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo(cairo_create(surface.get()), cairo_destroy);
+  cairo_scale(cairo.get(), scale, scale);
+  const RsvgRectangle viewport{0, 0, width, height};
+  if (!rsvg_handle_render_document(handle.get(), cairo.get(), &viewport, &error)) fail(message());
+  if (const cairo_status_t status = cairo_surface_write_to_png(surface.get(), file.c_str());
+      status != CAIRO_STATUS_SUCCESS)
+    fail(cairo_status_to_string(status));
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/work_precision.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace tubefoot {
+namespace {
+
+struct Point {
+  double samples, seconds, error;
+};
+
+/// Least squares through (x, y); none if all x are equal.
+struct Line {
+  double slope, intercept;
+};
+std::optional<Line> fit(const std::vector<std::pair<double, double>>& points) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  const double n = static_cast<double>(points.size());
+  for (const auto& [px, py] : points) {
+    x += px / n;
+    y += py / n;
+  }
+  for (const auto& [px, py] : points) {
+    xx += (px - x) * (px - x);
+    xy += (px - x) * (py - y);
+  }
+  if (!(xx > 0)) return std::nullopt;
+  return Line{xy / xx, y - xy / xx * x};
+}
+
+/// Sampling trials by engine, by number of samples.
+std::map<std::string, std::vector<Point>> ladders(std::span<const Trial> trials, ErrorMeasure measure) {
+  std::map<std::string, std::vector<Point>> all;
+  for (const Trial& t : trials)
+    if (t.samples > 0) all[t.engine].push_back({t.samples, t.seconds, error_of(t, measure)});
+  for (auto& [engine, points] : all)
+    std::sort(points.begin(), points.end(),
+              [](const Point& a, const Point& b) { return a.samples < b.samples; });
+  return all;
+}
+
+/// Cost on one engine's ladder.
+std::optional<Cost> cost_on(const std::vector<Point>& ladder, double error) {
+  // A coarse setting may be right by chance; it counts only if all finer ones are as good.
+  std::size_t first = ladder.size();
+  while (first > 0 && ladder[first - 1].error <= error) --first;
+  if (first < ladder.size()) {
+    const Point& good = ladder[first];
+    if (first == 0 || !(good.error > 0)) return Cost{good.seconds, false};
+    const Point& bad = ladder[first - 1];
+    const double part = std::log(bad.error / error) / std::log(bad.error / good.error);
+    return Cost{bad.seconds * std::pow(good.seconds / bad.seconds, part), false};
+  }
+  std::vector<std::pair<double, double>> tail;  // the finer half: the coarse end has not converged yet
+  for (std::size_t k = ladder.size() / 2; k < ladder.size(); ++k)
+    if (ladder[k].error > 0 && ladder[k].seconds > 0)
+      tail.emplace_back(std::log(ladder[k].samples), std::log(ladder[k].error));
+  if (tail.size() < 2) return std::nullopt;
+  const std::optional<Line> line = fit(tail);
+  if (!line || !(line->slope < -0.1)) return std::nullopt;
+  const Point& best = ladder.back();
+  // Seconds grow with the samples at the far end of the ladder.
+  return Cost{best.seconds * std::pow(error / best.error, 1 / line->slope), true};
+}
+
+}  // namespace
+
+double error_of(const Trial& trial, ErrorMeasure measure) {
+  return measure == ErrorMeasure::l1 ? trial.l1_error : trial.rms_db_error;
+}
+
+std::optional<double> convergence_order(std::span<const Trial> trials, ErrorMeasure measure, double floor) {
+  std::vector<std::pair<double, double>> points;
+  for (const Trial& t : trials)
+    if (const double error = error_of(t, measure); t.samples > 0 && error > floor && error > 0)
+      points.emplace_back(std::log(t.samples), std::log(error));
+  if (points.size() < 3) return std::nullopt;
+  const std::optional<Line> line = fit(points);
+  if (!line) return std::nullopt;
+  return line->slope;
+}
+
+std::optional<Cost> cost_of(std::span<const Trial> trials, ErrorMeasure measure, double error) {
+  std::optional<Cost> least;
+  const auto offer = [&](const std::optional<Cost>& cost) {
+    if (cost && (!least || cost->seconds < least->seconds)) least = cost;
+  };
+  for (const Trial& t : trials)
+    if (!(t.samples > 0) && error_of(t, measure) <= error) offer(Cost{t.seconds, false});
+  for (const auto& [engine, ladder] : ladders(trials, measure)) offer(cost_on(ladder, error));
+  return least;
+}
+
+double crossing_error(std::span<const Trial> exact, std::span<const Trial> sampling, ErrorMeasure measure) {
+  constexpr int steps_per_decade = 50, decades = 6;
+  for (int k = 0; k <= steps_per_decade * decades; ++k) {
+    const double error = std::pow(10.0, -static_cast<double>(k) / steps_per_decade);
+    const std::optional<Cost> ours = cost_of(exact, measure, error),
+                              theirs = cost_of(sampling, measure, error);
+    if (ours && (!theirs || ours->seconds <= theirs->seconds)) return error;
+  }
+  return 0;
+}
+
+}  // namespace tubefoot

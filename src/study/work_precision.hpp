@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+// What accuracy costs: one trial is one engine in one setting on one scene.
+namespace tubefoot {
+
+struct Trial {
+  std::string scene, engine, setting;
+  double l1_error = 0;      ///< relative: sum |E - E_ref| / sum E_ref
+  double rms_db_error = 0;  ///< over lit bins
+  double seconds = 0;       ///< a ping, median of the repeats
+  double bound = 0;         ///< of the reference itself: sum of half-widths / sum of energies
+  double samples = 0;       ///< rays a ping; 0 for engines that do not sample
+};
+
+enum class ErrorMeasure { l1, rms_db };
+double error_of(const Trial& trial, ErrorMeasure measure);
+
+/// Slope of log error over log `samples`, by least squares over the trials that have both positive and whose
+/// error is above `floor`. None with fewer than three such trials.
+std::optional<double> convergence_order(std::span<const Trial> trials, ErrorMeasure measure, double floor);
+
+/// What it costs to reach an error, from trials of any number of engines.
+struct Cost {
+  double seconds = 0;
+  bool extrapolated = false;  ///< beyond the best trial, along the engine's fitted order
+};
+
+/// Least seconds for an error of at most `error`. Engines without samples count as measured. Engines with
+/// samples are interpolated between trials, along straight lines in the logarithms, and extrapolated beyond
+/// their best trial by their fitted order, if they have one. None where no engine reaches it.
+std::optional<Cost> cost_of(std::span<const Trial> trials, ErrorMeasure measure, double error);
+
+/// The largest error, up to 1, at which `exact` costs no more than `sampling`: above it, sampling is the
+/// cheaper choice. 0 if it always is.
+double crossing_error(std::span<const Trial> exact, std::span<const Trial> sampling, ErrorMeasure measure);
+
+}  // namespace tubefoot
