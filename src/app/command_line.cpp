@@ -45,6 +45,11 @@ int run_command_line(int argc, char** argv) {
   run_app->add_option("-o,--output", run.output, "folder to write; made whole or not at all")->required();
   run_app->add_option("--engine", run.engine, "tube (exact) or ray (sampling)")
       ->check(CLI::IsMember({"tube", "ray"}));
+  run_app
+      ->add_option("--binning", run.binning,
+                   "tube engine: cut footprints at the samples' borders (exact), or use their centroid's "
+                   "energy, spread over their ranges or not")
+      ->check(CLI::IsMember({"exact", "spread", "centroid"}));
   run_app->add_option("--rays", run.rays, "ray engine: rays per ping")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
   run_app->add_option("--seed", run.seed, "ray engine: seed of the sampling")->check(CLI::NonNegativeNumber);
@@ -108,9 +113,27 @@ int run_command_line(int argc, char** argv) {
       "Example:\n  tubefoot compare out/wellhead/echoes.nc out/wellhead-rays/echoes.nc --png out/rays.png");
   compare_app->callback([&] { command = [&] { return compare_command(compare); }; });
 
+  ChartOptions chart;
+  CLI::App* chart_app = app.add_subcommand(
+      "chart", "Run every engine in many settings and draw its error against the time it takes");
+  chart_app->add_option("SCENE", chart.scenes, "scene files: of each, the first pings of the first sensor")
+      ->required();
+  chart_app->add_option("-o,--output", chart.output, "folder to write; made whole or not at all")->required();
+  chart_app->add_option("--pings", chart.pings, "pings of each scene (default: 1)")
+      ->check(CLI::Range(1, 1000000));
+  chart_app->add_option("--repeats", chart.repeats, "runs of each setting; the median counts (default: 3)")
+      ->check(CLI::Range(1, 1000));
+  chart_app
+      ->add_option("--seconds", chart.seconds_per_trial,
+                   "leave out settings that would take longer than this for one run (default: 4)")
+      ->check(CLI::PositiveNumber);
+  chart_app->add_flag("--quiet", chart.quiet, "print results and errors only");
+  chart_app->footer("Example:\n  tubefoot chart scenes/chart/*.toml -o out/chart");
+  chart_app->callback([&] { command = [&] { return chart_command(chart); }; });
+
   const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
-    fmt::print(stderr, "tubefoot: there is no command '{}': run, check, audit, footprints or compare\n",
+    fmt::print(stderr, "tubefoot: there is no command '{}': run, check, audit, footprints, compare or chart\n",
                argv[1]);
     return wrong_input;
   }

@@ -46,6 +46,7 @@ int run_command(const RunOptions& options) {
   const Clock::time_point start = Clock::now();
   SceneDescription description = described(options);
   if (options.engine) description.run.engine = *options.engine;
+  if (options.binning) description.run.binning = *options.binning;
   if (options.rays) description.run.rays_per_ping = *options.rays;
   if (options.seed) description.run.seed = *options.seed;
   std::optional<double> reference_tolerance;
@@ -53,6 +54,8 @@ int run_command(const RunOptions& options) {
     reference_tolerance = options.tolerance.value_or(1e-9);
     if (description.run.engine != "tube")
       throw UsageError("--reference measures footprints: it needs --engine tube");
+    if (description.run.binning != "exact")
+      throw UsageError("--reference integrates footprints: it needs --binning exact");
     if (description.run.arithmetic == "double")
       throw UsageError("--reference needs an exact arithmetic: fixed, filtered or rational, not double");
   }
@@ -89,7 +92,7 @@ int run_command(const RunOptions& options) {
   json["version"] = TUBEFOOT_VERSION;
   json["engine"] = run.engine;
   if (exact)
-    json["arithmetic"] = run.arithmetic;
+    json["arithmetic"] = run.arithmetic, json["binning"] = run.binning;
   else
     json["rays_per_ping"] = run.rays_per_ping, json["seed"] = run.seed;
   if (reference_tolerance) {

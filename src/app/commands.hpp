@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace tubefoot {
 
@@ -28,6 +29,7 @@ PingRange parse_ping_range(const std::string& text);
 struct RunOptions : CommonOptions {
   std::filesystem::path output;
   std::optional<std::string> engine;
+  std::optional<std::string> binning;
   std::optional<std::int64_t> rays;
   std::optional<std::uint64_t> seed;
   bool reference = false;
@@ -55,12 +57,22 @@ struct CompareOptions {
   std::optional<double> within_l1, within_db;
 };
 
+struct ChartOptions {
+  std::vector<std::filesystem::path> scenes;
+  std::filesystem::path output;
+  std::size_t pings = 1;
+  int repeats = 3;
+  double seconds_per_trial = 4;
+  bool quiet = false;
+};
+
 // Each prints to stdout and returns the exit code. They throw InputError where the input is wrong, UsageError
 // where the command line is, and std::exception where the run fails.
 int run_command(const RunOptions& options);
 int check_command(const CommonOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
+int chart_command(const ChartOptions& options);
 /// Returns 3 where the candidate is not within the error that the options allow.
 int compare_command(const CompareOptions& options);
 

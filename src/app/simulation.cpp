@@ -28,6 +28,8 @@ using Engine = std::function<History(TubeSet tubes, std::uint64_t ping, std::siz
 VisibilityOptions options_of(const RunDescription& run) {
   VisibilityOptions options;
   options.arithmetic = arithmetic_from_name(run.arithmetic);
+  options.facets_per_split = static_cast<std::uint32_t>(run.facets_per_split);
+  options.tolerance = run.zero_tolerance;
   return options;
 }
 
@@ -82,6 +84,7 @@ std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStat
   std::size_t total = 0;
   for (const SharedShots& group : survey.shots) total += survey.pings(group);
   const Engine engine = make_engine(survey);
+  const Binning binning = binning_from_name(scene.description.run.binning);
   Progress progress("pings", total, quiet);
   std::mutex mutex;
   std::uint64_t label = 0;
@@ -101,7 +104,7 @@ std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStat
           law.patterns = &patterns;
         }
         Echo echo = integrate_echo(history, sensor.beam_of_tube(), static_cast<int>(sensor.beams().size()),
-                                   sensor.samples(), law);
+                                   sensor.samples(), law, binning);
         const auto place = static_cast<std::ptrdiff_t>(ping * echo.energy.size());
         if (reference_tolerance) {
           CertifiedEcho certified =

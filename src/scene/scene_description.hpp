@@ -177,6 +177,9 @@ struct RunDescription {
   SourcePlace place;
   std::string engine = "tube";          ///< tube | ray
   std::string arithmetic = "fixed";     ///< fixed | filtered | rational | double
+  std::string binning = "exact";        ///< exact | spread | centroid: footprints into range samples
+  std::int64_t facets_per_split = 64;   ///< VisibilityOptions::facets_per_split
+  double zero_tolerance = 0;            ///< VisibilityOptions::tolerance, for double
   std::int64_t rays_per_ping = 100000;  ///< ray engine
   std::uint64_t seed = 1;
   std::optional<int> grid_exponent;  ///< unit 2^-k m

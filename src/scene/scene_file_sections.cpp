@@ -382,6 +382,9 @@ const TomlSection<RunDescription>& run_section() {
   static const auto section = TomlSection<R>("[run]").keys(
       {field("engine", &R::engine, {.choices = {"tube", "ray"}}),
        field("arithmetic", &R::arithmetic, {.choices = {"fixed", "filtered", "rational", "double"}}),
+       field("binning", &R::binning, {.choices = {"exact", "spread", "centroid"}}),
+       field("facets_per_split", &R::facets_per_split, {.ranges = {{.lo = 2, .hi = 1e6}}}),
+       field("zero_tolerance", &R::zero_tolerance, {.ranges = {{.lo = 0, .hi = 1e-3}}}),
        field("rays_per_ping", &R::rays_per_ping, {.ranges = {{.lo = 1, .hi = 1e10}}}),
        field("seed", &R::seed, {.ranges = {not_negative}}),
        field("grid_exponent", &R::grid_exponent, {.ranges = {{.lo = 0, .hi = 30}}}),

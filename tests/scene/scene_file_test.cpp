@@ -173,6 +173,9 @@ range_max_m = 75
 [run]
 engine = "ray"
 arithmetic = "filtered"
+binning = "spread"
+facets_per_split = 24
+zero_tolerance = 1e-14
 rays_per_ping = 5000
 seed = 99
 grid_exponent = 16
@@ -315,6 +318,9 @@ TEST(SceneFile, ReadsEveryKey) {
 
   EXPECT_EQ(scene.run.engine, "ray");
   EXPECT_EQ(scene.run.arithmetic, "filtered");
+  EXPECT_EQ(scene.run.binning, "spread");
+  EXPECT_EQ(scene.run.facets_per_split, 24);
+  EXPECT_EQ(scene.run.zero_tolerance, 1e-14);
   EXPECT_EQ(scene.run.rays_per_ping, 5000);
   EXPECT_EQ(scene.run.seed, 99u);
   EXPECT_EQ(scene.run.grid_exponent, 16);

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <map>
+#include <set>
+
+#include "app/commands.hpp"
+#include "app/interrupt.hpp"
+#include "app/output_folder.hpp"
+#include "app/progress.hpp"
+#include "app/settings.hpp"
+#include "app/trials.hpp"
+#include "app/usage_error.hpp"
+#include "study/chart_page.hpp"
+#include "study/svg_png.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double reference_tolerance = 1e-7;
+
+/// The rungs of a ladder are about 4 apart; the next one takes at most this many times as long as the last.
+constexpr double next_rung = 5;
+
+std::vector<EngineSetting> settings_for(std::size_t beams) {
+  std::vector<EngineSetting> all = tube_settings();
+  for (EngineSetting& s : ray_settings(beams)) all.push_back(std::move(s));
+  return all;
+}
+
+void write_pictures_of(const std::filesystem::path& folder, const std::string& scene,
+                       const std::vector<Trial>& trials) {
+  for (const auto& [measure, name] : {std::pair{ErrorMeasure::l1, "l1"}, {ErrorMeasure::rms_db, "rms-db"}}) {
+    const std::string svg = to_svg(work_precision_plot(scene, trials, measure));
+    const std::string stem = fmt::format("{}-{}", scene, name);
+    write_file(folder / (stem + ".svg"), svg);
+    write_png_of_svg(svg, folder / (stem + ".png"));
+  }
+}
+
+void print_verdict(const SceneVerdict& v) {
+  const auto ratio = [](const std::optional<double>& value, bool extrapolated) {
+    return value ? fmt::format("{:.3g}{}", *value, extrapolated ? " *" : "") : std::string("not reached");
+  };
+  fmt::print("{:<22} {:>14} {:>14} {:>12.2g} %\n", v.scene, ratio(v.ray_over_tube_at_db, v.db_extrapolated),
+             ratio(v.ray_over_tube_at_l1, v.l1_extrapolated), 100 * v.crossing_l1);
+}
+
+}  // namespace
+
+int chart_command(const ChartOptions& options) {
+  std::set<std::string> names;
+  const InterruptGuard interrupt;
+  OutputFolder output(options.output);
+  const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
+  std::vector<Trial> trials;
+  Progress progress("settings", options.scenes.size() * settings_for(1).size(), options.quiet);
+  for (const std::filesystem::path& file : options.scenes) {
+    TrialScene scene(file, options.pings, reference_tolerance);
+    if (!names.insert(scene.name()).second)
+      throw UsageError(
+          fmt::format("two scenes are called '{}': the chart could not tell them apart", scene.name()));
+    std::map<std::string, double> last_seconds;
+    for (const EngineSetting& setting : settings_for(scene.beams())) {
+      if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+      double& last = last_seconds[setting.engine];
+      if (setting.rays == 0 || next_rung * last <= options.seconds_per_trial) {
+        trials.push_back(scene.run(setting, last > 0.5 ? 1 : options.repeats));
+        last = trials.back().seconds;
+      } else {
+        last = options.seconds_per_trial;  // nor any finer one
+      }
+      progress.step();
+    }
+    write_pictures_of(output.staging(), scene.name(), trials);
+  }
+  write_file(output.staging() / "chart.csv", to_csv(trials));
+  write_file(
+      output.staging() / "index.html",
+      to_html(trials, fmt::format("Made by <code>tubefoot chart</code>, version {}: {} of each scene's "
+                                  "first sensor, one thread, median of {} runs. The reference is "
+                                  "certified (docs/reference.md); trees are built beforehand.",
+                                  TUBEFOOT_VERSION,
+                                  options.pings == 1 ? "the first ping"
+                                                     : fmt::format("the first {} pings", options.pings),
+                                  options.repeats)));
+  output.commit();
+  fmt::print("{:<22} {:>14} {:>14} {:>14}\n", "scene", "rays/tubes", "rays/tubes", "rays cheaper");
+  fmt::print("{:<22} {:>14} {:>14} {:>14}\n", "", "at 0.1 dB RMS", "at 1e-3 L1", "above L1 of");
+  bool extrapolated = false;
+  for (const std::string& scene : scenes_of(trials)) {
+    const SceneVerdict v = verdict_of(scene, trials);
+    print_verdict(v);
+    extrapolated |= v.db_extrapolated || v.l1_extrapolated;
+  }
+  if (extrapolated) fmt::print("* beyond the finest ray setting tried, along its fitted order\n");
+  fmt::print("wrote {}\n", (options.output / "index.html").string());
+  fmt::print("wrote {}\n", (options.output / "chart.csv").string());
+  return 0;
+}
+
+}  // namespace tubefoot
