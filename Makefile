@@ -3,13 +3,14 @@
 #
 #   make demo    install what is missing, build, run scenes/wellhead, name the pictures
 #   make test    install what is missing, build, run the tests
+#   make prove   check the laws of visibility on ten million tubes (half an hour): validation/prove.md
 #   make bench   build without assertions and run the benchmarks
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo test build setup bench format tidy clean
+.PHONY: demo test build setup prove bench format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -28,6 +29,13 @@ build: setup
 setup:
 	@mkdir -p build
 	@tools/setup
+
+PROVE_TUBES := 10000000
+PROVE_SEED := 1
+
+prove: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_prove
+	build/release/tubefoot_prove --tubes $(PROVE_TUBES) --seed $(PROVE_SEED) --threads $(JOBS) --report validation/prove.md
 
 bench: setup
 	cmake --preset bench -Wno-dev

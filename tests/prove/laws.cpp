@@ -198,7 +198,8 @@ void check_tube_splitting(Prover::State& state, const Case& of, Random& random, 
     std::array<GridPoint, 4> r{};
     for (std::uint32_t k = 0; k < 4; ++k) r[k] = scene.tubes.rays[tube[(first + k) % 4]];
     const auto in_wall = [&](GridPoint a, GridPoint b) {
-      const GridPoint uneven = between(a, b, random.between(1, 3), random.between(1, 3));
+      const std::int32_t by_a = random.between(1, 3), by_b = random.between(1, 3);
+      const GridPoint uneven = between(a, b, by_a, by_b);
       return uneven == GridPoint{} ? between(a, b, 1, 1) : uneven;
     };
     const GridPoint low = in_wall(r[0], r[1]), high = in_wall(r[2], r[3]);
@@ -280,8 +281,8 @@ void Prover::check(std::uint64_t seed, std::uint64_t number, Ledger& ledger, boo
     of.hashes[t] = found.hash;
     ledger.count(Law::closure, number, found.closes);
     ledger.hash += found.hash;
-    ledger.facets_seen += found.facets;
-    ledger.tubes_covered += found.facets > 0;
+    ledger.facets_seen[number % generator_names.size()] += found.facets;
+    ledger.tubes_with_facets[number % generator_names.size()] += found.facets > 0;
   }
   const Law turn = turns[number / generator_names.size() % turns.size()];
   for (std::size_t l = 0; l < law_names.size(); ++l) {

@@ -44,20 +44,21 @@ struct Ledger {
   };
 
   std::array<std::array<Entry, generator_names.size()>, law_names.size()> entries{};
-  TopologyHash hash;                ///< of what `fixed` sees, all scenes
-  std::uint64_t facets_seen = 0;    ///< summed over tubes: a ledger of open water would prove nothing
-  std::uint64_t tubes_covered = 0;  ///< at least one facet is seen
+  TopologyHash hash;  ///< of what `fixed` sees, all scenes
+  /// By kind of scene, summed over tubes: a ledger of open water would prove nothing.
+  std::array<std::uint64_t, generator_names.size()> facets_seen{}, tubes_with_facets{};
 
   void count(Law law, std::uint64_t scene, bool holds) {
     entries[static_cast<std::size_t>(law)][scene % generator_names.size()].add(
         {1, holds ? 0u : 1u, holds ? none : scene});
   }
   void add(const Ledger& o) {
-    for (std::size_t l = 0; l < entries.size(); ++l)
-      for (std::size_t g = 0; g < generator_names.size(); ++g) entries[l][g].add(o.entries[l][g]);
+    for (std::size_t g = 0; g < generator_names.size(); ++g) {
+      for (std::size_t l = 0; l < entries.size(); ++l) entries[l][g].add(o.entries[l][g]);
+      facets_seen[g] += o.facets_seen[g];
+      tubes_with_facets[g] += o.tubes_with_facets[g];
+    }
     hash += o.hash;
-    facets_seen += o.facets_seen;
-    tubes_covered += o.tubes_covered;
   }
   Entry total(Law law) const {
     Entry sum;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <fmt/ostream.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <fstream>
 #include <mutex>
+#include <numeric>
 #include <thread>
 #include <vector>
 
@@ -54,13 +56,19 @@ Ledger prove(std::uint64_t seed, std::uint64_t count, int threads) {
   return total;
 }
 
+std::uint64_t sum(const auto& numbers) {
+  return std::accumulate(numbers.begin(), numbers.end(), std::uint64_t{0});
+}
+
 std::string table(const Ledger& ledger) {
-  std::string text = "| kind of scene |";
+  std::string text = "| kind of scene | facets seen by a tube |";
   for (const auto& law : law_names) text += fmt::format(" {} |", law);
-  text += " failures |\n|---|";
+  text += " failures |\n|---|---:|";
   for (std::size_t l = 0; l <= law_names.size(); ++l) text += "---:|";
-  const auto row = [&](std::string_view name, const auto& entry_of) {
-    text += fmt::format("\n| {} |", name);
+  const auto row = [&](std::string_view name, std::uint64_t facets, const auto& entry_of) {
+    text += fmt::format(
+        "\n| {} | {:.2f} |", name,
+        static_cast<double>(facets) / static_cast<double>(std::max<std::uint64_t>(1, entry_of(0).tubes)));
     std::uint64_t failures = 0;
     for (std::size_t l = 0; l < law_names.size(); ++l) {
       const Ledger::Entry entry = entry_of(l);
@@ -70,8 +78,8 @@ std::string table(const Ledger& ledger) {
     text += fmt::format(" {} |", failures);
   };
   for (std::size_t g = 0; g < generator_names.size(); ++g)
-    row(generator_names[g], [&](std::size_t l) { return ledger.entries[l][g]; });
-  row("**all**", [&](std::size_t l) { return ledger.total(static_cast<Law>(l)); });
+    row(generator_names[g], ledger.facets_seen[g], [&](std::size_t l) { return ledger.entries[l][g]; });
+  row("**all**", sum(ledger.facets_seen), [&](std::size_t l) { return ledger.total(static_cast<Law>(l)); });
   return text + "\n";
 }
 
@@ -96,13 +104,13 @@ std::string report(const Ledger& ledger, std::uint64_t seed, int threads, double
       "whose\n"
       "turn it is. What each law says: `tests/prove/laws.hpp`; what each kind of scene is: "
       "`tests/prove/small_scenes.cpp`.\n\n"
-      "- tubes: {}, of which {} see a facet ({} facets seen in all)\n"
+      "- tubes: {}, of which {} see a facet\n"
       "- failures: **{}**\n"
       "- seed: {}\n"
       "- topology hash of everything seen: `{}`\n"
       "- time: {:.0f} s with {} thread{}\n\n"
       "{}\n{}",
-      tubes, ledger.tubes_covered, ledger.facets_seen, failed, seed, ledger.hash.hex(), seconds, threads,
+      tubes, sum(ledger.tubes_with_facets), failed, seed, ledger.hash.hex(), seconds, threads,
       threads == 1 ? "" : "s", table(ledger), failed > 0 ? "\n" + failures(ledger, seed) : "");
 }
 

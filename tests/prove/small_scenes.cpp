@@ -29,6 +29,16 @@ void add_facet(FacetMesh& mesh, GridPoint a, GridPoint b, GridPoint c) {
   add_facet(mesh, ia, ib, ic);
 }
 
+// No two draws stand in one call or product: the order of its operands is the compiler's choice. (In braces
+// it is from left to right.)
+
+/// s a + t b for s and t drawn from the ranges.
+GridPoint combination(Random& random, std::int32_t s_from, std::int32_t s_to, GridPoint a,
+                      std::int32_t t_from, std::int32_t t_to, GridPoint b) {
+  const std::int32_t s = random.between(s_from, s_to), t = random.between(t_from, t_to);
+  return sum(times(s, a), times(t, b));
+}
+
 /// A point of a box about `centre`.
 GridPoint near(Random& random, GridPoint centre, std::int32_t spread) {
   return sum(centre, {random.between(-spread, spread), random.between(-spread, spread),
@@ -139,7 +149,7 @@ SmallScene on_walls(Random& random) {
           point = near(random, times(multiple(), a), size * 8);
           break;
         default:
-          point = sum(times(multiple(), a), times(multiple() - 12, b));
+          point = combination(random, 1, 64, a, -11, 52, b);
       }
     }
     add_facet(scene.mesh, p[0], p[1], p[2]);
@@ -170,10 +180,11 @@ SmallScene coplanar(Random& random) {
                            random.between(-1, 1) * scale},
         u{random.between(1, 2) * scale, random.between(-1, 1) * scale, 0},
         v{random.between(-1, 1) * scale, random.between(-1, 1) * scale, random.between(1, 2) * scale};
-    const auto any = [&] {
-      return sum(origin, sum(times(random.between(-2, 2), u), times(random.between(-2, 2), v)));
-    };
-    for (int k = random.between(2, 5); k > 0; --k) add_facet(scene.mesh, any(), any(), any());
+    const auto any = [&] { return sum(origin, combination(random, -2, 2, u, -2, 2, v)); };
+    for (int k = random.between(2, 5); k > 0; --k) {
+      const GridPoint a = any(), b = any(), c = any();
+      add_facet(scene.mesh, a, b, c);
+    }
   }
   scene.tubes = centred_tubes(random, 4 * scale, random.between(1, 2) * scale);
   return scene;
@@ -208,7 +219,7 @@ SmallScene edge_on(Random& random) {
   const auto any = [&] { return near(random, {0, distance, 0}, distance / 2); };
   for (int k = random.between(2, 5); k > 0; --k) {
     const GridPoint a = any(), b = any();
-    GridPoint c = sum(times(random.between(0, 3), a), times(random.between(-1, 3), b));  // det(a, b, c) = 0
+    GridPoint c = combination(random, 0, 3, a, -1, 3, b);  // det(a, b, c) = 0
     if (random.one_in(2)) c = near(random, c, 1);
     add_facet(scene.mesh, a, b, c);
   }
@@ -254,8 +265,8 @@ SmallScene slivers(Random& random) {
                 add_vertex(scene.mesh, near(random, sum(a, times(random.between(1, 7), step)), 1)));
   }
   add_soup(random, scene.mesh, random.between(1, 3), {0, distance, 0}, distance / 2);
-  scene.tubes = centred_tubes(random, distance, std::max(1, distance / random.between(3, 64)),
-                              random.one_in(2) ? distance / 256 : 0);
+  const std::int32_t half = std::max(1, distance / random.between(3, 64));
+  scene.tubes = centred_tubes(random, distance, half, random.one_in(2) ? distance / 256 : 0);
   return scene;
 }
 
@@ -289,11 +300,12 @@ SmallScene t_junctions(Random& random) {
 SmallScene range_ends(Random& random) {
   SmallScene scene;
   const auto coordinate = [&]() -> std::int32_t {
+    const int sign = random.sign();
     switch (random.between(0, 4)) {
       case 0:
-        return random.sign() * range_end;
+        return sign * range_end;
       case 1:
-        return random.sign() * (range_end - random.between(0, 2));
+        return sign * (range_end - random.between(0, 2));
       case 2:
         return random.between(-(1 << 25), 1 << 25);
       default:
@@ -343,8 +355,8 @@ SmallScene solids(Random& random) {
           add_vertex(mesh, sum(centre, {axis == 0 ? r : 0, axis == 1 ? r : 0, axis == 2 ? r : 0}));
     }
   for (int k = 0; k < 8; ++k) add_facet(mesh, tip[0][k & 1], tip[1][k >> 1 & 1], tip[2][k >> 2 & 1]);
-  scene.tubes =
-      centred_tubes(random, 4 * scale, scale * random.between(1, 2), random.one_in(2) ? scale / 4 : 0);
+  const std::int32_t reach = scale * random.between(1, 2);
+  scene.tubes = centred_tubes(random, 4 * scale, reach, random.one_in(2) ? scale / 4 : 0);
   return scene;
 }
 
@@ -375,17 +387,16 @@ SmallScene grazing_terrain(Random& random) {
 
 SmallScene needle_tubes(Random& random) {
   SmallScene scene;
-  const std::int32_t far = range_end - 64, step = random.between(1, 4);
-  const GridPoint middle{random.between(-far, far), far, random.between(-far, far)};
-  scene.tubes = lattice_tubes(random, sum(middle, {-step, 0, -step}), step, step);
-  // Facets on both sides of a point of the needle, so near that edges pass through it.
+  constexpr std::int32_t parts = 64, far = range_end / parts - 1;
+  const GridPoint part{random.between(-far, far), far, random.between(-far, far)}, axis = times(parts, part);
+  const std::int32_t step = random.between(1, 4);
+  scene.tubes = lattice_tubes(random, sum(axis, {-step, 0, -step}), step, step);
+  // Facets with an edge through the axis, or a unit beside it.
   for (int k = random.between(2, 6); k > 0; --k) {
-    const std::int32_t part = random.between(2, 64);
-    const GridPoint p{middle.x / part, middle.y / part, middle.z / part};
+    const GridPoint p = near(random, times(random.between(1, parts / 2), part), random.between(0, 1));
     const std::int32_t spread = random.one_in(2) ? 1 << random.between(0, 6) : p.y / 2;
-    const GridPoint d = near(random, {0, 0, 0}, spread), e = near(random, {0, 0, 0}, spread);
-    const GridPoint jitter = near(random, {0, 0, 0}, random.between(0, 1));
-    add_facet(scene.mesh, sum(p, d), sum(p, sum(times(-1, d), jitter)), sum(p, e));
+    const GridPoint d = near(random, {0, 0, 0}, spread), e = near(random, p, spread);
+    add_facet(scene.mesh, sum(p, d), near(random, sum(p, times(-1, d)), random.between(0, 1)), e);
   }
   return scene;
 }
