@@ -35,7 +35,9 @@ PROVE_SEED := 1
 
 prove: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_prove
-	build/release/tubefoot_prove --tubes $(PROVE_TUBES) --seed $(PROVE_SEED) --threads $(JOBS) --report validation/prove.md
+	@mkdir -p validation
+	build/release/tubefoot_prove --tubes $(PROVE_TUBES) --seed $(PROVE_SEED) --threads $(JOBS) \
+	  --report validation/prove.md
 
 bench: setup
 	cmake --preset bench -Wno-dev

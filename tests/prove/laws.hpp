@@ -14,9 +14,10 @@ namespace tubefoot::prove {
 /// closure          pieces and open water add up to the tube, as rationals
 /// filtered = fixed, rational = fixed
 ///                  the other arithmetic closes, and sees the same areas of the same facets (topology hash)
-/// predicate        on planes of the scene (walls, edges, depth planes), `fixed`, `filtered` and `rational`
-///                  give det(n1, n2, n3) one sign: cyclic, antisymmetric, turning with each normal, 0 on a
-///                  corner's own planes; the same for points against planes and facets
+/// predicate        on planes of the scene (walls, edges, depth planes), `rational`, `fixed` and
+///                  `filtered`, and the last tier of either by itself, give det(n1, n2, n3) one sign: cyclic,
+///                  antisymmetric, turning with each normal, 0 on a corner's own planes; and the same for
+///                  points against planes and facets
 /// facet order      facets, their vertices and vertex ids shuffled, vertices shared or not: the same hash
 /// translation      scene and apex moved by a grid vector: the same hash
 /// tube splitting   a tube cut in two by a plane through rays in opposite walls: per facet, and of open

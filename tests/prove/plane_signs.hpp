@@ -9,7 +9,8 @@
 
 namespace tubefoot::prove {
 
-/// The one predicate on the planes of a scene: three arithmetics, one sign, and the laws of a determinant.
+/// The one predicate on the planes of a scene: three arithmetics and all their tiers, one sign, and the
+/// laws of a determinant.
 class PlaneSigns {
  public:
   /// Some random triples of the tube's walls, the facets' edge planes and their depth planes, and some random
@@ -19,7 +20,7 @@ class PlaneSigns {
  private:
   std::vector<FacetCone> cones_;
   std::vector<GridPoint> points_;
-  std::vector<int> fixed_, filtered_, rational_;
+  std::vector<int> expected_, signs_;
 };
 
 }  // namespace tubefoot::prove

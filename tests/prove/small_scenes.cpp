@@ -393,7 +393,8 @@ SmallScene needle_tubes(Random& random) {
   scene.tubes = lattice_tubes(random, sum(axis, {-step, 0, -step}), step, step);
   // Facets with an edge through the axis, or a unit beside it.
   for (int k = random.between(2, 6); k > 0; --k) {
-    const GridPoint p = near(random, times(random.between(1, parts / 2), part), random.between(0, 1));
+    const std::int32_t place = random.between(1, parts / 2);
+    const GridPoint p = near(random, times(place, part), random.between(0, 1));
     const std::int32_t spread = random.one_in(2) ? 1 << random.between(0, 6) : p.y / 2;
     const GridPoint d = near(random, {0, 0, 0}, spread), e = near(random, p, spread);
     add_facet(scene.mesh, sum(p, d), near(random, sum(p, times(-1, d)), random.between(0, 1)), e);
