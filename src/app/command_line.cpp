@@ -81,9 +81,32 @@ int run_command_line(int argc, char** argv) {
       "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --pings 0 -o camera.gpkg");
   footprints_app->callback([&] { command = [&] { return footprints_command(footprints); }; });
 
+  CompareOptions compare;
+  CLI::App* compare_app =
+      app.add_subcommand("compare", "Measure how far one engine's echoes are from another's");
+  compare_app->add_option("REFERENCE", compare.reference, "echo file taken for true (docs/echo-file.md)")
+      ->required();
+  compare_app->add_option("CANDIDATE", compare.candidate, "echo file of the engine in question")->required();
+  compare_app->add_option("--json", compare.json, "write all figures into this file; -: print them instead");
+  compare_app->add_option("--png", compare.png, "draw both and their difference into this file");
+  compare_app->add_option("--sensor", compare.sensor, "only this sensor");
+  compare_app->add_option("--worst", compare.worst, "number of worst bins to list (default: 5)")
+      ->check(CLI::Range(0, 1000000));
+  compare_app->add_flag("--any-scene", compare.any_scene, "compare although the scene hashes differ");
+  compare_app->add_option("--within", compare.within_l1, "exit with 3 if a relative L1 error is larger")
+      ->check(CLI::NonNegativeNumber);
+  compare_app
+      ->add_option("--within-db", compare.within_db,
+                   "exit with 3 if an RMS error of lit bins, in dB, is larger")
+      ->check(CLI::NonNegativeNumber);
+  compare_app->footer(
+      "Example:\n  tubefoot compare out/wellhead/echoes.nc out/wellhead-rays/echoes.nc --png out/rays.png");
+  compare_app->callback([&] { command = [&] { return compare_command(compare); }; });
+
   const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
-    fmt::print(stderr, "tubefoot: there is no command '{}': run, check, audit or footprints\n", argv[1]);
+    fmt::print(stderr, "tubefoot: there is no command '{}': run, check, audit, footprints or compare\n",
+               argv[1]);
     return wrong_input;
   }
   try {

@@ -3,7 +3,8 @@
 
 namespace tubefoot {
 
-/// The program. Returns its exit code: 0 done, 1 the run failed, 2 the input or the command line is wrong.
+/// The program. Returns its exit code: 0 done, 1 the run failed, 2 the input or the command line is wrong,
+/// 3 `compare` found more error than was allowed.
 int run_command_line(int argc, char** argv);
 
 }  // namespace tubefoot

@@ -43,11 +43,23 @@ struct FootprintOptions : CommonOptions {
   std::filesystem::path output;
 };
 
+struct CompareOptions {
+  std::filesystem::path reference, candidate;
+  std::optional<std::string> json;  ///< file, or "-" for stdout
+  std::optional<std::filesystem::path> png;
+  std::optional<std::string> sensor;
+  std::size_t worst = 5;
+  bool any_scene = false;
+  std::optional<double> within_l1, within_db;
+};
+
 // Each prints to stdout and returns the exit code. They throw InputError where the input is wrong, UsageError
 // where the command line is, and std::exception where the run fails.
 int run_command(const RunOptions& options);
 int check_command(const CommonOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
+/// Returns 3 where the candidate is not within the error that the options allow.
+int compare_command(const CompareOptions& options);
 
 }  // namespace tubefoot

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/echo_reader.hpp"
 
-#include <netcdf.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,43 +8,6 @@
 #include <stdexcept>
 
 namespace tubefoot {
-namespace {
-
-void require(int status, const std::string& what) {
-  if (status != NC_NOERR) throw std::runtime_error(what + ": " + nc_strerror(status));
-}
-
-struct NetcdfFile {
-  int id = -1;
-  explicit NetcdfFile(const std::filesystem::path& file) {
-    require(nc_open(file.c_str(), NC_NOWRITE, &id), file.string());
-  }
-  ~NetcdfFile() { nc_close(id); }
-  NetcdfFile(const NetcdfFile&) = delete;
-  NetcdfFile& operator=(const NetcdfFile&) = delete;
-};
-
-std::vector<std::size_t> shape(int group, int variable) {
-  int count = 0;
-  require(nc_inq_varndims(group, variable, &count), "dimensions");
-  std::vector<int> ids(static_cast<std::size_t>(count));
-  require(nc_inq_vardimid(group, variable, ids.data()), "dimensions");
-  std::vector<std::size_t> lengths(ids.size());
-  for (std::size_t k = 0; k < ids.size(); ++k) require(nc_inq_dimlen(group, ids[k], &lengths[k]), "length");
-  return lengths;
-}
-
-std::vector<double> values(int group, const char* name, std::vector<std::size_t>& lengths) {
-  int variable = 0;
-  require(nc_inq_varid(group, name, &variable), name);
-  lengths = shape(group, variable);
-  std::vector<double> result(
-      std::accumulate(lengths.begin(), lengths.end(), std::size_t{1}, std::multiplies<>()));
-  require(nc_get_var_double(group, variable, result.data()), name);
-  return result;
-}
-
-}  // namespace
 
 std::size_t Echoes::sample_at(double range_m) const {
   for (std::size_t k = 0; k < samples; ++k)
@@ -62,24 +23,10 @@ double Echoes::beam_total(std::size_t ping, std::size_t beam) const {
 double Echoes::total() const { return std::accumulate(energy.begin(), energy.end(), 0.0); }
 
 Echoes read_echoes(const std::filesystem::path& file, const std::string& sensor) {
-  const NetcdfFile netcdf(file);
-  int group = netcdf.id;
-  if (!sensor.empty()) require(nc_inq_grp_ncid(netcdf.id, sensor.c_str(), &group), "group " + sensor);
-  Echoes echoes;
-  std::vector<std::size_t> lengths;
-  echoes.energy = values(group, "energy", lengths);
-  echoes.pings = lengths.at(0), echoes.beams = lengths.at(1), echoes.samples = lengths.at(2);
-  echoes.slant_range_bounds_m = values(group, "slant_range_bounds", lengths);
-  return echoes;
-}
-
-std::string read_attribute(const std::filesystem::path& file, const std::string& name) {
-  const NetcdfFile netcdf(file);
-  std::size_t length = 0;
-  require(nc_inq_attlen(netcdf.id, NC_GLOBAL, name.c_str(), &length), name);
-  std::string text(length, ' ');
-  require(nc_get_att_text(netcdf.id, NC_GLOBAL, name.c_str(), text.data()), name);
-  return text;
+  EchoContents contents = read_echo_file(file);
+  for (SensorEchoes& echoes : contents.sensors)
+    if (sensor.empty() || echoes.name == sensor) return {std::move(echoes)};
+  throw std::runtime_error(file.string() + " has no sensor " + sensor);
 }
 
 Echoes echoes_in(const TestFolder& folder, const std::string& scene,

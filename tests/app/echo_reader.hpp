@@ -6,18 +6,12 @@
 #include <vector>
 
 #include "app/program.hpp"
+#include "sensors/echo_reader.hpp"
 
 namespace tubefoot {
 
-/// One sensor's energies as they stand in an echoes.nc.
-struct Echoes {
-  std::size_t pings = 0, beams = 0, samples = 0;
-  std::vector<double> energy;  ///< ping, beam, sample
-  std::vector<double> slant_range_bounds_m;
-
-  double at(std::size_t ping, std::size_t beam, std::size_t sample) const {
-    return energy.at((ping * beams + beam) * samples + sample);
-  }
+/// One sensor of an echoes.nc that tubefoot wrote.
+struct Echoes : SensorEchoes {
   double first_m(std::size_t sample) const { return slant_range_bounds_m.at(2 * sample); }
   double last_m(std::size_t sample) const { return slant_range_bounds_m.at(2 * sample + 1); }
   /// Sample whose bounds hold a slant range.
@@ -27,11 +21,8 @@ struct Echoes {
   double total() const;
 };
 
-/// Reads `sensor`'s group, or the root group if `sensor` is empty. Throws where something is missing.
+/// Reads `sensor`, or the first one if `sensor` is empty. Throws where something is missing.
 Echoes read_echoes(const std::filesystem::path& file, const std::string& sensor = {});
-
-/// A text attribute of the root group; throws where it is missing.
-std::string read_attribute(const std::filesystem::path& file, const std::string& name);
 
 /// Writes the scene, runs it with further arguments and reads the energies; throws with the program's own
 /// words if it fails.

@@ -112,8 +112,8 @@ TEST(RayRun, StatisticsAndResultsNameEngineRaysAndSeed) {
   EXPECT_GT(stats["ray_hits"], 4321 / 2);
   EXPECT_LE(stats["ray_hits"], 4321 + 100);
   EXPECT_EQ(stats["footprints"], 0);
-  EXPECT_EQ(read_attribute(folder / "results" / "echoes.nc", "engine"), "ray");
-  EXPECT_EQ(read_attribute(folder / "results" / "echoes.nc", "arithmetic"), "float");
+  EXPECT_EQ(read_echo_file(folder / "results" / "echoes.nc").provenance.engine, "ray");
+  EXPECT_EQ(read_echo_file(folder / "results" / "echoes.nc").provenance.arithmetic, "float");
 }
 
 TEST(RayRun, CommandLineGoesBeforeTheSceneFile) {

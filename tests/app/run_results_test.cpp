@@ -33,21 +33,21 @@ TEST_F(RunResults, EchoesSayWhatComputedThem) {
   for (const std::string arithmetic : {"fixed", "filtered"}) {
     run({"--arithmetic", arithmetic});
     const fs::path file = results / "echoes.nc";
-    EXPECT_EQ(read_attribute(file, "title"), "A tetrahedron");
-    EXPECT_EQ(read_attribute(file, "engine"), "tube");
-    EXPECT_EQ(read_attribute(file, "arithmetic"), arithmetic);
-    EXPECT_EQ("tubefoot " + read_attribute(file, "version") + "\n", run_program({"--version"}).out);
-    EXPECT_THAT(read_attribute(file, "scene_hash"), testing::MatchesRegex("[0-9a-f]+"));
-    EXPECT_EQ(read_attribute(file, "scene_hash").size(), 64u);
+    EXPECT_EQ(read_echo_file(file).provenance.title, "A tetrahedron");
+    EXPECT_EQ(read_echo_file(file).provenance.engine, "tube");
+    EXPECT_EQ(read_echo_file(file).provenance.arithmetic, arithmetic);
+    EXPECT_EQ("tubefoot " + read_echo_file(file).provenance.version + "\n", run_program({"--version"}).out);
+    EXPECT_THAT(read_echo_file(file).provenance.scene_hash, testing::MatchesRegex("[0-9a-f]+"));
+    EXPECT_EQ(read_echo_file(file).provenance.scene_hash.size(), 64u);
   }
 }
 
 TEST_F(RunResults, SceneHashFollowsTheSceneAndItsFiles) {
   run();
-  const std::string first = read_attribute(results / "echoes.nc", "scene_hash");
+  const std::string first = read_echo_file(results / "echoes.nc").provenance.scene_hash;
   folder.write("thing.obj", std::string(tetrahedron) + "# a remark\n");
   run();
-  EXPECT_NE(read_attribute(results / "echoes.nc", "scene_hash"), first);
+  EXPECT_NE(read_echo_file(results / "echoes.nc").provenance.scene_hash, first);
 }
 
 TEST_F(RunResults, EnergyHasThePlaceItsDimensionsSay) {
@@ -73,7 +73,7 @@ TEST_F(RunResults, StatisticsCountAndMeasure) {
   EXPECT_EQ(stats["threads"], 1);
   EXPECT_EQ(stats["engine"], "tube");
   EXPECT_EQ(stats["arithmetic"], "fixed");
-  EXPECT_EQ(stats["scene_hash"], read_attribute(results / "echoes.nc", "scene_hash"));
+  EXPECT_EQ(stats["scene_hash"], read_echo_file(results / "echoes.nc").provenance.scene_hash);
   EXPECT_GT(stats["tubes"], 4);
   EXPECT_GT(stats["candidates"], 0);
   EXPECT_GT(stats["footprints"], 4);

@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// echoes.nc, as docs/echo-file.md describes it, from whoever wrote it.
+#include "sensors/echo_reader.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <netcdf.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "scene/input_error.hpp"
+#include "scene/raster_netcdf_size.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* layout = "docs/echo-file.md has the layout";
+constexpr std::size_t longest_text = 1 << 16;
+
+using Words = std::vector<std::string>;
+using Units = std::span<const std::string_view>;
+
+/// A netCDF file open for reading.
+class NetcdfInput {
+ public:
+  explicit NetcdfInput(const fs::path& path) : path_(path) {
+    std::error_code error;
+    if (!fs::exists(path, error)) fail("there is no such file");
+    // Also keeps netCDF from taking a name for an address on the network.
+    if (!fs::is_regular_file(path, error)) fail("not a regular file: name an echo file (echoes.nc)");
+    bytes_ = fs::file_size(path);
+    const auto classic = netcdf_classic_size(path);
+    if (classic && *classic > bytes_)
+      fail(fmt::format("the file is cut off: its header describes more than its {} bytes; write it again",
+                       bytes_));
+    const int status = nc_open(path.c_str(), NC_NOWRITE, &id_);
+    if (status == NC_ENOTNC || status == NC_EHDFERR)
+      fail("cannot be read as netCDF: no netCDF file, or one that is cut off or damaged; write it again");
+    check(status, "open the file");
+  }
+  ~NetcdfInput() {
+    if (id_ >= 0) nc_close(id_);
+  }
+  NetcdfInput(const NetcdfInput&) = delete;
+  NetcdfInput& operator=(const NetcdfInput&) = delete;
+
+  int id() const { return id_; }
+  std::uintmax_t bytes() const { return bytes_; }
+
+  [[noreturn]] void fail(const std::string& message) const { throw InputError({path_.string()}, message); }
+  void check(int status, const std::string& task) const {
+    if (status == NC_NOERR) return;
+    fail(fmt::format("cannot {}: {}: the file is damaged or cut off; write it again", task,
+                     nc_strerror(status)));
+  }
+
+ private:
+  fs::path path_;
+  int id_ = -1;
+  std::uintmax_t bytes_ = 0;
+};
+
+std::optional<std::uintmax_t> product(std::span<const std::size_t> factors) {
+  std::uintmax_t result = 1;
+  for (const std::size_t factor : factors)
+    if (__builtin_mul_overflow(result, factor, &result)) return std::nullopt;
+  return result;
+}
+
+/// One group; `prefix` is how its variables are called in messages: "" or "camera/".
+class EchoGroupInput {
+ public:
+  EchoGroupInput(const NetcdfInput& file, int id, std::string prefix)
+      : file_(file), id_(id), prefix_(std::move(prefix)) {}
+
+  bool has(const char* variable) const { return find(variable).has_value(); }
+
+  /// A text attribute of the group; empty where it is missing.
+  std::string text(const char* attribute) const { return text(NC_GLOBAL, attribute).value_or(""); }
+
+  /// Values of a variable that must have these dimensions and one of these units.
+  std::vector<double> values(const char* name, const Words& dimensions, Units units,
+                             std::vector<std::size_t>* lengths = nullptr) const {
+    const auto variable = find(name);
+    if (!variable)
+      fail(name, fmt::format("is missing; expected ({}) in {}", fmt::join(dimensions, ", "), units.front()));
+    check_dimensions(name, *variable, dimensions);
+    check_type(name, *variable);
+    check_unit(name, *variable, units);
+    const std::vector<std::size_t> shape = shape_of(*variable);
+    const std::size_t count = checked_count(name, *variable, shape);
+    if (lengths) *lengths = shape;
+    std::vector<double> result(count);
+    file_.check(nc_get_var_double(id_, *variable, result.data()),
+                fmt::format("read variable '{}{}'", prefix_, name));
+    check_written(name, *variable, dimensions, shape, result);
+    return result;
+  }
+
+  /// Throws unless `good` holds for every value; `expected` says what that is.
+  template <typename Good>
+  void require(const char* name, const Words& dimensions, const std::vector<std::size_t>& shape,
+               const std::vector<double>& values, Good good, const char* expected) const {
+    const auto bad = std::find_if_not(values.begin(), values.end(), good);
+    if (bad == values.end()) return;
+    fail(name,
+         fmt::format("holds {} at {}; expected {}", *bad,
+                     place(dimensions, shape, static_cast<std::size_t>(bad - values.begin())), expected));
+  }
+
+  [[noreturn]] void fail(const char* name, const std::string& message) const {
+    file_.fail(fmt::format("variable '{}{}' {} ({})", prefix_, name, message, layout));
+  }
+
+ private:
+  std::optional<int> find(const char* name) const {
+    int variable = 0;
+    const int status = nc_inq_varid(id_, name, &variable);
+    if (status == NC_ENOTVAR) return std::nullopt;
+    file_.check(status, fmt::format("find variable '{}{}'", prefix_, name));
+    return variable;
+  }
+
+  std::optional<std::string> text(int variable, const char* attribute) const {
+    nc_type type = 0;
+    std::size_t length = 0;
+    const int status = nc_inq_att(id_, variable, attribute, &type, &length);
+    if (status == NC_ENOTATT) return std::nullopt;
+    const std::string task = fmt::format("read attribute '{}{}'", prefix_, attribute);
+    file_.check(status, task);
+    if (length > longest_text) file_.fail(fmt::format("attribute '{}{}' is too long", prefix_, attribute));
+    std::string result;
+    if (type == NC_CHAR) {
+      result.resize(length);
+      file_.check(nc_get_att_text(id_, variable, attribute, result.data()), task);
+      result.resize(std::min(result.size(), result.find('\0')));  // some writers end texts as C does
+    } else if (type == NC_STRING && length == 1) {
+      char* string = nullptr;
+      file_.check(nc_get_att_string(id_, variable, attribute, &string), task);
+      if (string) result = string;
+      nc_free_string(1, &string);
+    } else {
+      file_.fail(fmt::format("attribute '{}{}' is no text: write it as one string", prefix_, attribute));
+    }
+    return result;
+  }
+
+  std::vector<int> dimension_ids(int variable) const {
+    int count = 0;
+    file_.check(nc_inq_varndims(id_, variable, &count), "count dimensions");
+    std::vector<int> ids(static_cast<std::size_t>(count));
+    file_.check(nc_inq_vardimid(id_, variable, ids.data()), "list dimensions");
+    return ids;
+  }
+
+  std::vector<std::size_t> shape_of(int variable) const {
+    std::vector<std::size_t> lengths;
+    for (const int dimension : dimension_ids(variable)) {
+      lengths.emplace_back();
+      file_.check(nc_inq_dimlen(id_, dimension, &lengths.back()), "measure a dimension");
+    }
+    return lengths;
+  }
+
+  void check_dimensions(const char* name, int variable, const Words& expected) const {
+    Words found;
+    for (const int dimension : dimension_ids(variable)) {
+      char word[NC_MAX_NAME + 1] = {};
+      file_.check(nc_inq_dimname(id_, dimension, word), "name a dimension");
+      found.emplace_back(word);
+    }
+    if (found != expected)
+      fail(name, fmt::format("has dimensions ({}), expected ({}): write it with these names in this order",
+                             fmt::join(found, ", "), fmt::join(expected, ", ")));
+  }
+
+  void check_type(const char* name, int variable) const {
+    nc_type type = 0;
+    file_.check(nc_inq_vartype(id_, variable, &type), "find a variable's type");
+    if (type == NC_DOUBLE || type == NC_FLOAT) return;
+    char word[NC_MAX_NAME + 1] = "unknown";
+    nc_inq_type(id_, type, word, nullptr);
+    fail(name,
+         fmt::format("has type {}, expected float64 (or float32): write plain floating-point values", word));
+  }
+
+  void check_unit(const char* name, int variable, Units expected) const {
+    const auto unit = text(variable, "units");
+    if (!unit)
+      fail(name, fmt::format("has no unit, expected '{0}': write attribute units = '{0}' once it is true",
+                             expected.front()));
+    if (std::find(expected.begin(), expected.end(), *unit) == expected.end())
+      fail(name, fmt::format("has unit '{}', expected '{}': convert the values", *unit, expected.front()));
+  }
+
+  /// Number of values, if the file and the machine can hold as many.
+  std::size_t checked_count(const char* name, int variable, const std::vector<std::size_t>& shape) const {
+    const auto count = product(shape);
+    if (count == 0u)
+      fail(name, fmt::format("is empty ({}): there is nothing to read", fmt::join(shape, " x ")));
+    nc_type type = 0;
+    std::size_t type_bytes = 0;
+    file_.check(nc_inq_vartype(id_, variable, &type), "find a variable's type");
+    file_.check(nc_inq_type(id_, type, nullptr, &type_bytes), "find a type's size");
+    // Deflate makes nothing smaller than this, and what was never written is refused anyhow.
+    constexpr std::uintmax_t densest = 1032;
+    if (!count || *count / densest > file_.bytes() / type_bytes)
+      fail(name, fmt::format("claims to have {} values, more than the file's {} bytes can hold: write all of "
+                             "it, with deflate or uncompressed",
+                             fmt::join(shape, " x "), file_.bytes()));
+    const auto memory = static_cast<std::uintmax_t>(sysconf(_SC_PHYS_PAGES)) *
+                        static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
+    if (*count > memory / sizeof(double))
+      fail(name, fmt::format("has {} values, more than this machine's memory holds: write fewer pings a file",
+                             fmt::join(shape, " x ")));
+    return static_cast<std::size_t>(*count);
+  }
+
+  /// netCDF gives values that nobody wrote a value of their own.
+  void check_written(const char* name, int variable, const Words& dimensions,
+                     const std::vector<std::size_t>& shape, const std::vector<double>& values) const {
+    double fill = NC_FILL_DOUBLE;
+    const int status = nc_get_att_double(id_, variable, "_FillValue", &fill);
+    if (status != NC_ENOTATT) file_.check(status, fmt::format("read '{}{}:_FillValue'", prefix_, name));
+    if (fill == 0) return;  // then it is meant as a value
+    const auto unwritten = std::find(values.begin(), values.end(), fill);
+    if (unwritten == values.end()) return;
+    fail(name, fmt::format("was not written at {}: write all of it, zeros included",
+                           place(dimensions, shape, static_cast<std::size_t>(unwritten - values.begin()))));
+  }
+
+  static std::string place(const Words& dimensions, const std::vector<std::size_t>& shape,
+                           std::size_t index) {
+    std::string result;
+    for (std::size_t k = shape.size(); k-- > 0; index /= shape[k])
+      result = fmt::format("{} {}{}{}", dimensions[k], index % shape[k], result.empty() ? "" : ", ", result);
+    return result;
+  }
+
+  const NetcdfInput& file_;
+  int id_;
+  std::string prefix_;
+};
+
+// The first of each is the layout's, the others are the same thing by another name.
+constexpr std::string_view joules[] = {"J", "joule", "joules"},
+                           metres[] = {"m", "metre", "metres", "meter", "meters"},
+                           degrees_[] = {"degree", "degrees", "deg"}, seconds[] = {"s", "second", "seconds"};
+
+bool finite(double value) { return std::isfinite(value); }
+
+/// A variable along one dimension, finite; `optional`: empty where it is missing.
+std::vector<double> axis(const EchoGroupInput& group, const char* name, const char* dimension, Units units,
+                         std::size_t length, bool optional = false) {
+  if (optional && !group.has(name)) return {};
+  std::vector<std::size_t> shape;
+  std::vector<double> values = group.values(name, {dimension}, units, &shape);
+  // Groups may redefine a dimension; the energy's is the one that counts.
+  if (values.size() != length)
+    group.fail(
+        name, fmt::format("has {} values, but 'energy' has {} along '{}'", values.size(), length, dimension));
+  group.require(name, {dimension}, shape, values, finite, "a finite number");
+  return values;
+}
+
+SensorEchoes read_sensor(const EchoGroupInput& group, const std::string& default_name) {
+  SensorEchoes echoes;
+  echoes.name = group.text("sensor_name");
+  if (echoes.name.empty()) echoes.name = default_name;
+  const std::string source = group.text("source_energy"), expected_source = "1 J/sr at 1 m";
+  if (!source.empty() && source != expected_source)
+    group.fail("energy",
+               fmt::format("is for a source of '{}' (attribute source_energy), expected '{}': scale "
+                           "the values",
+                           source, expected_source));
+
+  const Words dimensions{"ping", "beam", "sample"};
+  std::vector<std::size_t> shape, bound_shape;
+  echoes.energy = group.values("energy", dimensions, joules, &shape);
+  echoes.pings = shape[0], echoes.beams = shape[1], echoes.samples = shape[2];
+  group.require(
+      "energy", dimensions, shape, echoes.energy, [](double e) { return std::isfinite(e) && e >= 0; },
+      "finite energies, 0 or more");
+  if (group.has("energy_bound")) {
+    echoes.energy_bound = group.values("energy_bound", dimensions, joules, &bound_shape);
+    if (bound_shape != shape)
+      group.fail("energy_bound", fmt::format("has {} values, expected {} as 'energy'",
+                                             fmt::join(bound_shape, " x "), fmt::join(shape, " x ")));
+    group.require(
+        "energy_bound", dimensions, shape, echoes.energy_bound, [](double b) { return b >= 0; },
+        "half-widths, 0 or more");
+  }
+
+  echoes.slant_range_m = axis(group, "slant_range", "sample", metres, echoes.samples);
+  for (std::size_t k = 1; k < echoes.samples; ++k)
+    if (!(echoes.slant_range_m[k] > echoes.slant_range_m[k - 1]))
+      group.fail("slant_range", fmt::format("goes from {} to {} at sample {}; expected ranges that increase",
+                                            echoes.slant_range_m[k - 1], echoes.slant_range_m[k], k));
+  echoes.beam_azimuth_deg = axis(group, "beam_azimuth", "beam", degrees_, echoes.beams);
+  echoes.beam_elevation_deg = axis(group, "beam_elevation", "beam", degrees_, echoes.beams, true);
+  echoes.ping_time_s = axis(group, "ping_time", "ping", seconds, echoes.pings, true);
+  if (group.has("slant_range_bounds")) {
+    std::vector<std::size_t> edges;
+    echoes.slant_range_bounds_m = group.values("slant_range_bounds", {"sample", "bound"}, metres, &edges);
+    if (edges != std::vector<std::size_t>{echoes.samples, 2})
+      group.fail("slant_range_bounds",
+                 fmt::format("has {} values, expected {} x 2", fmt::join(edges, " x "), echoes.samples));
+    group.require("slant_range_bounds", {"sample", "bound"}, edges, echoes.slant_range_bounds_m, finite,
+                  "a finite number");
+  }
+  return echoes;
+}
+
+std::vector<int> groups_of(const NetcdfInput& file) {
+  int count = 0;
+  file.check(nc_inq_grps(file.id(), &count, nullptr), "count groups");
+  std::vector<int> ids(static_cast<std::size_t>(count));
+  file.check(nc_inq_grps(file.id(), &count, ids.data()), "list groups");
+  return ids;
+}
+
+}  // namespace
+
+EchoContents read_echo_file(const fs::path& path) {
+  const NetcdfInput file(path);
+  const EchoGroupInput root(file, file.id(), "");
+  EchoContents contents;
+  contents.file = path;
+  contents.provenance = {root.text("title"), root.text("scene_hash"), root.text("engine"),
+                         root.text("arithmetic"), root.text("version")};
+  if (root.has("energy")) {
+    contents.sensors.push_back(read_sensor(root, "sensor"));
+    return contents;
+  }
+  for (const int id : groups_of(file)) {
+    char name[NC_MAX_NAME + 1] = {};
+    file.check(nc_inq_grpname(id, name), "name a group");
+    const EchoGroupInput group(file, id, std::string(name) + "/");
+    if (!group.has("energy")) continue;  // a stranger may keep other things beside
+    contents.sensors.push_back(read_sensor(group, name));
+    for (std::size_t k = 0; k + 1 < contents.sensors.size(); ++k)
+      if (contents.sensors[k].name == contents.sensors.back().name)
+        file.fail(
+            fmt::format("two groups have sensor_name '{}': give each its own", contents.sensors[k].name));
+  }
+  if (contents.sensors.empty())
+    file.fail(fmt::format("has no variable 'energy', neither in its root nor in a group ({})", layout));
+  return contents;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.hpp"
+#include "app/echo_pairs.hpp"
+#include "app/usage_error.hpp"
+#include "compare/echo_errors.hpp"
+#include "sensors/checked_file.hpp"
+#include "sensors/comparison_picture.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int within = 0, beyond = 3;
+
+struct SensorErrors {
+  EchoPairs::Sensor pair;
+  EchoErrors errors;
+};
+
+EchoErrors errors_of(const EchoPairs::Sensor& pair, std::size_t worst) {
+  const SensorEchoes &reference = *pair.reference, &candidate = *pair.candidate;
+  return echo_errors({{reference.pings, reference.beams, reference.samples},
+                      reference.energy,
+                      candidate.energy,
+                      reference.energy_bound,
+                      reference.slant_range_m},
+                     worst);
+}
+
+double decibels(double ratio) { return 10 * std::log10(ratio); }
+
+std::string made_by(const Provenance& provenance) {
+  std::string words;
+  for (const std::string& word : {provenance.engine, provenance.arithmetic, provenance.version})
+    if (!word.empty()) words += (words.empty() ? "" : " ") + word;
+  return words.empty() ? "does not say what computed it" : words;
+}
+
+void print_first_return(const FirstReturnErrors& first) {
+  if (first.in_both > 0) {
+    fmt::print("  first return             {:+.3g} m on average, {:.3g} m ({:.3g} samples) without sign\n",
+               first.mean_m, first.mean_absolute_m, first.mean_absolute_samples);
+    if (first.largest_samples != 0)
+      fmt::print("                           at worst {:+.3g} m ({:+} samples) at ping {}, beam {}\n",
+                 first.largest_m, first.largest_samples, first.largest_at.ping, first.largest_at.beam);
+  }
+  fmt::print(
+      "  beams with a return      {} on both sides, {} only in the reference, {} only in the candidate, "
+      "{} on neither\n",
+      first.in_both, first.only_in_reference, first.only_in_candidate, first.in_neither);
+}
+
+void print_sensor(const SensorErrors& sensor) {
+  const SensorEchoes& reference = *sensor.pair.reference;
+  const EchoErrors& errors = sensor.errors;
+  fmt::print("\n{}: {} pings x {} beams x {} samples\n", reference.name, reference.pings, reference.beams,
+             reference.samples);
+  fmt::print("  relative L1 error        {:.3g}\n", errors.l1);
+  fmt::print("  RMS error of lit bins    {:.3g} dB\n", errors.rms_db);
+  fmt::print("  total energy ratio       {:.6g} ({:+.3g} dB)\n", errors.energy_ratio,
+             decibels(errors.energy_ratio));
+  fmt::print("  empty where lit          {} of {} lit bins (above {:.3g} J)\n", errors.empty_where_lit,
+             errors.lit_bins, errors.lit_threshold_j);
+  fmt::print("  lit where shadow         {} of {} shadow bins\n", errors.lit_where_shadow,
+             errors.shadow_bins);
+  print_first_return(errors.first_return);
+  if (const auto& bound = errors.within_bound)
+    fmt::print(
+        "  the reference's bound    {:.3g} of its energy; explains {:.3g} % of the difference; holds "
+        "{:.3g} % of the bins\n",
+        bound->bound_l1, 100 * bound->share_of_difference, 100 * bound->share_of_bins);
+  else
+    fmt::print("  the reference's bound    not known: the reference has no energy_bound\n");
+  if (errors.worst.empty()) return;
+  fmt::print("  worst bins {:>6} {:>6} {:>7} {:>11} {:>13} {:>13} {:>11} {:>14}\n", "ping", "beam", "sample",
+             "range (m)", "reference (J)", "candidate (J)", "error (dB)", "of difference");
+  for (const BinError& bin : errors.worst)
+    fmt::print("             {:>6} {:>6} {:>7} {:>11.3f} {:>13.4g} {:>13.4g} {:>+11.3g} {:>12.3g} %\n",
+               bin.place.ping, bin.place.beam, bin.place.sample, bin.slant_range_m, bin.reference_j,
+               bin.candidate_j, bin.error_db, 100 * bin.share_of_difference);
+}
+
+Json json_of(const EchoContents& contents) {
+  const Provenance& provenance = contents.provenance;
+  return {{"file", contents.file.string()},      {"title", provenance.title},
+          {"scene_hash", provenance.scene_hash}, {"engine", provenance.engine},
+          {"arithmetic", provenance.arithmetic}, {"version", provenance.version}};
+}
+
+Json json_of(const FirstReturnErrors& first) {
+  Json json{{"in_both", first.in_both},
+            {"only_in_reference", first.only_in_reference},
+            {"only_in_candidate", first.only_in_candidate},
+            {"in_neither", first.in_neither}};
+  if (first.in_both == 0) return json;
+  json["mean_m"] = first.mean_m;
+  json["mean_absolute_m"] = first.mean_absolute_m;
+  json["mean_absolute_samples"] = first.mean_absolute_samples;
+  json["largest_m"] = first.largest_m;
+  json["largest_samples"] = first.largest_samples;
+  json["largest_ping"] = first.largest_at.ping;
+  json["largest_beam"] = first.largest_at.beam;
+  return json;
+}
+
+/// Figures that are not finite (a silent reference) become null.
+Json json_of(const SensorErrors& sensor) {
+  const SensorEchoes& reference = *sensor.pair.reference;
+  const EchoErrors& errors = sensor.errors;
+  Json json{{"name", reference.name},
+            {"pings", reference.pings},
+            {"beams", reference.beams},
+            {"samples", reference.samples},
+            {"l1_error", errors.l1},
+            {"rms_db_error", errors.rms_db},
+            {"energy_ratio", errors.energy_ratio},
+            {"energy_ratio_db", decibels(errors.energy_ratio)},
+            {"reference_total_j", errors.reference_total_j},
+            {"candidate_total_j", errors.candidate_total_j},
+            {"lit_threshold_j", errors.lit_threshold_j},
+            {"lit_bins", errors.lit_bins},
+            {"shadow_bins", errors.shadow_bins},
+            {"empty_where_lit", errors.empty_where_lit},
+            {"lit_where_shadow", errors.lit_where_shadow},
+            {"first_return", json_of(errors.first_return)},
+            {"within_bound", nullptr},
+            {"worst_bins", Json::array()}};
+  if (const auto& bound = errors.within_bound)
+    json["within_bound"] = {{"bound_l1", bound->bound_l1},
+                            {"share_of_difference", bound->share_of_difference},
+                            {"share_of_bins", bound->share_of_bins}};
+  for (const BinError& bin : errors.worst)
+    json["worst_bins"].push_back({{"ping", bin.place.ping},
+                                  {"beam", bin.place.beam},
+                                  {"sample", bin.place.sample},
+                                  {"slant_range_m", bin.slant_range_m},
+                                  {"reference_j", bin.reference_j},
+                                  {"candidate_j", bin.candidate_j},
+                                  {"error_db", bin.error_db},
+                                  {"share_of_difference", bin.share_of_difference}});
+  return json;
+}
+
+/// The ping with the largest sum |C - R|.
+std::size_t worst_ping(const EchoPairs::Sensor& pair) {
+  const std::size_t bins = pair.reference->beams * pair.reference->samples;
+  std::size_t worst = 0;
+  double largest_j = -1;
+  for (std::size_t ping = 0; ping < pair.reference->pings; ++ping) {
+    double difference_j = 0;
+    for (std::size_t bin = ping * bins; bin < (ping + 1) * bins; ++bin)
+      difference_j += std::abs(pair.candidate->energy[bin] - pair.reference->energy[bin]);
+    if (difference_j <= largest_j) continue;
+    largest_j = difference_j;
+    worst = ping;
+  }
+  return worst;
+}
+
+void write_picture(const fs::path& file, const std::vector<SensorErrors>& sensors,
+                   const EchoContents& reference, const EchoContents& candidate) {
+  std::vector<ComparedEchoes> drawn;
+  drawn.reserve(sensors.size());
+  for (const auto& [pair, errors] : sensors)
+    drawn.push_back({pair.reference, pair.candidate, errors.lit_threshold_j, worst_ping(pair)});
+  const std::vector<std::string> subtitle{
+      fmt::format("reference: {}, {}", reference.file.string(), made_by(reference.provenance)),
+      fmt::format("candidate: {}, {}", candidate.file.string(), made_by(candidate.provenance))};
+  draw_comparison(drawn, subtitle, label_font()).write_png(file, "tubefoot compare");
+}
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+}
+
+void check_outputs(const CompareOptions& options) {
+  std::vector<fs::path> outputs;
+  if (options.json && *options.json != "-") outputs.emplace_back(*options.json);
+  if (options.png) outputs.push_back(*options.png);
+  for (const fs::path& output : outputs) {
+    if (output.empty() || fs::is_directory(output))
+      throw UsageError(fmt::format("'{}' is no file to write: name one", output.string()));
+    for (const fs::path& input : {options.reference, options.candidate})
+      if (same_file(output, input))
+        throw UsageError(fmt::format("'{}' is an input: write to another file", output.string()));
+  }
+  if (outputs.size() == 2 && same_file(outputs[0], outputs[1]))
+    throw UsageError("--json and --png name the same file");
+  if (options.png && options.png->extension() != ".png")
+    throw UsageError(fmt::format("'{}': a picture is written as .png", options.png->string()));
+}
+
+}  // namespace
+
+int compare_command(const CompareOptions& options) {
+  check_outputs(options);
+  const EchoContents reference = read_echo_file(options.reference),
+                     candidate = read_echo_file(options.candidate);
+  const EchoPairs pairs = pair_echoes(reference, candidate, options.sensor, options.any_scene);
+  std::vector<SensorErrors> sensors;
+  bool held = true;
+  for (const EchoPairs::Sensor& pair : pairs.sensors) {
+    const EchoErrors& errors =
+        sensors.emplace_back(SensorErrors{pair, errors_of(pair, options.worst)}).errors;
+    if (options.within_l1) held = held && errors.l1 <= *options.within_l1;
+    if (options.within_db) held = held && errors.rms_db <= *options.within_db;
+  }
+
+  if (options.png) {
+    if (label_font().empty())
+      fmt::print(stderr,
+                 "warning: the picture has no labels: no font was found (on Debian, install "
+                 "fonts-dejavu-core)\n");
+    write_picture(*options.png, sensors, reference, candidate);
+  }
+  std::string json;
+  if (options.json) {
+    Json all{{"reference", json_of(reference)}, {"candidate", json_of(candidate)}, {"notes", pairs.notes}};
+    for (const SensorErrors& sensor : sensors) all["sensors"].push_back(json_of(sensor));
+    if (options.within_l1) all["within"]["l1_error"] = *options.within_l1;
+    if (options.within_db) all["within"]["rms_db_error"] = *options.within_db;
+    if (options.within_l1 || options.within_db) all["within"]["held"] = held;
+    // A stranger's attributes need not be UTF-8.
+    json = all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  }
+  if (options.json == "-") {
+    fmt::print("{}", json);
+    return held ? within : beyond;
+  }
+  if (options.json)
+    write_file(*options.json, {reinterpret_cast<const unsigned char*>(json.data()), json.size()});
+
+  fmt::print("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(),
+             made_by(reference.provenance), candidate.file.string(), made_by(candidate.provenance));
+  for (const std::string& note : pairs.notes) fmt::print("note       {}\n", note);
+  for (const SensorErrors& sensor : sensors) print_sensor(sensor);
+  if (options.within_l1 || options.within_db)
+    fmt::print("\n{}\n", held ? "within the allowed error" : "BEYOND the allowed error");
+  if (options.json) fmt::print("wrote {}\n", *options.json);
+  if (options.png) fmt::print("wrote {}\n", options.png->string());
+  return held ? within : beyond;
+}
+
+}  // namespace tubefoot

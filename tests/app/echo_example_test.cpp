@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The Python examples of docs/echo-file.md, run as they stand there.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "app/echo_reader.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+
+/// Debian's Python, or another that has what the examples import; empty if there is none.
+std::string python_with_netcdf4() {
+  for (const std::string python : {"/usr/bin/python3", "python3"})
+    if (std::system((python + " -c 'import netCDF4, numpy' >/dev/null 2>&1").c_str()) == 0) return python;
+  return {};
+}
+
+/// The code blocks of the page in order.
+std::vector<std::string> examples() {
+  const std::string page = bytes_of(std::filesystem::path(TUBEFOOT_SOURCE_DIR) / "docs" / "echo-file.md"),
+                    begin = "```python\n", end = "```\n";
+  std::vector<std::string> blocks;
+  for (std::size_t at = 0; (at = page.find(begin, at)) != std::string::npos;) {
+    at += begin.size();
+    blocks.push_back(page.substr(at, page.find(end, at) - at));
+  }
+  return blocks;
+}
+
+/// A flat bed under a camera that has, by default, the example's beams and samples.
+constexpr std::string_view scene = R"([[materials]]
+name = "sand"
+[[terrain]]
+kind = "flat"
+width_m = 20
+length_m = 30
+[trajectory]
+kind = "fixed"
+position_m = [0, 0, 2]
+[[sensors]]
+name = "camera"
+kind = "didson"
+tilt_deg = 30
+)";
+
+struct EchoExamples : testing::Test {
+  TestFolder folder;
+  std::string python = python_with_netcdf4(), reference = (folder / "results" / "echoes.nc").string();
+
+  void SetUp() override {
+    if (python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
+    ASSERT_EQ(examples().size(), 2u);
+    echoes_in(folder, std::string(scene));
+  }
+  /// What a script prints when it is given a file.
+  std::string run(std::size_t example, const std::string& file) const {
+    const auto script = folder.write("example.py", examples()[example]);
+    const auto output = folder / "output.txt";
+    EXPECT_EQ(
+        std::system(
+            (python + " '" + script.string() + "' '" + file + "' >'" + output.string() + "' 2>&1").c_str()),
+        0)
+        << bytes_of(output);
+    return bytes_of(output);
+  }
+};
+
+TEST_F(EchoExamples, TheFirstReadsTheStrongestEcho) {
+  EXPECT_THAT(run(0, reference), HasSubstr("camera: -"));
+  EXPECT_THAT(run(0, reference), HasSubstr("ping 0, beam "));
+}
+
+TEST_F(EchoExamples, TheSecondWritesAFileThatCompares) {
+  const std::string mine = (folder / "mine.nc").string();
+  run(1, mine);
+  const Outcome outcome = run_program({"compare", reference, mine, "--json", "-"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["candidate"]["engine"], "mine");
+  EXPECT_NEAR(json["sensors"][0]["candidate_total_j"], 3e-9, 1e-20);
+  // 3.771 m and 3.772 m lie in sample floor(2.931 / (5 / 512)) = 300.
+  const Echoes echoes = read_echoes(mine);
+  EXPECT_DOUBLE_EQ(echoes.at(0, 70, 300), 1e-9);
+  EXPECT_DOUBLE_EQ(echoes.at(0, 12, 344), 2e-9);
+  // It needs no more than what is asked of an engine: twenty lines, imports included.
+  const std::string code = examples()[1];
+  EXPECT_LE(std::count(code.begin(), code.end(), '\n'), 20);
+}
+
+}  // namespace
+}  // namespace tubefoot
