@@ -3,6 +3,7 @@
 #
 #   make demo    install what is missing, build, run scenes/wellhead, name the pictures
 #   make test    install what is missing, build, run the tests
+#   make prove   check the laws of visibility on ten million tubes (half an hour): validation/prove.md
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
@@ -10,7 +11,7 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo test build setup bench atlas format tidy clean
+.PHONY: demo test build setup prove bench atlas format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -29,6 +30,15 @@ build: setup
 setup:
 	@mkdir -p build
 	@tools/setup
+
+PROVE_TUBES := 10000000
+PROVE_SEED := 1
+
+prove: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_prove
+	@mkdir -p validation
+	build/release/tubefoot_prove --tubes $(PROVE_TUBES) --seed $(PROVE_SEED) --threads $(JOBS) \
+	  --report validation/prove.md
 
 bench: setup
 	cmake --preset bench -Wno-dev

@@ -74,27 +74,36 @@ struct FilteredArithmetic {
     corner.sign = sign;
   }
   int side(const Corner& corner, const Plane& plane) const {
-    const Interval d = corner.v[0] * plane.n[0] + corner.v[1] * plane.n[1] + corner.v[2] * plane.n[2];
-    if (d.inf() > 0) return 1;
-    if (d.sup() < 0) return -1;
-    return exact_side(corner, plane);
+    const int s = interval_side(corner, plane);
+    return s != 0 ? s : exact_side(corner, plane);
   }
   int side(GridPoint p, const Plane& plane) const {
-    const Interval d = Interval(p.x) * plane.n[0] + Interval(p.y) * plane.n[1] + Interval(p.z) * plane.n[2];
-    if (d.inf() > 0) return 1;
-    if (d.sup() < 0) return -1;
-    return exact_side(p, plane);
+    const int s = interval_side(p, plane);
+    return s != 0 ? s : exact_side(p, plane);
   }
   int nearer(const Facet& f, GridPoint p) const {
-    const Interval d = f.c - (Interval(p.x) * f.n[0] + Interval(p.y) * f.n[1] + Interval(p.z) * f.n[2]);
-    if (d.inf() > 0) return 1;
-    if (d.sup() < 0) return -1;
-    return exact_nearer(f, p);
+    const int s = interval_nearer(f, p);
+    return s != 0 ? s : exact_nearer(f, p);
   }
 
+  /// The first tier: the sign where the interval excludes 0, else 0.
+  int interval_side(const Corner& corner, const Plane& plane) const {
+    return certain(corner.v[0] * plane.n[0] + corner.v[1] * plane.n[1] + corner.v[2] * plane.n[2]);
+  }
+  int interval_side(GridPoint p, const Plane& plane) const {
+    return certain(Interval(p.x) * plane.n[0] + Interval(p.y) * plane.n[1] + Interval(p.z) * plane.n[2]);
+  }
+  int interval_nearer(const Facet& f, GridPoint p) const {
+    return certain(f.c - (Interval(p.x) * f.n[0] + Interval(p.y) * f.n[1] + Interval(p.z) * f.n[2]));
+  }
+
+  /// The last tier.
   static int exact_side(const Corner& corner, const Plane& plane);
   static int exact_side(GridPoint p, const Plane& plane);
   static int exact_nearer(const Facet& f, GridPoint p);
+
+ private:
+  static int certain(const Interval& d) { return d.inf() > 0 ? 1 : d.sup() < 0 ? -1 : 0; }
 };
 
 }  // namespace tubefoot

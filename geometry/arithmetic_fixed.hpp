@@ -114,38 +114,47 @@ struct FixedArithmetic {
   }
 
   int side(const Corner& corner, const Plane& plane) const {
+    const int s = double_side(corner, plane);
+    return s != 0 ? s : exact_side(corner, plane);
+  }
+  int side(GridPoint p, const Plane& plane) const {
+    const int s = double_side(p, plane);
+    return s != 0 ? s : exact_side(p, plane);
+  }
+  int nearer(const Facet& f, GridPoint p) const {
+    const int s = double_nearer(f, p);
+    return s != 0 ? s : exact_nearer(f, p);
+  }
+
+  /// The first tier: the sign where the double exceeds its error bound, else 0.
+  int double_side(const Corner& corner, const Plane& plane) const {
     const double d = corner.v[0] * plane.n[0] + corner.v[1] * plane.n[1] + corner.v[2] * plane.n[2];
     const double bound =
         3.01 * (corner.error * plane.size + corner.size * (plane.error + 4 * u * plane.size));
-    if (d > bound) return 1;
-    if (d < -bound) return -1;
-    return exact_side(corner, plane);
+    return beyond(d, bound);
   }
-
-  int side(GridPoint p, const Plane& plane) const {
+  int double_side(GridPoint p, const Plane& plane) const {
     const double x = p.x, y = p.y, z = p.z;
     const double d = x * plane.n[0] + y * plane.n[1] + z * plane.n[2];
     const double bound =
         (std::abs(x) + std::abs(y) + std::abs(z)) * (1.01 * plane.error + 4 * u * plane.size);
-    if (d > bound) return 1;
-    if (d < -bound) return -1;
-    return exact_side(p, plane);
+    return beyond(d, bound);
   }
-
-  int nearer(const Facet& f, GridPoint p) const {
+  int double_nearer(const Facet& f, GridPoint p) const {
     const double x = p.x * f.n[0], y = p.y * f.n[1], z = p.z * f.n[2];
     const double d = f.c - (x + y + z);
-    const double bound = 8 * u * (std::abs(x) + std::abs(y) + std::abs(z) + f.c);
-    if (d > bound) return 1;
-    if (d < -bound) return -1;
-    return sign(f.cone->offset - dot(f.cone->normal, p));
+    return beyond(d, 8 * u * (std::abs(x) + std::abs(y) + std::abs(z) + f.c));
   }
 
   /// The last tier, decided by integers alone; also the oracle of the filter's tests.
   static int exact_side(const Corner& corner, const Plane& plane);
   static int exact_side(GridPoint p, const Plane& plane);
+  static int exact_nearer(const Facet& f, GridPoint p) {
+    return sign(f.cone->offset - dot(f.cone->normal, p));
+  }
 
  private:
+  static int beyond(double d, double bound) { return d > bound ? 1 : d < -bound ? -1 : 0; }
   static double largest(const double* v) {
     return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
   }

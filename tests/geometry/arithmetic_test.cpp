@@ -296,14 +296,11 @@ TEST(Arithmetic, ExtremesFitTheBitBudget) {
 
 // ---- Tiers
 
-/// Whether the double in front of the integers decides: the corner's own members, and the same two sides of
-/// an enclosure that `side` has to respect.
+/// Whether the double in front of the integers decides.
 bool decided_by_double(const TestPlane& p, const TestPlane& q, const TestPlane& r) {
   Fixed::Corner c;
   Fixed{}.meet(c, p.fixed, q.fixed, 1);
-  const Fixed::Plane& plane = r.fixed;
-  const double d = c.v[0] * plane.n[0] + c.v[1] * plane.n[1] + c.v[2] * plane.n[2];
-  return std::abs(d) > 3.01 * (c.error * plane.size + c.size * (plane.error + 4 * Fixed::u * plane.size));
+  return Fixed{}.double_side(c, r.fixed) != 0;
 }
 
 TEST(Arithmetic, DoubleDecidesNearlyAllRandomSignsAndNoPlantedZero) {

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "geometry/facet_mesh.hpp"
+#include "geometry/tube.hpp"
+#include "prove/random.hpp"
+
+// Seeded scenes of some few facets and four tubes each, by integers alone: small, so that millions of tubes
+// can be checked in rationals, and each as awkward as its kind allows.
+namespace tubefoot::prove {
+
+constexpr std::size_t tubes_per_scene = 4;
+
+struct SmallScene {
+  FacetMesh mesh;
+  TubeSet tubes;  ///< four, two by two, sharing rays; a strictly convex pyramid each
+};
+
+/// What a scene is made to stumble over.
+constexpr std::array<std::string_view, 16> generator_names{
+    "soup",                   // facets that cut each other, at any scale
+    "tiny lattice",           // everything coincides with everything
+    "all round the apex",     // facets across the apex's horizon, very wide tubes
+    "on walls",               // vertices on rays and walls, edges in walls
+    "coincident facets",      // the same facet twice and three times
+    "coplanar facets",        // overlapping in one or two planes
+    "layers one unit apart",  // parallel sheets, tilted or not
+    "edge-on",                // facet planes that hold the apex, or miss it by a unit
+    "apex touched",           // the apex is a vertex, lies on an edge, lies in a facet
+    "slivers",                // a unit thick and up to 2^28 long
+    "T-junctions",            // vertices within edges, exactly and a unit off
+    "range ends",             // coordinates of 2^25 to 2^30, the ends of the bit budget
+    "solids",                 // a box and an octahedron through each other
+    "grazing terrain",        // a bed seen from close above it
+    "needle tubes",           // rays of length 2^30 that differ by single units
+    "pencils",                // many facets about one edge, many about one vertex
+};
+
+/// Scene number `index` of a seed: of kind index % generator_names.size().
+SmallScene make_scene(std::uint64_t seed, std::uint64_t index);
+
+/// A bed of 2 n^2 facets under three spires, looked at through 25 tubes: for what only shows among many.
+SmallScene make_large_scene(std::uint64_t seed, int n);
+
+}  // namespace tubefoot::prove
