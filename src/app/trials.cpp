@@ -20,13 +20,28 @@ EngineSetting tube(const std::string& engine, const std::string& setting) {
   return s;
 }
 
-/// Only the first sensor and its first pings.
-void trim(Survey& survey, std::size_t pings) {
-  survey.sensors.resize(1);
-  SensorPings& sensor = survey.sensors.front();
-  sensor.times_s.resize(std::min(pings, sensor.times_s.size()));
-  sensor.poses.resize(sensor.times_s.size());
-  survey.shots.assign(1, SharedShots{{0}});
+/// Only the chosen sensors and pings, each sensor for itself.
+void trim(Survey& survey, const std::vector<TrialPings>& choice) {
+  std::vector<SensorPings> kept;
+  for (const TrialPings& chosen : choice) {
+    SensorPings& all = survey.sensors[chosen.sensor];
+    SensorPings some;
+    for (const std::size_t ping : chosen.pings) {
+      some.times_s.push_back(all.times_s[ping]);
+      some.poses.push_back(all.poses[ping]);
+    }
+    some.sensor = std::move(all.sensor);
+    kept.push_back(std::move(some));
+  }
+  survey.sensors = std::move(kept);
+  survey.shots.clear();
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) survey.shots.push_back(SharedShots{{s}});
+}
+
+std::vector<double> ranges_m(const RangeSamples& samples) {
+  std::vector<double> ranges;
+  for (int k = 0; k < samples.count; ++k) ranges.push_back(samples.first_m + (k + 0.5) * samples.step_m);
+  return ranges;
 }
 
 std::string scene_name(const std::filesystem::path& scene) {
@@ -75,51 +90,82 @@ std::vector<EngineSetting> ray_settings(std::size_t beams) {
   return all;
 }
 
-TrialScene::TrialScene(const std::filesystem::path& scene, std::size_t pings, double reference_tolerance)
-    : name_(scene_name(scene)), survey_(open_survey(read_scene_file(scene))) {
-  trim(*survey_, pings);
+TrialScene::Choice first_pings(std::size_t count) {
+  return [count](const Survey& survey) {
+    TrialPings chosen;
+    for (std::size_t p = 0; p < std::min(count, survey.sensors.front().times_s.size()); ++p)
+      chosen.pings.push_back(p);
+    return std::vector{chosen};
+  };
+}
+
+TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
+                       std::optional<double> reference_tolerance)
+    : name_(scene_name(scene.file)), survey_(open_survey(scene)) {
+  const std::vector<TrialPings> chosen = choice(*survey_);
+  double all = 0;
+  for (const TrialPings& c : chosen) {
+    weight_.push_back(static_cast<double>(survey_->sensors[c.sensor].times_s.size()));
+    all += weight_.back();
+  }
+  for (double& w : weight_) w /= all;
+  trim(*survey_, chosen);
   survey_->scene.description.run = RunDescription{};
   SimulationStats stats;
-  const Recording recording = std::move(simulate(*survey_, true, stats, reference_tolerance).front());
-  reference_ = recording.energy;
-  reference_bound_ = recording.energy_bound;
-  const RangeSamples& samples = survey_->sensors.front().sensor->samples();
-  for (int k = 0; k < samples.count; ++k) ranges_m_.push_back(samples.first_m + (k + 0.5) * samples.step_m);
-  const double total = std::accumulate(reference_.begin(), reference_.end(), 0.0);
-  if (total > 0) bound_ = std::accumulate(reference_bound_.begin(), reference_bound_.end(), 0.0) / total;
+  reference_ = simulate(*survey_, true, stats, reference_tolerance);
+  for (const Recording& r : reference_) {
+    const double total = std::accumulate(r.energy.begin(), r.energy.end(), 0.0);
+    if (total > 0)
+      bound_ = std::max(bound_, std::accumulate(r.energy_bound.begin(), r.energy_bound.end(), 0.0) / total);
+  }
 }
 
-std::vector<double> TrialScene::energies(const EngineSetting& setting, double& seconds_a_ping) {
+std::size_t TrialScene::beams() const {
+  std::size_t most = 0;
+  for (const SensorPings& s : survey_->sensors) most = std::max(most, s.sensor->beams().size());
+  return most;
+}
+
+std::vector<Recording> TrialScene::record(const EngineSetting& setting, double& seconds_a_ping) {
   survey_->scene.description.run = setting.run;
-  SimulationStats stats;
-  std::vector<Recording> recordings = simulate(*survey_, true, stats);
-  seconds_a_ping = (stats.visibility_seconds + stats.echo_seconds) / static_cast<double>(stats.pings);
-  return std::move(recordings.front().energy);
-}
-
-double TrialScene::seconds(const EngineSetting& setting) {
-  double seconds = 0;
-  energies(setting, seconds);
-  return seconds;
+  // One sensor at a time, so that each one's seconds are known.
+  std::vector<Recording> recordings;
+  seconds_a_ping = 0;
+  const std::vector<SharedShots> shots = std::move(survey_->shots);
+  for (std::size_t s = 0; s < shots.size(); ++s) {
+    survey_->shots.assign(1, shots[s]);
+    SimulationStats stats;
+    std::vector<Recording> all = simulate(*survey_, true, stats);
+    seconds_a_ping +=
+        weight_[s] * (stats.visibility_seconds + stats.echo_seconds) / static_cast<double>(stats.pings);
+    recordings.push_back(std::move(all[s]));
+  }
+  survey_->shots = shots;
+  return recordings;
 }
 
 Trial TrialScene::run(const EngineSetting& setting, int repeats) {
-  std::vector<double> seconds(1);
-  const std::vector<double> candidate = energies(setting, seconds.front());
-  for (int r = 1; r < repeats; ++r) seconds.push_back(this->seconds(setting));
-  std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2),
-                   seconds.end());
-  const EchoShape shape{survey_->sensors.front().times_s.size(), beams(), ranges_m_.size()};
-  const EchoErrors errors = echo_errors({shape, reference_, candidate, reference_bound_, ranges_m_});
+  std::vector<double> seconds(static_cast<std::size_t>(repeats));
+  const std::vector<Recording> candidate = record(setting, seconds.front());
+  for (std::size_t r = 1; r < seconds.size(); ++r) record(setting, seconds[r]);
+  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
   Trial trial;
   trial.scene = name_;
   trial.engine = setting.engine;
   trial.setting = setting.setting;
-  trial.l1_error = errors.l1;
-  trial.rms_db_error = errors.rms_db;
-  trial.seconds = seconds[seconds.size() / 2];
+  trial.seconds = *middle;
   trial.bound = bound_;
   trial.samples = setting.rays;
+  for (std::size_t s = 0; s < candidate.size(); ++s) {
+    const Recording& reference = reference_[s];
+    const std::vector<double> ranges = ranges_m(reference.sensor->samples());
+    const EchoShape shape{reference.ping_time_s.size(), reference.sensor->beams().size(), ranges.size()};
+    const EchoErrors errors =
+        echo_errors({shape, reference.energy, candidate[s].energy, reference.energy_bound, ranges});
+    trial.l1_error = std::max(trial.l1_error, errors.l1);
+    trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
+  }
   return trial;
 }
 

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/survey.hpp"
 #include "scene/scene_description.hpp"
+#include "sensors/recording.hpp"
 #include "study/work_precision.hpp"
 
 namespace tubefoot {
@@ -26,30 +28,43 @@ std::vector<EngineSetting> tube_settings();
 /// numbers that existing simulators use (1, 11, 23, 114, 1500, 17000).
 std::vector<EngineSetting> ray_settings(std::size_t beams);
 
-/// The first pings of a scene's first sensor, with a certified reference to hold engines against.
+/// Pings of one sensor, by their numbers.
+struct TrialPings {
+  std::size_t sensor = 0;
+  std::vector<std::size_t> pings;
+};
+
+/// Chosen pings of a loaded scene, with a reference to hold engines against.
 class TrialScene {
  public:
-  /// Loads the scene and computes the reference. Throws as open_survey() and simulate() do.
-  TrialScene(const std::filesystem::path& scene, std::size_t pings, double reference_tolerance);
+  /// Pings of a survey to look at; may throw UsageError.
+  using Choice = std::function<std::vector<TrialPings>(const Survey&)>;
+
+  /// Loads the scene and computes the reference: certified to a tolerance, or without one just measured
+  /// exactly, in double from the exact footprints on. Throws as open_survey() and simulate() do.
+  TrialScene(const SceneDescription& scene, const Choice& choice, std::optional<double> reference_tolerance);
 
   const std::string& name() const { return name_; }
-  std::size_t beams() const { return survey_->sensors.front().sensor->beams().size(); }
-  /// Of the reference: sum of its half-widths over the sum of its energies.
+  /// Of the sensor with the most.
+  std::size_t beams() const;
+  /// Of the reference: sum of its half-widths over the sum of its energies, of the worst sensor.
   double bound() const { return bound_; }
 
-  /// Runs a setting `repeats` times; the median of the times counts, and the first run's energies.
+  /// Runs a setting `repeats` times. The first run's energies count, and the worst sensor's errors; the
+  /// median of the times, which is that of a ping, a sensor's weight being the pings it has in the scene.
   Trial run(const EngineSetting& setting, int repeats);
 
-  /// Seconds a ping from a single run, energies not looked at.
-  double seconds(const EngineSetting& setting);
-
  private:
-  std::vector<double> energies(const EngineSetting& setting, double& seconds_a_ping);
+  std::vector<Recording> record(const EngineSetting& setting, double& seconds_a_ping);
 
   std::string name_;
   std::unique_ptr<Survey> survey_;
-  std::vector<double> reference_, reference_bound_, ranges_m_;
+  std::vector<double> weight_;  ///< by sensor: its share of the scene's pings
+  std::vector<Recording> reference_;
   double bound_ = 0;
 };
+
+/// The first pings of the first sensor.
+TrialScene::Choice first_pings(std::size_t count);
 
 }  // namespace tubefoot
