@@ -69,6 +69,12 @@ Echoes read_echoes(const std::filesystem::path& file, const std::string& sensor)
   std::vector<std::size_t> lengths;
   echoes.energy = values(group, "energy", lengths);
   echoes.pings = lengths.at(0), echoes.beams = lengths.at(1), echoes.samples = lengths.at(2);
+  int bound = 0;
+  if (nc_inq_varid(group, "energy_bound", &bound) == NC_NOERR) {
+    echoes.bound = values(group, "energy_bound", lengths);
+    if (lengths != std::vector{echoes.pings, echoes.beams, echoes.samples})
+      throw std::runtime_error("energy_bound has another shape than energy");
+  }
   echoes.slant_range_bounds_m = values(group, "slant_range_bounds", lengths);
   return echoes;
 }

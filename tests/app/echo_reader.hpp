@@ -13,6 +13,7 @@ namespace tubefoot {
 struct Echoes {
   std::size_t pings = 0, beams = 0, samples = 0;
   std::vector<double> energy;  ///< ping, beam, sample
+  std::vector<double> bound;   ///< the same, empty where the file has none
   std::vector<double> slant_range_bounds_m;
 
   double at(std::size_t ping, std::size_t beam, std::size_t sample) const {
