@@ -4,6 +4,8 @@ find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 
 find_package(CGAL REQUIRED)
+find_library(ARB_LIBRARY NAMES flint-arb arb REQUIRED)  # Debian calls it flint-arb; neither ships a CMake package
+find_library(FLINT_LIBRARY NAMES flint REQUIRED)
 find_package(OpenMesh CONFIG REQUIRED)  # CONFIG: CGAL puts a failing FindOpenMesh on the module path
 find_package(GDAL CONFIG REQUIRED)
 find_package(fmt REQUIRED)

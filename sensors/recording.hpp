@@ -16,10 +16,10 @@ struct Recording {
   std::vector<double> ping_time_s;
   std::vector<Pose> ping_pose;  ///< of the sensor
   std::vector<double> energy;   ///< [ping][beam][sample], J for a source of 1 J/sr at 1 m
-  /// Reference runs: certified half-width of each energy [J], laid out as the energies; empty in others.
-  std::vector<double> energy_bound;
   double sound_speed_m_s = 0;
   double absorption_db_per_km = 0;
+  /// Reference runs: certified half-width of each energy [J], laid out as the energies; empty in others.
+  std::vector<double> energy_bound{};
 };
 
 /// Throws std::invalid_argument unless the recording has a sensor and as many times, poses and energies as it

@@ -52,6 +52,9 @@ int run_command(const RunOptions& options) {
   std::optional<double> reference_tolerance;
   if (options.reference) {
     reference_tolerance = options.tolerance.value_or(1e-9);
+    // Not a number passes the command line's own range.
+    if (!(*reference_tolerance >= 1e-12 && *reference_tolerance <= 0.1))
+      throw UsageError(fmt::format("--tolerance must be 1e-12 to 0.1, not {}", *reference_tolerance));
     if (description.run.engine != "tube")
       throw UsageError("--reference measures footprints: it needs --engine tube");
     if (description.run.binning != "exact")

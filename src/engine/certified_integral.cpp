@@ -12,7 +12,7 @@ namespace tubefoot {
 namespace {
 
 constexpr int fewest_nodes = 2, most_nodes = 32;
-constexpr std::size_t most_intervals = 2000;  // of a slab
+constexpr std::size_t most_halvings = 500;  // of a slab
 constexpr int deepest = 90;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -112,9 +112,10 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
       sink(beam, slab.sample, parts_[beam - first_beam].sum);
   }
   for (const PolarSlabs::Gap& gap : slabs_.gaps()) {
-    // g(r) times the area between the two circles. The arcs of a circle in a convex polygon are no longer than
-    // its perimeter: they are a part of the boundary of what both have in common.
-    const Ball r = Ball::between(double(gap.lo) * (1 - 1e-15), double(gap.hi) * (1 + 1e-15)), rho = root(squared(r) - distance2_);
+    // g(r) times the area between the two circles. The arcs of a circle in a convex polygon are no longer
+    // than its perimeter: they are a part of the boundary of what both have in common.
+    const Ball r = Ball::between(double(gap.lo) * (1 - 1e-15), double(gap.hi) * (1 + 1e-15)),
+               rho = root(squared(r) - distance2_);
     const double turn = 2 * Ball::pi().hi(), by_perimeter = (polygon.perimeter / rho).hi();
     const Ball angle(by_perimeter < turn ? by_perimeter : turn);  // also where it is not a number
     const Ball most =
@@ -217,14 +218,14 @@ N CertifiedIntegrator::arcs_length(const N& t, const N& t2) const {
 void CertifiedIntegrator::integrate(const Ball& t0, const Ball& t1, double relative) {
   const Ball whole = t1 - t0;
   work_.assign(1, {t0, t1, 0});
-  std::size_t done = 0;
-  while (!work_.empty()) {
-    const Interval interval = work_.back();
-    work_.pop_back();
+  // First come, first served: what is left at the work limit is all small.
+  std::size_t halved = 0;
+  for (std::size_t next = 0; next < work_.size(); ++next) {
+    const Interval interval = work_[next];
     const bool fits =
         patterns_ ? try_patterned(interval, whole, relative) : try_interval(interval, whole, relative);
     if (fits) continue;
-    if (++done >= most_intervals || interval.depth >= deepest) {
+    if (++halved > most_halvings || interval.depth >= deepest) {
       enclose(interval);
       ++given_up_;
       continue;
@@ -244,13 +245,20 @@ void CertifiedIntegrator::halve(const Interval& interval) {
   work_.push_back(std::move(second));
 }
 
-/// From nothing to all of the circle times the integrand's largest value.
+/// From nothing to all of the circle times the integrand's largest value; or, if that says more, the area
+/// times the integrand's range.
 void CertifiedIntegrator::enclose(const Interval& interval) {
-  const Ball t = Ball::between(interval.from.lo(), interval.to.hi()), r = root(q2_ + squared(t));
-  const Ball width = interval.to - interval.from;
-  const Ball share((interval.v_to - interval.v_from) / 2);
-  const double most = (radial(t, r) * Ball(2) * Ball::pi() * width * share * largest_gain_).hi();
-  for (Part& part : parts_) part.sum += Ball(std::max(most, 0.0)) * Ball::between(0, 1);
+  const Ball width = interval.to - interval.from, share((interval.v_to - interval.v_from) / 2);
+  const Ball t(std::max(interval.to.hi(), 0.0)), r(root(q2_ + squared(interval.from)).lo());
+  const Ball largest = radial(t, r) * Ball(2) * Ball::pi() * width * share * largest_gain_;
+  const double most = std::max(largest.hi(), 0.0);
+  const std::vector<Ball> range =
+      patterns_ && !(arcs_.empty() && !full_circle_) ? box(interval) : std::vector<Ball>(parts_.size());
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    const bool narrower = patterns_ && range[b].is_finite() && range[b].hi() > 0 && range[b].hi() < most;
+    parts_[b].sum += narrower ? Ball::between(std::max(range[b].lo(), 0.0), range[b].hi())
+                              : Ball(most) * Ball::between(0, 1);
+  }
 }
 
 bool CertifiedIntegrator::try_interval(const Interval& interval, const Ball& whole, double relative) {
@@ -542,9 +550,8 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
   return true;
 }
 
-/// A box that no rule serves, such as one across a corner of a table: area times the integrand's range, if
-/// that is narrow enough.
-bool CertifiedIntegrator::try_box(const Interval& interval, double share, double relative) {
+/// By beam: area times the integrand's range.
+std::vector<Ball> CertifiedIntegrator::box(const Interval& interval) const {
   const Ball width = interval.to - interval.from;
   const Ball t = Ball::between(interval.from.lo(), interval.to.hi()),
              v = Ball::between(interval.v_from, interval.v_to);
@@ -555,6 +562,12 @@ bool CertifiedIntegrator::try_box(const Interval& interval, double share, double
   };
   for (const Arc& arc : arcs_) take(&arc);
   if (full_circle_) take(nullptr);
+  return found;
+}
+
+/// A box that no rule serves, such as one across a row of a table, if it is narrow enough.
+bool CertifiedIntegrator::try_box(const Interval& interval, double share, double relative) {
+  const std::vector<Ball> found = box(interval);
   for (std::size_t b = 0; b < parts_.size(); ++b)
     if (!(found[b].hi() - found[b].lo() <= relative * found[b].lo() + parts_[b].allowed * share))
       return false;

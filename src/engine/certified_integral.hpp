@@ -92,6 +92,7 @@ class CertifiedIntegrator {
                    std::vector<double>& by_beam) const;
   Ball gain(const Cosine& cosine, const Ball& w) const;
   bool try_patterned(const Interval& interval, const Ball& whole, double relative);
+  std::vector<Ball> box(const Interval& interval) const;
   bool try_box(const Interval& interval, double share, double relative);
   std::vector<Ball> values(const Arc* arc, const Ball& t, const std::vector<Ball>& v,
                            const std::vector<Ball>& weight) const;
