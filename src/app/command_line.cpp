@@ -45,8 +45,13 @@ int run_command_line(int argc, char** argv) {
   run_app->add_option("-o,--output", run.output, "folder to write; made whole or not at all")->required();
   run_app->add_option("--engine", run.engine, "tube (exact) or ray (sampling)")
       ->check(CLI::IsMember({"tube", "ray"}));
-  run_app->add_option("--rays", run.rays, "ray engine: rays per ping")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
+  run_app->add_option("--sampling", run.sampling, "ray engine: stratified, regular, random or column")
+      ->check(CLI::IsMember({"stratified", "regular", "random", "column"}));
+  CLI::Option* rays = run_app->add_option("--rays", run.rays, "ray engine: rays per ping")
+                          ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}));
+  run_app->add_option("--rays-per-beam", run.rays_per_beam, "ray engine: rays per beam instead")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}))
+      ->excludes(rays);
   run_app->add_option("--seed", run.seed, "ray engine: seed of the sampling")->check(CLI::NonNegativeNumber);
   run_app->footer("Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead");
   run_app->callback([&] { command = [&] { return run_command(run); }; });

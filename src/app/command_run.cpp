@@ -33,7 +33,12 @@ int run_command(const RunOptions& options) {
   const Clock::time_point start = Clock::now();
   SceneDescription description = described(options);
   if (options.engine) description.run.engine = *options.engine;
-  if (options.rays) description.run.rays_per_ping = *options.rays;
+  if (options.sampling) description.run.sampling = *options.sampling;
+  if (options.rays) {
+    description.run.rays_per_ping = *options.rays;
+    description.run.rays_per_beam.reset();
+  }
+  if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
   if (options.seed) description.run.seed = *options.seed;
   const InterruptGuard interrupt;
   OutputFolder output(options.output);
@@ -67,10 +72,16 @@ int run_command(const RunOptions& options) {
   json["scene_hash"] = description.sha256;
   json["version"] = TUBEFOOT_VERSION;
   json["engine"] = run.engine;
-  if (exact)
+  if (exact) {
     json["arithmetic"] = run.arithmetic;
-  else
-    json["rays_per_ping"] = run.rays_per_ping, json["seed"] = run.seed;
+  } else {
+    json["sampling"] = run.sampling;
+    if (run.rays_per_beam)
+      json["rays_per_beam"] = *run.rays_per_beam;
+    else
+      json["rays_per_ping"] = run.rays_per_ping;
+    json["seed"] = run.seed;
+  }
   json["threads"] = limit.threads();
   json["grid_unit_m"] = scene.grid.unit_m();
   json["facets"] = scene.mesh.facets.size();

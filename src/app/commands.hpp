@@ -28,7 +28,8 @@ PingRange parse_ping_range(const std::string& text);
 struct RunOptions : CommonOptions {
   std::filesystem::path output;
   std::optional<std::string> engine;
-  std::optional<std::int64_t> rays;
+  std::optional<std::string> sampling;
+  std::optional<std::int64_t> rays, rays_per_beam;
   std::optional<std::uint64_t> seed;
 };
 
