@@ -50,8 +50,13 @@ int run_command_line(int argc, char** argv) {
                    "tube engine: cut footprints at the samples' borders (exact), or use their centroid's "
                    "energy, spread over their ranges or not")
       ->check(CLI::IsMember({"exact", "spread", "centroid"}));
-  run_app->add_option("--rays", run.rays, "ray engine: rays per ping")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
+  run_app->add_option("--sampling", run.sampling, "ray engine: stratified, regular, random or column")
+      ->check(CLI::IsMember({"stratified", "regular", "random", "column"}));
+  CLI::Option* rays = run_app->add_option("--rays", run.rays, "ray engine: rays per ping")
+                          ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}));
+  run_app->add_option("--rays-per-beam", run.rays_per_beam, "ray engine: rays per beam instead")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}))
+      ->excludes(rays);
   run_app->add_option("--seed", run.seed, "ray engine: seed of the sampling")->check(CLI::NonNegativeNumber);
   auto* reference = run_app->add_flag("--reference", run.reference,
                                       "tube engine: certify every energy and write energy_bound beside it");
@@ -133,7 +138,8 @@ int run_command_line(int argc, char** argv) {
 
   const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
-    fmt::print(stderr, "tubefoot: there is no command '{}': run, check, audit, footprints, compare or chart\n",
+    fmt::print(stderr,
+               "tubefoot: there is no command '{}': run, check, audit, footprints, compare or chart\n",
                argv[1]);
     return wrong_input;
   }

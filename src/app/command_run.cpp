@@ -47,7 +47,12 @@ int run_command(const RunOptions& options) {
   SceneDescription description = described(options);
   if (options.engine) description.run.engine = *options.engine;
   if (options.binning) description.run.binning = *options.binning;
-  if (options.rays) description.run.rays_per_ping = *options.rays;
+  if (options.sampling) description.run.sampling = *options.sampling;
+  if (options.rays) {
+    description.run.rays_per_ping = *options.rays;
+    description.run.rays_per_beam.reset();
+  }
+  if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
   if (options.seed) description.run.seed = *options.seed;
   std::optional<double> reference_tolerance;
   if (options.reference) {
@@ -94,10 +99,17 @@ int run_command(const RunOptions& options) {
   json["scene_hash"] = description.sha256;
   json["version"] = TUBEFOOT_VERSION;
   json["engine"] = run.engine;
-  if (exact)
-    json["arithmetic"] = run.arithmetic, json["binning"] = run.binning;
-  else
-    json["rays_per_ping"] = run.rays_per_ping, json["seed"] = run.seed;
+  if (exact) {
+    json["arithmetic"] = run.arithmetic;
+    json["binning"] = run.binning;
+  } else {
+    json["sampling"] = run.sampling;
+    if (run.rays_per_beam)
+      json["rays_per_beam"] = *run.rays_per_beam;
+    else
+      json["rays_per_ping"] = run.rays_per_ping;
+    json["seed"] = run.seed;
+  }
   if (reference_tolerance) {
     const ReferenceStats& reference = stats.reference;
     json["reference"] = {{"tolerance", *reference_tolerance},

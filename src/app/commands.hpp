@@ -30,7 +30,8 @@ struct RunOptions : CommonOptions {
   std::filesystem::path output;
   std::optional<std::string> engine;
   std::optional<std::string> binning;
-  std::optional<std::int64_t> rays;
+  std::optional<std::string> sampling;
+  std::optional<std::int64_t> rays, rays_per_beam;
   std::optional<std::uint64_t> seed;
   bool reference = false;
   std::optional<double> tolerance;  ///< of a reference; 1e-9 if unset

@@ -142,16 +142,18 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, cons
               Echo& echo) {
   const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
   const std::vector<double> borders = sample_borders_m(samples);
+  const double samples_per_m = samples.count / (borders.back() - borders.front());
   for (const RayHit& hit : hits) {
     const double r = hit.slant_range_m;
     const std::span<double> row = rows.of_tube(hit.tube);
     const double mu = rows.mu(hit.facet);
     if (!(r > 0 && r >= borders.front() && r < borders.back())) continue;
-    // The borders decide, not a division: footprints are cut at the same numbers.
-    const auto above = std::upper_bound(borders.begin(), borders.end(), r);
-    const auto sample = std::size_t(above - borders.begin() - 1);
-    const double energy =
-        mu * std::sin(hit.grazing_angle_rad) * hit.solid_angle_sr / (r * r) * std::exp(-beta * r);
+    // The borders decide, not the division: footprints are cut at the same numbers.
+    auto sample = std::min(std::size_t((r - borders.front()) * samples_per_m), row.size() - 1);
+    while (r < borders[sample]) --sample;
+    while (r >= borders[sample + 1]) ++sample;
+    const double spread = mu * hit.sine_grazing * hit.solid_angle_sr / (r * r);
+    const double energy = beta > 0 ? spread * std::exp(-beta * r) : spread;
     if (law.patterns == nullptr) {
       row[sample] += energy;
       continue;

@@ -15,8 +15,8 @@ struct RayHit {
   FacetId facet = 0;
   std::uint32_t tube = 0;
   double slant_range_m = 0;
-  double grazing_angle_rad = 0;
-  double solid_angle_sr = 0;  ///< weight: the hit stands for an area solid_angle * range^2 / sin(grazing)
+  double sine_grazing = 0;    ///< of the grazing angle between ray and facet
+  double solid_angle_sr = 0;  ///< weight: the hit stands for an area solid_angle * range^2 / sine_grazing
   glm::vec3 direction{0};     ///< of the ray, unit, in the local frame; read by beam patterns
 };
 

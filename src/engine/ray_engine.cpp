@@ -3,144 +3,43 @@
 
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
-#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "geometry/wide_int.hpp"
 
 namespace tubefoot {
 namespace {
 
-/// A random number in [0, 1) that depends on its key alone (the finalizer of SplitMix64 over each part of the
-/// key).
-double uniform(std::uint64_t seed, std::uint64_t tube, std::uint64_t ray, std::uint64_t draw) {
-  std::uint64_t state = 0;
-  for (const std::uint64_t part : {seed, tube, ray, draw}) {
-    state = (state ^ part) + 0x9e3779b97f4a7c15u;
-    state = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
-    state = (state ^ (state >> 27)) * 0x94d049bb133111ebu;
-    state ^= state >> 31;
-  }
-  return double(state >> 11) * 0x1p-53;
-}
-
-/// Solid angle of three directions; the triple product from differences, for the sake of narrow cells.
-double solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
-  const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-  const double triple = glm::dot(a, glm::cross(b - a, c - a));
-  return 2 *
-         std::atan2(triple, la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
-}
-
-/// A tube as the cone over the bilinear patch of its corner rays. The patch is ruled both ways, so lines of
-/// constant u or v are straight, cells of a (u, v) grid are tubes themselves, and their solid angles are
-/// closed forms.
-struct Patch {
-  std::array<glm::dvec3, 4> corner;
-
-  glm::dvec3 at(double u, double v) const {
-    return (1 - v) * ((1 - u) * corner[0] + u * corner[1]) + v * ((1 - u) * corner[3] + u * corner[2]);
-  }
-  /// x . (dx/du x dx/dv), which is bilinear in u and v; over |x|^3 it is solid angle per du dv.
-  double triple(double u, double v) const {
-    const glm::dvec3 du = (1 - v) * (corner[1] - corner[0]) + v * (corner[2] - corner[3]);
-    const glm::dvec3 dv = (1 - u) * (corner[3] - corner[0]) + u * (corner[2] - corner[1]);
-    return glm::dot(at(u, v), glm::cross(du, dv));
-  }
+/// A facet's plane: normal . x = distance, metres from the grid's origin; the normal has unit length, or is 0
+/// for a facet of no area. Rounded from the exact integers.
+struct RayPlane {
+  glm::dvec3 normal;
+  double distance_m;
 };
 
-struct Cell {
-  double u0, u1, v0, v1;
-};
-
-double solid_angle(const Patch& patch, const Cell& cell) {
-  const glm::dvec3 a = patch.at(cell.u0, cell.v0), b = patch.at(cell.u1, cell.v0);
-  const glm::dvec3 c = patch.at(cell.u1, cell.v1), d = patch.at(cell.u0, cell.v1);
-  return solid_angle(a, b, c) + solid_angle(a, c, d);
-}
-
-/// A direction in a cell, uniform in solid angle: drawn uniformly in (u, v) and kept with a probability
-/// proportional to the solid angle per du dv, whose largest value in the cell is bounded by its bilinear
-/// numerator's at the corners and by |x| >= x . m for any unit m, which is linear along both rulings.
-glm::dvec3 draw(const Patch& patch, const Cell& cell, std::uint64_t seed, std::uint64_t tube,
-                std::uint64_t ray) {
-  const glm::dvec3 middle = glm::normalize(patch.at((cell.u0 + cell.u1) / 2, (cell.v0 + cell.v1) / 2));
-  double largest = 0, shortest = std::numeric_limits<double>::infinity();
-  for (const double u : {cell.u0, cell.u1})
-    for (const double v : {cell.v0, cell.v1}) {
-      largest = std::max(largest, patch.triple(u, v));
-      shortest = std::min(shortest, glm::dot(patch.at(u, v), middle));
-    }
-  const double bound = largest / (shortest * shortest * shortest);
-  constexpr std::uint64_t patience = 1000;  // never needed: a quarter or more of the draws are kept
-  for (std::uint64_t attempt = 0; attempt < patience; ++attempt) {
-    const double u = cell.u0 + (cell.u1 - cell.u0) * uniform(seed, tube, ray, 3 * attempt);
-    const double v = cell.v0 + (cell.v1 - cell.v0) * uniform(seed, tube, ray, 3 * attempt + 1);
-    const glm::dvec3 x = patch.at(u, v);
-    const double length = glm::length(x);
-    const double density = patch.triple(u, v) / (length * length * length);
-    if (uniform(seed, tube, ray, 3 * attempt + 2) * bound <= density) return x / length;
-  }
-  return middle;
-}
-
-/// The rays of one tube: how many, in how many rows.
-struct Allotment {
-  Patch patch;
-  double solid_angle = 0;
-  std::int64_t rays = 0, rows = 0;
-  std::int64_t row_begin(std::int64_t row) const {
-    // row * rays overflows no 64-bit integer for any number of rays that fits memory: rows is its square
-    // root.
-    return row * rays / rows;
-  }
-};
-
-std::vector<Allotment> allot(const TubeSet& tubes, std::int64_t rays) {
-  std::vector<Allotment> all(tubes.tubes.size());
-  double total = 0;
-  for (std::size_t t = 0; t < all.size(); ++t) {
-    Patch& patch = all[t].patch;
-    for (int k = 0; k < 4; ++k) {
-      const GridPoint& ray = tubes.rays.at(tubes.tubes[t][k]);
-      patch.corner[k] = glm::normalize(glm::dvec3(ray.x, ray.y, ray.z));
-    }
-    all[t].solid_angle = solid_angle(patch, {0, 1, 0, 1});
-    for (const double u : {0.0, 1.0})
-      for (const double v : {0.0, 1.0})
-        if (!(patch.triple(u, v) >= 0) || !(all[t].solid_angle > 0))
-          throw std::invalid_argument(fmt::format(
-              "tube {} is not a convex pyramid with a solid angle: no rays can be drawn from it", t));
-    total += all[t].solid_angle;
-  }
-  double before = 0;
-  for (Allotment& tube : all) {
-    const double after = before + tube.solid_angle;
-    // Rounding the running total, not each share, keeps the sum at `rays`.
-    const auto share = [&](double sum) { return std::int64_t(std::llround(double(rays) * (sum / total))); };
-    tube.rays = rays == 0 ? 0 : std::max<std::int64_t>(share(after) - share(before), 1);
-    before = after;
-    const auto& c = tube.patch.corner;
-    const double width = glm::length(c[1] - c[0]) + glm::length(c[2] - c[3]);
-    const double height = glm::length(c[3] - c[0]) + glm::length(c[2] - c[1]);
-    const double rows = std::round(std::sqrt(double(tube.rays) * height / width));
-    tube.rows = std::int64_t(std::clamp(rows, 1.0, std::max(double(tube.rays), 1.0)));
-  }
-  return all;
+RayPlane plane_of(const FacetMesh& mesh, FacetId facet, double unit_m) {
+  const auto& [a, b, c] = mesh.facets[facet];
+  const GridPoint &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
+  const Int128 qx = Int128(q.x) - p.x, qy = Int128(q.y) - p.y, qz = Int128(q.z) - p.z;
+  const Int128 rx = Int128(r.x) - p.x, ry = Int128(r.y) - p.y, rz = Int128(r.z) - p.z;
+  const Int128 nx = qy * rz - qz * ry, ny = qz * rx - qx * rz, nz = qx * ry - qy * rx;
+  if (nx == 0 && ny == 0 && nz == 0) return {glm::dvec3(0), 0};
+  const glm::dvec3 normal{double(nx), double(ny), double(nz)};
+  const double length = glm::length(normal);
+  return {normal / length, double(nx * p.x + ny * p.y + nz * p.z) / length * unit_m};
 }
 
 /// Whether the apex lies exactly in the plane of a facet, corners relative to the apex in grid units.
 bool plane_holds_apex(const std::array<std::array<std::int64_t, 3>, 3>& p) {
-  using boost::multiprecision::int128_t;
-  const auto minor = [&](int i, int j) { return int128_t(p[1][i]) * p[2][j] - int128_t(p[1][j]) * p[2][i]; };
+  const auto minor = [&](int i, int j) { return Int128(p[1][i]) * p[2][j] - Int128(p[1][j]) * p[2][i]; };
   return p[0][0] * minor(1, 2) + p[0][1] * minor(2, 0) + p[0][2] * minor(0, 1) == 0;
 }
 
@@ -156,6 +55,7 @@ struct RayScene::State {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::string message;
+  std::vector<RayPlane> planes;
 
   State(const FacetMesh& facet_mesh, const WorldGrid& grid) : mesh(facet_mesh), unit_m(grid.unit_m()) {}
   ~State() {
@@ -184,6 +84,8 @@ struct RayScene::State {
   }
 
   void add_facets() {
+    planes.resize(mesh.facets.size());
+    for (FacetId facet = 0; facet < planes.size(); ++facet) planes[facet] = plane_of(mesh, facet, unit_m);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
@@ -203,53 +105,116 @@ struct RayScene::State {
     rtcReleaseGeometry(geometry);
   }
 
-  /// The first facet along a ray, with its range and grazing angle from the facet's plane in double.
-  bool meet(GridPoint apex, glm::dvec3 direction, double reach_m, RayHit& hit) const {
-    RTCRayHit ray{};
-    ray.ray.org_x = float(apex.x * unit_m);
-    ray.ray.org_y = float(apex.y * unit_m);
-    ray.ray.org_z = float(apex.z * unit_m);
-    ray.ray.dir_x = float(direction.x);
-    ray.ray.dir_y = float(direction.y);
-    ray.ray.dir_z = float(direction.z);
-    ray.ray.mask = ~0u;
-    while (true) {
-      ray.ray.tfar = float(reach_m);
-      ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcIntersect1(scene, &context, &ray);
-      if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-      hit.facet = ray.hit.primID;
-      if (on_plane(apex, direction, double(ray.ray.tfar), hit)) return true;
-      ray.ray.tnear = std::nextafter(ray.ray.tfar, std::numeric_limits<float>::infinity());
+  /// Traces the rays of a source and appends their hits to `hits`; returns the end.
+  RayHit* trace(GridPoint apex, double reach_m, RaySource source, RayHit* hits) const;
+  bool on_plane(GridPoint apex, glm::dvec3 direction, double embree_range_m, RayHit& hit) const;
+  bool meet_beyond(GridPoint apex, glm::dvec3 direction, double from_m, double reach_m, RayHit& hit) const;
+};
+
+RayHit* RayScene::State::trace(GridPoint apex, double reach_m, RaySource source, RayHit* hits) const {
+  constexpr int lanes = RayPacket::size;
+  alignas(64) int valid[lanes];
+  RTCRayHit16 rays;
+  std::fill_n(rays.ray.org_x, lanes, float(apex.x * unit_m));
+  std::fill_n(rays.ray.org_y, lanes, float(apex.y * unit_m));
+  std::fill_n(rays.ray.org_z, lanes, float(apex.z * unit_m));
+  std::fill_n(rays.ray.tnear, lanes, 0.0f);
+  std::fill_n(rays.ray.time, lanes, 0.0f);
+  std::fill_n(rays.ray.mask, lanes, ~0u);
+  std::fill_n(rays.ray.id, lanes, 0u);
+  std::fill_n(rays.ray.flags, lanes, 0u);
+  std::fill_n(rays.hit.instID[0], lanes, RTC_INVALID_GEOMETRY_ID);
+  std::fill_n(valid, lanes, -1);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+
+  RayPacket packet;
+  packet.x = packet.y = packet.z = {};
+  while (source.next(packet)) {
+    if (packet.count < lanes) std::fill_n(valid + packet.count, lanes - packet.count, 0);
+    for (int k = 0; k < lanes; ++k) {
+      rays.ray.dir_x[k] = float(packet.x[k]);
+      rays.ray.dir_y[k] = float(packet.y[k]);
+      rays.ray.dir_z[k] = float(packet.z[k]);
+      rays.ray.tfar[k] = float(reach_m);
+      rays.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect16(valid, scene, &context, &rays);
+    for (int k = 0; k < packet.count; ++k) {
+      if (rays.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+      const glm::dvec3 direction(packet.x[k], packet.y[k], packet.z[k]);
+      hits->facet = rays.hit.primID[k];
+      if (!on_plane(apex, direction, double(rays.ray.tfar[k]), *hits) &&
+          !meet_beyond(apex, direction, double(rays.ray.tfar[k]), reach_m, *hits))
+        continue;
+      hits->tube = packet.tube[k];
+      hits->solid_angle_sr = packet.weight[k];
+      hits->direction = glm::vec3(direction);
+      ++hits;
     }
   }
+  return hits;
+}
 
-  bool on_plane(GridPoint apex, glm::dvec3 direction, double embree_range, RayHit& hit) const {
+/// Range and grazing angle from the facet's plane in double; false if the plane contains the apex.
+bool RayScene::State::on_plane(GridPoint apex, glm::dvec3 direction, double embree_range_m,
+                               RayHit& hit) const {
+  const RayPlane& plane = planes[hit.facet];
+  const glm::dvec3 place = unit_m * glm::dvec3(apex.x, apex.y, apex.z);
+  const double across = glm::dot(plane.normal, place), offset = plane.distance_m - across;
+  const double descent = glm::dot(plane.normal, direction), range = offset / descent;
+  hit.slant_range_m = range;
+  hit.sine_grazing = std::abs(descent);
+  const auto corners = [&] {
     std::array<std::array<std::int64_t, 3>, 3> p{};
-    std::array<glm::dvec3, 3> corner;
-    double farthest = 0;
     for (int k = 0; k < 3; ++k) {
       const GridPoint& vertex = mesh.vertices[mesh.facets[hit.facet][k]];
       p[k] = {std::int64_t(vertex.x) - apex.x, std::int64_t(vertex.y) - apex.y,
               std::int64_t(vertex.z) - apex.z};
-      corner[k] = unit_m * glm::dvec3(double(p[k][0]), double(p[k][1]), double(p[k][2]));
-      farthest = std::max(farthest, glm::length(corner[k]));
     }
-    if (plane_holds_apex(p)) return false;
-    const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-    const double length = glm::length(normal);
-    const double descent = glm::dot(normal, direction), offset = glm::dot(normal, corner[0]);
-    const double range = offset / descent;
-    // At grazing incidence the ray may meet the plane away from the facet, where Embree's float saw a hit.
+    return p;
+  };
+  // A hundred times what rounding can do to the offset; beyond, the exact sign is not in doubt.
+  if (std::abs(offset) <= 1e-13 * (std::abs(plane.distance_m) + glm::length(place)) &&
+      plane_holds_apex(corners()))
+    return false;
+  // At grazing incidence the ray may meet the plane away from the facet, where Embree's float saw a hit.
+  if (!(std::abs(range - embree_range_m) <= 1e-4 * embree_range_m)) {
+    double farthest = 0;
+    for (const auto& p : corners())
+      farthest = std::max(farthest, unit_m * glm::length(glm::dvec3(p[0], p[1], p[2])));
     hit.slant_range_m =
-        range > 0 ? std::clamp(range, std::min(std::abs(offset) / length, farthest), farthest) : embree_range;
-    hit.grazing_angle_rad = std::atan2(std::abs(descent), glm::length(glm::cross(normal, direction)));
-    return true;
+        range > 0 ? std::clamp(range, std::min(std::abs(offset), farthest), farthest) : embree_range_m;
   }
-};
+  return true;
+}
+
+/// The first facet beyond one whose plane contains the apex.
+bool RayScene::State::meet_beyond(GridPoint apex, glm::dvec3 direction, double from_m, double reach_m,
+                                  RayHit& hit) const {
+  RTCRayHit ray{};
+  ray.ray.org_x = float(apex.x * unit_m);
+  ray.ray.org_y = float(apex.y * unit_m);
+  ray.ray.org_z = float(apex.z * unit_m);
+  ray.ray.dir_x = float(direction.x);
+  ray.ray.dir_y = float(direction.y);
+  ray.ray.dir_z = float(direction.z);
+  ray.ray.mask = ~0u;
+  ray.ray.tfar = float(from_m);
+  do {
+    ray.ray.tnear = std::nextafter(ray.ray.tfar, std::numeric_limits<float>::infinity());
+    ray.ray.tfar = float(reach_m);
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    hit.facet = ray.hit.primID;
+  } while (!on_plane(apex, direction, double(ray.ray.tfar), hit));
+  return true;
+}
 
 RayScene::RayScene(const FacetMesh& mesh, const WorldGrid& grid)
     : state_(std::make_unique<State>(mesh, grid)) {
@@ -259,49 +224,46 @@ RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
-History trace_rays(const RayScene& scene, TubeSet tubes, double grid_unit_m, std::int64_t rays,
-                   std::uint64_t seed) {
-  if (rays < 0)
-    throw std::invalid_argument(fmt::format("the number of rays must not be negative, not {}", rays));
+void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, std::int64_t end,
+                History& history) {
+  constexpr std::int64_t chunk = 4096;  // of rays: a task
+  const TubeSet& tubes = history.tubes;
+  const double reach_m = tubes.reach * history.grid_unit_m;
+  const std::int64_t rays = end - first, chunks = (rays + chunk - 1) / chunk;
+  history.hits.resize(std::size_t(rays));
+  RayHit* const hits = history.hits.data();
+  std::vector<RayHit*> ends(static_cast<std::size_t>(chunks));
+  tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t c) {
+    const std::int64_t begin = c * chunk;
+    ends[c] = scene.state_->trace(tubes.apex, reach_m,
+                                  RaySource(plan, first + begin, first + std::min(begin + chunk, rays)),
+                                  hits + begin);
+  });
+  RayHit* last = hits;
+  for (std::int64_t c = 0; c < chunks; ++c) {
+    RayHit* const begin = hits + c * chunk;
+    last = last == begin ? ends[c] : std::move(begin, ends[c], last);
+  }
+  history.hits.resize(std::size_t(last - hits));
+}
+
+void trace_rays(const RayScene& scene, History& history, const RaySettings& settings,
+                std::span<const std::uint32_t> beam_of_tube, const std::function<void()>& take) {
+  constexpr std::int64_t portion = std::int64_t{1} << 18;
+  const RayPlan plan(history.tubes, settings, beam_of_tube);
+  for (std::int64_t first = 0; first < plan.rays(); first += portion) {
+    trace_rays(scene, plan, first, std::min(first + portion, plan.rays()), history);
+    take();
+  }
+}
+
+History trace_rays(const RayScene& scene, TubeSet tubes, double grid_unit_m, const RaySettings& settings,
+                   std::span<const std::uint32_t> beam_of_tube) {
   History history;
   history.tubes = std::move(tubes);
   history.grid_unit_m = grid_unit_m;
-  const TubeSet& set = history.tubes;
-  const std::vector<Allotment> allotments = allot(set, rays);
-  const double reach_m = set.reach * grid_unit_m;
-
-  struct Row {
-    std::uint32_t tube;
-    std::int64_t row;
-    std::vector<RayHit> hits;
-  };
-  std::vector<Row> rows;
-  for (std::uint32_t t = 0; t < allotments.size(); ++t)
-    for (std::int64_t r = 0; r < (allotments[t].rays > 0 ? allotments[t].rows : 0); ++r)
-      rows.push_back({t, r, {}});
-
-  const auto trace = [&](Row& row) {
-    const Allotment& tube = allotments[row.tube];
-    const std::int64_t begin = tube.row_begin(row.row), end = tube.row_begin(row.row + 1);
-    const double v0 = double(begin) / double(tube.rays), v1 = double(end) / double(tube.rays);
-    for (std::int64_t ray = begin; ray < end; ++ray) {
-      const double cells = double(end - begin);
-      const Cell cell{double(ray - begin) / cells, double(ray - begin + 1) / cells, v0, v1};
-      const glm::dvec3 direction = draw(tube.patch, cell, seed, row.tube, std::uint64_t(ray));
-      RayHit hit;
-      hit.tube = row.tube;
-      if (!scene.state_->meet(set.apex, direction, reach_m, hit)) continue;
-      hit.solid_angle_sr = solid_angle(tube.patch, cell);
-      hit.direction = glm::vec3(direction);
-      row.hits.push_back(hit);
-    }
-  };
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows.size()),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) trace(rows[i]);
-                    });
-
-  for (const Row& row : rows) history.hits.insert(history.hits.end(), row.hits.begin(), row.hits.end());
+  const RayPlan plan(history.tubes, settings, beam_of_tube);
+  trace_rays(scene, plan, 0, plan.rays(), history);
   return history;
 }
 

@@ -175,12 +175,14 @@ struct SensorDescription {
 
 struct RunDescription {
   SourcePlace place;
-  std::string engine = "tube";          ///< tube | ray
-  std::string arithmetic = "fixed";     ///< fixed | filtered | rational | double
-  std::string binning = "exact";        ///< exact | spread | centroid: footprints into range samples
-  std::int64_t facets_per_split = 64;   ///< VisibilityOptions::facets_per_split
-  double zero_tolerance = 0;            ///< VisibilityOptions::tolerance, for double
-  std::int64_t rays_per_ping = 100000;  ///< ray engine
+  std::string engine = "tube";                ///< tube | ray
+  std::string arithmetic = "fixed";           ///< fixed | filtered | rational | double
+  std::string binning = "exact";              ///< exact | spread | centroid: footprints into range samples
+  std::int64_t facets_per_split = 64;         ///< VisibilityOptions::facets_per_split
+  double zero_tolerance = 0;                  ///< VisibilityOptions::tolerance, for double
+  std::string sampling = "stratified";        ///< ray engine: stratified | regular | random | column
+  std::int64_t rays_per_ping = 100000;        ///< ray engine
+  std::optional<std::int64_t> rays_per_beam;  ///< ray engine: instead of rays_per_ping
   std::uint64_t seed = 1;
   std::optional<int> grid_exponent;  ///< unit 2^-k m
   int threads = 0;                   ///< 0: all cores

@@ -165,6 +165,13 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
   }
 }
 
+void check_run(const RunDescription& run, const TomlTable& table) {
+  if (run.rays_per_beam && table.has("rays_per_ping")) {
+    throw InputError(table.place_of("rays_per_beam"),
+                     "rays are counted by ping or by beam: remove 'rays_per_ping' or 'rays_per_beam'");
+  }
+}
+
 /// The keys of a transmit or receive pattern, as keys of the sensor.
 std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side,
                                                          PatternDescription SensorDescription::*pattern) {
@@ -379,16 +386,18 @@ const TomlSection<SensorDescription>& sensor_section() {
 
 const TomlSection<RunDescription>& run_section() {
   using R = RunDescription;
-  static const auto section = TomlSection<R>("[run]").keys(
-      {field("engine", &R::engine, {.choices = {"tube", "ray"}}),
-       field("arithmetic", &R::arithmetic, {.choices = {"fixed", "filtered", "rational", "double"}}),
-       field("binning", &R::binning, {.choices = {"exact", "spread", "centroid"}}),
-       field("facets_per_split", &R::facets_per_split, {.ranges = {{.lo = 2, .hi = 1e6}}}),
-       field("zero_tolerance", &R::zero_tolerance, {.ranges = {{.lo = 0, .hi = 1e-3}}}),
-       field("rays_per_ping", &R::rays_per_ping, {.ranges = {{.lo = 1, .hi = 1e10}}}),
-       field("seed", &R::seed, {.ranges = {not_negative}}),
-       field("grid_exponent", &R::grid_exponent, {.ranges = {{.lo = 0, .hi = 30}}}),
-       field("threads", &R::threads, {.ranges = {{.lo = 0, .hi = 1024}}})});
+  static const auto section =
+      TomlSection<R>("[run]")
+          .keys(
+              {field("engine", &R::engine, {.choices = {"tube", "ray"}}),
+               field("arithmetic", &R::arithmetic, {.choices = {"fixed", "filtered", "rational", "double"}}),
+               field("sampling", &R::sampling, {.choices = {"stratified", "regular", "random", "column"}}),
+               field("rays_per_ping", &R::rays_per_ping, {.ranges = {{.lo = 1, .hi = 1e10}}}),
+               field("rays_per_beam", &R::rays_per_beam, {.ranges = {{.lo = 1, .hi = 1e10}}}),
+               field("seed", &R::seed, {.ranges = {not_negative}}),
+               field("grid_exponent", &R::grid_exponent, {.ranges = {{.lo = 0, .hi = 30}}}),
+               field("threads", &R::threads, {.ranges = {{.lo = 0, .hi = 1024}}})})
+          .check(check_run);
   return section;
 }
 

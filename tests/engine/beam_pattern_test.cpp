@@ -278,7 +278,7 @@ TEST(PatternIntegral, EveryBeamOfAFanHearsEveryTube) {
 TEST(PatternIntegral, RayHitsAreWeighedInTheirOwnDirection) {
   History history;
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0.2, 0.9, -0.3));
-  history.hits = {{0, 0, 21, pi / 6, 1e-4, glm::vec3(direction)}};
+  history.hits = {{0, 0, 21, 0.5, 1e-4, glm::vec3(direction)}};
   const BeamPatterns beam = one_beam(gaussian(0.5), line(2));
   const double plain = echo_of(history, {20, 2, 1}, 0, nullptr).at(0, 0);
   EXPECT_NEAR(echo_of(history, {20, 2, 1}, 0, &beam).at(0, 0) / plain,

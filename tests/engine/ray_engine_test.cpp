@@ -22,6 +22,10 @@ constexpr double pi = std::numbers::pi;
 constexpr double degree = pi / 180;
 const WorldGrid grid(20, glm::dvec3(0));
 
+RaySettings stratified(std::int64_t rays, std::uint64_t seed) {
+  return {RaySampling::stratified, rays, RaySettings::Per::ping, seed};
+}
+
 GridPoint ray_towards(glm::dvec3 v) {
   v = glm::normalize(v) * 0x1p30;
   return {std::int32_t(std::lround(v.x)), std::int32_t(std::lround(v.y)), std::int32_t(std::lround(v.z))};
@@ -104,7 +108,7 @@ TEST(RayEngine, WeightsAddUpToTheTubesSolidAngle) {
     // Wholly on the bed, wide, oblique: from a sliver of a tube to a square one.
     for (const double width : {0.1, 5.0, 30.0}) {
       const TubeSet tubes = pyramid({1, 2, 0}, {1, 0.2, -1.2}, width * degree, 20 * degree);
-      const History history = trace_rays(scene, tubes, grid.unit_m(), rays, 1);
+      const History history = trace_rays(scene, tubes, grid.unit_m(), stratified(rays, 1));
       ASSERT_EQ(history.hits.size(), std::size_t(rays));
       EXPECT_NEAR(total_weight(history) / corner_solid_angle(tubes, tubes.tubes[0]), 1, 1e-12)
           << rays << ' ' << width;
@@ -127,7 +131,7 @@ TEST(RayEngine, RaysAreSharedOutBySolidAngleAndEveryTubeGetsOne) {
   const TubeSet tiny = pyramid({0, 0, 0}, {0, 0, -1}, 0.001 * degree, 0.001 * degree);
   for (const GridPoint& ray : tiny.rays) tubes.rays.push_back(ray);
   tubes.tubes.push_back({6, 7, 8, 9});
-  const History history = trace_rays(scene, tubes, grid.unit_m(), 10000, 1);
+  const History history = trace_rays(scene, tubes, grid.unit_m(), stratified(10000, 1));
   std::array<double, 3> count{}, weight{};
   for (const RayHit& hit : history.hits) {
     ++count[hit.tube];
@@ -146,10 +150,10 @@ TEST(RayEngine, RangeAndGrazingAngleAreThoseOfTheFacetsPlane) {
   const FacetMesh bed = flat_bed(10);
   const RayScene scene(bed, grid);
   const History history = trace_rays(scene, pyramid({1, 2, 0.5}, {1, 0.2, -0.3}, 10 * degree, 10 * degree),
-                                     grid.unit_m(), 1000, 3);
+                                     grid.unit_m(), stratified(1000, 3));
   ASSERT_GT(history.hits.size(), 900u);
   for (const RayHit& hit : history.hits)
-    ASSERT_NEAR(hit.slant_range_m * std::sin(hit.grazing_angle_rad), 10.5, 1e-12 * hit.slant_range_m);
+    ASSERT_NEAR(hit.slant_range_m * hit.sine_grazing, 10.5, 1e-12 * hit.slant_range_m);
 }
 
 TEST(RayEngine, EnergyOfEverySampleConvergesToTheExactFootprint) {
@@ -181,8 +185,8 @@ TEST(RayEngine, EnergyOfEverySampleConvergesToTheExactFootprint) {
   for (const std::int64_t rays : {1, 16, 2500}) {  // one ray: the density inside a wide cell
     std::vector<Statistics> statistics(8);
     for (std::uint64_t seed = 0; seed < (rays < 100 ? 4000u : 60u); ++seed) {
-      const Echo echo =
-          integrate_echo(trace_rays(scene, tubes, grid.unit_m(), rays, seed), beam_of_tube, 1, samples, law);
+      const Echo echo = integrate_echo(trace_rays(scene, tubes, grid.unit_m(), stratified(rays, seed)),
+                                       beam_of_tube, 1, samples, law);
       for (int k = 0; k < 8; ++k) statistics[k].add(echo.at(0, k));
     }
     for (int k = 0; k < 8; ++k)
@@ -207,8 +211,8 @@ TEST(RayEngine, SolidAngleOfASphere) {
   const RayScene scene(mesh, grid);
   Statistics statistics;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const History history =
-        trace_rays(scene, pyramid({0, 0, 0}, {1, 0, 0}, 8 * degree, 8 * degree), grid.unit_m(), 4000, seed);
+    const History history = trace_rays(scene, pyramid({0, 0, 0}, {1, 0, 0}, 8 * degree, 8 * degree),
+                                       grid.unit_m(), stratified(4000, seed));
     statistics.add(total_weight(history));
     for (const RayHit& hit : history.hits) {
       ASSERT_GT(hit.slant_range_m, 8.99);
@@ -225,15 +229,15 @@ TEST(RayEngine, NearerFacetsHide) {
   FacetMesh mesh = flat_bed(10);
   add_rectangle(mesh, {-1, -1, -5}, {2, 0, 0}, {0, 2, 0});  // shadow on the bed: |x|, |y| < 2
   const RayScene scene(mesh, grid);
-  const History history =
-      trace_rays(scene, pyramid({0, 0, 0}, {0, 0, -1}, 30 * degree, 30 * degree), grid.unit_m(), 20000, 9);
+  const History history = trace_rays(scene, pyramid({0, 0, 0}, {0, 0, -1}, 30 * degree, 30 * degree),
+                                     grid.unit_m(), stratified(20000, 9));
   int on_plate = 0;
   for (const RayHit& hit : history.hits) {
     if (hit.facet >= 2)
       ++on_plate;
     else
       EXPECT_GT(hit.slant_range_m, 10 * std::sqrt(1.04) * (1 - 1e-5));
-    EXPECT_NEAR(hit.slant_range_m * std::sin(hit.grazing_angle_rad), hit.facet >= 2 ? 5 : 10, 1e-11);
+    EXPECT_NEAR(hit.slant_range_m * hit.sine_grazing, hit.facet >= 2 ? 5 : 10, 1e-11);
   }
   EXPECT_GT(on_plate, 0);
 }
@@ -259,7 +263,7 @@ TEST(RayEngine, FacetsInAPlaneThroughTheApexAreTransparent) {
     for (const glm::dvec3& ray : {a - across, b - across, b + across, a + across})
       tubes.rays.push_back(ray_towards(ray));
     tubes.tubes = {{0, 1, 2, 3}};
-    const History history = trace_rays(RayScene(mesh, grid), tubes, grid.unit_m(), 500, 9);
+    const History history = trace_rays(RayScene(mesh, grid), tubes, grid.unit_m(), stratified(500, 9));
     ASSERT_EQ(history.hits.size(), 500u);
     for (const RayHit& hit : history.hits) ASSERT_LT(hit.facet, 2u);
   }
@@ -272,12 +276,12 @@ TEST(RayEngine, OneRayInAWideTubeIsUniformInSolidAngle) {
   const double solid_angle = corner_solid_angle(tubes, tubes.tubes[0]);
   const int n = 20000;
   tubes.tubes.assign(n, tubes.tubes[0]);
-  const History history = trace_rays(scene, tubes, grid.unit_m(), n, 77);
+  const History history = trace_rays(scene, tubes, grid.unit_m(), stratified(n, 77));
   ASSERT_EQ(history.hits.size(), std::size_t(n));
   for (const double cone : {10.0, 20.0, 30.0, 40.0, 50.0}) {  // about the axis, inside the tube
     const double expected = 2 * pi * (1 - std::cos(cone * degree)) / solid_angle;
     const auto inside = std::count_if(history.hits.begin(), history.hits.end(), [&](const RayHit& hit) {
-      return hit.grazing_angle_rad > (90 - cone) * degree;
+      return hit.sine_grazing > std::cos(cone * degree);
     });
     EXPECT_NEAR(double(inside) / n, expected, 4.5 * std::sqrt(expected * (1 - expected) / n)) << cone;
   }
@@ -286,19 +290,19 @@ TEST(RayEngine, OneRayInAWideTubeIsUniformInSolidAngle) {
 TEST(RayEngine, ReachEndsRays) {
   const FacetMesh bed = flat_bed(10);
   const RayScene scene(bed, grid);
-  const History history =
-      trace_rays(scene, pyramid({0, 0, 0}, {0, 0, -1}, 30 * degree, 30 * degree, 11), grid.unit_m(), 5000, 1);
+  const History history = trace_rays(scene, pyramid({0, 0, 0}, {0, 0, -1}, 30 * degree, 30 * degree, 11),
+                                     grid.unit_m(), stratified(5000, 1));
   EXPECT_GT(history.hits.size(), 100u);
   EXPECT_LT(history.hits.size(), 4900u);
   for (const RayHit& hit : history.hits) EXPECT_LE(hit.slant_range_m, 11 * (1 + 1e-6));
 }
 
 bool same(const History& a, const History& b) {
-  return std::equal(
-      a.hits.begin(), a.hits.end(), b.hits.begin(), b.hits.end(), [](const RayHit& x, const RayHit& y) {
-        return x.facet == y.facet && x.tube == y.tube && x.slant_range_m == y.slant_range_m &&
-               x.grazing_angle_rad == y.grazing_angle_rad && x.solid_angle_sr == y.solid_angle_sr;
-      });
+  return std::equal(a.hits.begin(), a.hits.end(), b.hits.begin(), b.hits.end(),
+                    [](const RayHit& x, const RayHit& y) {
+                      return x.facet == y.facet && x.tube == y.tube && x.slant_range_m == y.slant_range_m &&
+                             x.sine_grazing == y.sine_grazing && x.solid_angle_sr == y.solid_angle_sr;
+                    });
 }
 
 TEST(RayEngine, SameHitsForAnyNumberOfThreadsAndOthersForAnotherSeed) {
@@ -314,7 +318,7 @@ TEST(RayEngine, SameHitsForAnyNumberOfThreadsAndOthersForAnotherSeed) {
   const TubeSet tubes = pyramid({0, 0, 0}, {1, 0.1, -1}, 20 * degree, 15 * degree);
   const auto run = [&](std::size_t threads, std::uint64_t seed) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    return trace_rays(RayScene(mesh, grid), tubes, grid.unit_m(), 20000, seed);
+    return trace_rays(RayScene(mesh, grid), tubes, grid.unit_m(), stratified(20000, seed));
   };
   const History one = run(1, 5);
   EXPECT_GT(one.hits.size(), 15000u);
@@ -326,20 +330,20 @@ TEST(RayEngine, SameHitsForAnyNumberOfThreadsAndOthersForAnotherSeed) {
 TEST(RayEngine, EmptyMeshAndNoRaysMeetNothing) {
   const FacetMesh nothing, bed = flat_bed(10);
   const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 10 * degree, 10 * degree);
-  EXPECT_TRUE(trace_rays(RayScene(nothing, grid), tubes, grid.unit_m(), 100, 1).hits.empty());
-  EXPECT_TRUE(trace_rays(RayScene(bed, grid), tubes, grid.unit_m(), 0, 1).hits.empty());
-  EXPECT_TRUE(trace_rays(RayScene(bed, grid), TubeSet{}, grid.unit_m(), 100, 1).hits.empty());
+  EXPECT_TRUE(trace_rays(RayScene(nothing, grid), tubes, grid.unit_m(), stratified(100, 1)).hits.empty());
+  EXPECT_TRUE(trace_rays(RayScene(bed, grid), tubes, grid.unit_m(), stratified(0, 1)).hits.empty());
+  EXPECT_TRUE(trace_rays(RayScene(bed, grid), TubeSet{}, grid.unit_m(), stratified(100, 1)).hits.empty());
 }
 
 TEST(RayEngine, BadInputIsRefused) {
   const FacetMesh bed = flat_bed(10);
   const RayScene scene(bed, grid);
   TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 10 * degree, 10 * degree);
-  EXPECT_THROW(trace_rays(scene, tubes, grid.unit_m(), -1, 1), std::invalid_argument);
+  EXPECT_THROW(trace_rays(scene, tubes, grid.unit_m(), stratified(-1, 1)), std::invalid_argument);
   tubes.tubes = {{0, 3, 2, 1}};  // inside out
-  EXPECT_THROW(trace_rays(scene, tubes, grid.unit_m(), 10, 1), std::invalid_argument);
+  EXPECT_THROW(trace_rays(scene, tubes, grid.unit_m(), stratified(10, 1)), std::invalid_argument);
   tubes.tubes = {{0, 1, 1, 0}};  // flat
-  EXPECT_THROW(trace_rays(scene, tubes, grid.unit_m(), 10, 1), std::invalid_argument);
+  EXPECT_THROW(trace_rays(scene, tubes, grid.unit_m(), stratified(10, 1)), std::invalid_argument);
 }
 
 }  // namespace
