@@ -13,9 +13,10 @@ namespace {
 
 constexpr double width = 760, height = 520, left = 84, right = 206, top = 44, bottom = 62;
 
-// Okabe & Ito's palette, which colour-blind readers tell apart; yellow is left out, it is too faint on white.
-constexpr std::array<const char*, 7> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                             "#56b4e9", "#e69f00", "#000000"};
+// Okabe & Ito's palette, which colour-blind readers tell apart; with a brown for its yellow, which is too
+// faint on white.
+constexpr std::array<const char*, 8> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                             "#56b4e9", "#e69f00", "#000000", "#8c6d31"};
 
 std::string escaped(const std::string& text) {
   std::string out;

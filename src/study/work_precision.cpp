@@ -74,8 +74,10 @@ double error_of(const Trial& trial, ErrorMeasure measure) {
 
 std::optional<double> convergence_order(std::span<const Trial> trials, ErrorMeasure measure, double floor) {
   std::vector<std::pair<double, double>> points;
+  const double ceiling = measure == ErrorMeasure::l1 ? unconverged_l1 : unconverged_db;
   for (const Trial& t : trials)
-    if (const double error = error_of(t, measure); t.samples > 0 && error > floor && error > 0)
+    if (const double error = error_of(t, measure);
+        t.samples > 0 && error > floor && error > 0 && error < ceiling)
       points.emplace_back(std::log(t.samples), std::log(error));
   if (points.size() < 3) return std::nullopt;
   const std::optional<Line> line = fit(points);

@@ -21,8 +21,11 @@ struct Trial {
 enum class ErrorMeasure { l1, rms_db };
 double error_of(const Trial& trial, ErrorMeasure measure);
 
+/// Errors above this say nothing of convergence: most bins are still missed.
+constexpr double unconverged_l1 = 0.3, unconverged_db = 3;
+
 /// Slope of log error over log `samples`, by least squares over the trials that have both positive and whose
-/// error is above `floor`. None with fewer than three such trials.
+/// error is above `floor` and has begun to converge. None with fewer than three such trials.
 std::optional<double> convergence_order(std::span<const Trial> trials, ErrorMeasure measure, double floor);
 
 /// What it costs to reach an error, from trials of any number of engines.
