@@ -112,9 +112,14 @@ RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::fun
 }
 
 std::size_t RadialIntegral::cell_at(double range_m) const {
-  const auto beyond = std::upper_bound(cells_.begin(), cells_.end(), range_m,
-                                       [](double range, const Cell& cell) { return range < cell.hi; });
-  return std::size_t(beyond - cells_.begin());
+  if (!(range_m >= cells_.front().hi)) return 0;
+  if (range_m >= cells_.back().hi) return cells_.size();
+  // Samples are even and most of them one cell: the guess is nearly always right.
+  const double part = (range_m - front()) / (back() - front());
+  auto k = std::min(static_cast<std::size_t>(part * static_cast<double>(cells_.size())), cells_.size() - 1);
+  while (range_m >= cells_[k].hi) ++k;
+  while (k > 0 && range_m < cells_[k - 1].hi) --k;
+  return k;
 }
 
 double RadialIntegral::within(const Cell& cell, double from_m, double length_m) {

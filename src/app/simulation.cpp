@@ -74,8 +74,11 @@ Engine make_engine(const Survey& survey) {
         };
   }
   const auto engine = std::make_shared<TubeEngine>(scene.mesh, *survey.tree, unit, options_of(run));
-  return [engine](TubeSet tubes, std::span<const std::uint32_t>, std::uint64_t, std::size_t& candidates,
-                  const Take& take) { take(engine->trace(std::move(tubes), &candidates)); };
+  const bool measured = run.binning != "exact";
+  return [engine, measured](TubeSet tubes, std::span<const std::uint32_t>, std::uint64_t,
+                            std::size_t& candidates, const Take& take) {
+    take(engine->trace(std::move(tubes), &candidates, measured));
+  };
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ TubeEngine::TubeEngine(const FacetMesh& mesh, const SceneTree& tree, double grid
 
 TubeEngine::~TubeEngine() = default;
 
-History TubeEngine::trace(TubeSet tubes, std::size_t* candidates) const {
+History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured) const {
   std::vector<FootprintSet> per_tube(tubes.tubes.size());
   std::vector<std::size_t> looked_at(tubes.tubes.size());
   tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(tubes.tubes.size()),
@@ -37,7 +37,7 @@ History TubeEngine::trace(TubeSet tubes, std::size_t* candidates) const {
                       auto& [visibility, seen] = scratch_->threads.local();
                       see(mesh_, tree_, tubes, tube, options_, visibility, seen);
                       append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_tube[tube]);
-                      measure(per_tube[tube]);
+                      if (measured) measure(per_tube[tube]);
                       looked_at[tube] = seen.candidates;
                     });
   History history;

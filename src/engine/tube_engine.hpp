@@ -18,8 +18,9 @@ class TubeEngine {
              const VisibilityOptions& options);
   ~TubeEngine();
 
-  /// Footprints of one ping, measured. `candidates`, if given, receives the number of facets looked at.
-  History trace(TubeSet tubes, std::size_t* candidates = nullptr) const;
+  /// Footprints of one ping. `candidates`, if given, receives the number of facets looked at. Areas,
+  /// centroids and the other measures are left out if they are not wanted: exact binning does without.
+  History trace(TubeSet tubes, std::size_t* candidates = nullptr, bool measured = true) const;
 
   /// The closure law for every tube of a ping; `label` tells pings apart in the hash.
   std::vector<TubeAudit> audit(const TubeSet& tubes, std::uint64_t label) const;
