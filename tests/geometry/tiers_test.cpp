@@ -96,9 +96,9 @@ Tiers tiers_of(const FacetMesh& mesh, const TubeSet& tubes) {
     for (const std::uint32_t ray : tube) seen.rays.push_back(tubes.rays[ray]);
     if constexpr (std::is_same_v<A, FilteredArithmetic>) {
       const FilteredArithmetic::Guard guard;
-      solver.run(arithmetic, mesh, tubes.apex, everything, options, seen);
+      solver.run(arithmetic, mesh, tubes.apex, everything, {}, options, seen);
     } else {
-      solver.run(arithmetic, mesh, tubes.apex, everything, options, seen);
+      solver.run(arithmetic, mesh, tubes.apex, everything, {}, options, seen);
     }
   }
   return tiers;
