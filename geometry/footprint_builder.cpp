@@ -49,21 +49,36 @@ void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_
   }
 }
 
-void append(FootprintSet& set, const FootprintSet& more) {
-  const auto corners = static_cast<std::uint32_t>(set.corners_m.size()),
-             pieces = static_cast<std::uint32_t>(set.pieces.size()),
-             occluders = static_cast<std::uint32_t>(set.occluders.size());
-  for (Footprint footprint : more.footprints) {
-    footprint.first_piece += pieces;
-    footprint.first_occluder += occluders;
-    set.footprints.push_back(footprint);
+FootprintSet joined(std::span<const FootprintSet> sets) {
+  std::size_t footprints = 0, pieces = 0, corners = 0, occluders = 0;
+  for (const FootprintSet& set : sets) {
+    footprints += set.footprints.size();
+    pieces += set.pieces.size();
+    corners += set.corners_m.size();
+    occluders += set.occluders.size();
   }
-  for (Piece piece : more.pieces) {
-    piece.first += corners;
-    set.pieces.push_back(piece);
+  FootprintSet all;
+  all.footprints.reserve(footprints);
+  all.pieces.reserve(pieces);
+  all.corners_m.reserve(corners);
+  all.occluders.reserve(occluders);
+  for (const FootprintSet& set : sets) {
+    const auto first_piece = static_cast<std::uint32_t>(all.pieces.size()),
+               first_corner = static_cast<std::uint32_t>(all.corners_m.size()),
+               first_occluder = static_cast<std::uint32_t>(all.occluders.size());
+    for (Footprint footprint : set.footprints) {
+      footprint.first_piece += first_piece;
+      footprint.first_occluder += first_occluder;
+      all.footprints.push_back(footprint);
+    }
+    for (Piece piece : set.pieces) {
+      piece.first += first_corner;
+      all.pieces.push_back(piece);
+    }
+    all.corners_m.insert(all.corners_m.end(), set.corners_m.begin(), set.corners_m.end());
+    all.occluders.insert(all.occluders.end(), set.occluders.begin(), set.occluders.end());
   }
-  set.corners_m.insert(set.corners_m.end(), more.corners_m.begin(), more.corners_m.end());
-  set.occluders.insert(set.occluders.end(), more.occluders.begin(), more.occluders.end());
+  return all;
 }
 
 }  // namespace tubefoot

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 #include "geometry/footprint.hpp"
 #include "geometry/tube.hpp"
 #include "geometry/visibility.hpp"
@@ -12,7 +14,7 @@ namespace tubefoot {
 void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
                        const TubeVisibility& seen, double unit_m, FootprintSet& set);
 
-/// Appends all of `more` to `set`.
-void append(FootprintSet& set, const FootprintSet& more);
+/// All of the sets, in their order, as one.
+FootprintSet joined(std::span<const FootprintSet> sets);
 
 }  // namespace tubefoot

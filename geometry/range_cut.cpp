@@ -272,9 +272,12 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
         if (x[i] != 0) node(-x[i], w[i]);
       }
     };
-    if (step <= 0.004 * distance)
+    // n nodes leave about (step / 2 distance)^2n: 1e-12 at each of these limits.
+    if (step <= 0.002 * distance)
+      quadrature(gauss<double, 2>());
+    else if (step <= 0.02 * distance)
       quadrature(gauss<double, 3>());
-    else if (step <= 0.08 * distance)
+    else if (step <= 0.12 * distance)
       quadrature(gauss<double, 5>());
     else
       quadrature(gauss<double, 8>());

@@ -91,37 +91,54 @@ void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, do
                       std::vector<FacetId>& out) const {
   if (nodes_.empty()) return;
   const double reach2 = reach * reach;
-  const auto meets = [&](const Box& box) {
+  // Whether a box may meet what `checks` still asks of it: bit k half-space k, the last bit the reach. What a
+  // box keeps wholly is not asked of the boxes inside it.
+  const unsigned reach_bit = 1u << half_spaces.size();
+  const auto meets = [&](const Box& box, unsigned& checks) {
     const double lx = double(box.lo.x) - apex.x, hx = double(box.hi.x) - apex.x,
                  ly = double(box.lo.y) - apex.y, hy = double(box.hi.y) - apex.y,
                  lz = double(box.lo.z) - apex.z, hz = double(box.hi.z) - apex.z;
-    const double dx = gap(lx, hx), dy = gap(ly, hy), dz = gap(lz, hz);
-    if (dx * dx + dy * dy + dz * dz > reach2) return false;
-    for (const HalfSpace& h : half_spaces) {
+    if (checks & reach_bit) {
+      const double dx = gap(lx, hx), dy = gap(ly, hy), dz = gap(lz, hz);
+      if (dx * dx + dy * dy + dz * dz > reach2) return false;
+      const double fx = std::max(-lx, hx), fy = std::max(-ly, hy), fz = std::max(-lz, hz);
+      if (fx * fx + fy * fy + fz * fz <= reach2) checks &= ~reach_bit;
+    }
+    for (std::size_t k = 0; k < half_spaces.size(); ++k) {
+      if (!(checks >> k & 1u)) continue;
+      const HalfSpace& h = half_spaces[k];
       const double px = h.x * (h.x > 0 ? hx : lx), py = h.y * (h.y > 0 ? hy : ly),
                    pz = h.z * (h.z > 0 ? hz : lz);
       if (px + py + pz < -slack * (std::abs(px) + std::abs(py) + std::abs(pz))) return false;
+      const double nx = h.x * (h.x > 0 ? lx : hx), ny = h.y * (h.y > 0 ? ly : hy),
+                   nz = h.z * (h.z > 0 ? lz : hz);
+      if (nx + ny + nz >= 0) checks &= ~(1u << k);
     }
     return true;
   };
-  std::array<std::uint32_t, 64> stack;
+  struct Visit {
+    std::uint32_t node;
+    unsigned checks;
+  };
+  std::array<Visit, 64> stack;
   std::size_t depth = 0;
-  stack[depth++] = 0;
+  stack[depth++] = {0, 2 * reach_bit - 1};
   while (depth > 0) {
-    const std::uint32_t index = stack[--depth];
+    auto [index, checks] = stack[--depth];
     const Node& node = nodes_[index];
-    if (!meets(node.box)) continue;
+    if (!meets(node.box, checks)) continue;
     if (node.count == 0) {
-      stack[depth++] = node.link;
-      stack[depth++] = index + 1;
+      stack[depth++] = {node.link, checks};
+      stack[depth++] = {index + 1, checks};
       continue;
     }
     for (std::uint32_t k = node.link; k < node.link + node.count; ++k) {
       // The facet's own box decides, so that the answer does not depend on the shape of the tree.
+      unsigned own = checks;
       const auto& facet = mesh_->facets[order_[k]];
       const GridPoint a = mesh_->vertices[facet[0]], b = mesh_->vertices[facet[1]],
                       c = mesh_->vertices[facet[2]];
-      if (meets({min(min(a, b), c), max(max(a, b), c)})) out.push_back(order_[k]);
+      if (own == 0 || meets({min(min(a, b), c), max(max(a, b), c)}, own)) out.push_back(order_[k]);
     }
   }
 }

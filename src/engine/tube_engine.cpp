@@ -41,7 +41,7 @@ History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured)
                       looked_at[tube] = seen.candidates;
                     });
   History history;
-  for (const FootprintSet& set : per_tube) append(history.footprints, set);
+  history.footprints = joined(per_tube);
   if (candidates)
     for (const std::size_t n : looked_at) *candidates += n;
   history.tubes = std::move(tubes);
