@@ -204,19 +204,20 @@ bool cones_meet(const std::array<GridPoint, 3>& points, const std::array<GridPoi
     arithmetic.through(planes[k].plane, a, b);
     return Half<FixedArithmetic>{&planes[k], 1};
   };
-  CornerBuffer<FixedArithmetic> buffer;
+  thread_local CornerBuffer<FixedArithmetic> buffer;  // kept, so that the steady state allocates nothing
+  buffer.clear();
   for (std::uint32_t k = 0; k < 3; ++k)
     buffer.push_back(
         point_corner(arithmetic, k, points[k], half(k, points[k], k, points[(k + 1) % 3], (k + 1) % 3)));
   PieceRange piece{0, 3};
   for (std::uint32_t w = 0; w < 4 && piece.count >= 3; ++w) {
     const auto wall = half(3 + w, rays[w], ray_bit | w, rays[(w + 1) % 4], ray_bit | (w + 1) % 4);
-    std::vector<int> sides;
+    std::array<int, 3 + 4> sides;  // three corners, and each wall adds one at most
     bool inside = false, outside = false;
     for (std::uint32_t k = 0; k < piece.count; ++k) {
-      sides.push_back(side(arithmetic, buffer[piece.first + k], wall));
-      inside |= sides.back() > 0;
-      outside |= sides.back() < 0;
+      sides[k] = side(arithmetic, buffer[piece.first + k], wall);
+      inside |= sides[k] > 0;
+      outside |= sides[k] < 0;
     }
     if (!inside) return false;
     if (outside) piece = clip(arithmetic, buffer, piece, wall, sides.data());
