@@ -216,8 +216,7 @@ TEST(Echo, TubesGoToTheirBeamsAndFacetsHaveTheirMaterials) {
 
 TEST(Echo, RayHitsCountWithTheirSolidAngle) {
   History history;
-  history.hits = {
-      {0, 0, 20.5, 0.5, 1e-4}, {0, 0, 21, 0.5, 1e-4}, {0, 0, 19.99, 1, 1}, {0, 0, 24, 1, 1}};
+  history.hits = {{0, 0, 20.5, 0.5, 1e-4}, {0, 0, 21, 0.5, 1e-4}, {0, 0, 19.99, 1, 1}, {0, 0, 24, 1, 1}};
   const Echo echo = echo_of(history, {20, 1, 4}, 0.1);
   EXPECT_LT(relative(echo.at(0, 0), mu * 0.5 * 1e-4 / (20.5 * 20.5) * std::pow(10, -0.2 * 20.5 / 10)), 1e-14);
   EXPECT_LT(relative(echo.at(0, 1), mu * 0.5 * 1e-4 / (21 * 21) * std::pow(10, -0.2 * 21 / 10)), 1e-14);
