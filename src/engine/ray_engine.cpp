@@ -180,7 +180,7 @@ bool RayScene::State::on_plane(GridPoint apex, glm::dvec3 direction, double embr
       plane_holds_apex(corners()))
     return false;
   // At grazing incidence the ray may meet the plane away from the facet, where Embree's float saw a hit.
-  if (!(std::abs(range - embree_range_m) <= 1e-6 * embree_range_m)) {
+  if (hit.sine_grazing < 0.01 || !(std::abs(range - embree_range_m) <= 1e-6 * embree_range_m)) {
     double farthest = 0;
     for (const auto& p : corners())
       farthest = std::max(farthest, unit_m * glm::length(glm::dvec3(p[0], p[1], p[2])));

@@ -139,7 +139,7 @@ TEST(RayEngine, SolidAngleOfASphere) {
     statistics.add(total_weight(history));
     for (const RayHit& hit : history.hits) {
       ASSERT_GT(hit.slant_range_m, 8.99);
-      ASSERT_LT(hit.slant_range_m, std::sqrt(99.0) + 0.01);
+      ASSERT_LT(hit.slant_range_m, 10.05);  // facets across the silhouette reach a little behind it
     }
   }
   // The facets lie inside the sphere: its silhouette loses up to 1 - cos(pi / n) of its area.

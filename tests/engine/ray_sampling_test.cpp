@@ -83,9 +83,9 @@ TEST(RaySampling, WeightsSumToSolidAnglesWhateverTheCount) {
         EXPECT_NEAR(weight / fan.solid_angle(beam), 1, 1e-11);
         EXPECT_EQ(number[beam], sampling == RaySampling::regular ? std::max<std::int64_t>(count, 4) : count);
       }
-      if (sampling == RaySampling::regular)
-        for (const auto& [tube, weight] : by_tube)
-          EXPECT_NEAR(weight / corner_solid_angle(fan.tubes, fan.tubes.tubes[tube]), 1, 1e-11);
+      if (sampling != RaySampling::regular) continue;
+      for (const auto& [tube, weight] : by_tube)
+        EXPECT_NEAR(weight / corner_solid_angle(fan.tubes, fan.tubes.tubes[tube]), 1, 1e-11);
     }
 }
 
@@ -135,19 +135,20 @@ TEST(RaySampling, EveryCellHasOneStratifiedRay) {
     const int rows = std::max(1, int(std::round(std::sqrt(count))));
     std::vector<int> begin;
     for (int r = 0; r <= rows; ++r) begin.push_back(r * count / rows);
-    // Which of the tube's two directions are rows is the engine's business: a square tube, tried both ways.
-    const auto fits = [&](bool turned) {
+    // Which side of the square tube is the first row is the engine's business.
+    const auto fits = [&](bool turned, bool mirrored) {
       std::set<std::pair<int, int>> cells;
       for (const Ray& ray : rays_of(tubes, stratified(count, 5))) {
         auto [u, v] = place(ray.direction, w, w);
         if (turned) std::swap(u, v);
+        if (mirrored) v = 1 - v;
         int row = 0;
         while (row + 1 < rows && v * count >= begin[row + 1]) ++row;
         cells.insert({row, int(u * (begin[row + 1] - begin[row]))});
       }
       return int(cells.size()) == count;
     };
-    EXPECT_TRUE(fits(false) || fits(true)) << count;
+    EXPECT_TRUE(fits(false, false) || fits(false, true) || fits(true, false) || fits(true, true)) << count;
   }
 }
 
@@ -197,17 +198,22 @@ TEST(RaySampling, AColumnIsTheBeamsMiddle) {
         const Fan fan(3, slices, rows, 2, 20, right_handed);
         const auto rays = rays_of(fan.tubes, {RaySampling::column, count, Per::beam}, fan.beam_of_tube);
         ASSERT_EQ(int(rays.size()), 3 * count);
+        // Upper and lower wall are planes through rays at +-10 degrees; halfway between them they lie further
+        // out (tan e' = tan e / cos(w / 2)), and a column between two slices lies on such a ray.
+        const double slice = 2 * degree / slices;
+        const double half =
+            slices % 2 == 1 ? std::atan(std::tan(10 * degree) / std::cos(slice / 2)) : 10 * degree;
         std::vector<bool> found(rays.size());
         for (const Ray& ray : rays) {
           const double azimuth = std::atan2(glm::dot(ray.direction, fan.grid.frame[1]), ray.direction.x);
           const double elevation = std::asin(ray.direction.z);
-          const double step = 20 * degree / count;
+          const double step = 2 * half / count;
           const int beam = int(std::lround(azimuth / (2 * degree))) + 1;
-          const int k = int(std::lround((elevation + 10 * degree) / step - 0.5));
+          const int k = int(std::lround((elevation + half) / step - 0.5));
           ASSERT_TRUE(beam >= 0 && beam < 3 && k >= 0 && k < count);
           // Integer rays are within 1e-9 of where they should be.
           EXPECT_NEAR(azimuth, (beam - 1) * 2 * degree, 3e-9);
-          EXPECT_NEAR(elevation, -10 * degree + (k + 0.5) * step, 3e-9);
+          EXPECT_NEAR(elevation, -half + (k + 0.5) * step, 3e-9);
           EXPECT_EQ(fan.beam_of_tube[ray.tube], std::uint32_t(beam));
           // Between cones of constant elevation; tubes have planes there, w^2 / 8 of the tangent apart.
           const double between =
