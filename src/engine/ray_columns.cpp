@@ -141,15 +141,13 @@ RayColumn::Ray RayColumn::next(Cursor& cursor, std::span<const RayPatch> patches
     ray.tube = piece.middle;
   };
   place_ray(pieces_[cursor.piece]);
-  // The last border is the column's end whatever the roundings.
-  while (cursor.piece + 1 < pieces_.size() &&
-         (index + 1 == rays || pieces_[cursor.piece + 1].angle_before <= upper)) {
+  while (cursor.piece + 1 < pieces_.size() && pieces_[cursor.piece + 1].angle_before <= upper) {
     ray.solid_angle_sr += solid_angle(pieces_[cursor.piece], patches, cursor.v, 1);
     cursor = {cursor.piece + 1, 0};
     if (pieces_[cursor.piece].angle_before <= middle) place_ray(pieces_[cursor.piece]);
   }
   const Piece& piece = pieces_[cursor.piece];
-  const double v = index + 1 == rays ? 1 : v_at(piece, upper - piece.angle_before);
+  const double v = v_at(piece, upper - piece.angle_before);
   ray.solid_angle_sr += solid_angle(piece, patches, cursor.v, v);
   cursor.v = v;
   return ray;

@@ -224,6 +224,18 @@ TEST(Echo, RayHitsCountWithTheirSolidAngle) {
   EXPECT_EQ(echo.at(0, 3), 0);
 }
 
+TEST(Echo, HitsOnABorderFallWhereFootprintsAreCut) {
+  const RangeSamples samples{0.7, 0.1, 500};  // no border but the first few is a multiple of the step
+  const std::vector<double> borders = sample_borders_m(samples);
+  for (int k = 0; k < samples.count; ++k) {
+    History history;
+    history.hits = {{0, 0, borders[k], 0.5, 1}, {0, 0, std::nextafter(borders[k + 1], 0), 0.5, 1}};
+    const Echo echo = echo_of(history, samples, 0);
+    for (int other = 0; other < samples.count; ++other)
+      ASSERT_EQ(echo.at(0, other) > 0, other == k) << "sample " << k;
+  }
+}
+
 TEST(Echo, ANarrowTubeAndAHitOfItsSolidAngleAgree) {
   // E = mu H dOmega / R^3 for a narrow beam on a flat bed (physics sheet 7.5).
   const double r = 20, w = 1e-3, ground = std::sqrt(r * r - height * height);

@@ -159,9 +159,8 @@ TEST(RaySampling, RaysAreTheSameHoweverThePlanIsCut) {
     for (const std::int64_t count : {7, 300, 20000}) {
       const RayPlan plan(fan.tubes, {sampling, count, Per::ping, 9}, fan.beam_of_tube);
       std::vector<Ray> whole = rays_of(plan, 0, plan.rays()), cut;
-      for (std::int64_t first = 0; first < plan.rays(); first += 1 + count / 37)
-        for (const Ray& ray : rays_of(plan, first, std::min(first + 1 + count / 37, plan.rays())))
-          cut.push_back(ray);
+      for (std::int64_t first = 0; first < plan.rays(); first += 7)
+        for (const Ray& ray : rays_of(plan, first, std::min(first + 7, plan.rays()))) cut.push_back(ray);
       ASSERT_EQ(whole.size(), cut.size());
       const auto by_key = [](const Ray& a, const Ray& b) { return a.key() < b.key(); };
       if (sampling == RaySampling::random) {  // which come sorted by place
