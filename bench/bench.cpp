@@ -14,10 +14,12 @@
 #include <nlohmann/json.hpp>
 
 #include "allocations.hpp"
+#include "engine/echo.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/tube_engine.hpp"
 #include "envelope.hpp"
 #include "geometry/footprint_builder.hpp"
+#include "pure_embree.hpp"
 #include "terrain.hpp"
 
 namespace {
@@ -124,8 +126,25 @@ int main(int, char** argv) {
     const WorldGrid grid(terrain_grid_exponent, glm::dvec3(0));
     const RayScene rays(sector.mesh, grid);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    figure("embree_million_rays_ms",
-           interleaved(5, {[&] { trace_rays(rays, sector.tubes, grid.unit_m(), 1000000, 1); }})[0]);
+    const PureEmbree pure(sector.mesh, sector.tubes, grid.unit_m(), 1000);
+    const std::vector<double> mu{0.001};
+    const std::vector<std::uint32_t> one_beam{0};
+    const auto rays_of = [&](const std::function<void(const History&)>& take) {
+      History history;
+      history.tubes = sector.tubes;
+      history.grid_unit_m = grid.unit_m();
+      trace_rays(rays, history, {RaySampling::stratified, 1000000}, {}, [&] { take(history); });
+    };
+    const auto m = interleaved(
+        9, {[&] { rays_of([](const History&) {}); }, [&] { pure.trace(); },
+            [&] {
+              rays_of([&](const History& history) {
+                integrate_echo(history, one_beam, 1, {1, 20.0 / 512, 512}, {mu, sector.mesh.material, 0.1});
+              });
+            }});
+    figure("embree_million_rays_ms", m[0]);
+    figure("pure_embree_million_rays_ms", m[1]);
+    figure("embree_million_rays_with_echo_ms", m[2]);
     const auto bytes = [](const auto& v) { return static_cast<double>(v.capacity() * sizeof(v[0])); };
     const FacetMesh& mesh = sector.mesh;
     figure("bytes_per_facet", (bytes(mesh.vertices) + bytes(mesh.facets) + bytes(mesh.material) +

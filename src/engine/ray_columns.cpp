@@ -88,13 +88,17 @@ RayColumn::RayColumn(const TubeSet& tubes, std::span<const RayPatch> patches,
     // An even number of tubes side by side: the column is the wall between the middle two.
     const double u = row.size() % 2 == 1 ? 0.5 : 0;
     const RayPatch& patch = patches[piece.middle];
-    piece.begin = along_u_ ? patch.at(0, u) : patch.at(u, 0);
-    piece.end = along_u_ ? patch.at(1, u) : patch.at(u, 1);
-    piece.unit_begin = glm::normalize(piece.begin);
-    piece.across = glm::normalize(piece.end - glm::dot(piece.end, piece.unit_begin) * piece.unit_begin);
+    const glm::dvec3 begin = along_u_ ? patch.at(0, u) : patch.at(u, 0);
+    const glm::dvec3 end = along_u_ ? patch.at(1, u) : patch.at(u, 1);
+    piece.begin_length = glm::length(begin);
+    piece.end_length = glm::length(end);
+    piece.begin = glm::normalize(begin);
+    piece.onward = glm::normalize(end - glm::dot(end, piece.begin) * piece.begin);
     piece.angle_before = angle_;
-    piece.angle = angle_between(piece.begin, piece.end);
-    angle_ += piece.angle;
+    const double angle = angle_between(begin, end);
+    piece.sine = std::sin(angle);
+    piece.cosine = std::cos(angle);
+    angle_ += angle;
     for (const std::uint32_t t : row) solid_angle_ += patches[t].solid_angle(0, 1, 0, 1);
     piece.tubes = std::move(row);
     pieces_.push_back(std::move(piece));
@@ -103,8 +107,9 @@ RayColumn::RayColumn(const TubeSet& tubes, std::span<const RayPatch> patches,
 
 double RayColumn::v_at(const Piece& piece, double angle) const {
   // Law of sines in the triangle of the apex and the two ends.
-  const double from = glm::length(piece.begin) * std::sin(angle),
-               to = glm::length(piece.end) * std::sin(piece.angle - angle);
+  const double sine = std::sin(angle), cosine = std::cos(angle);
+  const double from = piece.begin_length * sine,
+               to = piece.end_length * (piece.sine * cosine - piece.cosine * sine);
   return std::clamp(from / (from + to), 0.0, 1.0);
 }
 
@@ -132,19 +137,17 @@ RayColumn::Ray RayColumn::next(Cursor& cursor, std::span<const RayPatch> patches
   Ray ray{};
   const auto place_ray = [&](const Piece& piece) {
     const double a = middle - piece.angle_before;
-    ray.direction = std::cos(a) * piece.unit_begin + std::sin(a) * piece.across;
+    ray.direction = std::cos(a) * piece.begin + std::sin(a) * piece.onward;
     ray.tube = piece.middle;
   };
   place_ray(pieces_[cursor.piece]);
-  // The last border is the column's end whatever the roundings.
-  while (cursor.piece + 1 < pieces_.size() &&
-         (index + 1 == rays || pieces_[cursor.piece + 1].angle_before <= upper)) {
+  while (cursor.piece + 1 < pieces_.size() && pieces_[cursor.piece + 1].angle_before <= upper) {
     ray.solid_angle_sr += solid_angle(pieces_[cursor.piece], patches, cursor.v, 1);
     cursor = {cursor.piece + 1, 0};
     if (pieces_[cursor.piece].angle_before <= middle) place_ray(pieces_[cursor.piece]);
   }
   const Piece& piece = pieces_[cursor.piece];
-  const double v = index + 1 == rays ? 1 : v_at(piece, upper - piece.angle_before);
+  const double v = v_at(piece, upper - piece.angle_before);
   ray.solid_angle_sr += solid_angle(piece, patches, cursor.v, v);
   cursor.v = v;
   return ray;

@@ -42,9 +42,10 @@ class RayColumn {
   struct Piece {                       // the tubes side by side at one place of the column
     std::vector<std::uint32_t> tubes;  // from one side to the other
     std::uint32_t middle;              // the tube that the column runs in
-    glm::dvec3 begin, end;             // directions, on the patch: not of unit length
-    glm::dvec3 unit_begin, across;     // orthonormal: the column is cos(a) unit_begin + sin(a) across
-    double angle_before, angle;
+    glm::dvec3 begin, onward;          // orthonormal: the column is cos(a) begin + sin(a) onward
+    double begin_length, end_length;   // of the patch's points at both ends
+    double sine, cosine;               // of the angle between them
+    double angle_before;
   };
   double v_at(const Piece& piece, double angle) const;
   double solid_angle(const Piece& piece, std::span<const RayPatch> patches, double v0, double v1) const;

@@ -180,7 +180,7 @@ bool RayScene::State::on_plane(GridPoint apex, glm::dvec3 direction, double embr
       plane_holds_apex(corners()))
     return false;
   // At grazing incidence the ray may meet the plane away from the facet, where Embree's float saw a hit.
-  if (!(std::abs(range - embree_range_m) <= 1e-4 * embree_range_m)) {
+  if (hit.sine_grazing < 0.01 || !(std::abs(range - embree_range_m) <= 1e-6 * embree_range_m)) {
     double farthest = 0;
     for (const auto& p : corners())
       farthest = std::max(farthest, unit_m * glm::length(glm::dvec3(p[0], p[1], p[2])));
@@ -226,7 +226,7 @@ RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
 void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, std::int64_t end,
                 History& history) {
-  constexpr std::int64_t chunk = 4096;  // of rays: a task
+  const std::int64_t chunk = plan.rays_at_a_time();  // a task
   const TubeSet& tubes = history.tubes;
   const double reach_m = tubes.reach * history.grid_unit_m;
   const std::int64_t rays = end - first, chunks = (rays + chunk - 1) / chunk;

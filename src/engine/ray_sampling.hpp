@@ -57,6 +57,8 @@ class RayPlan {
   RayPlan(const TubeSet& tubes, const RaySettings& settings, std::span<const std::uint32_t> beam_of_tube);
 
   std::int64_t rays() const { return rays_; }
+  /// Good lengths for a RaySource: random rays are coherent only when many are drawn, and sorted, together.
+  std::int64_t rays_at_a_time() const { return settings_.sampling == RaySampling::random ? 1 << 16 : 1 << 12; }
 
  private:
   friend class RaySource;

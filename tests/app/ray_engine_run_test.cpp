@@ -129,5 +129,54 @@ TEST(RayRun, CommandLineGoesBeforeTheSceneFile) {
   EXPECT_EQ(stats["arithmetic"], "filtered");
 }
 
+TEST(RayRun, EverySamplingTakesEveryCountPerBeam) {
+  // What existing simulators spend on a beam, from one ray to seventeen thousand.
+  const TestFolder folder;
+  const double exact = echoes_of(scene).total();
+  for (const std::string sampling : {"stratified", "regular", "random", "column"})
+    for (const int count : {1, 11, 23, 114, 1500, 17000}) {
+      SCOPED_TRACE(sampling + ", " + std::to_string(count) + " rays per beam");
+      const std::string run = sampling == "column" ? "[run]\nrays_per_beam = 3\n" : "";
+      const double total =
+          echoes_in(folder, scene + run,
+                    {"--engine", "ray", "--sampling", sampling, "--rays-per-beam", std::to_string(count)})
+              .total();
+      const auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
+      EXPECT_EQ(stats["sampling"], sampling);
+      EXPECT_EQ(stats["rays_per_beam"], count);
+      EXPECT_FALSE(stats.contains("rays_per_ping"));
+      EXPECT_LE(stats["ray_hits"], 10 * count);
+      EXPECT_GE(stats["ray_hits"], 10 * count / 2);
+      if (count >= 114) {
+        EXPECT_NEAR(total, exact, (sampling == "column" ? 0.15 : count < 1500 ? 0.1 : 0.02) * exact);
+      }
+    }
+}
+
+TEST(RayRun, CountsByPingAndByBeamExcludeEachOther) {
+  const TestFolder folder;
+  const std::string file = folder.write("scene.toml", scene).string();
+  const auto refused = [&](std::vector<std::string> options, const char* says) {
+    std::vector<std::string> arguments{"run", file, "-o", (folder / "results").string()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = run_program(arguments);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.err.find(says), std::string::npos) << outcome.err;
+    EXPECT_EQ(names_below(folder.path()), std::set<std::string>{"scene.toml"});
+  };
+  refused({"--rays", "5", "--rays-per-beam", "5"}, "excludes");
+  refused({"--rays-per-beam", "0"}, "--rays-per-beam");
+  refused({"--rays-per-beam", "2.5"}, "--rays-per-beam");
+  refused({"--sampling", "sobol"}, "sobol");
+  // The command line's count replaces the scene's, whichever way that one is given.
+  echoes_in(folder, scene + "[run]\nengine = \"ray\"\nrays_per_beam = 7\n", {"--rays", "2000"});
+  auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
+  EXPECT_EQ(stats["rays_per_ping"], 2000);
+  echoes_in(folder, scene + "[run]\nengine = \"ray\"\nrays_per_beam = 7\nsampling = \"regular\"\n");
+  stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
+  EXPECT_EQ(stats["rays_per_beam"], 7);
+  EXPECT_EQ(stats["sampling"], "regular");
+}
+
 }  // namespace
 }  // namespace tubefoot

@@ -216,13 +216,24 @@ TEST(Echo, TubesGoToTheirBeamsAndFacetsHaveTheirMaterials) {
 
 TEST(Echo, RayHitsCountWithTheirSolidAngle) {
   History history;
-  history.hits = {
-      {0, 0, 20.5, 0.5, 1e-4}, {0, 0, 21, 0.5, 1e-4}, {0, 0, 19.99, 1, 1}, {0, 0, 24, 1, 1}};
+  history.hits = {{0, 0, 20.5, 0.5, 1e-4}, {0, 0, 21, 0.5, 1e-4}, {0, 0, 19.99, 1, 1}, {0, 0, 24, 1, 1}};
   const Echo echo = echo_of(history, {20, 1, 4}, 0.1);
   EXPECT_LT(relative(echo.at(0, 0), mu * 0.5 * 1e-4 / (20.5 * 20.5) * std::pow(10, -0.2 * 20.5 / 10)), 1e-14);
   EXPECT_LT(relative(echo.at(0, 1), mu * 0.5 * 1e-4 / (21 * 21) * std::pow(10, -0.2 * 21 / 10)), 1e-14);
   EXPECT_EQ(echo.at(0, 2), 0);
   EXPECT_EQ(echo.at(0, 3), 0);
+}
+
+TEST(Echo, HitsOnABorderFallWhereFootprintsAreCut) {
+  const RangeSamples samples{0.7, 0.1, 500};  // no border but the first few is a multiple of the step
+  const std::vector<double> borders = sample_borders_m(samples);
+  for (int k = 0; k < samples.count; ++k) {
+    History history;
+    history.hits = {{0, 0, borders[k], 0.5, 1}, {0, 0, std::nextafter(borders[k + 1], 0), 0.5, 1}};
+    const Echo echo = echo_of(history, samples, 0);
+    for (int other = 0; other < samples.count; ++other)
+      ASSERT_EQ(echo.at(0, other) > 0, other == k) << "sample " << k;
+  }
 }
 
 TEST(Echo, ANarrowTubeAndAHitOfItsSolidAngleAgree) {

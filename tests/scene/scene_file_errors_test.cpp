@@ -138,6 +138,7 @@ TEST(SceneFileErrors, ChoicesNameTheNearest) {
       {didson, "kind = \"didsno\"", "11:8", "did you mean \"didson\"?"},
       {didson, "kind = \"didson\"\n[run]\narithmetic = \"filterd\"", "13:14", "did you mean \"filtered\"?"},
       {didson, "kind = \"didson\"\n[run]\nengine = \"tub\"", "13:10", "did you mean \"tube\"?"},
+      {didson, "kind = \"didson\"\n[run]\nsampling = \"colum\"", "13:12", "did you mean \"column\"?"},
   });
 }
 
@@ -203,6 +204,16 @@ TEST(SceneFileErrors, KeysOfOneTableMustAgree) {
        "15:24", "add [georeference]"},
       {flat_lines, "kind = \"raster\"\nfile = \"scene.toml\"\nwindow = [0, 0, 1, 5]", "6:17",
        "must be 2 to 1000000"},
+  });
+}
+
+TEST(SceneFileErrors, RaysAreCountedOneWay) {
+  expect_mistakes({
+      {didson, "kind = \"didson\"\n[run]\nrays_per_beam = 0", "13:17", "must be 1 to 10000000000, not 0"},
+      {didson, "kind = \"didson\"\n[run]\nrays_per_beam = 11.5", "13:17", "integer"},
+      {didson, "kind = \"didson\"\n[run]\nrays_per_beam = 20000000000", "13:17", "10000000000"},
+      {didson, "kind = \"didson\"\n[run]\nrays_per_ping = 9\nrays_per_beam = 3", "14:17",
+       "remove 'rays_per_ping' or 'rays_per_beam'"},
   });
 }
 

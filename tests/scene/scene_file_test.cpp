@@ -176,6 +176,7 @@ arithmetic = "filtered"
 binning = "spread"
 facets_per_split = 24
 zero_tolerance = 1e-14
+sampling = "column"
 rays_per_ping = 5000
 seed = 99
 grid_exponent = 16
@@ -321,10 +322,17 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.run.binning, "spread");
   EXPECT_EQ(scene.run.facets_per_split, 24);
   EXPECT_EQ(scene.run.zero_tolerance, 1e-14);
+  EXPECT_EQ(scene.run.sampling, "column");
   EXPECT_EQ(scene.run.rays_per_ping, 5000);
+  EXPECT_FALSE(scene.run.rays_per_beam);
   EXPECT_EQ(scene.run.seed, 99u);
   EXPECT_EQ(scene.run.grid_exponent, 16);
   EXPECT_EQ(scene.run.threads, 3);
+}
+
+TEST(SceneFile, RaysMayBeCountedByBeam) {
+  const FullSceneFolder folder(replaced(full_scene, "rays_per_ping = 5000", "rays_per_beam = 17000"));
+  EXPECT_EQ(read_scene_file(folder.scene_file).run.rays_per_beam, 17000);
 }
 
 TEST(SceneFile, GeoreferenceMayBeAProjectedSystem) {
@@ -340,7 +348,7 @@ TEST(SceneFile, GeoreferenceMayBeAProjectedSystem) {
 // Keeps the test above complete: a new key has to be added to the full scene.
 TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
   const std::string text =
-      "\n" + std::string(full_scene) + "\ncrs = \norigin_crs = ";  // of the test after it
+      "\n" + std::string(full_scene) + "\ncrs = \norigin_crs = \nrays_per_beam = ";  // of the tests after it
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&
