@@ -58,11 +58,11 @@ int run_command_line(int argc, char** argv) {
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}))
       ->excludes(rays);
   run_app->add_option("--seed", run.seed, "ray engine: seed of the sampling")->check(CLI::NonNegativeNumber);
-  auto* reference = run_app->add_flag("--reference", run.reference,
-                                      "tube engine: certify every energy and write energy_bound beside it");
-  run_app->add_option("--tolerance", run.tolerance, "reference: bound asked for, relative (default: 1e-9)")
-      ->needs(reference)
-      ->check(CLI::Range(1e-12, 0.1));
+  run_app->add_flag("--reference", run.reference,
+                    "tube engine: certify every energy and write energy_bound beside it");
+  run_app->add_option("--tolerance", run.tolerance,
+                      "error allowed, 0.1dB (RMS of lit bins), 1e-3 or 0.1% (relative L1): picks engine and "
+                      "settings as 'advise' does; with --reference: the bound asked for (default: 1e-9)");
   run_app->footer("Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead");
   run_app->callback([&] { command = [&] { return run_command(run); }; });
 
@@ -136,11 +136,29 @@ int run_command_line(int argc, char** argv) {
   chart_app->footer("Example:\n  tubefoot chart scenes/chart/*.toml -o out/chart");
   chart_app->callback([&] { command = [&] { return chart_command(chart); }; });
 
+  AdviseOptions advise;
+  CLI::App* advise_app = app.add_subcommand(
+      "advise", "Measure a few pings and name the cheapest engine and settings that hold a tolerance");
+  advise_app->add_option("SCENE", advise.scene, "scene file (docs/scene-file.md)")->required();
+  advise_app
+      ->add_option("--tolerance", advise.tolerance,
+                   "error allowed: 0.1dB (RMS of lit bins), 1e-3 or 0.1% (relative L1)")
+      ->required();
+  advise_app
+      ->add_option("--pings", advise.pings,
+                   "pings of each sensor to predict from, and as many others to measure (default: 2)")
+      ->check(CLI::Range(1, 1000000));
+  advise_app->add_option("--json", advise.json, "write all figures into this file; -: print them instead");
+  advise_app->add_flag("--quiet", advise.quiet, "print results and errors only");
+  advise_app->footer("Example:\n  tubefoot advise scenes/wellhead/scene.toml --tolerance 0.5dB");
+  advise_app->callback([&] { command = [&] { return advise_command(advise); }; });
+
   const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
-    fmt::print(stderr,
-               "tubefoot: there is no command '{}': run, check, audit, footprints, compare or chart\n",
-               argv[1]);
+    fmt::print(
+        stderr,
+        "tubefoot: there is no command '{}': run, check, audit, footprints, compare, chart or advise\n",
+        argv[1]);
     return wrong_input;
   }
   try {

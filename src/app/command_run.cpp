@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <charconv>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "app/advice.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
 #include "app/output_folder.hpp"
@@ -40,6 +42,83 @@ void print_reference(double tolerance, const ReferenceStats& reference) {
         reference.worst_beam, reference.worst_sample);
 }
 
+double bound_asked_for(const std::optional<std::string>& text) {
+  double bound = 1e-9;
+  if (!text) return bound;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), bound);
+  // Not a number fails both comparisons.
+  if (error != std::errc() || end != text->data() + text->size() || !(bound >= 1e-12 && bound <= 0.1))
+    throw UsageError(
+        fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{}'", *text));
+  return bound;
+}
+
+void refuse_what_the_tolerance_picks(const RunOptions& options) {
+  const char* option = options.engine          ? "--engine"
+                       : options.arithmetic    ? "--arithmetic"
+                       : options.binning       ? "--binning"
+                       : options.sampling      ? "--sampling"
+                       : options.rays          ? "--rays"
+                       : options.rays_per_beam ? "--rays-per-beam"
+                                               : nullptr;
+  if (option != nullptr)
+    throw UsageError(
+        fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
+}
+
+/// The chosen settings; what the scene's own [run] says of seed, grid and threads stays.
+void take_over(RunDescription& run, const RunDescription& chosen) {
+  run.engine = chosen.engine;
+  run.arithmetic = chosen.arithmetic;
+  run.binning = chosen.binning;
+  run.facets_per_split = chosen.facets_per_split;
+  run.zero_tolerance = chosen.zero_tolerance;
+  run.sampling = chosen.sampling;
+  run.rays_per_beam = chosen.rays_per_beam;
+}
+
+Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {
+  AdviceOptions options;
+  options.measure = false;   // all of its time is the user's waiting
+  options.largest_cost = 1;  // dearer rays would not be chosen
+  options.seed = description.run.seed;
+  options.quiet = quiet;
+  Advice advice = advise(description, tolerance, options);
+  take_over(description.run, advice.best().setting.run);
+  if (!quiet)
+    fmt::print("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine,
+               advice.best().setting.setting);
+  return advice;
+}
+
+nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
+  const Candidate& best = advice.best();
+  nlohmann::ordered_json json{
+      {"asked", to_text(advice.tolerance)},
+      {"measure", advice.tolerance.measure == ErrorMeasure::l1 ? "l1_error" : "rms_db_error"},
+      {"value", advice.tolerance.value},
+      {"engine", best.setting.engine},
+      {"setting", best.setting.setting},
+      {"options", options_of(best.setting.run)},
+      {"error_on_probe_pings", best.probe_error},
+      {"seconds_a_probe_ping", best.predicted_seconds},
+      {"left_out", left_out_by(best.setting.run)},
+      {"estimated_error", best.predicted_error},
+      {"estimate", fmt::format("measured, not certified: {:g} times the error on the probe pings, against "
+                               "exact cuts",
+                               advice_safety)},
+      {"seconds_of_advice", seconds}};
+  for (const LookedAt& s : advice.sensors) json["probe_pings"][s.sensor] = s.probes;
+  return json;
+}
+
+void print_tolerance(const Advice& advice) {
+  const Candidate& best = advice.best();
+  fmt::print("tolerance {}: {}, {}; left out: {}; error about {} (measured on probe pings, not certified)\n",
+             to_text(advice.tolerance), best.setting.engine, best.setting.setting,
+             left_out_by(best.setting.run), error_text(advice.tolerance.measure, best.predicted_error));
+}
+
 }  // namespace
 
 int run_command(const RunOptions& options) {
@@ -55,11 +134,13 @@ int run_command(const RunOptions& options) {
   if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
   if (options.seed) description.run.seed = *options.seed;
   std::optional<double> reference_tolerance;
+  std::optional<Tolerance> tolerance;
+  if (options.tolerance && !options.reference) {
+    refuse_what_the_tolerance_picks(options);
+    tolerance = asked_tolerance(*options.tolerance);
+  }
   if (options.reference) {
-    reference_tolerance = options.tolerance.value_or(1e-9);
-    // Not a number passes the command line's own range.
-    if (!(*reference_tolerance >= 1e-12 && *reference_tolerance <= 0.1))
-      throw UsageError(fmt::format("--tolerance must be 1e-12 to 0.1, not {}", *reference_tolerance));
+    reference_tolerance = bound_asked_for(options.tolerance);
     if (description.run.engine != "tube")
       throw UsageError("--reference measures footprints: it needs --engine tube");
     if (description.run.binning != "exact")
@@ -69,6 +150,13 @@ int run_command(const RunOptions& options) {
   }
   const InterruptGuard interrupt;
   OutputFolder output(options.output);
+  std::optional<Advice> advice;
+  double advice_seconds = 0;
+  if (tolerance) {
+    const Clock::time_point advice_start = Clock::now();
+    advice = pick_settings(description, *tolerance, options.quiet);
+    advice_seconds = seconds_since(advice_start);
+  }
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   const Scene& scene = survey->scene;
@@ -120,6 +208,7 @@ int run_command(const RunOptions& options) {
                          {"worst_beam", reference.worst_beam},
                          {"worst_sample", reference.worst_sample}};
   }
+  if (advice) json["tolerance"] = json_of(*advice, advice_seconds);
   json["threads"] = limit.threads();
   json["grid_unit_m"] = scene.grid.unit_m();
   json["facets"] = scene.mesh.facets.size();
@@ -147,6 +236,7 @@ int run_command(const RunOptions& options) {
                exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
                seconds_since(start));
   if (reference_tolerance) print_reference(*reference_tolerance, stats.reference);
+  if (advice) print_tolerance(*advice);
   const std::filesystem::path folder = options.output;
   fmt::print("wrote {}\n", (folder / "echoes.nc").string());
   for (const auto& picture : pictures) fmt::print("wrote {}\n", (folder / picture).string());

@@ -34,7 +34,9 @@ struct RunOptions : CommonOptions {
   std::optional<std::int64_t> rays, rays_per_beam;
   std::optional<std::uint64_t> seed;
   bool reference = false;
-  std::optional<double> tolerance;  ///< of a reference; 1e-9 if unset
+  /// Of a reference: its relative bound, 1e-9 if unset. Else as parse_tolerance() reads it: picks the
+  /// settings.
+  std::optional<std::string> tolerance;
 };
 
 struct AuditOptions : CommonOptions {
@@ -67,6 +69,14 @@ struct ChartOptions {
   bool quiet = false;
 };
 
+struct AdviseOptions {
+  std::filesystem::path scene;
+  std::string tolerance;
+  std::size_t pings = 2;
+  std::optional<std::string> json;  ///< file, or "-" for stdout
+  bool quiet = false;
+};
+
 // Each prints to stdout and returns the exit code. They throw InputError where the input is wrong, UsageError
 // where the command line is, and std::exception where the run fails.
 int run_command(const RunOptions& options);
@@ -74,6 +84,7 @@ int check_command(const CommonOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
 int chart_command(const ChartOptions& options);
+int advise_command(const AdviseOptions& options);
 /// Returns 3 where the candidate is not within the error that the options allow.
 int compare_command(const CompareOptions& options);
 

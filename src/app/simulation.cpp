@@ -60,7 +60,8 @@ Engine make_engine(const Survey& survey) {
   const RunDescription& run = scene.description.run;
   const double unit = scene.grid.unit_m();
   if (run.engine == "ray") {
-    const auto rays = std::make_shared<RayScene>(scene.mesh, scene.grid);
+    const std::shared_ptr<const RayScene> rays =
+        survey.rays ? survey.rays : std::make_shared<const RayScene>(scene.mesh, scene.grid);
     return
         [rays, unit, settings = ray_settings(run)](TubeSet tubes, std::span<const std::uint32_t> beam_of_tube,
                                                    std::uint64_t ping, std::size_t&, const Take& take) {

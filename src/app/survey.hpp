@@ -10,6 +10,8 @@
 
 namespace tubefoot {
 
+class RayScene;
+
 /// All pings of one sensor: times and poses of the sensor itself.
 struct SensorPings {
   std::unique_ptr<Sensor> sensor;
@@ -30,6 +32,7 @@ struct Survey {
 
   Scene scene;
   std::unique_ptr<SceneTree> tree;
+  std::shared_ptr<const RayScene> rays;  ///< for runs of the ray engine that share it; others make their own
   std::vector<SensorPings> sensors;
   std::vector<SharedShots> shots;
   double load_seconds = 0, tree_seconds = 0;

@@ -8,6 +8,7 @@
 
 #include "app/simulation.hpp"
 #include "compare/echo_errors.hpp"
+#include "engine/ray_engine.hpp"
 
 namespace tubefoot {
 namespace {
@@ -51,6 +52,23 @@ std::string scene_name(const std::filesystem::path& scene) {
 
 }  // namespace
 
+EngineSetting tube_setting(const std::string& binning) {
+  EngineSetting s = tube(binning == "exact" ? "tubes, exact cuts" : "tubes, " + binning, "fixed");
+  s.run.binning = binning;
+  return s;
+}
+
+EngineSetting ray_setting(const std::string& sampling, std::int64_t rays_per_beam, std::size_t beams) {
+  EngineSetting s;
+  s.engine = sampling == "column" ? "rays, one column a beam" : "rays, " + sampling;
+  s.setting = fmt::format("{} a beam", rays_per_beam);
+  s.run.engine = "ray";
+  s.run.sampling = sampling;
+  s.run.rays_per_beam = rays_per_beam;
+  s.rays = static_cast<double>(rays_per_beam) * static_cast<double>(beams);
+  return s;
+}
+
 std::vector<EngineSetting> tube_settings() {
   std::vector<EngineSetting> all;
   for (const char* arithmetic : {"fixed", "filtered"}) {
@@ -66,27 +84,15 @@ std::vector<EngineSetting> tube_settings() {
     all.push_back(tube("tubes, exact cuts", fmt::format("fixed, split above {}", split)));
     all.back().run.facets_per_split = split;
   }
-  for (const char* binning : {"spread", "centroid"}) {
-    all.push_back(tube(fmt::format("tubes, {}", binning), "fixed"));
-    all.back().run.binning = binning;
-  }
+  for (const char* binning : {"spread", "centroid"}) all.push_back(tube_setting(binning));
   return all;
 }
 
 std::vector<EngineSetting> ray_settings(std::size_t beams) {
   std::vector<EngineSetting> all;
   for (const char* sampling : {"stratified", "regular", "random", "column"})
-    for (const std::int64_t rays : {1, 11, 23, 114, 400, 1500, 5000, 17000, 60000, 200000, 700000}) {
-      EngineSetting s;
-      s.engine = sampling == std::string_view("column") ? "rays, one column a beam"
-                                                        : fmt::format("rays, {}", sampling);
-      s.setting = fmt::format("{} a beam", rays);
-      s.run.engine = "ray";
-      s.run.sampling = sampling;
-      s.run.rays_per_beam = rays;
-      s.rays = static_cast<double>(rays) * static_cast<double>(beams);
-      all.push_back(std::move(s));
-    }
+    for (const std::int64_t rays : {1, 11, 23, 114, 400, 1500, 5000, 17000, 60000, 200000, 700000})
+      all.push_back(ray_setting(sampling, rays, beams));
   return all;
 }
 
@@ -126,8 +132,18 @@ std::size_t TrialScene::beams() const {
   return most;
 }
 
+std::vector<std::string> TrialScene::silent_sensors() const {
+  std::vector<std::string> names;
+  for (const Recording& r : reference_)
+    if (std::none_of(r.energy.begin(), r.energy.end(), [](double e) { return e > 0; }))
+      names.push_back(r.sensor->description().name);
+  return names;
+}
+
 std::vector<Recording> TrialScene::record(const EngineSetting& setting, double& seconds_a_ping) {
   survey_->scene.description.run = setting.run;
+  if (setting.run.engine == "ray" && !survey_->rays)
+    survey_->rays = std::make_shared<RayScene>(survey_->scene.mesh, survey_->scene.grid);
   // One sensor at a time, so that each one's seconds are known.
   std::vector<Recording> recordings;
   seconds_a_ping = 0;

@@ -21,6 +21,12 @@ struct EngineSetting {
   double rays = 0;              ///< a ping; 0 for tubes
 };
 
+/// The tube engine in fixed arithmetic with one of its binnings: exact, spread or centroid.
+EngineSetting tube_setting(const std::string& binning);
+
+/// The ray engine with one of its samplings, on `beams` beams.
+EngineSetting ray_setting(const std::string& sampling, std::int64_t rays_per_beam, std::size_t beams);
+
 /// Ways of the tube engine worth a chart: exact arithmetics, double, splitting, and the fast binnings.
 std::vector<EngineSetting> tube_settings();
 
@@ -49,6 +55,8 @@ class TrialScene {
   std::size_t beams() const;
   /// Of the reference: sum of its half-widths over the sum of its energies, of the worst sensor.
   double bound() const { return bound_; }
+  /// Sensors that hear nothing at all in the chosen pings: errors say nothing about them.
+  std::vector<std::string> silent_sensors() const;
 
   /// Runs a setting `repeats` times. The first run's energies count, and the worst sensor's errors; the
   /// median of the times, which is that of a ping, a sensor's weight being the pings it has in the scene.

@@ -85,6 +85,20 @@ std::optional<double> convergence_order(std::span<const Trial> trials, ErrorMeas
   return line->slope;
 }
 
+std::optional<double> samples_for(std::span<const Trial> ladder, ErrorMeasure measure, double error) {
+  constexpr std::size_t tail = 3;
+  std::vector<std::pair<double, double>> points;
+  for (const Trial& t : ladder.last(std::min(tail, ladder.size())))
+    if (const double e = error_of(t, measure); t.samples > 0 && e > 0 && std::isfinite(e))
+      points.emplace_back(std::log(t.samples), std::log(e));
+  if (points.size() < 2) return std::nullopt;
+  const std::optional<Line> line = fit(points);
+  // A slower fall is none that more samples would pay for.
+  constexpr double flattest = -0.1;
+  if (!line || !(line->slope < flattest)) return std::nullopt;
+  return std::exp((std::log(error) - line->intercept) / line->slope);
+}
+
 std::optional<Cost> cost_of(std::span<const Trial> trials, ErrorMeasure measure, double error) {
   std::optional<Cost> least;
   const auto offer = [&](const std::optional<Cost>& cost) {

@@ -28,6 +28,10 @@ constexpr double unconverged_l1 = 0.3, unconverged_db = 3;
 /// error is above `floor` and has begun to converge. None with fewer than three such trials.
 std::optional<double> convergence_order(std::span<const Trial> trials, ErrorMeasure measure, double floor);
 
+/// Samples a ping for an error of `error`, by the power law through the last (at most three) trials of one
+/// engine's ladder, which is ordered. None where their error does not fall with the samples.
+std::optional<double> samples_for(std::span<const Trial> ladder, ErrorMeasure measure, double error);
+
 /// What it costs to reach an error, from trials of any number of engines.
 struct Cost {
   double seconds = 0;

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/advice.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
+#include "app/settings.hpp"
+#include "app/usage_error.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int repeats = 3;
+
+/// Rungs of a ladder of rays: the first, how far the next ones go, and when rays that gain nothing are left.
+constexpr double first_rays = 32, shortest_step = 2, longest_step = 8, most_rays = 1e9;
+constexpr std::size_t patient_rungs = 4;
+
+/// Slightly more than the fit asks for, since every rung costs.
+constexpr double surplus = 1.1;
+
+void stop_if_interrupted() {
+  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+}
+
+/// Seconds of `samples` samples, by the line through the last two rungs.
+double seconds_for(const std::vector<Trial>& ladder, double samples) {
+  const Trial& last = ladder.back();
+  const double in_proportion = last.seconds * samples / last.samples;
+  if (ladder.size() < 2) return in_proportion;
+  const Trial& before = ladder[ladder.size() - 2];
+  const double slope = (last.seconds - before.seconds) / (last.samples - before.samples);
+  return slope > 0 ? last.seconds + slope * (samples - last.samples) : in_proportion;
+}
+
+/// Finds the rays that one sampling needs, on the probe pings.
+class RayLadder {
+ public:
+  RayLadder(TrialScene& probes, std::string sampling, const Tolerance& tolerance, std::uint64_t seed,
+            double seconds_cap)
+      : probes_(probes),
+        sampling_(std::move(sampling)),
+        measure_(tolerance.measure),
+        target_(tolerance.value / advice_safety),
+        seed_(seed),
+        cap_(seconds_cap),
+        beams_(static_cast<double>(probes.beams())) {}
+
+  Candidate climb() {
+    double rays = first_rays;
+    while (!step(rays)) {
+      const double needed = samples_for(ladder_, measure_, target_).value_or(0) / beams_;
+      if (needed <= 0 && ladder_.size() >= patient_rungs)
+        return not_tried(rays, fmt::format("does not converge: {} at {:.0f} rays a beam",
+                                           error_text(measure_, error()), rays));
+      double next = std::clamp(surplus * needed, shortest_step * rays, longest_step * rays);
+      if (ladder_.size() < 2) next = longest_step * rays;
+      if (const double seconds = seconds_for(ladder_, next * beams_); seconds > cap_ || next > most_rays) {
+        if (needed > 0)
+          return not_tried(std::max(needed, next),
+                           fmt::format("would need about {:.1e} rays a beam", std::max(needed, next)));
+        return not_tried(
+            rays, fmt::format("far from it at {:.0f} rays a beam: {}", rays, error_text(measure_, error())));
+      }
+      rays = std::round(next);
+    }
+    return refined();
+  }
+
+ private:
+  /// Runs a rung; true if it is good enough.
+  bool step(double rays) {
+    stop_if_interrupted();
+    ladder_.push_back(probes_.run(setting(rays), 1));
+    return error() <= target_;
+  }
+
+  double error() const { return error_of(ladder_.back(), measure_); }
+
+  EngineSetting setting(double rays) const {
+    EngineSetting s = ray_setting(sampling_, static_cast<std::int64_t>(rays), probes_.beams());
+    s.run.seed = seed_;
+    return s;
+  }
+
+  /// The last rung holds; one between it and the rung before may do as well.
+  Candidate refined() {
+    Trial good = ladder_.back();
+    if (ladder_.size() > 1) {
+      const Trial& bad = ladder_[ladder_.size() - 2];
+      if (const double least = error_of(good, measure_); least > 0) {
+        const double part =
+            std::log(error_of(bad, measure_) / target_) / std::log(error_of(bad, measure_) / least);
+        const double rays =
+            std::round(surplus * bad.samples * std::pow(good.samples / bad.samples, part) / beams_);
+        constexpr double worth_it = 0.75;
+        if (rays * beams_ < worth_it * good.samples && step(rays)) good = ladder_.back();
+      }
+    }
+    const double rays = std::round(good.samples / beams_);
+    Candidate candidate;
+    candidate.setting = setting(rays);
+    candidate.probe_error = error_of(good, measure_);
+    candidate.predicted_error = advice_safety * candidate.probe_error;
+    candidate.predicted_seconds = probes_.run(candidate.setting, repeats).seconds;
+    return candidate;
+  }
+
+  Candidate not_tried(double rays, std::string why) const {
+    Candidate candidate;
+    candidate.setting = setting(std::min(rays, most_rays));
+    const double samples = rays * beams_, last = ladder_.back().samples;
+    candidate.probe_error = samples > last ? target_ : error();
+    candidate.predicted_error = advice_safety * candidate.probe_error;
+    candidate.predicted_seconds = samples > last ? seconds_for(ladder_, samples) : ladder_.back().seconds;
+    candidate.tried = false;
+    candidate.note = std::move(why);
+    return candidate;
+  }
+
+  TrialScene& probes_;
+  std::string sampling_;
+  ErrorMeasure measure_;
+  double target_;
+  std::uint64_t seed_;
+  double cap_, beams_;
+  std::vector<Trial> ladder_;
+};
+
+Candidate tubes(TrialScene& probes, const std::string& binning, ErrorMeasure measure) {
+  stop_if_interrupted();
+  Candidate candidate;
+  candidate.setting = tube_setting(binning);
+  const Trial trial = probes.run(candidate.setting, repeats);
+  candidate.probe_error = error_of(trial, measure);
+  candidate.predicted_error = advice_safety * candidate.probe_error;
+  candidate.predicted_seconds = trial.seconds;
+  return candidate;
+}
+
+std::vector<TrialPings> pings_of(const std::vector<LookedAt>& sensors, bool probes) {
+  std::vector<TrialPings> chosen;
+  for (std::size_t s = 0; s < sensors.size(); ++s)
+    chosen.push_back({s, probes ? sensors[s].probes : sensors[s].others});
+  return chosen;
+}
+
+/// On other pings, and rays with another seed: where a sensor has no other pings, that is all that is new.
+void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint64_t seed) {
+  TrialScene others(
+      scene, [&](const Survey&) { return pings_of(advice.sensors, false); }, std::nullopt);
+  for (Candidate& candidate : advice.candidates) {
+    if (!candidate.tried) continue;
+    stop_if_interrupted();
+    EngineSetting setting = candidate.setting;
+    setting.run.seed = seed;
+    candidate.others = others.run(setting, repeats);
+  }
+}
+
+}  // namespace
+
+bool Advice::holds(const Candidate& candidate) const {
+  return candidate.tried && candidate.predicted_error <= tolerance.value &&
+         (!candidate.others || error_of(*candidate.others, tolerance.measure) <= tolerance.value);
+}
+
+double Advice::seconds(const Candidate& candidate) const {
+  return candidate.others ? candidate.others->seconds : candidate.predicted_seconds;
+}
+
+LookedAt looked_at(std::size_t pings, std::size_t count) {
+  const auto spread_over = [](const std::vector<std::size_t>& from, std::size_t wanted) {
+    const std::size_t n = std::min(wanted, from.size());
+    std::vector<std::size_t> some;
+    for (std::size_t i = 0; i < n; ++i) some.push_back(from[(2 * i + 1) * from.size() / (2 * n)]);
+    return some;
+  };
+  std::vector<std::size_t> all(pings);
+  for (std::size_t p = 0; p < pings; ++p) all[p] = p;
+  LookedAt sensor;
+  sensor.pings = pings;
+  sensor.probes = spread_over(all, count);
+  std::vector<std::size_t> rest;
+  std::set_difference(all.begin(), all.end(), sensor.probes.begin(), sensor.probes.end(),
+                      std::back_inserter(rest));
+  sensor.others_are_probes = rest.empty();
+  sensor.others = rest.empty() ? sensor.probes : spread_over(rest, count);
+  return sensor;
+}
+
+Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const AdviceOptions& options) {
+  const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
+  Advice advice;
+  advice.tolerance = tolerance;
+  {
+    TrialScene probes(
+        scene,
+        [&](const Survey& survey) {
+          for (const SensorPings& s : survey.sensors) {
+            advice.sensors.push_back(looked_at(s.times_s.size(), options.pings));
+            advice.sensors.back().sensor = s.sensor->description().name;
+          }
+          return pings_of(advice.sensors, true);
+        },
+        std::nullopt);
+    advice.silent = probes.silent_sensors();
+    const std::vector<std::string> samplings{"stratified", "regular", "column"};
+    const std::vector<std::string> binnings{"exact", "spread", "centroid"};
+    const bool choice = advice.silent.empty();
+    Progress progress("settings", choice ? binnings.size() + samplings.size() : 1, options.quiet);
+    for (const std::string& binning : binnings) {
+      advice.candidates.push_back(tubes(probes, binning, tolerance.measure));
+      progress.step();
+      if (!choice) break;
+    }
+    const double cap = options.largest_cost * advice.candidates.front().predicted_seconds;
+    for (const std::string& sampling : samplings) {
+      if (!choice) break;
+      advice.candidates.push_back(RayLadder(probes, sampling, tolerance, options.seed, cap).climb());
+      progress.step();
+    }
+  }
+  if (options.measure) measure_on_others(advice, scene, options.seed + 1);
+  for (std::size_t c = 1; c < advice.candidates.size(); ++c)
+    if (advice.holds(advice.candidates[c]) &&
+        advice.seconds(advice.candidates[c]) < advice.seconds(advice.best()))
+      advice.chosen = c;
+  return advice;
+}
+
+std::string left_out_by(const RunDescription& run) {
+  if (run.engine == "ray") return "everything between rays";
+  if (run.binning == "spread")
+    return "range cuts inside footprints: each footprint's energy is the law's at its centroid, spread "
+           "evenly "
+           "over its slant ranges";
+  if (run.binning == "centroid")
+    return "range cuts inside footprints: each footprint's energy sits in the sample of its centroid";
+  return "nothing";
+}
+
+std::string options_of(const RunDescription& run) {
+  if (run.engine == "ray")
+    return fmt::format("--engine ray --sampling {} --rays-per-beam {}", run.sampling,
+                       run.rays_per_beam.value_or(0));
+  return fmt::format("--engine tube --arithmetic {} --binning {}", run.arithmetic, run.binning);
+}
+
+Tolerance asked_tolerance(const std::string& text) {
+  try {
+    return parse_tolerance(text);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--tolerance {}", error.what()));
+  }
+}
+
+std::string pings_text(const std::string& sensor, const std::vector<std::size_t>& pings, std::size_t all) {
+  return fmt::format("{}: ping{} {} of {}", sensor, pings.size() == 1 ? "" : "s", fmt::join(pings, ", "),
+                     all);
+}
+
+}  // namespace tubefoot

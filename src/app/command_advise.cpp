@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/advice.hpp"
+#include "app/commands.hpp"
+#include "app/interrupt.hpp"
+#include "app/output_folder.hpp"
+#include "app/settings.hpp"
+#include "app/usage_error.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Advice& advice, const Candidate& candidate) {
+  Json json{{"engine", candidate.setting.engine}, {"setting", candidate.setting.setting}};
+  json["options"] = options_of(candidate.setting.run);
+  json["left_out"] = left_out_by(candidate.setting.run);
+  json["predicted"] = {{"error", candidate.predicted_error}, {"seconds", candidate.predicted_seconds}};
+  if (candidate.others)
+    json["measured"] = {{"error", error_of(*candidate.others, advice.tolerance.measure)},
+                        {"l1_error", candidate.others->l1_error},
+                        {"rms_db_error", candidate.others->rms_db_error},
+                        {"seconds", candidate.others->seconds}};
+  json["tried"] = candidate.tried;
+  if (!candidate.note.empty()) json["note"] = candidate.note;
+  json["holds"] = advice.holds(candidate);
+  return json;
+}
+
+Json json_of(const Advice& advice, const SceneDescription& scene) {
+  Json json{{"scene", scene.file.string()},
+            {"scene_hash", scene.sha256},
+            {"tolerance", to_text(advice.tolerance)},
+            {"measure", advice.tolerance.measure == ErrorMeasure::l1 ? "l1_error" : "rms_db_error"},
+            {"safety", advice_safety}};
+  for (const LookedAt& s : advice.sensors)
+    json["sensors"].push_back({{"name", s.sensor},
+                               {"pings", s.pings},
+                               {"probe_pings", s.probes},
+                               {"measured_pings", s.others},
+                               {"measured_pings_are_the_probes", s.others_are_probes}});
+  json["silent_sensors"] = advice.silent;
+  for (const Candidate& c : advice.candidates) json["candidates"].push_back(json_of(advice, c));
+  json["cheapest"] = json_of(advice, advice.best());
+  return json;
+}
+
+void print_advice(const Advice& advice) {
+  const ErrorMeasure measure = advice.tolerance.measure;
+  for (const LookedAt& s : advice.sensors) {
+    fmt::print("predicted on   {}\n", pings_text(s.sensor, s.probes, s.pings));
+    if (s.others_are_probes)
+      fmt::print("measured on    {}: there are no others, so only the rays' seed is new\n",
+                 pings_text(s.sensor, s.others, s.pings));
+    else
+      fmt::print("measured on    {}\n", pings_text(s.sensor, s.others, s.pings));
+  }
+  for (const std::string& name : advice.silent)
+    fmt::print("note           {} hears nothing on these pings: nothing but exact cuts was tried\n", name);
+  fmt::print("\n{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "predicted", "seconds", "measured", "seconds",
+             "within");
+  fmt::print("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "a ping", "error", "a ping",
+             to_text(advice.tolerance));
+  for (const Candidate& c : advice.candidates) {
+    fmt::print("{:<44} {:>10} {:>10.3g} ", fmt::format("{}, {}", c.setting.engine, c.setting.setting),
+               error_text(measure, c.predicted_error), c.predicted_seconds);
+    if (c.others)
+      fmt::print("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)),
+                 c.others->seconds, advice.holds(c) ? "yes" : "no");
+    else
+      fmt::print("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
+  }
+  fmt::print("\nPredicted errors are {:g} times those of the probe pings. One thread; loading not counted.\n",
+             advice_safety);
+  fmt::print("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
+  fmt::print("left out       {}\n", left_out_by(advice.best().setting.run));
+  fmt::print("options        {}\n", options_of(advice.best().setting.run));
+}
+
+}  // namespace
+
+int advise_command(const AdviseOptions& options) {
+  const Tolerance tolerance = asked_tolerance(options.tolerance);
+  if (options.json && *options.json != "-" &&
+      (options.json->empty() || std::filesystem::is_directory(*options.json)))
+    throw UsageError(fmt::format("--json '{}' is no file to write: name one, or - to print", *options.json));
+  const SceneDescription scene = read_scene_file(options.scene);
+  const InterruptGuard interrupt;
+  AdviceOptions asked;
+  asked.pings = options.pings;
+  asked.seed = scene.run.seed;
+  asked.quiet = options.quiet;
+  const Advice advice = advise(scene, tolerance, asked);
+  const std::string json = json_of(advice, scene).dump(2) + "\n";
+  if (options.json == "-") {
+    fmt::print("{}", json);
+    return 0;
+  }
+  print_advice(advice);
+  if (options.json) {
+    write_file(*options.json, json);
+    fmt::print("wrote {}\n", *options.json);
+  }
+  return 0;
+}
+
+}  // namespace tubefoot
