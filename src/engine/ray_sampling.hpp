@@ -52,13 +52,15 @@ struct RayPacket {
 class RayPlan {
  public:
   /// `beam_of_tube` may be empty where no beam is needed: counts per ping, and not in columns. Throws
-  /// std::invalid_argument for a negative number of rays, a tube that is no convex pyramid, beams that fit
-  /// the tubes not, and `column` where a beam's tubes form no grid. Keeps no reference.
+  /// std::invalid_argument for a negative number of rays, a tube that is no convex pyramid, beams that do not
+  /// fit the tubes, and `column` where a beam's tubes form no grid. Keeps no reference.
   RayPlan(const TubeSet& tubes, const RaySettings& settings, std::span<const std::uint32_t> beam_of_tube);
 
   std::int64_t rays() const { return rays_; }
   /// Good lengths for a RaySource: random rays are coherent only when many are drawn, and sorted, together.
-  std::int64_t rays_at_a_time() const { return settings_.sampling == RaySampling::random ? 1 << 16 : 1 << 12; }
+  std::int64_t rays_at_a_time() const {
+    return settings_.sampling == RaySampling::random ? 1 << 16 : 1 << 12;
+  }
 
  private:
   friend class RaySource;
