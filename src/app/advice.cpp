@@ -77,7 +77,7 @@ class RayLadder {
   /// Runs a rung; true if it is good enough.
   bool step(double rays) {
     stop_if_interrupted();
-    ladder_.push_back(probes_.run(setting(rays), 1));
+    ladder_.push_back(probes_.run(setting(rays), 1, ErrorsOver::ping));
     return error() <= target_;
   }
 
@@ -137,7 +137,7 @@ Candidate tubes(TrialScene& probes, const std::string& binning, ErrorMeasure mea
   stop_if_interrupted();
   Candidate candidate;
   candidate.setting = tube_setting(binning);
-  const Trial trial = probes.run(candidate.setting, repeats);
+  const Trial trial = probes.run(candidate.setting, repeats, ErrorsOver::ping);
   candidate.probe_error = error_of(trial, measure);
   candidate.predicted_error = advice_safety * candidate.probe_error;
   candidate.predicted_seconds = trial.seconds;
@@ -160,7 +160,7 @@ void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint6
     stop_if_interrupted();
     EngineSetting setting = candidate.setting;
     setting.run.seed = seed;
-    candidate.others = others.run(setting, repeats);
+    candidate.others = others.run(setting, repeats, ErrorsOver::ping);
   }
 }
 
@@ -186,6 +186,12 @@ LookedAt looked_at(std::size_t pings, std::size_t count) {
   for (std::size_t p = 0; p < pings; ++p) all[p] = p;
   LookedAt sensor;
   sensor.pings = pings;
+  if (2 * count <= pings) {  // alternately, so that others are as far from probes as can be
+    const std::vector<std::size_t> both = spread_over(all, 2 * count);
+    for (std::size_t k = 0; k < both.size(); ++k)
+      (k % 2 == 0 ? sensor.probes : sensor.others).push_back(both[k]);
+    return sensor;
+  }
   sensor.probes = spread_over(all, count);
   std::vector<std::size_t> rest;
   std::set_difference(all.begin(), all.end(), sensor.probes.begin(), sensor.probes.end(),

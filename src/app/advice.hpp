@@ -27,11 +27,11 @@ struct AdviceOptions {
 /// One way to compute the scene, and what is known about it. Seconds are those of a ping on one thread.
 struct Candidate {
   EngineSetting setting;
-  double probe_error = 0;  ///< on the probe pings, the worst sensor's; of rays not tried, by extrapolation
+  double probe_error = 0;      ///< of the worst probe ping; of rays not tried, by extrapolation
   double predicted_error = 0;  ///< advice_safety times that
   double predicted_seconds = 0;
   bool tried = true;            ///< false: `note` says why
-  std::optional<Trial> others;  ///< on other pings
+  std::optional<Trial> others;  ///< on other pings, errors of the worst one
   std::string note;
 };
 

@@ -74,8 +74,10 @@ void print_advice(const Advice& advice) {
     else
       fmt::print("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
   }
-  fmt::print("\nPredicted errors are {:g} times those of the probe pings. One thread; loading not counted.\n",
-             advice_safety);
+  fmt::print(
+      "\nPredicted errors are {:g} times the worst probe ping's, measured ones the worst ping's. One thread; "
+      "loading not counted.\n",
+      advice_safety);
   fmt::print("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
   fmt::print("left out       {}\n", left_out_by(advice.best().setting.run));
   fmt::print("options        {}\n", options_of(advice.best().setting.run));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 
 #include "app/simulation.hpp"
 #include "compare/echo_errors.hpp"
@@ -160,7 +161,7 @@ std::vector<Recording> TrialScene::record(const EngineSetting& setting, double& 
   return recordings;
 }
 
-Trial TrialScene::run(const EngineSetting& setting, int repeats) {
+Trial TrialScene::run(const EngineSetting& setting, int repeats, ErrorsOver over) {
   std::vector<double> seconds(static_cast<std::size_t>(repeats));
   const std::vector<Recording> candidate = record(setting, seconds.front());
   for (std::size_t r = 1; r < seconds.size(); ++r) record(setting, seconds[r]);
@@ -176,11 +177,18 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) {
   for (std::size_t s = 0; s < candidate.size(); ++s) {
     const Recording& reference = reference_[s];
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());
-    const EchoShape shape{reference.ping_time_s.size(), reference.sensor->beams().size(), ranges.size()};
-    const EchoErrors errors =
-        echo_errors({shape, reference.energy, candidate[s].energy, reference.energy_bound, ranges});
-    trial.l1_error = std::max(trial.l1_error, errors.l1);
-    trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
+    const std::size_t parts = over == ErrorsOver::ping ? reference.ping_time_s.size() : 1;
+    const EchoShape shape{reference.ping_time_s.size() / parts, reference.sensor->beams().size(),
+                          ranges.size()};
+    for (std::size_t p = 0; p < parts; ++p) {
+      const auto part = [&](const std::vector<double>& all) {
+        return std::span(all).subspan(all.empty() ? 0 : p * shape.bins(), all.empty() ? 0 : shape.bins());
+      };
+      const EchoErrors errors = echo_errors(
+          {shape, part(reference.energy), part(candidate[s].energy), part(reference.energy_bound), ranges});
+      trial.l1_error = std::max(trial.l1_error, errors.l1);
+      trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
+    }
   }
   return trial;
 }

@@ -33,7 +33,7 @@ struct CommandLine : testing::Test {
 };
 
 TEST_F(CommandLine, HelpOfEverySubcommandShowsAnExample) {
-  for (const char* command : {"run", "check", "audit", "footprints"}) {
+  for (const char* command : {"run", "check", "audit", "footprints", "advise"}) {
     const Outcome outcome = run_program({command, "--help"});
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_THAT(outcome.out, HasSubstr("Example:\n  tubefoot " + std::string(command) + " scenes/"));
@@ -42,7 +42,7 @@ TEST_F(CommandLine, HelpOfEverySubcommandShowsAnExample) {
   }
   const Outcome outcome = run_program({"--help"});
   EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* command : {"run", "check", "audit", "footprints"})
+  for (const char* command : {"run", "check", "audit", "footprints", "advise"})
     EXPECT_THAT(outcome.out, HasSubstr("\n  " + std::string(command) + " "));
 }
 
