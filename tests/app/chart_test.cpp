@@ -164,8 +164,8 @@ TEST_F(Chart, StratifiedRaysConvergeFaster) {
 
 TEST_F(Chart, WritesPageAndPictures) {
   EXPECT_THAT(names_below(*folder / "out"),
-              UnorderedElementsAre("chart.csv", "index.html", "step-l1.svg", "step-l1.png", "step-rms-db.svg",
-                                   "step-rms-db.png"));
+              UnorderedElementsAre(".tubefoot-files", "chart.csv", "index.html", "step-l1.svg", "step-l1.png",
+                                   "step-rms-db.svg", "step-rms-db.png"));
   const std::string page = bytes_of(*folder / "out" / "index.html"),
                     svg = bytes_of(*folder / "out" / "step-l1.svg");
   EXPECT_THAT(page, HasSubstr("</html>"));

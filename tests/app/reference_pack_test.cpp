@@ -14,7 +14,7 @@
 
 #include "app/program.hpp"
 #include "scene/file_hash.hpp"
-#include "scene/scene_file.hpp"
+#include "scene/scene_description.hpp"
 #include "sensors/echo_reader.hpp"
 
 namespace tubefoot {
