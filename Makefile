@@ -6,12 +6,13 @@
 #   make prove   check the laws of visibility on ten million tubes (half an hour): validation/prove.md
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
+#   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo test build setup prove bench atlas format tidy clean
+.PHONY: demo test build setup prove bench atlas reference format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -49,6 +50,9 @@ atlas: setup
 	@cmake --preset release -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_atlas
 	build/release/tubefoot_atlas validation
+
+reference: build
+	tools/reference_pack $(PROGRAM) reference/v1
 
 SOURCES = $(shell git ls-files '*.cpp' '*.hpp')
 

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "allocations.hpp"
+#include "chart_figures.hpp"
 #include "engine/echo.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/tube_engine.hpp"
@@ -109,7 +110,7 @@ int main(int, char** argv) {
   nlohmann::ordered_json figures;
   const auto figure = [&](const std::string& name, double value) {
     figures[name] = value;
-    fmt::print("{:<36} {:.4g}\n", name, value);
+    fmt::print("{:<40} {:.4g}\n", name, value);
     std::fflush(stdout);
   };
   constexpr double tuned_tolerance = 1e-14;  // the right topology on this terrain; docs/performance.md
@@ -183,6 +184,7 @@ int main(int, char** argv) {
     const auto t = interleaved(5, {[&] { survey(1); }, [&] { survey(2); }});
     figure("two_thread_speedup", t[0] / t[1]);
   }
+  chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
   std::ofstream out(file);
   out << figures.dump(2) << "\n";

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The chart as data: what `tubefoot chart` writes about small scenes, and that rays converge to the
+// reference.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "app/program.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+/// A slope behind a step, hidden in part, in few and long samples: many rays find each of them.
+constexpr std::string_view scene = R"(title = "Step"
+[water]
+absorption_db_per_km = 200
+[[materials]]
+name = "sand"
+[[terrain]]
+kind = "flat"
+width_m = 30
+length_m = 30
+[[objects]]
+name = "step"
+shape = "box"
+size_m = [1.1, 0.7, 0.6]
+position_m = [0.2, 1, 0.3]
+heading_deg = 20
+[trajectory]
+kind = "fixed"
+position_m = [0, -5, 2.5]
+[[sensors]]
+name = "camera"
+kind = "didson"
+beams = 4
+horizontal_deg = 8
+vertical_deg = 16
+tilt_deg = 22
+samples = 24
+window_start_m = 4
+window_length_m = 7
+)";
+
+struct Row {
+  std::string engine, setting;
+  double l1 = 0, db = 0, seconds = 0, bound = 0;
+};
+
+/// A line of CSV, quotes taken off.
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  return fields;
+}
+
+/// Rays a beam, from "1500 a beam".
+double rays_of(const Row& row) { return std::stod(row.setting); }
+
+/// Slope of log l1 over log rays, by least squares, over settings from `fewest` rays a beam on.
+double order(const std::vector<Row>& rows, double fewest) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const Row& row : rows) {
+    if (rays_of(row) < fewest) continue;
+    const double lx = std::log(rays_of(row)), ly = std::log(row.l1);
+    n += 1, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
+  }
+  EXPECT_GE(n, 5);
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+/// One run of the command for all tests of what it writes.
+struct Chart : testing::Test {
+  static void SetUpTestSuite() {
+    folder = std::make_unique<TestFolder>();
+    folder->write("step.toml", scene);
+    outcome = run_program({"chart", (*folder / "step.toml").string(), "-o", (*folder / "out").string(),
+                           "--seconds", "20", "--repeats", "1", "--quiet"});
+    if (outcome.exit_code != 0) return;
+    std::istringstream csv(bytes_of(*folder / "out" / "chart.csv"));
+    std::getline(csv, header);
+    for (std::string line; std::getline(csv, line);) {
+      const std::vector<std::string> f = fields_of(line);
+      ASSERT_EQ(f.size(), 7u) << line;
+      EXPECT_EQ(f[0], "step");
+      rows[f[1]].push_back({f[1], f[2], std::stod(f[3]), std::stod(f[4]), std::stod(f[5]), std::stod(f[6])});
+    }
+  }
+  static void TearDownTestSuite() { folder.reset(); }
+  void SetUp() override { ASSERT_EQ(outcome.exit_code, 0) << outcome.err; }
+
+  static std::unique_ptr<TestFolder> folder;
+  static Outcome outcome;
+  static std::string header;
+  static std::map<std::string, std::vector<Row>> rows;
+};
+std::unique_ptr<TestFolder> Chart::folder;
+Outcome Chart::outcome;
+std::string Chart::header;
+std::map<std::string, std::vector<Row>> Chart::rows;
+
+TEST_F(Chart, WritesEveryEngineInARowASetting) {
+  EXPECT_EQ(header, "scene,engine,setting,l1_error,rms_db_error,seconds,bound");
+  std::map<std::string, std::size_t> settings;
+  for (const auto& [engine, own] : rows) settings[engine] = own.size();
+  EXPECT_THAT(settings, UnorderedElementsAre(
+                            std::pair{"tubes, exact cuts", 4u}, std::pair{"tubes, double", 2u},
+                            std::pair{"tubes, spread", 1u}, std::pair{"tubes, centroid", 1u},
+                            std::pair{"rays, stratified", 11u}, std::pair{"rays, regular", 11u},
+                            std::pair{"rays, random", 11u}, std::pair{"rays, one column a beam", 11u}));
+  // What existing simulators use is among the rungs.
+  std::set<std::string> rungs;
+  for (const Row& row : rows["rays, random"]) rungs.insert(row.setting);
+  for (const char* rays : {"1", "11", "23", "114", "1500", "17000"})
+    EXPECT_TRUE(rungs.count(std::string(rays) + " a beam")) << rays;
+  for (const auto& [engine, own] : rows)
+    for (const Row& row : own) {
+      EXPECT_GT(row.seconds, 0) << engine << ", " << row.setting;
+      EXPECT_GE(row.l1, 0) << engine << ", " << row.setting;
+      EXPECT_LE(row.db, 30) << engine << ", " << row.setting;
+      EXPECT_GT(row.bound, 0);
+      EXPECT_LT(row.bound, 1e-6);
+    }
+}
+
+TEST_F(Chart, ExactTubesLieAtTheReference) {
+  for (const Row& row : rows["tubes, exact cuts"]) {
+    EXPECT_LT(row.l1, 1e-9) << row.setting;
+    EXPECT_LT(row.db, 1e-8) << row.setting;
+  }
+  for (const Row& row : rows["tubes, centroid"])
+    EXPECT_GT(row.l1, 1e-3) << "facets are far longer than samples";
+}
+
+TEST_F(Chart, RandomRaysConvergeToTheReferenceAsTheSquareRoot) {
+  const std::vector<Row>& random = rows["rays, random"];
+  const double slope = order(random, 100);
+  EXPECT_GT(slope, -0.6);
+  EXPECT_LT(slope, -0.4);
+  // Were the reference off by more than this, the error would stop falling before.
+  EXPECT_LT(random.back().l1, 3e-3);
+}
+
+TEST_F(Chart, StratifiedRaysConvergeFaster) {
+  const double slope = order(rows["rays, stratified"], 100);
+  EXPECT_LT(slope, order(rows["rays, random"], 100) - 0.1);
+  EXPECT_GT(slope, -1.05);  // a boundary through cells of side N^-1/2 allows no more than N^-3/4 on average
+  EXPECT_LT(rows["rays, stratified"].back().l1, rows["rays, random"].back().l1 / 3);
+}
+
+TEST_F(Chart, WritesPageAndPictures) {
+  EXPECT_THAT(names_below(*folder / "out"),
+              UnorderedElementsAre(".tubefoot-files", "chart.csv", "index.html", "step-l1.svg", "step-l1.png",
+                                   "step-rms-db.svg", "step-rms-db.png"));
+  const std::string page = bytes_of(*folder / "out" / "index.html"),
+                    svg = bytes_of(*folder / "out" / "step-l1.svg");
+  EXPECT_THAT(page, HasSubstr("</html>"));
+  EXPECT_THAT(page, HasSubstr("rays, stratified"));
+  EXPECT_THAT(svg, HasSubstr("<svg"));
+  EXPECT_THAT(svg, HasSubstr("order -0."));
+  for (const char* png : {"step-l1.png", "step-rms-db.png"})
+    EXPECT_EQ(bytes_of(*folder / "out" / png).substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_THAT(outcome.out, HasSubstr("rays/tubes"));
+  EXPECT_THAT(outcome.out, HasSubstr("chart.csv"));
+}
+
+/// What a command line is refused with; nothing may be left behind.
+std::string refusal(const TestFolder& folder, const std::vector<std::string>& scenes) {
+  const std::set<std::string> before = names_below(folder.path());
+  std::vector<std::string> words{"chart"};
+  words.insert(words.end(), scenes.begin(), scenes.end());
+  for (const char* word : {"--seconds", "0.01", "--repeats", "1", "--quiet", "-o"}) words.emplace_back(word);
+  words.push_back((folder / "out").string());
+  const Outcome outcome = run_program(words);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_EQ(names_below(folder.path()), before);
+  return outcome.err;
+}
+
+TEST(ChartErrors, ScenesOfOneNameAreRefused) {
+  const TestFolder folder;
+  std::filesystem::create_directory(folder / "other");
+  folder.write("step.toml", scene);
+  folder.write("other/step.toml", scene);
+  EXPECT_THAT(refusal(folder, {(folder / "step.toml").string(), (folder / "other/step.toml").string()}),
+              HasSubstr("two scenes are called 'step'"));
+}
+
+TEST(ChartErrors, AMissingOrWrongSceneIsNamed) {
+  const TestFolder folder;
+  folder.write("step.toml", scene);
+  folder.write("wrong.toml", replaced(scene, "tilt_deg", "tild_deg"));
+  EXPECT_THAT(refusal(folder, {(folder / "nowhere.toml").string()}), HasSubstr("nowhere.toml"));
+  // Also where another one was computed before.
+  EXPECT_THAT(refusal(folder, {(folder / "step.toml").string(), (folder / "wrong.toml").string()}),
+              HasSubstr("did you mean 'tilt_deg'?"));
+}
+
+TEST(ChartErrors, NoSceneAtAllIsRefused) {
+  const TestFolder folder;
+  EXPECT_THAT(refusal(folder, {}), HasSubstr("SCENE"));
+}
+
+}  // namespace
+}  // namespace tubefoot
