@@ -272,12 +272,12 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
         if (x[i] != 0) node(-x[i], w[i]);
       }
     };
-    // n nodes leave about (step / 2 distance)^2n: 1e-12 at each of these limits.
-    if (step <= 0.002 * distance)
-      quadrature(gauss<double, 2>());
-    else if (step <= 0.02 * distance)
+    // n nodes leave about (step / 2 distance)^2n: rounding, at each of these limits.
+    if (step <= 0.006 * distance)
       quadrature(gauss<double, 3>());
-    else if (step <= 0.12 * distance)
+    else if (step <= 0.03 * distance)
+      quadrature(gauss<double, 4>());
+    else if (step <= 0.08 * distance)
       quadrature(gauss<double, 5>());
     else
       quadrature(gauss<double, 8>());

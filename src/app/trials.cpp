@@ -174,6 +174,7 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats, ErrorsOver over
   trial.seconds = *middle;
   trial.bound = bound_;
   trial.samples = setting.rays;
+  trial.counts = setting.run.arithmetic != "double";
   for (std::size_t s = 0; s < candidate.size(); ++s) {
     const Recording& reference = reference_[s];
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());

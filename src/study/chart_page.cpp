@@ -13,7 +13,7 @@ constexpr double asked_db = 0.1, asked_l1 = 1e-3;
 std::vector<Trial> filtered(std::span<const Trial> trials, bool sampling) {
   std::vector<Trial> some;
   for (const Trial& t : trials)
-    if ((t.samples > 0) == sampling) some.push_back(t);
+    if (t.counts && (t.samples > 0) == sampling) some.push_back(t);
   return some;
 }
 

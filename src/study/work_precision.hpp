@@ -16,6 +16,7 @@ struct Trial {
   double seconds = 0;       ///< a ping, median of the repeats
   double bound = 0;         ///< of the reference itself: sum of half-widths / sum of energies
   double samples = 0;       ///< rays a ping; 0 for engines that do not sample
+  bool counts = true;       ///< false: drawn, but nobody's choice, like plain double, which promises nothing
 };
 
 enum class ErrorMeasure { l1, rms_db };

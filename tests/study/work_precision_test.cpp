@@ -98,6 +98,10 @@ TEST(Chart, VerdictsAreRatiosAtTheAskedErrors) {
   EXPECT_NEAR(*v.ray_over_tube_at_db / (1e-6 * std::pow(60 / 0.1, 2) / 0.01), 1, 1e-9);
   EXPECT_FALSE(v.db_extrapolated);
   EXPECT_NEAR(v.crossing_l1, 0.03, 0.002);
+  Trial unsafe = exact(1e-9, 1e-10);  // cheap, but nobody's choice
+  unsafe.counts = false;
+  trials.push_back(unsafe);
+  EXPECT_NEAR(verdict_of("bed", trials).crossing_l1, 0.03, 0.002);
 }
 
 TEST(Chart, RowsAreTrials) {
