@@ -58,16 +58,13 @@ std::vector<double> slabs_of_bins(const History& history, std::span<const std::u
 
 using Bins = std::map<std::size_t, Ball>;
 
-}  // namespace
-
-CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
+/// One try: parts are enclosed to `working`, and the bounds held against `tolerance`.
+CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
-                           double tolerance) {
-  if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+                           double tolerance, double working) {
   const std::vector<double> borders = sample_borders_m(samples);
-  const std::vector<double> target = targets(ordinary, tolerance);
+  const std::vector<double> target = targets(ordinary, working);
   const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
   const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(5);
   const auto row = std::size_t(samples.count);
@@ -90,7 +87,7 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       const double size = factor.hi();
       // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
       const CertifiedIntegrator::Allowance allowance{
-          tolerance / 3, [&](std::uint32_t beam, std::uint32_t sample) {
+          working / 3, [&](std::uint32_t beam, std::uint32_t sample) {
             const std::size_t bin = beam * row + sample;
             return std::max(target[bin] / 3 / std::max(slabs[bin], 1.0) / size, least_allowed);
           }};
@@ -138,6 +135,27 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
     }
   }
   return certified;
+}
+
+}  // namespace
+
+CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
+                           const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
+                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           double tolerance) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+  // How a bin's tolerance is shared out among its parts is a guess, which a bin of very many small parts may
+  // prove wrong: then all of them are done again, as much narrower as that bin needs.
+  constexpr int most_tries = 3;
+  double working = tolerance;
+  for (int tries = 1;; ++tries) {
+    CertifiedEcho certified =
+        enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary, tolerance, working);
+    const double excess = certified.worst_ratio;
+    if (certified.bins_over == 0 || tries == most_tries || !(excess < 1000)) return certified;
+    working /= 2 * excess;
+  }
 }
 
 }  // namespace tubefoot
