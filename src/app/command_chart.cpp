@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <map>
 #include <set>
 
 #include "app/commands.hpp"
@@ -18,15 +17,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double reference_tolerance = 1e-7;
-
-/// The rungs of a ladder are about 4 apart; the next one takes at most this many times as long as the last.
-constexpr double next_rung = 5;
-
-std::vector<EngineSetting> settings_for(std::size_t beams) {
-  std::vector<EngineSetting> all = tube_settings();
-  for (EngineSetting& s : ray_settings(beams)) all.push_back(std::move(s));
-  return all;
-}
 
 void write_pictures_of(const std::filesystem::path& folder, const std::string& scene,
                        const std::vector<Trial>& trials) {
@@ -54,24 +44,15 @@ int chart_command(const ChartOptions& options) {
   OutputFolder output(options.output);
   const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
   std::vector<Trial> trials;
-  Progress progress("settings", options.scenes.size() * settings_for(1).size(), options.quiet);
+  Progress progress("settings", options.scenes.size() * settings_count(), options.quiet);
   for (const std::filesystem::path& file : options.scenes) {
     TrialScene scene(read_scene_file(file), first_pings(options.pings), reference_tolerance);
     if (!names.insert(scene.name()).second)
       throw UsageError(
           fmt::format("two scenes are called '{}': the chart could not tell them apart", scene.name()));
-    std::map<std::string, double> last_seconds;
-    for (const EngineSetting& setting : settings_for(scene.beams())) {
-      if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
-      double& last = last_seconds[setting.engine];
-      if (setting.rays == 0 || next_rung * last <= options.seconds_per_trial) {
-        trials.push_back(scene.run(setting, last > 0.5 ? 1 : options.repeats));
-        last = trials.back().seconds;
-      } else {
-        last = options.seconds_per_trial;  // nor any finer one
-      }
-      progress.step();
-    }
+    const std::vector<Trial> own =
+        all_trials(scene, options.repeats, options.seconds_per_trial, [&] { progress.step(); });
+    trials.insert(trials.end(), own.begin(), own.end());
     write_pictures_of(output.staging(), scene.name(), trials);
   }
   write_file(output.staging() / "chart.csv", to_csv(trials));

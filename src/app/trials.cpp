@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <span>
+#include <stdexcept>
 
+#include "app/interrupt.hpp"
 #include "app/simulation.hpp"
 #include "compare/echo_errors.hpp"
 #include "engine/ray_engine.hpp"
@@ -192,6 +195,30 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats, ErrorsOver over
     }
   }
   return trial;
+}
+
+std::size_t settings_count() { return tube_settings().size() + ray_settings(1).size(); }
+
+std::vector<Trial> all_trials(TrialScene& scene, int repeats, double seconds_per_trial,
+                              const std::function<void()>& step) {
+  constexpr double next_rung = 5;  // rungs are about 4 apart
+  constexpr double slow_seconds = 0.5;
+  std::vector<EngineSetting> settings = tube_settings();
+  for (EngineSetting& s : ray_settings(scene.beams())) settings.push_back(std::move(s));
+  std::vector<Trial> trials;
+  std::map<std::string, double> last_seconds;
+  for (const EngineSetting& setting : settings) {
+    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+    double& last = last_seconds[setting.engine];
+    if (setting.rays == 0 || next_rung * last <= seconds_per_trial) {
+      trials.push_back(scene.run(setting, last > slow_seconds ? 1 : repeats));
+      last = trials.back().seconds;
+    } else {
+      last = seconds_per_trial;  // nor any finer one
+    }
+    step();
+  }
+  return trials;
 }
 
 }  // namespace tubefoot

@@ -75,6 +75,15 @@ class TrialScene {
   double bound_ = 0;
 };
 
+/// Every setting of both engines on a scene, `step` called after each. A ladder of rays ends before a rung
+/// that would probably take longer than `seconds_per_trial`; slow settings are run once instead of `repeats`
+/// times. Throws std::runtime_error when InterruptGuard says that the user wants to stop.
+std::vector<Trial> all_trials(
+    TrialScene& scene, int repeats, double seconds_per_trial, const std::function<void()>& step = [] {});
+
+/// How many settings that is, on any scene.
+std::size_t settings_count();
+
 /// The first pings of the first sensor.
 TrialScene::Choice first_pings(std::size_t count);
 
