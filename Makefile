@@ -3,7 +3,7 @@
 #
 #   make demo    install what is missing, build, run scenes/wellhead, name the pictures
 #   make test    install what is missing, build, run the tests
-#   make prove   check the laws of visibility on ten million tubes (half an hour): validation/prove.md
+#   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
