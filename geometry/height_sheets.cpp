@@ -4,7 +4,6 @@
 #include <CGAL/box_intersection_d.h>
 
 #include <algorithm>
-#include <iterator>
 #include <numeric>
 
 #include "geometry/arithmetic_fixed.hpp"

@@ -6,8 +6,9 @@
 namespace tubefoot {
 
 std::size_t PolarSlabs::event_of(const RangeEnclosure& range) const {
-  const auto after = std::upper_bound(events_.begin(), events_.end(), range.lo,
-                                      [](long double lo, const RangeEnclosure& event) { return lo < event.lo; });
+  const auto after =
+      std::upper_bound(events_.begin(), events_.end(), range.lo,
+                       [](long double lo, const RangeEnclosure& event) { return lo < event.lo; });
   return std::size_t(after - events_.begin()) - 1;
 }
 
@@ -65,7 +66,8 @@ void PolarSlabs::cut(std::span<const EdgeRanges> edges, const std::optional<Rang
   }
 }
 
-void PolarSlabs::add_slabs(long double lo, long double hi, std::uint32_t first, std::span<const double> borders_m) {
+void PolarSlabs::add_slabs(long double lo, long double hi, std::uint32_t first,
+                           std::span<const double> borders_m) {
   lo = std::max<long double>(lo, borders_m.front());
   hi = std::min<long double>(hi, borders_m.back());
   const auto count = std::uint32_t(crossings_.size()) - first;

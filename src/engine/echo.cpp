@@ -86,32 +86,50 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
   }
 }
 
-/// The energy of what lies in one direction, shared out to the beams that hear the tube. `add(beam, energy)`.
-template <class Add>
+/// Shares out the energy that comes from one direction to the beams that hear the tube: `add(beam, energy)`.
+/// The direction, a unit vector, is asked for only where there are patterns.
+template <class Direction, class Add>
 void for_each_beam(std::span<const std::uint32_t> beam_of_tube, const EchoLaw& law, std::uint32_t tube,
-                   glm::dvec3 direction, double energy, const Add& add) {
+                   double energy, const Direction& direction, const Add& add) {
   if (law.patterns == nullptr) {
     add(beam_of_tube[tube], energy);
     return;
   }
   const BeamPatterns& patterns = *law.patterns;
-  const double sent = energy * patterns.transmit[patterns.fan_of_tube[tube]].gain(direction);
+  const glm::dvec3 d = direction();
+  const double sent = energy * patterns.transmit[patterns.fan_of_tube[tube]].gain(d);
   const auto [first, end] = patterns.beams_of_tube[tube];
-  for (std::uint32_t beam = first; beam < end; ++beam)
-    add(beam, sent * patterns.receive[beam].gain(direction));
+  for (std::uint32_t beam = first; beam < end; ++beam) add(beam, sent * patterns.receive[beam].gain(d));
 }
 
-/// Sample that holds a slant range. The borders decide, not a division: footprints are cut at the same
-/// numbers.
-std::size_t sample_at(const std::vector<double>& borders, double range_m) {
-  return std::size_t(std::upper_bound(borders.begin(), borders.end(), range_m) - borders.begin() - 1);
-}
+/// Finds the sample that holds a slant range.
+class SampleFinder {
+ public:
+  explicit SampleFinder(const RangeSamples& samples)
+      : borders_(sample_borders_m(samples)),
+        samples_per_m_(samples.count / (borders_.back() - borders_.front())) {}
+  const std::vector<double>& borders() const { return borders_; }
+  bool holds(double range_m) const { return range_m >= borders_.front() && range_m < borders_.back(); }
+  /// Of a range that the samples hold. The borders decide, not the division: footprints are cut at the same
+  /// numbers.
+  std::size_t at(double range_m) const {
+    auto k = std::min(std::size_t((range_m - borders_.front()) * samples_per_m_), borders_.size() - 2);
+    while (range_m < borders_[k]) --k;
+    while (range_m >= borders_[k + 1]) ++k;
+    return k;
+  }
+
+ private:
+  std::vector<double> borders_;
+  double samples_per_m_;
+};
 
 void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
                           Binning binning, std::span<const std::uint32_t> beam_of_tube, Rows& rows,
                           Echo& echo) {
   const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
-  const std::vector<double> borders = sample_borders_m(samples);
+  const SampleFinder finder(samples);
+  const std::vector<double>& borders = finder.borders();
   for (const Footprint& footprint : set.footprints) {
     const double range = glm::length(footprint.centroid_m);
     const double near = footprint.slant_range_min_m, far = footprint.slant_range_max_m;
@@ -121,50 +139,41 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
     const double energy =
         rows.mu(footprint.facet) * sine * sine * footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
     const auto put = [&](std::size_t sample, double part) {
-      for_each_beam(beam_of_tube, law, footprint.tube, footprint.centroid_m / range, part * energy,
-                    [&](std::uint32_t beam, double heard) {
-                      echo.energy[beam * std::size_t(samples.count) + sample] += heard;
-                    });
+      for_each_beam(
+          beam_of_tube, law, footprint.tube, part * energy, [&] { return footprint.centroid_m / range; },
+          [&](std::uint32_t beam, double heard) {
+            echo.energy[beam * std::size_t(samples.count) + sample] += heard;
+          });
     };
     if (binning == Binning::centroid || !(far > near)) {
-      if (range >= borders.front() && range < borders.back()) put(sample_at(borders, range), 1);
+      if (finder.holds(range)) put(finder.at(range), 1);
       continue;
     }
     if (!(far > borders.front() && near < borders.back())) continue;
-    for (std::size_t k = near <= borders.front() ? 0 : sample_at(borders, near);
+    for (std::size_t k = near <= borders.front() ? 0 : finder.at(near);
          k + 1 < borders.size() && borders[k] < far; ++k)
       put(k, (std::min(far, borders[k + 1]) - std::max(near, borders[k])) / (far - near));
   }
 }
 
 /// A hit stands for the area solid_angle r^2 / sin(grazing), so it returns mu sin(grazing) solid_angle / r^2.
-void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, const EchoLaw& law, Rows& rows,
-              Echo& echo) {
+void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, const EchoLaw& law,
+              std::span<const std::uint32_t> beam_of_tube, Rows& rows, Echo& echo) {
   const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
-  const std::vector<double> borders = sample_borders_m(samples);
-  const double samples_per_m = samples.count / (borders.back() - borders.front());
+  const SampleFinder finder(samples);
   for (const RayHit& hit : hits) {
     const double r = hit.slant_range_m;
-    const std::span<double> row = rows.of_tube(hit.tube);
+    rows.of_tube(hit.tube);  // refuses a tube that has no beam
     const double mu = rows.mu(hit.facet);
-    if (!(r > 0 && r >= borders.front() && r < borders.back())) continue;
-    // The borders decide, not the division: footprints are cut at the same numbers.
-    auto sample = std::min(std::size_t((r - borders.front()) * samples_per_m), row.size() - 1);
-    while (r < borders[sample]) --sample;
-    while (r >= borders[sample + 1]) ++sample;
+    if (!(r > 0 && finder.holds(r))) continue;
+    const std::size_t sample = finder.at(r);
     const double spread = mu * hit.sine_grazing * hit.solid_angle_sr / (r * r);
-    const double energy = beta > 0 ? spread * std::exp(-beta * r) : spread;
-    if (law.patterns == nullptr) {
-      row[sample] += energy;
-      continue;
-    }
-    const BeamPatterns& patterns = *law.patterns;
-    const glm::dvec3 direction = glm::normalize(glm::dvec3(hit.direction));
-    const double sent = energy * patterns.transmit[patterns.fan_of_tube[hit.tube]].gain(direction);
-    const auto [first, end] = patterns.beams_of_tube[hit.tube];
-    for (std::uint32_t beam = first; beam < end; ++beam)
-      echo.energy[beam * std::size_t(samples.count) + sample] +=
-          sent * patterns.receive[beam].gain(direction);
+    for_each_beam(
+        beam_of_tube, law, hit.tube, beta > 0 ? spread * std::exp(-beta * r) : spread,
+        [&] { return glm::normalize(glm::dvec3(hit.direction)); },
+        [&](std::uint32_t beam, double heard) {
+          echo.energy[beam * std::size_t(samples.count) + sample] += heard;
+        });
   }
 }
 
@@ -196,7 +205,7 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
     add_footprints(history.footprints, lambert_radial_integral(samples, law.absorption_db_per_m), rows);
   else
     add_weighed_footprints(history.footprints, samples, law, rows, echo);
-  add_hits(history.hits, samples, law, rows, echo);
+  add_hits(history.hits, samples, law, beam_of_tube, rows, echo);
   return echo;
 }
 

@@ -59,7 +59,8 @@ TEST(WorkPrecision, CostFollowsThePowerLawBetweenAndBeyondTrials) {
     EXPECT_NEAR(cost->seconds / (1e-6 * std::pow(3 / error, 2)), 1, 1e-9) << error;
     EXPECT_EQ(cost->extrapolated, error < 0.003);
   }
-  EXPECT_DOUBLE_EQ(cost_of(rays, ErrorMeasure::l1, 0.9)->seconds, 1e-4) << "the coarsest setting is good enough";
+  EXPECT_DOUBLE_EQ(cost_of(rays, ErrorMeasure::l1, 0.9)->seconds, 1e-4)
+      << "the coarsest setting is good enough";
 }
 
 TEST(WorkPrecision, ALuckyCoarseSettingDoesNotCount) {
