@@ -8,6 +8,7 @@ find_library(ARB_LIBRARY NAMES flint-arb arb REQUIRED)  # Debian calls it flint-
 find_library(FLINT_LIBRARY NAMES flint REQUIRED)
 find_package(OpenMesh CONFIG REQUIRED)  # CONFIG: CGAL puts a failing FindOpenMesh on the module path
 find_package(GDAL CONFIG REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(fmt REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(CLI11 REQUIRED)

@@ -63,13 +63,15 @@ std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, const S
     auto entry =
         std::find_if(all.begin(), all.end(), [&](const auto& e) { return e.component == component; });
     if (entry == all.end())
-      entry = all.insert(all.end(), {component, 0, 0, std::numeric_limits<double>::infinity()});
+      entry = all.insert(all.end(), {component, 0, 0, std::numeric_limits<double>::infinity(),
+                                     std::numeric_limits<double>::infinity()});
+    const double height = static_cast<double>(c.height) / static_cast<double>(c.scale);
     if (sign(c.height) * sign(c.scale) > 0) {
       ++entry->above;
-      entry->lowest_above =
-          std::min(entry->lowest_above, static_cast<double>(c.height) / static_cast<double>(c.scale));
+      entry->lowest_above = std::min(entry->lowest_above, height);
     } else {
       ++entry->below;
+      entry->highest_below = std::min(entry->highest_below, -height);
     }
   }
   return all;

@@ -14,6 +14,7 @@ struct VerticalCrossings {
   std::uint16_t component = 0;
   std::size_t above = 0, below = 0;  ///< facets crossed; one that holds the point counts as below the point
   double lowest_above = 0;           ///< height of the lowest crossing above the point over it, grid units
+  double highest_below = 0;          ///< depth of the highest crossing below the point under it, grid units
 };
 
 /// Appends the facets that may meet the vertical line through a point; none that does is missing.

@@ -2,6 +2,7 @@
 #include "sensors/didson.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "sensors/angles.hpp"
@@ -47,6 +48,9 @@ Didson::Didson(const SensorDescription& description) : Sensor(description) {
   const int rows = half_height_rad > radians(45) ? 2 : 1;
   const std::vector<double> edges =
       even_edges(-half_horizontal_rad, half_horizontal_rad, camera.beams * slices);
+  Shot shot;
+  shot.beams.resize(beams_.size());
+  std::iota(shot.beams.begin(), shot.beams.end(), 0u);
   AngularGrid lit{{},
                   even_edges(-half_height_rad, half_height_rad, rows),
                   glm::dmat3(forward_axis, starboard_axis, up_axis)};
@@ -56,12 +60,14 @@ Didson::Didson(const SensorDescription& description) : Sensor(description) {
     if (to - from < 1e-8) continue;  // unlit, or so narrow that integer rays cannot tell its walls apart
     if (lit.azimuth_edges_rad.empty()) lit.azimuth_edges_rad.push_back(from);
     lit.azimuth_edges_rad.push_back(to);
-    beam_of_tube_.insert(beam_of_tube_.end(), static_cast<std::size_t>(rows),
-                         static_cast<std::uint32_t>(cell) / static_cast<std::uint32_t>(slices));
+    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(rows),
+                             static_cast<std::uint32_t>(cell) / static_cast<std::uint32_t>(slices));
   }
-  sectors_.push_back(std::move(lit));
-  fans_.push_back({0, static_cast<std::uint32_t>(beams_.size()),
-                   static_cast<std::uint32_t>(beam_of_tube_.size()), forward_axis, starboard_axis, up_axis});
+  shot.sectors.push_back(std::move(lit));
+  shot.fans.push_back({0, static_cast<std::uint32_t>(beams_.size()),
+                       static_cast<std::uint32_t>(shot.beam_of_tube.size()), forward_axis, starboard_axis,
+                       up_axis});
+  shots_.push_back(std::move(shot));
 }
 
 }  // namespace tubefoot

@@ -18,17 +18,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A netCDF-4 file under construction in memory, every call checked. It reaches the disk whole, or not at
-/// all.
+/// A netCDF-4 file under construction, every call checked: in memory, if it holds no more than
+/// `most_bytes_in_memory` of values, so that it reaches the disk whole or not at all (HDF5 does not survive a
+/// full disk, see checked_file.hpp), else on the disk, once that has room for it.
 class EchoFile {
  public:
-  explicit EchoFile(fs::path path) : path_(std::move(path)) {
-    constexpr std::size_t first_guess_bytes = 1 << 20;
-    check(nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_), "create the file");
+  EchoFile(fs::path path, std::size_t bytes_of_values)
+      : path_(std::move(path)), in_memory_(bytes_of_values <= most_bytes_in_memory) {
+    if (in_memory_) {
+      constexpr std::size_t first_guess_bytes = 1 << 20;
+      check(nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_),
+            "create the file");
+    } else {
+      const fs::space_info space = fs::space(path_.parent_path());
+      if (space.available < bytes_of_values)
+        throw std::runtime_error(
+            fmt::format("{}: up to {:.0f} MB are needed, but the disk has {:.0f} MB left", path_.string(),
+                        double(bytes_of_values) / 1e6, double(space.available) / 1e6));
+      check(nc_create(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "create the file");
+    }
     open_ = true;
   }
   ~EchoFile() {
-    if (open_) nc_abort(id_);
+    if (!open_) return;
+    nc_abort(id_);
+    std::error_code ignored;
+    fs::remove(path_, ignored);
   }
   EchoFile(const EchoFile&) = delete;
   EchoFile& operator=(const EchoFile&) = delete;
@@ -36,8 +51,12 @@ class EchoFile {
   int id() const { return id_; }
 
   void close() {
-    NC_memio memory{};
     open_ = false;
+    if (!in_memory_) {
+      check(nc_close(id_), "complete the file");
+      return;
+    }
+    NC_memio memory{};
     check(nc_close_memio(id_, &memory), "complete the file");
     const std::unique_ptr<void, decltype(&std::free)> owned(memory.memory, &std::free);
     write_file(path_, {static_cast<const unsigned char*>(memory.memory), memory.size});
@@ -49,7 +68,10 @@ class EchoFile {
   }
 
  private:
+  static constexpr std::size_t most_bytes_in_memory = 128 << 20;
+
   fs::path path_;
+  bool in_memory_;
   int id_ = 0;
   bool open_ = false;
 };
@@ -99,6 +121,13 @@ class EchoGroup {
 
   void write(int variable, const char* name, const double* values) {
     check(nc_put_var_double(id_, variable, values), "write variable", name);
+  }
+
+  /// One ping of a variable over ping, beam and sample.
+  void write_ping(int variable, const char* name, std::size_t ping, std::size_t beams, std::size_t samples,
+                  const double* values) {
+    const std::size_t start[] = {ping, 0, 0}, count[] = {1, beams, samples};
+    check(nc_put_vara_double(id_, variable, start, count, values), "write variable", name);
   }
 
   void write() {
@@ -240,9 +269,14 @@ void write_recording(EchoGroup& group, const Recording& recording) {
                  column(angles, [](const Angles& a) { return a.roll_deg; }));
 
   group.write();
-  group.write(energy, "energy", recording.energy.data());
-  if (!recording.energy_bound.empty())
-    group.write(energy_bound, "energy_bound", recording.energy_bound.data());
+  const auto count = static_cast<std::size_t>(samples.count);
+  for (std::size_t p = 0; p < recording.pings(); ++p) {
+    group.write_ping(energy, "energy", p, beams.size(), count, recording.energy_of(p).data());
+    if (!recording.energy_bound.empty())
+      group.write_ping(energy_bound, "energy_bound", p, beams.size(), count,
+                       recording.energy_bound.subspan(p * recording.cells()).data());
+    recording.let_go(p);
+  }
 }
 
 }  // namespace
@@ -252,7 +286,9 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
   if (recordings.empty()) throw std::invalid_argument("no recording to write into " + path.string());
   for (const Recording& recording : recordings) check(recording);
 
-  EchoFile file(path);
+  std::size_t bytes = 0;
+  for (const Recording& r : recordings) bytes += r.energy.size_bytes() + r.energy_bound.size_bytes();
+  EchoFile file(path, bytes);
   EchoGroup root(file, file.id());
   root.attribute("title", provenance.title);
   root.attribute("Conventions", "tubefoot-echoes-1.0");

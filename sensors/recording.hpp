@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,16 +12,29 @@
 
 namespace tubefoot {
 
-/// All pings of one sensor, as they are written.
+/// All pings of one sensor, as they are written. The energies lie elsewhere, in memory or in a file.
 struct Recording {
   const Sensor* sensor = nullptr;
   std::vector<double> ping_time_s;
-  std::vector<Pose> ping_pose;  ///< of the sensor
-  std::vector<double> energy;   ///< [ping][beam][sample], J for a source of 1 J/sr at 1 m
+  std::vector<Pose> ping_pose;     ///< of the sensor
+  std::vector<double> altitude_m;  ///< above the terrain straight below; not a number: unknown. May be empty
+  std::span<const double> energy;  ///< [ping][beam][sample], J for a source of 1 J/sr at 1 m
   double sound_speed_m_s = 0;
   double absorption_db_per_km = 0;
   /// Reference runs: certified half-width of each energy [J], laid out as the energies; empty in others.
-  std::vector<double> energy_bound{};
+  std::span<const double> energy_bound{};
+  /// Tells the keeper of the energies that those of a ping will not be read again soon; keeps them alive.
+  std::function<void(std::size_t ping)> release{};
+
+  std::size_t pings() const { return ping_time_s.size(); }
+  std::size_t cells() const;  ///< of a ping: beams times samples
+  /// [beam][sample]
+  std::span<const double> energy_of(std::size_t ping) const {
+    return energy.subspan(ping * cells(), cells());
+  }
+  void let_go(std::size_t ping) const {
+    if (release) release(ping);
+  }
 };
 
 /// Throws std::invalid_argument unless the recording has a sensor and as many times, poses and energies as it

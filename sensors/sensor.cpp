@@ -38,12 +38,12 @@ Sensor::Sensor(SensorDescription description) : description_(std::move(descripti
   receive_ = opened(description_.receive);
 }
 
-TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid) const {
+TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t shot) const {
   TubeSet set;
   set.apex = grid.snap(sensor_pose.position_m);
   set.reach = reach(grid);
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
-  for (const AngularGrid& sector : sectors_)
+  for (const AngularGrid& sector : shots_.at(shot).sectors)
     append_tubes(set, {sector.azimuth_edges_rad, sector.elevation_edges_rad, turn * sector.frame});
   return set;
 }
@@ -71,21 +71,22 @@ Directivity Sensor::directivity(const PatternDescription& pattern,
   return made;
 }
 
-BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s) const {
+BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, std::size_t shot) const {
+  const Shot& fired = shots_.at(shot);
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
   BeamPatterns made;
-  made.receive.resize(beams_.size());
-  for (const Fan& fan : fans_) {
+  made.receive.resize(fired.beams.size());
+  for (const Fan& fan : fired.fans) {
     made.transmit.emplace_back();
     if (transmit_)
       made.transmit.back() =
           directivity(description_.transmit, *transmit_, fan, fan.axis, turn, sound_speed_m_s);
     if (receive_)
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
-        made.receive[beam] = directivity(description_.receive, *receive_, fan, direction_of(beams_[beam]),
-                                         turn, sound_speed_m_s);
+        made.receive[beam] = directivity(description_.receive, *receive_, fan,
+                                         direction_of(beams_[fired.beams[beam]]), turn, sound_speed_m_s);
     while (made.fan_of_tube.size() < fan.end_tube) {
-      const std::uint32_t own = beam_of_tube_[made.fan_of_tube.size()];
+      const std::uint32_t own = fired.beam_of_tube[made.fan_of_tube.size()];
       made.fan_of_tube.push_back(static_cast<std::uint32_t>(made.transmit.size() - 1));
       if (receive_)
         made.beams_of_tube.emplace_back(fan.first_beam, fan.end_beam);

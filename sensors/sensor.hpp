@@ -33,16 +33,27 @@ class Sensor {
   double frequency_khz() const { return frequency_khz_; }
   const std::vector<BeamAxis>& beams() const { return beams_; }
   const RangeSamples& samples() const { return samples_; }
-  /// Per tube of `tubes()`: the beam it belongs to.
-  const std::vector<std::uint32_t>& beam_of_tube() const { return beam_of_tube_; }
 
-  /// The tubes of a ping from a pose of the sensor itself (mounting applied). Equal poses give equal sets.
-  TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid) const;
+  /// A ping is one shot or several (an acoustic camera that fires groups of beams in turn), each from where
+  /// the sensor is at its own time.
+  std::size_t shots() const { return shots_.size(); }
+  /// When a shot is fired, seconds after the ping's time.
+  double shot_delay_s(std::size_t shot) const { return shots_.at(shot).delay_s; }
+  /// The sensor's beams that listen to a shot. Within the shot they are numbered in this order.
+  const std::vector<std::uint32_t>& beams_of_shot(std::size_t shot) const { return shots_.at(shot).beams; }
+  /// Per tube of `tubes()`: the beam, as the shot numbers them, that it belongs to.
+  const std::vector<std::uint32_t>& beam_of_tube(std::size_t shot = 0) const {
+    return shots_.at(shot).beam_of_tube;
+  }
+
+  /// The tubes of a shot from a pose of the sensor itself (mounting applied). Equal poses give equal sets.
+  TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t shot = 0) const;
   /// Whether transmitter or receiver have a pattern; if not, beams are 1 inside their tubes and 0 outside.
   bool has_patterns() const { return transmit_.has_value() || receive_.has_value(); }
-  /// The patterns from a pose of the sensor itself. A receive pattern is steered to its beam's axis, a
-  /// transmit pattern to the middle of its fan. With a receive pattern a beam hears its whole fan.
-  BeamPatterns patterns(const Pose& sensor_pose, double sound_speed_m_s) const;
+  /// The patterns of a shot from a pose of the sensor itself, by the shot's numbers of beams. A receive
+  /// pattern is steered to its beam's axis, a transmit pattern to the middle of its fan. With a receive
+  /// pattern a beam hears its whole fan.
+  BeamPatterns patterns(const Pose& sensor_pose, double sound_speed_m_s, std::size_t shot = 0) const;
 
   /// TubeSet::reach of its tubes: the end of the last sample, in grid units.
   double reach(const WorldGrid& grid) const;
@@ -61,13 +72,19 @@ class Sensor {
     glm::dvec3 azimuth{1, 0, 0}, elevation{0, 0, 1};           ///< where the two angles' directions grow
   };
 
+  struct Shot {
+    double delay_s = 0;
+    std::vector<std::uint32_t> beams;  ///< the sensor's; all else counts beams by their place in here
+    std::vector<std::uint32_t> beam_of_tube;
+    std::vector<AngularGrid> sectors;  ///< in the sensor's frame (x starboard, y forward, z up)
+    std::vector<Fan> fans;
+  };
+
   SensorDescription description_;
   double frequency_khz_ = 0;
   std::vector<BeamAxis> beams_;
   RangeSamples samples_;
-  std::vector<std::uint32_t> beam_of_tube_;
-  std::vector<AngularGrid> sectors_;  ///< in the sensor's frame (x starboard, y forward, z up)
-  std::vector<Fan> fans_;
+  std::vector<Shot> shots_;
 
  private:
   Directivity directivity(const PatternDescription& pattern, const std::shared_ptr<const PatternTable>& table,

@@ -25,19 +25,22 @@ Sidescan::Sidescan(const SensorDescription& description) : Sensor(description) {
   const double half_width_rad = radians(fan.along_track_deg) / 2;
   const double middle_rad = (shallow_rad + steep_rad) / 2;
   const int slices = slices_for(steep_rad - shallow_rad);
+  Shot shot;
+  shot.beams = {0, 1};
   for (const double side : {-1.0, 1.0}) {
     beams_.push_back({side * radians(90), -middle_rad, 2 * half_width_rad, steep_rad - shallow_rad});
     // The grid's azimuth is the depression angle: 0 horizontal to the side, 90 degrees straight down.
-    sectors_.push_back({even_edges(shallow_rad, steep_rad, slices),
-                        {-half_width_rad, half_width_rad},
-                        glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});
-    beam_of_tube_.insert(beam_of_tube_.end(), static_cast<std::size_t>(slices), side < 0 ? 0u : 1u);
+    shot.sectors.push_back({even_edges(shallow_rad, steep_rad, slices),
+                            {-half_width_rad, half_width_rad},
+                            glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});
+    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(slices), side < 0 ? 0u : 1u);
     const glm::dvec3 axis = std::cos(middle_rad) * side * starboard_axis - std::sin(middle_rad) * up_axis;
     const glm::dvec3 across = std::sin(middle_rad) * side * starboard_axis + std::cos(middle_rad) * up_axis;
     const auto beam = static_cast<std::uint32_t>(beams_.size());
-    fans_.push_back(
-        {beam - 1, beam, static_cast<std::uint32_t>(beam_of_tube_.size()), axis, forward_axis, across});
+    shot.fans.push_back(
+        {beam - 1, beam, static_cast<std::uint32_t>(shot.beam_of_tube.size()), axis, forward_axis, across});
   }
+  shots_.push_back(std::move(shot));
 }
 
 }  // namespace tubefoot

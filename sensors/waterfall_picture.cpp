@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
+#include <span>
 
 #include "sensors/decibel_scale.hpp"
 
@@ -45,32 +47,45 @@ double ping_spacing_m(const Recording& recording) {
   return path / static_cast<double>(recording.ping_pose.size() - 1);
 }
 
-/// Energies after a time-varied gain that undoes spreading and absorption both ways, 40 log R + 2 alpha R, as
-/// every sidescan display does: without it the far half of a waterfall is dark. For looking at only.
-std::vector<double> gained(const Recording& recording) {
+/// A time-varied gain that undoes spreading and absorption both ways, 40 log R + 2 alpha R, as every sidescan
+/// display does: without it the far half of a waterfall is dark. For looking at only.
+std::vector<double> gain_by_sample(const Recording& recording) {
   const RangeSamples& samples = recording.sensor->samples();
   std::vector<double> gain(static_cast<std::size_t>(samples.count));
   for (std::size_t k = 0; k < gain.size(); ++k) {
     const double range_m = samples.first_m + (static_cast<double>(k) + 0.5) * samples.step_m;
     gain[k] = std::pow(range_m, 4) * std::pow(10, 2 * recording.absorption_db_per_km * range_m / 1e4);
   }
-  std::vector<double> energies = recording.energy;
-  for (std::size_t k = 0; k < energies.size(); ++k) energies[k] *= gain[k % gain.size()];
-  return energies;
+  return gain;
 }
 
-/// Mean energy per column of one side, of one beam under the pings of a row.
-double mean_energy(const Recording& recording, const std::vector<double>& energies, std::size_t beam,
-                   const CellSpan& pings, const CellSpan& samples) {
-  const std::size_t beams = recording.sensor->beams().size();
-  const auto count = static_cast<std::size_t>(recording.sensor->samples().count);
-  double sum = 0, weight = 0;
-  for (std::size_t p = 0; p < pings.weights.size(); ++p) {
-    const double* energy = energies.data() + ((pings.first + p) * beams + beam) * count + samples.first;
-    for (std::size_t s = 0; s < samples.weights.size(); ++s) {
-      sum += pings.weights[p] * samples.weights[s] * energy[s];
-      weight += pings.weights[p] * samples.weights[s];
+/// The picture's rows, the first ping's first: of each beam and sample the mean over the pings under the row,
+/// after the gain. However long the line, this is as large as the picture.
+std::vector<double> rows_of(const Recording& recording, int rows) {
+  const std::vector<double> gain = gain_by_sample(recording);
+  const std::size_t cells = recording.cells();
+  const double rows_per_ping = rows / static_cast<double>(recording.pings());
+  std::vector<double> all(static_cast<std::size_t>(rows) * cells, 0.0);
+  for (int row = 0; row < rows; ++row) {
+    const CellSpan under = cells_under(row / rows_per_ping, (row + 1) / rows_per_ping, recording.pings());
+    double* mean = all.data() + static_cast<std::size_t>(row) * cells;
+    const double weight = std::accumulate(under.weights.begin(), under.weights.end(), 0.0);
+    for (std::size_t p = 0; p < under.weights.size(); ++p) {
+      const std::span<const double> energy = recording.energy_of(under.first + p);
+      for (std::size_t k = 0; k < cells; ++k)
+        mean[k] += under.weights[p] / weight * energy[k] * gain[k % gain.size()];
+      if (p + 1 < under.weights.size()) recording.let_go(under.first + p);
     }
+  }
+  return all;
+}
+
+/// Mean over the samples under a column.
+double mean_energy(std::span<const double> energy, const CellSpan& samples) {
+  double sum = 0, weight = 0;
+  for (std::size_t s = 0; s < samples.weights.size(); ++s) {
+    sum += samples.weights[s] * energy[samples.first + s];
+    weight += samples.weights[s];
   }
   return sum / weight;
 }
@@ -82,8 +97,6 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
   const RangeSamples& samples = sensor.samples();
   const auto pings = recording.ping_time_s.size();
   const double far_m = samples.first_m + samples.count * samples.step_m;
-  const std::vector<double> energies = gained(recording);
-  const DecibelScale scale(energies);
 
   const int side =
       std::clamp(static_cast<int>(std::ceil(far_m / samples.step_m)), narrowest_side, widest_side);
@@ -94,6 +107,8 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
   const int rows = std::clamp(static_cast<int>(std::lround(std::min(wanted_rows, 1e6))), lowest, highest);
   const double rows_per_ping = rows / static_cast<double>(pings);
   const double stretch = rows / wanted_rows;
+  const std::vector<double> energies = rows_of(recording, rows);
+  const DecibelScale scale(energies);
 
   const std::string title =
       fmt::format("{}   pings 0 to {}   t = {:.2f} to {:.2f} s", sensor.description().name, pings - 1,
@@ -124,15 +139,16 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
                                   ((x + 1) / pixels_per_m - samples.first_m) / samples.step_m,
                                   static_cast<std::size_t>(samples.count)));
   for (int row = 0; row < rows; ++row) {  // from the bottom: the first ping is the lowest
-    const CellSpan under = cells_under(row / rows_per_ping, (row + 1) / rows_per_ping, pings);
+    const auto count = static_cast<std::size_t>(samples.count);
+    const std::span<const double> port =
+        std::span(energies).subspan(static_cast<std::size_t>(row) * 2 * count, count);
+    const std::span<const double> starboard(port.data() + count, count);
     for (int x = 0; x < side; ++x) {
       const CellSpan& column = columns[static_cast<std::size_t>(x)];
       if (column.weights.empty()) continue;
       const int y = bottom - 1 - row;
-      canvas.blend(middle - 1 - x, y, scale.colour(mean_energy(recording, energies, 0, under, column)),
-                   column.covered);
-      canvas.blend(middle + x, y, scale.colour(mean_energy(recording, energies, 1, under, column)),
-                   column.covered);
+      canvas.blend(middle - 1 - x, y, scale.colour(mean_energy(port, column)), column.covered);
+      canvas.blend(middle + x, y, scale.colour(mean_energy(starboard, column)), column.covered);
     }
   }
 

@@ -27,8 +27,8 @@ int audit_command(const AuditOptions& options) {
 
   struct Shot {
     const SharedShots* group;
-    std::size_t ping;
-    std::uint64_t label;  ///< of group and ping, so that a ping's share of the hash does not depend on what
+    std::size_t ping, shot;
+    std::uint64_t label;  ///< of all three, so that a shot's share of the hash does not depend on what
                           ///< else is audited
   };
   std::vector<Shot> shots;
@@ -37,19 +37,21 @@ int audit_command(const AuditOptions& options) {
       continue;
     const PingRange range = resolved(options.pings, survey->pings(group));
     for (std::int64_t ping = range.first; ping <= range.last; ++ping)
-      shots.push_back({&group, static_cast<std::size_t>(ping),
-                       (static_cast<std::uint64_t>(&group - survey->shots.data()) << 24) |
-                           static_cast<std::uint64_t>(ping)});
+      for (std::size_t shot = 0; shot < survey->shots_a_ping(group); ++shot)
+        shots.push_back({&group, static_cast<std::size_t>(ping), shot,
+                         (std::uint64_t{shot} << 40) |
+                             (static_cast<std::uint64_t>(&group - survey->shots.data()) << 24) |
+                             static_cast<std::uint64_t>(ping)});
   }
 
   std::size_t tubes = 0, pieces = 0, facets = 0, failures = 0;
   double worst = 0;
   TopologyHash hash;
   const InterruptGuard interrupt;
-  Progress progress("audited pings", shots.size(), options.quiet);
+  Progress progress("audited shots", shots.size(), options.quiet);
   for (std::size_t k = 0; k < shots.size(); ++k) {
     if (InterruptGuard::requested()) throw std::runtime_error("interrupted");
-    const TubeSet set = survey->tubes(*shots[k].group, shots[k].ping);
+    const TubeSet set = survey->tubes(*shots[k].group, shots[k].ping, shots[k].shot);
     const std::vector<TubeAudit> audits = engine.audit(set, shots[k].label);
     for (std::size_t tube = 0; tube < audits.size(); ++tube) {
       const TubeAudit& audit = audits[tube];
@@ -59,15 +61,15 @@ int audit_command(const AuditOptions& options) {
       hash += audit.hash;
       if (audit.closes) continue;
       if (++failures <= 10)
-        fmt::print(stderr, "sensor '{}', ping {}, tube {}: off by {:.3e} of the tube\n",
+        fmt::print(stderr, "sensor '{}', ping {}, shot {}, tube {}: off by {:.3e} of the tube\n",
                    survey->sensors[shots[k].group->sensors.front()].sensor->description().name, shots[k].ping,
-                   tube, audit.defect);
+                   shots[k].shot, tube, audit.defect);
       worst = std::max(worst, std::abs(audit.defect));
     }
     progress.step();
   }
   fmt::print("arithmetic     {}\n", description.run.arithmetic);
-  fmt::print("pings          {}\n", shots.size());
+  fmt::print("shots          {}\n", shots.size());
   fmt::print("tubes          {}\n", tubes);
   fmt::print("footprints     {}\n", facets);
   fmt::print("pieces         {}\n", pieces);

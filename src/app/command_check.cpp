@@ -42,14 +42,21 @@ void print_cost(const Survey& survey, int threads) {
     std::size_t candidates = 0, footprints = 0;
     const auto start = std::chrono::steady_clock::now();
     for (std::size_t k = 0; k < probes; ++k) {
-      const History history =
-          engine.trace(survey.tubes(group, (2 * k + 1) * pings / (2 * probes)), &candidates);
-      footprints += history.footprints.footprints.size();
-      for (const std::size_t s : group.sensors) {
-        const Sensor& sensor = *survey.sensors[s].sensor;
-        integrate_echo(history, sensor.beam_of_tube(), static_cast<int>(sensor.beams().size()),
-                       sensor.samples(),
-                       {scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)});
+      const std::size_t ping = (2 * k + 1) * pings / (2 * probes);
+      for (std::size_t shot = 0; shot < survey.shots_a_ping(group); ++shot) {
+        const History history = engine.trace(survey.tubes(group, ping, shot), &candidates);
+        footprints += history.footprints.footprints.size();
+        for (const std::size_t s : group.sensors) {
+          const Sensor& sensor = *survey.sensors[s].sensor;
+          EchoLaw law{scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)};
+          BeamPatterns patterns;
+          if (sensor.has_patterns()) {
+            patterns = sensor.patterns(survey.sensors[s].shot_pose(ping, shot), scene.sound_speed_m_s, shot);
+            law.patterns = &patterns;
+          }
+          integrate_echo(history, sensor.beam_of_tube(shot),
+                         static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law);
+        }
       }
     }
     const double per_ping = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() /

@@ -48,9 +48,15 @@ int footprints_command(const FootprintOptions& options) {
     for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
          ++ping) {
       if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
-      const History history = engine.trace(pings.sensor->tubes(pings.poses[ping], scene.grid));
-      file.add(scene, history, pings.sensor->beam_of_tube(), ping);
-      footprints += history.footprints.footprints.size();
+      for (std::size_t shot = 0; shot < pings.sensor->shots(); ++shot) {
+        const History history =
+            engine.trace(pings.sensor->tubes(pings.shot_pose(ping, shot), scene.grid, shot));
+        std::vector<std::uint32_t> beam_of_tube;
+        for (const std::uint32_t beam : pings.sensor->beam_of_tube(shot))
+          beam_of_tube.push_back(pings.sensor->beams_of_shot(shot)[beam]);
+        file.add(scene, history, beam_of_tube, ping);
+        footprints += history.footprints.footprints.size();
+      }
       progress.step();
     }
     file.close();

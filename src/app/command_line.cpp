@@ -63,6 +63,10 @@ int run_command_line(int argc, char** argv) {
   run_app->add_option("--tolerance", run.tolerance,
                       "error allowed, 0.1dB (RMS of lit bins), 1e-3 or 0.1% (relative L1): picks engine and "
                       "settings as 'advise' does; with --reference: the bound asked for (default: 1e-9)");
+  run_app->add_flag(
+      "--resume", run.resume,
+      "go on with a run that was interrupted or killed, from '<output>.partial'; begin if there is "
+      "none");
   run_app->footer("Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead");
   run_app->callback([&] { command = [&] { return run_command(run); }; });
 

@@ -10,6 +10,7 @@
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
 #include "app/output_folder.hpp"
+#include "app/partial_run.hpp"
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
@@ -66,17 +67,6 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
         fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
 }
 
-/// The chosen settings; what the scene's own [run] says of seed, grid and threads stays.
-void take_over(RunDescription& run, const RunDescription& chosen) {
-  run.engine = chosen.engine;
-  run.arithmetic = chosen.arithmetic;
-  run.binning = chosen.binning;
-  run.facets_per_split = chosen.facets_per_split;
-  run.zero_tolerance = chosen.zero_tolerance;
-  run.sampling = chosen.sampling;
-  run.rays_per_beam = chosen.rays_per_beam;
-}
-
 Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {
   AdviceOptions options;
   options.measure = false;   // all of its time is the user's waiting
@@ -84,7 +74,16 @@ Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, 
   options.seed = description.run.seed;
   options.quiet = quiet;
   Advice advice = advise(description, tolerance, options);
-  take_over(description.run, advice.best().setting.run);
+  RunDescription& run = description.run;
+  const RunDescription& chosen = advice.best().setting.run;
+  // What the scene's own [run] says of seed, grid and threads stays.
+  run.engine = chosen.engine;
+  run.arithmetic = chosen.arithmetic;
+  run.binning = chosen.binning;
+  run.facets_per_split = chosen.facets_per_split;
+  run.zero_tolerance = chosen.zero_tolerance;
+  run.sampling = chosen.sampling;
+  run.rays_per_beam = chosen.rays_per_beam;
   if (!quiet)
     fmt::print("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine,
                advice.best().setting.setting);
@@ -107,16 +106,46 @@ nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
       {"estimate", fmt::format("measured, not certified: {:g} times the error on the probe pings, against "
                                "exact cuts",
                                advice_safety)},
+      {"error_text", error_text(advice.tolerance.measure, best.predicted_error)},
       {"seconds_of_advice", seconds}};
   for (const LookedAt& s : advice.sensors) json["probe_pings"][s.sensor] = s.probes;
   return json;
 }
 
-void print_tolerance(const Advice& advice) {
-  const Candidate& best = advice.best();
+void print_tolerance(const nlohmann::ordered_json& advice) {
   fmt::print("tolerance {}: {}, {}; left out: {}; error about {} (measured on probe pings, not certified)\n",
-             to_text(advice.tolerance), best.setting.engine, best.setting.setting,
-             left_out_by(best.setting.run), error_text(advice.tolerance.measure, best.predicted_error));
+             advice.at("asked").get<std::string>(), advice.at("engine").get<std::string>(),
+             advice.at("setting").get<std::string>(), advice.at("left_out").get<std::string>(),
+             advice.at("error_text").get<std::string>());
+}
+
+nlohmann::ordered_json settings_json(const RunDescription& run,
+                                     const std::optional<double>& reference_tolerance,
+                                     const SimulationStats& stats) {
+  nlohmann::ordered_json json;
+  json["engine"] = run.engine;
+  if (run.engine == "tube") {
+    json["arithmetic"] = run.arithmetic;
+    json["binning"] = run.binning;
+  } else {
+    json["sampling"] = run.sampling;
+    if (run.rays_per_beam)
+      json["rays_per_beam"] = *run.rays_per_beam;
+    else
+      json["rays_per_ping"] = run.rays_per_ping;
+    json["seed"] = run.seed;
+  }
+  if (reference_tolerance) {
+    const ReferenceStats& reference = stats.reference;
+    json["reference"] = {{"tolerance", *reference_tolerance},
+                         {"bins_over_tolerance", reference.bins_over},
+                         {"worst_bound_over_asked", reference.worst_ratio},
+                         {"worst_sensor", reference.worst_sensor},
+                         {"worst_ping", reference.worst_ping},
+                         {"worst_beam", reference.worst_beam},
+                         {"worst_sample", reference.worst_sample}};
+  }
+  return json;
 }
 
 }  // namespace
@@ -150,12 +179,24 @@ int run_command(const RunOptions& options) {
   }
   const InterruptGuard interrupt;
   OutputFolder output(options.output);
-  std::optional<Advice> advice;
-  double advice_seconds = 0;
-  if (tolerance) {
-    const Clock::time_point advice_start = Clock::now();
-    advice = pick_settings(description, *tolerance, options.quiet);
-    advice_seconds = seconds_since(advice_start);
+  PartialRun partial(options.output, options.resume);
+  const nlohmann::ordered_json asked{{"version", TUBEFOOT_VERSION},
+                                     {"scene_hash", description.sha256},
+                                     {"run", json_of(description.run)},
+                                     {"reference", reference_tolerance ? *reference_tolerance : 0.0},
+                                     {"tolerance", tolerance ? to_text(*tolerance) : ""}};
+  nlohmann::ordered_json identity{{"asked", asked}};
+  if (partial.kept()) {
+    identity = *partial.kept();
+    refuse_other_request(identity.at("asked"), asked);
+    description.run = run_of(identity.at("run"), description.run);
+  } else {
+    if (tolerance) {
+      const Clock::time_point advice_start = Clock::now();
+      const Advice advice = pick_settings(description, *tolerance, options.quiet);
+      identity["advice"] = json_of(advice, seconds_since(advice_start));
+    }
+    identity["run"] = json_of(description.run);
   }
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
@@ -163,9 +204,18 @@ int run_command(const RunOptions& options) {
   std::vector<std::string> warnings = scene.report.warnings;
   print_warnings(warnings, options.quiet);
 
-  SimulationStats stats;
   const Clock::time_point simulation_start = Clock::now();
-  const std::vector<Recording> recordings = simulate(*survey, options.quiet, stats, reference_tolerance);
+  const std::shared_ptr<PingStore> store =
+      partial.open(layout_of(*survey, reference_tolerance.has_value()), identity);
+  const std::size_t kept_pings = store->done_units();
+  if (kept_pings > 0 && !options.quiet) fmt::print(stderr, "going on after {} finished pings\n", kept_pings);
+  const auto stop_if_asked = [&partial] {
+    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: " + partial.advice());
+  };
+  simulate(*survey, *store, options.quiet, reference_tolerance);
+  stop_if_asked();
+  const SimulationStats stats = totals(*survey, *store);
+  const std::vector<Recording> recordings = recordings_of(*survey, store);
   const double simulation_seconds = seconds_since(simulation_start);
 
   const Clock::time_point write_start = Clock::now();
@@ -176,9 +226,11 @@ int run_command(const RunOptions& options) {
                 TUBEFOOT_VERSION, reference_tolerance});
   std::vector<std::filesystem::path> pictures;
   std::vector<std::string> picture_warnings;
-  for (const Recording& recording : recordings)
+  for (const Recording& recording : recordings) {
+    stop_if_asked();
     for (const auto& file : write_pictures(output.staging(), recording, &picture_warnings))
       pictures.push_back(file);
+  }
   print_warnings(picture_warnings, options.quiet);
   warnings.insert(warnings.end(), picture_warnings.begin(), picture_warnings.end());
 
@@ -186,33 +238,13 @@ int run_command(const RunOptions& options) {
   json["scene"] = description.file.string();
   json["scene_hash"] = description.sha256;
   json["version"] = TUBEFOOT_VERSION;
-  json["engine"] = run.engine;
-  if (exact) {
-    json["arithmetic"] = run.arithmetic;
-    json["binning"] = run.binning;
-  } else {
-    json["sampling"] = run.sampling;
-    if (run.rays_per_beam)
-      json["rays_per_beam"] = *run.rays_per_beam;
-    else
-      json["rays_per_ping"] = run.rays_per_ping;
-    json["seed"] = run.seed;
-  }
-  if (reference_tolerance) {
-    const ReferenceStats& reference = stats.reference;
-    json["reference"] = {{"tolerance", *reference_tolerance},
-                         {"bins_over_tolerance", reference.bins_over},
-                         {"worst_bound_over_asked", reference.worst_ratio},
-                         {"worst_sensor", reference.worst_sensor},
-                         {"worst_ping", reference.worst_ping},
-                         {"worst_beam", reference.worst_beam},
-                         {"worst_sample", reference.worst_sample}};
-  }
-  if (advice) json["tolerance"] = json_of(*advice, advice_seconds);
+  json.update(settings_json(run, reference_tolerance, stats));
+  if (identity.contains("advice")) json["tolerance"] = identity.at("advice");
   json["threads"] = limit.threads();
   json["grid_unit_m"] = scene.grid.unit_m();
   json["facets"] = scene.mesh.facets.size();
   json["pings"] = stats.pings;
+  if (kept_pings > 0) json["pings_kept_from_before"] = kept_pings;
   json["tubes"] = stats.tubes;
   json["candidates"] = stats.candidates;
   json["footprints"] = stats.footprints;
@@ -228,15 +260,16 @@ int run_command(const RunOptions& options) {
   json["peak_memory_mb"] = peak_memory_mb();
   json["warnings"] = warnings;
   write_file(output.staging() / "stats.json", json.dump(2) + "\n");
-  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+  stop_if_asked();
   output.commit();
+  partial.remove();
 
   if (!options.quiet)
     fmt::print("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
                exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
                seconds_since(start));
   if (reference_tolerance) print_reference(*reference_tolerance, stats.reference);
-  if (advice) print_tolerance(*advice);
+  if (identity.contains("advice")) print_tolerance(identity.at("advice"));
   const std::filesystem::path folder = options.output;
   fmt::print("wrote {}\n", (folder / "echoes.nc").string());
   for (const auto& picture : pictures) fmt::print("wrote {}\n", (folder / picture).string());

@@ -34,6 +34,7 @@ struct RunOptions : CommonOptions {
   std::optional<std::int64_t> rays, rays_per_beam;
   std::optional<std::uint64_t> seed;
   bool reference = false;
+  bool resume = false;
   /// Of a reference: its relative bound, 1e-9 if unset. Else as parse_tolerance() reads it: picks the
   /// settings.
   std::optional<std::string> tolerance;

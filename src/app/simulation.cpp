@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
-#include <mutex>
 #include <span>
 #include <stdexcept>
-#include <tuple>
 
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
@@ -44,17 +42,6 @@ VisibilityOptions options_of(const RunDescription& run) {
   return options;
 }
 
-/// Of equals the one that comes first in the file, whichever thread was faster.
-void keep_worst(ReferenceStats& kept, const ReferenceStats& met) {
-  const auto place = [](const ReferenceStats& r) { return std::tie(r.worst_sensor, r.worst_ping); };
-  if (met.worst_ratio < kept.worst_ratio ||
-      (met.worst_ratio == kept.worst_ratio && !(place(met) < place(kept))))
-    return;
-  const std::size_t bins = kept.bins_over;
-  kept = met;
-  kept.bins_over = bins;
-}
-
 Engine make_engine(const Survey& survey) {
   const Scene& scene = survey.scene;
   const RunDescription& run = scene.description.run;
@@ -82,89 +69,190 @@ Engine make_engine(const Survey& survey) {
   };
 }
 
-}  // namespace
+/// Keeps the worse; of equals the one met first.
+void keep_worst(PingCounts& kept, const PingCounts& met) {
+  kept.bins_over += met.bins_over;
+  if (met.worst_ratio <= kept.worst_ratio) return;
+  kept.worst_ratio = met.worst_ratio;
+  kept.worst_sensor = met.worst_sensor;
+  kept.worst_beam = met.worst_beam;
+  kept.worst_sample = met.worst_sample;
+}
 
-std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats,
-                                std::optional<double> reference_tolerance) {
-  const Scene& scene = survey.scene;
-  std::vector<Recording> recordings;
-  for (const SensorPings& pings : survey.sensors) {
-    Recording recording;
-    recording.sensor = pings.sensor.get();
-    recording.ping_time_s = pings.times_s;
-    recording.ping_pose = pings.poses;
-    recording.energy.resize(pings.times_s.size() * pings.sensor->beams().size() *
-                            static_cast<std::size_t>(pings.sensor->samples().count));
-    if (reference_tolerance) recording.energy_bound.resize(recording.energy.size());
-    recording.sound_speed_m_s = scene.sound_speed_m_s;
-    recording.absorption_db_per_km = 1000 * absorption_db_per_m(scene, *pings.sensor);
-    recordings.push_back(std::move(recording));
+/// Simulates one ping of the sensors that share its shots.
+class PingTask {
+ public:
+  PingTask(const Survey& survey, const SharedShots& group, std::size_t ping, PingStore& store,
+           Binning binning, std::optional<double> reference_tolerance)
+      : survey_(survey),
+        group_(group),
+        ping_(ping),
+        store_(store),
+        binning_(binning),
+        reference_tolerance_(reference_tolerance) {}
+
+  PingCounts run(const Engine& engine, std::uint64_t label) {
+    for (const std::size_t s : group_.sensors)
+      for (const std::span<double> values : {store_.energy(s, ping_), store_.bound(s, ping_)})
+        std::fill(values.begin(), values.end(), 0.0);  // of a ping that was cut off
+    const Clock::time_point start = Clock::now();
+    for (std::size_t shot = 0; shot < survey_.shots_a_ping(group_); ++shot) {
+      std::size_t candidates = 0;
+      engine(survey_.tubes(group_, ping_, shot),
+             survey_.sensors[group_.sensors.front()].sensor->beam_of_tube(shot),
+             label + (std::uint64_t(shot) << 40), candidates,
+             [&](const History& history) { take(history, shot); });
+      counts_.candidates += candidates;
+    }
+    counts_.visibility_seconds =
+        std::chrono::duration<double>(Clock::now() - start).count() - counts_.echo_seconds;
+    return counts_;
   }
 
-  std::size_t total = 0;
-  for (const SharedShots& group : survey.shots) total += survey.pings(group);
+ private:
+  void take(const History& history, std::size_t shot) {
+    const Clock::time_point start = Clock::now();
+    for (const std::size_t s : group_.sensors) add_echo(history, shot, s);
+    counts_.tubes += history.tubes.tubes.size();
+    counts_.footprints += history.footprints.footprints.size();
+    counts_.pieces += history.footprints.pieces.size();
+    counts_.hits += history.hits.size();
+    counts_.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  void add_echo(const History& history, std::size_t shot, std::size_t s) {
+    const Scene& scene = survey_.scene;
+    const Sensor& sensor = *survey_.sensors[s].sensor;
+    const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
+    EchoLaw law{scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)};
+    BeamPatterns patterns;
+    if (sensor.has_patterns()) {
+      patterns = sensor.patterns(survey_.sensors[s].shot_pose(ping_, shot), scene.sound_speed_m_s, shot);
+      law.patterns = &patterns;
+    }
+    Echo echo = integrate_echo(history, sensor.beam_of_tube(shot), static_cast<int>(beams.size()),
+                               sensor.samples(), law, binning_);
+    if (reference_tolerance_) {
+      const CertifiedEcho certified =
+          certify_echo(scene.mesh, *survey_.tree, history, options_of(scene.description.run),
+                       sensor.beam_of_tube(shot), sensor.samples(), law, echo, *reference_tolerance_);
+      add_rows(certified.bound, beams, store_.bound(s, ping_));
+      echo = certified.echo;
+      PingCounts met;
+      met.bins_over = certified.bins_over;
+      met.worst_ratio = certified.worst_ratio;
+      met.worst_sensor = static_cast<std::uint32_t>(s);
+      met.worst_beam = beams[static_cast<std::size_t>(certified.worst_beam)];
+      met.worst_sample = static_cast<std::uint32_t>(certified.worst_sample);
+      keep_worst(counts_, met);
+    }
+    add_rows(echo.energy, beams, store_.energy(s, ping_));
+  }
+
+  static void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& beams,
+                       std::span<double> all) {
+    const std::size_t samples = rows.size() / beams.size();
+    for (std::size_t b = 0; b < beams.size(); ++b) {
+      const std::span<double> to = all.subspan(beams[b] * samples, samples);
+      const std::span<const double> from = rows.subspan(b * samples, samples);
+      std::transform(from.begin(), from.end(), to.begin(), to.begin(), std::plus<>());
+    }
+  }
+
+  const Survey& survey_;
+  const SharedShots& group_;
+  std::size_t ping_;
+  PingStore& store_;
+  Binning binning_;
+  std::optional<double> reference_tolerance_;
+  PingCounts counts_;
+};
+
+}  // namespace
+
+StoreLayout layout_of(const Survey& survey, bool with_bounds) {
+  StoreLayout layout;
+  layout.with_bounds = with_bounds;
+  for (const SensorPings& pings : survey.sensors)
+    layout.sensors.push_back(
+        {pings.times_s.size(),
+         pings.sensor->beams().size() * static_cast<std::size_t>(pings.sensor->samples().count)});
+  for (const SharedShots& group : survey.shots) layout.groups.push_back({group.sensors, survey.pings(group)});
+  return layout;
+}
+
+void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<double> reference_tolerance) {
+  std::size_t left = 0;
+  for (const SharedShots& group : survey.shots) left += survey.pings(group);
+  left -= store.done_units();
   const Engine engine = make_engine(survey);
-  const Binning binning = binning_from_name(scene.description.run.binning);
-  Progress progress("pings", total, quiet);
-  std::mutex mutex;
+  const Binning binning = binning_from_name(survey.scene.description.run.binning);
+  Progress progress("pings", left, quiet);
   std::uint64_t label = 0;
-  for (const SharedShots& group : survey.shots) {
+  for (std::size_t g = 0; g < survey.shots.size(); ++g) {
+    const SharedShots& group = survey.shots[g];
     tbb::parallel_for(std::size_t{0}, survey.pings(group), [&](std::size_t ping) {
-      if (InterruptGuard::requested()) return;
-      SimulationStats own;
-      const auto take = [&](const History& history) {
-        const Clock::time_point start = Clock::now();
-        for (const std::size_t s : group.sensors) {
-          const Sensor& sensor = *survey.sensors[s].sensor;
-          EchoLaw law{scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)};
-          BeamPatterns patterns;
-          if (sensor.has_patterns()) {
-            patterns = sensor.patterns(survey.sensors[s].poses[ping], scene.sound_speed_m_s);
-            law.patterns = &patterns;
-          }
-          Echo echo = integrate_echo(history, sensor.beam_of_tube(), static_cast<int>(sensor.beams().size()),
-                                     sensor.samples(), law, binning);
-          const auto place = static_cast<std::ptrdiff_t>(ping * echo.energy.size());
-          if (reference_tolerance) {
-            CertifiedEcho certified =
-                certify_echo(scene.mesh, *survey.tree, history, options_of(scene.description.run),
-                             sensor.beam_of_tube(), sensor.samples(), law, echo, *reference_tolerance);
-            std::copy(certified.bound.begin(), certified.bound.end(),
-                      recordings[s].energy_bound.begin() + place);
-            echo = std::move(certified.echo);
-            const std::lock_guard lock(mutex);
-            stats.reference.bins_over += certified.bins_over;
-            keep_worst(stats.reference, {0, certified.worst_ratio, sensor.description().name, ping,
-                                         certified.worst_beam, certified.worst_sample});
-          }
-          const auto energy = recordings[s].energy.begin() + place;
-          std::transform(echo.energy.begin(), echo.energy.end(), energy, energy, std::plus<>());
-        }
-        own.tubes = history.tubes.tubes.size();
-        own.footprints += history.footprints.footprints.size();
-        own.pieces += history.footprints.pieces.size();
-        own.hits += history.hits.size();
-        own.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
-      };
-      const Clock::time_point start = Clock::now();
-      engine(survey.tubes(group, ping), survey.sensors[group.sensors.front()].sensor->beam_of_tube(),
-             label + ping, own.candidates, take);
-      own.visibility_seconds = std::chrono::duration<double>(Clock::now() - start).count() - own.echo_seconds;
-      const std::lock_guard lock(mutex);
-      stats.pings += group.sensors.size();
-      stats.tubes += own.tubes;
-      stats.candidates += own.candidates;
-      stats.footprints += own.footprints;
-      stats.pieces += own.pieces;
-      stats.hits += own.hits;
-      stats.visibility_seconds += own.visibility_seconds;
-      stats.echo_seconds += own.echo_seconds;
+      if (store.done(g, ping) || InterruptGuard::requested()) return;
+      PingTask task(survey, group, ping, store, binning, reference_tolerance);
+      store.finish(g, ping, task.run(engine, label + ping));
       progress.step();
     });
     label += survey.pings(group);
   }
-  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+}
+
+SimulationStats totals(const Survey& survey, const PingStore& store) {
+  SimulationStats stats;
+  PingCounts worst;
+  for (std::size_t g = 0; g < survey.shots.size(); ++g)
+    for (std::size_t ping = 0; ping < survey.pings(survey.shots[g]); ++ping) {
+      const PingCounts& counts = store.counts(g, ping);
+      stats.pings += survey.shots[g].sensors.size();
+      stats.tubes += counts.tubes;
+      stats.candidates += counts.candidates;
+      stats.footprints += counts.footprints;
+      stats.pieces += counts.pieces;
+      stats.hits += counts.hits;
+      stats.visibility_seconds += counts.visibility_seconds;
+      stats.echo_seconds += counts.echo_seconds;
+      if (counts.worst_ratio > worst.worst_ratio) stats.reference.worst_ping = ping;
+      keep_worst(worst, counts);
+    }
+  stats.reference.bins_over = worst.bins_over;
+  stats.reference.worst_ratio = worst.worst_ratio;
+  stats.reference.worst_beam = static_cast<int>(worst.worst_beam);
+  stats.reference.worst_sample = static_cast<int>(worst.worst_sample);
+  if (worst.worst_ratio > 0)
+    stats.reference.worst_sensor = survey.sensors[worst.worst_sensor].sensor->description().name;
+  return stats;
+}
+
+std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store) {
+  std::vector<Recording> recordings;
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    const SensorPings& pings = survey.sensors[s];
+    Recording recording;
+    recording.sensor = pings.sensor.get();
+    recording.ping_time_s = pings.times_s;
+    recording.ping_pose = pings.poses;
+    recording.altitude_m = pings.altitudes_m;
+    recording.energy = store->energy(s);
+    recording.energy_bound = store->bound(s);
+    recording.release = [store, s](std::size_t ping) { store->release(s, ping); };
+    recording.sound_speed_m_s = survey.scene.sound_speed_m_s;
+    recording.absorption_db_per_km = 1000 * absorption_db_per_m(survey.scene, *pings.sensor);
+    recordings.push_back(std::move(recording));
+  }
   return recordings;
+}
+
+std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats,
+                                std::optional<double> reference_tolerance) {
+  const auto store = std::make_shared<PingStore>(layout_of(survey, reference_tolerance.has_value()));
+  simulate(survey, *store, quiet, reference_tolerance);
+  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+  stats = totals(survey, *store);
+  return recordings_of(survey, store);
 }
 
 }  // namespace tubefoot

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/ping_store.hpp"
 #include "app/survey.hpp"
 #include "sensors/recording.hpp"
 
@@ -27,10 +28,23 @@ struct SimulationStats {
   ReferenceStats reference;
 };
 
-/// Runs all pings of all sensors with the engine that scene.description.run names. One recording per sensor.
-/// With a tolerance, energies are enclosed (engine/reference.hpp) and recordings have bounds; that takes the
-/// tube engine and an exact arithmetic. Throws std::runtime_error when InterruptGuard says that the user
-/// wants to stop.
+/// What has to be kept of a survey's pings; with bounds for a reference.
+StoreLayout layout_of(const Survey& survey, bool with_bounds);
+
+/// Runs all pings of all sensors that `store` has not yet, with the engine that scene.description.run names.
+/// With a tolerance, energies are enclosed (engine/reference.hpp) and the store must keep bounds; that takes
+/// the tube engine and an exact arithmetic. Returns early, with what was finished in the store, when
+/// InterruptGuard says that the user wants to stop.
+void simulate(const Survey& survey, PingStore& store, bool quiet,
+              std::optional<double> reference_tolerance = {});
+
+/// The sums over a store's pings, added in the order of the pings.
+SimulationStats totals(const Survey& survey, const PingStore& store);
+
+/// One recording per sensor of the survey, of the energies in `store`, which they keep alive.
+std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store);
+
+/// All of it in memory. Throws std::runtime_error when the user wants to stop.
 std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats,
                                 std::optional<double> reference_tolerance = {});
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <set>
 
 #include "app/usage_error.hpp"
@@ -18,14 +20,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 bool same_shots(const Survey& survey, const SensorPings& a, const SensorPings& b) {
-  if (a.times_s != b.times_s) return false;
-  for (std::size_t k = 0; k < a.poses.size(); ++k)
-    if (a.poses[k].position_m != b.poses[k].position_m || a.poses[k].attitude != b.poses[k].attitude)
-      return false;
-  TubeSet first = a.sensor->tubes(a.poses.front(), survey.scene.grid);
-  TubeSet second = b.sensor->tubes(b.poses.front(), survey.scene.grid);
-  first.reach = second.reach = 0;
-  return first == second;
+  if (a.times_s != b.times_s || a.sensor->shots() != b.sensor->shots()) return false;
+  const auto same = [](const Pose& p, const Pose& q) {
+    return p.position_m == q.position_m && p.attitude == q.attitude;
+  };
+  if (!std::equal(a.shot_poses.begin(), a.shot_poses.end(), b.shot_poses.begin(), same)) return false;
+  for (std::size_t shot = 0; shot < a.sensor->shots(); ++shot) {
+    TubeSet first = a.sensor->tubes(a.shot_pose(0, shot), survey.scene.grid, shot);
+    TubeSet second = b.sensor->tubes(b.shot_pose(0, shot), survey.scene.grid, shot);
+    first.reach = second.reach = 0;
+    if (first != second) return false;
+  }
+  return true;
 }
 
 void find_shared_shots(Survey& survey) {
@@ -40,11 +46,30 @@ void find_shared_shots(Survey& survey) {
   }
 }
 
+/// A fixed trajectory lasts for ever; of others the loader has checked that they cover the pings' times.
+void place_shots(SensorPings& pings, const Trajectory& trajectory) {
+  const Sensor& sensor = *pings.sensor;
+  for (const double time_s : pings.times_s) {
+    pings.poses.push_back(sensor.pose_on(trajectory.at(time_s)));
+    for (std::size_t shot = 0; shot < sensor.shots(); ++shot) {
+      const double at_s = time_s + sensor.shot_delay_s(shot);
+      if (!trajectory.is_fixed() && at_s > trajectory.end_s() && sensor.shot_delay_s(shot) > 0)
+        throw InputError(
+            sensor.description().place,
+            fmt::format("shot {} of the ping at {:.9g} s of sensor '{}' is fired at {:.9g} s, after "
+                        "its trajectory ends at {:.9g} s: ask for fewer pings or a longer trajectory",
+                        shot, time_s, sensor.description().name, at_s, trajectory.end_s()));
+      pings.shot_poses.push_back(sensor.pose_on(trajectory.at(at_s)));
+    }
+  }
+}
+
 /// A sensor under the terrain is a mistake in the scene; one inside an object may be its own housing.
 void check_places(Survey& survey) {
   Scene& scene = survey.scene;
   const std::size_t terrains = scene.description.terrains.size();
-  for (const SensorPings& pings : survey.sensors) {
+  for (SensorPings& pings : survey.sensors) {
+    pings.altitudes_m.assign(pings.poses.size(), std::numeric_limits<double>::quiet_NaN());
     std::set<std::uint16_t> inside;
     const SensorDescription& sensor = pings.sensor->description();
     for (std::size_t k = 0; k < pings.poses.size(); ++k) {
@@ -60,6 +85,8 @@ void check_places(Survey& survey) {
                             scene.report.components[c.component].name, k, pings.times_s[k],
                             pings.poses[k].position_m.x, pings.poses[k].position_m.y,
                             pings.poses[k].position_m.z));
+          if (c.below > 0)
+            pings.altitudes_m[k] = std::fmin(pings.altitudes_m[k], c.highest_below * scene.grid.unit_m());
         } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
           scene.report.warnings.push_back(
               fmt::format("{}: sensor '{}' is inside object '{}' at ping {} (t = {:.3f} s): it sees the "
@@ -74,9 +101,9 @@ void check_places(Survey& survey) {
 
 }  // namespace
 
-TubeSet Survey::tubes(const SharedShots& group, std::size_t ping) const {
+TubeSet Survey::tubes(const SharedShots& group, std::size_t ping, std::size_t shot) const {
   const SensorPings& first = sensors[group.sensors.front()];
-  TubeSet set = first.sensor->tubes(first.poses[ping], scene.grid);
+  TubeSet set = first.sensor->tubes(first.shot_pose(ping, shot), scene.grid, shot);
   for (const std::size_t s : group.sensors)
     set.reach = std::max(set.reach, sensors[s].sensor->reach(scene.grid));
   return set;
@@ -100,10 +127,10 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
   survey->tree = std::make_unique<SceneTree>(survey->scene.mesh);
   survey->tree_seconds = seconds_since(tree_start);
   for (std::size_t s = 0; s < description.sensors.size(); ++s) {
-    SensorPings pings{make_sensor(description.sensors[s]), {}, {}};
+    SensorPings pings;
+    pings.sensor = make_sensor(description.sensors[s]);
     pings.times_s = pings.sensor->ping_times_s();
-    const Trajectory& trajectory = survey->scene.trajectories[survey->scene.sensor_trajectory[s]];
-    for (const double time : pings.times_s) pings.poses.push_back(pings.sensor->pose_on(trajectory.at(time)));
+    place_shots(pings, survey->scene.trajectories[survey->scene.sensor_trajectory[s]]);
     survey->sensors.push_back(std::move(pings));
   }
   check_places(*survey);

@@ -16,7 +16,13 @@ class RayScene;
 struct SensorPings {
   std::unique_ptr<Sensor> sensor;
   std::vector<double> times_s;
-  std::vector<Pose> poses;
+  std::vector<Pose> poses;          ///< at the pings' times
+  std::vector<Pose> shot_poses;     ///< [ping][shot], each at its own time
+  std::vector<double> altitudes_m;  ///< above the terrain straight below; not a number where there is none
+
+  const Pose& shot_pose(std::size_t ping, std::size_t shot) const {
+    return shot_poses.at(ping * sensor->shots() + shot);
+  }
 };
 
 /// Sensors that fire the same tubes from the same places at the same times: one history serves them all.
@@ -37,9 +43,12 @@ struct Survey {
   std::vector<SharedShots> shots;
   double load_seconds = 0, tree_seconds = 0;
 
-  /// Tubes of ping `ping` of a group, with the largest reach of its sensors.
-  TubeSet tubes(const SharedShots& group, std::size_t ping) const;
+  /// Tubes of a shot of ping `ping` of a group, with the largest reach of its sensors.
+  TubeSet tubes(const SharedShots& group, std::size_t ping, std::size_t shot) const;
   std::size_t pings(const SharedShots& group) const { return sensors[group.sensors.front()].times_s.size(); }
+  std::size_t shots_a_ping(const SharedShots& group) const {
+    return sensors[group.sensors.front()].sensor->shots();
+  }
   /// Index of the sensor of that name; throws UsageError naming the nearest ones.
   std::size_t sensor_named(const std::string& name) const;
 };

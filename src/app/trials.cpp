@@ -34,6 +34,8 @@ void trim(Survey& survey, const std::vector<TrialPings>& choice) {
     for (const std::size_t ping : chosen.pings) {
       some.times_s.push_back(all.times_s[ping]);
       some.poses.push_back(all.poses[ping]);
+      for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot)
+        some.shot_poses.push_back(all.shot_pose(ping, shot));
     }
     some.sensor = std::move(all.sensor);
     kept.push_back(std::move(some));
@@ -185,8 +187,8 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats, ErrorsOver over
     const EchoShape shape{reference.ping_time_s.size() / parts, reference.sensor->beams().size(),
                           ranges.size()};
     for (std::size_t p = 0; p < parts; ++p) {
-      const auto part = [&](const std::vector<double>& all) {
-        return std::span(all).subspan(all.empty() ? 0 : p * shape.bins(), all.empty() ? 0 : shape.bins());
+      const auto part = [&](std::span<const double> all) {
+        return all.subspan(all.empty() ? 0 : p * shape.bins(), all.empty() ? 0 : shape.bins());
       };
       const EchoErrors errors = echo_errors(
           {shape, part(reference.energy), part(candidate[s].energy), part(reference.energy_bound), ranges});

@@ -43,21 +43,22 @@ inline SensorDescription sidescan(int range_samples = 1000) {
 struct OwnedRecording {
   std::unique_ptr<Sensor> sensor;
   Recording recording;
+  std::vector<double> energies;
 
   double& energy(std::size_t ping, std::size_t beam, std::size_t sample) {
-    return recording.energy[(ping * sensor->beams().size() + beam) * sensor->samples().count + sample];
+    return energies[(ping * sensor->beams().size() + beam) * sensor->samples().count + sample];
   }
 };
 
 inline OwnedRecording silent(SensorDescription description, int pings) {
   description.pings = pings;
-  OwnedRecording made{make_sensor(description), {}};
+  OwnedRecording made{make_sensor(description), {}, {}};
   made.recording.sensor = made.sensor.get();
   made.recording.ping_time_s = made.sensor->ping_times_s();
   for (int ping = 0; ping < pings; ++ping)
     made.recording.ping_pose.push_back({{0, 0.5 * ping, -5}, {1, 0, 0, 0}});
-  made.recording.energy.assign(
-      std::size_t(pings) * made.sensor->beams().size() * made.sensor->samples().count, 0.0);
+  made.energies.assign(std::size_t(pings) * made.sensor->beams().size() * made.sensor->samples().count, 0.0);
+  made.recording.energy = made.energies;
   made.recording.sound_speed_m_s = 1480;
   made.recording.absorption_db_per_km = 700;
   return made;

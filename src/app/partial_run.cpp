@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/partial_run.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/usage_error.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+fs::path partial_of(const fs::path& output) {
+  std::error_code ignored;
+  fs::path file = fs::weakly_canonical(fs::absolute(output), ignored);
+  if (!file.has_filename()) file = file.parent_path();
+  return file += ".partial";
+}
+
+template <typename Value>
+Json json_of_optional(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+}  // namespace
+
+PartialRun::PartialRun(const fs::path& output, bool resume)
+    : file_(partial_of(output)), kept_(std::make_unique<std::optional<Json>>()) {
+  if (!fs::exists(file_)) return;
+  StoreSummary there;
+  std::optional<Json> identity;
+  try {
+    there = summary_of(file_);
+    identity = Json::parse(there.identity);
+  } catch (const std::runtime_error& error) {
+    throw UsageError(
+        fmt::format("{}: move it away or delete it; it is in the way of the run's pings", error.what()));
+  }
+  if (there.in_use)
+    throw UsageError(fmt::format("another run is writing '{}': choose another -o, or wait", file_.string()));
+  if (there.done == 0) return;
+  if (!resume)
+    throw UsageError(
+        fmt::format("'{}' keeps {} of {} pings of a run that did not end: add --resume to go on with "
+                    "it, or delete it to begin anew",
+                    file_.string(), there.done, there.units));
+  kept_ = std::make_unique<std::optional<Json>>(std::move(identity));
+}
+
+PartialRun::~PartialRun() {
+  std::error_code ignored;
+  if (store_ && store_->done_units() == 0) fs::remove(file_, ignored);
+}
+
+const std::optional<Json>& PartialRun::kept() const { return *kept_; }
+
+std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Json& identity) {
+  units_ = layout.units();
+  try {
+    if (*kept_)
+      store_ = PingStore::reopen(layout, file_);
+    else
+      store_ = std::make_shared<PingStore>(layout, file_, identity.dump());
+  } catch (const UnusableStore& error) {
+    throw UsageError(fmt::format("{}: delete it to begin anew", error.what()));
+  }
+  return store_;
+}
+
+std::string PartialRun::advice() const {
+  const std::size_t done = store_ ? store_->done_units() : 0;
+  if (done == 0) return "nothing was written";
+  return fmt::format("{} of {} pings are kept in '{}': run the same command with --resume to go on", done,
+                     units_, file_.string());
+}
+
+void PartialRun::remove() {
+  store_.reset();
+  fs::remove(file_);
+}
+
+Json json_of(const RunDescription& run) {
+  return {{"engine", run.engine},
+          {"arithmetic", run.arithmetic},
+          {"binning", run.binning},
+          {"facets_per_split", run.facets_per_split},
+          {"zero_tolerance", run.zero_tolerance},
+          {"sampling", run.sampling},
+          {"rays_per_ping", run.rays_per_ping},
+          {"rays_per_beam", json_of_optional(run.rays_per_beam)},
+          {"seed", run.seed},
+          {"grid_exponent", json_of_optional(run.grid_exponent)}};
+}
+
+RunDescription run_of(const Json& json, RunDescription otherwise) {
+  RunDescription run = std::move(otherwise);
+  run.engine = json.at("engine");
+  run.arithmetic = json.at("arithmetic");
+  run.binning = json.at("binning");
+  run.facets_per_split = json.at("facets_per_split");
+  run.zero_tolerance = json.at("zero_tolerance");
+  run.sampling = json.at("sampling");
+  run.rays_per_ping = json.at("rays_per_ping");
+  run.rays_per_beam.reset();
+  if (!json.at("rays_per_beam").is_null()) run.rays_per_beam = json.at("rays_per_beam");
+  run.seed = json.at("seed");
+  run.grid_exponent.reset();
+  if (!json.at("grid_exponent").is_null()) run.grid_exponent = json.at("grid_exponent");
+  return run;
+}
+
+void refuse_other_request(const Json& kept, const Json& asked) {
+  for (const auto& [key, value] : asked.items()) {
+    const Json before = kept.contains(key) ? kept.at(key) : Json();
+    if (before == value) continue;
+    if (key == "scene_hash")
+      throw UsageError(
+          "the scene, or a file that it names, has changed since the run that --resume would go on with: "
+          "bring it "
+          "back, or delete the .partial file to begin anew");
+    if (value.is_object() && before.is_object()) refuse_other_request(before, value);
+    throw UsageError(
+        fmt::format("the run that --resume would go on with had {} = {}, not {}: ask for the same, or delete "
+                    "the .partial file "
+                    "to begin anew",
+                    key, before.dump(), value.dump()));
+  }
+}
+
+}  // namespace tubefoot

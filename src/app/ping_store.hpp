@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tubefoot {
+
+/// What the simulation of one ping counted. Plain data: it is kept beside the ping's energies.
+struct PingCounts {
+  std::uint64_t tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
+  double visibility_seconds = 0, echo_seconds = 0;
+  /// Of a reference: bins whose bound is above what was asked, and the worst of them.
+  std::uint64_t bins_over = 0;
+  double worst_ratio = 0;
+  std::uint32_t worst_sensor = 0, worst_beam = 0, worst_sample = 0, padding = 0;
+};
+
+/// How much a run has to keep.
+struct StoreLayout {
+  struct Sensor {
+    std::size_t pings = 0, cells = 0;  ///< cells of a ping: beams times samples
+  };
+  /// Sensors that share their shots: a ping of all of them is finished as a whole.
+  struct Group {
+    std::vector<std::size_t> sensors;
+    std::size_t pings = 0;
+  };
+  std::vector<Sensor> sensors;
+  std::vector<Group> groups;
+  bool with_bounds = false;
+  std::size_t units() const;  ///< pings of all groups
+};
+
+/// A file of pings that cannot be gone on with.
+struct UnusableStore : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The energies of a run, ping by ping in any order, each sensor's in one block [ping][beam][sample]: in
+/// memory, or in a file that survives the program. The file is as large as it will ever be from the start, so
+/// that a full disk is met before anything is computed; it is mapped, so that memory holds no more than the
+/// pings at hand.
+class PingStore {
+ public:
+  /// Zeroed, in memory.
+  explicit PingStore(const StoreLayout& layout);
+  /// A new file in place of any that is there. `identity` says what the pings belong to. Throws
+  /// std::runtime_error naming the file and the reason, such as a full disk.
+  PingStore(const StoreLayout& layout, const std::filesystem::path& file, const std::string& identity);
+  /// Goes on with a file. Pings that were cut off while they were written count as not done. Throws
+  /// UnusableStore for a file of another layout, one that is cut short, in use, or no such file at all.
+  static std::unique_ptr<PingStore> reopen(const StoreLayout& layout, const std::filesystem::path& file);
+  ~PingStore();
+  PingStore(const PingStore&) = delete;
+  PingStore& operator=(const PingStore&) = delete;
+
+  bool done(std::size_t group, std::size_t ping) const { return unit(group, ping).checksum != 0; }
+  std::size_t done_units() const;
+  /// Marks a ping of a group as done. Others may write other pings meanwhile.
+  void finish(std::size_t group, std::size_t ping, const PingCounts& counts);
+  const PingCounts& counts(std::size_t group, std::size_t ping) const { return unit(group, ping).counts; }
+
+  std::span<double> energy(std::size_t sensor) { return block(sensor, 0); }
+  std::span<double> energy(std::size_t sensor, std::size_t ping) { return part(sensor, ping, 0); }
+  /// Empty without bounds.
+  std::span<double> bound(std::size_t sensor) { return block(sensor, 1); }
+  std::span<double> bound(std::size_t sensor, std::size_t ping) { return part(sensor, ping, 1); }
+  /// Lets go of the memory of a ping that lies in a file. Its values come back when they are read.
+  void release(std::size_t sensor, std::size_t ping);
+
+ private:
+  struct Unit {
+    std::uint64_t checksum = 0;  ///< 0: not done
+    PingCounts counts;
+  };
+  void lay_out();
+  void map(int file);
+  Unit& unit(std::size_t group, std::size_t ping) const;
+  std::uint64_t checksum(std::size_t group, std::size_t ping);
+  std::span<double> block(std::size_t sensor, int which);
+  std::span<double> part(std::size_t sensor, std::size_t ping, int which);
+
+  explicit PingStore(const StoreLayout& layout, std::filesystem::path path, std::size_t identity_bytes);
+
+  StoreLayout layout_;
+  std::filesystem::path path_;           ///< empty: in memory
+  std::size_t first_unit_byte_ = 0;      ///< after the header
+  std::vector<std::size_t> first_unit_;  ///< by group
+  std::vector<std::size_t> first_byte_;  ///< by sensor: of its energies; its bounds follow
+  std::size_t bytes_ = 0;
+  unsigned char* data_ = nullptr;
+  int file_ = -1;
+};
+
+/// What a file of pings says of itself, without going on with it.
+struct StoreSummary {
+  std::string identity;
+  std::size_t units = 0, done = 0;
+  bool in_use = false;  ///< another process writes to it
+};
+/// Throws UnusableStore.
+StoreSummary summary_of(const std::filesystem::path& file);
+
+}  // namespace tubefoot
