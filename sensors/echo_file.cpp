@@ -18,20 +18,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A netCDF-4 file under construction, every call checked: in memory, if it holds no more than
-/// `most_bytes_in_memory` of values, so that it reaches the disk whole or not at all (HDF5 does not survive a
-/// full disk, see checked_file.hpp), else on the disk, once that has room for it.
+/// A netCDF-4 file under construction, every call checked: in memory, if that is not too much, so that it
+/// reaches the disk whole or not at all (HDF5 does not survive a full disk, see checked_file.hpp), else on
+/// the disk, once that has room for it.
 class EchoFile {
  public:
-  EchoFile(fs::path path, std::size_t bytes_of_values)
-      : path_(std::move(path)), in_memory_(bytes_of_values <= most_bytes_in_memory) {
+  EchoFile(fs::path path, std::size_t bytes_of_values, bool in_memory)
+      : path_(std::move(path)), in_memory_(in_memory) {
     if (in_memory_) {
       constexpr std::size_t first_guess_bytes = 1 << 20;
       check(nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_),
             "create the file");
     } else {
-      const fs::space_info space = fs::space(path_.parent_path());
-      if (space.available < bytes_of_values)
+      std::error_code unknown;
+      const fs::space_info space = fs::space(path_.parent_path(), unknown);
+      if (!unknown && space.available < bytes_of_values)
         throw std::runtime_error(
             fmt::format("{}: up to {:.0f} MB are needed, but the disk has {:.0f} MB left", path_.string(),
                         double(bytes_of_values) / 1e6, double(space.available) / 1e6));
@@ -68,8 +69,6 @@ class EchoFile {
   }
 
  private:
-  static constexpr std::size_t most_bytes_in_memory = 128 << 20;
-
   fs::path path_;
   bool in_memory_;
   int id_ = 0;
@@ -282,13 +281,13 @@ void write_recording(EchoGroup& group, const Recording& recording) {
 }  // namespace
 
 void write_echoes(const fs::path& path, const std::vector<Recording>& recordings,
-                  const Provenance& provenance) {
+                  const Provenance& provenance, std::size_t most_bytes_in_memory) {
   if (recordings.empty()) throw std::invalid_argument("no recording to write into " + path.string());
   for (const Recording& recording : recordings) check(recording);
 
   std::size_t bytes = 0;
   for (const Recording& r : recordings) bytes += r.energy.size_bytes() + r.energy_bound.size_bytes();
-  EchoFile file(path, bytes);
+  EchoFile file(path, bytes, bytes <= most_bytes_in_memory);
   EchoGroup root(file, file.id());
   root.attribute("title", provenance.title);
   root.attribute("Conventions", "tubefoot-echoes-1.0");

@@ -157,12 +157,19 @@ int run_command_line(int argc, char** argv) {
   advise_app->footer("Example:\n  tubefoot advise scenes/wellhead/scene.toml --tolerance 0.5dB");
   advise_app->callback([&] { command = [&] { return advise_command(advise); }; });
 
+  PresetsOptions presets;
+  CLI::App* presets_app =
+      app.add_subcommand("presets", "List the sonars that a scene's sensors can be, with their sources");
+  presets_app->add_option("NAME", presets.name, "print this one's keys, as a scene file has them");
+  presets_app->footer("Example:\n  tubefoot presets klein-3000-445");
+  presets_app->callback([&] { command = [&] { return presets_command(presets); }; });
+
   const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
-    fmt::print(
-        stderr,
-        "tubefoot: there is no command '{}': run, check, audit, footprints, compare, chart or advise\n",
-        argv[1]);
+    fmt::print(stderr,
+               "tubefoot: there is no command '{}': run, check, audit, footprints, compare, chart, advise or "
+               "presets\n",
+               argv[1]);
     return wrong_input;
   }
   try {

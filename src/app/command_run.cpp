@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <charconv>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include "app/interrupt.hpp"
 #include "app/output_folder.hpp"
 #include "app/partial_run.hpp"
+#include "app/run_statistics.hpp"
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
@@ -23,12 +23,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-double peak_memory_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts kibibytes
 }
 
 void print_reference(double tolerance, const ReferenceStats& reference) {
@@ -119,33 +113,18 @@ void print_tolerance(const nlohmann::ordered_json& advice) {
              advice.at("error_text").get<std::string>());
 }
 
-nlohmann::ordered_json settings_json(const RunDescription& run,
-                                     const std::optional<double>& reference_tolerance,
-                                     const SimulationStats& stats) {
-  nlohmann::ordered_json json;
-  json["engine"] = run.engine;
-  if (run.engine == "tube") {
-    json["arithmetic"] = run.arithmetic;
-    json["binning"] = run.binning;
-  } else {
-    json["sampling"] = run.sampling;
-    if (run.rays_per_beam)
-      json["rays_per_beam"] = *run.rays_per_beam;
-    else
-      json["rays_per_ping"] = run.rays_per_ping;
-    json["seed"] = run.seed;
+/// Everything that a result folder holds but stats.json.
+std::vector<std::filesystem::path> write_files(const std::filesystem::path& folder,
+                                               const std::vector<Recording>& recordings,
+                                               const Provenance& provenance,
+                                               std::vector<std::string>& warnings) {
+  write_echoes(folder / "echoes.nc", recordings, provenance);
+  std::vector<std::filesystem::path> files{"echoes.nc"};
+  for (const Recording& recording : recordings) {
+    if (InterruptGuard::requested()) break;
+    for (const auto& file : write_pictures(folder, recording, &warnings)) files.push_back(file);
   }
-  if (reference_tolerance) {
-    const ReferenceStats& reference = stats.reference;
-    json["reference"] = {{"tolerance", *reference_tolerance},
-                         {"bins_over_tolerance", reference.bins_over},
-                         {"worst_bound_over_asked", reference.worst_ratio},
-                         {"worst_sensor", reference.worst_sensor},
-                         {"worst_ping", reference.worst_ping},
-                         {"worst_beam", reference.worst_beam},
-                         {"worst_sample", reference.worst_sample}};
-  }
-  return json;
+  return files;
 }
 
 }  // namespace
@@ -218,50 +197,38 @@ int run_command(const RunOptions& options) {
   const std::vector<Recording> recordings = recordings_of(*survey, store);
   const double simulation_seconds = seconds_since(simulation_start);
 
-  const Clock::time_point write_start = Clock::now();
   const RunDescription& run = description.run;
   const bool exact = run.engine == "tube";
-  write_echoes(output.staging() / "echoes.nc", recordings,
-               {description.title, description.sha256, run.engine, exact ? run.arithmetic : "float",
-                TUBEFOOT_VERSION, reference_tolerance});
-  std::vector<std::filesystem::path> pictures;
-  std::vector<std::string> picture_warnings;
-  for (const Recording& recording : recordings) {
+  std::vector<std::filesystem::path> files;
+  try {
+    const Clock::time_point write_start = Clock::now();
+    std::vector<std::string> file_warnings;
+    files = write_files(output.staging(), recordings,
+                        {description.title, description.sha256, run.engine, exact ? run.arithmetic : "float",
+                         TUBEFOOT_VERSION, reference_tolerance},
+                        file_warnings);
+    print_warnings(file_warnings, options.quiet);
+    warnings.insert(warnings.end(), file_warnings.begin(), file_warnings.end());
+    nlohmann::ordered_json json = statistics_json(*survey, stats, reference_tolerance);
+    if (identity.contains("advice")) json["tolerance"] = identity.at("advice");
+    json["threads"] = limit.threads();
+    if (kept_pings > 0) json["pings_kept_from_before"] = kept_pings;
+    json["seconds"] = {{"load", survey->load_seconds},
+                       {"tree", survey->tree_seconds},
+                       {"simulation", simulation_seconds},
+                       {"visibility_of_all_pings", stats.visibility_seconds},
+                       {"echo_of_all_pings", stats.echo_seconds},
+                       {"write", seconds_since(write_start)},
+                       {"total", seconds_since(start)}};
+    json["peak_memory_mb"] = peak_memory_mb();
+    json["warnings"] = warnings;
+    write_file(output.staging() / "stats.json", json.dump(2) + "\n");
     stop_if_asked();
-    for (const auto& file : write_pictures(output.staging(), recording, &picture_warnings))
-      pictures.push_back(file);
+    output.commit();
+  } catch (const std::runtime_error& error) {
+    if (InterruptGuard::requested()) throw;
+    throw std::runtime_error(fmt::format("{}; {}", error.what(), partial.advice()));
   }
-  print_warnings(picture_warnings, options.quiet);
-  warnings.insert(warnings.end(), picture_warnings.begin(), picture_warnings.end());
-
-  nlohmann::ordered_json json;
-  json["scene"] = description.file.string();
-  json["scene_hash"] = description.sha256;
-  json["version"] = TUBEFOOT_VERSION;
-  json.update(settings_json(run, reference_tolerance, stats));
-  if (identity.contains("advice")) json["tolerance"] = identity.at("advice");
-  json["threads"] = limit.threads();
-  json["grid_unit_m"] = scene.grid.unit_m();
-  json["facets"] = scene.mesh.facets.size();
-  json["pings"] = stats.pings;
-  if (kept_pings > 0) json["pings_kept_from_before"] = kept_pings;
-  json["tubes"] = stats.tubes;
-  json["candidates"] = stats.candidates;
-  json["footprints"] = stats.footprints;
-  json["pieces"] = stats.pieces;
-  json["ray_hits"] = stats.hits;
-  json["seconds"] = {{"load", survey->load_seconds},
-                     {"tree", survey->tree_seconds},
-                     {"simulation", simulation_seconds},
-                     {"visibility_of_all_pings", stats.visibility_seconds},
-                     {"echo_of_all_pings", stats.echo_seconds},
-                     {"write", seconds_since(write_start)},
-                     {"total", seconds_since(start)}};
-  json["peak_memory_mb"] = peak_memory_mb();
-  json["warnings"] = warnings;
-  write_file(output.staging() / "stats.json", json.dump(2) + "\n");
-  stop_if_asked();
-  output.commit();
   partial.remove();
 
   if (!options.quiet)
@@ -271,9 +238,8 @@ int run_command(const RunOptions& options) {
   if (reference_tolerance) print_reference(*reference_tolerance, stats.reference);
   if (identity.contains("advice")) print_tolerance(identity.at("advice"));
   const std::filesystem::path folder = options.output;
-  fmt::print("wrote {}\n", (folder / "echoes.nc").string());
-  for (const auto& picture : pictures) fmt::print("wrote {}\n", (folder / picture).string());
-  fmt::print("wrote {}\n", (folder / "stats.json").string());
+  files.emplace_back("stats.json");
+  for (const auto& file : files) fmt::print("wrote {}\n", (folder / file).string());
   return 0;
 }
 

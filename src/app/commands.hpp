@@ -78,12 +78,17 @@ struct AdviseOptions {
   bool quiet = false;
 };
 
+struct PresetsOptions {
+  std::optional<std::string> name;
+};
+
 // Each prints to stdout and returns the exit code. They throw InputError where the input is wrong, UsageError
 // where the command line is, and std::exception where the run fails.
 int run_command(const RunOptions& options);
 int check_command(const CommonOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
+int presets_command(const PresetsOptions& options);
 int chart_command(const ChartOptions& options);
 int advise_command(const AdviseOptions& options);
 /// Returns 3 where the candidate is not within the error that the options allow.

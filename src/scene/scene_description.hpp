@@ -162,7 +162,8 @@ struct PatternDescription {
 struct SensorDescription {
   SourcePlace place;
   std::string name;
-  std::string trajectory;  ///< may be empty when the scene has just one
+  std::string preset = "none";  ///< of sensor_presets(); its keys are in here already
+  std::string trajectory;       ///< may be empty when the scene has just one
   SourcePlace trajectory_place;
   std::array<double, 3> lever_arm_m{0, 0, 0};  ///< starboard, forward, up from the carrier's reference point
   double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;  ///< mounting: yaw to starboard, tilt downwards, roll

@@ -9,6 +9,7 @@
 #include "scene/scene_description.hpp"
 #include "scene/scene_file_sections.hpp"
 #include "scene/scene_file_words.hpp"
+#include "scene/sensor_presets.hpp"
 
 namespace tubefoot {
 namespace {
@@ -75,6 +76,38 @@ toml::table parse(std::string_view text, const TomlSource& source) {
   } catch (const toml::parse_error& error) {
     throw InputError(source.place(error.source()), fmt::format("not valid TOML: {}", error.description()));
   }
+}
+
+/// Adds the keys of a sensor's preset that the sensor does not give itself. A pattern that it gives replaces
+/// all that the preset says of that pattern.
+void apply_preset(toml::table& sensor, const TomlSource& source) {
+  const toml::node* named = sensor.get("preset");
+  if (named == nullptr || !named->is_string()) return;  // the section's reader refuses what is no text
+  const std::string name = **named->as_string();
+  for (const SensorPreset& preset : sensor_presets()) {
+    if (preset.name != name) continue;
+    const toml::table keys = toml::parse(preset.keys);
+    if (const auto kind = sensor["kind"].value<std::string>();
+        kind && kind != keys["kind"].value<std::string>())
+      throw InputError(source.place(sensor.get("kind")->source()),
+                       fmt::format("the preset \"{}\" is of {}: remove 'kind', or the preset", name,
+                                   fmt::format("kind = \"{}\"", *keys["kind"].value<std::string>())));
+    for (const auto& [key, value] : keys) {
+      bool replaced = sensor.contains(key);
+      for (const std::string_view side : {"transmit_", "receive_"})
+        replaced =
+            replaced || (key.str().starts_with(side) && sensor.contains(std::string(side) + "pattern"));
+      if (!replaced) sensor.insert(key, value);
+    }
+    return;
+  }
+}
+
+void apply_presets(toml::table& root, const TomlSource& source) {
+  toml::array* sensors = root["sensors"].as_array();
+  if (sensors == nullptr) return;
+  for (toml::node& sensor : *sensors)
+    if (toml::table* table = sensor.as_table()) apply_preset(*table, source);
 }
 
 /// A description and the table it comes from, for what is checked across tables.
@@ -261,7 +294,8 @@ std::vector<SceneKey> scene_file_keys() {
 SceneDescription read_scene_file(const fs::path& file) {
   const std::string text = scene_text(file);
   TomlSource source{file, {}};
-  const toml::table root = parse(text, source);
+  toml::table root = parse(text, source);
+  apply_presets(root, source);
   SceneEntries all = read_entries(root, source);
   check_scene(all, file);
 

@@ -3,45 +3,11 @@
 
 #include <algorithm>
 
+#include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_words.hpp"
 
 namespace tubefoot {
 namespace {
-
-/// Coordinates and sizes: more than the Earth's radius is a slip, and the world grid ends at 2^30 m.
-constexpr double far_m = 1e7;
-constexpr ValueRange coordinate{.lo = -far_m, .hi = far_m};
-constexpr ValueRange size{.lo = 0, .hi = far_m, .lo_excluded = true};
-constexpr ValueRange size_or_zero{.lo = 0, .hi = far_m};
-constexpr ValueRange height{.lo = 0, .hi = 10000};
-constexpr ValueRange heading{.lo = -360, .hi = 360};
-constexpr ValueRange pitch{.lo = -90, .hi = 90};
-constexpr ValueRange roll{.lo = -180, .hi = 180};
-constexpr ValueRange latitude{.lo = -90, .hi = 90};
-constexpr ValueRange longitude{.lo = -180, .hi = 180};
-constexpr ValueRange not_negative{.lo = 0};
-constexpr ValueRange range_samples{.lo = 1, .hi = 65536};
-constexpr ValueRange sonar_range{.lo = 0, .hi = 100000, .lo_excluded = true};
-constexpr ValueRange frequency{.lo = 1, .hi = 10000};
-constexpr ValueRange index{.lo = 0, .hi = 1000000};
-constexpr ValueRange count_of_two{.lo = 2, .hi = 1000000};
-
-constexpr const char* no_width = "a sector of no width sees nothing";
-constexpr const char* too_wide =
-    "a sector so wide does not project onto a plane, share it among several sensors";
-constexpr ValueRange sector(double hi, bool hi_excluded) {
-  return {.lo = 0,
-          .hi = hi,
-          .lo_excluded = true,
-          .hi_excluded = hi_excluded,
-          .if_below = no_width,
-          .if_above = too_wide};
-}
-
-/// The place of the later key, or of the earlier one where the later is left to its default.
-SourcePlace place_of_pair(const TomlTable& table, std::string_view earlier, std::string_view later) {
-  return table.place_of(table.has(later) ? later : earlier);
-}
 
 void check_georeference(const GeoreferenceDescription& g, const TomlTable& table) {
   if (g.origin_lat_lon_deg && (g.crs || g.origin_crs)) {
@@ -105,95 +71,11 @@ void check_trajectory(const TrajectoryDescription& trajectory, const TomlTable& 
   }
 }
 
-/// Of a sensor's transmit or receive pattern: each pattern needs its own measure and takes no other.
-void check_pattern(const PatternDescription& pattern, const std::string& side, const TomlTable& table) {
-  const struct {
-    const char* measure;
-    bool given;
-    std::vector<std::string> patterns;
-  } rules[] = {
-      {"_aperture_m", pattern.aperture_m.has_value(), {"line", "piston"}},
-      {"_beam_width_deg", pattern.width_deg.has_value(), {"gaussian"}},
-      {"_pattern_file", pattern.file.has_value(), {"table"}},
-      {"_pattern_angle", table.has(side + "_pattern_angle"), {"line", "gaussian", "table"}},
-  };
-  for (const auto& [measure, given, patterns] : rules) {
-    const bool takes = std::ranges::find(patterns, pattern.pattern) != patterns.end();
-    const std::string key = side + measure,
-                      choice = fmt::format("{}_pattern = \"{}\"", side, pattern.pattern);
-    if (given && !takes) {
-      throw InputError(table.place_of(key),
-                       fmt::format("'{}' goes with {}_pattern = {} and not with {}: remove it, or change the "
-                                   "latter",
-                                   key, side, one_of(patterns, '"'), choice));
-    }
-    if (takes && !given && key != side + "_pattern_angle")
-      throw InputError(table.place_of(side + "_pattern"), fmt::format("{} needs the key '{}'", choice, key));
-  }
-  if (pattern.pattern == "line" && pattern.angle == "off_axis") {
-    throw InputError(table.place_of(side + "_pattern_angle"),
-                     fmt::format("a line array's pattern depends on \"azimuth\" or \"elevation\", not on "
-                                 "\"off_axis\": take {}_pattern = \"piston\" for a round aperture",
-                                 side));
-  }
-}
-
-void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
-  check_pattern(sensor.transmit, "transmit", table);
-  check_pattern(sensor.receive, "receive", table);
-  constexpr std::size_t longest_name = 64;
-  constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
-  if (sensor.name.size() > longest_name || sensor.name.find_first_not_of(allowed) != std::string::npos) {
-    throw InputError(
-        table.place_of("name"),
-        fmt::format("a sensor's 'name' becomes the name of files: expected at most {} of the characters "
-                    "A-Z a-z 0-9 _ -, not \"{}\"",
-                    longest_name, sensor.name));
-  }
-  if (const auto* sidescan = std::get_if<SidescanDescription>(&sensor.kind)) {
-    if (sidescan->depression_min_deg >= sidescan->depression_max_deg) {
-      throw InputError(
-          place_of_pair(table, "depression_min_deg", "depression_max_deg"),
-          fmt::format("'depression_min_deg' ({}) must be less than 'depression_max_deg' ({}): {}",
-                      sidescan->depression_min_deg, sidescan->depression_max_deg, no_width));
-    }
-    if (sidescan->range_min_m >= sidescan->range_max_m) {
-      throw InputError(place_of_pair(table, "range_min_m", "range_max_m"),
-                       fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})",
-                                   sidescan->range_min_m, sidescan->range_max_m));
-    }
-  }
-}
-
 void check_run(const RunDescription& run, const TomlTable& table) {
   if (run.rays_per_beam && table.has("rays_per_ping")) {
     throw InputError(table.place_of("rays_per_beam"),
                      "rays are counted by ping or by beam: remove 'rays_per_ping' or 'rays_per_beam'");
   }
-}
-
-/// The keys of a transmit or receive pattern, as keys of the sensor.
-std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side,
-                                                         PatternDescription SensorDescription::*pattern) {
-  using P = PatternDescription;
-  constexpr ValueRange aperture{.lo = 0, .hi = 1000, .lo_excluded = true};
-  constexpr ValueRange width{.lo = 0, .hi = 180, .lo_excluded = true};
-  const std::vector<TomlField<P>> own{
-      field(side + "_pattern", &P::pattern, {.choices = {"none", "line", "piston", "gaussian", "table"}}),
-      field(side + "_pattern_angle", &P::angle, {.choices = {"azimuth", "elevation", "off_axis"}}),
-      field(side + "_aperture_m", &P::aperture_m, {.ranges = {aperture}}),
-      field(side + "_beam_width_deg", &P::width_deg, {.ranges = {width}}),
-      field(side + "_pattern_file", &P::file)};
-  std::vector<TomlField<SensorDescription>> fields;
-  for (const TomlField<P>& f : own) {
-    const bool is_file = f.key.type == "file";
-    fields.push_back({f.key, [read = f.read, pattern, is_file](const toml::node& node, TomlSource& source,
-                                                               SensorDescription& s) {
-                        read(node, source, s.*pattern);
-                        if (is_file) (s.*pattern).file_place = source.place(node.source());
-                      }});
-  }
-  return fields;
 }
 
 }  // namespace
@@ -334,53 +216,6 @@ const TomlSection<TrajectoryDescription>& trajectory_section() {
                        field("roll_deg", &Line::roll_deg, {.ranges = {roll}})})
           .kind<Waypoints>("kind", "waypoints", {field("file", &Waypoints::file, {.required = true})})
           .check(check_trajectory);
-  return section;
-}
-
-const TomlSection<SensorDescription>& sensor_section() {
-  using S = SensorDescription;
-  using Didson = DidsonDescription;
-  using Sidescan = SidescanDescription;
-  constexpr ValueRange lever_arm{.lo = -1000, .hi = 1000};
-  // Together these two keep a fan narrower than 170 degrees.
-  constexpr ValueRange depression{
-      .lo = -80, .hi = 90, .if_below = too_wide, .if_above = "90 is straight down"};
-  static const auto section =
-      TomlSection<S>("[[sensors]]")
-          .keys({field("name", &S::name, {.required = true}),
-                 field("trajectory", &S::trajectory, {.default_value = "the only trajectory"}),
-                 field("lever_arm_m", &S::lever_arm_m, {.ranges = {lever_arm}}),
-                 field("yaw_deg", &S::yaw_deg, {.ranges = {heading}}),
-                 field("tilt_deg", &S::tilt_deg, {.ranges = {pitch}}),
-                 field("roll_deg", &S::roll_deg, {.ranges = {roll}}),
-                 field("first_ping_s", &S::first_ping_s, {.ranges = {{.lo = -1e10, .hi = 1e10}}}),
-                 field("pings", &S::pings, {.ranges = {{.lo = 1, .hi = 1e7}}}),
-                 field("ping_interval_s", &S::ping_interval_s,
-                       {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}})})
-          .keys(pattern_fields("transmit", &S::transmit))
-          .keys(pattern_fields("receive", &S::receive))
-          .kind<Didson>("kind", "didson",
-                        {field("frequency_khz", &Didson::frequency_khz, {.ranges = {frequency}}),
-                         field("beams", &Didson::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
-                         field("horizontal_deg", &Didson::horizontal_deg, {.ranges = {sector(180, true)}}),
-                         field("vertical_deg", &Didson::vertical_deg, {.ranges = {sector(170, false)}}),
-                         field("transmit_horizontal_deg", &Didson::transmit_horizontal_deg,
-                               {.ranges = {sector(180, true)}, .default_value = "as horizontal_deg"}),
-                         field("transmit_vertical_deg", &Didson::transmit_vertical_deg,
-                               {.ranges = {sector(170, false)}, .default_value = "as vertical_deg"}),
-                         field("samples", &Didson::samples, {.ranges = {range_samples}}),
-                         field("window_start_m", &Didson::window_start_m, {.ranges = {sonar_range}}),
-                         field("window_length_m", &Didson::window_length_m, {.ranges = {sonar_range}})})
-          .kind<Sidescan>(
-              "kind", "sidescan",
-              {field("frequency_khz", &Sidescan::frequency_khz, {.ranges = {frequency}}),
-               field("along_track_deg", &Sidescan::along_track_deg, {.ranges = {sector(90, false)}}),
-               field("depression_min_deg", &Sidescan::depression_min_deg, {.ranges = {depression}}),
-               field("depression_max_deg", &Sidescan::depression_max_deg, {.ranges = {depression}}),
-               field("samples", &Sidescan::samples, {.ranges = {range_samples}}),
-               field("range_min_m", &Sidescan::range_min_m, {.ranges = {sonar_range}}),
-               field("range_max_m", &Sidescan::range_max_m, {.ranges = {sonar_range}})})
-          .check(check_sensor);
   return section;
 }
 

@@ -52,8 +52,8 @@ struct EchoReader : testing::Test {
 
 TEST_F(EchoReader, ReadsWhatTubefootWrites) {
   auto camera = samples::silent(samples::camera(4, 8), 3);
-  for (std::size_t k = 0; k < camera.recording.energy.size(); ++k)
-    camera.recording.energy[k] = k % 5 ? std::exp(-0.37 * double(k)) / 3 : 0;
+  for (std::size_t k = 0; k < camera.energies.size(); ++k)
+    camera.energies[k] = k % 5 ? std::exp(-0.37 * double(k)) / 3 : 0;
   auto sidescan = samples::silent(samples::sidescan(6), 2);
   write_echoes(file, {camera.recording, sidescan.recording},
                {"A test", "0123abcd", "tube", "fixed", "0.1.0"});
@@ -70,7 +70,7 @@ TEST_F(EchoReader, ReadsWhatTubefootWrites) {
   EXPECT_EQ(echoes.pings, 3u);
   EXPECT_EQ(echoes.beams, 4u);
   EXPECT_EQ(echoes.samples, 8u);
-  EXPECT_EQ(echoes.energy, camera.recording.energy);
+  EXPECT_EQ(echoes.energy, camera.energies);
   EXPECT_EQ(echoes.at(2, 1, 5), camera.energy(2, 1, 5));
   EXPECT_THAT(echoes.energy_bound, IsEmpty());
   EXPECT_EQ(echoes.ping_time_s, camera.recording.ping_time_s);

@@ -107,7 +107,7 @@ TEST(CameraPicture, FansOfAnyWidthAreDrawn) {
     SensorDescription description = samples::camera(horizontal_deg < 1 ? 1 : 24, 16);
     std::get<DidsonDescription>(description.kind).horizontal_deg = horizontal_deg;
     auto made = samples::silent(description, 1);
-    std::fill(made.recording.energy.begin(), made.recording.energy.end(), 1e-9);
+    std::fill(made.energies.begin(), made.energies.end(), 1e-9);
     const Canvas canvas = draw_camera_frame(made.recording, 0, label_font());
     EXPECT_LE(canvas.width(), 2000);
     EXPECT_LE(canvas.height(), 1300);
@@ -164,7 +164,7 @@ TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
   auto made = samples::silent(samples::camera(5, 7), 2);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> decades(-30, 3);
-  for (double& energy : made.recording.energy) energy = std::pow(10, decades(random));
+  for (double& energy : made.energies) energy = std::pow(10, decades(random));
   made.energy(1, 2, 3) = 0;
   EXPECT_THAT(write_pictures(folder.path(), made.recording),
               ElementsAre("camera-0000.png", "camera-0000.exr", "camera-0001.png", "camera-0001.exr"));
@@ -190,8 +190,7 @@ TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
 TEST(Pictures, SidescanFilesArePingByPingPortTurnedOver) {
   const samples::TemporaryFolder folder;
   auto made = samples::silent(samples::sidescan(6), 4);
-  for (std::size_t k = 0; k < made.recording.energy.size(); ++k)
-    made.recording.energy[k] = 1e-12 * double(k + 1) / 3;
+  for (std::size_t k = 0; k < made.energies.size(); ++k) made.energies[k] = 1e-12 * double(k + 1) / 3;
   EXPECT_THAT(write_pictures(folder.path(), made.recording), ElementsAre("sidescan.png", "sidescan.exr"));
   const Image exr = read(folder / "sidescan.exr");
   ASSERT_EQ(exr.spec.width, 12);

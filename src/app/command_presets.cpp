@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "app/usage_error.hpp"
+#include "scene/sensor_presets.hpp"
+
+namespace tubefoot {
+
+int presets_command(const PresetsOptions& options) {
+  if (!options.name) {
+    for (const SensorPreset& preset : sensor_presets())
+      fmt::print("{:<20} {}\n{:<20} source: {}\n", preset.name, preset.title, "", preset.source);
+    return 0;
+  }
+  for (const SensorPreset& preset : sensor_presets())
+    if (preset.name == *options.name) {
+      fmt::print("# {}\n# source: {}\n{}", preset.title, preset.source, preset.keys);
+      return 0;
+    }
+  throw UsageError(fmt::format("there is no preset '{}': 'tubefoot presets' lists them", *options.name));
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/run_statistics.hpp"
+
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+namespace tubefoot {
+
+nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationStats& stats,
+                                       const std::optional<double>& reference_tolerance) {
+  const Scene& scene = survey.scene;
+  const RunDescription& run = scene.description.run;
+  nlohmann::ordered_json json;
+  json["scene"] = scene.description.file.string();
+  json["scene_hash"] = scene.description.sha256;
+  json["version"] = TUBEFOOT_VERSION;
+  json["engine"] = run.engine;
+  if (run.engine == "tube") {
+    json["arithmetic"] = run.arithmetic;
+    json["binning"] = run.binning;
+  } else {
+    json["sampling"] = run.sampling;
+    if (run.rays_per_beam)
+      json["rays_per_beam"] = *run.rays_per_beam;
+    else
+      json["rays_per_ping"] = run.rays_per_ping;
+    json["seed"] = run.seed;
+  }
+  if (reference_tolerance) {
+    const ReferenceStats& reference = stats.reference;
+    json["reference"] = {{"tolerance", *reference_tolerance},
+                         {"bins_over_tolerance", reference.bins_over},
+                         {"worst_bound_over_asked", reference.worst_ratio},
+                         {"worst_sensor", reference.worst_sensor},
+                         {"worst_ping", reference.worst_ping},
+                         {"worst_beam", reference.worst_beam},
+                         {"worst_sample", reference.worst_sample}};
+  }
+  json["grid_unit_m"] = scene.grid.unit_m();
+  json["facets"] = scene.mesh.facets.size();
+  json["pings"] = stats.pings;
+  json["tubes"] = stats.tubes;
+  json["candidates"] = stats.candidates;
+  json["footprints"] = stats.footprints;
+  json["pieces"] = stats.pieces;
+  json["ray_hits"] = stats.hits;
+  return json;
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts kibibytes
+}
+
+}  // namespace tubefoot
