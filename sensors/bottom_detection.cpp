@@ -130,6 +130,9 @@ glm::dvec3 sounding_position(const Pose& sensor_pose, glm::dvec3 beam_axis, doub
   if (!(std::abs(glm::length(beam_axis) - 1) <= 1e-6))
     throw std::invalid_argument(
         fmt::format("sounding: the beam's axis has length {}, must be 1", glm::length(beam_axis)));
+  if (!(range_m >= 0 && std::isfinite(range_m)))
+    throw std::invalid_argument(
+        fmt::format("sounding: the slant range is {} m, must be finite and not negative", range_m));
   return sensor_pose.position_m + sensor_pose.attitude * (range_m * beam_axis);
 }
 

@@ -46,7 +46,8 @@ std::optional<Detection> detect_bottom(std::span<const double> energies_j, const
                                        const DetectionRule& rule = {});
 
 /// The place at a slant range on a beam's axis, along a straight ray, in the frame of the pose. `beam_axis`
-/// is a unit vector in the sensor's frame; throws std::invalid_argument if it is not, to 1e-6.
+/// is a direction in the sensor's frame. Throws std::invalid_argument if its length is not 1 to 1e-6, or for
+/// a range that is negative or not finite.
 glm::dvec3 sounding_position(const Pose& sensor_pose, glm::dvec3 beam_axis, double range_m);
 
 }  // namespace tubefoot

@@ -22,11 +22,11 @@ void check(double coherence) {
 /// b = g cos phi, sqrt(1 - b^2) without cancellation, and acos(-b) from both.
 struct Terms {
   double incoherence, b, root, angle;
-  Terms(double phase, double g)
-      : incoherence((1 - g) * (1 + g)),
-        b(g * std::cos(phase)),
-        root(std::sqrt(incoherence + std::pow(g * std::sin(phase), 2))),
-        angle(std::atan2(root, -b)) {}
+  Terms(double phase, double g) : incoherence((1 - g) * (1 + g)), b(g * std::cos(phase)) {
+    const double sine = g * std::sin(phase);
+    root = std::sqrt(incoherence + sine * sine);
+    angle = std::atan2(root, -b);
+  }
 };
 
 /// Probability of a phase between 0 and this one.

@@ -288,6 +288,8 @@ TEST(SoundingPosition, FollowsThePoseAndRefusesAnAxisThatIsNoDirection) {
   EXPECT_THROW(sounding_position(down, {0, 1.001, 0}, 7), std::invalid_argument);
   EXPECT_THROW(sounding_position(down, {0, 0, 0}, 7), std::invalid_argument);
   EXPECT_THROW(sounding_position(down, {0, std::nan(""), 0}, 7), std::invalid_argument);
+  EXPECT_THROW(sounding_position(down, {0, 1, 0}, std::nan("")), std::invalid_argument);
+  EXPECT_THROW(sounding_position(down, {0, 1, 0}, -1), std::invalid_argument);
 }
 
 }  // namespace
