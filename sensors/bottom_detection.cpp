@@ -92,7 +92,8 @@ Estimate top(const Gate& gate) {
   double offset = 0;
   if (k > gate.begin && k + 1 < gate.end) {
     const double before = gate.energy(k - 1) / gate.energy(k), after = gate.energy(k + 1) / gate.energy(k);
-    if (before + after < 2) offset = (after - before) / (2 * (2 - before - after));
+    // The nearest of equal samples is the largest, so `before` is below 1: this never divides by 0.
+    offset = (after - before) / (2 * ((1 - before) + (1 - after)));
   }
   return {gate.middle(k) + offset * gate.samples.step_m, gate.samples.step_m * evenly};
 }

@@ -74,6 +74,7 @@ TEST(BottomDetection, FirstReturnIsTheFirstSampleOverBothThresholds) {
   EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 80);
   rule.relative_db = -40;
   EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 50);
+  EXPECT_EQ(detect_bottom(energies, samples, rule)->energy_j, 1.001e-14);
   rule.absolute_j = 1.1e-14;
   EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 80);
   rule.relative_db = -19.9;
@@ -112,6 +113,9 @@ TEST(BottomDetection, TiesGoToTheNearest) {
   energies[32] = 5e-11;  // a plateau: still its near end, with the neighbour at its side
   EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
               middle(samples, 30) + 0.025, 1e-12);
+  energies[29] = std::nextafter(5e-11, 0);  // all but a tie of three
+  EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
+              middle(samples, 30) + 0.025, 1e-12);
   energies.assign(400, 1e-10);  // all alike: nothing to fit, the first sample
   EXPECT_DOUBLE_EQ(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m, middle(samples, 0));
 }
@@ -131,6 +135,25 @@ TEST(BottomDetection, NothingLitIsNoDetection) {
     rule.farthest_m = 40;
     EXPECT_FALSE(detect_bottom(energies, samples, rule));
   }
+}
+
+TEST(BottomDetection, WhatLiesOutsideTheGateDoesNotCount) {
+  const RangeSamples metres{0, 1, 10};
+  const std::vector<double> energies{9, 8, 0, 3, 1, 2, 0, 7, 9, 0};
+  for (const DetectionMethod method : methods) {
+    DetectionRule rule{method};
+    rule.nearest_m = rule.farthest_m = 3.5;  // just the middle of one sample
+    const auto found = detect_bottom(energies, metres, rule);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->range_m, 3.5);
+    EXPECT_EQ(found->energy_j, 3);
+  }
+  DetectionRule rule;
+  rule.nearest_m = 2.5;
+  rule.farthest_m = 6.5;
+  const auto found = detect_bottom(energies, metres, rule);
+  EXPECT_NEAR(found->range_m, (3 * 3.5 + 4.5 + 2 * 5.5) / 6, 1e-12);
+  EXPECT_EQ(found->energy_j, 3);
 }
 
 TEST(BottomDetection, OneSampleIsFoundByAllAlike) {
