@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace tubefoot {
+
+/// Philox4x32-10 (Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011): a
+/// keyed bijection of 128-bit counters, so that the n-th random number needs none of those before it.
+std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
+                                        std::array<std::uint32_t, 2> key);
+
+/// What a random number is for. Numbers of different purposes are independent of each other.
+enum class Purpose : std::uint32_t { speckle = 0, texture = 1, noise = 2, phase = 3 };
+
+/// The random numbers of one range sample: a function of the seed and the place alone, whatever else was
+/// drawn before, by whom and in which order.
+class SampleRandom {
+ public:
+  SampleRandom(std::uint64_t seed, std::uint32_t ping, std::uint32_t beam, std::uint32_t sample)
+      : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
+        ping_(ping),
+        beam_(beam),
+        sample_(sample) {}
+
+  /// Two independent numbers of the open interval (0, 1), odd multiples of 2^-53. `draw` numbers the pairs of
+  /// a purpose, below 2^24.
+  std::array<double, 2> uniform_pair(Purpose purpose, std::uint32_t draw = 0) const;
+
+ private:
+  std::array<std::uint32_t, 2> key_;
+  std::uint32_t ping_, beam_, sample_;
+};
+
+}  // namespace tubefoot
