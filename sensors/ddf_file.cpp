@@ -25,6 +25,8 @@ const char* resolution(const DdfHeader& camera) {
   return camera.high_resolution ? "high resolution" : "low resolution";
 }
 
+double half_sample_m(double length_m) { return length_m / samples_per_beam / 2; }
+
 /// Readers have 0.83 and 1.25 m for one of these lengths, 70 and 80 m for the other.
 bool disputed(const DdfHeader& camera, std::uint32_t length_code) {
   if (classic(camera)) return false;
@@ -79,14 +81,13 @@ double ddf_start_step_m(const DdfHeader& camera, DdfStartStep step) {
 }
 
 DdfWindow ddf_window(const DdfHeader& camera, double start_m, double length_m, DdfStartStep step) {
-  const double half_sample_m = length_m / samples_per_beam / 2;
   DdfWindow window;
   std::vector<double> lengths_m;
   bool found = false;
   for (std::uint32_t code = 0; code <= largest_length_code; ++code) {
     if (disputed(camera, code)) continue;
     lengths_m.push_back(ddf_window_length_m(camera, code));
-    if (std::abs(lengths_m.back() - length_m) > half_sample_m) continue;
+    if (!(std::abs(lengths_m.back() - length_m) <= half_sample_m(lengths_m.back()))) continue;
     window.length_code = code;
     found = true;
   }
@@ -97,7 +98,7 @@ DdfWindow ddf_window(const DdfHeader& camera, double start_m, double length_m, D
         resolution(camera), length_m, fmt::join(lengths_m, ", ")));
   const double step_m = ddf_start_step_m(camera, step);
   const double code = std::clamp(std::round(start_m / step_m), 1.0, double{largest_start_code});
-  if (!(std::abs(code * step_m - start_m) <= half_sample_m))
+  if (!(std::abs(code * step_m - start_m) <= half_sample_m(ddf_window_length_m(camera, window.length_code))))
     throw std::invalid_argument(fmt::format(
         "a DIDSON in {} has no window that starts at {} m: starts are 1 to 31 steps of {:.6g} m, the nearest "
         "window_start_m is {:.6g}; or write ARIS (DDF_05)",
