@@ -44,7 +44,8 @@ struct DdfHeader {
 /// Length [m] that the flags' window table has for a code 0 to 3.
 double ddf_window_length_m(const DdfHeader& camera, std::uint32_t length_code);
 
-/// How readers turn a start code into metres; they disagree by up to 3 %, except on classic windows.
+/// How readers turn a start code into metres; they disagree by 2 % (early cameras: 9 %), except on
+/// classic windows.
 enum class DdfStartStep {
   vendor,     ///< 0.42 m (low resolution 0.84 m), of the vendor's document
   matlab,     ///< 0.419 m (0.838 m), of the MATLAB reader and its descendants
