@@ -29,13 +29,10 @@ void StreamedFile::overwrite_start(std::span<const std::uint8_t> bytes) {
 
 void StreamedFile::close() {
   std::FILE* stream = open_stream();
-  // Flushed first: a stream that could not be closed could not be discarded either.
-  if (std::fflush(stream) != 0) fail(errno);
   stream_ = nullptr;
   if (std::fclose(stream) == 0) return;
   const int cause = errno;
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(path_, ignored)) std::filesystem::remove(path_, ignored);
+  remove_file();
   fail(cause);
 }
 
@@ -55,6 +52,10 @@ void StreamedFile::discard() {
   if (!stream_) return;
   std::fclose(stream_);
   stream_ = nullptr;
+  remove_file();
+}
+
+void StreamedFile::remove_file() {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path_, ignored)) std::filesystem::remove(path_, ignored);
 }

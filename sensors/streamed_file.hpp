@@ -35,6 +35,7 @@ class StreamedFile {
   std::FILE* open_stream() const;
   [[noreturn]] void fail(int cause);
   void discard();
+  void remove_file();
 
   std::filesystem::path path_;
   std::FILE* stream_ = nullptr;

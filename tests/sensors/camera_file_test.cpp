@@ -12,6 +12,7 @@
 #include "sensors/aris_file.hpp"
 #include "sensors/camera_file_reader.hpp"
 #include "sensors/ddf_file.hpp"
+#include "sensors/streamed_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -279,6 +280,26 @@ TEST(CameraFileOracle, numpy_sees_the_target_on_its_side_at_its_range) {
   other.finish();
   EXPECT_THAT(seen_by_numpy(folder, folder / "a.aris"),
               testing::ElementsAre(2, 20, testing::DoubleNear((2000 + 300 * 8) * 1e-6 * 740, 1e-9), 251));
+}
+
+// So little that the library holds all of it until the file is closed.
+TEST(StreamedFile, a_disk_that_fills_with_the_last_block_is_told_and_leaves_nothing) {
+  const samples::TemporaryFolder folder;
+  const auto path = folder / "small";
+  const std::array<std::uint8_t, 10> bytes{};
+  {
+    const samples::FullDisk disk(5);
+    StreamedFile file(path);
+    file.append(bytes);
+    EXPECT_THAT(samples::failure_naming(path, [&] { file.close(); }), HasSubstr("File too large"));
+    EXPECT_FALSE(std::filesystem::exists(path));
+    EXPECT_THROW(file.append(bytes), std::logic_error);
+  }
+  std::filesystem::create_symlink("/dev/full", path);
+  StreamedFile device(path);
+  device.append(bytes);
+  EXPECT_THAT(samples::failure_naming(path, [&] { device.close(); }), HasSubstr("No space left"));
+  EXPECT_TRUE(std::filesystem::is_symlink(path));
 }
 
 TEST(ByteRecord, puts_little_endian_bytes_where_told_and_nowhere_else) {
