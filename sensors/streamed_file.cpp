@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/streamed_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+namespace tubefoot {
+
+StreamedFile::StreamedFile(std::filesystem::path file)
+    : path_(std::move(file)), stream_(std::fopen(path_.c_str(), "wb")) {
+  if (!stream_) fail(errno);
+}
+
+StreamedFile::~StreamedFile() { discard(); }
+
+void StreamedFile::append(std::span<const std::uint8_t> bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), open_stream()) != bytes.size()) fail(errno);
+  size_ += bytes.size();
+}
+
+void StreamedFile::overwrite_start(std::span<const std::uint8_t> bytes) {
+  if (std::fseek(open_stream(), 0, SEEK_SET) != 0) fail(errno);
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail(errno);
+}
+
+void StreamedFile::close() {
+  std::FILE* stream = open_stream();
+  stream_ = nullptr;
+  if (std::fclose(stream) == 0) return;
+  const int cause = errno;
+  remove_file();
+  fail(cause);
+}
+
+std::FILE* StreamedFile::open_stream() const {
+  if (!stream_)
+    throw std::logic_error(fmt::format("{}: the file is no longer being written", path_.string()));
+  return stream_;
+}
+
+void StreamedFile::fail(int cause) {
+  discard();
+  throw std::runtime_error(
+      fmt::format("{}: cannot write the file: {}", path_.string(), std::strerror(cause)));
+}
+
+void StreamedFile::discard() {
+  if (!stream_) return;
+  std::fclose(stream_);
+  stream_ = nullptr;
+  remove_file();
+}
+
+void StreamedFile::remove_file() {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path_, ignored)) std::filesystem::remove(path_, ignored);
+}
+
+}  // namespace tubefoot

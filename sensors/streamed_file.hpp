@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+
+namespace tubefoot {
+
+/// A file that is written piece by piece and counts as written only when close() has returned; until then it
+/// is taken away again on destruction. (write_file of checked_file.hpp is for results that fit in memory.)
+///
+/// What the system refuses throws std::runtime_error with the file's name and the system's reason, and the
+/// file is taken away at once (never a device); what is asked of it afterwards, or after close(), throws
+/// std::logic_error.
+class StreamedFile {
+ public:
+  explicit StreamedFile(std::filesystem::path file);
+  ~StreamedFile();
+  StreamedFile(const StreamedFile&) = delete;
+  StreamedFile& operator=(const StreamedFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Bytes appended so far.
+  std::uint64_t size() const { return size_; }
+
+  void append(std::span<const std::uint8_t> bytes);
+  /// Writes over the first bytes of the file. Call it last: what is appended afterwards would follow them.
+  void overwrite_start(std::span<const std::uint8_t> bytes);
+  /// The file is complete, and all of it was taken by the system.
+  void close();
+
+ private:
+  std::FILE* open_stream() const;
+  [[noreturn]] void fail(int cause);
+  void discard();
+  void remove_file();
+
+  std::filesystem::path path_;
+  std::FILE* stream_ = nullptr;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace tubefoot
