@@ -128,7 +128,7 @@ PacketBytes file_header(const std::filesystem::path& path, const XtfHeader& head
   PacketBytes packet(std::endian::little, file_header_size);
   packet.put<std::uint8_t>(0, 0x7B);
   packet.put<std::uint8_t>(1, 1);
-  packet.put_text(2, check.text("program", header.program, 8));
+  packet.put_text(2, check.text("program", header.program, 8 + 1));
   packet.put_text(10, "223");  // 303 to 312 would make readers expect a padding bug
   packet.put_text(18, check.text("sonar name", header.sonar_name, 16));
   packet.put<std::uint16_t>(34, header.sonar_type);

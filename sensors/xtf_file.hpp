@@ -35,7 +35,7 @@ struct XtfSidescan {
 };
 
 struct XtfHeader {
-  std::string program = "tubefoot";  ///< at most 7 bytes: longer names are refused
+  std::string program = "tubefoot";  ///< at most 8 bytes: a reader in C may show the version behind them
   std::string sonar_name;            ///< at most 15 bytes
   std::string note;                  ///< at most 63 bytes
   /// X41's code: 0 none, 15 Reson SeaBat 8101, 44 a sidescan and 45 a multibeam of no listed kind.
