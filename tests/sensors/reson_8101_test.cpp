@@ -96,6 +96,13 @@ TEST(Reson8101, PacketHasEachFieldInItsPlace) {
   EXPECT_THAT(packet.unread(), IsEmpty());
 }
 
+// One step of a double (0.24 us) early, as arithmetic may leave it.
+TEST(Reson8101, TimesAreNotEarly) {
+  PacketReader packet = packet_of(settings(), {{0, 0, 0}}, std::nextafter(1735689599.07, 0));
+  EXPECT_EQ(packet.u32(8), 1735689599u);
+  EXPECT_EQ(packet.u32(12), 70u);
+}
+
 // Of 101 beams the qualities fill 51 bytes; some expect 52, and then all intensities lie one byte later.
 TEST(Reson8101, OddQualitiesEndAsAsked) {
   std::vector<Reson8101Beam> beams(101, {0.05, kBrightness, 7});

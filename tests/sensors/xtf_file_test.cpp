@@ -421,14 +421,15 @@ TEST(XtfFile, RandomPingsComeBack) {
   }
 }
 
-// 0.07 s is a little less than seven hundredths as a double, and the last microsecond of a second is not the
-// next.
-TEST(XtfFile, TimesAreNotOneHundredthLate) {
+// A time that arithmetic left one step of a double (0.24 us) early is still the time it stands for; nor is
+// the last microsecond of a second the next one's.
+TEST(XtfFile, TimesAreNeitherEarlyNorLate) {
   XtfContent content = written("hundredths", both_sonars(), [](XtfFile& file) {
-    file.add_attitude({0.07, 0, 0, 0, 0});
+    file.add_attitude({std::nextafter(1735689599.07, 0), 0, 0, 0, 0});
     file.add_attitude({1e9 + 0.999999, 0, 0, 0, 0});
   });
   EXPECT_EQ(content.packets.at(0).u16(61), 70u);
+  EXPECT_EQ(content.packets.at(0).u32(22), 70000u);
   EXPECT_EQ(content.packets.at(1).u16(61), 999u);
   EXPECT_EQ(content.packets.at(1).u32(26), 1000000000u);
 }
