@@ -274,6 +274,15 @@ TEST(GsfFile, HeadingRoundsToNorthNotToFullTurn) {
   EXPECT_EQ(records.at(1).data.u16(38), 0u);
 }
 
+// One step of a double (0.24 us) early, as arithmetic may leave it.
+TEST(GsfFile, TimesAreNotEarly) {
+  GsfPing ping = five_beams();
+  ping.unix_time_s = std::nextafter(1735689600.0, 0);
+  auto records = written("time", {}, [&](GsfFile& file) { file.add_ping(ping); });
+  EXPECT_EQ(records.at(1).data.i32(0), 1735689600);
+  EXPECT_EQ(records.at(1).data.i32(4), 0);
+}
+
 TEST(GsfFile, AttitudeHasEachFieldInItsPlace) {
   auto records = written("attitude", {}, [](GsfFile& file) {
     const GsfAttitude attitudes[] = {{1735689599.25, 271.5, 2.5, -3.25, 0.5},
