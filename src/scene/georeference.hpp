@@ -27,6 +27,8 @@ class LocalFrame {
   static LocalFrame from(const GeoreferenceDescription& description);
 
   bool is_georeferenced() const { return kind_ != Kind::kLocal; }
+  /// Tangent to the ellipsoid, not along the axes of a projected CRS.
+  bool is_tangent() const { return kind_ == Kind::kTangent; }
 
   /// Carries points (easting or longitude, northing or latitude, height in m) of a CRS into the frame. A CRS
   /// equal to the frame's own costs one subtraction: no precision is lost. Throws InputError at `place` where
