@@ -162,6 +162,46 @@ glm::dvec3 LocalFrame::from_lat_lon(double latitude_deg, double longitude_deg, d
   return point;
 }
 
+void LocalFrame::to_lon_lat(std::span<glm::dvec3> points, const SourcePlace& place) const {
+  switch (kind_) {
+    case Kind::kLocal:
+      throw InputError(place, "the scene has no [georeference]");
+    case Kind::kTangent: {
+      const GeographicLib::LocalCartesian tangent(origin_.x, origin_.y, origin_.z);
+      for (glm::dvec3& p : points) {
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+          throw InputError(place, fmt::format("({}, {}, {}) is no local point", p.x, p.y, p.z));
+        }
+        const glm::dvec3 local = p;
+        tangent.Reverse(local.x, local.y, local.z, p.y, p.x, p.z);
+      }
+      break;
+    }
+    case Kind::kProjected: {
+      for (glm::dvec3& p : points) {
+        p = {origin_.x + p.x / metres_per_unit_, origin_.y + p.y / metres_per_unit_, origin_.z + p.z};
+      }
+      transform(points, crs_from(crs_, place), crs_from(kWgs84, place), place);
+      break;
+    }
+  }
+}
+
+LocalFrame::Map LocalFrame::map() const {
+  switch (kind_) {
+    case Kind::kLocal:
+      break;
+    case Kind::kTangent: {
+      const std::string orthographic =
+          fmt::format("+proj=ortho +lat_0={} +lon_0={} +datum=WGS84 +units=m +no_defs", origin_.x, origin_.y);
+      return {wkt_of(crs_from(orthographic, {})), 0, 0, 1};
+    }
+    case Kind::kProjected:
+      return {crs_, origin_.x, origin_.y, metres_per_unit_};
+  }
+  return {};
+}
+
 bool is_geographic(const std::string& crs, const SourcePlace& place) {
   const OGRSpatialReference known = crs_from(crs, place);
   if (known.IsGeographic() == known.IsProjected()) {

@@ -3,10 +3,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <ogr_spatialref.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <memory>
+#include <random>
+#include <vector>
 
 namespace tubefoot {
 namespace {
@@ -90,6 +94,87 @@ TEST(ProjectedFrame, TakesItsUnitIntoAccount) {
   expect_near(point, {1200, 2400, 5}, 1e-9);
 }
 
+/// Random local points of a survey, 5 km about the origin.
+std::vector<glm::dvec3> survey_points() {
+  std::mt19937_64 random(20240917);
+  std::uniform_real_distribution<double> across(-5000, 5000), height(-300, 20);
+  std::vector<glm::dvec3> points(500);
+  for (glm::dvec3& p : points) p = {across(random), across(random), height(random)};
+  return points;
+}
+
+void expect_round_trip(const LocalFrame& frame, double tolerance_m) {
+  const std::vector<glm::dvec3> points = survey_points();
+  std::vector<glm::dvec3> back = points;
+  frame.to_lon_lat(back, kPlace);
+  frame.carry(back, "EPSG:4326", kPlace);
+  for (std::size_t k = 0; k < points.size(); ++k) expect_near(back[k], points[k], tolerance_m);
+}
+
+// A double holds a longitude of 3 degrees to 2.5e-11 m and one of 168 degrees to 1.6e-9 m; the geocentric
+// coordinates that the tangent frame goes through, to 5e-10 m each.
+TEST(LocalFrame, GoesToLongitudeAndLatitudeAndBack) {
+  expect_round_trip(LocalFrame::at_lat_lon(1.5, 3, 20), 4e-9);
+  expect_round_trip(LocalFrame::projected("EPSG:32631", 500000, 160000, 20, kPlace), 1e-9);
+  expect_round_trip(LocalFrame::at_lat_lon(65.31, -168.39, 0), 1e-8);
+  expect_round_trip(LocalFrame::projected("EPSG:32602", 621860, 7245027, 0, kPlace), 1e-8);
+  expect_round_trip(LocalFrame::projected("EPSG:2227", 6000000, 2000000, 0, kPlace), 1e-8);
+}
+
+TEST(TangentFrame, LeavesTheEllipsoidWhereTheCircleOfTheEquatorSays) {
+  const LocalFrame frame = LocalFrame::at_lat_lon(0, 20, 7);
+  glm::dvec3 point(3000, 0, 0);  // along the tangent at height 7 m
+  frame.to_lon_lat({&point, 1}, kPlace);
+  const double radius = kSemiMajor + 7;
+  EXPECT_NEAR(point.x, 20 + glm::degrees(std::atan2(3000, radius)), 1e-13);
+  EXPECT_NEAR(point.y, 0, 1e-13);
+  EXPECT_NEAR(point.z, std::hypot(3000, radius) - kSemiMajor, 1e-8);
+}
+
+TEST(ProjectedFrame, LeavesByItsCentralMeridian) {
+  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 500000, 0, -3, kPlace);
+  glm::dvec3 point(0, 0.9996 * 55287.1536, 10);
+  frame.to_lon_lat({&point, 1}, kPlace);
+  EXPECT_NEAR(point.x, -171, 1e-12);
+  EXPECT_NEAR(point.y, 0.5, 1e-7);
+  EXPECT_EQ(point.z, 7);
+}
+
+/// Longitude and latitude of map coordinates, by PROJ.
+glm::dvec3 lon_lat_on_map(const LocalFrame::Map& map, double east, double north) {
+  OGRSpatialReference crs, wgs84;
+  crs.importFromWkt(map.crs_wkt.c_str());
+  wgs84.importFromEPSG(4326);
+  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> step(OGRCreateCoordinateTransformation(&crs, &wgs84));
+  double x = map.easting + east / map.metres_per_unit, y = map.northing + north / map.metres_per_unit;
+  EXPECT_TRUE(step->Transform(1, &x, &y));
+  return {x, y, 0};
+}
+
+TEST(LocalFrame, ItsMapShowsLocalPointsWhereTheyAre) {
+  const LocalFrame projected = LocalFrame::projected("EPSG:2227", 6000000, 2000000, 5, kPlace);
+  glm::dvec3 point(1200, 2400, -5);
+  const glm::dvec3 mapped = lon_lat_on_map(projected.map(), point.x, point.y);
+  projected.to_lon_lat({&point, 1}, kPlace);
+  expect_near(mapped, point, 1e-12);
+  EXPECT_EQ(LocalFrame().map().crs_wkt, "");
+}
+
+// On the ellipsoid the map of a tangent frame is exact; h above it, coordinates are too small by h / R.
+TEST(TangentFrame, ItsMapIsOrthographic) {
+  const LocalFrame frame = LocalFrame::at_lat_lon(48.3, -4.5, 0);
+  const glm::dvec3 on_map = lon_lat_on_map(frame.map(), 1000, -2000);
+  const glm::dvec3 surface = frame.from_lat_lon(on_map.y, on_map.x, 0, kPlace);
+  EXPECT_NEAR(surface.x, 1000, 1e-6);
+  EXPECT_NEAR(surface.y, -2000, 1e-6);
+  const glm::dvec3 bed = frame.from_lat_lon(on_map.y, on_map.x, -50, kPlace);
+  EXPECT_NEAR(bed.x, 1000 * (1 - 50 / 6.38e6), 1e-4);
+  EXPECT_NEAR(bed.y, -2000 * (1 - 50 / 6.38e6), 1e-4);
+  EXPECT_GT(std::abs(bed.y + 2000), 0.01);
+}
+
 TEST(LocalFrame, FollowsTheDescription) {
   GeoreferenceDescription description;
   description.place = kPlace;
@@ -116,6 +201,13 @@ TEST(LocalFrame, RefusesWhatHasNoPlace) {
   EXPECT_THAT([] { LocalFrame::projected("EPSG:2053", 0, 0, 0, kPlace); }, message("west or south"));
   EXPECT_THAT([] { LocalFrame::at_lat_lon(0, 0, 0).from_lat_lon(91, 0, 0, kPlace); }, message("latitude 91"));
   EXPECT_THAT([] { LocalFrame().from_lat_lon(1, 0, 0, kPlace); }, message("[georeference]"));
+  EXPECT_THAT([] { LocalFrame().to_lon_lat({}, kPlace); }, message("[georeference]"));
+  EXPECT_THAT(
+      [] {
+        glm::dvec3 point(NAN, 0, 0);
+        LocalFrame::at_lat_lon(0, 0, 0).to_lon_lat({&point, 1}, kPlace);
+      },
+      message("no local point"));
   EXPECT_THAT(
       [] { LocalFrame::projected("+proj=gnom +lat_0=90", 0, 0, 0, kPlace).from_lat_lon(-10, 0, 0, kPlace); },
       message("no place"));

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <netcdf.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sensors/reserved_space.hpp"
+
+namespace tubefoot {
+
+/// A netCDF-4 file that grows on the disk under a provisional name ("line.partial.nc" for "line.nc") and gets
+/// its own at finish(). All space is reserved before HDF5 writes into it (ReservedSpace).
+class NetcdfStream {
+ public:
+  /// Space for what defines a file and for what HDF5 keeps of it in memory until it is closed.
+  static constexpr std::uintmax_t margin_bytes = 4 << 20;
+
+  /// Throws std::runtime_error with the file's name and the reason.
+  explicit NetcdfStream(std::filesystem::path file);
+  /// Removes what was not finished.
+  ~NetcdfStream();
+  NetcdfStream(const NetcdfStream&) = delete;
+  NetcdfStream& operator=(const NetcdfStream&) = delete;
+
+  int id() const { return id_; }
+  /// To be called before `bytes` are written, counted generously.
+  void reserve(std::uintmax_t bytes) { space_->reserve(bytes + margin_bytes); }
+  /// Hands everything written to the system.
+  void flush();
+  /// Closes the file and moves it to its name.
+  void finish();
+  /// Throws std::runtime_error unless `status` is NC_NOERR.
+  void check(int status, const std::string& task) const;
+
+ private:
+  std::filesystem::path file_, partial_;
+  std::unique_ptr<ReservedSpace> space_;
+  int id_ = 0;
+  bool open_ = false;
+};
+
+/// What a variable is: all of a row of a convention's tables.
+struct NetcdfVariable {
+  const char* name;
+  nc_type type;
+  std::vector<int> dimensions;
+  const char* units;  ///< nullptr: none
+  std::string long_name;
+  const char* standard_name = nullptr;
+  double valid_min = std::numeric_limits<double>::quiet_NaN();  ///< with valid_max: valid_range
+  double valid_max = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A group under construction.
+class NetcdfGroup {
+ public:
+  NetcdfGroup(const NetcdfStream& stream, int id) : stream_(&stream), id_(id) {}
+
+  int id() const { return id_; }
+  NetcdfGroup group(const char* name) const;
+  int dimension(const char* name, std::size_t length) const;
+  struct Code {
+    const char* name;
+    signed char value;
+  };
+  nc_type enumeration(const char* name, std::initializer_list<Code> codes) const;
+  nc_type float_list(const char* name) const;
+
+  void attribute(const char* name, const std::string& text) const { attribute(NC_GLOBAL, name, text); }
+  void attribute(int variable, const char* name, const std::string& text) const;
+  void attribute(int variable, const char* name, nc_type type, const std::vector<double>& values) const;
+  void code_attribute(const char* name, nc_type enumeration, signed char code) const;
+
+  /// Floats get NaN as _FillValue; unlimited ones chunks of `chunk_pings` along their first dimension.
+  int define(const NetcdfVariable& variable, std::size_t chunk_pings = 0) const;
+  /// The attributes of a time in ns since 1970 besides its units.
+  int define_time(const char* name, int dimension, const char* long_name, std::size_t chunk) const;
+  /// A float, integer or enumeration variable with its values.
+  void put(const NetcdfVariable& variable, const std::vector<double>& values) const;
+  void put_text(const char* name, int dimension, const char* long_name,
+                const std::vector<std::string>& values) const;
+
+ private:
+  void check(int status, const char* task, const char* name) const;
+  const NetcdfStream* stream_;
+  int id_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tubefoot {
+
+/// What a SONAR-netCDF4 file says once. The platform's axes are x forward, y starboard, z down from its
+/// reference point.
+struct SonarNetcdfHeader {
+  std::string title, summary, keywords;
+  std::string date_created;  ///< ISO 8601 with zone; not the clock's, if equal runs are to give equal files
+  std::string license, rights;  ///< left out if empty
+  std::string software_name = "tubefoot", software_version;
+  std::string history;                    ///< lines "time user: what was done"
+  std::vector<std::string> source_files;  ///< what the file was made from
+
+  std::string sonar_type = "multibeam echosounder";  ///< the convention's own words have no multibeam
+  std::string sonar_manufacturer, sonar_model, sonar_serial_number;
+  std::string platform_name, platform_type;
+
+  std::size_t beams = 0;
+  double frequency_hz = 0;
+  double bandwidth_hz = 0;
+  double pulse_length_s = 0;
+  double absorption_db_per_m = 0;  ///< one way
+  double sound_speed_m_s = 0;
+  std::optional<double> source_level_db;  ///< re 1 uPa at 1 m
+  /// One-way widths at half power. Across: in the fan's plane; along: at right angles to it.
+  double receive_width_across_deg = 0, receive_width_along_deg = 0;
+  double transmit_width_across_deg = 0, transmit_width_along_deg = 0;
+  double equivalent_beam_angle_sr = 0;  ///< of transmission and reception together
+  glm::dvec3 transducer_offset_m{0};    ///< from the reference point
+  glm::dvec3 transducer_rotation_deg{0};
+  double water_level_m = 0;  ///< nominal water level below the reference point (negative under water)
+  bool beams_stabilised = false;
+};
+
+/// What a beam found of the bed.
+struct SonarDetection {
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  bool found = false;  ///< if not, only the beam's angle is looked at
+  double two_way_travel_time_s = none;
+  double beam_angle_deg = none;  ///< of the beam's axis from the platform's down axis, starboard positive
+  /// From the platform's reference point in the horizontal plane: along the heading, to its starboard, down.
+  glm::dvec3 forward_starboard_down_m{none};
+  double latitude_deg = none, longitude_deg = none;  ///< NaN in a scene without georeference
+  double backscatter_db = none;
+  double quality = none;  ///< standard deviation in per cent of the depth; NaN: unknown
+};
+
+/// A ping. Headings clockwise from north, pitch bow up, roll starboard down.
+struct SonarNetcdfPing {
+  std::int64_t unix_time_ns = 0;
+  double latitude_deg = SonarDetection::none, longitude_deg = SonarDetection::none;  ///< WGS 84
+  double height_m = SonarDetection::none;  ///< of the reference point above the ellipsoid
+  double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
+  double waterline_below_reference_m = 0;  ///< negative for a platform under water
+  double transducer_depth_m = 0;           ///< below the water line
+  double waterline_to_chart_datum_m = 0;
+  double sound_speed_m_s = 0;  ///< at the transducer
+  double sample_interval_s = 0;
+  double blanking_interval_s = 0;        ///< two-way travel time of sample 0
+  std::vector<double> across_angle_deg;  ///< per beam, from the platform's down axis, starboard positive
+  /// Per beam: levels in dB, free of spreading and absorption or not as header.summary says. -inf: no echo.
+  std::vector<std::vector<float>> backscatter_db;
+  std::vector<SonarDetection> detections;  ///< per beam
+};
+
+/// Where a point `east_north_up_m` from the reference point lies along a heading, to its starboard and down.
+glm::dvec3 forward_starboard_down(glm::dvec3 east_north_up_m, double heading_deg);
+
+/// A SONAR-netCDF4 2.0 file of a multibeam, with the XSF 0.7 group Bathymetry (docs/files-sonar-netcdf.md).
+/// Pings are written as they come: memory holds a few MB, whatever the line. The file bears a provisional
+/// name
+/// ("line.partial.nc") until finish(), and is taken away if finish() is not reached.
+class SonarNetcdfFile {
+ public:
+  /// Throws std::invalid_argument for a header without beams, frequency or sound speed, std::runtime_error
+  /// naming the file where it cannot be written.
+  SonarNetcdfFile(const std::filesystem::path& file, const SonarNetcdfHeader& header);
+  ~SonarNetcdfFile();
+
+  /// Throws std::invalid_argument, with the ping's number, for one that does not fit the header or goes back
+  /// in time; std::runtime_error where the disk is full, which leaves nothing to do but give up the file.
+  void add(const SonarNetcdfPing& ping);
+  /// Completes the file; throws std::runtime_error where that fails.
+  void finish();
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tubefoot
