@@ -47,6 +47,7 @@ void check(const BeamPatterns& patterns, std::size_t tubes, int beams) {
   bool fits = patterns.receive.size() == std::size_t(beams) && patterns.fan_of_tube.size() == tubes &&
               patterns.beams_of_tube.size() == tubes;
   for (const std::uint32_t fan : patterns.fan_of_tube) fits = fits && fan < patterns.transmit.size();
+  for (const TransmitPattern& fan : patterns.transmit) fits = fits && !fan.beams.empty();
   for (const auto& [first, end] : patterns.beams_of_tube)
     fits = fits && first <= end && end <= std::uint32_t(beams);
   if (!fits) throw std::invalid_argument("the beam patterns belong to other beams or other tubes");

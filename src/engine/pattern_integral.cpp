@@ -44,7 +44,7 @@ PatternIntegrator::PatternIntegrator(std::span<const double> borders_m, double b
   }
 }
 
-PatternIntegrator::Smoothness PatternIntegrator::smoothness_of(const Directivity& transmit,
+PatternIntegrator::Smoothness PatternIntegrator::smoothness_of(const TransmitPattern& transmit,
                                                                const Directivity& receive) const {
   Smoothness smooth;
   smooth.transmit = &transmit;
@@ -243,7 +243,7 @@ void PatternIntegrator::add_circle(double t, double weight) {
 
 void PatternIntegrator::add_arc(double r, double rho, double middle, double half, double weight) {
   const GaussRule& rule = *arc_rule_;
-  const Directivity& transmit = patterns_.transmit[patterns_.fan_of_tube[piece_.tube]];
+  const TransmitPattern& transmit = patterns_.transmit[patterns_.fan_of_tube[piece_.tube]];
   const auto [first, end] = patterns_.beams_of_tube[piece_.tube];
   for (int p = 0; p < panels_; ++p) {
     const double panel_half = half / panels_, panel_middle = middle - half + (2 * p + 1) * panel_half;

@@ -49,11 +49,11 @@ class PatternIntegrator {
   /// Half extents of directions up to which n nodes are enough, by n - 1, and how fast the patterns grow.
   struct Smoothness {
     std::array<double, most_gauss_nodes> extent{};
-    const Directivity* transmit = nullptr;
+    const TransmitPattern* transmit = nullptr;
     const Directivity* receive = nullptr;
-    double growth(double y) const { return transmit->growth(y) + receive->growth(y); }
+    double growth(double y) const { return transmit->beams[0].growth(y) + receive->growth(y); }
   };
-  Smoothness smoothness_of(const Directivity& transmit, const Directivity& receive) const;
+  Smoothness smoothness_of(const TransmitPattern& transmit, const Directivity& receive) const;
 
   void find_arcs(std::span<const Crossing> crossings, double t, bool foot_inside);
   double angle_at(const Crossing& crossing, double t2) const;
