@@ -43,8 +43,8 @@ double best_ms(int repetitions, const Run& run) {
   for (int i = 0; i < repetitions; ++i) {
     const auto start = std::chrono::steady_clock::now();
     run();
-    best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-                              .count());
+    best = std::min(
+        best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   }
   return best;
 }
@@ -62,9 +62,8 @@ void measure(int n, int tubes, int repetitions) {
              history.footprints.footprints.size());
 
   EchoLaw law{material_mu, mesh.material, 0.6};
-  fmt::print("no patterns: {:.1f} ms\n", best_ms(repetitions, [&] {
-               integrate_echo(history, beam_of_tube, 1, samples, law);
-             }));
+  fmt::print("no patterns: {:.1f} ms\n",
+             best_ms(repetitions, [&] { integrate_echo(history, beam_of_tube, 1, samples, law); }));
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 120},
       gaussian{Directivity::Kind::gaussian, {1, 0, 0}, false, 0, 0.3 * degree},
       tabulated{Directivity::Kind::table, {1, 0, 0}, false, 0, 0, table_with_floor()};
@@ -76,9 +75,12 @@ void measure(int n, int tubes, int repetitions) {
         std::vector<std::uint32_t>(set.tubes.size(), 0),
         std::vector<std::pair<std::uint32_t, std::uint32_t>>(set.tubes.size(), {0, beams})};
     law.patterns = &patterns;
-    const double ms =
-        best_ms(repetitions, [&] { integrate_echo(history, beam_of_tube, beams, samples, law); });
-    fmt::print("{}: {:.1f} ms\n", name, ms);
+    for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-11}) {
+      law.pattern_tolerance = tolerance;
+      const double ms =
+          best_ms(repetitions, [&] { integrate_echo(history, beam_of_tube, beams, samples, law); });
+      fmt::print("{}, tolerance {:g}: {:.1f} ms\n", name, tolerance, ms);
+    }
   }
 }
 
