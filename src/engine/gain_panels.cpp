@@ -9,7 +9,10 @@ namespace tubefoot {
 namespace {
 
 constexpr int terms = GainPanels::terms;
-constexpr double narrowest = 1e-14, beyond = 4;  // cosines
+constexpr int most_halvings = 3;
+constexpr double beyond = 4;  // of all cosines
+
+using Pair = double __attribute__((vector_size(16)));
 
 struct ChebyshevTables {
   std::array<double, terms> x{};
@@ -44,16 +47,15 @@ std::size_t hash(std::uint32_t panel, std::uint32_t sample) {
 GainPanels::GainPanels(std::size_t functions, Evaluate evaluate, double width, double tolerance)
     : functions_(functions), evaluate_(std::move(evaluate)), tolerance_(tolerance) {
   bases_.resize(std::size_t(std::clamp(std::ceil(2 / width), 8.0, 65536.0)));
-  width_ = 2 / double(bases_.size());
+  per_width_ = double(bases_.size()) / 2;
 }
 
 std::uint32_t GainPanels::find(double cosine) {
-  const double place = std::clamp((cosine + 1) / width_, 0.0, double(bases_.size()) - 1);
-  const auto k = std::size_t(place);
+  const auto k = std::size_t(std::clamp((cosine + 1) * per_width_, 0.0, double(bases_.size()) - 1));
   Base& base = bases_[k];
   if (base.count == 0) {
     base.first = std::uint32_t(panels_.size());
-    fit(-1 + width_ * double(k), -1 + width_ * double(k + 1));
+    fit(-1 + double(k) / per_width_, -1 + double(k + 1) / per_width_, 0);
     base.count = std::uint32_t(panels_.size()) - base.first;
     if (k == 0) panels_[base.first].lo = -beyond;
     if (k + 1 == bases_.size()) panels_.back().hi = beyond;
@@ -67,7 +69,7 @@ std::uint32_t GainPanels::find(double cosine) {
   return first;
 }
 
-void GainPanels::fit(double lo, double hi) {
+void GainPanels::fit(double lo, double hi, int halvings) {
   const ChebyshevTables& t = tables();
   const double half = (hi - lo) / 2, middle = lo + half;
   std::vector<double>& values = values_;
@@ -82,9 +84,9 @@ void GainPanels::fit(double lo, double hi) {
       for (int j = 0; j < terms; ++j) c[k] += values[j * functions_ + f] * t.cosine[k][j];
     tail = std::max(tail, std::abs(c[terms - 1]) + std::abs(c[terms - 2]));
   }
-  if (tail > tolerance_ && half > narrowest) {
-    fit(lo, middle);
-    fit(middle, hi);
+  if (tail > tolerance_ && halvings < most_halvings) {
+    fit(lo, middle, halvings + 1);
+    fit(middle, hi, halvings + 1);
     return;
   }
   panels_.push_back({lo, hi, middle, 1 / half});
@@ -109,6 +111,27 @@ double GainPanels::value(double cosine) {
   return even + x * odd;
 }
 
+void DirectionMoments::add(std::span<const double> cosines, std::span<const double> weights) {
+  for (std::size_t k = 0; k < cosines.size();) {
+    if (!(cosines[k] >= lo_ && cosines[k] < hi_)) select(cosines[k]);
+    std::array<Pair, terms / 2> sum{};
+    do {
+      const double x = (cosines[k] - middle_) * per_half_, x2 = x * x, weight = weights[k];
+      Pair power{weight, weight * x};
+      const Pair step{x2, x2};
+      for (Pair& s : sum) {
+        s += power;
+        power *= step;
+      }
+      ++k;
+    } while (k < cosines.size() && cosines[k] >= lo_ && cosines[k] < hi_);
+    for (int i = 0; i < terms / 2; ++i) {
+      row_[2 * i] += sum[i][0];
+      row_[2 * i + 1] += sum[i][1];
+    }
+  }
+}
+
 void DirectionMoments::select(double cosine) {
   const std::uint32_t k = gains_.find(cosine);
   const GainPanels::Panel& panel = gains_.panel(k);
@@ -116,6 +139,11 @@ void DirectionMoments::select(double cosine) {
   hi_ = panel.hi;
   middle_ = panel.middle;
   per_half_ = panel.per_half;
+  Recent& recent = recent_[k % recent_.size()];
+  if (recent.panel == k && recent.sample == sample_) {
+    row_ = moments_.data() + std::size_t(recent.row) * terms;
+    return;
+  }
   if (2 * (rows_.size() + 1) > slots_.size()) grow();
   std::size_t slot = hash(k, sample_) & (slots_.size() - 1);
   while (slots_[slot] != 0 &&
@@ -126,7 +154,8 @@ void DirectionMoments::select(double cosine) {
     moments_.resize(rows_.size() * terms, 0);
     slots_[slot] = std::uint32_t(rows_.size());
   }
-  row_ = moments_.data() + std::size_t(slots_[slot] - 1) * terms;
+  recent = {k, sample_, slots_[slot] - 1};
+  row_ = moments_.data() + std::size_t(recent.row) * terms;
 }
 
 void DirectionMoments::grow() {

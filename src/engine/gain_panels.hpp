@@ -12,7 +12,8 @@ namespace tubefoot {
 
 /// Gains as piecewise polynomials of a direction cosine: several functions over the same panels, so that what
 /// is summed up over one panel serves all of them. A panel is fitted when it is first asked for (Chebyshev
-/// points) and halved until the last two coefficients of every function are below the tolerance.
+/// points) and halved until the last two coefficients of every function are below the tolerance, but not more
+/// than a few times: a corner, as those of tables, is never met.
 class GainPanels {
  public:
   static constexpr int terms = 12;
@@ -42,11 +43,11 @@ class GainPanels {
   struct Base {
     std::uint32_t first = 0, count = 0;
   };
-  void fit(double lo, double hi);
+  void fit(double lo, double hi, int halvings);
 
   std::size_t functions_;
   Evaluate evaluate_;
-  double width_, tolerance_;
+  double per_width_ = 0, tolerance_ = 0;
   std::vector<Base> bases_;  // even parts of [-1, 1]; no panels until one is asked for
   std::vector<Panel> panels_;
   std::vector<double> coefficients_;
@@ -67,15 +68,8 @@ class DirectionMoments {
     sample_ = sample;
     lo_ = std::numeric_limits<double>::infinity();
   }
-  void add(double cosine, double weight) {
-    if (!(cosine >= lo_ && cosine < hi_)) select(cosine);
-    const double x = (cosine - middle_) * per_half_, x2 = x * x;
-    double even = weight, odd = weight * x;
-    for (int i = 0; i < GainPanels::terms; i += 2, even *= x2, odd *= x2) {
-      row_[i] += even;
-      row_[i + 1] += odd;
-    }
-  }
+  /// Weights of directions, best in the order of their cosines.
+  void add(std::span<const double> cosines, std::span<const double> weights);
   /// Adds to energy[(first_beam + function) * samples + sample].
   void finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const;
 
@@ -90,6 +84,10 @@ class DirectionMoments {
   std::uint32_t sample_ = std::numeric_limits<std::uint32_t>::max();
   double lo_ = std::numeric_limits<double>::infinity(), hi_ = 0, middle_ = 0, per_half_ = 0;
   double* row_ = nullptr;
+  struct Recent {
+    std::uint32_t panel = std::numeric_limits<std::uint32_t>::max(), sample = 0, row = 0;
+  };
+  std::array<Recent, 1024> recent_;  // by panel
   std::vector<Row> rows_;
   std::vector<double> moments_;
   std::vector<std::uint32_t> slots_;  // hash of panel and sample to row + 1, open addressing

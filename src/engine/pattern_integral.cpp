@@ -336,27 +336,31 @@ void PatternIntegrator::add_arc(double r, double rho, glm::dvec2 middle, double 
 
 void PatternIntegrator::add_panel(double half, double weight, const GaussRule& rule) {
   Receiver& receiver = *receiver_;
-  for (std::size_t i = 0; i < rule.node.size(); ++i) {
-    double sine = 0, cosine = 1;
-    sine_and_cosine(half * rule.node[i], sine, cosine);
-    const auto at = [&](std::size_t axis) {
-      const Axis& a = receiver.axes[axis];
-      return a.level + a.ahead * cosine + a.aside * sine;
-    };
-    double share = weight * half * rule.weight[i];
-    if (!receiver.transmit.empty()) {
+  const std::size_t nodes = rule.node.size();
+  std::array<double, most_gauss_nodes> sine, cosine, share, direction;
+  for (std::size_t i = 0; i < nodes; ++i) {
+    sine_and_cosine(half * rule.node[i], sine[i], cosine[i]);
+    share[i] = weight * half * rule.weight[i];
+  }
+  const auto at = [&](const Axis& axis, std::size_t i) {
+    return axis.level + axis.ahead * cosine[i] + axis.aside * sine[i];
+  };
+  if (!receiver.transmit.empty())
+    for (std::size_t i = 0; i < nodes; ++i) {
       double sent = 0;
-      for (Term& term : receiver.transmit) sent += term.gain.value(at(term.axis));
-      share *= sent;
+      for (Term& term : receiver.transmit) sent += term.gain.value(at(receiver.axes[term.axis], i));
+      share[i] *= sent;
     }
-    if (receiver.moments) {
-      receiver.moments->add(at(receiver.moments_axis), share);
-      continue;
-    }
-    for (std::size_t beam = 0; beam < sum_.size(); ++beam) {
-      std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
-      sum_[beam] += own && *own ? share * (*own)->gain.value(at((*own)->axis)) : share;
-    }
+  if (receiver.moments) {
+    for (std::size_t i = 0; i < nodes; ++i) direction[i] = at(receiver.axes[receiver.moments_axis], i);
+    receiver.moments->add(std::span(direction).first(nodes), std::span(share).first(nodes));
+    return;
+  }
+  for (std::size_t beam = 0; beam < sum_.size(); ++beam) {
+    std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
+    for (std::size_t i = 0; i < nodes; ++i)
+      sum_[beam] +=
+          own && *own ? share[i] * (*own)->gain.value(at(receiver.axes[(*own)->axis], i)) : share[i];
   }
 }
 
