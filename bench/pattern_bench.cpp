@@ -2,14 +2,14 @@
 // What beam patterns cost: one cycle of an acoustic camera over the benchmark terrain, 12 beams that transmit
 // and receive at once and hear the whole sector, 512 samples.
 //
-//     tubefoot_pattern_bench [facets a side] [tubes] [repetitions]
+//     tubefoot_pattern_bench [facets a side] [tubes] [repetitions] [pattern]
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
-#include <numeric>
+#include <string>
 
 #include "engine/echo.hpp"
 #include "engine/tube_engine.hpp"
@@ -49,7 +49,7 @@ double best_ms(int repetitions, const Run& run) {
   return best;
 }
 
-void measure(int n, int tubes, int repetitions) {
+void measure(int n, int tubes, int repetitions, const std::string& only) {
   const FacetMesh mesh = benchmark_terrain(n);
   const SceneTree tree(mesh);
   AngularGrid grid;
@@ -76,6 +76,7 @@ void measure(int n, int tubes, int repetitions) {
       tabulated{Directivity::Kind::table, {1, 0, 0}, false, 0, 0, table_with_floor()};
   for (const auto& [name, pattern] :
        {std::pair("line", line), std::pair("gaussian", gaussian), std::pair("table", tabulated)}) {
+    if (!only.empty() && only != name) continue;
     const BeamPatterns patterns{
         {TransmitPattern(cycle(pattern))},
         cycle(pattern),
@@ -96,5 +97,5 @@ void measure(int n, int tubes, int repetitions) {
 
 int main(int argc, char** argv) {
   const auto number = [&](int k, int otherwise) { return argc > k ? std::atoi(argv[k]) : otherwise; };
-  tubefoot::measure(number(1, 400), number(2, 96), number(3, 3));
+  tubefoot::measure(number(1, 400), number(2, 96), number(3, 3), argc > 4 ? argv[4] : "");
 }

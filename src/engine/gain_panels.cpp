@@ -133,8 +133,8 @@ void DirectionMoments::add(std::span<const double> cosines, std::span<const doub
 }
 
 void DirectionMoments::select(double cosine) {
-  const std::uint32_t k = gains_.find(cosine);
-  const GainPanels::Panel& panel = gains_.panel(k);
+  const std::uint32_t k = gains_->find(cosine);
+  const GainPanels::Panel& panel = gains_->panel(k);
   lo_ = panel.lo;
   hi_ = panel.hi;
   middle_ = panel.middle;
@@ -170,8 +170,8 @@ void DirectionMoments::grow() {
 void DirectionMoments::finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const double* moment = moments_.data() + k * terms;
-    for (std::size_t f = 0; f < gains_.functions(); ++f) {
-      const double* c = gains_.coefficients(rows_[k].panel, f);
+    for (std::size_t f = 0; f < gains_->functions(); ++f) {
+      const double* c = gains_->coefficients(rows_[k].panel, f);
       double even = 0, odd = 0;
       for (int i = 0; i < terms; i += 2) {
         even += c[i] * moment[i];

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -60,7 +61,7 @@ class GainPanels {
 /// however many beams there are.
 class DirectionMoments {
  public:
-  explicit DirectionMoments(GainPanels gains) : gains_(std::move(gains)) {}
+  explicit DirectionMoments(std::shared_ptr<GainPanels> gains) : gains_(std::move(gains)) {}
 
   /// What follows belongs to this range sample.
   void begin(std::uint32_t sample) {
@@ -80,7 +81,7 @@ class DirectionMoments {
   void select(double cosine);
   void grow();
 
-  GainPanels gains_;
+  std::shared_ptr<GainPanels> gains_;
   std::uint32_t sample_ = std::numeric_limits<std::uint32_t>::max();
   double lo_ = std::numeric_limits<double>::infinity(), hi_ = 0, middle_ = 0, per_half_ = 0;
   double* row_ = nullptr;

@@ -41,8 +41,8 @@ void sine_and_cosine(double x, double& sine, double& cosine) {
     return;
   }
   const double y = x * x;
-  sine = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72))));
-  cosine = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56)));
+  sine = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880)))));
+  cosine = 1 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320))));
 }
 
 }  // namespace
@@ -171,7 +171,8 @@ double PatternIntegrator::angle_between(glm::dvec2 begin, glm::dvec2 end) const 
     const double angle =
         x *
         (1 - y * (1.0 / 3 -
-                  y * (1.0 / 5 - y * (1.0 / 7 - y * (1.0 / 9 - y * (1.0 / 11 - y * (1.0 / 13 - y / 15)))))));
+                  y * (1.0 / 5 -
+                       y * (1.0 / 7 - y * (1.0 / 9 - y * (1.0 / 11 - y * (1.0 / 13 - y * (1.0 / 15))))))));
     if (!(piece_.foot_inside && angle < -1e-9)) return angle;
   }
   const double angle = std::atan2(across, along);
@@ -348,7 +349,7 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
   if (!receiver.transmit.empty())
     for (std::size_t i = 0; i < nodes; ++i) {
       double sent = 0;
-      for (Term& term : receiver.transmit) sent += term.gain.value(at(receiver.axes[term.axis], i));
+      for (Term& term : receiver.transmit) sent += term.gain->value(at(receiver.axes[term.axis], i));
       share[i] *= sent;
     }
   if (receiver.moments) {
@@ -360,7 +361,7 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
     std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
     for (std::size_t i = 0; i < nodes; ++i)
       sum_[beam] +=
-          own && *own ? share[i] * (*own)->gain.value(at(receiver.axes[(*own)->axis], i)) : share[i];
+          own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i];
   }
 }
 

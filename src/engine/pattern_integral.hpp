@@ -66,7 +66,7 @@ class PatternIntegrator {
   /// A gain along one of the receiver's axes.
   struct Term {
     std::size_t axis = 0;
-    GainPanels gain;
+    std::shared_ptr<GainPanels> gain;
   };
   /// How fast patterns change along a path: with their cosine, if they are of one axis and known to be smooth
   /// functions of it, else with the direction.
@@ -91,7 +91,7 @@ class PatternIntegrator {
 
   Receiver& receiver_of(std::uint32_t tube);
   std::unique_ptr<Receiver> make_receiver(std::uint32_t fan, std::uint32_t first, std::uint32_t end) const;
-  Term term(Receiver& receiver, std::vector<Directivity> beams) const;
+  Term term(Receiver& receiver, std::span<const Directivity> beams) const;
 
   void take_axes(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame);
   void find_arcs(std::span<const Crossing> crossings, double t);

@@ -2,6 +2,7 @@
 // How PatternIntegrator sorts the patterns of a fan: which are functions of one cosine, what is tabulated.
 #include <algorithm>
 #include <functional>
+#include <map>
 
 #include "engine/pattern_integral.hpp"
 
@@ -53,6 +54,35 @@ double width_for(const std::function<double(double)>& growth, double tolerance) 
   return width;
 }
 
+/// The sum of some patterns (1 without any) times each of others (1 without any), all of one cosine. They do
+/// not depend on the pose, so each thread keeps what it fitted for the pings to come.
+std::shared_ptr<GainPanels> gains_of(std::span<const Directivity> summed, std::span<const Directivity> each,
+                                     double tolerance) {
+  constexpr std::size_t most_kept = 64;
+  using Key = std::pair<std::vector<double>, std::vector<const PatternTable*>>;
+  thread_local std::map<Key, std::shared_ptr<GainPanels>> kept;
+  Key key{{tolerance, double(summed.size())}, {}};
+  for (const std::span<const Directivity> patterns : {summed, each})
+    for (const Directivity& p : patterns) {
+      key.first.insert(key.first.end(), {double(p.kind), double(p.from_axis), p.centre, p.size});
+      key.second.push_back(p.table.get());
+    }
+  if (const auto known = kept.find(key); known != kept.end()) return known->second;
+  if (kept.size() >= most_kept) kept.clear();
+  const auto growth = [=](double y) { return growth_of(summed, y) + growth_of(each, y); };
+  const double width = width_for(growth, tolerance);
+  const auto evaluate = [factor = std::vector(summed.begin(), summed.end()),
+                         beams = std::vector(each.begin(), each.end())](double cosine,
+                                                                        std::span<double> values) {
+    double power = factor.empty() ? 1 : 0;
+    for (const Directivity& beam : factor) power += beam.gain_at(cosine);
+    values[0] = power;
+    for (std::size_t b = 0; b < beams.size(); ++b) values[b] = power * beams[b].gain_at(cosine);
+  };
+  return kept[key] =
+             std::make_shared<GainPanels>(std::max<std::size_t>(each.size(), 1), evaluate, width, tolerance);
+}
+
 }  // namespace
 
 PatternIntegrator::Receiver& PatternIntegrator::receiver_of(std::uint32_t tube) {
@@ -75,20 +105,16 @@ PatternIntegrator::Receiver& PatternIntegrator::receiver_of(std::uint32_t tube) 
 }
 
 /// The sum of patterns that share an axis.
-PatternIntegrator::Term PatternIntegrator::term(Receiver& receiver, std::vector<Directivity> beams) const {
+PatternIntegrator::Term PatternIntegrator::term(Receiver& receiver,
+                                                std::span<const Directivity> beams) const {
   const glm::dvec3 axis = beams.front().axis;
-  const double width = width_for([&](double y) { return growth_of(beams, y); }, tolerance_);
-  const auto sum = [beams = std::move(beams)](double cosine, std::span<double> value) {
-    value[0] = 0;
-    for (const Directivity& beam : beams) value[0] += beam.gain_at(cosine);
-  };
   std::size_t k = 0;
   while (k < receiver.axes.size() && receiver.axes[k].direction != axis) ++k;
   if (k == receiver.axes.size()) {
     receiver.axes.emplace_back();
     receiver.axes.back().direction = axis;
   }
-  return {k, GainPanels(1, sum, width, tolerance_)};
+  return {k, gains_of(beams, {}, tolerance_)};
 }
 
 std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(std::uint32_t fan,
@@ -114,20 +140,11 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
     made->moments_axis = 0;
     made->axes.emplace_back();
     made->axes.back().direction = *heard_axis;
-    const auto products = [=](double cosine, std::span<double> values) {
-      double power = 1;
-      if (join) {
-        power = 0;
-        for (const Directivity& beam : sent) power += beam.gain_at(cosine);
-      }
-      for (std::size_t b = 0; b < heard.size(); ++b) values[b] = power * heard[b].gain_at(cosine);
-    };
-    const double width = join ? width_for(both_growth, tolerance_) : width_for(heard_growth, tolerance_);
-    made->moments.emplace(GainPanels(heard.size(), products, width, tolerance_));
+    made->moments.emplace(gains_of(join ? sent : sent.first(0), heard, tolerance_));
   } else if (!made->uniform) {
     for (const Directivity& beam : heard) {
       made->receive.emplace_back();
-      if (!is_uniform(beam)) made->receive.back() = term(*made, {beam});
+      if (!is_uniform(beam)) made->receive.back() = term(*made, {&beam, 1});
     }
   }
   if (!join) {
@@ -137,7 +154,7 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
       const glm::dvec3 axis = rest.front().axis;
       const auto own = std::stable_partition(rest.begin(), rest.end(),
                                              [&](const Directivity& beam) { return beam.axis != axis; });
-      made->transmit.push_back(term(*made, std::vector<Directivity>(own, rest.end())));
+      made->transmit.push_back(term(*made, std::span(own, rest.end())));
       rest.erase(own, rest.end());
     }
   }
