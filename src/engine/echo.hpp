@@ -27,7 +27,7 @@ struct EchoLaw {
   const BeamPatterns* patterns = nullptr;   ///< none: beams are ideal, 1 inside their tubes and 0 outside
   /// With patterns: error of an energy relative to what its footprints would return at the patterns' peak,
   /// 1e-12 to 0.01 (pattern_integral.hpp).
-  double pattern_tolerance = 1e-7;
+  double pattern_tolerance = 1e-6;
 };
 
 /// How a footprint's energy gets into range samples.

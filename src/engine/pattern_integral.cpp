@@ -243,7 +243,7 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
   const std::array<double, 3> t2{t0 * t0, middle * middle, t1 * t1};
   const double r0 = std::sqrt(piece_.q2 + t2[0]);
   std::array<double, 3> over_r{};
-  for (int i = 0; i < 3; ++i) over_r[i] = 1 / std::sqrt(piece_.q2 + t2[i]);
+  for (std::size_t i = 0; i < 3; ++i) over_r[i] = 1 / std::sqrt(piece_.q2 + t2[i]);
   int n = 1;
   for (const Change& change : receiver_->changes) {
     double extent = 0;
@@ -252,7 +252,7 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
       for (const Arc& arc : arcs_)
         for (const Crossing& c : {arc.begin, arc.end}) {
           std::array<double, 3> w{};
-          for (int i = 0; i < 3; ++i)
+          for (std::size_t i = 0; i < 3; ++i)
             w[i] = (axis.away + glm::dot(axis.plane, point_at(c, t2[i]))) * over_r[i];
           const double bent = std::abs(w[0] - 2 * w[1] + w[2]) / 2;
           extent = std::max(extent, std::abs(w[2] - w[0]) / 2 + 4 * bent);
@@ -287,34 +287,36 @@ int PatternIntegrator::nodes_of_arc(double half, double radius) const {
 }
 
 void PatternIntegrator::add_circle(double t, double weight) {
-  const double t2 = t * t, r2 = piece_.q2 + t2, r = std::sqrt(r2);
+  const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
   const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
-  const double radial = piece_.factor * weight * t * std::exp(-beta_ * r) / (r2 * r2 * r2);
-  if (piece_.full_circle) add_arc(r, rho, {1, 0}, pi, radial);
+  const double radial = piece_.factor * weight * t * std::exp(-beta_ * r2 * per_r) * (per_r * per_r) *
+                        (per_r * per_r) * (per_r * per_r);
+  if (piece_.full_circle) add_arc(per_r, rho, {1, 0}, pi, radial);
   for (const Arc& arc : arcs_) {
     const glm::dvec2 begin = point_at(arc.begin, t2), end = point_at(arc.end, t2);
     const double half = angle_between(begin, end) / 2;
     const glm::dvec2 middle = begin + end;
     if (std::abs(half) < 1)
-      add_arc(r, rho, middle / glm::length(middle), half, radial);
+      add_arc(per_r, rho, middle * (1 / glm::length(middle)), half, radial);
     else
-      add_arc(r, rho, (std::cos(half) * begin + std::sin(half) * turned(begin)) / glm::length(begin), half,
-              radial);
+      add_arc(per_r, rho, (std::cos(half) * begin + std::sin(half) * turned(begin)) / glm::length(begin),
+              half, radial);
   }
 }
 
-void PatternIntegrator::add_arc(double r, double rho, glm::dvec2 middle, double half, double weight) {
+void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight) {
+  const double radius = rho * per_r;
   // A whole circle, say, is several arcs.
   int panels = 1;
   for (double share = std::abs(half);; share /= 2, panels *= 2) {
     const glm::dvec2 ahead =
         panels == 1 ? middle : std::cos(half - share) * middle - std::sin(half - share) * turned(middle);
     for (Axis& axis : receiver_->axes) {
-      axis.level = axis.away / r;
-      axis.ahead = rho / r * glm::dot(axis.plane, ahead);
-      axis.aside = rho / r * glm::dot(axis.plane, turned(ahead));
+      axis.level = axis.away * per_r;
+      axis.ahead = radius * glm::dot(axis.plane, ahead);
+      axis.aside = radius * glm::dot(axis.plane, turned(ahead));
     }
-    const int n = nodes_of_arc(share, rho / r);
+    const int n = nodes_of_arc(share, radius);
     if (n > most_gauss_nodes && panels < 1 << 20) continue;
     const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
     if (panels == 1) {
@@ -328,10 +330,10 @@ void PatternIntegrator::add_arc(double r, double rho, glm::dvec2 middle, double 
     const double turn = -half + (2 * p + 1) * part;
     const glm::dvec2 ahead = std::cos(turn) * middle + std::sin(turn) * turned(middle);
     for (Axis& axis : receiver_->axes) {
-      axis.ahead = rho / r * glm::dot(axis.plane, ahead);
-      axis.aside = rho / r * glm::dot(axis.plane, turned(ahead));
+      axis.ahead = radius * glm::dot(axis.plane, ahead);
+      axis.aside = radius * glm::dot(axis.plane, turned(ahead));
     }
-    add_panel(part, weight, gauss_rule(std::min(nodes_of_arc(std::abs(part), rho / r), most_gauss_nodes)));
+    add_panel(part, weight, gauss_rule(std::min(nodes_of_arc(std::abs(part), radius), most_gauss_nodes)));
   }
 }
 

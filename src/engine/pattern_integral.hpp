@@ -103,7 +103,7 @@ class PatternIntegrator {
   int nodes_along(double t0, double t1, double rho) const;
   int nodes_of_arc(double half, double radius) const;
   void add_circle(double t, double weight);
-  void add_arc(double r, double rho, glm::dvec2 middle, double half, double weight);
+  void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
 
   std::span<const double> borders_;
