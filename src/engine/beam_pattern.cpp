@@ -28,6 +28,12 @@ double piston(double x) {
   return squared(2 * boost::math::cyl_bessel_j(1, x) / x);
 }
 
+/// log(sinh(x) / x), x >= 0, rounded up by less than 1e-3 of it.
+double log_sinhc(double x) {
+  if (x < 0.1) return x * x / 6;
+  return x < 20 ? std::log(std::sinh(x) / x) : x - std::log(2 * x);
+}
+
 /// Slopes of Fritsch & Carlson's monotone cubic, by their weighted harmonic mean (Fritsch & Butland 1984); 0
 /// at both ends, where the level is held.
 std::vector<double> slopes_of(const std::vector<double>& x, const std::vector<double>& y) {
@@ -93,12 +99,18 @@ double Directivity::gain_at(double cosine) const {
   return std::pow(10, table->level_db(angle) / 10);
 }
 
+double TransmitPattern::gain(glm::dvec3 direction) const {
+  double sum = 0;
+  for (const Directivity& beam : beams) sum += beam.gain(direction);
+  return sum;
+}
+
 double Directivity::growth(double y) const {
   switch (kind) {
     case Kind::uniform:
       return 0;
     case Kind::line:
-      return 2 * pi * size * y;
+      return 2 * log_sinhc(pi * size * y);
     case Kind::piston:
       return 2 * size * y;
     case Kind::gaussian:

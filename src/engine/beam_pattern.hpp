@@ -66,10 +66,23 @@ struct Directivity {
   double growth(double imaginary_extent) const;
 };
 
+/// What a transmission sends in a direction: the sum of the powers of beams that are sent at once. One uniform
+/// beam by default.
+struct TransmitPattern {
+  std::vector<Directivity> beams{Directivity()};
+
+  TransmitPattern() = default;
+  TransmitPattern(Directivity beam) : beams{std::move(beam)} {}  // NOLINT: a beam is the sum of itself
+  explicit TransmitPattern(std::vector<Directivity> simultaneous) : beams(std::move(simultaneous)) {}
+
+  /// Power in a direction (unit vector) relative to that of one beam on its axis; may exceed 1.
+  double gain(glm::dvec3 direction) const;
+};
+
 /// The patterns of a sonar at one pose, in the local frame. Beams belong to fans (one transmission and one
 /// receiver each): a beam with a receive pattern hears all tubes of its fan, one without only its own.
 struct BeamPatterns {
-  std::vector<Directivity> transmit;       ///< by fan
+  std::vector<TransmitPattern> transmit;   ///< by fan
   std::vector<Directivity> receive;        ///< by beam
   std::vector<std::uint32_t> fan_of_tube;  ///< by tube
   /// By tube: the beams [first, second) that hear it.

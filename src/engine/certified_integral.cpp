@@ -301,23 +301,29 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPattern
   if (first_beam == end_beam) return;
   polygon_ = &polygon;
   patterns_ = &patterns;
-  transmit_ = cosine_of(patterns.transmit[patterns.fan_of_tube[tube]]);
+  transmit_.clear();
   receive_.clear();
-  double largest_db = 0;
   const auto look_at = [&](const Directivity& pattern) {
     double most = 0;
     if (pattern.table)
       for (const auto& segment : pattern.table->segments()) most = std::max(most, segment.c[0]);
     return most;
   };
-  largest_db = look_at(*transmit_.pattern);
+  // A little above, for the rounding of the tables' cubics.
+  const auto from_db = [](double db) {
+    return exp(Ball(db * (1 + 1e-9) + 1e-9) * log(Ball(10)) / Ball(10));
+  };
+  Ball sent;
+  for (const Directivity& beam : patterns.transmit[patterns.fan_of_tube[tube]].beams) {
+    transmit_.push_back(cosine_of(beam));
+    sent += from_db(look_at(beam));
+  }
   double receive_db = 0;
   for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) {
     receive_.push_back(cosine_of(patterns.receive[beam]));
     receive_db = std::max(receive_db, look_at(patterns.receive[beam]));
   }
-  // A little above, for the rounding of the table's cubics.
-  largest_gain_ = exp(Ball((largest_db + receive_db) * (1 + 1e-9) + 1e-9) * log(Ball(10)) / Ball(10));
+  largest_gain_ = sent * from_db(receive_db);
   add(polygon, first_beam, end_beam, allowance, sink);
 }
 
@@ -442,7 +448,13 @@ double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, cons
     return log_bound(cosine, cosine_at(cosine, down, rho, angle));
   };
   by_beam.assign(parts_.size(), infinite);
-  const double sent = geometry + bound(transmit_);
+  // The logarithm of a sum, from its largest term.
+  std::vector<double> sent_by_beam;
+  for (const Cosine& beam : transmit_) sent_by_beam.push_back(bound(beam));
+  const double strongest = *std::max_element(sent_by_beam.begin(), sent_by_beam.end());
+  double sum = 0;
+  for (const double beam : sent_by_beam) sum += std::exp(beam - strongest);
+  const double sent = geometry + strongest + std::log(sum) + 1e-9;
   double largest = -infinite;
   for (std::size_t b = 0; b < by_beam.size(); ++b) {
     const double all = sent + bound(receive_[b]);
@@ -462,7 +474,9 @@ std::vector<Ball> CertifiedIntegrator::values(const Arc* arc, const Ball& t, con
   std::vector<Ball> sums(parts_.size());
   for (std::size_t i = 0; i < v.size(); ++i) {
     const Ball angle = middle + half * v[i];
-    const Ball sent = factor * weight[i] * gain(transmit_, cosine_at(transmit_, down, rho, angle));
+    Ball sent;
+    for (const Cosine& beam : transmit_) sent += gain(beam, cosine_at(beam, down, rho, angle));
+    sent = factor * weight[i] * sent;
     for (std::size_t b = 0; b < sums.size(); ++b) {
       if (receive_[b].pattern->kind == Directivity::Kind::uniform)
         sums[b] += sent;

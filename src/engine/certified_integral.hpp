@@ -111,7 +111,7 @@ class CertifiedIntegrator {
   std::vector<Part> parts_;  // by beam from the first
   std::vector<Interval> work_;
   const BeamPatterns* patterns_ = nullptr;
-  Cosine transmit_;
+  std::vector<Cosine> transmit_;  // beams sent at once
   std::vector<Cosine> receive_;
   bool split_arcs_ = false;  // which way the interval that failed last should be halved
 };

@@ -47,6 +47,7 @@ void check(const BeamPatterns& patterns, std::size_t tubes, int beams) {
   bool fits = patterns.receive.size() == std::size_t(beams) && patterns.fan_of_tube.size() == tubes &&
               patterns.beams_of_tube.size() == tubes;
   for (const std::uint32_t fan : patterns.fan_of_tube) fits = fits && fan < patterns.transmit.size();
+  for (const TransmitPattern& fan : patterns.transmit) fits = fits && !fan.beams.empty();
   for (const auto& [first, end] : patterns.beams_of_tube)
     fits = fits && first <= end && end <= std::uint32_t(beams);
   if (!fits) throw std::invalid_argument("the beam patterns belong to other beams or other tubes");
@@ -71,7 +72,8 @@ void add_footprints(const FootprintSet& set, const RadialIntegral& radial, Rows&
 void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
                             Rows& rows, Echo& echo) {
   const std::vector<double> borders = sample_borders_m(samples);
-  PatternIntegrator integrator(borders, two_way_absorption_per_m(law.absorption_db_per_m), *law.patterns);
+  PatternIntegrator integrator(borders, two_way_absorption_per_m(law.absorption_db_per_m), *law.patterns,
+                               law.pattern_tolerance);
   PlanarPolygon polygon;
   for (const Footprint& footprint : set.footprints) {
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
@@ -84,6 +86,7 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
       integrator.add(polygon, plane, frame, footprint.tube, factor, echo.energy);
     }
   }
+  integrator.finish(echo.energy);
 }
 
 /// Shares out the energy that comes from one direction to the beams that hear the tube: `add(beam, energy)`.
@@ -193,6 +196,9 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
     throw std::invalid_argument(
         fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
   if (law.patterns != nullptr) check(*law.patterns, beam_of_tube.size(), beams);
+  if (!(law.pattern_tolerance >= 1e-12 && law.pattern_tolerance <= 0.01))
+    throw std::invalid_argument(fmt::format(
+        "the tolerance of beam patterns must be from 1e-12 to 0.01, not {}", law.pattern_tolerance));
 
   Echo echo;
   echo.beams = beams;

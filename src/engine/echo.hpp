@@ -25,6 +25,9 @@ struct EchoLaw {
   std::span<const std::uint16_t> material;  ///< material by facet
   double absorption_db_per_m = 0;           ///< one way
   const BeamPatterns* patterns = nullptr;   ///< none: beams are ideal, 1 inside their tubes and 0 outside
+  /// With patterns: error of an energy relative to what its footprints would return at the patterns' peak,
+  /// 1e-12 to 0.01 (pattern_integral.hpp).
+  double pattern_tolerance = 1e-6;
 };
 
 /// How a footprint's energy gets into range samples.

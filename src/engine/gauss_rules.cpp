@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/gauss_rules.hpp"
 
+#include <algorithm>
 #include <array>
 #include <boost/math/special_functions/legendre.hpp>
 
@@ -9,14 +10,14 @@ namespace {
 
 GaussRule make_rule(int nodes) {
   GaussRule rule;
-  const auto add = [&](double x) {
-    const double slope = boost::math::legendre_p_prime(nodes, x);
-    rule.node.push_back(x);
-    rule.weight.push_back(2 / ((1 - x * x) * slope * slope));
-  };
   for (const double x : boost::math::legendre_p_zeros<double>(nodes)) {  // those that are not negative
-    add(x);
-    if (x != 0) add(-x);
+    rule.node.push_back(x);
+    if (x != 0) rule.node.push_back(-x);
+  }
+  std::sort(rule.node.begin(), rule.node.end());
+  for (const double x : rule.node) {
+    const double slope = boost::math::legendre_p_prime(nodes, x);
+    rule.weight.push_back(2 / ((1 - x * x) * slope * slope));
   }
   return rule;
 }

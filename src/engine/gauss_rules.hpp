@@ -5,7 +5,7 @@
 
 namespace tubefoot {
 
-/// The Gauss-Legendre rule of n nodes on [-1, 1].
+/// The Gauss-Legendre rule of n nodes on [-1, 1], in ascending order.
 struct GaussRule {
   std::vector<double> node, weight;
 };

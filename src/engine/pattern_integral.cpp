@@ -10,10 +10,11 @@ namespace tubefoot {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double tolerance = 1e-11;  // of a pattern's peak
 constexpr int deepest = 60;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+/// Turned by a quarter, counter-clockwise.
+glm::dvec2 turned(glm::dvec2 a) { return {-a.y, a.x}; }
 
 /// A computed range, with what it may be wrong by.
 RangeEnclosure about(double range) { return {range * (1 - 1e-15), range * (1 + 1e-15)}; }
@@ -21,52 +22,49 @@ RangeEnclosure about(double range) { return {range * (1 - 1e-15), range * (1 + 1
 int sign(double x) { return (x > 0) - (x < 0); }
 
 /// Bernstein's parameter of the ellipse about [-1, 1] through the point that lies (along, across) from the
-/// middle of [t0, t1].
+/// middle of an interval.
 double ellipse_through(double along, double across, double half) {
-  const double a = std::hypot((along - half) / half, across / half);
-  const double b = std::hypot((along + half) / half, across / half);
-  const double sum = (a + b) / 2;
+  const double a = std::sqrt((along - half) * (along - half) + across * across);
+  const double b = std::sqrt((along + half) * (along + half) + across * across);
+  const double sum = (a + b) / (2 * half);
   return sum + std::sqrt(std::max(sum * sum - 1, 0.0));
+}
+
+/// The ellipse within which an angle that reaches `half` to either side has an imaginary part of at most 1.
+double ellipse_of_arc(double half) { return 1 / half + std::sqrt(1 / (half * half) + 1); }
+
+/// Sine and cosine to rounding; most arcs are short.
+void sine_and_cosine(double x, double& sine, double& cosine) {
+  if (std::abs(x) > 0.1) {
+    sine = std::sin(x);
+    cosine = std::cos(x);
+    return;
+  }
+  const double y = x * x;
+  sine = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880)))));
+  cosine = 1 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320))));
 }
 
 }  // namespace
 
 PatternIntegrator::PatternIntegrator(std::span<const double> borders_m, double beta_per_m,
-                                     const BeamPatterns& patterns)
-    : borders_(borders_m), beta_(beta_per_m), patterns_(patterns) {
-  // Beams of one receiver differ in where they look, and their patterns' smoothness only in that.
-  for (std::size_t tube = 0; tube < patterns.fan_of_tube.size(); ++tube) {
-    const auto [first, end] = patterns.beams_of_tube[tube];
-    if (smoothness_.size() < end) smoothness_.resize(end);
-    if (first < end && smoothness_[first].transmit == nullptr)
-      smoothness_[first] =
-          smoothness_of(patterns.transmit[patterns.fan_of_tube[tube]], patterns.receive[first]);
-  }
+                                     const BeamPatterns& patterns, double tolerance)
+    : borders_(borders_m),
+      beta_(beta_per_m),
+      tolerance_(tolerance),
+      patterns_(patterns),
+      receiver_of_tube_(patterns.fan_of_tube.size(), 0) {
+  for (int n = 1; n <= most_gauss_nodes; ++n) least_rho_[n] = std::pow(64.0 / 15 / tolerance, 0.5 / n);
 }
 
-PatternIntegrator::Smoothness PatternIntegrator::smoothness_of(const Directivity& transmit,
-                                                               const Directivity& receive) const {
-  Smoothness smooth;
-  smooth.transmit = &transmit;
-  smooth.receive = &receive;
-  const auto enough = [&](double extent, int n) {
-    for (double rho = 1.2; rho < 1e9; rho *= 1.2) {
-      const double growth = smooth.growth(extent * (rho - 1 / rho) / 2);
-      if (growth > 600) return false;
-      if (std::expm1(growth) * (64.0 / 15) * std::pow(rho, -2.0 * n) < tolerance) return true;
-    }
-    return true;
-  };
-  for (int n = 1; n <= most_gauss_nodes; ++n) {
-    double few = 0, many = pi;
-    if (enough(many, n)) few = many;
-    for (int k = 0; k < 40 && few < many; ++k) {
-      const double middle = (few + many) / 2;
-      (enough(middle, n) ? few : many) = middle;
-    }
-    smooth.extent[n - 1] = few;
+void PatternIntegrator::finish(std::span<double> energy) {
+  for (auto& receiver : receivers_) {
+    if (!receiver->moments) continue;
+    receiver->moments->finish(receiver->first, borders_.size() - 1, energy);
+    receiver->moments.reset();
   }
-  return smooth;
+  receivers_.clear();
+  receiver_of_tube_.assign(receiver_of_tube_.size(), 0);
 }
 
 void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame,
@@ -74,40 +72,39 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   const std::size_t n = polygon.offsets.size();
   const auto [first_beam, end_beam] = patterns_.beams_of_tube[tube];
   if (n < 3 || first_beam == end_beam) return;
-  frame_ = &frame;
-  down_ = -plane.distance_m * plane.normal;
-  smooth_ = &smoothness_[first_beam];
+  receiver_ = &receiver_of(tube);
   piece_.distance = polygon.distance;
   piece_.distance2 = polygon.distance * polygon.distance;
-  piece_.tube = tube;
+  piece_.factor = factor;
 
   edges_.clear();
   ranges_.clear();
   bool inside = true;
+  RangeEnclosure from = about(std::sqrt(piece_.distance2 + glm::dot(polygon.first, polygon.first)));
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t next = i + 1 == n ? 0 : i + 1;
-    const glm::dvec2 from = polygon.corner(i), way = polygon.offsets[next] - polygon.offsets[i];
+    const glm::dvec2 way = polygon.offsets[next] - polygon.offsets[i];
     const double length = glm::length(way);
     if (!(length > 0)) continue;
-    const glm::dvec2 along = way / length;
+    const glm::dvec2 start = polygon.corner(i), stop = polygon.corner(next);
     Edge edge;
-    edge.angle = std::atan2(along.y, along.x);
-    edge.height = cross(from, along);
-    edge.from = glm::dot(from, along);
-    edge.to = glm::dot(polygon.corner(next), along);
+    edge.along = way / length;
+    edge.aside = -turned(edge.along);
+    edge.height = cross(start, edge.along);
     edge.nearest2 = piece_.distance2 + edge.height * edge.height;
     inside = inside && edge.height > 0;
+    const RangeEnclosure to = about(std::sqrt(piece_.distance2 + glm::dot(stop, stop)));
+    ranges_.push_back({from, to, about(std::sqrt(edge.nearest2)), sign(glm::dot(start, edge.along)),
+                       sign(glm::dot(stop, edge.along))});
     edges_.push_back(edge);
-    const auto range = [&](std::size_t corner) {
-      const glm::dvec2 p = polygon.corner(corner);
-      return about(std::sqrt(piece_.distance2 + glm::dot(p, p)));
-    };
-    ranges_.push_back(
-        {range(i), range(next), about(std::sqrt(edge.nearest2)), sign(edge.from), sign(edge.to)});
+    from = to;
   }
   std::optional<RangeEnclosure> foot;
   if (inside) foot = about(polygon.distance);
+  piece_.foot_inside = inside;
   slabs_.cut(ranges_, foot, inside, borders_);
+  if (slabs_.slabs().empty()) return;
+  take_axes(polygon, plane, frame);
 
   const std::size_t samples = borders_.size() - 1;
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
@@ -118,11 +115,40 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
     const auto t_of = [&](double r) { return std::sqrt(std::max(r * r - piece_.q2, 0.0)); };
     const double t0 = t_of(double(slab.lo)), t1 = t_of(double(slab.hi));
     if (!(t1 > t0)) continue;
-    find_arcs(crossings, (t0 + t1) / 2, inside);
-    sum_.assign(end_beam - first_beam, 0);
+    find_arcs(crossings, (t0 + t1) / 2);
+    if (receiver_->moments)
+      receiver_->moments->begin(slab.sample);
+    else
+      sum_.assign(end_beam - first_beam, 0);
     integrate(t0, t1, 0);
+    if (receiver_->moments) continue;
     for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
-      energy[beam * samples + slab.sample] += factor * sum_[beam - first_beam];
+      energy[beam * samples + slab.sample] += sum_[beam - first_beam];
+  }
+}
+
+void PatternIntegrator::take_axes(const PlanarPolygon& polygon, const FacetPlane& plane,
+                                  const PlaneFrame& frame) {
+  for (Axis& axis : receiver_->axes) {
+    axis.away = -plane.distance_m * glm::dot(plane.normal, axis.direction);
+    axis.plane = {glm::dot(frame.u, axis.direction), glm::dot(frame.v, axis.direction)};
+  }
+  for (Change& change : receiver_->changes) {
+    change.along_axis = change.axis.has_value();
+    if (!change.along_axis || !change.by_angle) continue;
+    // The cosine nowhere differs more from that at the first corner than the farthest corner is from there.
+    const Axis& axis = receiver_->axes[*change.axis];
+    const auto range = [&](glm::dvec2 p) { return std::sqrt(piece_.distance2 + glm::dot(p, p)); };
+    const double r = range(polygon.first);
+    double chord2 = 0;
+    for (std::size_t i = 1; i < polygon.offsets.size(); ++i) {
+      const glm::dvec2 p = polygon.corner(i);
+      chord2 = std::max(chord2, 2 - 2 * (piece_.distance2 + glm::dot(p, polygon.first)) / (range(p) * r));
+    }
+    const double largest =
+        std::abs(axis.away + glm::dot(axis.plane, polygon.first)) / r + std::sqrt(chord2 + 1e-14);
+    change.along_axis = chord2 < 1 && largest < 0.9;
+    if (change.along_axis) change.scale = 1 / std::sqrt(1 - largest * largest);
   }
 }
 
@@ -130,36 +156,53 @@ double PatternIntegrator::s_at(const Crossing& crossing, double t2) const {
   return std::sqrt(std::max(t2 + (piece_.q2 - edges_[crossing.edge].nearest2), 0.0));
 }
 
-/// Angle about the foot point at which the circle t crosses an edge.
-double PatternIntegrator::angle_at(const Crossing& crossing, double t2) const {
+/// Where the circle t crosses an edge, relative to the foot point.
+glm::dvec2 PatternIntegrator::point_at(const Crossing& crossing, double t2) const {
   const Edge& edge = edges_[crossing.edge];
-  const double turn = std::atan2(edge.height, s_at(crossing, t2));
-  return crossing.rising ? edge.angle - turn : edge.angle + pi + turn;
+  const double s = s_at(crossing, t2);
+  return (crossing.rising ? s : -s) * edge.along + edge.height * edge.aside;
+}
+
+/// From an arc's begin to its end.
+double PatternIntegrator::angle_between(glm::dvec2 begin, glm::dvec2 end) const {
+  const double along = glm::dot(begin, end), across = cross(begin, end);
+  if (along > 0 && std::abs(across) < 0.1 * along) {
+    const double x = across / along, y = x * x;
+    const double angle =
+        x *
+        (1 - y * (1.0 / 3 -
+                  y * (1.0 / 5 -
+                       y * (1.0 / 7 - y * (1.0 / 9 - y * (1.0 / 11 - y * (1.0 / 13 - y * (1.0 / 15))))))));
+    if (!(piece_.foot_inside && angle < -1e-9)) return angle;
+  }
+  const double angle = std::atan2(across, along);
+  // An arc about a foot point outside is at most half a circle; rounding may make a thin one negative.
+  return angle < (piece_.foot_inside ? -1e-9 : -pi / 2) ? angle + 2 * pi : angle;
 }
 
 /// Pairs the crossings of a slab: each arc runs from where the polygon begins to the next place where it
 /// ends.
-void PatternIntegrator::find_arcs(std::span<const Crossing> crossings, double t, bool foot_inside) {
+void PatternIntegrator::find_arcs(std::span<const Crossing> crossings, double t) {
   arcs_.clear();
-  sorted_.clear();
-  for (const Crossing& c : crossings) sorted_.emplace_back(angle_at(c, t * t), c);
   std::size_t rising = 0;
-  for (const auto& [angle, c] : sorted_) rising += c.rising;
-  if (2 * rising != sorted_.size()) return;  // a slab that rounding made, as narrow as that
-  if (sorted_.size() > 2) {
-    for (auto& [angle, c] : sorted_) angle -= 2 * pi * std::floor(angle / (2 * pi));
-    std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const Crossing& c : crossings) rising += c.rising;
+  if (2 * rising != crossings.size()) return;  // a slab that rounding made, as narrow as that
+  if (crossings.size() == 2) {
+    const bool first = crossings[0].rising;
+    arcs_.push_back({crossings[first ? 0 : 1], crossings[first ? 1 : 0]});
+    return;
   }
+  sorted_.clear();
+  for (const Crossing& c : crossings) {
+    const glm::dvec2 p = point_at(c, t * t);
+    sorted_.emplace_back(std::atan2(p.y, p.x), c);
+  }
+  std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (std::size_t i = 0; i < sorted_.size(); ++i) {
     if (!sorted_[i].second.rising) continue;
     std::size_t k = (i + 1) % sorted_.size();
     while (sorted_[k].second.rising) k = (k + 1) % sorted_.size();
-    Arc arc{sorted_[i].second, sorted_[k].second, 0};
-    const double angle = angle_at(arc.end, t * t) - angle_at(arc.begin, t * t);
-    // An arc about a foot point outside is at most half a circle; rounding may make a thin one negative.
-    const double least = foot_inside ? -1e-9 : -pi / 2;
-    arc.turns = -std::floor((angle - least) / (2 * pi));
-    arcs_.push_back(arc);
+    arcs_.push_back({sorted_[i].second, sorted_[k].second});
   }
 }
 
@@ -179,82 +222,148 @@ void PatternIntegrator::integrate(double t0, double t1, int depth) {
   const double half = (t1 - t0) / 2, middle = t0 + half;
   if (!(half > 0)) return;
   // Not through the singularity but three quarters of the way, where the integrand is still of its own size.
-  const double rho_geometry =
-      std::min(1 + 0.75 * (ellipse_through(middle, nearest_singularity(), half) - 1), 1e6);
-  // How far the arcs' ends, or a full circle, move as directions.
-  const double r0 = std::sqrt(piece_.q2 + t0 * t0);
-  double moved = piece_.full_circle ? t1 - t0 : 0;
-  for (const Arc& arc : arcs_)
-    for (const Crossing& c : {arc.begin, arc.end})
-      moved = std::max(moved, s_at(c, t1 * t1) - s_at(c, t0 * t0));
-  const double extent = 1.3 * moved / r0 / 2;  // the way is not straight
+  const double rho = 1 + 0.75 * (ellipse_through(middle, nearest_singularity(), half) - 1);
   int n = 1;
-  while (n < most_gauss_nodes && smooth_->extent[n - 1] < extent) ++n;
-  double rho = rho_geometry, growth = 0;
-  while ((growth = smooth_->growth(extent * (rho - 1 / rho) / 2)) > 4 && rho > 1.5) rho /= 1.5;
-  const double wanted = std::ceil((growth - std::log(tolerance)) / (2 * std::log(rho)));
-  const bool too_many = wanted > most_gauss_nodes || smooth_->extent[most_gauss_nodes - 1] < extent;
-  if (too_many && depth < deepest) {
+  while (n <= most_gauss_nodes && rho < least_rho_[n]) ++n;
+  if (n <= most_gauss_nodes) n = std::max(n, nodes_along(t0, t1, rho));
+  if (n > most_gauss_nodes && depth < deepest) {
     integrate(t0, middle, depth + 1);
     integrate(middle, t1, depth + 1);
     return;
   }
-  n = std::clamp(int(std::min(wanted, double(most_gauss_nodes))), n, most_gauss_nodes);
-  double half_arc = piece_.full_circle ? pi : 0;
-  for (const Arc& arc : arcs_)
-    for (const double t : {t0, middle, t1})
-      half_arc =
-          std::max(half_arc, (angle_at(arc.end, t * t) - angle_at(arc.begin, t * t)) / 2 + pi * arc.turns);
-  choose_nodes_of_arcs(half_arc, std::sqrt(std::max(1 - piece_.distance2 / (piece_.q2 + t1 * t1), 0.0)));
-  const GaussRule& rule = gauss_rule(n);
+  const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
   for (std::size_t i = 0; i < rule.node.size(); ++i)
     add_circle(middle + half * rule.node[i], half * rule.weight[i]);
 }
 
-/// `half`: half of an arc as an angle about the foot point; `radius`: of the circle, as directions. A cosine
-/// is w = w0 + radius cos(angle): for an imaginary part h <= 1 of the angle, w has at most radius sinh(h) <=
-/// 1.18 radius h.
-void PatternIntegrator::choose_nodes_of_arcs(double half, double radius) {
-  panels_ = 1;
-  for (;; panels_ *= 2) {
-    const double h = half / panels_, extent = 1.18 * radius * h;
-    int n = 1;
-    while (n < most_gauss_nodes && smooth_->extent[n - 1] < extent) ++n;
-    const double reach = std::expm1(std::min(smooth_->growth(1.18 * radius), 600.0));
-    const double log_rho = std::asinh(1 / std::max(h, 1e-9));  // where the angle's imaginary part is 1
-    if (reach > 0) n = std::max(n, int(std::ceil((std::log(64.0 / 15 * reach / tolerance)) / (2 * log_rho))));
-    if ((n <= most_gauss_nodes && smooth_->extent[n - 1] >= extent) || panels_ >= 1 << 20) {
-      arc_rule_ = &gauss_rule(std::min(n, most_gauss_nodes));
-      return;
+/// Nodes for the change of the patterns as the arcs' ends, or a full circle, move. The rule for a product
+/// needs what each of its factors needs.
+int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
+  const double middle = (t0 + t1) / 2;
+  const std::array<double, 3> t2{t0 * t0, middle * middle, t1 * t1};
+  const double r0 = std::sqrt(piece_.q2 + t2[0]);
+  std::array<double, 3> over_r{};
+  for (std::size_t i = 0; i < 3; ++i) over_r[i] = 1 / std::sqrt(piece_.q2 + t2[i]);
+  int n = 1;
+  for (const Change& change : receiver_->changes) {
+    double extent = 0;
+    if (change.along_axis && !piece_.full_circle) {
+      const Axis& axis = receiver_->axes[*change.axis];
+      for (const Arc& arc : arcs_)
+        for (const Crossing& c : {arc.begin, arc.end}) {
+          std::array<double, 3> w{};
+          for (std::size_t i = 0; i < 3; ++i)
+            w[i] = (axis.away + glm::dot(axis.plane, point_at(c, t2[i]))) * over_r[i];
+          const double bent = std::abs(w[0] - 2 * w[1] + w[2]) / 2;
+          extent = std::max(extent, std::abs(w[2] - w[0]) / 2 + 4 * bent);
+        }
+      extent *= change.scale;
+    } else {
+      double moved = piece_.full_circle ? t1 - t0 : 0;
+      for (const Arc& arc : arcs_)
+        for (const Crossing& c : {arc.begin, arc.end})
+          moved = std::max(moved, s_at(c, t2[2]) - s_at(c, t2[0]));
+      extent = 1.3 * moved / r0 / 2;  // the way is not straight
     }
+    n += change.count.nodes(extent, rho) - 1;
   }
+  return n;
+}
+
+/// `half`: half of an arc as an angle about the foot point; `radius`: of the circle, as directions. For an
+/// imaginary part h <= 1 of the angle the cosine has at most radius sinh(h) <= 1.18 radius h.
+int PatternIntegrator::nodes_of_arc(double half, double radius) const {
+  const double rho = ellipse_of_arc(half);
+  int n = 1;
+  for (const Change& change : receiver_->changes) {
+    double steep = radius;
+    if (change.along_axis) {
+      const Axis& axis = receiver_->axes[*change.axis];
+      steep = change.scale * (std::abs(axis.aside) + std::abs(axis.ahead) * std::min(1.0, 3 * half));
+    }
+    n += change.count.nodes(1.18 * half * steep, rho) - 1;
+  }
+  return n;
 }
 
 void PatternIntegrator::add_circle(double t, double weight) {
-  const double t2 = t * t, r2 = piece_.q2 + t2, r = std::sqrt(r2);
+  const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
   const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
-  const double radial = weight * t * std::exp(-beta_ * r) / (r2 * r2 * r2);
-  if (piece_.full_circle) add_arc(r, rho, 0, pi, radial);
+  const double radial = piece_.factor * weight * t * std::exp(-beta_ * r2 * per_r) * (per_r * per_r) *
+                        (per_r * per_r) * (per_r * per_r);
+  if (piece_.full_circle) add_arc(per_r, rho, {1, 0}, pi, radial);
   for (const Arc& arc : arcs_) {
-    const double begin = angle_at(arc.begin, t2), end = angle_at(arc.end, t2) + 2 * pi * arc.turns;
-    add_arc(r, rho, (begin + end) / 2, (end - begin) / 2, radial);
+    const glm::dvec2 begin = point_at(arc.begin, t2), end = point_at(arc.end, t2);
+    const double half = angle_between(begin, end) / 2;
+    const glm::dvec2 middle = begin + end;
+    if (std::abs(half) < 1)
+      add_arc(per_r, rho, middle * (1 / glm::length(middle)), half, radial);
+    else
+      add_arc(per_r, rho, (std::cos(half) * begin + std::sin(half) * turned(begin)) / glm::length(begin),
+              half, radial);
   }
 }
 
-void PatternIntegrator::add_arc(double r, double rho, double middle, double half, double weight) {
-  const GaussRule& rule = *arc_rule_;
-  const Directivity& transmit = patterns_.transmit[patterns_.fan_of_tube[piece_.tube]];
-  const auto [first, end] = patterns_.beams_of_tube[piece_.tube];
-  for (int p = 0; p < panels_; ++p) {
-    const double panel_half = half / panels_, panel_middle = middle - half + (2 * p + 1) * panel_half;
-    for (std::size_t i = 0; i < rule.node.size(); ++i) {
-      const double angle = panel_middle + panel_half * rule.node[i];
-      const glm::dvec3 direction =
-          (down_ + rho * (std::cos(angle) * frame_->u + std::sin(angle) * frame_->v)) / r;
-      const double share = weight * panel_half * rule.weight[i] * transmit.gain(direction);
-      for (std::uint32_t beam = first; beam < end; ++beam)
-        sum_[beam - first] += share * patterns_.receive[beam].gain(direction);
+void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight) {
+  const double radius = rho * per_r;
+  // A whole circle, say, is several arcs.
+  int panels = 1;
+  for (double share = std::abs(half);; share /= 2, panels *= 2) {
+    const glm::dvec2 ahead =
+        panels == 1 ? middle : std::cos(half - share) * middle - std::sin(half - share) * turned(middle);
+    for (Axis& axis : receiver_->axes) {
+      axis.level = axis.away * per_r;
+      axis.ahead = radius * glm::dot(axis.plane, ahead);
+      axis.aside = radius * glm::dot(axis.plane, turned(ahead));
     }
+    const int n = nodes_of_arc(share, radius);
+    if (n > most_gauss_nodes && panels < 1 << 20) continue;
+    const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
+    if (panels == 1) {
+      add_panel(half, weight, rule);
+      return;
+    }
+    break;
+  }
+  const double part = half / panels;
+  for (int p = 0; p < panels; ++p) {
+    const double turn = -half + (2 * p + 1) * part;
+    const glm::dvec2 ahead = std::cos(turn) * middle + std::sin(turn) * turned(middle);
+    for (Axis& axis : receiver_->axes) {
+      axis.ahead = radius * glm::dot(axis.plane, ahead);
+      axis.aside = radius * glm::dot(axis.plane, turned(ahead));
+    }
+    add_panel(part, weight, gauss_rule(std::min(nodes_of_arc(std::abs(part), radius), most_gauss_nodes)));
+  }
+}
+
+void PatternIntegrator::add_panel(double half, double weight, const GaussRule& rule) {
+  Receiver& receiver = *receiver_;
+  const std::size_t nodes = rule.node.size();
+  std::array<double, most_gauss_nodes> sine, cosine, share, direction;
+  for (std::size_t i = 0; i < nodes; ++i) {
+    sine_and_cosine(half * rule.node[i], sine[i], cosine[i]);
+    share[i] = weight * half * rule.weight[i];
+  }
+  const auto at = [&](const Axis& axis, std::size_t i) {
+    return axis.level + axis.ahead * cosine[i] + axis.aside * sine[i];
+  };
+  if (!receiver.transmit.empty())
+    for (std::size_t i = 0; i < nodes; ++i) {
+      double sent = 0;
+      for (Term& term : receiver.transmit) sent += term.gain->value(at(receiver.axes[term.axis], i));
+      share[i] *= sent;
+    }
+  if (receiver.moments) {
+    for (std::size_t i = 0; i < nodes; ++i) direction[i] = at(receiver.axes[receiver.moments_axis], i);
+    receiver.moments->add(std::span(direction).first(nodes), std::span(share).first(nodes));
+    return;
+  }
+  for (std::size_t beam = 0; beam < sum_.size(); ++beam) {
+    std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
+    for (std::size_t i = 0; i < nodes; ++i)
+      sum_[beam] +=
+          own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i];
   }
 }
 

@@ -3,11 +3,15 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/beam_pattern.hpp"
+#include "engine/gain_panels.hpp"
 #include "engine/gauss_rules.hpp"
+#include "engine/node_count.hpp"
 #include "geometry/measure.hpp"
 #include "geometry/polar_slabs.hpp"
 
@@ -19,67 +23,103 @@ namespace tubefoot {
 /// slant range (polar_slabs.hpp), and in each over the arcs of every circle. With q the range of the nearest
 /// point of one of the slab's edges, r^2 = q^2 + t^2 makes r dr = t dt, and the ends of the arcs are analytic
 /// in t even where a circle only touches an edge. Gauss-Legendre in t and in the angle; the number of nodes
-/// follows from how far the integrand's singularities are and how fast the patterns can change (error below
-/// about 1e-11 of the patterns' peak, but for a table's own corners).
+/// follows from how far the integrand's singularities are and how fast the patterns can change.
+///
+/// Gains are not computed at nodes but read from piecewise polynomials (gain_panels.hpp). Where the beams of
+/// a receiver are functions of one and the same cosine (a line array's), nodes are summed up as moments, and
+/// the beams are looked at once for all footprints, in finish(). Beams sent at once along that array join
+/// them.
 class PatternIntegrator {
  public:
-  PatternIntegrator(std::span<const double> borders_m, double beta_per_m, const BeamPatterns& patterns);
+  /// `tolerance`: about the error of an energy, relative to what the footprint would return at the patterns'
+  /// peak (a table's corners, where its second derivative jumps, may exceed it).
+  PatternIntegrator(std::span<const double> borders_m, double beta_per_m, const BeamPatterns& patterns,
+                    double tolerance);
 
-  /// Adds factor times the integral to energy[beam * samples + sample] for all beams that hear the tube.
+  /// Adds factor times the integral to energy[beam * samples + sample] for all beams that hear the tube, at
+  /// the latest in finish().
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
            double factor, std::span<double> energy);
+  void finish(std::span<double> energy);
 
  private:
   struct Edge {
-    double angle = 0;         // of its direction in the plane
-    double height = 0;        // p = s along + height (along turned clockwise)
-    double from = 0, to = 0;  // s of start and end
-    double nearest2 = 0;      // squared range of its line's nearest point
+    glm::dvec2 along{0}, aside{0};  // unit: of its direction, and that turned clockwise
+    double height = 0;              // p = s along + height aside
+    double nearest2 = 0;            // squared range of its line's nearest point
   };
   struct Arc {
     Crossing begin, end;
-    double turns = 0;  // whole turns that make end - begin the arc
   };
   struct Piece {
-    double distance, distance2, q2;
-    bool full_circle;
-    std::uint32_t tube;
+    double distance, distance2, q2, factor;
+    bool full_circle, foot_inside;
+  };
+  /// A direction cosine over a piece, and over an arc of it: level + ahead cos + aside sin of the angle from
+  /// the arc's middle.
+  struct Axis {
+    glm::dvec3 direction{0};
+    double away = 0;
+    glm::dvec2 plane{0};
+    double level = 0, ahead = 0, aside = 0;
+  };
+  /// A gain along one of the receiver's axes.
+  struct Term {
+    std::size_t axis = 0;
+    std::shared_ptr<GainPanels> gain;
+  };
+  /// How fast patterns change along a path: with their cosine, if they are of one axis and known to be smooth
+  /// functions of it, else with the direction.
+  struct Change {
+    NodeCount count;
+    std::optional<std::size_t> axis;
+    bool by_angle = false;    // functions of the angle, which changes faster than the cosine off broadside
+    double scale = 1;         // of the cosine, over the piece
+    bool along_axis = false;  // over the piece: by its cosine
+  };
+  /// What beams [first, end) of a fan have in common.
+  struct Receiver {
+    std::uint32_t fan = 0, first = 0, end = 0;
+    bool uniform = false;  // no receive pattern: one for all beams of the fan
+    std::vector<Axis> axes;
+    std::vector<Term> transmit;  // to be added up; none: 1, or in the moments
+    std::optional<DirectionMoments> moments;
+    std::size_t moments_axis = 0;
+    std::vector<std::optional<Term>> receive;  // by beam, without moments; none: 1
+    std::vector<Change> changes;
   };
 
-  /// Half extents of directions up to which n nodes are enough, by n - 1, and how fast the patterns grow.
-  struct Smoothness {
-    std::array<double, most_gauss_nodes> extent{};
-    const Directivity* transmit = nullptr;
-    const Directivity* receive = nullptr;
-    double growth(double y) const { return transmit->growth(y) + receive->growth(y); }
-  };
-  Smoothness smoothness_of(const Directivity& transmit, const Directivity& receive) const;
+  Receiver& receiver_of(std::uint32_t tube);
+  std::unique_ptr<Receiver> make_receiver(std::uint32_t fan, std::uint32_t first, std::uint32_t end) const;
+  Term term(Receiver& receiver, std::span<const Directivity> beams) const;
 
-  void find_arcs(std::span<const Crossing> crossings, double t, bool foot_inside);
-  double angle_at(const Crossing& crossing, double t2) const;
+  void take_axes(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame);
+  void find_arcs(std::span<const Crossing> crossings, double t);
+  glm::dvec2 point_at(const Crossing& crossing, double t2) const;
   double s_at(const Crossing& crossing, double t2) const;
   double nearest_singularity() const;
+  double angle_between(glm::dvec2 begin, glm::dvec2 end) const;
   void integrate(double t0, double t1, int depth);
-  void choose_nodes_of_arcs(double half, double radius);
+  int nodes_along(double t0, double t1, double rho) const;
+  int nodes_of_arc(double half, double radius) const;
   void add_circle(double t, double weight);
-  void add_arc(double r, double rho, double middle, double half, double weight);
+  void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
+  void add_panel(double half, double weight, const GaussRule& rule);
 
   std::span<const double> borders_;
-  double beta_;
+  double beta_, tolerance_;
   const BeamPatterns& patterns_;
-  std::vector<Smoothness> smoothness_;  // by beam
+  std::array<double, most_gauss_nodes + 1> least_rho_{};  // at which n nodes are enough
+  std::vector<std::unique_ptr<Receiver>> receivers_;
+  std::vector<std::uint32_t> receiver_of_tube_;  // + 1; 0: not asked for yet
   PolarSlabs slabs_;
   std::vector<EdgeRanges> ranges_;
   std::vector<Edge> edges_;
   std::vector<Arc> arcs_;
   std::vector<double> sum_;  // by beam of the tube
   std::vector<std::pair<double, Crossing>> sorted_;
-  const PlaneFrame* frame_ = nullptr;
-  glm::dvec3 down_{0};  // from the apex to the foot point
+  Receiver* receiver_ = nullptr;
   Piece piece_{};
-  const Smoothness* smooth_ = nullptr;
-  int panels_ = 1;  // of an arc, each with the rule
-  const GaussRule* arc_rule_ = nullptr;
 };
 
 }  // namespace tubefoot

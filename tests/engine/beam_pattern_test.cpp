@@ -113,12 +113,12 @@ void add_footprint(History& history, std::uint32_t tube, const FacetPlane& plane
 }
 
 Echo echo_of(const History& history, const RangeSamples& samples, double absorption_db_per_m,
-             const BeamPatterns* patterns) {
+             const BeamPatterns* patterns, double tolerance = 1e-11) {
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube(patterns ? patterns->fan_of_tube.size() : 1, 0);
   return integrate_echo(history, beam_of_tube, patterns ? int(patterns->receive.size()) : 1, samples,
-                        EchoLaw{material_mu, one_facet, absorption_db_per_m, patterns});
+                        EchoLaw{material_mu, one_facet, absorption_db_per_m, patterns, tolerance});
 }
 
 BeamPatterns one_beam(const Directivity& transmit, const Directivity& receive) {

@@ -41,7 +41,8 @@ TEST(SensorPatterns, ReceiveBeamsOfACameraLookAlongTheirAxesAndHearTheWholeFan) 
   for (const auto& [first, end] : patterns.beams_of_tube)
     EXPECT_EQ(std::pair(first, end), std::pair(0u, 96u));
   EXPECT_EQ(patterns.transmit.size(), 1u);
-  EXPECT_EQ(patterns.transmit[0].kind, Kind::uniform);
+  ASSERT_EQ(patterns.transmit[0].beams.size(), 1u);
+  EXPECT_EQ(patterns.transmit[0].beams[0].kind, Kind::uniform);
 }
 
 TEST(SensorPatterns, WithoutAReceivePatternABeamHearsItsOwnTubes) {

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace tubefoot {
+
+/// Gains as piecewise polynomials of a direction cosine: several functions over the same panels, so that what
+/// is summed up over one panel serves all of them. A panel is fitted when it is first asked for (Chebyshev
+/// points) and halved until the last two coefficients of every function are below the tolerance, but not more
+/// than a few times: a corner, as those of tables, is never met.
+class GainPanels {
+ public:
+  static constexpr int terms = 12;
+  /// Fills the value of each function at a cosine.
+  using Evaluate = std::function<void(double cosine, std::span<double> values)>;
+
+  struct Panel {
+    double lo = 0, hi = 0;  ///< cosines, [lo, hi)
+    double middle = 0, per_half = 0;
+  };
+
+  /// `width`: of the panels to begin with, in cosines; `tolerance`: absolute.
+  GainPanels(std::size_t functions, Evaluate evaluate, double width, double tolerance);
+
+  std::size_t functions() const { return functions_; }
+  /// The panel that holds a cosine; one beyond +-1 by a rounding is held by the last.
+  std::uint32_t find(double cosine);
+  const Panel& panel(std::uint32_t k) const { return panels_[k]; }
+  /// Function = sum of coefficients[i] x^i, x = (cosine - middle) per_half.
+  const double* coefficients(std::uint32_t panel, std::size_t function) const {
+    return coefficients_.data() + (panel * functions_ + function) * terms;
+  }
+  /// Of the first function.
+  double value(double cosine);
+
+ private:
+  struct Base {
+    std::uint32_t first = 0, count = 0;
+  };
+  void fit(double lo, double hi, int halvings);
+
+  std::size_t functions_;
+  Evaluate evaluate_;
+  double per_width_ = 0, tolerance_ = 0;
+  std::vector<Base> bases_;  // even parts of [-1, 1]; no panels until one is asked for
+  std::vector<Panel> panels_;
+  std::vector<double> coefficients_;
+  std::vector<double> values_, chebyshev_;
+  std::uint32_t last_ = 0;
+};
+
+/// What a receiver's beams hear as functions of one cosine, summed up before any beam is looked at: for each
+/// range sample and panel the moments sum of weight x^i, i < terms. A direction costs `terms` products
+/// however many beams there are.
+class DirectionMoments {
+ public:
+  explicit DirectionMoments(std::shared_ptr<GainPanels> gains) : gains_(std::move(gains)) {}
+
+  /// What follows belongs to this range sample.
+  void begin(std::uint32_t sample) {
+    if (sample == sample_) return;
+    sample_ = sample;
+    lo_ = std::numeric_limits<double>::infinity();
+  }
+  /// Weights of directions, best in the order of their cosines.
+  void add(std::span<const double> cosines, std::span<const double> weights);
+  /// Adds to energy[(first_beam + function) * samples + sample].
+  void finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const;
+
+ private:
+  struct Row {
+    std::uint32_t panel = 0, sample = 0;
+  };
+  void select(double cosine);
+  void grow();
+
+  std::shared_ptr<GainPanels> gains_;
+  std::uint32_t sample_ = std::numeric_limits<std::uint32_t>::max();
+  double lo_ = std::numeric_limits<double>::infinity(), hi_ = 0, middle_ = 0, per_half_ = 0;
+  double* row_ = nullptr;
+  struct Recent {
+    std::uint32_t panel = std::numeric_limits<std::uint32_t>::max(), sample = 0, row = 0;
+  };
+  std::array<Recent, 1024> recent_;  // by panel
+  std::vector<Row> rows_;
+  std::vector<double> moments_;
+  std::vector<std::uint32_t> slots_;  // hash of panel and sample to row + 1, open addressing
+};
+
+}  // namespace tubefoot
