@@ -15,6 +15,8 @@
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
 #include "app/usage_error.hpp"
+#include "scene/utc.hpp"
+#include "sensors/products.hpp"
 
 namespace tubefoot {
 namespace {
@@ -116,13 +118,13 @@ void print_tolerance(const nlohmann::ordered_json& advice) {
 /// Everything that a result folder holds but stats.json.
 std::vector<std::filesystem::path> write_files(const std::filesystem::path& folder,
                                                const std::vector<Recording>& recordings,
-                                               const Provenance& provenance,
+                                               const Provenance& provenance, const RunContext& run,
                                                std::vector<std::string>& warnings) {
   write_echoes(folder / "echoes.nc", recordings, provenance);
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
     if (InterruptGuard::requested()) break;
-    for (const auto& file : write_pictures(folder, recording, &warnings)) files.push_back(file);
+    for (const auto& file : write_products(folder, recording, run, warnings)) files.push_back(file);
   }
   return files;
 }
@@ -203,10 +205,12 @@ int run_command(const RunOptions& options) {
   try {
     const Clock::time_point write_start = Clock::now();
     std::vector<std::string> file_warnings;
-    files = write_files(output.staging(), recordings,
-                        {description.title, description.sha256, run.engine, exact ? run.arithmetic : "float",
-                         TUBEFOOT_VERSION, reference_tolerance},
-                        file_warnings);
+    files = write_files(
+        output.staging(), recordings,
+        {description.title, description.sha256, run.engine, exact ? run.arithmetic : "float",
+         TUBEFOOT_VERSION, reference_tolerance},
+        {scene.frame, *unix_time_s(run.start_utc), run.seed, description.water, description.title},
+        file_warnings);
     print_warnings(file_warnings, options.quiet);
     warnings.insert(warnings.end(), file_warnings.begin(), file_warnings.end());
     nlohmann::ordered_json json = statistics_json(*survey, stats, reference_tolerance);

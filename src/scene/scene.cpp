@@ -204,6 +204,7 @@ class Loader {
     const WaterDescription& water = description_.water;
     scene.sound_speed_m_s = water.sound_speed_m_s.value_or(
         mackenzie_sound_speed_m_s(water.temperature_c, water.salinity_psu, water.depth_m));
+    scene.frame = frame_.value_or(LocalFrame());
     build_mesh(scene);
     scene.report = std::move(report_);
     warn_about(scene);

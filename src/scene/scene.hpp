@@ -7,6 +7,7 @@
 
 #include "geometry/facet_mesh.hpp"
 #include "geometry/world_grid.hpp"
+#include "scene/georeference.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/trajectory.hpp"
 
@@ -33,6 +34,7 @@ struct Scene {
   SceneDescription description;
   WorldGrid grid;
   FacetMesh mesh;
+  LocalFrame frame;                 ///< where the local frame lies on Earth, if the scene says so
   std::vector<double> material_mu;  ///< Lambert mu (linear), by material index
   double sound_speed_m_s = 1500;
   std::vector<Trajectory> trajectories;        ///< as in the description

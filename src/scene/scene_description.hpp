@@ -159,6 +159,18 @@ struct PatternDescription {
   SourcePlace file_place;
 };
 
+/// What the receiver makes of the echoes in the files that a sonar would write; echoes.nc keeps the energies.
+struct SignalDescription {
+  double source_level_db = 210;          ///< dB re 1 uPa at 1 m
+  std::optional<double> noise_level_db;  ///< dB re 1 uPa in the receiver's band
+  std::string speckle = "none";          ///< none | rayleigh | k
+  int speckle_looks = 1;
+  double speckle_shape = 1;             ///< nu of the K law
+  std::optional<double> tvg_spreading;  ///< Sp of the gain Sp log10 R + 2 alpha R + G; none: no gain
+  std::optional<double> tvg_absorption_db_per_km;  ///< alpha; else the water's own
+  double tvg_gain_db = 0;
+};
+
 struct SensorDescription {
   SourcePlace place;
   std::string name;
@@ -171,13 +183,15 @@ struct SensorDescription {
   int pings = 1;
   double ping_interval_s = 0.1;
   PatternDescription transmit, receive;
+  SignalDescription signal;
   std::variant<DidsonDescription, SidescanDescription> kind;
 };
 
 struct RunDescription {
   SourcePlace place;
-  std::string engine = "tube";                ///< tube | ray
-  std::string arithmetic = "fixed";           ///< fixed | filtered | rational | double
+  std::string start_utc = "2000-01-01T00:00:00Z";  ///< of the scene's time 0 (unix_time_s)
+  std::string engine = "tube";                     ///< tube | ray
+  std::string arithmetic = "fixed";                ///< fixed | filtered | rational | double
   std::string binning = "exact";              ///< exact | spread | centroid: footprints into range samples
   std::int64_t facets_per_split = 64;         ///< VisibilityOptions::facets_per_split
   double zero_tolerance = 0;                  ///< VisibilityOptions::tolerance, for double

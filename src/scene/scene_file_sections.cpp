@@ -5,6 +5,7 @@
 
 #include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_words.hpp"
+#include "scene/utc.hpp"
 
 namespace tubefoot {
 namespace {
@@ -72,6 +73,12 @@ void check_trajectory(const TrajectoryDescription& trajectory, const TomlTable& 
 }
 
 void check_run(const RunDescription& run, const TomlTable& table) {
+  if (!unix_time_s(run.start_utc))
+    throw InputError(
+        table.place_of("start_utc"),
+        fmt::format("expected a date and time like \"2026-07-01T12:30:00Z\", from 1970 to 2099, not "
+                    "\"{}\"",
+                    run.start_utc));
   if (run.rays_per_beam && table.has("rays_per_ping")) {
     throw InputError(table.place_of("rays_per_beam"),
                      "rays are counted by ping or by beam: remove 'rays_per_ping' or 'rays_per_beam'");
@@ -224,7 +231,7 @@ const TomlSection<RunDescription>& run_section() {
   static const auto section =
       TomlSection<R>("[run]")
           .keys(
-              {field("engine", &R::engine, {.choices = {"tube", "ray"}}),
+              {field("start_utc", &R::start_utc), field("engine", &R::engine, {.choices = {"tube", "ray"}}),
                field("arithmetic", &R::arithmetic, {.choices = {"fixed", "filtered", "rational", "double"}}),
                field("binning", &R::binning, {.choices = {"exact", "spread", "centroid"}}),
                field("facets_per_split", &R::facets_per_split, {.ranges = {{.lo = 2, .hi = 1e6}}}),

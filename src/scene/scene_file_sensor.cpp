@@ -43,9 +43,27 @@ void check_pattern(const PatternDescription& pattern, const std::string& side, c
   }
 }
 
+void check_signal(const SignalDescription& signal, const TomlTable& table) {
+  const struct {
+    const char* key;
+    bool takes;
+    const char* wanted;
+  } rules[] = {
+      {"speckle_looks", signal.speckle != "none", "speckle = \"rayleigh\" or \"k\""},
+      {"speckle_shape", signal.speckle == "k", "speckle = \"k\""},
+      {"tvg_absorption_db_per_km", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
+      {"tvg_gain_db", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
+  };
+  for (const auto& [key, takes, wanted] : rules)
+    if (table.has(key) && !takes)
+      throw InputError(table.place_of(key),
+                       fmt::format("'{}' needs {}: add it, or remove the key", key, wanted));
+}
+
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
   check_pattern(sensor.transmit, "transmit", table);
   check_pattern(sensor.receive, "receive", table);
+  check_signal(sensor.signal, table);
   constexpr std::size_t longest_name = 64;
   constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
   if (sensor.name.size() > longest_name || sensor.name.find_first_not_of(allowed) != std::string::npos) {
@@ -94,6 +112,27 @@ std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side
   return fields;
 }
 
+/// The keys of the receiver, as keys of the sensor.
+std::vector<TomlField<SensorDescription>> signal_fields() {
+  using G = SignalDescription;
+  constexpr ValueRange level{.lo = -300, .hi = 300};
+  const std::vector<TomlField<G>> own{
+      field("source_level_db", &G::source_level_db, {.ranges = {level}}),
+      field("noise_level_db", &G::noise_level_db, {.ranges = {level}}),
+      field("speckle", &G::speckle, {.choices = {"none", "rayleigh", "k"}}),
+      field("speckle_looks", &G::speckle_looks, {.ranges = {{.lo = 1, .hi = 1024}}}),
+      field("speckle_shape", &G::speckle_shape, {.ranges = {{.lo = 0.01, .hi = 1e6}}}),
+      field("tvg_spreading", &G::tvg_spreading, {.ranges = {{.lo = 0, .hi = 60}}}),
+      field("tvg_absorption_db_per_km", &G::tvg_absorption_db_per_km,
+            {.ranges = {{.lo = 0, .hi = 100000}}, .default_value = "the water's"}),
+      field("tvg_gain_db", &G::tvg_gain_db, {.ranges = {level}})};
+  std::vector<TomlField<SensorDescription>> fields;
+  for (const TomlField<G>& f : own)
+    fields.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source,
+                                             SensorDescription& s) { read(node, source, s.signal); }});
+  return fields;
+}
+
 }  // namespace
 
 const TomlSection<SensorDescription>& sensor_section() {
@@ -121,6 +160,7 @@ const TomlSection<SensorDescription>& sensor_section() {
                        {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}})})
           .keys(pattern_fields("transmit", &S::transmit))
           .keys(pattern_fields("receive", &S::receive))
+          .keys(signal_fields())
           .kind<Didson>("kind", "didson",
                         {field("frequency_khz", &Didson::frequency_khz, {.ranges = {frequency}}),
                          field("beams", &Didson::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),

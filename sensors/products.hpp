@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scene/georeference.hpp"
+#include "sensors/receiver.hpp"
+#include "sensors/recording.hpp"
+
+namespace tubefoot {
+
+/// What the files of a recording need to know of its run.
+struct RunContext {
+  LocalFrame frame;         ///< where the scene lies on Earth, if it says so
+  double start_unix_s = 0;  ///< UTC of the recording's time 0
+  std::uint64_t seed = 1;   ///< of speckle and noise
+  WaterDescription water;
+  std::string title;
+};
+
+/// The receiver that a sensor's description asks for.
+ReceiverChain receiver_of(const Recording& recording, const RunContext& run);
+
+/// Writes the files that a sonar of the recording's kind makes, pictures included (write_pictures), into
+/// `folder`, ping by ping, and returns their names. Throws std::runtime_error naming the file and what
+/// failed.
+std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
+                                                  const Recording& recording, const RunContext& run,
+                                                  std::vector<std::string>& warnings);
+
+}  // namespace tubefoot
