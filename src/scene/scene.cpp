@@ -194,6 +194,7 @@ class Loader {
     Scene scene{.description = description_,
                 .grid = grid_for(description_, parts_),
                 .mesh = {},
+                .frame = {},
                 .material_mu = {},
                 .trajectories = std::move(trajectories),
                 .sensor_trajectory = std::move(sensor_trajectory),
