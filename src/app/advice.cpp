@@ -250,17 +250,16 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
         std::nullopt);
     advice.silent = probe_pings.silent_sensors();
     const Probes probes(probe_pings, advice.sensors, tolerance.measure);
-    const std::vector<std::string> samplings{"stratified", "regular", "column"};
     const std::vector<std::string> binnings{"exact", "spread", "centroid"};
     const bool choice = advice.silent.empty();
-    Progress progress("settings", choice ? binnings.size() + samplings.size() : 1, options.quiet);
+    Progress progress("settings", choice ? binnings.size() + options.samplings.size() : 1, options.quiet);
     for (const std::string& binning : binnings) {
       probes.run(tube_setting(binning), repeats, advice.candidates.emplace_back());
       progress.step();
       if (!choice) break;
     }
     const double cap = options.largest_cost * advice.candidates.front().predicted_seconds;
-    for (const std::string& sampling : samplings) {
+    for (const std::string& sampling : options.samplings) {
       if (!choice) break;
       advice.candidates.push_back(RayLadder(probes, sampling, tolerance, options.seed, cap).climb());
       progress.step();

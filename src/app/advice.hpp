@@ -18,6 +18,7 @@ struct AdviceOptions {
   bool measure = true;      ///< measure on other pings what the probe pings predict
   double largest_cost = 3;  ///< rays that take longer than this many exact tube runs are not tried
   std::uint64_t seed = 1;   ///< of the rays
+  std::vector<std::string> samplings{"stratified", "regular", "column"};  ///< of rays, to try
   bool quiet = false;
 };
 

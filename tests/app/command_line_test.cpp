@@ -52,6 +52,19 @@ TEST_F(CommandLine, VersionIsPrinted) {
   EXPECT_THAT(outcome.out, testing::MatchesRegex("tubefoot [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
+TEST_F(CommandLine, NumbersThatAreNoneAreRefused) {
+  for (const char* bad : {"nan", "-nan", "inf", "1e999", "-1", "much"}) {
+    for (const char* option : {"--within", "--within-db"}) {
+      expect_refused({"compare", "a.nc", "b.nc", option, bad}, option);
+      expect_refused({"compare", "a.nc", "b.nc", option, bad}, "is no number of at least 0");
+    }
+    expect_refused({"chart", scene, "-o", output, "--seconds", bad}, "is no number above 0");
+    for (const char* option : {"--rays", "--seed", "--threads"})
+      expect_refused({"run", scene, "-o", output, option, bad}, option);
+  }
+  expect_refused({"chart", scene, "-o", output, "--seconds", "0"}, "is no number above 0");
+}
+
 TEST_F(CommandLine, WhatCannotBeMeantIsRefused) {
   expect_refused({}, "subcommand");
   expect_refused({"paint", scene}, "paint");
