@@ -192,8 +192,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, AdviseShipped,
                                          ShippedScene{"chart/flat-bed.toml", "3dB"},
                                          ShippedScene{"chart/sphere-on-plane.toml", "5%"},
                                          ShippedScene{"chart/fractal-terrain.toml", "5%"},
-                                         ShippedScene{"survey/scene.toml", "5%"},
-                                         ShippedScene{"wellhead/scene.toml", "10%"}));
+                                         ShippedScene{"survey/scene.toml", "5%"}));
 
 // Seconds as data: what is cheapest does not hang on this machine.
 TEST(Cheapest, IsTheFastestThatHoldsByPredictionAndMeasurement) {

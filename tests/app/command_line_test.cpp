@@ -53,16 +53,12 @@ TEST_F(CommandLine, VersionIsPrinted) {
 }
 
 TEST_F(CommandLine, NumbersThatAreNoneAreRefused) {
-  for (const char* bad : {"nan", "-nan", "inf", "1e999", "-1", "much"}) {
-    for (const char* option : {"--within", "--within-db"}) {
-      expect_refused({"compare", "a.nc", "b.nc", option, bad}, option);
-      expect_refused({"compare", "a.nc", "b.nc", option, bad}, "is no number of at least 0");
-    }
+  expect_refused({"compare", "a.nc", "b.nc", "--within", "nan"},
+                 "--within: 'nan' is no number of at least 0");
+  expect_refused({"compare", "a.nc", "b.nc", "--within-db", "inf"}, "'inf' is no number of at least 0");
+  for (const char* bad : {"nan", "1e999", "0"})
     expect_refused({"chart", scene, "-o", output, "--seconds", bad}, "is no number above 0");
-    for (const char* option : {"--rays", "--seed", "--threads"})
-      expect_refused({"run", scene, "-o", output, option, bad}, option);
-  }
-  expect_refused({"chart", scene, "-o", output, "--seconds", "0"}, "is no number above 0");
+  expect_refused({"run", scene, "-o", output, "--rays", "nan"}, "--rays");
 }
 
 TEST_F(CommandLine, WhatCannotBeMeantIsRefused) {
