@@ -35,7 +35,8 @@ double error_limit(std::span<const PingError> pings, std::size_t population, Err
   if (population <= pings.size()) return at_least;
   if (pings.size() < 2) return std::numeric_limits<double>::infinity();
   const auto n = static_cast<double>(pings.size());
-  const double unseen = 1 - n / static_cast<double>(population);
+  const double all = static_cast<double>(population);
+  const double unseen = all / (all - n);  // their own mean varies, too
   const double quantile = boost::math::quantile(boost::math::students_t(n - 1), error_limit_confidence);
   const double limit = error + quantile * std::sqrt(unseen) * standard_error(pings, measure);
   return std::isfinite(limit) ? std::max(at_least, limit) : std::numeric_limits<double>::infinity();

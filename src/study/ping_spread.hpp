@@ -11,13 +11,13 @@ namespace tubefoot {
 /// However alike the pings that were looked at: rays of another seed, and bins that nobody looked at.
 inline constexpr double least_margin = 1.1;
 
-/// One-sided: how often all pings have no more error than error_limit() says, if pings are alike.
+/// One-sided: how often the other pings have no more error than error_limit() says.
 inline constexpr double error_limit_confidence = 0.95;
 
-/// What the error of all `population` pings of a sensor will hardly exceed, from `pings` of them: the error
-/// of these together, plus as many of its standard errors (by leaving out one ping at a time, as parts of a
-/// finite population) as error_limit_confidence takes; at least `least_margin` times the error. One ping of
-/// many tells nothing of the spread: infinite, unless its error is 0.
+/// What the error of the other pings of a sensor, which has `population`, will hardly exceed, from `pings`:
+/// the error of these together, plus as many standard errors of the difference (by leaving out one ping at a
+/// time) as error_limit_confidence takes; at least `least_margin` times the error. One ping of many tells
+/// nothing of the spread: infinite, unless its error is 0.
 double error_limit(std::span<const PingError> pings, std::size_t population, ErrorMeasure measure);
 
 }  // namespace tubefoot

@@ -102,7 +102,7 @@ struct Advise : testing::TestWithParam<std::string> {
 TEST_P(Advise, HoldsTheToleranceOnPingsItDidNotSee) {
   AdviceOptions options;
   options.quiet = true;
-  options.pings = 3;  // of 7 and 9, so that some are left
+  options.pings = 2;  // of 7 and 9, so that some are left
   for (const char* text : {"10%", "0.3dB", "1e-5"}) {
     const Tolerance tolerance = parse_tolerance(text);
     const Advice advice = advise(scene, tolerance, options);
@@ -115,7 +115,7 @@ TEST_P(Advise, HoldsTheToleranceOnPingsItDidNotSee) {
 TEST_P(Advise, EveryCandidateThatHoldsDoesSoOnPingsNotSeen) {
   AdviceOptions options;
   options.quiet = true;
-  options.pings = 3;  // of 7 and 9, so that some are left
+  options.pings = 2;  // of 7 and 9, so that some are left
   options.largest_cost = 100;
   const Tolerance tolerance = parse_tolerance("5%");
   const Advice advice = advise(scene, tolerance, options);
@@ -132,7 +132,7 @@ TEST_P(Advise, EveryCandidateThatHoldsDoesSoOnPingsNotSeen) {
 TEST_P(Advise, ATightToleranceTakesExactTubes) {
   AdviceOptions options;
   options.quiet = true;
-  options.pings = 3;  // of 7 and 9, so that some are left
+  options.pings = 2;  // of 7 and 9, so that some are left
   options.measure = false;
   for (const char* text : {"1e-6", "1e-4dB"}) {
     const Advice advice = advise(scene, parse_tolerance(text), options);

@@ -24,7 +24,7 @@ TEST(ErrorLimit, AlikePingsGetTheLeastMarginAndNoErrorGetsNone) {
 TEST(ErrorLimit, IsStudentsLimitAndOnePingOfManyTellsNothing) {
   const std::vector<PingError> two{{0.01, 1, 0, 1}, {0.03, 1, 0, 1}};
   EXPECT_NEAR(error_limit(two, 1'000'000'000, ErrorMeasure::l1), 0.02 + 6.3138 * 0.01, 1e-6);
-  EXPECT_NEAR(error_limit(two, 4, ErrorMeasure::l1), 0.02 + 6.3138 * 0.01 * std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(error_limit(two, 4, ErrorMeasure::l1), 0.02 + 6.3138 * 0.01 * std::sqrt(2.0), 1e-6);
   EXPECT_DOUBLE_EQ(error_limit(two, 2, ErrorMeasure::l1), 0.02 * least_margin);
   EXPECT_TRUE(std::isinf(error_limit(std::span(two).first(1), 2, ErrorMeasure::l1)));
 }
