@@ -6,13 +6,14 @@
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
+#   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo test build setup prove bench atlas reference format tidy clean
+.PHONY: demo test build setup prove bench atlas advise-study reference format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -50,6 +51,10 @@ atlas: setup
 	@cmake --preset release -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_atlas
 	build/release/tubefoot_atlas validation
+
+advise-study: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_advise_study
+	build/release/tubefoot_advise_study validation/advise.md scenes/chart/*.toml scenes/*/scene.toml
 
 reference: build
 	tools/reference_pack $(PROGRAM) reference/v1

@@ -12,6 +12,7 @@
 #include "app/progress.hpp"
 #include "app/settings.hpp"
 #include "app/usage_error.hpp"
+#include "study/ping_spread.hpp"
 
 namespace tubefoot {
 namespace {
@@ -19,11 +20,15 @@ namespace {
 constexpr int repeats = 3;
 
 /// Rungs of a ladder of rays: the first, how far the next ones go, and when rays that gain nothing are left.
-constexpr double first_rays = 32, shortest_step = 2, longest_step = 8, most_rays = 1e9;
+constexpr double first_rays = 32, shortest_step = 1.25, longest_step = 4, most_rays = 1e9;
 constexpr std::size_t patient_rungs = 4;
 
 /// Slightly more than the fit asks for, since every rung costs.
-constexpr double surplus = 1.1;
+constexpr double surplus = 1.03;
+
+/// Few enough rays: the next fewer that were tried and failed are this near, or the tolerance is.
+constexpr double fine_step = 1.1, fine_error = 0.95;
+constexpr int most_refinements = 6;
 
 void stop_if_interrupted() {
   if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
@@ -39,15 +44,44 @@ double seconds_for(const std::vector<Trial>& ladder, double samples) {
   return slope > 0 ? last.seconds + slope * (samples - last.samples) : in_proportion;
 }
 
-/// Finds the rays that one sampling needs, on the probe pings.
+/// The probe pings, and what they say of all others.
+class Probes {
+ public:
+  Probes(TrialScene& scene, const std::vector<LookedAt>& sensors, ErrorMeasure measure)
+      : scene_(scene), sensors_(sensors), measure_(measure) {}
+
+  /// A candidate's errors and seconds. The trial's own errors become the predicted ones.
+  Trial run(const EngineSetting& setting, int times, Candidate& candidate) const {
+    stop_if_interrupted();
+    candidate.setting = setting;
+    Trial trial = scene_.run(setting, times);
+    candidate.probe_error = error_of(trial, measure_);
+    candidate.predicted_error = 0;
+    for (std::size_t s = 0; s < sensors_.size(); ++s)
+      candidate.predicted_error =
+          std::max(candidate.predicted_error, error_limit(trial.pings[s], sensors_[s].pings, measure_));
+    candidate.predicted_seconds = trial.seconds;
+    (measure_ == ErrorMeasure::l1 ? trial.l1_error : trial.rms_db_error) = candidate.predicted_error;
+    return trial;
+  }
+
+  std::size_t beams() const { return scene_.beams(); }
+
+ private:
+  TrialScene& scene_;
+  const std::vector<LookedAt>& sensors_;
+  ErrorMeasure measure_;
+};
+
+/// Finds the fewest rays with which one sampling is predicted to hold, on the probe pings.
 class RayLadder {
  public:
-  RayLadder(TrialScene& probes, std::string sampling, const Tolerance& tolerance, std::uint64_t seed,
+  RayLadder(const Probes& probes, std::string sampling, const Tolerance& tolerance, std::uint64_t seed,
             double seconds_cap)
       : probes_(probes),
         sampling_(std::move(sampling)),
         measure_(tolerance.measure),
-        target_(tolerance.value / advice_safety),
+        target_(tolerance.value),
         seed_(seed),
         cap_(seconds_cap),
         beams_(static_cast<double>(probes.beams())) {}
@@ -59,8 +93,8 @@ class RayLadder {
       if (needed <= 0 && ladder_.size() >= patient_rungs)
         return not_tried(rays, fmt::format("does not converge: {} at {:.0f} rays a beam",
                                            error_text(measure_, error()), rays));
-      double next = std::clamp(surplus * needed, shortest_step * rays, longest_step * rays);
-      if (ladder_.size() < 2) next = longest_step * rays;
+      const double next = needed > 0 ? std::clamp(surplus * needed, shortest_step * rays, longest_step * rays)
+                                     : longest_step * rays;
       if (const double seconds = seconds_for(ladder_, next * beams_); seconds > cap_ || next > most_rays) {
         if (needed > 0)
           return not_tried(std::max(needed, next),
@@ -76,8 +110,7 @@ class RayLadder {
  private:
   /// Runs a rung; true if it is good enough.
   bool step(double rays) {
-    stop_if_interrupted();
-    ladder_.push_back(probes_.run(setting(rays), 1, ErrorsOver::ping));
+    ladder_.push_back(probes_.run(setting(rays), 1, last_));
     return error() <= target_;
   }
 
@@ -89,60 +122,50 @@ class RayLadder {
     return s;
   }
 
-  /// The last rung holds; one between it and the rung before may do as well.
+  /// The last rung holds, the one before does not: narrows down what lies between.
   Candidate refined() {
     Trial good = ladder_.back();
     if (ladder_.size() > 1) {
-      const Trial& bad = ladder_[ladder_.size() - 2];
-      if (const double least = error_of(good, measure_); least > 0) {
+      Trial bad = ladder_[ladder_.size() - 2];
+      for (int k = 0; k < most_refinements; ++k) {
+        const double least = error_of(good, measure_), most = error_of(bad, measure_);
+        if (good.samples < fine_step * bad.samples || least > fine_error * target_) break;
         const double part =
-            std::log(error_of(bad, measure_) / target_) / std::log(error_of(bad, measure_) / least);
-        const double rays =
-            std::round(surplus * bad.samples * std::pow(good.samples / bad.samples, part) / beams_);
-        constexpr double worth_it = 0.75;
-        if (rays * beams_ < worth_it * good.samples && step(rays)) good = ladder_.back();
+            least > 0 && std::isfinite(most) ? std::log(most / target_) / std::log(most / least) : 0.5;
+        const double nearest = std::sqrt(fine_step);
+        const double samples = std::clamp(surplus * bad.samples * std::pow(good.samples / bad.samples, part),
+                                          nearest * bad.samples, good.samples / nearest);
+        const double rays = std::round(samples / beams_);
+        if (rays * beams_ <= bad.samples || rays * beams_ >= good.samples) break;
+        (step(rays) ? good : bad) = ladder_.back();
       }
     }
-    const double rays = std::round(good.samples / beams_);
     Candidate candidate;
-    candidate.setting = setting(rays);
-    candidate.probe_error = error_of(good, measure_);
-    candidate.predicted_error = advice_safety * candidate.probe_error;
-    candidate.predicted_seconds = probes_.run(candidate.setting, repeats).seconds;
+    probes_.run(setting(std::round(good.samples / beams_)), repeats, candidate);
     return candidate;
   }
 
   Candidate not_tried(double rays, std::string why) const {
-    Candidate candidate;
+    Candidate candidate = last_;
     candidate.setting = setting(std::min(rays, most_rays));
-    const double samples = rays * beams_, last = ladder_.back().samples;
-    candidate.probe_error = samples > last ? target_ : error();
-    candidate.predicted_error = advice_safety * candidate.probe_error;
-    candidate.predicted_seconds = samples > last ? seconds_for(ladder_, samples) : ladder_.back().seconds;
+    if (const double samples = rays * beams_; samples > ladder_.back().samples) {
+      candidate.probe_error = candidate.predicted_error = target_;
+      candidate.predicted_seconds = seconds_for(ladder_, samples);
+    }
     candidate.tried = false;
     candidate.note = std::move(why);
     return candidate;
   }
 
-  TrialScene& probes_;
+  const Probes& probes_;
   std::string sampling_;
   ErrorMeasure measure_;
   double target_;
   std::uint64_t seed_;
   double cap_, beams_;
-  std::vector<Trial> ladder_;
+  std::vector<Trial> ladder_;  ///< with predicted errors
+  Candidate last_;             ///< the last rung
 };
-
-Candidate tubes(TrialScene& probes, const std::string& binning, ErrorMeasure measure) {
-  stop_if_interrupted();
-  Candidate candidate;
-  candidate.setting = tube_setting(binning);
-  const Trial trial = probes.run(candidate.setting, repeats, ErrorsOver::ping);
-  candidate.probe_error = error_of(trial, measure);
-  candidate.predicted_error = advice_safety * candidate.probe_error;
-  candidate.predicted_seconds = trial.seconds;
-  return candidate;
-}
 
 std::vector<TrialPings> pings_of(const std::vector<LookedAt>& sensors, bool probes) {
   std::vector<TrialPings> chosen;
@@ -160,7 +183,7 @@ void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint6
     stop_if_interrupted();
     EngineSetting setting = candidate.setting;
     setting.run.seed = seed;
-    candidate.others = others.run(setting, repeats, ErrorsOver::ping);
+    candidate.others = others.run(setting, repeats);
   }
 }
 
@@ -173,6 +196,15 @@ bool Advice::holds(const Candidate& candidate) const {
 
 double Advice::seconds(const Candidate& candidate) const {
   return candidate.others ? candidate.others->seconds : candidate.predicted_seconds;
+}
+
+std::size_t cheapest(const Advice& advice) {
+  std::size_t best = 0;
+  for (std::size_t c = 1; c < advice.candidates.size(); ++c)
+    if (advice.holds(advice.candidates[c]) &&
+        advice.seconds(advice.candidates[c]) < advice.seconds(advice.candidates[best]))
+      best = c;
+  return best;
 }
 
 LookedAt looked_at(std::size_t pings, std::size_t count) {
@@ -206,7 +238,7 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
   Advice advice;
   advice.tolerance = tolerance;
   {
-    TrialScene probes(
+    TrialScene probe_pings(
         scene,
         [&](const Survey& survey) {
           for (const SensorPings& s : survey.sensors) {
@@ -216,28 +248,25 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
           return pings_of(advice.sensors, true);
         },
         std::nullopt);
-    advice.silent = probes.silent_sensors();
-    const std::vector<std::string> samplings{"stratified", "regular", "column"};
+    advice.silent = probe_pings.silent_sensors();
+    const Probes probes(probe_pings, advice.sensors, tolerance.measure);
     const std::vector<std::string> binnings{"exact", "spread", "centroid"};
     const bool choice = advice.silent.empty();
-    Progress progress("settings", choice ? binnings.size() + samplings.size() : 1, options.quiet);
+    Progress progress("settings", choice ? binnings.size() + options.samplings.size() : 1, options.quiet);
     for (const std::string& binning : binnings) {
-      advice.candidates.push_back(tubes(probes, binning, tolerance.measure));
+      probes.run(tube_setting(binning), repeats, advice.candidates.emplace_back());
       progress.step();
       if (!choice) break;
     }
     const double cap = options.largest_cost * advice.candidates.front().predicted_seconds;
-    for (const std::string& sampling : samplings) {
+    for (const std::string& sampling : options.samplings) {
       if (!choice) break;
       advice.candidates.push_back(RayLadder(probes, sampling, tolerance, options.seed, cap).climb());
       progress.step();
     }
   }
   if (options.measure) measure_on_others(advice, scene, options.seed + 1);
-  for (std::size_t c = 1; c < advice.candidates.size(); ++c)
-    if (advice.holds(advice.candidates[c]) &&
-        advice.seconds(advice.candidates[c]) < advice.seconds(advice.best()))
-      advice.chosen = c;
+  advice.chosen = cheapest(advice);
   return advice;
 }
 

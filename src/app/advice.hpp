@@ -13,25 +13,23 @@
 // Which engine and settings a tolerance needs: measured on a few pings, docs/advise.md.
 namespace tubefoot {
 
-/// Errors on the probe pings count this many times: other pings differ from them.
-inline constexpr double advice_safety = 1.3;
-
 struct AdviceOptions {
-  std::size_t pings = 2;     ///< probe pings of each sensor, and as many others to measure
-  bool measure = true;       ///< measure on other pings what the probe pings predict
-  double largest_cost = 10;  ///< rays that take longer than this many exact tube runs are not tried
-  std::uint64_t seed = 1;    ///< of the rays
+  std::size_t pings = 8;    ///< probe pings of each sensor, and as many others to measure; at least 2
+  bool measure = true;      ///< measure on other pings what the probe pings predict
+  double largest_cost = 3;  ///< rays that take longer than this many exact tube runs are not tried
+  std::uint64_t seed = 1;   ///< of the rays
+  std::vector<std::string> samplings{"stratified", "regular", "column"};  ///< of rays, to try
   bool quiet = false;
 };
 
 /// One way to compute the scene, and what is known about it. Seconds are those of a ping on one thread.
 struct Candidate {
   EngineSetting setting;
-  double probe_error = 0;      ///< of the worst probe ping; of rays not tried, by extrapolation
-  double predicted_error = 0;  ///< advice_safety times that
+  double probe_error = 0;      ///< of the probe pings, worst sensor; of rays not tried, by extrapolation
+  double predicted_error = 0;  ///< what that of all pings will hardly exceed (study/ping_spread.hpp)
   double predicted_seconds = 0;
   bool tried = true;            ///< false: `note` says why
-  std::optional<Trial> others;  ///< on other pings, errors of the worst one
+  std::optional<Trial> others;  ///< on other pings
   std::string note;
 };
 
@@ -57,6 +55,9 @@ struct Advice {
   double seconds(const Candidate& candidate) const;
   const Candidate& best() const { return candidates[chosen]; }
 };
+
+/// Index of the candidate that holds and takes the fewest seconds; 0 where none does.
+std::size_t cheapest(const Advice& advice);
 
 /// Spread over a run of `pings` pings: `count` probes (or all there are), and as many others.
 LookedAt looked_at(std::size_t pings, std::size_t count);

@@ -9,6 +9,7 @@
 #include "app/output_folder.hpp"
 #include "app/settings.hpp"
 #include "app/usage_error.hpp"
+#include "study/ping_spread.hpp"
 
 namespace tubefoot {
 namespace {
@@ -36,7 +37,7 @@ Json json_of(const Advice& advice, const SceneDescription& scene) {
             {"scene_hash", scene.sha256},
             {"tolerance", to_text(advice.tolerance)},
             {"measure", advice.tolerance.measure == ErrorMeasure::l1 ? "l1_error" : "rms_db_error"},
-            {"safety", advice_safety}};
+            {"confidence", error_limit_confidence}};
   for (const LookedAt& s : advice.sensors)
     json["sensors"].push_back({{"name", s.sensor},
                                {"pings", s.pings},
@@ -75,9 +76,10 @@ void print_advice(const Advice& advice) {
       fmt::print("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
   }
   fmt::print(
-      "\nPredicted errors are {:g} times the worst probe ping's, measured ones the worst ping's. One thread; "
-      "loading not counted.\n",
-      advice_safety);
+      "\nPredicted: {:g} % confidence limit from the spread of the probe pings, at least {:g} times their "
+      "error. "
+      "Seconds on one thread, loading not counted.\n",
+      100 * error_limit_confidence, least_margin);
   fmt::print("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
   fmt::print("left out       {}\n", left_out_by(advice.best().setting.run));
   fmt::print("options        {}\n", options_of(advice.best().setting.run));

@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 
@@ -16,6 +17,18 @@ namespace tubefoot {
 namespace {
 
 constexpr int done = 0, failed = 1, wrong_input = 2;
+
+/// CLI11's own range checks let NaN through, as it is neither too small nor too large.
+CLI::Validator finite_number(double least, bool above) {
+  return CLI::Validator(
+      [least, above](std::string& text) -> std::string {
+        double value = 0;
+        const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+        if (number && (above ? value > least : value >= least)) return {};
+        return fmt::format("'{}' is no number {} {:g}", text, above ? "above" : "of at least", least);
+      },
+      "NUMBER");
+}
 
 void add_common(CLI::App& command, CommonOptions& options) {
   command.add_option("SCENE", options.scene, "scene file (docs/scene-file.md)")->required();
@@ -113,11 +126,11 @@ int run_command_line(int argc, char** argv) {
       ->check(CLI::Range(0, 1000000));
   compare_app->add_flag("--any-scene", compare.any_scene, "compare although the scene hashes differ");
   compare_app->add_option("--within", compare.within_l1, "exit with 3 if a relative L1 error is larger")
-      ->check(CLI::NonNegativeNumber);
+      ->check(finite_number(0, false));
   compare_app
       ->add_option("--within-db", compare.within_db,
                    "exit with 3 if an RMS error of lit bins, in dB, is larger")
-      ->check(CLI::NonNegativeNumber);
+      ->check(finite_number(0, false));
   compare_app->footer(
       "Example:\n  tubefoot compare out/wellhead/echoes.nc out/wellhead-rays/echoes.nc --png out/rays.png");
   compare_app->callback([&] { command = [&] { return compare_command(compare); }; });
@@ -135,7 +148,7 @@ int run_command_line(int argc, char** argv) {
   chart_app
       ->add_option("--seconds", chart.seconds_per_trial,
                    "leave out settings that would take longer than this for one run (default: 4)")
-      ->check(CLI::PositiveNumber);
+      ->check(finite_number(0, true));
   chart_app->add_flag("--quiet", chart.quiet, "print results and errors only");
   chart_app->footer("Example:\n  tubefoot chart scenes/chart/*.toml -o out/chart");
   chart_app->callback([&] { command = [&] { return chart_command(chart); }; });
@@ -150,8 +163,8 @@ int run_command_line(int argc, char** argv) {
       ->required();
   advise_app
       ->add_option("--pings", advise.pings,
-                   "pings of each sensor to predict from, and as many others to measure (default: 2)")
-      ->check(CLI::Range(1, 1000000));
+                   "pings of each sensor to predict from, and as many others to measure (default: 8)")
+      ->check(CLI::Range(2, 1000000));
   advise_app->add_option("--json", advise.json, "write all figures into this file; -: print them instead");
   advise_app->add_flag("--quiet", advise.quiet, "print results and errors only");
   advise_app->footer("Example:\n  tubefoot advise scenes/wellhead/scene.toml --tolerance 0.5dB");

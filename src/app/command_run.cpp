@@ -17,6 +17,7 @@
 #include "app/usage_error.hpp"
 #include "scene/utc.hpp"
 #include "sensors/products.hpp"
+#include "study/ping_spread.hpp"
 
 namespace tubefoot {
 namespace {
@@ -99,9 +100,10 @@ nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
       {"seconds_a_probe_ping", best.predicted_seconds},
       {"left_out", left_out_by(best.setting.run)},
       {"estimated_error", best.predicted_error},
-      {"estimate", fmt::format("measured, not certified: {:g} times the error on the probe pings, against "
-                               "exact cuts",
-                               advice_safety)},
+      {"estimate",
+       fmt::format("measured, not certified: {:g} % confidence limit from the spread of the probe "
+                   "pings, against exact cuts",
+                   100 * error_limit_confidence)},
       {"error_text", error_text(advice.tolerance.measure, best.predicted_error)},
       {"seconds_of_advice", seconds}};
   for (const LookedAt& s : advice.sensors) json["probe_pings"][s.sensor] = s.probes;

@@ -73,7 +73,7 @@ struct ChartOptions {
 struct AdviseOptions {
   std::filesystem::path scene;
   std::string tolerance;
-  std::size_t pings = 2;
+  std::size_t pings = 8;
   std::optional<std::string> json;  ///< file, or "-" for stdout
   bool quiet = false;
 };

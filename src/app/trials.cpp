@@ -166,7 +166,7 @@ std::vector<Recording> TrialScene::record(const EngineSetting& setting, double& 
   return recordings;
 }
 
-Trial TrialScene::run(const EngineSetting& setting, int repeats, ErrorsOver over) {
+Trial TrialScene::run(const EngineSetting& setting, int repeats) {
   std::vector<double> seconds(static_cast<std::size_t>(repeats));
   const std::vector<Recording> candidate = record(setting, seconds.front());
   for (std::size_t r = 1; r < seconds.size(); ++r) record(setting, seconds[r]);
@@ -183,17 +183,20 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats, ErrorsOver over
   for (std::size_t s = 0; s < candidate.size(); ++s) {
     const Recording& reference = reference_[s];
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());
-    const std::size_t parts = over == ErrorsOver::ping ? reference.ping_time_s.size() : 1;
-    const EchoShape shape{reference.ping_time_s.size() / parts, reference.sensor->beams().size(),
-                          ranges.size()};
-    for (std::size_t p = 0; p < parts; ++p) {
-      const auto part = [&](std::span<const double> all) {
-        return all.subspan(all.empty() ? 0 : p * shape.bins(), all.empty() ? 0 : shape.bins());
+    const EchoShape ping{1, reference.sensor->beams().size(), ranges.size()};
+    const EchoShape all{reference.ping_time_s.size(), ping.beams, ping.samples};
+    const EchoErrors errors = echo_errors({all, reference.energy, candidate[s].energy, {}, ranges});
+    trial.l1_error = std::max(trial.l1_error, errors.l1);
+    trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
+    std::vector<PingError>& pings = trial.pings.emplace_back();
+    for (std::size_t p = 0; p < all.pings; ++p) {
+      const auto part = [&](std::span<const double> energies) {
+        return energies.subspan(p * ping.bins(), ping.bins());
       };
-      const EchoErrors errors = echo_errors(
-          {shape, part(reference.energy), part(candidate[s].energy), part(reference.energy_bound), ranges});
-      trial.l1_error = std::max(trial.l1_error, errors.l1);
-      trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
+      const EchoErrors e = echo_errors({ping, part(reference.energy), part(candidate[s].energy), {}, ranges});
+      const auto lit = static_cast<double>(e.lit_bins);
+      pings.push_back({e.reference_total_j > 0 ? e.l1 * e.reference_total_j : e.candidate_total_j,
+                       e.reference_total_j, e.rms_db * e.rms_db * lit, lit});
     }
   }
   return trial;

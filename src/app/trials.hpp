@@ -40,9 +40,6 @@ struct TrialPings {
   std::vector<std::size_t> pings;
 };
 
-/// What an error is taken over, the worst of which counts: all chosen pings of a sensor, or each alone.
-enum class ErrorsOver { sensor, ping };
-
 /// Chosen pings of a loaded scene, with a reference to hold engines against.
 class TrialScene {
  public:
@@ -61,9 +58,9 @@ class TrialScene {
   /// Sensors that hear nothing at all in the chosen pings: errors say nothing about them.
   std::vector<std::string> silent_sensors() const;
 
-  /// Runs a setting `repeats` times. The first run's energies count, and the worst sensor's (ping's) errors;
-  /// the median of the times, which is that of a ping, a sensor's weight being the pings it has in the scene.
-  Trial run(const EngineSetting& setting, int repeats, ErrorsOver over = ErrorsOver::sensor);
+  /// Runs a setting `repeats` times. The first run's energies count, and the worst sensor's errors; the
+  /// median of the times, which is that of a ping, a sensor's weight being the pings it has in the scene.
+  Trial run(const EngineSetting& setting, int repeats);
 
  private:
   std::vector<Recording> record(const EngineSetting& setting, double& seconds_a_ping);

@@ -72,6 +72,17 @@ double error_of(const Trial& trial, ErrorMeasure measure) {
   return measure == ErrorMeasure::l1 ? trial.l1_error : trial.rms_db_error;
 }
 
+double error_of(std::span<const PingError> pings, ErrorMeasure measure) {
+  double part = 0, whole = 0;
+  for (const PingError& p : pings) {
+    part += measure == ErrorMeasure::l1 ? p.difference_j : p.squared_db;
+    whole += measure == ErrorMeasure::l1 ? p.reference_j : p.lit_bins;
+  }
+  if (!(part > 0)) return 0;
+  return measure == ErrorMeasure::l1 ? part / whole
+                                     : std::sqrt(part / whole);  // infinite where all is silent
+}
+
 std::optional<double> convergence_order(std::span<const Trial> trials, ErrorMeasure measure, double floor) {
   std::vector<std::pair<double, double>> points;
   const double ceiling = measure == ErrorMeasure::l1 ? unconverged_l1 : unconverged_db;

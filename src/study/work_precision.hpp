@@ -9,6 +9,17 @@
 // What accuracy costs: one trial is one engine in one setting on one scene.
 namespace tubefoot {
 
+enum class ErrorMeasure { l1, rms_db };
+
+/// What one ping has to say about the errors of the pings it belongs to.
+struct PingError {
+  double difference_j = 0, reference_j = 0;  ///< sum |E - E_ref|, sum E_ref
+  double squared_db = 0, lit_bins = 0;       ///< sum of squared errors of lit bins, dB^2; how many there are
+};
+
+/// Relative L1 error, or RMS error of lit bins in dB, of pings together.
+double error_of(std::span<const PingError> pings, ErrorMeasure measure);
+
 struct Trial {
   std::string scene, engine, setting;
   double l1_error = 0;      ///< relative: sum |E - E_ref| / sum E_ref
@@ -17,9 +28,9 @@ struct Trial {
   double bound = 0;         ///< of the reference itself: sum of half-widths / sum of energies
   double samples = 0;       ///< rays a ping; 0 for engines that do not sample
   bool counts = true;       ///< false: drawn, but nobody's choice, like plain double, which promises nothing
+  std::vector<std::vector<PingError>> pings;  ///< by sensor
 };
 
-enum class ErrorMeasure { l1, rms_db };
 double error_of(const Trial& trial, ErrorMeasure measure);
 
 /// Errors above this say nothing of convergence: most bins are still missed.

@@ -52,6 +52,15 @@ TEST_F(CommandLine, VersionIsPrinted) {
   EXPECT_THAT(outcome.out, testing::MatchesRegex("tubefoot [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
+TEST_F(CommandLine, NumbersThatAreNoneAreRefused) {
+  expect_refused({"compare", "a.nc", "b.nc", "--within", "nan"},
+                 "--within: 'nan' is no number of at least 0");
+  expect_refused({"compare", "a.nc", "b.nc", "--within-db", "inf"}, "'inf' is no number of at least 0");
+  for (const char* bad : {"nan", "1e999", "0"})
+    expect_refused({"chart", scene, "-o", output, "--seconds", bad}, "is no number above 0");
+  expect_refused({"run", scene, "-o", output, "--rays", "nan"}, "--rays");
+}
+
 TEST_F(CommandLine, WhatCannotBeMeantIsRefused) {
   expect_refused({}, "subcommand");
   expect_refused({"paint", scene}, "paint");
