@@ -12,7 +12,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::array<int, 5> rule_orders{3, 5, 8, 12, 18};
+constexpr std::array<int, 7> rule_orders{2, 3, 4, 6, 9, 13, 18};
+constexpr std::size_t most_first_rule = 3;
 constexpr int most_halvings = 60;
 /// Rounding that was underestimated must not make work without end.
 constexpr int most_refined_cells = 4000;
@@ -242,23 +243,22 @@ void PathCutter::integrate(const Sector& sector) {
   }
 }
 
-/// Whether a cell is small, as seen from both apexes, against what the integrand does.
-bool PathCutter::resolved(const Curve& near, const Curve& far, const Cell& cell, bool& split_angle) const {
-  double width = 0, depth = 0;
+PathCutter::Extent PathCutter::extent_of(const Curve& near, const Curve& far, const Cell& cell) const {
+  double arc = 0, ray = 0;
   for (const double turn : {-cell.half, 0.0, cell.half}) {
     const glm::dvec2 direction = turned(cell.middle, turn);
     const double lo = distance(near, direction), hi = distance(far, direction);
-    depth = std::max(depth, (hi - lo) * (cell.to - cell.from));
-    width = std::max(width, 2 * cell.half * (lo + (hi - lo) * cell.to));
+    ray = std::max(ray, (hi - lo) * (cell.to - cell.from));
+    arc = std::max(arc, 2 * cell.half * (lo + (hi - lo) * cell.to));
   }
-  split_angle = width > depth;
-  const double size = width + depth, lo = distance(near, cell.middle), hi = distance(far, cell.middle);
+  const double lo = distance(near, cell.middle), hi = distance(far, cell.middle);
   const glm::dvec2 centre = (lo + (hi - lo) * (cell.from + cell.to) / 2) * cell.middle;
-  const double allowed = std::min(work_.resolution_rad, 1.0);
-  const auto fits = [&](double height, glm::dvec2 foot) {
-    return size <= allowed * std::max(height, range(height, centre - foot) - size);
+  const auto nearest = [&](double height, glm::dvec2 foot) {
+    return std::max(height, range(height, centre - foot) - arc - ray);
   };
-  return fits(transmit_height_, transmit_foot_) && fits(receive_height_, receive_foot_);
+  const double away =
+      std::min(nearest(transmit_height_, transmit_foot_), nearest(receive_height_, receive_foot_));
+  return {arc / away, ray / away};
 }
 
 /// Sums one product rule over a cell; returns what rounding of the curves may be worth: directions and
@@ -307,25 +307,35 @@ void PathCutter::integrate(const Curve& near, const Curve& far, const Cell& cell
     integrate(near, far, a, out);
     integrate(near, far, b, out);
   };
-  bool split_angle = true;
-  if (cell.halvings < most_halvings && !resolved(near, far, cell, split_angle))
-    return halves(split_angle, 1, 0);
+  const double smooth = std::min(work_.resolution_rad, 1.0);
+  const Extent extent = extent_of(near, far, cell);
+  if (extent.arc + extent.ray > smooth && cell.halvings < most_halvings)
+    return halves(extent.arc > extent.ray, 1, 0);
 
+  // n nodes on an interval of length x leave about (x / 4)^2n if the next singularity is 1 away.
+  const auto first_rule = [&](double size) {
+    std::size_t k = 0;
+    while (k < most_first_rule && std::pow(size / smooth / 4, 2 * rule_orders[k]) > work_.tolerance) ++k;
+    return k;
+  };
+  const std::size_t arc = first_rule(extent.arc), ray = first_rule(extent.ray);
   std::vector<double> coarse, fine;
   const auto error = [&](const std::vector<double>& a, const std::vector<double>& b) {
     double worst = 0;
     for (std::size_t v = 0; v < a.size(); ++v) worst = std::max(worst, std::abs(a[v] - b[v]));
     return worst;
   };
-  tensor(near, far, cell, rule_orders[0], rule_orders[0], coarse);
+  tensor(near, far, cell, rule_orders[arc], rule_orders[ray], coarse);
   bool agree = false;
-  for (std::size_t k = 1; k < rule_orders.size() && !agree; ++k) {
-    const double rounding = tensor(near, far, cell, rule_orders[k], rule_orders[k], fine);
+  const std::size_t last = rule_orders.size() - 1;
+  for (std::size_t k = 1; std::min(arc, ray) + k <= last && !agree; ++k) {
+    const int by_arc = rule_orders[std::min(arc + k, last)], by_ray = rule_orders[std::min(ray + k, last)];
+    const double rounding = tensor(near, far, cell, by_arc, by_ray, fine);
     agree = error(coarse, fine) <= work_.tolerance * std::abs(fine[0]) + rounding;
     coarse.swap(fine);
   }
   if (!agree && cell.refinements < work_.most_refinements && refinements_left_-- > 0) {
-    const int few = rule_orders[rule_orders.size() - 2], many = rule_orders.back();
+    const int few = rule_orders[last - 1], many = rule_orders[last];
     std::vector<double> other;
     tensor(near, far, cell, few, many, fine);
     tensor(near, far, cell, many, few, other);

@@ -80,6 +80,11 @@ class PathCutter {
     int halvings = 0, refinements = 0;  // to be small enough; to be accurate enough
   };
 
+  /// How large a cell is, as seen from the nearer apex: along arcs about c and along rays from it.
+  struct Extent {
+    double arc = 0, ray = 0;
+  };
+
   void find_sectors(const PlanarPolygon& polygon);
   void integrate(const Sector& sector);
   double path_of(const Line& line, double along) const;
@@ -87,7 +92,7 @@ class PathCutter {
   void add_crossings(const Line& line, double path, const Sector& sector, std::vector<double>& angles) const;
   double distance(const Curve& curve, glm::dvec2 direction) const;
   void integrate(const Curve& near, const Curve& far, const Cell& cell, std::span<double> out);
-  bool resolved(const Curve& near, const Curve& far, const Cell& cell, bool& split_angle) const;
+  Extent extent_of(const Curve& near, const Curve& far, const Cell& cell) const;
   double tensor(const Curve& near, const Curve& far, const Cell& cell, int angles, int distances,
                 std::vector<double>& sum);
 
