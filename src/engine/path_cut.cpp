@@ -14,7 +14,10 @@ namespace {
 
 constexpr std::array<int, 7> rule_orders{2, 3, 4, 6, 9, 13, 18};
 constexpr std::size_t most_first_rule = 3;
-constexpr int most_halvings = 60;
+constexpr int most_halvings = 120;
+constexpr double least_steep_half = 1e-14;  // below, directions are too rough to tell
+/// A part of a cell this much smaller than another one need not be as accurate.
+constexpr double negligible = 1e-3;
 /// Rounding that was underestimated must not make work without end.
 constexpr int most_refined_cells = 4000;
 
@@ -87,7 +90,7 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
   const std::size_t n = polygon.offsets.size();
   lines_.clear();
   sectors_.clear();
-  bool outside = false;
+  bool outside = false, at_c = false;
   glm::dvec2 sum(0);
   const glm::dvec2 first = polygon.first - c_;
   for (std::size_t i = 0; i < n; ++i) {
@@ -99,11 +102,15 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     if (!(line.length > 0)) continue;
     line.along = way / line.length;
     line.height = cross(line.from, line.along);
-    // A line through c, but for rounding, bounds no area: away from c it has no angle, and at c no distance.
-    if (std::abs(line.height) <= 1e-15 * (glm::length(line.from) + line.length)) continue;
     const double nearest = std::clamp(-glm::dot(line.from, line.along), 0.0, line.length);
     line.least = glm::length(line.from + nearest * line.along);
     line.most = std::max(glm::length(line.from), glm::length(line.from + line.length * line.along));
+    // A line through c, but for rounding, bounds no area: away from c it has no angle, and at c no distance.
+    const double rounding = 1e-15 * (glm::length(polygon.first) + glm::length(c_) + line.most + line.length);
+    if (std::abs(line.height) <= rounding) {
+      at_c = at_c || line.least <= 2 * rounding;
+      continue;
+    }
     outside = outside || line.height < 0;
     lines_.push_back(line);
   }
@@ -143,8 +150,9 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     const double middle = (angles_[k] + angles_[k + 1]) / 2, half = (angles_[k + 1] - angles_[k]) / 2;
     if (!(half > 0)) continue;
     const Line *f = at(far, middle), *b = at(near, middle);
-    // Only rounding leaves a direction without one of the two, and only a few of them.
-    if (f != nullptr && b != nullptr) sectors_.push_back({turned(axis, middle), half, f, b});
+    // Only rounding leaves a direction without one of the two, and only a few directions, unless c is on the
+    // boundary: then an edge that was left out is the near one.
+    if (f != nullptr && (b != nullptr || at_c)) sectors_.push_back({turned(axis, middle), half, f, b});
   }
 }
 
@@ -238,6 +246,7 @@ void PathCutter::integrate(const Sector& sector) {
       if (distance({sector.far, 0}, cell.middle) < distance(far, cell.middle)) far = {sector.far, 0};
       if (!(distance(far, cell.middle) > distance(near, cell.middle))) continue;
       refinements_left_ = most_refined_cells;
+      largest_part_ = 0;
       integrate(near, far, cell, out_.subspan(k * work_.values, work_.values));
     }
   }
@@ -245,20 +254,23 @@ void PathCutter::integrate(const Sector& sector) {
 
 PathCutter::Extent PathCutter::extent_of(const Curve& near, const Curve& far, const Cell& cell) const {
   double arc = 0, ray = 0;
+  bool steep = false;
+  const double lo = distance(near, cell.middle), hi = distance(far, cell.middle);
   for (const double turn : {-cell.half, 0.0, cell.half}) {
     const glm::dvec2 direction = turned(cell.middle, turn);
-    const double lo = distance(near, direction), hi = distance(far, direction);
-    ray = std::max(ray, (hi - lo) * (cell.to - cell.from));
-    arc = std::max(arc, 2 * cell.half * (lo + (hi - lo) * cell.to));
+    const double from = distance(near, direction), to = distance(far, direction);
+    ray = std::max(ray, (to - from) * (cell.to - cell.from));
+    arc = std::max(arc, 2 * cell.half * (from + (to - from) * cell.to));
+    const auto differ = [](double x, double y) { return x > 2 * y || y > 2 * x; };
+    steep = steep || (near.line != nullptr && differ(lo, from)) || (far.line != nullptr && differ(hi, to));
   }
-  const double lo = distance(near, cell.middle), hi = distance(far, cell.middle);
   const glm::dvec2 centre = (lo + (hi - lo) * (cell.from + cell.to) / 2) * cell.middle;
   const auto nearest = [&](double height, glm::dvec2 foot) {
     return std::max(height, range(height, centre - foot) - arc - ray);
   };
   const double away =
       std::min(nearest(transmit_height_, transmit_foot_), nearest(receive_height_, receive_foot_));
-  return {arc / away, ray / away};
+  return {arc / away, ray / away, steep && cell.half > least_steep_half};
 }
 
 /// Sums one product rule over a cell; returns what rounding of the curves may be worth: directions and
@@ -309,8 +321,8 @@ void PathCutter::integrate(const Curve& near, const Curve& far, const Cell& cell
   };
   const double smooth = std::min(work_.resolution_rad, 1.0);
   const Extent extent = extent_of(near, far, cell);
-  if (extent.arc + extent.ray > smooth && cell.halvings < most_halvings)
-    return halves(extent.arc > extent.ray, 1, 0);
+  if (cell.halvings < most_halvings && (extent.steep || extent.arc + extent.ray > smooth))
+    return halves(extent.steep || extent.arc > extent.ray, 1, 0);
 
   // n nodes on an interval of length x leave about (x / 4)^2n if the next singularity is 1 away.
   const auto first_rule = [&](double size) {
@@ -328,10 +340,11 @@ void PathCutter::integrate(const Curve& near, const Curve& far, const Cell& cell
   tensor(near, far, cell, rule_orders[arc], rule_orders[ray], coarse);
   bool agree = false;
   const std::size_t last = rule_orders.size() - 1;
-  for (std::size_t k = 1; std::min(arc, ray) + k <= last && !agree; ++k) {
-    const int by_arc = rule_orders[std::min(arc + k, last)], by_ray = rule_orders[std::min(ray + k, last)];
+  for (std::size_t k = 1; std::max(arc, ray) + k <= last && !agree; ++k) {
+    const int by_arc = rule_orders[arc + k], by_ray = rule_orders[ray + k];
     const double rounding = tensor(near, far, cell, by_arc, by_ray, fine);
-    agree = error(coarse, fine) <= work_.tolerance * std::abs(fine[0]) + rounding;
+    const double size = std::max(std::abs(fine[0]), negligible * largest_part_);
+    agree = error(coarse, fine) <= work_.tolerance * size + rounding;
     coarse.swap(fine);
   }
   if (!agree && cell.refinements < work_.most_refinements && refinements_left_-- > 0) {
@@ -341,6 +354,7 @@ void PathCutter::integrate(const Curve& near, const Curve& far, const Cell& cell
     tensor(near, far, cell, many, few, other);
     return halves(error(coarse, fine) > error(coarse, other), 0, 1);
   }
+  largest_part_ = std::max(largest_part_, std::abs(coarse[0]));
   for (std::size_t v = 0; v < out.size(); ++v) out[v] += coarse[v];
 }
 

@@ -83,6 +83,7 @@ class PathCutter {
   /// How large a cell is, as seen from the nearer apex: along arcs about c and along rays from it.
   struct Extent {
     double arc = 0, ray = 0;
+    bool steep = false;  ///< an edge that all but runs towards c makes the distances differ too much
   };
 
   void find_sectors(const PlanarPolygon& polygon);
@@ -110,6 +111,7 @@ class PathCutter {
   std::vector<Sector> sectors_;
   std::vector<double> angles_, values_;
   int refinements_left_ = 0;  // of a whole cell, as there may be
+  double largest_part_ = 0;   // of a whole cell, so far
 };
 
 }  // namespace tubefoot
