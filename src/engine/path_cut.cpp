@@ -95,8 +95,10 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
   const glm::dvec2 first = polygon.first - c_;
   for (std::size_t i = 0; i < n; ++i) {
     Line line;
-    const glm::dvec2 way = polygon.offsets[i + 1 == n ? 0 : i + 1] - polygon.offsets[i];
+    const std::size_t next = i + 1 == n ? 0 : i + 1;
+    const glm::dvec2 way = polygon.offsets[next] - polygon.offsets[i];
     line.from = first + polygon.offsets[i];
+    line.to = first + polygon.offsets[next];
     sum += line.from;
     line.length = glm::length(way);
     if (!(line.length > 0)) continue;
@@ -104,7 +106,7 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     line.height = cross(line.from, line.along);
     const double nearest = std::clamp(-glm::dot(line.from, line.along), 0.0, line.length);
     line.least = glm::length(line.from + nearest * line.along);
-    line.most = std::max(glm::length(line.from), glm::length(line.from + line.length * line.along));
+    line.most = std::max(glm::length(line.from), glm::length(line.to));
     // A line through c, but for rounding, bounds no area: away from c it has no angle, and at c no distance.
     const double rounding = 1e-15 * (glm::length(polygon.first) + glm::length(c_) + line.most + line.length);
     if (std::abs(line.height) <= rounding) {
@@ -116,8 +118,7 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
   }
   if (!outside) {
     for (const Line& line : lines_) {
-      const glm::dvec2 to = line.from + line.length * line.along;
-      const double half = angle_between(line.from, to) / 2;
+      const double half = angle_between(line.from, line.to) / 2;
       sectors_.push_back({turned(glm::normalize(line.from), half), half, &line, nullptr});
     }
     return;
@@ -131,8 +132,7 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
   std::vector<Interval> far, near;
   angles_.clear();
   for (const Line& line : lines_) {
-    const double a = angle_between(axis, line.from),
-                 b = angle_between(axis, line.from + line.length * line.along);
+    const double a = angle_between(axis, line.from), b = angle_between(axis, line.to);
     if (line.height > 0)
       far.push_back({a, b, &line});
     else

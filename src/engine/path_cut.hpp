@@ -57,9 +57,9 @@ class PathCutter {
  private:
   /// An edge, about c. What lies on its left is inside.
   struct Line {
-    glm::dvec2 from, along;
-    double length, height;  // of c to its left
-    double least, most;     // distances of its points from c
+    glm::dvec2 from, to, along;  // neighbours share their corner to the last bit
+    double length, height;       // of c to its left
+    double least, most;          // distances of its points from c
     double along_of(glm::dvec2 direction) const;
   };
   struct Sector {
