@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/bistatic_echo.hpp"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "engine/path_cut.hpp"
+#include "engine/radial_law.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Facets that one task takes: results are gathered by task, so the number is part of the summation's order.
+constexpr std::size_t facets_per_task = 32;
+
+std::size_t tasks_for(std::size_t facets) { return (facets + facets_per_task - 1) / facets_per_task; }
+
+std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
+                                 const VisibilityOptions& options) {
+  std::vector<TubeVisibility> seen(tubes.tubes.size());
+  tbb::enumerable_thread_specific<VisibilityScratch> threads;
+  tbb::parallel_for(std::uint32_t{0}, std::uint32_t(seen.size()), [&](std::uint32_t tube) {
+    see(mesh, tree, tubes, tube, options, threads.local(), seen[tube]);
+  });
+  return seen;
+}
+
+void check(const BistaticHistory& history, const BistaticBeams& beams, const EchoLaw& law, double tolerance) {
+  const auto refuse = [](std::string_view what) { throw std::invalid_argument(std::string(what)); };
+  const std::size_t sent = history.transmit.tubes.size(), heard = history.receive.tubes.size();
+  if (beams.count < 0) refuse(fmt::format("a receiver cannot have {} beams", beams.count));
+  if (beams.of_receive_tube.size() != heard)
+    refuse(fmt::format("the receiver has {} tubes, but {} have a beam", heard, beams.of_receive_tube.size()));
+  for (const std::uint32_t beam : beams.of_receive_tube)
+    if (beam >= std::uint32_t(beams.count))
+      refuse(fmt::format("a tube belongs to beam {} of {}", beam, beams.count));
+  const bool fans = !beams.fan_of_transmit_tube.empty() || !beams.fan_of_receive_tube.empty();
+  if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != heard))
+    refuse("fans must be given for all transmit and all receive tubes, or for none");
+  if (!(law.absorption_db_per_m >= 0 && std::isfinite(law.absorption_db_per_m)))
+    refuse(fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
+  if (!(tolerance > 0)) refuse(fmt::format("a tolerance must be above 0, not {}", tolerance));
+  for (const SharedFacet& facet : history.shared.facets)
+    if (facet.facet >= law.material.size() || law.material[facet.facet] >= law.material_mu.size())
+      refuse(fmt::format("facet {} has no material with a Lambert parameter", facet.facet));
+  if (law.patterns == nullptr) return;
+  const BeamPatterns& patterns = *law.patterns;
+  bool fits = patterns.receive.size() == std::size_t(beams.count) && patterns.fan_of_tube.size() == heard &&
+              patterns.beams_of_tube.size() == heard;
+  for (const std::uint32_t fan : patterns.fan_of_tube) fits = fits && fan < patterns.transmit.size();
+  for (const auto& [first, end] : patterns.beams_of_tube)
+    fits = fits && first <= end && end <= std::uint32_t(beams.count);
+  if (!fits) refuse("the beam patterns belong to other beams or other tubes");
+}
+
+/// Borders of the samples; refuses those that are none, as integrate_echo() does.
+std::vector<double> borders_of(const RangeSamples& samples) {
+  const std::vector<double> borders = sample_borders_m(samples);
+  if (borders.size() < 2 || !(borders.front() >= 0) || !std::isfinite(borders.back()) ||
+      !(samples.step_m > 0))
+    throw std::invalid_argument(fmt::format(
+        "range samples need a first range that is not negative, a step above 0 and a count of one or "
+        "more, all finite; not {} m, {} m and {}",
+        samples.first_m, samples.step_m, samples.count));
+  return borders;
+}
+
+/// The largest angle, at most 1, over which two patterns together change little: where their growth in the
+/// complex plane is small, rules of few nodes resolve them.
+double resolution_of(const Directivity& transmit, const Directivity& receive) {
+  double angle = 1;
+  while (transmit.growth(angle / 2) + receive.growth(angle / 2) > 3 && angle > 1e-6) angle /= 2;
+  return angle;
+}
+
+bool is_table(const Directivity& pattern) { return pattern.kind == Directivity::Kind::table; }
+
+/// One per thread.
+class FacetEcho {
+ public:
+  FacetEcho(const BistaticHistory& history, const BistaticBeams& beams, std::span<const double> borders,
+            const EchoLaw& law, double tolerance)
+      : history_(history),
+        beams_(beams),
+        law_(law),
+        borders_(borders),
+        cutter_(borders),
+        beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2) {
+    work_.tolerance = tolerance;
+  }
+
+  using Part = std::pair<std::size_t, double>;  // bin, energy
+
+  void add(const SharedFacet& facet, std::vector<Part>& parts) {
+    const SharedFootprints& shared = history_.shared;
+    plane_ = {facet.plane_normal, facet.transmit_distance_m};
+    frame_ = PlaneFrame(plane_);
+    receiver_ = {facet.receive_distance_m, frame_.project(shared.receiver_m)};
+    receive_down_ = -facet.receive_distance_m * plane_.normal;
+    factor_ =
+        law_.material_mu[law_.material[facet.facet]] * facet.transmit_distance_m * facet.receive_distance_m;
+    for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
+      const SharedPiece& piece = shared.pieces[facet.first_piece + k];
+      if (!same_fan(piece)) continue;
+      polygon_.assign(std::span(shared.corners_m).subspan(piece.first, piece.count), plane_, frame_);
+      law_.patterns == nullptr ? add_plain(piece, parts) : add_weighed(piece, parts);
+    }
+  }
+
+ private:
+  bool same_fan(const SharedPiece& piece) const {
+    return beams_.fan_of_transmit_tube.empty() ||
+           beams_.fan_of_transmit_tube[piece.transmit_tube] == beams_.fan_of_receive_tube[piece.receive_tube];
+  }
+
+  double density(double rt, double rr) const {
+    return factor_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * rt * (rr * rr * rr));
+  }
+
+  void integrate(const PathCutter::Integrand& integrand, std::uint32_t first_beam, std::vector<Part>& parts) {
+    const auto [first, end] = cutter_.samples_of(polygon_, receiver_);
+    if (first == end) return;
+    sum_.resize(work_.values * (borders_.size() - 1), 0);
+    cutter_.add(polygon_, receiver_, integrand, work_, sum_);
+    const std::size_t skipped = work_.values > 1 ? 1 : 0;  // the integral without patterns
+    for (std::size_t k = first; k < end; ++k)
+      for (std::size_t v = 0; v < work_.values; ++v)
+        if (const double energy = std::exchange(sum_[k * work_.values + v], 0); energy != 0 && v >= skipped)
+          parts.emplace_back((first_beam + v - skipped) * (borders_.size() - 1) + k, energy);
+  }
+
+  void add_plain(const SharedPiece& piece, std::vector<Part>& parts) {
+    work_.values = 1;
+    integrate(
+        [&](glm::dvec2, double rt, double rr, std::span<double> values) { values[0] = density(rt, rr); },
+        beams_.of_receive_tube[piece.receive_tube], parts);
+  }
+
+  void add_weighed(const SharedPiece& piece, std::vector<Part>& parts) {
+    const BeamPatterns& patterns = *law_.patterns;
+    const auto [first, end] = patterns.beams_of_tube[piece.receive_tube];
+    if (first == end) return;
+    const Directivity& transmit = patterns.transmit[patterns.fan_of_tube[piece.receive_tube]];
+    work_.values = 1 + end - first;
+    work_.resolution_rad = 1;
+    bool tables = is_table(transmit);
+    for (std::uint32_t beam = first; beam < end; ++beam) {
+      work_.resolution_rad = std::min(work_.resolution_rad, resolution_of(transmit, patterns.receive[beam]));
+      tables = tables || is_table(patterns.receive[beam]);
+    }
+    work_.most_refinements = tables ? most_refinements_with_tables : PathCutter::Work().most_refinements;
+    const glm::dvec3 transmit_down = -plane_.distance_m * plane_.normal;
+    integrate(
+        [&, first = first, end = end](glm::dvec2 p, double rt, double rr, std::span<double> values) {
+          const glm::dvec2 q = p - receiver_.foot;
+          const glm::dvec3 from_transmitter = (transmit_down + p.x * frame_.u + p.y * frame_.v) / rt;
+          const glm::dvec3 from_receiver = (receive_down_ + q.x * frame_.u + q.y * frame_.v) / rr;
+          values[0] = density(rt, rr);
+          const double sent = values[0] * transmit.gain(from_transmitter);
+          for (std::uint32_t beam = first; beam < end; ++beam)
+            values[1 + beam - first] = sent * patterns.receive[beam].gain(from_receiver);
+        },
+        first, parts);
+  }
+
+  /// No rule converges across a row of a table: there, cells are halved so often and then taken as they are.
+  static constexpr int most_refinements_with_tables = 12;
+
+  const BistaticHistory& history_;
+  const BistaticBeams& beams_;
+  const EchoLaw& law_;
+  std::span<const double> borders_;
+  PathCutter cutter_;
+  double beta_;  // of the path there and back, each
+  PathCutter::Work work_;
+  PathCutter::Receiver receiver_;
+  FacetPlane plane_;
+  PlaneFrame frame_{FacetPlane{}};
+  glm::dvec3 receive_down_{0};
+  double factor_ = 0;
+  PlanarPolygon polygon_;
+  std::vector<double> sum_;  // all 0 between pieces
+};
+
+}  // namespace
+
+BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument(
+        "a transmitter and a receiver apart need an exact arithmetic: fixed, filtered or rational");
+  BistaticHistory history{std::move(transmit), std::move(receive), grid_unit_m, {}};
+  const auto sent = look(mesh, tree, history.transmit, options),
+             heard = look(mesh, tree, history.receive, options);
+  const FootprintSharer sharer(mesh, {history.transmit, sent}, {history.receive, heard}, grid_unit_m);
+  std::vector<SharedFootprints> parts(tasks_for(sharer.facets()));
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * facets_per_task, sharer.facets());
+    for (std::size_t k = task * facets_per_task; k < end; ++k) sharer.append(k, parts[task]);
+  });
+  history.shared.receiver_m = sharer.receiver_m();
+  for (const SharedFootprints& part : parts) append(history.shared, part);
+  return history;
+}
+
+Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams& beams,
+                             const RangeSamples& samples, const EchoLaw& law, double tolerance) {
+  check(history, beams, law, tolerance);
+  const std::vector<double> borders = borders_of(samples);
+  Echo echo;
+  echo.beams = beams.count;
+  echo.samples = samples.count;
+  echo.energy.assign(std::size_t(beams.count) * samples.count, 0);
+
+  const auto& facets = history.shared.facets;
+  std::vector<std::vector<FacetEcho::Part>> parts(tasks_for(facets.size()));
+  tbb::enumerable_thread_specific<FacetEcho> threads(
+      [&] { return FacetEcho(history, beams, borders, law, tolerance); });
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
+    FacetEcho& facet_echo = threads.local();
+    const std::size_t end = std::min((task + 1) * facets_per_task, facets.size());
+    for (std::size_t k = task * facets_per_task; k < end; ++k) facet_echo.add(facets[k], parts[task]);
+  });
+  for (const auto& task : parts)
+    for (const auto& [bin, energy] : task) echo.energy[bin] += energy;
+  return echo;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "engine/echo.hpp"
+#include "geometry/scene_tree.hpp"
+#include "geometry/shared_footprints.hpp"
+#include "geometry/visibility.hpp"
+
+// Transmitter and receiver apart. docs/bistatic.md
+namespace tubefoot {
+
+/// What one transmission met that a receiver elsewhere sees too. A path is transmit apex -> facet -> receive
+/// apex, so a shared footprint is a path.
+struct BistaticHistory {
+  TubeSet transmit, receive;
+  double grid_unit_m = 1;  ///< metres per grid unit of both
+  SharedFootprints shared;
+};
+
+/// Exact visibility from both apexes, and the exact intersections on the facets. `options` must name an exact
+/// arithmetic. The result does not depend on the threads.
+BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive);
+
+/// Which beams hear what.
+struct BistaticBeams {
+  int count = 0;                                   ///< beams of the receiver
+  std::span<const std::uint32_t> of_receive_tube;  ///< the beam that a receive tube belongs to
+  /// Fans of the tubes: a receiver hears the transmissions of its own fan only. Both empty: one fan.
+  std::span<const std::uint32_t> fan_of_transmit_tube{}, fan_of_receive_tube{};
+};
+
+/// Relative error that integrate_bistatic_echo() keeps if it is not told otherwise.
+constexpr double bistatic_tolerance = 1e-10;
+
+/// The echo of a receiver apart from its transmitter. Sample k covers half paths, (transmit range + receive
+/// range) / 2, from first + k step on. An area element returns
+///     mu sin(grazing at T) sin(grazing at R) r_T^-2 r_R^-2 10^(-alpha (r_T + r_R) / 10) B_T B_R dA,
+/// which is integrate_echo()'s law where both are in the same place. `law.patterns` is about receive tubes
+/// (its fans are used as theirs); the transmit pattern is taken in the direction from the transmit apex, the
+/// receive pattern in that from the receive apex. The error of each energy is at most about `tolerance` times
+/// what it would be with patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to
+/// about 1e-6.
+Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams& beams,
+                             const RangeSamples& samples, const EchoLaw& law,
+                             double tolerance = bistatic_tolerance);
+
+}  // namespace tubefoot
