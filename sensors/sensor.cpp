@@ -101,12 +101,24 @@ double Sensor::reach(const WorldGrid& grid) const {
   return (samples_.first_m + samples_.count * samples_.step_m) / grid.unit_m();
 }
 
-Pose Sensor::pose_on(const Pose& carrier) const {
-  const auto& arm = description_.lever_arm_m;
+Pose Sensor::mounted_at(const std::array<double, 3>& arm, const Pose& carrier) const {
   const glm::dquat mounting = attitude_from_angles(
       radians(description_.yaw_deg), -radians(description_.tilt_deg), radians(description_.roll_deg));
   return {carrier.position_m + carrier.attitude * glm::dvec3(arm[0], arm[1], arm[2]),
           glm::normalize(carrier.attitude * mounting)};
+}
+
+Pose Sensor::pose_on(const Pose& carrier) const { return mounted_at(description_.lever_arm_m, carrier); }
+
+Pose Sensor::receiver_pose_on(const Pose& carrier) const {
+  return mounted_at(description_.receiver_arm_m.value_or(description_.lever_arm_m), carrier);
+}
+
+std::vector<std::uint32_t> Sensor::fan_of_tube(std::size_t shot) const {
+  std::vector<std::uint32_t> fans;
+  for (std::uint32_t fan = 0; fan < shots_.at(shot).fans.size(); ++fan)
+    fans.resize(shots_[shot].fans[fan].end_tube, fan);
+  return fans;
 }
 
 std::vector<double> Sensor::ping_times_s() const {

@@ -59,6 +59,14 @@ class Sensor {
   double reach(const WorldGrid& grid) const;
   /// Pose of the sensor for a pose of its carrier: lever arm and mounting applied.
   Pose pose_on(const Pose& carrier) const;
+  /// Whether the receiver has a place of its own.
+  bool has_receiver_apart() const {
+    return description_.receiver_arm_m && *description_.receiver_arm_m != description_.lever_arm_m;
+  }
+  /// Pose of the receiver for a pose of the carrier; that of the sensor, unless it is apart.
+  Pose receiver_pose_on(const Pose& carrier) const;
+  /// By tube of a shot: the fan (one transmission and one receiver) it belongs to.
+  std::vector<std::uint32_t> fan_of_tube(std::size_t shot) const;
   /// Times of the pings, seconds.
   std::vector<double> ping_times_s() const;
 
@@ -87,6 +95,7 @@ class Sensor {
   std::vector<Shot> shots_;
 
  private:
+  Pose mounted_at(const std::array<double, 3>& arm, const Pose& carrier) const;
   Directivity directivity(const PatternDescription& pattern, const std::shared_ptr<const PatternTable>& table,
                           const Fan& fan, glm::dvec3 beam_axis, const glm::dmat3& turn,
                           double sound_speed_m_s) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/simulation.hpp"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "engine/bistatic_echo.hpp"
 #include "engine/echo.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/reference.hpp"
@@ -79,6 +81,42 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
   kept.worst_sample = met.worst_sample;
 }
 
+/// The echo law of a sensor at a shot, and the patterns that it refers to.
+struct SensorLaw {
+  SensorLaw(const Survey& survey, std::size_t s, std::size_t ping, std::size_t shot) {
+    const Scene& scene = survey.scene;
+    const SensorPings& pings = survey.sensors[s];
+    law = {scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, *pings.sensor)};
+    if (!pings.sensor->has_patterns()) return;
+    patterns = pings.sensor->patterns(pings.shot_pose(ping, shot), scene.sound_speed_m_s, shot);
+    law.patterns = &patterns;
+  }
+  SensorLaw(const SensorLaw&) = delete;
+  SensorLaw& operator=(const SensorLaw&) = delete;
+
+  EchoLaw law;
+  BeamPatterns patterns;
+};
+
+/// Throws InputError unless sensors with a receiver apart are run as they can be.
+void refuse_bistatic(const Survey& survey, bool reference) {
+  const RunDescription& run = survey.scene.description.run;
+  for (const SensorPings& pings : survey.sensors) {
+    if (!pings.sensor->has_receiver_apart()) continue;
+    const char* trouble = run.engine != "tube" ? "needs the tube engine: the ray engine has one apex"
+                          : run.arithmetic == "double"
+                              ? "needs an exact arithmetic: fixed, filtered or rational"
+                          : run.binning != "exact" ? "needs exact binning"
+                          : reference              ? "cannot be certified: leave out --reference, or "
+                                                     "'receiver_arm_m'"
+                                                   : nullptr;
+    if (trouble != nullptr)
+      throw InputError(pings.sensor->description().place,
+                       fmt::format("sensor '{}' has its receiver apart and {}",
+                                   pings.sensor->description().name, trouble));
+  }
+}
+
 /// Simulates one ping of the sensors that share its shots.
 class PingTask {
  public:
@@ -97,6 +135,10 @@ class PingTask {
         std::fill(values.begin(), values.end(), 0.0);  // of a ping that was cut off
     const Clock::time_point start = Clock::now();
     for (std::size_t shot = 0; shot < survey_.shots_a_ping(group_); ++shot) {
+      if (survey_.sensors[group_.sensors.front()].sensor->has_receiver_apart()) {
+        take_bistatic(shot);
+        continue;
+      }
       std::size_t candidates = 0;
       engine(survey_.tubes(group_, ping_, shot),
              survey_.sensors[group_.sensors.front()].sensor->beam_of_tube(shot),
@@ -120,16 +162,34 @@ class PingTask {
     counts_.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
   }
 
+  /// A receiver that is apart shares its shots with nobody.
+  void take_bistatic(std::size_t shot) {
+    const Scene& scene = survey_.scene;
+    const std::size_t s = group_.sensors.front();
+    const Sensor& sensor = *survey_.sensors[s].sensor;
+    const BistaticHistory history =
+        trace_bistatic(scene.mesh, *survey_.tree, scene.grid.unit_m(), options_of(scene.description.run),
+                       survey_.tubes(group_, ping_, shot), survey_.receive_tubes(s, ping_, shot));
+    const Clock::time_point start = Clock::now();
+    const SensorLaw law(survey_, s, ping_, shot);
+    const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
+    const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
+    const Echo echo = integrate_bistatic_echo(
+        history, {static_cast<int>(beams.size()), sensor.beam_of_tube(shot), fans, fans}, sensor.samples(),
+        law.law);
+    add_rows(echo.energy, beams, store_.energy(s, ping_));
+    counts_.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
+    counts_.footprints += history.shared.facets.size();
+    counts_.pieces += history.shared.pieces.size();
+    counts_.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
   void add_echo(const History& history, std::size_t shot, std::size_t s) {
     const Scene& scene = survey_.scene;
     const Sensor& sensor = *survey_.sensors[s].sensor;
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
-    EchoLaw law{scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)};
-    BeamPatterns patterns;
-    if (sensor.has_patterns()) {
-      patterns = sensor.patterns(survey_.sensors[s].shot_pose(ping_, shot), scene.sound_speed_m_s, shot);
-      law.patterns = &patterns;
-    }
+    const SensorLaw sensor_law(survey_, s, ping_, shot);
+    const EchoLaw& law = sensor_law.law;
     Echo echo = integrate_echo(history, sensor.beam_of_tube(shot), static_cast<int>(beams.size()),
                                sensor.samples(), law, binning_);
     if (reference_tolerance_) {
@@ -182,6 +242,7 @@ StoreLayout layout_of(const Survey& survey, bool with_bounds) {
 }
 
 void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<double> reference_tolerance) {
+  refuse_bistatic(survey, reference_tolerance.has_value());
   std::size_t left = 0;
   for (const SharedShots& group : survey.shots) left += survey.pings(group);
   left -= store.done_units();

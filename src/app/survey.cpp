@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <set>
 
@@ -21,6 +22,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 bool same_shots(const Survey& survey, const SensorPings& a, const SensorPings& b) {
   if (a.times_s != b.times_s || a.sensor->shots() != b.sensor->shots()) return false;
+  if (a.sensor->has_receiver_apart() || b.sensor->has_receiver_apart()) return false;  // two apexes
   const auto same = [](const Pose& p, const Pose& q) {
     return p.position_m == q.position_m && p.attitude == q.attitude;
   };
@@ -59,54 +61,80 @@ void place_shots(SensorPings& pings, const Trajectory& trajectory) {
             fmt::format("shot {} of the ping at {:.9g} s of sensor '{}' is fired at {:.9g} s, after "
                         "its trajectory ends at {:.9g} s: ask for fewer pings or a longer trajectory",
                         shot, time_s, sensor.description().name, at_s, trajectory.end_s()));
-      pings.shot_poses.push_back(sensor.pose_on(trajectory.at(at_s)));
+      const Pose carrier = trajectory.at(at_s);
+      pings.shot_poses.push_back(sensor.pose_on(carrier));
+      if (sensor.has_receiver_apart()) pings.receiver_poses.push_back(sensor.receiver_pose_on(carrier));
     }
   }
 }
 
-/// A sensor under the terrain is a mistake in the scene; one inside an object may be its own housing.
-void check_places(Survey& survey) {
+/// Looks straight up and down from a place of a sensor's transmitter or receiver (`what`). One under the
+/// terrain is a mistake in the scene; one inside an object may be in its own housing. Returns the altitude
+/// over the terrain, not a number where there is none.
+double check_place(Survey& survey, const SensorPings& pings, std::size_t ping, glm::dvec3 at_m,
+                   const std::string& what, std::set<std::uint16_t>& inside) {
   Scene& scene = survey.scene;
-  const std::size_t terrains = scene.description.terrains.size();
-  for (SensorPings& pings : survey.sensors) {
-    pings.altitudes_m.assign(pings.poses.size(), std::numeric_limits<double>::quiet_NaN());
-    std::set<std::uint16_t> inside;
-    const SensorDescription& sensor = pings.sensor->description();
-    for (std::size_t k = 0; k < pings.poses.size(); ++k) {
-      const GridPoint place = scene.grid.snap(pings.poses[k].position_m);
-      for (const VerticalCrossings& c : vertical_crossings(scene.mesh, *survey.tree, place)) {
-        if (c.component < terrains) {
-          if (c.above > 0 && c.below == 0)
-            throw InputError(
-                sensor.place,
-                fmt::format("sensor '{}' is {:.3g} m below the seabed ('{}') at ping {} (t = {:.3f} s, "
-                            "east {:.2f}, north {:.2f}, up {:.2f} m): raise its trajectory or lever arm",
-                            sensor.name, c.lowest_above * scene.grid.unit_m(),
-                            scene.report.components[c.component].name, k, pings.times_s[k],
-                            pings.poses[k].position_m.x, pings.poses[k].position_m.y,
-                            pings.poses[k].position_m.z));
-          if (c.below > 0)
-            pings.altitudes_m[k] = std::fmin(pings.altitudes_m[k], c.highest_below * scene.grid.unit_m());
-        } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
-          scene.report.warnings.push_back(
-              fmt::format("{}: sensor '{}' is inside object '{}' at ping {} (t = {:.3f} s): it sees the "
-                          "object's inner side",
-                          to_string(sensor.place), sensor.name, scene.report.components[c.component].name, k,
-                          pings.times_s[k]));
-        }
-      }
+  double altitude_m = std::numeric_limits<double>::quiet_NaN();
+  const SourcePlace& place = pings.sensor->description().place;
+  for (const VerticalCrossings& c : vertical_crossings(scene.mesh, *survey.tree, scene.grid.snap(at_m))) {
+    const std::string& name = scene.report.components[c.component].name;
+    if (c.component < scene.description.terrains.size()) {
+      if (c.above > 0 && c.below == 0)
+        throw InputError(
+            place, fmt::format("{} is {:.3g} m below the seabed ('{}') at ping {} (t = {:.3f} s, "
+                               "east {:.2f}, north {:.2f}, up {:.2f} m): raise its trajectory or lever "
+                               "arm",
+                               what, c.lowest_above * scene.grid.unit_m(), name, ping, pings.times_s[ping],
+                               at_m.x, at_m.y, at_m.z));
+      if (c.below > 0) altitude_m = std::fmin(altitude_m, c.highest_below * scene.grid.unit_m());
+    } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
+      scene.report.warnings.push_back(fmt::format(
+          "{}: {} is inside object '{}' at ping {} (t = {:.3f} s): it sees the object's inner side",
+          to_string(place), what, name, ping, pings.times_s[ping]));
     }
   }
+  return altitude_m;
+}
+
+void check_places(Survey& survey) {
+  for (SensorPings& pings : survey.sensors) {
+    const Sensor& sensor = *pings.sensor;
+    std::set<std::uint16_t> inside, receiver_inside;
+    const std::string what = fmt::format("sensor '{}'", sensor.description().name);
+    for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
+      pings.altitudes_m.push_back(
+          check_place(survey, pings, ping, pings.poses[ping].position_m, what, inside));
+      if (sensor.has_receiver_apart())
+        check_place(survey, pings, ping, pings.receiver_pose(ping, 0).position_m, "the receiver of " + what,
+                    receiver_inside);
+    }
+  }
+}
+
+/// Half of the path from transmitter to receiver is no less than the range from either of them, less half of
+/// the way between them.
+TubeSet reaching_beyond(const SensorPings& pings, std::size_t ping, std::size_t shot, double unit_m,
+                        TubeSet set) {
+  set.reach +=
+      glm::distance(pings.shot_pose(ping, shot).position_m, pings.receiver_pose(ping, shot).position_m) /
+      (2 * unit_m);
+  return set;
 }
 
 }  // namespace
+
+TubeSet Survey::receive_tubes(std::size_t s, std::size_t ping, std::size_t shot) const {
+  const SensorPings& pings = sensors[s];
+  return reaching_beyond(pings, ping, shot, scene.grid.unit_m(),
+                         pings.sensor->tubes(pings.receiver_pose(ping, shot), scene.grid, shot));
+}
 
 TubeSet Survey::tubes(const SharedShots& group, std::size_t ping, std::size_t shot) const {
   const SensorPings& first = sensors[group.sensors.front()];
   TubeSet set = first.sensor->tubes(first.shot_pose(ping, shot), scene.grid, shot);
   for (const std::size_t s : group.sensors)
     set.reach = std::max(set.reach, sensors[s].sensor->reach(scene.grid));
-  return set;
+  return reaching_beyond(first, ping, shot, scene.grid.unit_m(), std::move(set));
 }
 
 std::size_t Survey::sensor_named(const std::string& name) const {

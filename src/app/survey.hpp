@@ -16,12 +16,16 @@ class RayScene;
 struct SensorPings {
   std::unique_ptr<Sensor> sensor;
   std::vector<double> times_s;
-  std::vector<Pose> poses;          ///< at the pings' times
-  std::vector<Pose> shot_poses;     ///< [ping][shot], each at its own time
-  std::vector<double> altitudes_m;  ///< above the terrain straight below; not a number where there is none
+  std::vector<Pose> poses;           ///< at the pings' times
+  std::vector<Pose> shot_poses;      ///< [ping][shot], each at its own time
+  std::vector<Pose> receiver_poses;  ///< [ping][shot], of a receiver that is apart; else empty
+  std::vector<double> altitudes_m;   ///< above the terrain straight below; not a number where there is none
 
   const Pose& shot_pose(std::size_t ping, std::size_t shot) const {
     return shot_poses.at(ping * sensor->shots() + shot);
+  }
+  const Pose& receiver_pose(std::size_t ping, std::size_t shot) const {
+    return receiver_poses.empty() ? shot_pose(ping, shot) : receiver_poses.at(ping * sensor->shots() + shot);
   }
 };
 
@@ -45,6 +49,8 @@ struct Survey {
 
   /// Tubes of a shot of ping `ping` of a group, with the largest reach of its sensors.
   TubeSet tubes(const SharedShots& group, std::size_t ping, std::size_t shot) const;
+  /// The tubes of the receiver of a sensor that has one apart.
+  TubeSet receive_tubes(std::size_t sensor, std::size_t ping, std::size_t shot) const;
   std::size_t pings(const SharedShots& group) const { return sensors[group.sensors.front()].times_s.size(); }
   std::size_t shots_a_ping(const SharedShots& group) const {
     return sensors[group.sensors.front()].sensor->shots();

@@ -84,13 +84,15 @@ ComponentMesh object_mesh(const ObjectDescription& object) {
 Box sensor_positions(const SensorDescription& sensor, const TrajectoryDescription& described,
                      const Trajectory& trajectory) {
   Box box;
-  const glm::dvec3 lever_arm(sensor.lever_arm_m[0], sensor.lever_arm_m[1], sensor.lever_arm_m[2]);
+  const auto vector = [](const std::array<double, 3>& v) { return glm::dvec3(v[0], v[1], v[2]); };
+  const glm::dvec3 lever_arm = vector(sensor.lever_arm_m),
+                   receiver_arm = vector(sensor.receiver_arm_m.value_or(sensor.lever_arm_m));
   const int pings = trajectory.is_fixed() ? 1 : sensor.pings;
   for (int ping = 0; ping < pings; ++ping) {
     const double time_s = sensor.first_ping_s + ping * sensor.ping_interval_s;
     try {
       const Pose pose = trajectory.at(time_s);
-      box.add(pose.position_m + pose.attitude * lever_arm);
+      for (const glm::dvec3& arm : {lever_arm, receiver_arm}) box.add(pose.position_m + pose.attitude * arm);
     } catch (const std::out_of_range&) {
       throw InputError(
           sensor.place,

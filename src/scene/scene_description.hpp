@@ -178,6 +178,7 @@ struct SensorDescription {
   std::string trajectory;       ///< may be empty when the scene has just one
   SourcePlace trajectory_place;
   std::array<double, 3> lever_arm_m{0, 0, 0};  ///< starboard, forward, up from the carrier's reference point
+  std::optional<std::array<double, 3>> receiver_arm_m;  ///< of a receiver apart from the transmitter
   double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;  ///< mounting: yaw to starboard, tilt downwards, roll
   double first_ping_s = 0;
   int pings = 1;

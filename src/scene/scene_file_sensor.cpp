@@ -151,6 +151,8 @@ const TomlSection<SensorDescription>& sensor_section() {
                  field("preset", &S::preset, {.choices = presets}),
                  field("trajectory", &S::trajectory, {.default_value = "the only trajectory"}),
                  field("lever_arm_m", &S::lever_arm_m, {.ranges = {lever_arm}}),
+                 field("receiver_arm_m", &S::receiver_arm_m,
+                       {.ranges = {lever_arm}, .default_value = "as lever_arm_m"}),
                  field("yaw_deg", &S::yaw_deg, {.ranges = {heading}}),
                  field("tilt_deg", &S::tilt_deg, {.ranges = {pitch}}),
                  field("roll_deg", &S::roll_deg, {.ranges = {roll}}),
