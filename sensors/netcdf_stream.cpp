@@ -62,6 +62,20 @@ void NetcdfStream::check(int status, const std::string& task) const {
 
 void NetcdfStream::flush() { check(nc_sync(id_), "write the file"); }
 
+void NetcdfStream::reopen() {
+  space_->reserve(margin_bytes);
+  open_ = false;
+  check(nc_close(id_), "write the file");
+  check(nc_open(partial_.c_str(), NC_WRITE, &id_), "open the file again");
+  open_ = true;
+}
+
+int NetcdfStream::group(const std::string& path) const {
+  int group = id_;
+  check(nc_inq_grp_full_ncid(id_, path.c_str(), &group), "find the group " + path);
+  return group;
+}
+
 void NetcdfStream::finish() {
   space_->reserve(margin_bytes);
   open_ = false;

@@ -220,8 +220,24 @@ void SonarNetcdfBuilder::sonar() {
   beam_group(group);
 }
 
+void SonarNetcdfLayout::find_groups(const NetcdfStream& stream) {
+  std::map<int, int> now;
+  for (auto& [path, id] : groups) {
+    const int found = stream.group(path);
+    now[id] = found;
+    id = found;
+  }
+  for (SonarNetcdfColumn& column : columns) column.group = now.at(column.group);
+  for (Place& place : times) place.group = now.at(place.group);
+  backscatter.group = now.at(backscatter.group);
+}
+
 SonarNetcdfLayout define_sonar_netcdf(const NetcdfStream& stream, const SonarNetcdfHeader& header) {
-  return SonarNetcdfBuilder(stream, header).build();
+  SonarNetcdfLayout layout = SonarNetcdfBuilder(stream, header).build();
+  for (const char* path : {"/Platform/Position/001", "/Platform/Attitude/001", "/Sonar/Beam_group1",
+                           "/Sonar/Beam_group1/Bathymetry"})
+    layout.groups[path] = stream.group(path);
+  return layout;
 }
 
 }  // namespace tubefoot
