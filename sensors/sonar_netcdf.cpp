@@ -19,7 +19,7 @@ constexpr std::size_t batch_bytes = 4 << 20;
 
 /// HDF5 remembers, until a file is closed, some 130 bytes of free space left by every list: after as many
 /// lists the file is opened anew.
-constexpr std::size_t lists_per_opening = 1 << 16;
+constexpr std::size_t lists_per_opening = 1 << 14;
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("SONAR-netCDF4: " + what);

@@ -472,7 +472,7 @@ TEST(SonarNetcdf, KeepsEveryPing) {
 // So many lists that the file is opened anew on the way.
 TEST(SonarNetcdf, KeepsALongLine) {
   const samples::TemporaryFolder folder;
-  constexpr int pings = 15000;
+  constexpr int pings = 3500;
   write(folder / "line.nc", pings);
   const Reader file(folder / "line.nc");
   const auto times = file.times(kBeamGroup, "ping_time");
