@@ -103,7 +103,9 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     line.length = glm::length(way);
     if (!(line.length > 0)) continue;
     line.along = way / line.length;
-    line.height = cross(line.from, line.along);
+    // From the nearer end: its sign must fit the angle that this end is seen at, however near c it is.
+    const bool from_is_nearer = glm::dot(line.from, line.from) <= glm::dot(line.to, line.to);
+    line.height = cross(from_is_nearer ? line.from : line.to, line.along);
     const double nearest = std::clamp(-glm::dot(line.from, line.along), 0.0, line.length);
     line.least = glm::length(line.from + nearest * line.along);
     line.most = std::max(glm::length(line.from), glm::length(line.to));

@@ -205,7 +205,7 @@ TEST(PathCut, NeedlesAndCornersAtTheShortestPathAddUp) {
     const double angle = 2 * pi * unit(random);
     return length * glm::dvec2(std::cos(angle), std::sin(angle));
   };
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < 200; ++i) {
     const double ht = log_uniform(1e-5, 100), hr = log_uniform(1e-5, 100);
     const Apexes apexes{ht, hr, i % 7 == 0 ? glm::dvec2(0) : towards(log_uniform(1e-6, 100))};
     const glm::dvec2 c = apexes.receive_foot * (ht / (ht + hr));
