@@ -90,8 +90,9 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
   const std::size_t n = polygon.offsets.size();
   lines_.clear();
   sectors_.clear();
-  bool outside = false, at_c = false;
-  glm::dvec2 sum(0);
+  bool outside = false;
+  double lowest = 0;
+  glm::dvec2 axis(0);
   const glm::dvec2 first = polygon.first - c_;
   for (std::size_t i = 0; i < n; ++i) {
     Line line;
@@ -99,21 +100,21 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     const glm::dvec2 way = polygon.offsets[next] - polygon.offsets[i];
     line.from = first + polygon.offsets[i];
     line.to = first + polygon.offsets[next];
-    sum += line.from;
     line.length = glm::length(way);
     if (!(line.length > 0)) continue;
     line.along = way / line.length;
-    line.height = cross(line.from, line.along);
+    // From the nearer end: its sign must fit the angle that this end is seen at, however near c it is.
+    const bool from_is_nearer = glm::dot(line.from, line.from) <= glm::dot(line.to, line.to);
+    line.height = cross(from_is_nearer ? line.from : line.to, line.along);
     const double nearest = std::clamp(-glm::dot(line.from, line.along), 0.0, line.length);
     line.least = glm::length(line.from + nearest * line.along);
     line.most = std::max(glm::length(line.from), glm::length(line.to));
-    // A line through c, but for rounding, bounds no area: away from c it has no angle, and at c no distance.
-    const double rounding = 1e-15 * (glm::length(polygon.first) + glm::length(c_) + line.most + line.length);
-    if (std::abs(line.height) <= rounding) {
-      at_c = at_c || line.least <= 2 * rounding;
-      continue;
-    }
+    if (line.height == 0) continue;  // no angle, or no distance
     outside = outside || line.height < 0;
+    if (line.height < lowest) {
+      lowest = line.height;
+      axis = {-line.along.y, line.along.x};
+    }
     lines_.push_back(line);
   }
   if (!outside) {
@@ -123,8 +124,8 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     }
     return;
   }
-  // Seen from outside, a convex polygon takes up less than pi.
-  const glm::dvec2 axis = glm::normalize(sum);
+  // All of the polygon is on the inner side of the edge that c is farthest out of: angles from that edge's
+  // normal do not wrap around.
   struct Interval {
     double from, to;
     const Line* line;
@@ -150,9 +151,8 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
     const double middle = (angles_[k] + angles_[k + 1]) / 2, half = (angles_[k + 1] - angles_[k]) / 2;
     if (!(half > 0)) continue;
     const Line *f = at(far, middle), *b = at(near, middle);
-    // Only rounding leaves a direction without one of the two, and only a few directions, unless c is on the
-    // boundary: then an edge that was left out is the near one.
-    if (f != nullptr && (b != nullptr || at_c)) sectors_.push_back({turned(axis, middle), half, f, b});
+    // Only rounding leaves a direction without one of the two, and only some 1e-16 of them.
+    if (f != nullptr && b != nullptr) sectors_.push_back({turned(axis, middle), half, f, b});
   }
 }
 

@@ -132,7 +132,7 @@ TEST(BistaticEcho, TiltedFacetsAgreeWithQuadratureInSpaceWithAndWithoutPatterns)
   std::uniform_real_distribution<double> place(-12, 12), height(0.5, 8);
   const double absorption = 0.2, beta = absorption * std::numbers::ln10 / 10;
   const Directivity line{Directivity::Kind::line, glm::normalize(glm::dvec3(1, 2, 0.5)), false, 0.1, 6},
-      gauss{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 1, -1)), true, 0, 0.4};
+      gauss{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 1, -1)), true, 0, 2.5};
   const BeamPatterns patterns{{line}, {gauss}, {0}, {{0, 1}}};
   for (int i = 0; i < 24; ++i) {
     const FacetPlane plane = test::random_plane(random, height(random));

@@ -193,6 +193,38 @@ TEST(PathCut, ShortestPathInsideOnAnEdgeAndAtACorner) {
   }
 }
 
+TEST(PathCut, NeedlesAndCornersAtTheShortestPathAddUp) {
+  // Apexes micrometres from the plane, needles, and corners and edges within rounding of the point of
+  // shortest path: whatever the samples, their areas are the polygon's.
+  const unsigned seed = 14142;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const auto log_uniform = [&](double lo, double hi) { return lo * std::pow(hi / lo, unit(random)); };
+  const auto towards = [&](double length) {
+    const double angle = 2 * pi * unit(random);
+    return length * glm::dvec2(std::cos(angle), std::sin(angle));
+  };
+  for (int i = 0; i < 200; ++i) {
+    const double ht = log_uniform(1e-5, 100), hr = log_uniform(1e-5, 100);
+    const Apexes apexes{ht, hr, i % 7 == 0 ? glm::dvec2(0) : towards(log_uniform(1e-6, 100))};
+    const glm::dvec2 c = apexes.receive_foot * (ht / (ht + hr));
+    const double size = log_uniform(1e-3, 100);
+    Polygon2 polygon = test::random_convex(random, {0, 0}, size, size * log_uniform(1e-7, 1));
+    if (i % 3 == 0) polygon = test::shifted(polygon, -polygon[0]);
+    if (i % 3 == 1) polygon = test::shifted(polygon, -0.5 * (polygon[0] + polygon[1]));
+    const glm::dvec2 places[] = {c, {0, 0}, apexes.receive_foot, towards(log_uniform(1e-3, 100))};
+    polygon = test::shifted(polygon, places[i % 4] + towards(log_uniform(1e-16, 10)));
+    std::vector<double> borders = even(0, size * log_uniform(1e-2, 1), 100);
+    borders.push_back(1e6);
+    double sum = 0, far = 0;
+    for (const double part : areas(polygon, apexes, borders)) sum += part;
+    for (const glm::dvec2& p : polygon) far = std::max(far, glm::length(p) + glm::length(p - c));
+    const double area = area_of(polygon);
+    EXPECT_NEAR(sum, area, 1e-10 * area + 1e-13 * far * size) << i;
+  }
+}
+
 TEST(PathCut, SharesOfRandomPointsAreBinomial) {
   const unsigned seed = 27182;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
