@@ -87,13 +87,14 @@ std::size_t SceneTree::bytes() const {
          (sheets_ ? sheets_->bytes() : 0);
 }
 
-void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
-                      std::vector<FacetId>& out) const {
+void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, std::size_t alternatives,
+                      double reach, std::vector<FacetId>& out) const {
   if (nodes_.empty()) return;
   const double reach2 = reach * reach;
   // Whether a box may meet what `checks` still asks of it: bit k half-space k, the last bit the reach. What a
   // box keeps wholly is not asked of the boxes inside it.
-  const unsigned reach_bit = 1u << half_spaces.size();
+  const std::size_t sides = half_spaces.size() / alternatives;
+  const unsigned reach_bit = 1u << sides;
   const auto meets = [&](const Box& box, unsigned& checks) {
     const double lx = double(box.lo.x) - apex.x, hx = double(box.hi.x) - apex.x,
                  ly = double(box.lo.y) - apex.y, hy = double(box.hi.y) - apex.y,
@@ -104,15 +105,21 @@ void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, do
       const double fx = std::max(-lx, hx), fy = std::max(-ly, hy), fz = std::max(-lz, hz);
       if (fx * fx + fy * fy + fz * fz <= reach2) checks &= ~reach_bit;
     }
-    for (std::size_t k = 0; k < half_spaces.size(); ++k) {
+    for (std::size_t k = 0; k < sides; ++k) {
       if (!(checks >> k & 1u)) continue;
-      const HalfSpace& h = half_spaces[k];
-      const double px = h.x * (h.x > 0 ? hx : lx), py = h.y * (h.y > 0 ? hy : ly),
-                   pz = h.z * (h.z > 0 ? hz : lz);
-      if (px + py + pz < -slack * (std::abs(px) + std::abs(py) + std::abs(pz))) return false;
-      const double nx = h.x * (h.x > 0 ? lx : hx), ny = h.y * (h.y > 0 ? ly : hy),
-                   nz = h.z * (h.z > 0 ? lz : hz);
-      if (nx + ny + nz >= 0) checks &= ~(1u << k);
+      bool met = false;
+      for (const HalfSpace& h : half_spaces.subspan(k * alternatives, alternatives)) {
+        const double px = h.x * (h.x > 0 ? hx : lx), py = h.y * (h.y > 0 ? hy : ly),
+                     pz = h.z * (h.z > 0 ? hz : lz);
+        if (px + py + pz < -slack * (std::abs(px) + std::abs(py) + std::abs(pz))) continue;
+        met = true;
+        const double nx = h.x * (h.x > 0 ? lx : hx), ny = h.y * (h.y > 0 ? ly : hy),
+                     nz = h.z * (h.z > 0 ? lz : hz);
+        if (nx + ny + nz < 0) continue;
+        checks &= ~(1u << k);
+        break;
+      }
+      if (!met) return false;
     }
     return true;
   };

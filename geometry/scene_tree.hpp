@@ -34,6 +34,12 @@ class SceneTree {
   /// to the apex than `reach` (grid units). Facets that do not meet the pyramid may be among them; none that
   /// does is missing.
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
+             std::vector<FacetId>& out) const {
+    query(apex, half_spaces, 1, reach, out);
+  }
+  /// The same where each half-space is given in `alternatives` versions, one after the other: a box has to
+  /// meet one version of each. So what one pyramid's query appends, the query for several appends too.
+  void query(GridPoint apex, std::span<const HalfSpace> half_spaces, std::size_t alternatives, double reach,
              std::vector<FacetId>& out) const;
 
   /// Null if there are none.
