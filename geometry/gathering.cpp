@@ -45,25 +45,26 @@ Gathering::Wall::Wall(const Vec64& n) {
 bool Gathering::gather(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
                        std::uint32_t first, std::uint32_t end) {
   const std::size_t count = end - first;
-  half_spaces_.resize(4 * count);
+  for (auto& walls : walls_) walls.clear();
   for (std::uint32_t tube = first; tube < end; ++tube) {
     const std::array<GridPoint, 4> rays = rays_of(tubes, tube);
     for (std::size_t k = 0; k < 4; ++k) {
       const Vec64 n = cross(rays[k], rays[(k + 1) % 4]);
-      half_spaces_[k * count + (tube - first)] = {static_cast<double>(n.x), static_cast<double>(n.y),
-                                                  static_cast<double>(n.z)};
+      walls_[k].push_back({static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)});
     }
   }
   candidates_.clear();
-  tree.query(tubes.apex, half_spaces_, count, tubes.reach, candidates_);
-  if (count > 1 && candidates_.size() > most_facets) return false;
   const HeightSheets* sheets = tree.sheets();
-  if (sheets) {
-    if (count > 1) {
-      if (!sheets->look_over(mesh, tree, tubes.apex, half_spaces_, count, sheets_)) return false;
-    } else {
-      sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), half_spaces_, sheets_);
-    }
+  if (count > 1) {
+    const std::array<SceneTree::Fan, 4> fans{SceneTree::Fan(walls_[0]), SceneTree::Fan(walls_[1]),
+                                             SceneTree::Fan(walls_[2]), SceneTree::Fan(walls_[3])};
+    tree.query(tubes.apex, fans, tubes.reach, candidates_);
+    if (candidates_.size() > most_facets) return false;
+    if (sheets && !sheets->look_over(mesh, tree, tubes.apex, fans, sheets_)) return false;
+  } else {
+    const std::array<SceneTree::HalfSpace, 4> walls{walls_[0][0], walls_[1][0], walls_[2][0], walls_[3][0]};
+    tree.query(tubes.apex, walls, tubes.reach, candidates_);
+    if (sheets) sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), walls, sheets_);
   }
   // The tree's order is the standard library's business; ours must not depend on it.
   std::sort(candidates_.begin(), candidates_.end());

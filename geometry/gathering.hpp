@@ -57,7 +57,7 @@ class Gathering {
   std::vector<ReachBox> boxes_;
   EdgeRings rings_;
   std::vector<FacetId> candidates_, hidden_;
-  std::vector<SceneTree::HalfSpace> half_spaces_;
+  std::array<std::vector<SceneTree::HalfSpace>, 4> walls_;  ///< wall k of each tube
   HeightSheets::View sheets_;
 };
 

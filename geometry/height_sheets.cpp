@@ -303,11 +303,10 @@ void HeightSheets::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint 
 }
 
 bool HeightSheets::look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
-                             std::span<const SceneTree::HalfSpace> half_spaces, std::size_t alternatives,
-                             View& view) const {
+                             std::span<const SceneTree::Fan> walls, View& view) const {
   view.from_above.assign(turn_.size(), 1);
   view.found.clear();
-  curtain_tree_->query(apex, half_spaces, alternatives, std::numeric_limits<double>::infinity(), view.found);
+  curtain_tree_->query(apex, walls, std::numeric_limits<double>::infinity(), view.found);
   for (const FacetId curtain : view.found) {
     const auto& v = curtains_.facets[curtain];
     if (turn(plan(curtains_.vertices[v[0]]), plan(curtains_.vertices[v[1]]), plan(apex)) <= 0) return false;

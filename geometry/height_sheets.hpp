@@ -42,11 +42,10 @@ class HeightSheets {
             const std::array<GridPoint, 4>& rays, std::span<const SceneTree::HalfSpace> half_spaces,
             View& view) const;
 
-  /// The same for several tubes at once, which `half_spaces` gives in `alternatives` versions
-  /// (SceneTree::query): false if they may differ in what they see from above.
+  /// The same for several tubes at once, `walls` being all of theirs: false if they may differ in what they
+  /// see from above.
   bool look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
-                 std::span<const SceneTree::HalfSpace> half_spaces, std::size_t alternatives,
-                 View& view) const;
+                 std::span<const SceneTree::Fan> walls, View& view) const;
 
   /// True for a facet that nobody sees in that view: of a sheet seen from above, it turns its lower side (or
   /// its edge) to the apex. `cone`: the facet's, null if it subtends nothing. Exact.
