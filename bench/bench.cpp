@@ -61,10 +61,9 @@ struct View {
     options.arithmetic = arithmetic;
     options.tolerance = tolerance;
     pieces = 0;
-    for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
-      see(mesh, tree, tubes, tube, options, scratch, seen);
-      pieces += seen.pieces.size();
-    }
+    for (const TubeRun run : runs_of(tubes))
+      see_run(mesh, tree, tubes, run, options, scratch, seen,
+              [this](std::uint32_t) { pieces += seen.pieces.size(); });
   }
   FacetMesh mesh;
   SceneTree tree;

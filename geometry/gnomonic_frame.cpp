@@ -52,7 +52,8 @@ GnomonicFrame::GnomonicFrame(const std::array<GridPoint, 4>& rays) {
   up_ = glm::cross(axis_, right_);
   tube_ = Bounds::nothing();
   for (int k = 0; k < 4; ++k) {
-    if (!project(as_double(rays[k]), corner_[k])) {
+    const glm::dvec3 ray = as_double(rays[k]);
+    if (!project(ray, glm::length(ray), corner_[k])) {
       tube_ = Bounds::everything();
       return;
     }
@@ -71,16 +72,29 @@ bool GnomonicFrame::surely_inside(glm::dvec2 p) const {
   return true;
 }
 
-void SeenFacet::measure(const GnomonicFrame& frame) {
+void RangedFacet::measure_ranges() {
   double low = std::numeric_limits<double>::infinity(), high = 0, longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 d = as_double(cone.point[k]), edge = as_double(cone.point[(k + 1) % 3]) - d;
+    const double square = glm::dot(d, d);
+    range[k] = std::sqrt(square);
+    low = std::min(low, square);
+    high = std::max(high, square);
+    longest = std::max(longest, glm::dot(edge, edge));
+  }
+  // No point of a triangle is farther than its longest side / sqrt(3) from a vertex, nor nearer than its
+  // plane.
+  const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
+  const double plane = static_cast<double>(cone.offset) / std::sqrt(glm::dot(normal, normal));
+  nearest = std::max(std::sqrt(low) - 0.57736 * std::sqrt(longest), plane) * (1 - 1e-12);
+  farthest = std::sqrt(high) * (1 + 1e-12);
+}
+
+void SeenFacet::place(const GnomonicFrame& frame) {
   bounds = Bounds::nothing();
   bool finite = true;
   for (int k = 0; k < 3; ++k) {
-    const glm::dvec3 d = as_double(cone.point[k]), edge = as_double(cone.point[(k + 1) % 3]) - d;
-    low = std::min(low, glm::dot(d, d));
-    high = std::max(high, glm::dot(d, d));
-    longest = std::max(longest, glm::dot(edge, edge));
-    finite = finite && frame.project(d, corner[k]);
+    finite = finite && frame.project(as_double(cone.point[k]), range[k], corner[k]);
     if (finite) bounds.add(corner[k]);
   }
   if (finite) {
@@ -96,12 +110,6 @@ void SeenFacet::measure(const GnomonicFrame& frame) {
     bounds = Bounds::everything();
     turn = 0;
   }
-  // No point of a triangle is farther than its longest side / sqrt(3) from a vertex, nor nearer than its
-  // plane.
-  const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
-  const double plane = static_cast<double>(cone.offset) / std::sqrt(glm::dot(normal, normal));
-  nearest = std::max(std::sqrt(low) - 0.57736 * std::sqrt(longest), plane) * (1 - 1e-12);
-  farthest = std::sqrt(high) * (1 + 1e-12);
 }
 
 int where(const SeenFacet& facet, glm::dvec2 p) {

@@ -55,10 +55,10 @@ class GnomonicFrame {
   GnomonicFrame() = default;
   GnomonicFrame(const std::array<GridPoint, 4>& rays);
 
-  /// Coordinates of a direction; false where it has none.
-  bool project(glm::dvec3 d, glm::dvec2& p) const {
+  /// Coordinates of a direction of the given length; false where it has none.
+  bool project(glm::dvec3 d, double length, glm::dvec2& p) const {
     const double depth = glm::dot(d, axis_);
-    if (depth < shallowest * glm::length(d)) return false;
+    if (depth < shallowest * length) return false;
     p = {glm::dot(d, right_) / depth, glm::dot(d, up_) / depth};
     return true;
   }
@@ -75,10 +75,18 @@ class GnomonicFrame {
   Bounds tube_ = Bounds::everything();
 };
 
-/// A facet that subtends something within a tube.
-struct SeenFacet {
+/// A facet as seen from an apex, with its distances: what is the same for all tubes there.
+struct RangedFacet {
   FacetCone cone;
   double nearest = 0, farthest = 0;  ///< bounds on its distance from the apex, grid units
+  std::array<double, 3> range{};     ///< of its vertices
+
+  /// Everything but the cone, from the cone.
+  void measure_ranges();
+};
+
+/// A facet that subtends something within a tube.
+struct SeenFacet : RangedFacet {
   Bounds bounds = Bounds::everything();
   std::array<glm::dvec2, 3> corner{};  ///< of its vertices; meaningless where bounds are infinite
   double slack = 0;                    ///< bound on the error of a coordinate of a corner
@@ -86,8 +94,11 @@ struct SeenFacet {
   /// Edge k in the plane: x line.x + y line.y - line.z is positive on the facet's side. If turn is not 0.
   std::array<glm::dvec3, 3> line{};
 
-  /// Everything but the cone, from the cone.
-  void measure(const GnomonicFrame& frame);
+  SeenFacet() = default;
+  explicit SeenFacet(const RangedFacet& facet) : RangedFacet(facet) {}
+
+  /// Everything in the frame's plane, from the cone and its ranges.
+  void place(const GnomonicFrame& frame);
 };
 
 /// Whether p is inside (1), outside (-1) or too near the border of a finite facet's triangle to tell (0).

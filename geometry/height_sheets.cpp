@@ -299,21 +299,30 @@ void HeightSheets::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint 
     if (from_above && turn(plan(from), plan(to), plan(apex)) <= 0 && enters_below(from, to, apex, rays))
       from_above = 0;
   }
+  look_down(mesh, tree, apex, view);
+}
+
+bool HeightSheets::look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
+                             std::span<const SceneTree::Fan> walls, View& view) const {
+  view.from_above.assign(turn_.size(), 1);
+  view.found.clear();
+  curtain_tree_->query(apex, walls, std::numeric_limits<double>::infinity(), view.found);
+  for (const FacetId curtain : view.found) {
+    const auto& v = curtains_.facets[curtain];
+    if (turn(plan(curtains_.vertices[v[0]]), plan(curtains_.vertices[v[1]]), plan(apex)) <= 0) return false;
+  }
+  look_down(mesh, tree, apex, view);
+  return true;
+}
+
+/// The apex has to be above every sheet, or beside it.
+void HeightSheets::look_down(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, View& view) const {
   // One unit lower: the apex itself has to be above the sheet, not on it.
   const GridPoint below{apex.x, apex.y, apex.z - 1};
   view.found.clear();
   facets_near_vertical(tree, below, view.found);
   for (const FacetId facet : view.found)
     if (sheet_[facet] != none && vertical_side(mesh, facet, below) > 0) view.from_above[sheet_[facet]] = 0;
-}
-
-bool HeightSheets::surely_hidden(const FacetMesh& mesh, FacetId facet, GridPoint apex,
-                                 const View& view) const {
-  const std::uint16_t sheet = sheet_[facet];
-  if (sheet == none || !view.from_above[sheet]) return false;
-  FacetCone cone;
-  // A cone's corners turn left for the apex; a sheet's facets turn right for one that is above them.
-  return !FacetCone::make(mesh, facet, apex, cone) || cone.reversed != (turn_[sheet] > 0);
 }
 
 std::size_t HeightSheets::bytes() const {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/facet_mesh.hpp"
+#include "geometry/facet_cone.hpp"
 #include "geometry/scene_tree.hpp"
 
 namespace tubefoot {
@@ -42,13 +42,25 @@ class HeightSheets {
             const std::array<GridPoint, 4>& rays, std::span<const SceneTree::HalfSpace> half_spaces,
             View& view) const;
 
+  /// The same for several tubes at once, `walls` being all of theirs: false if they may differ in what they
+  /// see from above.
+  bool look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
+                 std::span<const SceneTree::Fan> walls, View& view) const;
+
   /// True for a facet that nobody sees in that view: of a sheet seen from above, it turns its lower side (or
-  /// its edge) to the apex. Exact.
-  bool surely_hidden(const FacetMesh& mesh, FacetId facet, GridPoint apex, const View& view) const;
+  /// its edge) to the apex. `cone`: the facet's, null if it subtends nothing. Exact.
+  bool surely_hidden(FacetId facet, const FacetCone* cone, const View& view) const {
+    const std::uint16_t sheet = sheet_[facet];
+    if (sheet == none || !view.from_above[sheet]) return false;
+    // A cone's corners turn left for the apex; a sheet's facets turn right for one that is above them.
+    return !cone || cone->reversed != (turn_[sheet] > 0);
+  }
 
   std::size_t bytes() const;
 
  private:
+  void look_down(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, View& view) const;
+
   std::vector<std::uint16_t> sheet_;  ///< by facet; empty if there is no sheet
   std::vector<std::int8_t> turn_;     ///< by sheet: +1 if its facets' corners turn left in the plan, -1 right
   FacetMesh curtains_;                ///< a facet hung below each border edge, its component being the sheet

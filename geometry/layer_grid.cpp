@@ -2,6 +2,7 @@
 #include "geometry/layer_grid.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 namespace tubefoot {
@@ -18,9 +19,15 @@ std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
   return k;
 }
 
+/// The bits of the negative float nearest to zero.
+constexpr auto least_negative = static_cast<std::int32_t>(0x80000001u);
+
 float below(double x) {
   const auto rounded = static_cast<float>(x);
-  return rounded <= x ? rounded : std::nextafterf(rounded, -std::numeric_limits<float>::infinity());
+  if (rounded <= x) return rounded;
+  // The next float down; nextafterf is a call. Rounded up, so neither -inf nor the lowest float.
+  const auto bits = std::bit_cast<std::int32_t>(rounded);
+  return std::bit_cast<float>(rounded > 0 ? bits - 1 : rounded < 0 ? bits + 1 : least_negative);
 }
 
 }  // namespace
@@ -100,8 +107,10 @@ void LayerGrid::fill() {
     total += count;
   }
   entries_.resize(total, Entry{0, 0, no_layer, RoundedBounds(Bounds::everything())});
+  rounded_.clear();
   for (std::uint32_t f = 0; f < facets_->size(); ++f) {
-    const Entry entry{(*facets_)[f].nearest, f, no_layer, RoundedBounds((*facets_)[f].bounds)};
+    rounded_.emplace_back((*facets_)[f].bounds);
+    const Entry entry{(*facets_)[f].nearest, f, no_layer, rounded_.back()};
     each_cell(f, [&](Cell& cell) { entries_[cell.end++] = entry; });
   }
   for (const Cell& cell : cells_)
@@ -152,10 +161,11 @@ void LayerGrid::find_layers(int x, int y) {
     for (const std::int32_t n : (*neighbours_)[f])
       if (n >= 0 && stamp_[n] == stamp_now_) parent_[root(parent_, k)] = root(parent_, place_[n]);
   }
+  for (std::uint32_t k = 0; k < count; ++k) parent_[k] = root(parent_, k);  // from here on, its layer
   const Bounds box = bounds_of(x, y);
   broken_.assign(count, 0);
   for (std::uint32_t k = 0; k < count; ++k) {
-    const std::uint32_t f = entries_[cell.begin + k].facet, layer = root(parent_, k);
+    const std::uint32_t f = entries_[cell.begin + k].facet, layer = parent_[k];
     if (!broken_[layer]) broken_[layer] = stamp_[f] != stamp_now_ || has_silhouette_in(f, box);
   }
 
@@ -170,7 +180,7 @@ void LayerGrid::find_layers(int x, int y) {
     covering_.clear();
     certain = true;
     for (std::uint32_t k = 0; k < count && certain; ++k) {
-      if (broken_[root(parent_, k)]) continue;
+      if (broken_[parent_[k]]) continue;
       const int s = where((*facets_)[entries_[cell.begin + k].facet], p);
       if (s == 0) certain = false;
       if (s > 0) covering_.push_back(k);
@@ -180,14 +190,14 @@ void LayerGrid::find_layers(int x, int y) {
   if (!certain) return;
 
   for (const std::uint32_t covers : covering_) {
-    const std::uint32_t layer = root(parent_, covers);
+    const std::uint32_t layer = parent_[covers];
     const bool simple = std::none_of(covering_.begin(), covering_.end(), [&](std::uint32_t other) {
-      return other != covers && root(parent_, other) == layer;
+      return other != covers && parent_[other] == layer;
     });
     cell.has_simple_layer |= simple;
     double farthest = 0;
     for (std::uint32_t k = 0; k < count; ++k)
-      if (root(parent_, k) == layer) {
+      if (parent_[k] == layer) {
         farthest = std::max(farthest, (*facets_)[entries_[cell.begin + k].facet].farthest);
         if (simple) entries_[cell.begin + k].simple_layer = static_cast<std::int32_t>(layer);
       }
@@ -213,13 +223,17 @@ void LayerGrid::drop_hidden() {
         std::remove_if(entries_.begin() + cell.begin, entries_.begin() + cell.end,
                        [&](const Entry& e) { return hidden_[e.facet] || e.nearest > cell.closed_beyond; });
     cell.end = static_cast<std::uint32_t>(end - entries_.begin());
+    const auto begin = entries_.begin() + cell.begin;
+    cell.is_simple_layer =
+        cell.has_simple_layer && begin != end && begin->simple_layer != no_layer &&
+        std::all_of(begin, end, [&](const Entry& e) { return e.simple_layer == begin->simple_layer; });
   }
 }
 
 void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
   found_.clear();
   const SeenFacet& receiver = (*facets_)[facet];
-  const RoundedBounds bounds(receiver.bounds);
+  const RoundedBounds bounds = rounded_[facet];
   const double farthest = receiver.farthest;
   ++stamp_now_;
   stamp_[facet] = stamp_now_;
@@ -227,6 +241,8 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
   for (int y = c.y0; y <= c.y1; ++y)
     for (int x = c.x0; x <= c.x1; ++x) {
       const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
+      // Not hidden in this cell, the facet is one of its entries, and so of the layer.
+      if (cell.is_simple_layer && !(receiver.nearest > cell.closed_beyond)) continue;
       const Entry *const begin = entries_.data() + cell.begin, *const end = entries_.data() + cell.end;
       std::int32_t own_layer = no_layer;
       if (cell.has_simple_layer)

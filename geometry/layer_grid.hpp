@@ -52,6 +52,7 @@ class LayerGrid {
   struct Cell {
     std::uint32_t begin = 0, end = 0;  ///< in entries_
     bool has_simple_layer = false;
+    bool is_simple_layer = false;  ///< all entries left are of one simple layer
     /// Everything wholly beyond this distance is hidden here.
     double closed_beyond = std::numeric_limits<double>::infinity();
   };
@@ -83,7 +84,8 @@ class LayerGrid {
   double cell_width_ = 1, cell_height_ = 1;
   std::vector<Cell> cells_;
   std::vector<Entry> entries_;
-  std::vector<Cells> cells_of_facet_;  ///< by facet
+  std::vector<Cells> cells_of_facet_;   ///< by facet
+  std::vector<RoundedBounds> rounded_;  ///< by facet
   std::vector<std::uint8_t> hidden_;
 
   // Scratch: per facet, its place in the cell at hand; per place, layers as a union-find forest.

@@ -94,6 +94,33 @@ void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sa
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
+/// Two nodes of a quadrature at once, each reckoned as one double would be.
+using Pair = double __attribute__((vector_size(16)));
+
+/// Gauss-Legendre's rule of n nodes on [-1, 1], in pairs; an odd one's last node is a blank of weight 0.
+template <unsigned n>
+struct PairedRule {
+  static constexpr std::size_t pairs = (n + 1) / 2;
+  std::array<Pair, pairs> x{}, weight{};
+  PairedRule() {
+    using Rule = boost::math::quadrature::gauss<double, n>;
+    std::size_t k = 0;
+    const auto put = [&](double position, double w) {
+      x[k / 2][k % 2] = position;
+      weight[k / 2][k % 2] = w;
+      ++k;
+    };
+    for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
+      put(Rule::abscissa()[i], Rule::weights()[i]);
+      if (Rule::abscissa()[i] != 0) put(-Rule::abscissa()[i], Rule::weights()[i]);
+    }
+  }
+};
+const PairedRule<3> rule_of_3;
+const PairedRule<4> rule_of_4;
+const PairedRule<5> rule_of_5;
+const PairedRule<8> rule_of_8;
+
 }  // namespace
 
 RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::function<double(double)>& g)
@@ -109,28 +136,32 @@ RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::fun
     if (hi > lo) append_cells(cells_, lo, hi, k, g);
   }
   if (cells_.empty()) throw std::invalid_argument("all range samples are nearer than a nanometre");
+  from_front_.reserve(cells_.size());
+  for (Cell& cell : cells_) {
+    from_front_.emplace_back(cell, cell.lo);
+    cell.whole = from_front_.back().over(cell.hi - cell.lo);
+  }
+  cells_per_m_ = static_cast<double>(cells_.size()) / (back() - front());
 }
 
 std::size_t RadialIntegral::cell_at(double range_m) const {
   if (!(range_m >= cells_.front().hi)) return 0;
   if (range_m >= cells_.back().hi) return cells_.size();
   // Samples are even and most of them one cell: the guess is nearly always right.
-  const double part = (range_m - front()) / (back() - front());
-  auto k = std::min(static_cast<std::size_t>(part * static_cast<double>(cells_.size())), cells_.size() - 1);
+  auto k = std::min(static_cast<std::size_t>((range_m - front()) * cells_per_m_), cells_.size() - 1);
   while (range_m >= cells_[k].hi) ++k;
   while (k > 0 && range_m < cells_[k - 1].hi) --k;
   return k;
 }
 
-double RadialIntegral::within(const Cell& cell, double from_m, double length_m) {
-  const double x0 = (from_m - cell.middle) * cell.per_half, step = length_m * cell.per_half, x = x0 + step;
+RadialIntegral::From::From(const Cell& cell, double from_m)
+    : x0_((from_m - cell.middle) * cell.per_half), per_half_(cell.per_half), degree_(cell.degree) {
   // Horner's scheme for (P(x) - P(x0)) / (x - x0): the quotient's coefficients are P's partial values at x0.
-  double partial = cell.primitive[cell.degree], quotient = 0;
-  for (int i = cell.degree - 1; i >= 0; --i) {
-    quotient = quotient * x + partial;
-    partial = partial * x0 + cell.primitive[i];
+  double partial = cell.primitive[static_cast<std::size_t>(degree_)];
+  for (auto i = static_cast<std::size_t>(degree_); i-- > 0;) {
+    quotient_[i] = partial;
+    partial = partial * x0_ + cell.primitive[i];
   }
-  return step * quotient;
 }
 
 /// A boundary edge in its line's coordinates: s along the line from the line's nearest point to the foot.
@@ -168,6 +199,7 @@ void RangeCutter::add(const PlanarPolygon& polygon, double factor, std::span<dou
   first_ = radial_.cell_at(nearest_.range);
   last_ = radial_.cell_at(farthest);
   const std::size_t end = std::min(last_ + 1, cells.size());
+  if (nearest_.range > cells[first_].lo) from_nearest_ = {cells[first_], nearest_.range};
   inside_.assign(end - first_, 0);
   angle_.assign(end - first_ + 1, 0);
 
@@ -189,9 +221,8 @@ void RangeCutter::add(const PlanarPolygon& polygon, double factor, std::span<dou
   double beyond = angle_.back();
   for (std::size_t k = end; k-- > first_;) {
     const Cell& cell = cells[k];
-    const double lo = std::max(cell.lo, nearest_.range);
-    out[cell.sample] +=
-        factor * (inside_[k - first_] + beyond * RadialIntegral::within(cell, lo, cell.hi - lo));
+    const double all = nearest_.range > cell.lo ? from_nearest_.over(cell.hi - nearest_.range) : cell.whole;
+    out[cell.sample] += factor * (inside_[k - first_] + beyond * all);
     beyond += angle_[k - first_];
   }
 }
@@ -238,49 +269,54 @@ void RangeCutter::walk_outwards(const Edge& edge, double from, double to) {
 /// are those of 1 / (height^2 + s^2), as far from it as the foot is: intervals of at most half that distance
 /// make Gauss-Legendre converge like 8^-2n, and shorter ones, which are the rule, need fewer nodes.
 void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double to) {
-  using boost::math::quadrature::gauss;
   const Cell& cell = radial_.cells()[k];
-  const double lo = std::max(cell.lo, nearest_.range), skipped = lo - nearest_.range;
+  const bool from_nearest = nearest_.range > cell.lo;
+  const RadialIntegral::From& radial = from_nearest ? from_nearest_ : radial_.from_front(k);
+  const double skipped = (from_nearest ? nearest_.range : cell.lo) - nearest_.range;
   const double direction = to >= from ? 1 : -1;
+  const double height2 = edge.height * edge.height, near_range = nearest_.range;
+  const glm::dvec2 from_nearest_point = edge.from - nearest_.offset, along_edge = edge.along,
+                   from_foot = edge.from_foot, nearest_from_foot = nearest_from_foot_;
   double inside = 0, angle = 0;
 
   double y = from, rest = std::abs(to - from);
   while (rest > 0) {
-    const double s = edge.start + y, distance = std::sqrt(s * s + edge.height * edge.height);
+    const double s = edge.start + y, distance = std::sqrt(s * s + height2);
     double step = std::min(rest, distance / 2);
     if (rest - step < step / 4) step = rest;  // no splinter at the end
     const double half = direction * step / 2, centre = y + half;
 
-    const auto node = [&](double x, double weight) {
-      const double along = centre + half * x;
-      const double at = edge.start + along;
-      const double dphi = weight * edge.height / (edge.height * edge.height + at * at);
-      const double range = std::sqrt(edge.range2 + at * at);
-      const glm::dvec2 reach = along * edge.along;
-      // range - nearest range, without cancellation
-      const double gain =
-          glm::dot(edge.from - nearest_.offset + reach, edge.from_foot + reach + nearest_from_foot_) /
-          (range + nearest_.range);
-      angle += step / 2 * dphi;
-      inside += step / 2 * dphi * RadialIntegral::within(cell, lo, gain - skipped);
-    };
-    const auto quadrature = [&](const auto& rule) {
-      const auto& x = rule.abscissa();
-      const auto& w = rule.weights();
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        node(x[i], w[i]);
-        if (x[i] != 0) node(-x[i], w[i]);
+    const auto quadrature = [&]<unsigned n>(const PairedRule<n>& rule) {
+      constexpr std::size_t pairs = PairedRule<n>::pairs;
+      std::array<Pair, pairs> turned, gain;
+#pragma GCC unroll 4
+      for (std::size_t p = 0; p < pairs; ++p) {
+        const Pair along = centre + half * rule.x[p], at = edge.start + along, at2 = at * at;
+        turned[p] = step / 2 * (rule.weight[p] * edge.height / (height2 + at2));
+        const Pair range2 = edge.range2 + at2, range{std::sqrt(range2[0]), std::sqrt(range2[1])};
+        const Pair reach_x = along * along_edge.x, reach_y = along * along_edge.y;
+        // range - nearest range, without cancellation
+        gain[p] = ((from_nearest_point.x + reach_x) * (from_foot.x + reach_x + nearest_from_foot.x) +
+                   (from_nearest_point.y + reach_y) * (from_foot.y + reach_y + nearest_from_foot.y)) /
+                      (range + near_range) -
+                  skipped;
+      }
+      const std::array<Pair, pairs> gained = radial.over(gain);
+#pragma GCC unroll 8
+      for (std::size_t i = 0; i < n; ++i) {
+        angle += turned[i / 2][i % 2];
+        inside += turned[i / 2][i % 2] * gained[i / 2][i % 2];
       }
     };
     // n nodes leave about (step / 2 distance)^2n: rounding, at each of these limits.
     if (step <= 0.006 * distance)
-      quadrature(gauss<double, 3>());
+      quadrature(rule_of_3);
     else if (step <= 0.03 * distance)
-      quadrature(gauss<double, 4>());
+      quadrature(rule_of_4);
     else if (step <= 0.08 * distance)
-      quadrature(gauss<double, 5>());
+      quadrature(rule_of_5);
     else
-      quadrature(gauss<double, 8>());
+      quadrature(rule_of_8);
     y += direction * step;
     rest -= step;
   }

@@ -31,6 +31,38 @@ class RadialIntegral {
     int degree = 0;
     std::size_t sample = 0;
     std::array<double, 13> primitive{};  ///< of g(s) s ds, in x = (s - middle) * per_half
+    double whole = 0;                    ///< its integral over all of the cell
+  };
+
+  /// The integrals within a cell from one range on, prepared for many upper ends.
+  class From {
+   public:
+    From() = default;
+    From(const Cell& cell, double from_m);
+    /// Integrals of g(s) s ds over lengths from there, each as if alone. Relative accuracy holds for short
+    /// lengths too: the primitive's divided difference is evaluated, not a difference of its values. `Real`:
+    /// a double, or a vector of them.
+    template <class Real, std::size_t n>
+    std::array<Real, n> over(const std::array<Real, n>& lengths_m) const {
+      std::array<Real, n> x, quotient;
+#pragma GCC unroll 4
+      for (std::size_t k = 0; k < n; ++k) {
+        x[k] = x0_ + lengths_m[k] * per_half_;
+        quotient[k] = Real{};
+      }
+      for (auto i = static_cast<std::size_t>(degree_); i-- > 0;)
+#pragma GCC unroll 4
+        for (std::size_t k = 0; k < n; ++k) quotient[k] = quotient[k] * x[k] + quotient_[i];
+#pragma GCC unroll 4
+      for (std::size_t k = 0; k < n; ++k) quotient[k] = lengths_m[k] * per_half_ * quotient[k];
+      return quotient;
+    }
+    double over(double length_m) const { return over(std::array{length_m})[0]; }
+
+   private:
+    double x0_ = 0, per_half_ = 0;
+    int degree_ = 0;
+    std::array<double, 12> quotient_{};  ///< of (P(x) - P(x0)) / (x - x0), P being the primitive
   };
 
   /// Ranges below this one are left out, because g is often singular at the apex.
@@ -44,19 +76,24 @@ class RadialIntegral {
 
   std::size_t samples() const { return samples_; }
   const std::vector<Cell>& cells() const { return cells_; }
+  /// From a cell's near end on.
+  const From& from_front(std::size_t cell) const { return from_front_[cell]; }
   double front() const { return cells_.front().lo; }
   double back() const { return cells_.back().hi; }
 
   /// The cell that holds a range; the first one for anything nearer, cells().size() for anything beyond.
   std::size_t cell_at(double range_m) const;
 
-  /// Integral of g(s) s ds from `from_m` to `from_m + length_m` inside a cell. Relative accuracy holds for
-  /// short intervals too: the primitive's divided difference is evaluated, not a difference of its values.
-  static double within(const Cell& cell, double from_m, double length_m);
+  /// Integral of g(s) s ds from `from_m` to `from_m + length_m` inside a cell.
+  static double within(const Cell& cell, double from_m, double length_m) {
+    return From(cell, from_m).over(length_m);
+  }
 
  private:
   std::size_t samples_;
   std::vector<Cell> cells_;
+  std::vector<From> from_front_;
+  double cells_per_m_ = 0;
 };
 
 /// Cuts polygons by the range samples of a RadialIntegral. Holds scratch memory: one per thread.
@@ -83,7 +120,8 @@ class RangeCutter {
   PlanarPolygon polygon_;
   NearestPoint nearest_;
   glm::dvec2 nearest_from_foot_{0};
-  std::size_t first_ = 0, last_ = 0;  ///< cells that hold the polygon's nearest and farthest points
+  std::size_t first_ = 0, last_ = 0;   ///< cells that hold the polygon's nearest and farthest points
+  RadialIntegral::From from_nearest_;  ///< the first cell from the polygon's nearest range on
   std::vector<double> inside_;  ///< by cell from first_: integral of F dphi over the boundary inside the cell
   std::vector<double>
       angle_;  ///< by cell from first_: angle of the boundary inside; one more for beyond all cells

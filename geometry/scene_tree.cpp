@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 
 #include "geometry/height_sheets.hpp"
 
@@ -25,7 +26,35 @@ double gap(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? -hi : 0; }
 /// Relative to the apex and to the size of the products: far more than their rounding.
 constexpr double slack = 1e-12;
 
+/// The products of a normal's coordinates with the corner of a box that lies farthest along it.
+struct Products {
+  double x, y, z;
+  double sum() const { return x + y + z; }
+  double size() const { return std::abs(x) + std::abs(y) + std::abs(z); }
+};
+
+/// A box relative to the apex.
+struct Reach {
+  double lx, hx, ly, hy, lz, hz;
+  Products farthest(const SceneTree::HalfSpace& h) const {
+    return {h.x * (h.x > 0 ? hx : lx), h.y * (h.y > 0 ? hy : ly), h.z * (h.z > 0 ? hz : lz)};
+  }
+  Products nearest(const SceneTree::HalfSpace& h) const {
+    return {h.x * (h.x > 0 ? lx : hx), h.y * (h.y > 0 ? ly : hy), h.z * (h.z > 0 ? lz : hz)};
+  }
+};
+
 }  // namespace
+
+SceneTree::Fan::Fan(std::span<const HalfSpace> half_spaces)
+    : first(half_spaces.front()), last(half_spaces.back()) {
+  const double n = static_cast<double>(half_spaces.size());
+  for (const HalfSpace& h : half_spaces) middle = {middle.x + h.x, middle.y + h.y, middle.z + h.z};
+  middle = {middle.x / n, middle.y / n, middle.z / n};
+  for (const HalfSpace& h : half_spaces)
+    spread = {std::max(spread.x, std::abs(h.x - middle.x)), std::max(spread.y, std::abs(h.y - middle.y)),
+              std::max(spread.z, std::abs(h.z - middle.z))};
+}
 
 SceneTree::SceneTree(const FacetMesh& mesh, Sheets sheets) : mesh_(&mesh), order_(mesh.facets.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
@@ -89,30 +118,56 @@ std::size_t SceneTree::bytes() const {
 
 void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
                       std::vector<FacetId>& out) const {
+  query_sides(apex, half_spaces, reach, out);
+}
+
+void SceneTree::query(GridPoint apex, std::span<const Fan> fans, double reach,
+                      std::vector<FacetId>& out) const {
+  query_sides(apex, fans, reach, out);
+}
+
+template <class Side>
+void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double reach,
+                            std::vector<FacetId>& out) const {
   if (nodes_.empty()) return;
   const double reach2 = reach * reach;
-  // Whether a box may meet what `checks` still asks of it: bit k half-space k, the last bit the reach. What a
-  // box keeps wholly is not asked of the boxes inside it.
-  const unsigned reach_bit = 1u << half_spaces.size();
+  // Whether a box may meet what `checks` still asks of it: bit k side k, the last bit the reach. What a box
+  // keeps wholly is not asked of the boxes inside it.
+  const unsigned reach_bit = 1u << sides.size();
+  const auto may_meet = [](const Reach& box, const Side& side) {
+    if constexpr (std::is_same_v<Side, HalfSpace>) {
+      const Products far = box.farthest(side);
+      return !(far.sum() < -slack * far.size());
+    } else {
+      const Products far = box.farthest(side.middle);
+      const double x = side.spread.x * std::max(-box.lx, box.hx),
+                   y = side.spread.y * std::max(-box.ly, box.hy),
+                   z = side.spread.z * std::max(-box.lz, box.hz),
+                   more = std::abs(x) + std::abs(y) + std::abs(z);
+      return !(far.sum() + more < -slack * (far.size() + more));
+    }
+  };
+  const auto keeps = [](const Reach& box, const Side& side) {
+    if constexpr (std::is_same_v<Side, HalfSpace>)
+      return box.nearest(side).sum() >= 0;
+    else
+      return box.nearest(side.first).sum() >= 0 || box.nearest(side.last).sum() >= 0;
+  };
   const auto meets = [&](const Box& box, unsigned& checks) {
     const double lx = double(box.lo.x) - apex.x, hx = double(box.hi.x) - apex.x,
                  ly = double(box.lo.y) - apex.y, hy = double(box.hi.y) - apex.y,
                  lz = double(box.lo.z) - apex.z, hz = double(box.hi.z) - apex.z;
+    const Reach own{lx, hx, ly, hy, lz, hz};
     if (checks & reach_bit) {
       const double dx = gap(lx, hx), dy = gap(ly, hy), dz = gap(lz, hz);
       if (dx * dx + dy * dy + dz * dz > reach2) return false;
       const double fx = std::max(-lx, hx), fy = std::max(-ly, hy), fz = std::max(-lz, hz);
       if (fx * fx + fy * fy + fz * fz <= reach2) checks &= ~reach_bit;
     }
-    for (std::size_t k = 0; k < half_spaces.size(); ++k) {
+    for (std::size_t k = 0; k < sides.size(); ++k) {
       if (!(checks >> k & 1u)) continue;
-      const HalfSpace& h = half_spaces[k];
-      const double px = h.x * (h.x > 0 ? hx : lx), py = h.y * (h.y > 0 ? hy : ly),
-                   pz = h.z * (h.z > 0 ? hz : lz);
-      if (px + py + pz < -slack * (std::abs(px) + std::abs(py) + std::abs(pz))) return false;
-      const double nx = h.x * (h.x > 0 ? lx : hx), ny = h.y * (h.y > 0 ? ly : hy),
-                   nz = h.z * (h.z > 0 ? lz : hz);
-      if (nx + ny + nz >= 0) checks &= ~(1u << k);
+      if (!may_meet(own, sides[k])) return false;
+      if (keeps(own, sides[k])) checks &= ~(1u << k);
     }
     return true;
   };

@@ -30,11 +30,25 @@ class SceneTree {
     double x, y, z;
   };
 
+  /// Several half-spaces of which a box has to meet one: those of a wall as it turns from tube to tube.
+  class Fan {
+   public:
+    Fan() = default;
+    explicit Fan(std::span<const HalfSpace> half_spaces);
+
+   private:
+    friend class SceneTree;
+    HalfSpace first{}, last{}, middle{};
+    HalfSpace spread{};  ///< no normal differs from the middle one by more, in each coordinate
+  };
+
   /// Appends to `out`, in no particular order, every facet whose box meets all half-spaces and comes nearer
   /// to the apex than `reach` (grid units). Facets that do not meet the pyramid may be among them; none that
   /// does is missing.
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
              std::vector<FacetId>& out) const;
+  /// The same with fans: no facet is missing whose box truly meets one half-space of each.
+  void query(GridPoint apex, std::span<const Fan> fans, double reach, std::vector<FacetId>& out) const;
 
   /// Null if there are none.
   const HeightSheets* sheets() const { return sheets_.get(); }
@@ -51,6 +65,10 @@ class SceneTree {
     Box box;
     std::uint32_t link = 0, count = 0;
   };
+
+  template <class Side>
+  void query_sides(GridPoint apex, std::span<const Side> sides, double reach,
+                   std::vector<FacetId>& out) const;
 
   const FacetMesh* mesh_;
   std::vector<Node> nodes_;

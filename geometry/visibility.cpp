@@ -6,8 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "geometry/facet_cone.hpp"
-#include "geometry/height_sheets.hpp"
 #include "geometry/visibility_state.hpp"
 
 namespace tubefoot {
@@ -18,6 +16,15 @@ constexpr std::array<std::pair<Arithmetic, std::string_view>, 4> arithmetic_name
      {Arithmetic::filtered, "filtered"},
      {Arithmetic::rational, "rational"},
      {Arithmetic::plain_double, "double"}}};
+
+/// Longer runs share more, but every tube looks through all that its run has gathered. Measured:
+/// docs/performance.md.
+constexpr std::uint32_t most_tubes_a_run = 8;
+
+bool share_a_wall(const Tube& a, const Tube& b) {
+  return std::count_if(a.begin(), a.end(),
+                       [&](std::uint32_t ray) { return std::find(b.begin(), b.end(), ray) != b.end(); }) == 2;
+}
 
 std::unique_ptr<TubeSolver> make_solver(Arithmetic arithmetic) {
   switch (arithmetic) {
@@ -37,8 +44,7 @@ std::unique_ptr<TubeSolver> make_solver(Arithmetic arithmetic) {
 
 struct VisibilityScratch::State {
   std::array<std::unique_ptr<TubeSolver>, arithmetic_names.size()> solvers;
-  std::vector<FacetId> candidates, hidden;
-  HeightSheets::View sheets;
+  Gathering gathering;
 };
 
 VisibilityScratch::VisibilityScratch() : state_(std::make_unique<State>()) {}
@@ -67,34 +73,56 @@ void TubeVisibility::clear() {
   candidates = 0;
 }
 
-void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
-         const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out) {
+namespace {
+
+TubeSolver& solver_of(VisibilityScratch::State& state, Arithmetic arithmetic) {
+  auto& solver = state.solvers[static_cast<std::size_t>(arithmetic)];
+  if (!solver) solver = make_solver(arithmetic);
+  return *solver;
+}
+
+void see_gathered(const TubeSet& tubes, std::uint32_t tube, const VisibilityOptions& options,
+                  TubeSolver& solver, TubeVisibility& out) {
   out.clear();
   for (const std::uint32_t ray : tubes.tubes.at(tube)) out.rays.push_back(tubes.rays[ray]);
-  std::array<SceneTree::HalfSpace, 4> walls;
-  for (int k = 0; k < 4; ++k) {
-    const Vec64 n = cross(out.rays[k], out.rays[(k + 1) % 4]);
-    walls[k] = {static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)};
+  solver.run(options, out);
+}
+
+}  // namespace
+
+void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
+         const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out) {
+  see_run(mesh, tree, tubes, {tube, tube + 1}, options, scratch, out, [](std::uint32_t) {});
+}
+
+std::vector<TubeRun> runs_of(const TubeSet& tubes) {
+  std::vector<TubeRun> runs;
+  for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
+    if (!runs.empty() && tube - runs.back().first < most_tubes_a_run &&
+        share_a_wall(tubes.tubes[tube - 1], tubes.tubes[tube]))
+      runs.back().end = tube + 1;
+    else
+      runs.push_back({tube, tube + 1});
   }
+  return runs;
+}
+
+void see_run(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, TubeRun run,
+             const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out,
+             const std::function<void(std::uint32_t)>& take) {
   VisibilityScratch::State& state = scratch.state();
-  state.candidates.clear();
-  tree.query(tubes.apex, walls, tubes.reach, state.candidates);
-  state.hidden.clear();
-  if (const HeightSheets* sheets = tree.sheets()) {
-    sheets->look(mesh, tree, tubes.apex, {out.rays[0], out.rays[1], out.rays[2], out.rays[3]}, walls,
-                 state.sheets);
-    std::erase_if(state.candidates, [&](FacetId facet) {
-      const bool hidden = sheets->surely_hidden(mesh, facet, tubes.apex, state.sheets);
-      if (hidden) state.hidden.push_back(facet);
-      return hidden;
-    });
+  if (!state.gathering.gather(mesh, tree, tubes, run.first, run.end)) {
+    const std::uint32_t middle = run.first + (run.end - run.first) / 2;
+    see_run(mesh, tree, tubes, {run.first, middle}, options, scratch, out, take);
+    see_run(mesh, tree, tubes, {middle, run.end}, options, scratch, out, take);
+    return;
   }
-  // The tree's order is the standard library's business; ours must not depend on it.
-  std::sort(state.candidates.begin(), state.candidates.end());
-  if (options.open_water) std::sort(state.hidden.begin(), state.hidden.end());
-  auto& solver = state.solvers[static_cast<std::size_t>(options.arithmetic)];
-  if (!solver) solver = make_solver(options.arithmetic);
-  solver->run(mesh, tubes.apex, state.candidates, state.hidden, options, out);
+  TubeSolver& solver = solver_of(state, options.arithmetic);
+  solver.begin(mesh, tubes.apex, state.gathering);
+  for (std::uint32_t tube = run.first; tube < run.end; ++tube) {
+    see_gathered(tubes, tube, options, solver, out);
+    take(tube);
+  }
 }
 
 }  // namespace tubefoot

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -72,5 +73,20 @@ class VisibilityScratch {
 /// Finds the visible pieces of tube `tube` of `tubes`. `out` is overwritten.
 void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
          const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out);
+
+/// Tubes [first, end) of a set.
+struct TubeRun {
+  std::uint32_t first = 0, end = 0;
+};
+
+/// The set's tubes as runs of neighbours, in order: each tube of a run shares a wall with the one before it.
+/// Depends on the set alone.
+std::vector<TubeRun> runs_of(const TubeSet& tubes);
+
+/// see() for each tube of a run in turn, `take(tube)` being called when `out` is that tube's. The same
+/// results, bit for bit, in less time if the tubes are neighbours: they gather their facets together.
+void see_run(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, TubeRun run,
+             const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out,
+             const std::function<void(std::uint32_t)>& take);
 
 }  // namespace tubefoot

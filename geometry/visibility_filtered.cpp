@@ -8,11 +8,12 @@ namespace {
 
 class FilteredSolver final : public TubeSolver {
  public:
-  void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
-           const std::vector<FacetId>& hidden, const VisibilityOptions& options,
-           TubeVisibility& out) override {
+  void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) override {
+    solver_.begin(mesh, apex, gathering);
+  }
+  void run(const VisibilityOptions& options, TubeVisibility& out) override {
     const FilteredArithmetic::Guard guard;
-    solver_.run(FilteredArithmetic{}, mesh, apex, candidates, hidden, options, out);
+    solver_.run(FilteredArithmetic{}, options, out);
   }
 
  private:

@@ -8,10 +8,11 @@ namespace {
 
 class RationalSolver final : public TubeSolver {
  public:
-  void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
-           const std::vector<FacetId>& hidden, const VisibilityOptions& options,
-           TubeVisibility& out) override {
-    solver_.run(RationalArithmetic{}, mesh, apex, candidates, hidden, options, out);
+  void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) override {
+    solver_.begin(mesh, apex, gathering);
+  }
+  void run(const VisibilityOptions& options, TubeVisibility& out) override {
+    solver_.run(RationalArithmetic{}, options, out);
   }
 
  private:

@@ -9,9 +9,9 @@
 
 #include "geometry/cone_clip.hpp"
 #include "geometry/facet_cone.hpp"
+#include "geometry/gathering.hpp"
 #include "geometry/gnomonic_frame.hpp"
 #include "geometry/layer_grid.hpp"
-#include "geometry/neighbours.hpp"
 #include "geometry/reused_list.hpp"
 #include "geometry/visibility.hpp"
 
@@ -22,19 +22,26 @@ namespace tubefoot {
 template <class A>
 class VisibilitySolver {
  public:
-  /// One thread's work on one tube. The solver is reused from tube to tube and keeps its buffers.
-  void run(const A& arithmetic, const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
-           const std::vector<FacetId>& hidden, const VisibilityOptions& options, TubeVisibility& out) {
-    arithmetic_ = arithmetic;
+  /// One thread's work on the tubes that `gathering` was made for, which must outlive it. The solver is
+  /// reused from tube to tube and keeps its buffers.
+  void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) {
     mesh_ = &mesh;
+    apex_ = apex;
+    gathering_ = &gathering;
+    place_.assign(gathering.facets().size(), absent);
+    folds_.assign(3 * gathering.facets().size(), Fold::unknown);
+  }
+
+  /// One tube.
+  void run(const A& arithmetic, const VisibilityOptions& options, TubeVisibility& out) {
+    arithmetic_ = arithmetic;
     options_ = options;
     out_ = &out;
     buffer_.clear();
     walls_.clear();
     frame_ = GnomonicFrame({out.rays[0], out.rays[1], out.rays[2], out.rays[3]});
     tube_ = make_tube_cone();
-    facets_.clear();
-    gather(apex, candidates);
+    gather();
     out.candidates = facets_.size();
     find_layers();
     const std::size_t mark = buffer_.size();
@@ -43,7 +50,7 @@ class VisibilitySolver {
       buffer_.resize(mark);
     }
     if (options_.open_water) {
-      gather(apex, hidden);
+      gather_hidden();
       find_open_water();
     }
   }
@@ -63,6 +70,16 @@ class VisibilitySolver {
     std::array<ClipPlane<A>, 3> edges;
     std::array<Half<A>, 3> halves;
   };
+
+  /// On which sides of the tube's walls a facet's vertices lie: bit 3 w + k for vertex k strictly inside wall
+  /// w; bit w of `crossed` for a wall that has a vertex outside.
+  struct WallSides {
+    std::uint16_t inside = 0;
+    std::uint8_t crossed = 0;
+  };
+
+  enum class Fold : std::uint8_t { unknown, no, yes };
+  static constexpr std::uint32_t absent = 0xffffffffu;
 
   /// Halvings of a facet's bounds, at most: below that integer rays no longer tell the halves apart.
   static constexpr int deepest_split = 40;
@@ -94,41 +111,58 @@ class VisibilitySolver {
     return {0, 4};
   }
 
-  void gather(GridPoint apex, const std::vector<FacetId>& candidates) {
-    const std::size_t first = facets_.size();
-    walls_cut_.resize(first);
-    for (const FacetId id : candidates) {
-      SeenFacet& facet = facets_.emplace_back();
-      std::uint8_t walls = 0;
-      if (FacetCone::make(*mesh_, id, apex, facet.cone) && enters_tube(facet.cone, walls)) {
-        facet.measure(frame_);
-        walls_cut_.push_back(walls);
-      } else {
-        facets_.pop_back();
+  /// The tube's own of the facets gathered.
+  void gather() {
+    const auto& rays = out_->rays;
+    const auto inwards = [&](int k) { return Gathering::Wall(cross(rays[k], rays[(k + 1) % 4])); };
+    const std::array<Gathering::Wall, 4> walls{inwards(0), inwards(1), inwards(2), inwards(3)};
+    facets_.clear();
+    gathered_.clear();
+    sides_of_walls_.clear();
+    const std::vector<RangedFacet>& all = gathering_->facets();
+    for (std::uint32_t f = 0; f < all.size(); ++f)
+      if (WallSides sides; gathering_->admits(f, walls) && enters_tube(all[f].cone, sides)) {
+        gathered_.push_back(f);
+        add_facet(all[f], sides);
       }
-    }
+    make_room_for_planes(0);
+  }
+
+  void gather_hidden() {
+    const std::size_t first = facets_.size();
+    RangedFacet facet;
+    for (const FacetId id : gathering_->hidden())
+      if (WallSides sides; FacetCone::make(*mesh_, id, apex_, facet.cone) && enters_tube(facet.cone, sides)) {
+        facet.measure_ranges();
+        add_facet(facet, sides);
+      }
+    make_room_for_planes(first);
+  }
+
+  void add_facet(const RangedFacet& facet, WallSides sides) {
+    facets_.emplace_back(facet).place(frame_);
+    sides_of_walls_.push_back(sides);
+  }
+
+  void make_room_for_planes(std::size_t first) {
     if (planes_.size() < facets_.size()) planes_.resize(facets_.size());
     for (std::size_t f = first; f < facets_.size(); ++f) planes_[f].made = false;
   }
 
-  /// False if some wall of the tube has no vertex strictly inside; else `walls` has a bit for each wall that
-  /// has a vertex outside. Exact.
-  bool enters_tube(const FacetCone& cone, std::uint8_t& walls) const {
-    for (int w = 0; w < 4; ++w) {
+  /// False if some wall of the tube has no vertex strictly inside. Exact.
+  bool enters_tube(const FacetCone& cone, WallSides& sides) const {
+    for (unsigned w = 0; w < 4; ++w) {
       const Half<A> half = buffer_[w].edge;
-      bool inside = false;
-      for (const GridPoint& p : cone.point) {
-        const int s = half.sign * arithmetic_.side(p, half.plane->plane);
-        inside |= s > 0;
-        if (s < 0) walls = static_cast<std::uint8_t>(walls | 1u << w);
+      unsigned inside = 0;
+      for (unsigned k = 0; k < 3; ++k) {
+        const int s = half.sign * arithmetic_.side(cone.point[k], half.plane->plane);
+        inside |= static_cast<unsigned>(s > 0) << k;
+        if (s < 0) sides.crossed = static_cast<std::uint8_t>(sides.crossed | 1u << w);
       }
-      if (!inside) return false;
+      if (inside == 0) return false;
+      sides.inside = static_cast<std::uint16_t>(sides.inside | inside << 3 * w);
     }
     return true;
-  }
-
-  bool is_inside(Half<A> half, GridPoint p) const {
-    return half.sign * arithmetic_.side(p, half.plane->plane) > 0;
   }
 
   const FacetPlanes& planes_of(std::uint32_t f) {
@@ -146,27 +180,53 @@ class VisibilitySolver {
   }
 
   void find_layers() {
-    neighbour_finder_.find(
-        facets_, neighbours_,
-        [this](std::uint32_t f, std::uint32_t k, std::uint32_t g) {
-          // f lies on the positive side of its edge's plane; g must lie on the other.
-          const FacetCone &cone = facets_[f].cone, &other = facets_[g].cone;
-          typename A::Plane plane;
-          arithmetic_.through(plane, cone.point[k], cone.point[(k + 1) % 3]);
-          for (int v = 0; v < 3; ++v)
-            if (other.vertex[v] != cone.vertex[k] && other.vertex[v] != cone.vertex[(k + 1) % 3])
-              return arithmetic_.side(other.point[v], plane) < 0;
-          return false;
-        },
-        [this](std::uint32_t f, std::uint32_t k) {
-          const FacetCone& cone = facets_[f].cone;
-          for (int w = 0; w < 4; ++w) {
-            const Half<A> half = buffer_[w].edge;
-            if (!is_inside(half, cone.point[k]) && !is_inside(half, cone.point[(k + 1) % 3])) return true;
+    const auto count = static_cast<std::uint32_t>(facets_.size());
+    const EdgeRings& rings = gathering_->rings();
+    neighbours_.assign(count, Neighbours{silhouette, silhouette, silhouette});
+    for (std::uint32_t f = 0; f < count; ++f) place_[gathered_[f]] = f;
+    for (std::uint32_t f = 0; f < count; ++f)
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t half_edge = 3 * gathered_[f] + k;
+        std::uint32_t others = 0, mate = half_edge;
+        for (std::uint32_t h = rings.next(half_edge); h != half_edge; h = rings.next(h))
+          if (place_[h / 3] != absent) {
+            ++others;
+            mate = h;
           }
-          return false;
-        });
+        // Three facets on an edge: a silhouette of each.
+        if (others == 0) {
+          if (edge_is_outside(f, k)) neighbours_[f][k] = outside_tube;
+        } else if (others == 1 && mate > half_edge && unfolded(half_edge, mate)) {
+          neighbours_[f][k] = static_cast<std::int32_t>(place_[mate / 3]);
+          neighbours_[place_[mate / 3]][mate % 3] = static_cast<std::int32_t>(f);
+        }
+      }
+    for (const std::uint32_t f : gathered_) place_[f] = absent;
     grid_.build(frame_, facets_, neighbours_);
+  }
+
+  bool edge_is_outside(std::uint32_t f, std::uint32_t k) const {
+    const unsigned ends = 1u << k | 1u << (k + 1) % 3;
+    for (unsigned w = 0; w < 4; ++w)
+      if (!(sides_of_walls_[f].inside >> 3 * w & ends)) return true;
+    return false;
+  }
+
+  /// Whether the facets of two half-edges of one edge lie on opposite sides of its plane. Exact.
+  bool unfolded(std::uint32_t half_edge, std::uint32_t mate) {
+    if (folds_[half_edge] == Fold::unknown || gathering_->rings().next(mate) != half_edge)
+      folds_[half_edge] = are_unfolded(half_edge, mate) ? Fold::no : Fold::yes;
+    return folds_[half_edge] == Fold::no;
+  }
+
+  bool are_unfolded(std::uint32_t half_edge, std::uint32_t mate) const {
+    // The first facet lies on the positive side of its edge's plane; the other one must lie on the negative.
+    const FacetCone &cone = gathering_->facets()[half_edge / 3].cone,
+                    &other = gathering_->facets()[mate / 3].cone;
+    const std::uint32_t k = half_edge % 3, next = (k + 1) % 3;
+    typename A::Plane plane;
+    arithmetic_.through(plane, cone.point[k], cone.point[next]);
+    return arithmetic_.side(other.point[(mate % 3 + 2) % 3], plane) < 0;
   }
 
   /// The facet's cone within the tube; false if nothing with an interior is left.
@@ -177,7 +237,7 @@ class VisibilitySolver {
     for (int k = 0; k < 3; ++k)
       buffer_.push_back(point_corner(arithmetic_, cone.vertex[k], cone.point[k], planes.halves[k]));
     for (std::uint32_t w = 0; w < tube_.count; ++w)
-      if (walls_cut_[f] >> w & 1u)
+      if (sides_of_walls_[f].crossed >> w & 1u)
         if (!clip_to(piece, Half<A>(buffer_[tube_.first + w].edge))) return false;
     return true;
   }
@@ -440,16 +500,20 @@ class VisibilitySolver {
 
   A arithmetic_{};
   const FacetMesh* mesh_ = nullptr;
+  GridPoint apex_;
+  const Gathering* gathering_ = nullptr;
+  std::vector<std::uint32_t> place_;  ///< by gathered facet: its index in facets_, or absent
+  std::vector<Fold> folds_;           ///< by half-edge of the gathering
   VisibilityOptions options_;
   TubeVisibility* out_ = nullptr;
   GnomonicFrame frame_;
   PieceRange tube_;
   std::uint32_t receiver_ = nobody;  ///< facet at hand; nobody: open water
   std::vector<SeenFacet> facets_;
-  std::vector<std::uint8_t> walls_cut_;  ///< by facet: a bit for each wall of the tube that it reaches beyond
-  std::deque<FacetPlanes> planes_;       ///< by facet; a deque, because halves point into it
+  std::vector<WallSides> sides_of_walls_;  ///< by facet
+  std::vector<std::uint32_t> gathered_;    ///< by facet: its index in the gathering (not for hidden ones)
+  std::deque<FacetPlanes> planes_;         ///< by facet; a deque, because halves point into it
   std::vector<Neighbours> neighbours_;
-  NeighbourFinder neighbour_finder_;
   LayerGrid grid_;
   std::vector<std::uint32_t> candidates_;
   std::vector<Occluder> list_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "geometry/gathering.hpp"
 #include "geometry/visibility.hpp"
 
 // One solver per arithmetic, each in a translation unit of its own: heavy number types stay out of the
@@ -10,11 +11,10 @@ namespace tubefoot {
 class TubeSolver {
  public:
   virtual ~TubeSolver() = default;
-  /// `hidden`: facets that are known to be hidden by candidates; only the search for open water looks at
-  /// them.
-  virtual void run(const FacetMesh& mesh, GridPoint apex, const std::vector<FacetId>& candidates,
-                   const std::vector<FacetId>& hidden, const VisibilityOptions& options,
-                   TubeVisibility& out) = 0;
+  /// A new gathering, for the runs that follow; it must outlive them.
+  virtual void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) = 0;
+  /// One tube of those gathered for: out.rays holds its rays.
+  virtual void run(const VisibilityOptions& options, TubeVisibility& out) = 0;
 };
 
 std::unique_ptr<TubeSolver> make_fixed_solver();

@@ -32,14 +32,15 @@ TubeEngine::~TubeEngine() = default;
 History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured) const {
   std::vector<FootprintSet> per_tube(tubes.tubes.size());
   std::vector<std::size_t> looked_at(tubes.tubes.size());
-  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(tubes.tubes.size()),
-                    [&](std::uint32_t tube) {
-                      auto& [visibility, seen] = scratch_->threads.local();
-                      see(mesh_, tree_, tubes, tube, options_, visibility, seen);
-                      append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_tube[tube]);
-                      if (measured) measure(per_tube[tube]);
-                      looked_at[tube] = seen.candidates;
-                    });
+  const std::vector<TubeRun> runs = runs_of(tubes);
+  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
+    auto& [visibility, seen] = scratch_->threads.local();
+    see_run(mesh_, tree_, tubes, runs[run], options_, visibility, seen, [&](std::uint32_t tube) {
+      append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_tube[tube]);
+      if (measured) measure(per_tube[tube]);
+      looked_at[tube] = seen.candidates;
+    });
+  });
   History history;
   history.footprints = joined(per_tube);
   if (candidates)

@@ -43,7 +43,8 @@ InTube in_tube(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube) 
           return !on_inner_side(w, p[0]) && !on_inner_side(w, p[1]) && !on_inner_side(w, p[2]);
         }))
       continue;
-    facet.measure(result.frame);
+    facet.measure_ranges();
+    facet.place(result.frame);
     result.facets.push_back(facet);
   }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 #include "geometry/arithmetic_filtered.hpp"
 #include "geometry/arithmetic_fixed.hpp"
 #include "geometry/arithmetic_rational.hpp"
@@ -88,17 +86,19 @@ Tiers tiers_of(const FacetMesh& mesh, const TubeSet& tubes) {
   VisibilitySolver<Counting<A>> solver;
   VisibilityOptions options;
   options.open_water = true;
-  std::vector<FacetId> everything(mesh.facets.size());
-  std::iota(everything.begin(), everything.end(), 0u);
+  const SceneTree tree(mesh, SceneTree::Sheets::ignored);
+  Gathering gathering;
   TubeVisibility seen;
-  for (const Tube& tube : tubes.tubes) {
+  for (std::uint32_t t = 0; t < tubes.tubes.size(); ++t) {
     seen.clear();
-    for (const std::uint32_t ray : tube) seen.rays.push_back(tubes.rays[ray]);
+    for (const std::uint32_t ray : tubes.tubes[t]) seen.rays.push_back(tubes.rays[ray]);
+    EXPECT_TRUE(gathering.gather(mesh, tree, tubes, t, t + 1)) << "a single tube always gathers";
+    solver.begin(mesh, tubes.apex, gathering);
     if constexpr (std::is_same_v<A, FilteredArithmetic>) {
       const FilteredArithmetic::Guard guard;
-      solver.run(arithmetic, mesh, tubes.apex, everything, {}, options, seen);
+      solver.run(arithmetic, options, seen);
     } else {
-      solver.run(arithmetic, mesh, tubes.apex, everything, {}, options, seen);
+      solver.run(arithmetic, options, seen);
     }
   }
   return tiers;
