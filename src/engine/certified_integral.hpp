@@ -52,6 +52,7 @@ class CertifiedIntegrator {
     const Directivity* pattern = nullptr;
     Ball away, u, v;  // the pattern's axis in the polygon's frame
     Ball centre_angle;
+    std::size_t segment = 0;  // of a table, what it is taken for while by_segment_
   };
   /// A part of a slab; `v` runs from -1 to 1 along each of its arcs.
   struct Interval {
@@ -91,6 +92,9 @@ class CertifiedIntegrator {
   double log_bound(const Arc* arc, const ComplexBall& t, const ComplexBall& v,
                    std::vector<double>& by_beam) const;
   Ball gain(const Cosine& cosine, const Ball& w) const;
+  Ball angle_of(const Cosine& cosine, const Ball& w) const;
+  double take_segment(Cosine& cosine, const Ball& w) const;
+  std::vector<double> take_segments(const Arc* arc, const Ball& t, const Ball& v);
   bool try_patterned(const Interval& interval, const Ball& whole, double relative);
   std::vector<Ball> box(const Interval& interval) const;
   bool try_box(const Interval& interval, double share, double relative);
@@ -113,6 +117,8 @@ class CertifiedIntegrator {
   const BeamPatterns* patterns_ = nullptr;
   std::vector<Cosine> transmit_;  // beams sent at once
   std::vector<Cosine> receive_;
+  bool tabulated_ = false;   // some pattern is a table
+  bool by_segment_ = false;  // tables are what their cosine's segment says
   bool split_arcs_ = false;  // which way the interval that failed last should be halved
 };
 

@@ -114,20 +114,24 @@ double GainPanels::value(double cosine) {
 void DirectionMoments::add(std::span<const double> cosines, std::span<const double> weights) {
   for (std::size_t k = 0; k < cosines.size();) {
     if (!(cosines[k] >= lo_ && cosines[k] < hi_)) select(cosines[k]);
-    std::array<Pair, terms / 2> sum{};
+    static_assert(terms == 12);
+    Pair s0{}, s1{}, s2{}, s3{}, s4{}, s5{};  // one by one, to stay in registers
     do {
       const double x = (cosines[k] - middle_) * per_half_, x2 = x * x, weight = weights[k];
-      Pair power{weight, weight * x};
-      const Pair step{x2, x2};
-      for (Pair& s : sum) {
-        s += power;
-        power *= step;
-      }
+      const Pair p0{weight, weight * x}, step{x2, x2}, p1 = p0 * step, p2 = p1 * step, p3 = p2 * step,
+                                                       p4 = p3 * step, p5 = p4 * step;
+      s0 += p0;
+      s1 += p1;
+      s2 += p2;
+      s3 += p3;
+      s4 += p4;
+      s5 += p5;
       ++k;
     } while (k < cosines.size() && cosines[k] >= lo_ && cosines[k] < hi_);
-    for (int i = 0; i < terms / 2; ++i) {
-      row_[2 * i] += sum[i][0];
-      row_[2 * i + 1] += sum[i][1];
+    int i = 0;
+    for (const Pair& s : {s0, s1, s2, s3, s4, s5}) {
+      row_[i++] += s[0];
+      row_[i++] += s[1];
     }
   }
 }

@@ -41,6 +41,11 @@ void sine_and_cosine(double x, double& sine, double& cosine) {
     return;
   }
   const double y = x * x;
+  if (y < 1e-5) {
+    sine = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120)));
+    cosine = 1 + y * (-1.0 / 2 + y * (1.0 / 24));
+    return;
+  }
   sine = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880)))));
   cosine = 1 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320))));
 }

@@ -285,6 +285,160 @@ TEST(PatternIntegral, RayHitsAreWeighedInTheirOwnDirection) {
               gaussian(0.5).gain(direction) * line(2).gain(direction), 1e-6);
 }
 
+/// Footprints of about a beam's width in front of the sonar, each a tube of its own.
+History rough_bed(unsigned seed, std::uint32_t footprints) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> across(-2.5, 2.5), ahead(4, 9), size(0.02, 0.4);
+  History history;
+  for (std::uint32_t tube = 0; tube < footprints; ++tube) {
+    const double a = size(random);
+    add_footprint(history, tube, test::random_plane(random, 3),
+                  test::random_convex(random, {across(random), ahead(random)}, a, a / 2));
+    Footprint& f = history.footprints.footprints.back();
+    f.centroid_m = history.footprints.corners_m.back();
+    f.area_m2 = a * a;
+    f.grazing_angle_rad = 0.5;
+    f.slant_range_min_m = glm::length(f.centroid_m);
+    f.slant_range_max_m = f.slant_range_min_m + a;
+    history.hits.push_back({0, tube, float(3 + a), 0.5, 1e-4, glm::vec3(glm::normalize(f.centroid_m))});
+  }
+  return history;
+}
+
+BeamPatterns fan_of(const TransmitPattern& transmit, const std::vector<Directivity>& receive,
+                    std::uint32_t tubes) {
+  return {{transmit},
+          receive,
+          std::vector<std::uint32_t>(tubes, 0),
+          std::vector<std::pair<std::uint32_t, std::uint32_t>>(tubes, {0, std::uint32_t(receive.size())})};
+}
+
+Echo echo_of(const History& history, const BeamPatterns* patterns, double tolerance,
+             Binning binning = Binning::exact) {
+  const std::vector<double> material_mu{mu};
+  const std::vector<std::uint16_t> one_facet{0};
+  const std::vector<std::uint32_t> beam_of_tube(history.footprints.footprints.size(), 0);
+  return integrate_echo(history, beam_of_tube, patterns ? int(patterns->receive.size()) : 1, {3, 0.05, 200},
+                        EchoLaw{material_mu, one_facet, 0.3, patterns, tolerance}, binning);
+}
+
+TEST(PatternIntegral, BeamsSentAtOnceAddUp) {
+  const std::uint32_t tubes = 40;
+  const History history = rough_bed(27182, tubes);
+  const Directivity across = line(30, 0.1);
+  Directivity upright = gaussian(0.3);
+  upright.axis = {0, 0, 1};
+  // Along the array of the receivers, along another, both, and with one that is everywhere.
+  for (const auto& sent : {std::vector{line(25, -0.2), across, line(30, 0.3)},
+                           std::vector{upright, piston(4)}, std::vector{across, upright, Directivity()}})
+    for (const auto& heard : {std::vector{line(30)}, std::vector{line(30), line(30, 0.2), line(30, -0.2)}})
+      for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid}) {
+        const BeamPatterns together = fan_of(TransmitPattern(sent), heard, tubes);
+        const Echo echo = echo_of(history, &together, 1e-11, binning);
+        std::vector<double> sum(echo.energy.size());
+        for (const Directivity& beam : sent) {
+          const BeamPatterns alone = fan_of(beam, heard, tubes);
+          const Echo part = echo_of(history, &alone, 1e-11, binning);
+          for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += part.energy[k];
+        }
+        const double peak = *std::max_element(sum.begin(), sum.end());
+        ASSERT_GT(peak, 0);
+        for (std::size_t k = 0; k < sum.size(); ++k) ASSERT_NEAR(echo.energy[k], sum[k], 1e-9 * peak) << k;
+      }
+}
+
+TEST(PatternIntegral, ManyBeamsOfAnArrayHearWhatEachWouldAlone) {
+  const std::uint32_t tubes = 60;
+  const History history = rough_bed(16180, tubes);
+  for (Directivity heard : {line(60), gaussian(0.02), gaussian(0.3)}) {
+    std::vector<Directivity> beams;
+    for (int k = -3; k <= 3; ++k) {
+      heard.centre = 0.07 * k;
+      beams.push_back(heard);
+    }
+    beams[2] = Directivity();
+    for (const TransmitPattern& sent : {TransmitPattern(beams), TransmitPattern(piston(6))}) {
+      const BeamPatterns all = fan_of(sent, beams, tubes);
+      const Echo echo = echo_of(history, &all, 1e-11), plain = echo_of(history, nullptr, 1e-11);
+      for (int b = 0; b < int(beams.size()); ++b) {
+        const BeamPatterns one = fan_of(sent, {beams[std::size_t(b)]}, tubes);
+        const Echo alone = echo_of(history, &one, 1e-11);
+        for (int k = 0; k < echo.samples; ++k)
+          ASSERT_NEAR(echo.at(b, k), alone.at(0, k), 1e-9 * plain.at(0, k)) << b << " sample " << k;
+      }
+    }
+  }
+}
+
+TEST(PatternIntegral, ErrorsStayBelowTheToleranceAndAreNotFree) {
+  const std::uint32_t tubes = 300;
+  const History history = rough_bed(141421, tubes);
+  for (const Directivity& shape : {line(120), gaussian(0.006), piston(40)}) {
+    std::vector<Directivity> beams(5, shape);
+    for (std::size_t k = 0; k < beams.size(); ++k) beams[k].centre = 0.1 * double(k) - 0.2;
+    const BeamPatterns patterns = fan_of(TransmitPattern(beams), beams, tubes);
+    const Echo fine = echo_of(history, &patterns, 1e-12), plain = echo_of(history, nullptr, 1e-6);
+    for (const double tolerance : {1e-3, 1e-4, 1e-6, 1e-8}) {
+      const Echo echo = echo_of(history, &patterns, tolerance);
+      for (int b = 0; b < echo.beams; ++b)
+        for (int k = 0; k < echo.samples; ++k)
+          ASSERT_NEAR(echo.at(b, k), fine.at(b, k), (tolerance + 1e-10) * plain.at(0, k))
+              << tolerance << " beam " << b << " sample " << k;
+      EXPECT_NE(echo.energy, fine.energy);
+    }
+  }
+}
+
+TEST(PatternIntegral, TablesAreAsGoodAsTheirCornersAllow) {
+  std::vector<double> angle, level;
+  for (int k = -60; k <= 60; ++k) {
+    angle.push_back(0.002 * k);
+    level.push_back(std::max(-30.0, -3 * std::pow(0.2 * k, 2)));
+  }
+  Directivity table{Kind::table, {1, 0, 0}, false, 0, 0, std::make_shared<const PatternTable>(angle, level)};
+  const std::uint32_t tubes = 100;
+  const History history = rough_bed(17320, tubes);
+  std::vector<Directivity> beams(4, table);
+  for (std::size_t k = 0; k < beams.size(); ++k) beams[k].centre = 0.1 * double(k) - 0.15;
+  double off = 0;
+  for (std::uint32_t tube = 0; tube < tubes; ++tube) {
+    // One footprint at a time, by brute force: a fine grid of its fan of triangles.
+    History one;
+    const Footprint& f = history.footprints.footprints[tube];
+    const Piece piece = history.footprints.pieces[f.first_piece];
+    const std::span<const glm::dvec3> corners =
+        std::span(history.footprints.corners_m).subspan(piece.first, piece.count);
+    const double beta = 0.6 * std::log(10.0) / 10;
+    double direct = 0, all = 0;
+    const int n = 200;
+    for (std::size_t t = 2; t < corners.size(); ++t) {
+      const glm::dvec3 b = corners[t - 1] - corners[0], c = corners[t] - corners[0];
+      const double area = glm::length(glm::cross(b, c)) / 2 / (n * n);
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n - i; ++j)
+          for (const double third : {1.0 / 3, 2.0 / 3}) {
+            if (third > 0.5 && j == n - i - 1) continue;
+            const glm::dvec3 p = corners[0] + ((i + third) * b + (j + third) * c) / double(n);
+            const double r = glm::length(p), sine = f.plane_distance_m / r;
+            if (r < 3 || r >= 13) continue;
+            const double energy = mu * sine * sine * std::pow(r, -4) * std::exp(-beta * r) * area;
+            direct += energy * beams[1].gain(p / r);
+            all += energy;
+          }
+    }
+    one.footprints.footprints = {f};
+    one.footprints.footprints[0].tube = 0;
+    one.footprints.pieces = history.footprints.pieces;
+    one.footprints.corners_m = history.footprints.corners_m;
+    const BeamPatterns alone = fan_of(TransmitPattern(), beams, 1);
+    const Echo own = echo_of(one, &alone, 1e-6);
+    double sum = 0;
+    for (int k = 0; k < own.samples; ++k) sum += own.at(1, k);
+    if (all > 0) off = std::max(off, std::abs(sum - direct) / all);
+  }
+  EXPECT_LT(off, 2e-4);
+}
+
 TEST(PatternIntegral, PatternsOfOtherBeamsAreRefused) {
   History history;
   const BeamPatterns good = one_beam({}, {});
@@ -292,6 +446,11 @@ TEST(PatternIntegral, PatternsOfOtherBeamsAreRefused) {
   bad.beams_of_tube = {{0, 2}};
   EXPECT_NO_THROW(echo_of(history, {1, 1, 1}, 0, &good));
   EXPECT_THROW(echo_of(history, {1, 1, 1}, 0, &bad), std::invalid_argument);
+  bad = good;
+  bad.transmit[0].beams.clear();
+  EXPECT_THROW(echo_of(history, {1, 1, 1}, 0, &bad), std::invalid_argument);
+  for (const double tolerance : {0.0, 1e-13, 0.1, std::nan("")})
+    EXPECT_THROW(echo_of(history, {1, 1, 1}, 0, &good, tolerance), std::invalid_argument) << tolerance;
   bad = good;
   bad.fan_of_tube = {1};
   EXPECT_THROW(echo_of(history, {1, 1, 1}, 0, &bad), std::invalid_argument);
