@@ -2,7 +2,6 @@
 #include "validation/kernel_run.hpp"
 
 #include <cmath>
-#include <numeric>
 
 #include "geometry/visibility_solver.hpp"
 #include "validation/absolute_double.hpp"
@@ -13,18 +12,19 @@ namespace {
 double unit_m(const Case& scene) { return std::ldexp(1.0, -scene.grid_exponent); }
 
 /// As see(), in the coordinates of an engine that subtracts no origin.
-void see_absolutely(const Case& scene, std::uint32_t tube, const VisibilityOptions& options,
+void see_absolutely(const Case& scene, const SceneTree& tree, std::uint32_t tube,
+                    const VisibilityOptions& options, Gathering& gathering,
                     VisibilitySolver<AbsoluteDouble>& solver, TubeVisibility& out) {
   out.clear();
   for (const std::uint32_t ray : scene.tubes.tubes.at(tube)) out.rays.push_back(scene.tubes.rays[ray]);
-  std::vector<FacetId> all(scene.mesh.facets.size());
-  std::iota(all.begin(), all.end(), FacetId{0});
+  gathering.gather(scene.mesh, tree, scene.tubes, tube, tube + 1);
   AbsoluteDouble arithmetic;
   arithmetic.tolerance = options.tolerance;
   arithmetic.unit_m = unit_m(scene);
   const GridPoint apex = scene.tubes.apex;
   arithmetic.apex_m = scene.origin_m + arithmetic.unit_m * glm::dvec3(apex.x, apex.y, apex.z);
-  solver.run(arithmetic, scene.mesh, apex, all, {}, options, out);
+  solver.begin(scene.mesh, apex, gathering);
+  solver.run(arithmetic, options, out);
 }
 
 }  // namespace
@@ -35,14 +35,16 @@ Sight look(const Case& scene, Arithmetic arithmetic, double tolerance, Audit aud
   options.tolerance = tolerance;
   options.open_water = audited == Audit::yes;
   const bool absolute = arithmetic == Arithmetic::plain_double && scene.origin_m != glm::dvec3(0);
-  const SceneTree tree(scene.mesh);
+  // An engine of doubles proves no height sheets.
+  const SceneTree tree = absolute ? SceneTree(scene.mesh, SceneTree::Sheets::ignored) : SceneTree(scene.mesh);
   VisibilityScratch scratch;
+  Gathering gathering;
   VisibilitySolver<AbsoluteDouble> absolute_solver;
   TubeVisibility seen;
   Sight sight;
   for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
     if (absolute)
-      see_absolutely(scene, t, options, absolute_solver, seen);
+      see_absolutely(scene, tree, t, options, gathering, absolute_solver, seen);
     else
       see(scene.mesh, tree, scene.tubes, t, options, scratch, seen);
     Sight::OfTube& tube = sight.tubes.emplace_back();

@@ -146,13 +146,16 @@ class FacetEcho {
     const BeamPatterns& patterns = *law_.patterns;
     const auto [first, end] = patterns.beams_of_tube[piece.receive_tube];
     if (first == end) return;
-    const Directivity& transmit = patterns.transmit[patterns.fan_of_tube[piece.receive_tube]];
+    const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[piece.receive_tube]];
     work_.values = 1 + end - first;
     work_.resolution_rad = 1;
-    bool tables = is_table(transmit);
-    for (std::uint32_t beam = first; beam < end; ++beam) {
-      work_.resolution_rad = std::min(work_.resolution_rad, resolution_of(transmit, patterns.receive[beam]));
-      tables = tables || is_table(patterns.receive[beam]);
+    bool tables = false;
+    for (const Directivity& sent : transmit.beams) {
+      tables = tables || is_table(sent);
+      for (std::uint32_t beam = first; beam < end; ++beam) {
+        work_.resolution_rad = std::min(work_.resolution_rad, resolution_of(sent, patterns.receive[beam]));
+        tables = tables || is_table(patterns.receive[beam]);
+      }
     }
     work_.most_refinements = tables ? most_refinements_with_tables : PathCutter::Work().most_refinements;
     const glm::dvec3 transmit_down = -plane_.distance_m * plane_.normal;

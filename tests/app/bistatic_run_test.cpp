@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A receiver with a lever arm of its own, through the whole program (docs/bistatic.md).
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "app/echo_reader.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+
+/// Looks straight down from 5 m over a bed, in a sector so wide that its sides are not met in the window.
+std::string scene(const std::string& sensor_keys, const std::string& more = {}) {
+  return fmt::format(R"(
+[water]
+sound_speed_m_s = 1500
+absorption_db_per_km = 0
+[[materials]]
+name = "bed"
+lambert_db = -10
+[[terrain]]
+kind = "flat"
+width_m = 200
+length_m = 200
+{}
+[trajectory]
+kind = "fixed"
+position_m = [0, 0, 5]
+[[sensors]]
+name = "down"
+kind = "didson"
+beams = 3
+horizontal_deg = 100
+vertical_deg = 100
+tilt_deg = 90
+samples = 100
+window_start_m = 4.5
+window_length_m = 2
+{}
+)",
+                     more, sensor_keys);
+}
+
+double sum_of_sample(const Echoes& echoes, std::size_t sample) {
+  double sum = 0;
+  for (std::size_t beam = 0; beam < echoes.beams; ++beam) sum += echoes.at(0, beam, sample);
+  return sum;
+}
+
+TEST(BistaticRun, AReceiverAtTheTransmitterHearsTheSame) {
+  const Echoes alone = echoes_of(scene(""));
+  const Echoes same = echoes_of(scene("receiver_arm_m = [0, 0, 0]"));
+  EXPECT_EQ(alone.energy, same.energy);
+  // A hair away: the two-apex kernel and integral, the same echo but for that.
+  const Echoes near = echoes_of(scene("receiver_arm_m = [0, 0, 1e-6]"));
+  for (std::size_t k = 0; k < alone.samples; ++k)
+    EXPECT_NEAR(sum_of_sample(near, k), sum_of_sample(alone, k), 1e-4 * sum_of_sample(alone, k) + 1e-12) << k;
+}
+
+// Transmitter and receiver at one height h, a baseline apart: half of the shortest path is sqrt(h^2 +
+// (b/2)^2), and nothing returns from nearer; the ring of the bed between half paths l and l + dl returns mu
+// h^2 / (r_T^3 r_R^3) per area, integrated here on a fine grid of the ellipses' own coordinates.
+TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
+  const double h = 5, b = 3, mu = 0.1;
+  const Echoes echoes = echoes_of(scene("receiver_arm_m = [3, 0, 0]"));
+  const double shortest = std::hypot(h, b / 2);
+  for (std::size_t k = 0; k < echoes.samples; ++k) {
+    const double from = std::max(echoes.first_m(k), shortest), to = echoes.last_m(k);
+    if (to <= shortest) {
+      EXPECT_EQ(sum_of_sample(echoes, k), 0) << k;
+      continue;
+    }
+    // On the bed an ellipsoid of half path l cuts x^2 / A^2 + y^2 / B^2 = 1 - (h / B')^2 with A = l, B' =
+    // sqrt(l^2 - (b/2)^2): x = A s cos(t), y = B' s sin(t), s = sqrt(1 - h^2 / B'^2).
+    const auto point = [&](double l, double t) {
+      const double minor = std::sqrt(l * l - b * b / 4),
+                   s = std::sqrt(std::max(0.0, 1 - h * h / (minor * minor)));
+      return std::pair(l * s * std::cos(t), minor * s * std::sin(t));
+    };
+    constexpr int steps = 200, turns = 400;
+    double expected = 0;
+    for (int i = 0; i < steps; ++i)
+      for (int j = 0; j < turns; ++j) {
+        // s grows like a root at the shortest path: even steps in its square.
+        const auto at = [&](double u) { return from + (to - from) * u * u; };
+        const double l0 = at(double(i) / steps), l1 = at((i + 1.0) / steps), l = at((i + 0.5) / steps);
+        const double t0 = 2 * std::numbers::pi * j / turns, t1 = 2 * std::numbers::pi * (j + 1) / turns;
+        const auto [ax, ay] = point(l0, t0);
+        const auto [bx, by] = point(l1, t0);
+        const auto [cx, cy] = point(l1, t1);
+        const auto [dx, dy] = point(l0, t1);
+        const double area = ((cx - ax) * (dy - by) - (dx - bx) * (cy - ay)) / 2;
+        const auto [x, y] = point(l, (t0 + t1) / 2);
+        const double rt = std::hypot(x + b / 2, y, h), rr = std::hypot(x - b / 2, y, h);
+        expected += mu * h * h * area / std::pow(rt * rr, 3);
+      }
+    EXPECT_NEAR(sum_of_sample(echoes, k), expected, 2e-3 * expected) << k;
+  }
+}
+
+// A wall between the two: neither sees the other's side of the bed.
+TEST(BistaticRun, WhatOneOfTheTwoCannotSeeIsSilent) {
+  const std::string wall = R"([[objects]]
+name = "wall"
+shape = "box"
+size_m = [0.1, 150, 4.9]
+position_m = [0, 0, 2.4]
+)";
+  const Echoes open = echoes_of(scene("lever_arm_m = [-1, 0, -4]\nreceiver_arm_m = [1, 0, -4]"));
+  const Echoes shut = echoes_of(scene("lever_arm_m = [-1, 0, -4]\nreceiver_arm_m = [1, 0, -4]", wall));
+  EXPECT_GT(open.total(), 0);
+  EXPECT_EQ(shut.total(), 0);
+}
+
+TEST(BistaticRun, SaysWhatItCannotDo) {
+  const TestFolder folder;
+  const auto file = folder.write("scene.toml", scene("receiver_arm_m = [1, 0, 0]"));
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"run", file.string(), "-o", (folder / "out").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run_program(words);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
+    return outcome.err;
+  };
+  EXPECT_THAT(refusal({"--engine", "ray"}),
+              HasSubstr("'down' has its receiver apart and needs the tube engine"));
+  EXPECT_THAT(refusal({"--arithmetic", "double"}), HasSubstr("needs an exact arithmetic"));
+  EXPECT_THAT(refusal({"--binning", "centroid"}), HasSubstr("needs exact binning"));
+  EXPECT_THAT(refusal({"--reference"}), HasSubstr("cannot be certified"));
+}
+
+}  // namespace
+}  // namespace tubefoot
