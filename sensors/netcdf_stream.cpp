@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/netcdf_stream.hpp"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +14,21 @@ namespace tubefoot {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// HDF5 notes the time of day with every named type, which makes equal runs give different files, and netCDF
+// lets nobody ask it not to. The defaults of HDF5 can be told; it is netCDF's dependency, not ours: both are
+// looked up in the running program. Signature of HDF5 1.10: herr_t H5Pset_obj_track_times(hid_t, hbool_t).
+void leave_out_type_times() {
+  using SetTimes = int (*)(std::int64_t, bool);
+  const auto set_times = reinterpret_cast<SetTimes>(dlsym(RTLD_DEFAULT, "H5Pset_obj_track_times"));
+  const auto* defaults =
+      static_cast<const std::int64_t*>(dlsym(RTLD_DEFAULT, "H5P_LST_DATATYPE_CREATE_ID_g"));
+  if (set_times != nullptr && defaults != nullptr) set_times(*defaults, false);
+}
+
+}  // namespace
+
 NetcdfStream::NetcdfStream(fs::path file) : file_(std::move(file)) {
   partial_ = file_;
   partial_.replace_filename(file_.stem().string() + ".partial" + file_.extension().string());
@@ -22,6 +38,7 @@ NetcdfStream::NetcdfStream(fs::path file) : file_(std::move(file)) {
     space_->reserve(margin_bytes);
     check(nc_create(partial_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "create the file");
     open_ = true;
+    leave_out_type_times();
     space_->reserve(margin_bytes);
   } catch (...) {
     if (open_) nc_close(id_);
@@ -44,6 +61,20 @@ void NetcdfStream::check(int status, const std::string& task) const {
 }
 
 void NetcdfStream::flush() { check(nc_sync(id_), "write the file"); }
+
+void NetcdfStream::reopen() {
+  space_->reserve(margin_bytes);
+  open_ = false;
+  check(nc_close(id_), "write the file");
+  check(nc_open(partial_.c_str(), NC_WRITE, &id_), "open the file again");
+  open_ = true;
+}
+
+int NetcdfStream::group(const std::string& path) const {
+  int group = id_;
+  check(nc_inq_grp_full_ncid(id_, path.c_str(), &group), "find the group " + path);
+  return group;
+}
 
 void NetcdfStream::finish() {
   space_->reserve(margin_bytes);

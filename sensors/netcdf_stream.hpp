@@ -34,6 +34,10 @@ class NetcdfStream {
   void reserve(std::uintmax_t bytes) { space_->reserve(bytes + margin_bytes); }
   /// Hands everything written to the system.
   void flush();
+  /// Closes the file and opens it again, which frees what HDF5 remembers of it. Groups get new ids.
+  void reopen();
+  /// The id of a group by its full name.
+  int group(const std::string& path) const;
   /// Closes the file and moves it to its name.
   void finish();
   /// Throws std::runtime_error unless `status` is NC_NOERR.

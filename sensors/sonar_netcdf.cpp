@@ -17,6 +17,10 @@ namespace {
 /// Pings are written when this much of them has come together, or a chunk of the file's.
 constexpr std::size_t batch_bytes = 4 << 20;
 
+/// HDF5 remembers, until a file is closed, some 130 bytes of free space left by every list: after as many
+/// lists the file is opened anew.
+constexpr std::size_t lists_per_opening = 1 << 14;
+
 void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("SONAR-netCDF4: " + what);
 }
@@ -107,7 +111,14 @@ class SonarNetcdfFile::State {
                     "write the times");
     for (std::size_t k = 0; k < pending_.size(); ++k) write(layout_.columns[k], pending_[k]);
     write_backscatter();
-    stream_.flush();
+    lists_ += samples_.size();
+    if (lists_ >= lists_per_opening) {
+      stream_.reopen();
+      layout_.find_groups(stream_);
+      lists_ = 0;
+    } else {
+      stream_.flush();
+    }
     written_ += count;
     times_.clear();
     samples_.clear();
@@ -142,7 +153,7 @@ class SonarNetcdfFile::State {
   NetcdfStream stream_;
   std::size_t beams_;
   SonarNetcdfLayout layout_;
-  std::size_t chunks_bytes_ = 0, written_ = 0, pings_ = 0, samples_bytes_ = 0;
+  std::size_t lists_ = 0, chunks_bytes_ = 0, written_ = 0, pings_ = 0, samples_bytes_ = 0;
   std::int64_t last_time_ns_ = 0;
   std::vector<std::vector<double>> pending_;  ///< per column
   std::vector<unsigned long long> times_;

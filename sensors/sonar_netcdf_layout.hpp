@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,11 @@ struct SonarNetcdfLayout {
   struct Place {
     int group = 0, variable = 0;
   };
-  std::vector<Place> times;  ///< the ping's time, uint64 ns
-  Place backscatter;         ///< (ping, beam, subbeam) of float lists
+  /// Finds the groups again after NetcdfStream::reopen.
+  void find_groups(const NetcdfStream& stream);
+  std::map<std::string, int> groups;  ///< id by full name
+  std::vector<Place> times;           ///< the ping's time, uint64 ns
+  Place backscatter;                  ///< (ping, beam, subbeam) of float lists
 };
 
 /// Defines all groups, types, dimensions and variables of the convention and writes those that pings do not

@@ -131,7 +131,6 @@ Canvas SoundingGrid::draw(const std::string& title, const std::string& font) con
   const double south_m = static_cast<double>(extent.south) * cell,
                north_m = static_cast<double>(extent.north) * cell;
   const double pixels_per_m = pixels_per_cell / cell;
-  // One step for both axes, but no fewer than two ticks on the shorter one where there is room.
   const double step = tick_step(longest * cell, 6);
   for (const double east : ticks(west_m, east_m, step)) {
     const int x = left + static_cast<int>(std::lround((east - west_m) * pixels_per_m));
@@ -162,13 +161,12 @@ Canvas SoundingGrid::draw(const std::string& title, const std::string& font) con
                 palette.ink);
   }
 
-  const double bar_m = tick_step((east_m - west_m) / 2, 2);
-  const int bar_pixels = static_cast<int>(std::lround(bar_m * pixels_per_m));
+  constexpr double longest_scale = 110;  // pixels
+  const double scale_m = tick_step(longest_scale / pixels_per_m, 3);
+  const int scale_pixels = static_cast<int>(std::lround(scale_m * pixels_per_m));
   const int scale_y = bar_top + bar_height + 34;
-  if (bar_pixels <= legend_width) {
-    canvas.fill(bar_x, scale_y, bar_x + bar_pixels, scale_y + 3, palette.ink);
-    canvas.text(bar_x, scale_y + 20, fmt::format("{:g} m", bar_m), label_size, palette.ink);
-  }
+  canvas.fill(bar_x, scale_y, bar_x + scale_pixels, scale_y + 3, palette.ink);
+  canvas.text(bar_x, scale_y + 20, fmt::format("{:g} m", scale_m), label_size, palette.ink);
   canvas.text(margin, margin, title, title_size, palette.ink);
   canvas.text(
       margin, margin + 30,
