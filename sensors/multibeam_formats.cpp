@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "sensors/angles.hpp"
 #include "sensors/gsf_file.hpp"
@@ -55,13 +57,8 @@ class SonarNetcdfFormat : public MultibeamFormat {
     ping.sample_interval_s = 2 * samples.step_m / c;
     ping.blanking_interval_s = 2 * (samples.first_m + samples.step_m / 2) / c;
     ping.across_angle_deg = angles_deg_;
-    const auto count = static_cast<std::size_t>(samples.count);
     for (std::size_t beam = 0; beam < angles_deg_.size(); ++beam) {
-      std::vector<float> levels;
-      levels.reserve(count);
-      for (std::size_t k = 0; k < count; ++k)
-        levels.push_back(static_cast<float>(receiver_.level_db(placed.sounded.received_j[beam * count + k])));
-      ping.backscatter_db.push_back(std::move(levels));
+      ping.backscatter_db.push_back(levels_db(placed.sounded, beam));
       ping.detections.push_back(detection(placed, beam));
     }
     file_.add(ping);
@@ -69,6 +66,17 @@ class SonarNetcdfFormat : public MultibeamFormat {
   void finish() override { file_.finish(); }
 
  private:
+  /// Up to a beam's last echo: silence after it is not written.
+  std::vector<float> levels_db(const SoundedPing& sounded, std::size_t beam) const {
+    const auto count = static_cast<std::size_t>(recording_.sensor->samples().count);
+    std::span<const double> received(sounded.received_j.data() + beam * count, count);
+    while (!received.empty() && received.back() == 0) received = received.first(received.size() - 1);
+    std::vector<float> levels(received.size(), -std::numeric_limits<float>::infinity());
+    for (std::size_t k = 0; k < received.size(); ++k)
+      if (received[k] > 0) levels[k] = static_cast<float>(receiver_.level_db(received[k]));
+    return levels;
+  }
+
   SonarDetection detection(const PlacedPing& placed, std::size_t beam) const {
     SonarDetection detection;
     detection.beam_angle_deg = angles_deg_[beam];
