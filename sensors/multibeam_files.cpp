@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Pings that are looked at together: shared out among threads, their places found at once.
 std::size_t pings_a_block(const Recording& recording) {
-  constexpr std::size_t block_bytes = std::size_t{96} << 20, bytes_per_sample = 12, most = 64;
+  constexpr std::size_t block_bytes = std::size_t{48} << 20, bytes_per_sample = 12, most = 64;
   return std::clamp<std::size_t>(block_bytes / (bytes_per_sample * recording.cells()), 1, most);
 }
 
@@ -140,9 +141,19 @@ class MultibeamFiles {
   }
 
   std::vector<fs::path> write() {
+    // Soundings of the next block are found while this one is written.
     const std::size_t size = pings_a_block(recording_);
-    for (std::size_t first = 0; first < recording_.pings(); first += size)
-      add(sounded_block(recording_, run_, finder_, first, std::min(size, recording_.pings() - first)));
+    const auto found_from = [this, size](std::size_t first) {
+      return std::async(std::launch::async, [this, size, first] {
+        return sounded_block(recording_, run_, finder_, first, std::min(size, recording_.pings() - first));
+      });
+    };
+    std::future<std::vector<PlacedPing>> next = found_from(0);
+    for (std::size_t first = 0; first < recording_.pings(); first += size) {
+      std::vector<PlacedPing> block = next.get();
+      if (first + size < recording_.pings()) next = found_from(first + size);
+      add(std::move(block));
+    }
     for (const auto& table : tables_) table->finish();
     for (const auto& format : formats_) format->finish();
     write_grid();

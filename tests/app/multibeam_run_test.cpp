@@ -24,18 +24,18 @@ constexpr double degree = std::numbers::pi / 180;
 /// A CSV file by column name, as texts.
 std::vector<std::map<std::string, std::string>> rows_of(const std::filesystem::path& file) {
   std::istringstream text(bytes_of(file));
-  const auto cells = [](const std::string& line) {
+  const auto cells_of = [](const std::string& row) {
     std::vector<std::string> cells;
-    std::istringstream stream(line);
+    std::istringstream stream(row);
     for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
     return cells;
   };
   std::string line;
   std::getline(text, line);
-  const std::vector<std::string> names = cells(line);
+  const std::vector<std::string> names = cells_of(line);
   std::vector<std::map<std::string, std::string>> rows;
   while (std::getline(text, line)) {
-    const std::vector<std::string> values = cells(line);
+    const std::vector<std::string> values = cells_of(line);
     if (values.size() != names.size()) throw std::runtime_error("a row of another length: " + line);
     rows.emplace_back();
     for (std::size_t k = 0; k < names.size(); ++k) rows.back()[names[k]] = values[k];
@@ -236,7 +236,7 @@ TEST(MultibeamRun, ATargetToPortAheadIsToPortAheadInEveryFile) {
   run(folder, port_ahead);
   std::vector<std::size_t> beams;
   for (const CsvSounding& s : soundings_in(folder / "out/sonar-soundings.csv"))
-    if (s.up > -29.5) {
+    if (s.up > -26) {  // the box; beams on its edge find something between it and the bed
       EXPECT_TRUE(on_target(s.east, s.north, -10 - s.up)) << s.beam;
       EXPECT_LT(s.angle_deg, 0);
       beams.push_back(s.beam);
