@@ -20,6 +20,7 @@
 #include "engine/tube_engine.hpp"
 #include "envelope.hpp"
 #include "geometry/footprint_builder.hpp"
+#include "multibeam_figures.hpp"
 #include "pure_embree.hpp"
 #include "terrain.hpp"
 
@@ -183,6 +184,7 @@ int main(int, char** argv) {
     const auto t = interleaved(5, {[&] { survey(1); }, [&] { survey(2); }});
     figure("two_thread_speedup", t[0] / t[1]);
   }
+  multibeam_figures(figure);
   chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
   std::ofstream out(file);

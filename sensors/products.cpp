@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/products.hpp"
 
+#include "sensors/multibeam_files.hpp"
+
 namespace tubefoot {
 
 ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
@@ -27,7 +29,8 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
 std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
                                                   const Recording& recording, const RunContext& run,
                                                   std::vector<std::string>& warnings) {
-  static_cast<void>(run);
+  if (std::holds_alternative<MultibeamDescription>(recording.sensor->description().kind))
+    return write_multibeam_files(folder, recording, run, warnings);
   return write_pictures(folder, recording, &warnings);
 }
 

@@ -6,6 +6,7 @@
 
 #include "sensors/angles.hpp"
 #include "sensors/didson.hpp"
+#include "sensors/multibeam.hpp"
 #include "sensors/pattern_file.hpp"
 #include "sensors/sidescan.hpp"
 
@@ -136,6 +137,9 @@ std::unique_ptr<Sensor> make_sensor(const SensorDescription& description) {
     }
     std::unique_ptr<Sensor> operator()(const SidescanDescription&) const {
       return std::make_unique<Sidescan>(sensor);
+    }
+    std::unique_ptr<Sensor> operator()(const MultibeamDescription&) const {
+      return std::make_unique<Multibeam>(sensor);
     }
   };
   return std::visit(Maker{description}, description.kind);

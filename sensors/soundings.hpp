@@ -7,13 +7,12 @@
 #include <string>
 
 #include "scene/georeference.hpp"
+#include "sensors/bottom_detection.hpp"
 #include "sensors/canvas.hpp"
 #include "sensors/cell_means.hpp"
 
 namespace tubefoot {
 
-/// How a sounding was picked from its beam's time series.
-enum class DetectionMethod { first_return, energy_centroid, maximum };
 /// As files have it: "first", "centroid", "maximum".
 const char* name_of(DetectionMethod method);
 

@@ -149,6 +149,20 @@ struct SidescanDescription {
   double range_min_m = 0.5, range_max_m = 50;
 };
 
+/// Multibeam echosounder: a fan of beams across the track, beam 0 port-most.
+struct MultibeamDescription {
+  double frequency_khz = 240;
+  int beams = 101;
+  double swath_deg = 150;                               ///< between the axes of the outermost beams
+  std::string spacing = "angle";                        ///< angle | distance: what is equal from beam to beam
+  double beam_across_deg = 1.5, along_track_deg = 1.5;  ///< one-way widths of the ideal rectangular beam
+  int samples = 2000;
+  double range_min_m = 0.5, range_max_m = 100;
+  std::string detection = "energy_centroid";  ///< first_return | energy_centroid | maximum
+  double detection_threshold_db = -20;        ///< of samples that count, over the beam's largest
+  double grid_cell_m = 0;                     ///< of the depth grid; 0: chosen
+};
+
 /// Beam pattern (power) of a transmitter or a receiver.
 struct PatternDescription {
   std::string pattern = "none";      ///< none | line | piston | gaussian | table
@@ -185,7 +199,7 @@ struct SensorDescription {
   double ping_interval_s = 0.1;
   PatternDescription transmit, receive;
   SignalDescription signal;
-  std::variant<DidsonDescription, SidescanDescription> kind;
+  std::variant<DidsonDescription, SidescanDescription, MultibeamDescription> kind;
 };
 
 struct RunDescription {

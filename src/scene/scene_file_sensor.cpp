@@ -86,6 +86,20 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
                                    sidescan->range_min_m, sidescan->range_max_m));
     }
   }
+  if (const auto* fan = std::get_if<MultibeamDescription>(&sensor.kind)) {
+    if (fan->beams > 1 && fan->swath_deg + fan->beam_across_deg > 180) {
+      throw InputError(
+          place_of_pair(table, "swath_deg", "beam_across_deg"),
+          fmt::format("'swath_deg' ({}) and 'beam_across_deg' ({}) together must be at most 180: "
+                      "the outermost beams reach above the horizontal",
+                      fan->swath_deg, fan->beam_across_deg));
+    }
+    if (fan->range_min_m >= fan->range_max_m) {
+      throw InputError(place_of_pair(table, "range_min_m", "range_max_m"),
+                       fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})",
+                                   fan->range_min_m, fan->range_max_m));
+    }
+  }
 }
 
 /// The keys of a transmit or receive pattern, as keys of the sensor.
@@ -139,6 +153,7 @@ const TomlSection<SensorDescription>& sensor_section() {
   using S = SensorDescription;
   using Didson = DidsonDescription;
   using Sidescan = SidescanDescription;
+  using Multibeam = MultibeamDescription;
   constexpr ValueRange lever_arm{.lo = -1000, .hi = 1000};
   // Together these two keep a fan narrower than 170 degrees.
   constexpr ValueRange depression{
@@ -184,6 +199,22 @@ const TomlSection<SensorDescription>& sensor_section() {
                field("samples", &Sidescan::samples, {.ranges = {range_samples}}),
                field("range_min_m", &Sidescan::range_min_m, {.ranges = {sonar_range}}),
                field("range_max_m", &Sidescan::range_max_m, {.ranges = {sonar_range}})})
+          .kind<Multibeam>(
+              "kind", "multibeam",
+              {field("frequency_khz", &Multibeam::frequency_khz, {.ranges = {frequency}}),
+               field("beams", &Multibeam::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
+               field("swath_deg", &Multibeam::swath_deg, {.ranges = {sector(180, true)}}),
+               field("spacing", &Multibeam::spacing, {.choices = {"angle", "distance"}}),
+               field("beam_across_deg", &Multibeam::beam_across_deg, {.ranges = {sector(90, false)}}),
+               field("along_track_deg", &Multibeam::along_track_deg, {.ranges = {sector(90, false)}}),
+               field("samples", &Multibeam::samples, {.ranges = {range_samples}}),
+               field("range_min_m", &Multibeam::range_min_m, {.ranges = {sonar_range}}),
+               field("range_max_m", &Multibeam::range_max_m, {.ranges = {sonar_range}}),
+               field("detection", &Multibeam::detection,
+                     {.choices = {"first_return", "energy_centroid", "maximum"}}),
+               field("detection_threshold_db", &Multibeam::detection_threshold_db,
+                     {.ranges = {{.lo = -300, .hi = 0}}}),
+               field("grid_cell_m", &Multibeam::grid_cell_m, {.ranges = {{.lo = 0, .hi = 100000}}})})
           .check(check_sensor);
   return section;
 }

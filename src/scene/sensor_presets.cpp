@@ -45,6 +45,19 @@ depression_max_deg = 85
 range_max_m = 75
 samples = 3000
 )"},
+      {"reson-8101", "RESON SeaBat 8101 multibeam echosounder, 240 kHz",
+       "beams: device table of CUBE and the manual; source level: manual, full power; range: second-hand; "
+       "samples of 5 cm, near a pulse of 75 us",
+       R"(kind = "multibeam"
+frequency_khz = 240
+beams = 101
+swath_deg = 150
+beam_across_deg = 1.5
+along_track_deg = 1.5
+source_level_db = 210
+range_max_m = 300
+samples = 5990
+)"},
   };
   return presets;
 }

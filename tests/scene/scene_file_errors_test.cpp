@@ -56,7 +56,7 @@ TEST(SceneFileErrors, MisspeltKeysAndSectionsNameTheNearest) {
       {flat, "knid = \"flat\"", "4:1", "unknown key 'knid' in [[terrain]]: did you mean 'kind'?"},
       {didson, "kind = \"didson\"\n  bems = 3", "12:3",
        "unknown key 'bems' in [[sensors]]: did you mean 'beams'?"},
-      {didson, "kind = \"didson\"\nzzzzzz = 3", "12:1", "expected 'kind', 'name', 'trajectory'"},
+      {didson, "kind = \"didson\"\nzzzzzz = 3", "12:1", "expected 'kind', 'name', 'preset', 'trajectory'"},
       {didson, "kind = \"didson\"\n[watr]", "12:2", "unknown section or key 'watr': did you mean 'water'?"},
       {didson, "kind = \"didson\"\n[[object]]", "12:3",
        "unknown section or key 'object': did you mean 'objects'?"},
@@ -147,7 +147,7 @@ TEST(SceneFileErrors, KeysOfAnotherKindSaySo) {
       {length, "length_m = 30\nhurst = 0.5", "7:1",
        "'hurst' goes with kind = \"fractal\" and not with kind = \"flat\""},
       {didson, "kind = \"didson\"\nrange_max_m = 5", "12:1",
-       "'range_max_m' goes with kind = \"sidescan\" and not with"},
+       "'range_max_m' goes with kind = \"sidescan\", kind = "},
       {didson, "kind = \"didson\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\nradius_m = 1", "15:1",
        "'radius_m' goes with shape = \"sphere\", shape = \"cylinder\", shape = \"cone\" and not with shape = "
        "\"box\""},

@@ -347,8 +347,10 @@ TEST(SceneFile, GeoreferenceMayBeAProjectedSystem) {
 
 // Keeps the test above complete: a new key has to be added to the full scene.
 TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
-  const std::string text =
-      "\n" + std::string(full_scene) + "\ncrs = \norigin_crs = \nrays_per_beam = ";  // of the tests after it
+  const std::string text = "\n" + std::string(full_scene) +
+                           "\ncrs = \norigin_crs = \nrays_per_beam = "  // of the tests after it
+                           "\nswath_deg = \nspacing = \nbeam_across_deg = \ndetection = "
+                           "\ndetection_threshold_db = \ngrid_cell_m = ";  // multibeam_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&

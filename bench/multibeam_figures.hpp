@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace tubefoot {
+
+/// A RESON 8101 over the whole real grid (scenes/multibeam/real-grid.toml) on two threads, from the first
+/// ping to the last file: mbes_pings_per_s. Says so and measures nothing where the grid is absent.
+void multibeam_figures(const std::function<void(const std::string& name, double value)>& figure);
+
+}  // namespace tubefoot

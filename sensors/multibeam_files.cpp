@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/multibeam_files.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "sensors/angles.hpp"
+#include "sensors/multibeam_formats.hpp"
+#include "sensors/soundings_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Pings that are looked at together: shared out among threads, their places found at once.
+std::size_t pings_a_block(const Recording& recording) {
+  constexpr std::size_t block_bytes = std::size_t{48} << 20, bytes_per_sample = 12, most = 64;
+  return std::clamp<std::size_t>(block_bytes / (bytes_per_sample * recording.cells()), 1, most);
+}
+
+/// Over the ground, from the ping before to the one after.
+glm::dvec3 velocity(const Recording& recording, std::size_t ping) {
+  const std::size_t before = ping > 0 ? ping - 1 : ping, after = std::min(ping + 1, recording.pings() - 1);
+  if (before == after) return glm::dvec3(0);
+  return (recording.ping_pose[after].position_m - recording.ping_pose[before].position_m) /
+         (recording.ping_time_s[after] - recording.ping_time_s[before]);
+}
+
+std::vector<PlacedPing> sounded_block(const Recording& recording, const RunContext& run,
+                                      const BottomFinder& finder, std::size_t first, std::size_t count) {
+  std::vector<PlacedPing> block(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    PlacedPing& placed = block[k];
+    const std::size_t ping = first + k;
+    const Pose& pose = recording.ping_pose[ping];
+    placed.ping = ping;
+    placed.unix_time_s = run.start_unix_s + recording.ping_time_s[ping];
+    placed.lie = angles_of(pose.attitude);
+    placed.position_m = pose.position_m;
+    const glm::dvec3 moves = velocity(recording, ping);
+    placed.speed_m_s = std::hypot(moves.x, moves.y);
+    placed.course_deg = placed.lie.heading_deg;
+    if (placed.speed_m_s > 0) placed.course_deg = std::fmod(degrees(std::atan2(moves.x, moves.y)) + 360, 360);
+    placed.sounded = finder.sound(ping);
+    recording.let_go(ping);
+  });
+  return block;
+}
+
+/// A transformation to longitude and latitude takes long to set up: one for the block.
+void place_on_earth(std::vector<PlacedPing>& block, const LocalFrame& frame, const fs::path& file) {
+  std::vector<glm::dvec3> points;
+  for (const PlacedPing& placed : block) {
+    points.push_back(placed.position_m);
+    for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+      if (sounding) points.push_back(sounding->position_m);
+  }
+  frame.to_lon_lat(points, {file.string()});
+  auto next = points.begin();
+  for (PlacedPing& placed : block) {
+    placed.lon_lat_height = *next++;
+    for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+      placed.soundings_lon_lat.push_back(sounding ? *next++
+                                                  : glm::dvec3(std::numeric_limits<double>::quiet_NaN()));
+  }
+}
+
+/// The next of 1, 2 and 5 times a power of ten, from `value` on.
+double rounded_up(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.0, 5.0})
+    if (value <= step * power * (1 + 1e-9)) return step * power;
+  return 10 * power;
+}
+
+/// Of the depth grid, where the scene names none: the width of a beam straight down at the median depth below
+/// the sonar, or the distance from ping to ping if that is larger.
+double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& block) {
+  std::vector<double> depths;
+  for (const PlacedPing& placed : block)
+    for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+      if (sounding) depths.push_back(std::abs(placed.position_m.z - sounding->position_m.z));
+  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
+                   depths.end());
+  double path_m = 0;
+  for (std::size_t ping = 1; ping < recording.pings(); ++ping)
+    path_m += glm::distance(recording.ping_pose[ping - 1].position_m, recording.ping_pose[ping].position_m);
+  const double spacing_m = path_m / static_cast<double>(std::max<std::size_t>(recording.pings() - 1, 1));
+  const double beam_rad = recording.sensor->beams().front().elevation_width_rad;
+  return rounded_up(std::max({2 * depths[depths.size() / 2] * std::tan(beam_rad / 2), spacing_m, 0.01}));
+}
+
+/// Adds a ping's soundings and, where neighbouring beams' are further apart than a cell, what lies between
+/// them on a straight line.
+void add_to_grid(SoundingGrid& grid, const SoundedPing& sounded) {
+  const double cell_m = grid.depths().cell_m();
+  const std::optional<Sounding>* before = nullptr;
+  for (const std::optional<Sounding>& sounding : sounded.soundings) {
+    if (sounding) grid.add(*sounding);
+    if (sounding && before && *before) {
+      const glm::dvec3 from = (*before)->position_m, to = sounding->position_m;
+      const int steps = static_cast<int>(std::ceil(std::hypot(to.x - from.x, to.y - from.y) / cell_m));
+      for (int k = 1; k < steps; ++k) {
+        Sounding between = *sounding;
+        between.position_m = from + (to - from) * (static_cast<double>(k) / steps);
+        grid.add(between);
+      }
+    }
+    before = &sounding;
+  }
+}
+
+bool has_soundings(const std::vector<PlacedPing>& block) {
+  return std::ranges::any_of(block, [](const PlacedPing& placed) {
+    return std::ranges::any_of(placed.sounded.soundings,
+                               [](const auto& sounding) { return sounding.has_value(); });
+  });
+}
+
+/// All files of a recording that are open at a time.
+class MultibeamFiles {
+ public:
+  MultibeamFiles(const fs::path& folder, const Recording& recording, const RunContext& run,
+                 std::vector<std::string>& warnings)
+      : folder_(folder),
+        recording_(recording),
+        run_(run),
+        warnings_(warnings),
+        name_(recording.sensor->description().name),
+        finder_(recording, run) {
+    for (const char* ending : {".csv", ".gpkg"})
+      tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame));
+    open_formats();
+  }
+
+  std::vector<fs::path> write() {
+    // Soundings of the next block are found while this one is written.
+    const std::size_t size = pings_a_block(recording_);
+    const auto found_from = [this, size](std::size_t first) {
+      return std::async(std::launch::async, [this, size, first] {
+        return sounded_block(recording_, run_, finder_, first, std::min(size, recording_.pings() - first));
+      });
+    };
+    std::future<std::vector<PlacedPing>> next = found_from(0);
+    for (std::size_t first = 0; first < recording_.pings(); first += size) {
+      std::vector<PlacedPing> block = next.get();
+      if (first + size < recording_.pings()) next = found_from(first + size);
+      add(std::move(block));
+    }
+    for (const auto& table : tables_) table->finish();
+    for (const auto& format : formats_) format->finish();
+    write_grid();
+    return files_;
+  }
+
+ private:
+  fs::path new_file(const std::string& part, const char* ending) {
+    files_.push_back(name_ + part + ending);
+    return folder_ / files_.back();
+  }
+
+  void open_formats() {
+    const double first_s = run_.start_unix_s + recording_.ping_time_s.front(),
+                 last_s = run_.start_unix_s + recording_.ping_time_s.back();
+    if (!run_.frame.is_georeferenced()) {
+      warnings_.push_back(
+          fmt::format("'{0}': {0}-sonar.nc, {0}.gsf and {0}.xtf need a place on Earth and are left out: add "
+                      "[georeference]",
+                      name_));
+      return;
+    }
+    if (first_s < 0) {
+      warnings_.push_back(fmt::format(
+          "'{0}': its first ping is before 1970, {0}-sonar.nc, {0}.gsf and {0}.xtf are left out: see "
+          "'start_utc' and 'first_ping_s'",
+          name_));
+      return;
+    }
+    formats_.push_back(make_sonar_netcdf(new_file("-sonar", ".nc"), recording_, run_, finder_.receiver()));
+    formats_.push_back(make_xtf(new_file("", ".xtf"), recording_));
+    constexpr double gsf_ends_s = 2147483647;
+    if (last_s < gsf_ends_s)
+      formats_.push_back(make_gsf(new_file("", ".gsf"), recording_, run_));
+    else
+      warnings_.push_back(
+          fmt::format("'{0}': {0}.gsf is left out, its seconds end in 2038: see 'start_utc'", name_));
+  }
+
+  void add(std::vector<PlacedPing> block) {
+    if (run_.frame.is_georeferenced()) place_on_earth(block, run_.frame, folder_ / name_);
+    if (!grid_ && has_soundings(block)) {
+      const double asked_m =
+          std::get<MultibeamDescription>(recording_.sensor->description().kind).grid_cell_m;
+      grid_.emplace(run_.frame, asked_m > 0 ? asked_m : chosen_cell_m(recording_, block));
+    }
+    for (const PlacedPing& placed : block) {
+      std::vector<Sounding> found;
+      for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+        if (sounding) found.push_back(*sounding);
+      for (const auto& table : tables_) table->add(found);
+      for (const auto& format : formats_) format->add(placed);
+      if (grid_) add_to_grid(*grid_, placed.sounded);
+    }
+  }
+
+  void write_grid() {
+    if (!grid_) {
+      warnings_.push_back(fmt::format("'{}': no beam found the bed, there is no depth grid", name_));
+      return;
+    }
+    grid_->write_tiff(new_file("-depth", ".tif"));
+    const std::string& font = label_font();
+    if (font.empty())
+      warnings_.push_back(fmt::format(
+          "the picture of '{}' has no labels: no font was found (on Debian, install fonts-dejavu-core)",
+          name_));
+    grid_->draw(name_, font).write_png(new_file("-depth", ".png"), name_);
+  }
+
+  const fs::path& folder_;
+  const Recording& recording_;
+  const RunContext& run_;
+  std::vector<std::string>& warnings_;
+  std::string name_;
+  BottomFinder finder_;
+  std::vector<std::unique_ptr<SoundingsFile>> tables_;
+  std::vector<std::unique_ptr<MultibeamFormat>> formats_;
+  std::optional<SoundingGrid> grid_;
+  std::vector<fs::path> files_;
+};
+
+}  // namespace
+
+std::vector<fs::path> write_multibeam_files(const fs::path& folder, const Recording& recording,
+                                            const RunContext& run, std::vector<std::string>& warnings) {
+  check(recording);
+  return MultibeamFiles(folder, recording, run, warnings).write();
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/multibeam_formats.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "sensors/angles.hpp"
+#include "sensors/gsf_file.hpp"
+#include "sensors/multibeam.hpp"
+#include "sensors/sonar_netcdf.hpp"
+#include "sensors/xtf_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+std::vector<double> across_angles_deg(const Sensor& sensor) {
+  std::vector<double> angles;
+  for (const BeamAxis& axis : sensor.beams()) angles.push_back(degrees(across_angle_rad(axis)));
+  return angles;
+}
+
+/// Level of the sample that a sounding rests upon, within what files hold.
+double level_db(const Sounding& sounding) {
+  constexpr double lowest = -600, highest = 600;
+  return std::clamp(20 * std::log10(sounding.amplitude), lowest, highest);
+}
+
+class SonarNetcdfFormat : public MultibeamFormat {
+ public:
+  SonarNetcdfFormat(const std::filesystem::path& file, const Recording& recording, const RunContext& run,
+                    const ReceiverChain& receiver)
+      : recording_(recording),
+        receiver_(receiver),
+        angles_deg_(across_angles_deg(*recording.sensor)),
+        file_(file, header(recording, run)) {}
+
+  void add(const PlacedPing& placed) override {
+    const RangeSamples& samples = recording_.sensor->samples();
+    const double c = recording_.sound_speed_m_s;
+    const double above_water_m = placed.lon_lat_height.z;
+    SonarNetcdfPing ping;
+    ping.unix_time_ns = std::llround(placed.unix_time_s * 1e9);
+    ping.longitude_deg = placed.lon_lat_height.x;
+    ping.latitude_deg = placed.lon_lat_height.y;
+    ping.height_m = above_water_m;
+    ping.heading_deg = placed.lie.heading_deg;
+    ping.pitch_deg = placed.lie.pitch_deg;
+    ping.roll_deg = placed.lie.roll_deg;
+    ping.waterline_below_reference_m = above_water_m;
+    ping.transducer_depth_m = -above_water_m;
+    ping.sound_speed_m_s = c;
+    ping.sample_interval_s = 2 * samples.step_m / c;
+    ping.blanking_interval_s = 2 * (samples.first_m + samples.step_m / 2) / c;
+    ping.across_angle_deg = angles_deg_;
+    for (std::size_t beam = 0; beam < angles_deg_.size(); ++beam) {
+      ping.backscatter_db.push_back(levels_db(placed.sounded, beam));
+      ping.detections.push_back(detection(placed, beam));
+    }
+    file_.add(ping);
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  /// Up to a beam's last echo: silence after it is not written.
+  std::vector<float> levels_db(const SoundedPing& sounded, std::size_t beam) const {
+    const auto count = static_cast<std::size_t>(recording_.sensor->samples().count);
+    std::span<const double> received(sounded.received_j.data() + beam * count, count);
+    while (!received.empty() && received.back() == 0) received = received.first(received.size() - 1);
+    std::vector<float> levels(received.size(), -std::numeric_limits<float>::infinity());
+    for (std::size_t k = 0; k < received.size(); ++k)
+      if (received[k] > 0) levels[k] = static_cast<float>(receiver_.level_db(received[k]));
+    return levels;
+  }
+
+  SonarDetection detection(const PlacedPing& placed, std::size_t beam) const {
+    SonarDetection detection;
+    detection.beam_angle_deg = angles_deg_[beam];
+    const std::optional<Sounding>& sounding = placed.sounded.soundings[beam];
+    if (!sounding) return detection;
+    detection.found = true;
+    detection.two_way_travel_time_s = sounding->two_way_travel_time_s;
+    detection.forward_starboard_down_m =
+        forward_starboard_down(sounding->position_m - placed.position_m, placed.lie.heading_deg);
+    detection.longitude_deg = placed.soundings_lon_lat[beam].x;
+    detection.latitude_deg = placed.soundings_lon_lat[beam].y;
+    detection.backscatter_db = level_db(*sounding);
+    detection.quality = 100 * placed.sounded.range_sigma_m[beam] / sounding->slant_range_m;
+    return detection;
+  }
+
+  static SonarNetcdfHeader header(const Recording& recording, const RunContext& run) {
+    const Sensor& sensor = *recording.sensor;
+    const auto& fan = std::get<MultibeamDescription>(sensor.description().kind);
+    const double c = recording.sound_speed_m_s, step_m = sensor.samples().step_m;
+    const auto second = static_cast<std::time_t>(run.start_unix_s);
+    SonarNetcdfHeader header;
+    header.title = run.title.empty() ? sensor.description().name : run.title;
+    header.summary =
+        "Simulated. Levels are those of the receiver: spreading and absorption are in them, unless the "
+        "sensor "
+        "has a time-varied gain. The reference point is the transducer, whose attitude is given.";
+    header.keywords = "multibeam, simulation";
+    header.date_created = fmt::format("{:%Y-%m-%dT%H:%M:%S}Z", fmt::gmtime(second));
+    header.history = header.date_created + " tubefoot: simulated";
+    header.sonar_manufacturer = "simulated";
+    header.sonar_model = sensor.description().preset == "none" ? "multibeam" : sensor.description().preset;
+    header.platform_name = sensor.description().trajectory;
+    header.platform_type = "simulated";
+    header.beams = sensor.beams().size();
+    header.frequency_hz = 1000 * sensor.frequency_khz();
+    header.pulse_length_s = 2 * step_m / c;
+    header.bandwidth_hz = 1 / header.pulse_length_s;
+    header.absorption_db_per_m = recording.absorption_db_per_km / 1000;
+    header.sound_speed_m_s = c;
+    header.source_level_db = sensor.description().signal.source_level_db;
+    header.receive_width_across_deg = fan.beam_across_deg;
+    header.receive_width_along_deg = fan.along_track_deg;
+    header.transmit_width_across_deg = (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg;
+    header.transmit_width_along_deg = fan.along_track_deg;
+    header.equivalent_beam_angle_sr =
+        radians(fan.beam_across_deg) * 2 * std::sin(radians(fan.along_track_deg) / 2);
+    return header;
+  }
+
+  const Recording& recording_;
+  const ReceiverChain& receiver_;
+  std::vector<double> angles_deg_;
+  SonarNetcdfFile file_;
+};
+
+/// What must be added to depths below height 0 so that none is negative: whole metres.
+int depth_offset_m(const Recording& recording, const RunContext& run) {
+  const Sensor& sensor = *recording.sensor;
+  const RangeSamples& samples = sensor.samples();
+  const double far_m = samples.first_m + samples.count * samples.step_m;
+  double highest_m = 0;
+  for (const Pose& pose : recording.ping_pose) {
+    double up = 0;
+    for (const BeamAxis& axis : sensor.beams())
+      up = std::max(up, (pose.attitude * across_direction(across_angle_rad(axis))).z);
+    highest_m = std::max(highest_m, pose.position_m.z + run.frame.origin_height_m() + up * far_m);
+  }
+  return static_cast<int>(std::ceil(highest_m));
+}
+
+GsfOptions gsf_options(const Recording& recording, const RunContext& run) {
+  GsfOptions options;
+  options.depth.offset = depth_offset_m(recording, run);
+  options.mean_amplitude = {50, 0, 2};
+  return options;
+}
+
+class GsfFormat : public MultibeamFormat {
+ public:
+  GsfFormat(const std::filesystem::path& file, const Recording& recording, const RunContext& run)
+      : recording_(recording),
+        origin_height_m_(run.frame.origin_height_m()),
+        file_(file, gsf_options(recording, run)) {}
+
+  void add(const PlacedPing& placed) override {
+    GsfPing ping;
+    ping.unix_time_s = placed.unix_time_s;
+    ping.longitude_deg = placed.lon_lat_height.x;
+    ping.latitude_deg = placed.lon_lat_height.y;
+    ping.heading_deg = placed.lie.heading_deg;
+    ping.pitch_deg = placed.lie.pitch_deg;
+    ping.roll_deg = placed.lie.roll_deg;
+    ping.course_deg = placed.course_deg;
+    ping.speed_m_s = placed.speed_m_s;
+    ping.height_m = placed.lon_lat_height.z;
+    const glm::dquat attitude = recording_.ping_pose[placed.ping].attitude;
+    for (std::size_t beam = 0; beam < placed.sounded.soundings.size(); ++beam) {
+      const glm::dvec3 axis = forward_starboard_down(
+          attitude * across_direction(across_angle_rad(recording_.sensor->beams()[beam])),
+          placed.lie.heading_deg);
+      ping.beam_angle_deg.push_back(degrees(std::atan2(axis.y, axis.z)));
+      const std::optional<Sounding>& sounding = placed.sounded.soundings[beam];
+      ping.flags.push_back(sounding ? 0 : 1);
+      const glm::dvec3 place =
+          sounding ? forward_starboard_down(sounding->position_m - placed.position_m, placed.lie.heading_deg)
+                   : glm::dvec3(0);
+      ping.along_m.push_back(place.x);
+      ping.across_m.push_back(place.y);
+      ping.depth_m.push_back(sounding ? -(sounding->position_m.z + origin_height_m_) : 0);
+      ping.two_way_time_s.push_back(sounding ? sounding->two_way_travel_time_s : 0);
+      ping.mean_amplitude_db.push_back(sounding ? level_db(*sounding) : 0);
+    }
+    file_.add_ping(ping);
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  const Recording& recording_;
+  double origin_height_m_;
+  GsfFile file_;
+};
+
+bool is_like_8101(const MultibeamDescription& fan) {
+  return fan.frequency_khz == 240 && fan.beams == 101 && fan.swath_deg == 150 && fan.spacing == "angle" &&
+         fan.along_track_deg == 1.5 && fan.range_max_m < 65535;
+}
+
+class XtfFormat : public MultibeamFormat {
+ public:
+  XtfFormat(const std::filesystem::path& file, const Recording& recording)
+      : recording_(recording),
+        fan_(std::get<MultibeamDescription>(recording.sensor->description().kind)),
+        angles_deg_(across_angles_deg(*recording.sensor)),
+        file_(file, header(recording, fan_)) {}
+
+  void add(const PlacedPing& placed) override {
+    XtfPlace place;
+    place.unix_time_s = placed.unix_time_s;
+    place.ping_number = static_cast<std::uint32_t>(placed.ping);
+    place.x = placed.lon_lat_height.x;
+    place.y = placed.lon_lat_height.y;
+    place.heading_deg = placed.lie.heading_deg;
+    place.pitch_deg = placed.lie.pitch_deg;
+    place.roll_deg = placed.lie.roll_deg;
+    place.depth_m = -placed.lon_lat_height.z;
+    if (placed.ping < recording_.altitude_m.size() && recording_.altitude_m[placed.ping] > 0)
+      place.altitude_m = recording_.altitude_m[placed.ping];
+    place.speed_m_s = placed.speed_m_s;
+    file_.add_attitude({place.unix_time_s, place.heading_deg, place.pitch_deg, place.roll_deg, 0});
+    file_.add_navigation({place.unix_time_s, place.x, place.y, placed.lon_lat_height.z});
+    if (is_like_8101(fan_))
+      add_8101(place, placed.sounded);
+    else
+      add_generic(place, placed.sounded);
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  static XtfHeader header(const Recording& recording, const MultibeamDescription& fan) {
+    XtfHeader header;
+    header.sonar_name = recording.sensor->description().name.substr(0, 15);
+    header.sonar_type = is_like_8101(fan) ? 15 : 45;
+    header.sound_speed_m_s = recording.sound_speed_m_s;
+    XtfChannel channel;
+    channel.frequency_khz = fan.frequency_khz;
+    channel.along_track_width_deg = fan.along_track_deg;
+    channel.across_track_width_deg = (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg;
+    channel.tilt_deg = 90;
+    header.bathymetry = channel;
+    return header;
+  }
+
+  void add_8101(const XtfPlace& place, const SoundedPing& sounded) {
+    const SignalDescription& signal = recording_.sensor->description().signal;
+    constexpr double fastest_hz = 65, largest_absorption = 255;  // that the packet's fields hold
+    Reson8101Settings settings;
+    settings.sound_speed_m_s = recording_.sound_speed_m_s;
+    settings.range_m = std::ceil(fan_.range_max_m);
+    settings.ping_rate_hz = std::min(fastest_hz, 1 / recording_.sensor->description().ping_interval_s);
+    settings.time_varied_gain = signal.tvg_spreading.has_value();
+    settings.spreading = signal.tvg_spreading.value_or(settings.spreading);
+    settings.absorption_db_per_km = std::min(
+        largest_absorption, signal.tvg_absorption_db_per_km.value_or(recording_.absorption_db_per_km));
+    std::vector<Reson8101Beam> beams;
+    for (const std::optional<Sounding>& sounding : sounded.soundings) {
+      beams.emplace_back();
+      if (!sounding) continue;
+      constexpr double codes_per_db = 10, largest = 65535;
+      beams.back().two_way_time_s = sounding->two_way_travel_time_s;
+      beams.back().quality = kBrightness | kColinearity | kAmplitudeDetection;
+      beams.back().intensity = static_cast<std::uint16_t>(
+          std::clamp(std::round(codes_per_db * level_db(*sounding)), 0.0, largest));
+    }
+    file_.add_reson_8101_ping(place, settings, beams);
+  }
+
+  void add_generic(const XtfPlace& place, const SoundedPing& sounded) {
+    std::vector<XtfSounding> soundings;
+    for (std::size_t beam = 0; beam < sounded.soundings.size(); ++beam) {
+      const std::optional<Sounding>& sounding = sounded.soundings[beam];
+      if (!sounding) continue;
+      soundings.push_back({static_cast<std::int32_t>(beam), sounding->two_way_travel_time_s,
+                           angles_deg_[beam], 0, level_db(*sounding), 1});
+    }
+    file_.add_soundings(place, soundings);
+  }
+
+  const Recording& recording_;
+  const MultibeamDescription& fan_;
+  std::vector<double> angles_deg_;
+  XtfFile file_;
+};
+
+}  // namespace
+
+std::unique_ptr<MultibeamFormat> make_sonar_netcdf(const std::filesystem::path& file,
+                                                   const Recording& recording, const RunContext& run,
+                                                   const ReceiverChain& receiver) {
+  return std::make_unique<SonarNetcdfFormat>(file, recording, run, receiver);
+}
+
+std::unique_ptr<MultibeamFormat> make_gsf(const std::filesystem::path& file, const Recording& recording,
+                                          const RunContext& run) {
+  return std::make_unique<GsfFormat>(file, recording, run);
+}
+
+std::unique_ptr<MultibeamFormat> make_xtf(const std::filesystem::path& file, const Recording& recording) {
+  return std::make_unique<XtfFormat>(file, recording);
+}
+
+}  // namespace tubefoot

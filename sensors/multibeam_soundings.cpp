@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/multibeam_soundings.hpp"
+
+#include <cmath>
+
+#include "sensors/angles.hpp"
+#include "sensors/multibeam.hpp"
+
+namespace tubefoot {
+namespace {
+
+DetectionRule rule_of(const MultibeamDescription& fan) {
+  DetectionRule rule;
+  rule.method = fan.detection == "first_return" ? DetectionMethod::first_return
+                : fan.detection == "maximum"    ? DetectionMethod::maximum
+                                                : DetectionMethod::energy_centroid;
+  rule.relative_db = fan.detection_threshold_db;
+  return rule;
+}
+
+}  // namespace
+
+BottomFinder::BottomFinder(const Recording& recording, const RunContext& run)
+    : recording_(recording),
+      receiver_(receiver_of(recording, run)),
+      rule_(rule_of(std::get<MultibeamDescription>(recording.sensor->description().kind))) {
+  const RangeSamples& samples = recording.sensor->samples();
+  const bool own_gain = recording.sensor->description().signal.tvg_spreading.has_value();
+  for (int k = 0; k < samples.count; ++k) {
+    const double range_m = samples.first_m + (k + 0.5) * samples.step_m;
+    const double absorbed_db = 2 * recording.absorption_db_per_km * range_m / 1000;
+    gain_.push_back(own_gain ? 1 : range_m * range_m * std::pow(10, std::fmin(absorbed_db, 1000) / 10));
+  }
+}
+
+SoundedPing BottomFinder::sound(std::size_t ping) const {
+  const Sensor& sensor = *recording_.sensor;
+  const RangeSamples& samples = sensor.samples();
+  const auto count = static_cast<std::size_t>(samples.count);
+  SoundedPing sounded;
+  sounded.received_j =
+      receiver_.receive(static_cast<std::uint32_t>(ping), recording_.energy_of(ping), samples);
+  std::vector<double> evened(count);
+  for (std::size_t beam = 0; beam < sensor.beams().size(); ++beam) {
+    const double* received = sounded.received_j.data() + beam * count;
+    for (std::size_t k = 0; k < count; ++k) evened[k] = received[k] * gain_[k];
+    sounded.soundings.emplace_back();
+    sounded.range_sigma_m.push_back(0);
+    const std::optional<Detection> found = detect_bottom(evened, samples, rule_);
+    if (!found) continue;
+    const double angle_rad = across_angle_rad(sensor.beams()[beam]);
+    Sounding sounding;
+    sounding.ping = static_cast<std::uint32_t>(ping);
+    sounding.beam = static_cast<std::uint32_t>(beam);
+    sounding.time_s = recording_.ping_time_s[ping];
+    sounding.position_m =
+        sounding_position(recording_.ping_pose[ping], across_direction(angle_rad), found->range_m);
+    sounding.two_way_travel_time_s = 2 * found->range_m / recording_.sound_speed_m_s;
+    sounding.slant_range_m = found->range_m;
+    sounding.beam_angle_deg = degrees(angle_rad);
+    sounding.amplitude = receiver_.amplitude_upa(received[found->sample]);
+    sounding.quality = found->quality;
+    sounding.method = rule_.method;
+    sounded.soundings.back() = sounding;
+    sounded.range_sigma_m.back() = found->range_sigma_m;
+  }
+  return sounded;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sensors/bottom_detection.hpp"
+#include "sensors/products.hpp"
+#include "sensors/soundings.hpp"
+
+namespace tubefoot {
+
+/// What a multibeam makes of one ping.
+struct SoundedPing {
+  std::vector<double> received_j;                  ///< [beam][sample], as the receiver gives it
+  std::vector<std::optional<Sounding>> soundings;  ///< by beam; none where no sample counted
+  std::vector<double> range_sigma_m;               ///< by beam, of its sounding
+};
+
+/// Detects the bottom in a multibeam's pings. Energies are looked at after the gain 20 log10 R + 2 alpha R: a
+/// level Lambert bed, whatever its slope across the track, then has the mean range, weighed by energy, of its
+/// beam's axis, but for a part of width^2 / 24 of it. A receiver with a time-varied gain of its own
+/// (tvg_spreading) is taken as it is.
+class BottomFinder {
+ public:
+  /// The recording must be a multibeam's and outlive this.
+  BottomFinder(const Recording& recording, const RunContext& run);
+  /// Thread-safe.
+  SoundedPing sound(std::size_t ping) const;
+  const ReceiverChain& receiver() const { return receiver_; }
+
+ private:
+  const Recording& recording_;
+  ReceiverChain receiver_;
+  DetectionRule rule_;
+  std::vector<double> gain_;  ///< by sample, linear in energy
+};
+
+}  // namespace tubefoot
