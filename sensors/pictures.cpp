@@ -88,7 +88,13 @@ std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& re
     write_sidescan_exr(folder / files[1], recording);
     return files;
   }
-  for (std::size_t ping = 0; ping < recording.ping_time_s.size(); ++ping) {
+  const auto* camera = std::get_if<DidsonDescription>(&recording.sensor->description().kind);
+  const bool sequence_alone = camera && camera->pictures == "sequence";
+  if (recording.pings() > 1 || sequence_alone) {
+    files.push_back(stem + "-sequence.png");
+    draw_camera_sequence(recording, font).write_png(folder / files.back(), stem);
+  }
+  for (std::size_t ping = 0; ping < recording.pings() && !sequence_alone; ++ping) {
     const fs::path png = fmt::format("{}-{:04}.png", stem, ping),
                    exr = fmt::format("{}-{:04}.exr", stem, ping);
     draw_camera_frame(recording, ping, font).write_png(folder / png, fmt::format("{}, ping {}", stem, ping));

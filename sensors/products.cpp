@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/products.hpp"
 
+#include "sensors/didson_files.hpp"
+
 namespace tubefoot {
 
 ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
@@ -27,8 +29,10 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
 std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
                                                   const Recording& recording, const RunContext& run,
                                                   std::vector<std::string>& warnings) {
-  static_cast<void>(run);
-  return write_pictures(folder, recording, &warnings);
+  std::vector<std::filesystem::path> files = write_pictures(folder, recording, &warnings);
+  if (std::holds_alternative<DidsonDescription>(recording.sensor->description().kind))
+    for (const auto& file : write_camera_files(folder, recording, run, warnings)) files.push_back(file);
+  return files;
 }
 
 }  // namespace tubefoot
