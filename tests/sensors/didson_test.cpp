@@ -73,8 +73,10 @@ TEST(LensBeams, IdealBeamsMeetMidwayBetweenCentres) {
       left = std::min(left, azimuth);
       right = std::max(right, azimuth);
     }
-    if (beam > 0) EXPECT_NEAR(left, (centres[beam - 1] + centres[beam]) / 2, 1e-7);
-    if (beam < 95) EXPECT_NEAR(right, (centres[beam] + centres[beam + 1]) / 2, 1e-7);
+    const double before = beam > 0 ? centres[beam - 1] : 2 * centres[0] - centres[1],
+                 after = beam < 95 ? centres[beam + 1] : 2 * centres[95] - centres[94];
+    EXPECT_NEAR(left, (before + centres[beam]) / 2, 1e-7);
+    EXPECT_NEAR(right, (centres[beam] + after) / 2, 1e-7);
     EXPECT_NEAR(right - left, sensor->beams()[beam].azimuth_width_rad, 2e-7);
   }
 }
