@@ -15,6 +15,7 @@
 
 #include "allocations.hpp"
 #include "chart_figures.hpp"
+#include "didson_figures.hpp"
 #include "engine/echo.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/tube_engine.hpp"
@@ -184,6 +185,7 @@ int main(int, char** argv) {
     const auto t = interleaved(5, {[&] { survey(1); }, [&] { survey(2); }});
     figure("two_thread_speedup", t[0] / t[1]);
   }
+  didson_figures(figure);
   chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
   std::ofstream out(file);

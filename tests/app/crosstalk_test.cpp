@@ -18,7 +18,7 @@ constexpr double degree = std::numbers::pi / 180, aperture_m = 0.1015, wavelengt
 
 double azimuth_of(std::size_t beam) { return (-14.5 + 29.0 / 96 * (double(beam) + 0.5)) * degree; }
 
-/// A ball of 2 mm on the axis of the target's beam, 4 m off; the bed is out of reach.
+/// A ball of half a millimetre on the axis of the target's beam, 4 m off; the bed is out of reach.
 std::string ball_scene(const std::string& patterns) {
   return fmt::format(R"([water]
 sound_speed_m_s = 1500
@@ -32,8 +32,8 @@ centre_m = [0, 0, -50]
 [[objects]]
 name = "ball"
 shape = "sphere"
-radius_m = 0.002
-chord_error_m = 0.0002
+radius_m = 0.0005
+chord_error_m = 0.00002
 position_m = [{:.9f}, {:.9f}, 0]
 [trajectory]
 kind = "fixed"
