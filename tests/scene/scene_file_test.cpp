@@ -150,6 +150,7 @@ pings = 7
 ping_interval_s = 0.25
 frequency_khz = 1100
 beams = 48
+beam_centres = "even"
 cycles = 4
 cycle_interval_s = 0.02
 firing_order = [0, 2, 1, 3]
