@@ -15,6 +15,7 @@
 
 #include "allocations.hpp"
 #include "chart_figures.hpp"
+#include "didson_figures.hpp"
 #include "engine/echo.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/tube_engine.hpp"
@@ -185,6 +186,7 @@ int main(int, char** argv) {
     figure("two_thread_speedup", t[0] / t[1]);
   }
   multibeam_figures(figure);
+  didson_figures(figure);
   chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
   std::ofstream out(file);

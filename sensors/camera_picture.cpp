@@ -9,6 +9,7 @@
 
 #include "sensors/angles.hpp"
 #include "sensors/decibel_scale.hpp"
+#include "sensors/lens_beams.hpp"
 
 namespace tubefoot {
 namespace {
@@ -18,15 +19,15 @@ constexpr int angle_label_gap = 20, range_label_gap = 12, range_label_width = 60
 
 /// The fan on the page: metres to the sides and ahead of the camera, and their pixels.
 struct Fan {
-  double first_azimuth_rad, beam_width_rad, near_m, far_m, step_m;
+  std::vector<double> borders_rad;  // of the beams
+  double near_m, far_m, step_m;
   int beams, samples;
   double left_m = 0, right_m = 0, low_m = 0, high_m = 0;  // bounding box
   double pixels_per_m = 0;
   double apex_x = 0, apex_y = 0;
 
-  explicit Fan(const Sensor& sensor)
-      : first_azimuth_rad(sensor.beams().front().azimuth_rad - sensor.beams().front().azimuth_width_rad / 2),
-        beam_width_rad(sensor.beams().front().azimuth_width_rad),
+  Fan(const Sensor& sensor, double widest, double highest)
+      : borders_rad(borders_of(sensor.beams())),
         near_m(sensor.samples().first_m),
         far_m(sensor.samples().first_m + sensor.samples().count * sensor.samples().step_m),
         step_m(sensor.samples().step_m),
@@ -36,7 +37,7 @@ struct Fan {
     right_m = high_m = -far_m;
     constexpr int steps = 720;
     for (int k = 0; k <= steps; ++k) {
-      const double azimuth = first_azimuth_rad + beams * beam_width_rad * k / steps;
+      const double azimuth = first_azimuth_rad() + extent_rad() * k / steps;
       for (const double range : {near_m, far_m}) {
         left_m = std::min(left_m, range * std::sin(azimuth));
         right_m = std::max(right_m, range * std::sin(azimuth));
@@ -44,11 +45,22 @@ struct Fan {
         high_m = std::max(high_m, range * std::cos(azimuth));
       }
     }
-    constexpr double widest = 1400, highest = 920;
     pixels_per_m = std::min(widest / (right_m - left_m), highest / (high_m - low_m));
   }
 
-  double last_azimuth_rad() const { return first_azimuth_rad + beams * beam_width_rad; }
+  static std::vector<double> borders_of(const std::vector<BeamAxis>& beams) {
+    const BeamAxis& first = beams.front();
+    if (beams.size() == 1)
+      return {first.azimuth_rad - first.azimuth_width_rad / 2,
+              first.azimuth_rad + first.azimuth_width_rad / 2};
+    std::vector<double> centres;
+    for (const BeamAxis& beam : beams) centres.push_back(beam.azimuth_rad);
+    return borders_between(centres);
+  }
+
+  double first_azimuth_rad() const { return borders_rad.front(); }
+  double last_azimuth_rad() const { return borders_rad.back(); }
+  double extent_rad() const { return last_azimuth_rad() - first_azimuth_rad(); }
   double x(double azimuth, double pixels) const { return apex_x + pixels * std::sin(azimuth); }
   double y(double azimuth, double pixels) const { return apex_y - pixels * std::cos(azimuth); }
 };
@@ -65,9 +77,13 @@ PixelEcho echo_under(const Fan& fan, std::span<const double> energy, int x, int 
     for (int i = 0; i < points; ++i) {
       const double across = (x + (i + 0.5) / points - fan.apex_x) / fan.pixels_per_m;
       const double ahead = (fan.apex_y - y - (j + 0.5) / points) / fan.pixels_per_m;
-      const double beam = (std::atan2(across, ahead) - fan.first_azimuth_rad) / fan.beam_width_rad;
+      const auto border =
+          std::upper_bound(fan.borders_rad.begin(), fan.borders_rad.end(), std::atan2(across, ahead));
       const double sample = (std::hypot(across, ahead) - fan.near_m) / fan.step_m;
-      if (beam < 0 || beam >= fan.beams || sample < 0 || sample >= fan.samples) continue;
+      if (border == fan.borders_rad.begin() || border == fan.borders_rad.end() || sample < 0 ||
+          sample >= fan.samples)
+        continue;
+      const auto beam = border - fan.borders_rad.begin() - 1;
       sum += energy[static_cast<std::size_t>(beam) * fan.samples + static_cast<std::size_t>(sample)];
       ++inside;
     }
@@ -79,7 +95,7 @@ PixelEcho echo_under(const Fan& fan, std::span<const double> energy, int x, int 
 /// Distance of the angle lines: what divides a circle well, at most eight parts, labels 50 pixels apart or
 /// more.
 double angle_step_deg(const Fan& fan) {
-  const double extent_rad = fan.beams * fan.beam_width_rad;
+  const double extent_rad = fan.extent_rad();
   const double parts = std::clamp(std::floor(extent_rad * fan.far_m * fan.pixels_per_m / 50), 1.0, 8.0);
   for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0})
     if (degrees(extent_rad) <= parts * step) return step;
@@ -110,10 +126,10 @@ GridCoverage grid_at(const Fan& fan, double x, double y, double range_step, doub
   const double slack = 1 / std::max(range, 1.0);
   GridCoverage covered;
   const bool in_azimuth =
-      azimuth >= fan.first_azimuth_rad - slack && azimuth <= fan.last_azimuth_rad() + slack;
+      azimuth >= fan.first_azimuth_rad() - slack && azimuth <= fan.last_azimuth_rad() + slack;
   if (!in_azimuth || range < near - 1 || range > far + 1) return covered;
   covered.outline = std::max(line_coverage(range - near), line_coverage(range - far));
-  for (const double edge : {fan.first_azimuth_rad, fan.last_azimuth_rad()})
+  for (const double edge : {fan.first_azimuth_rad(), fan.last_azimuth_rad()})
     if (std::cos(azimuth - edge) > 0)
       covered.outline = std::max(covered.outline, line_coverage(range * std::sin(azimuth - edge)));
   const double arc = std::round(range / fan.pixels_per_m / range_step) * range_step;
@@ -121,6 +137,11 @@ GridCoverage grid_at(const Fan& fan, double x, double y, double range_step, doub
   covered.grid =
       std::max(line_coverage(range - arc * fan.pixels_per_m), line_coverage(range * std::sin(azimuth - ray)));
   return covered;
+}
+
+/// Supersampling of a pixel, a side.
+int points_for(const Fan& fan) {
+  return std::clamp(static_cast<int>(std::ceil(1 / (fan.pixels_per_m * fan.step_m))), 3, 8);
 }
 
 /// Metres along the starboard edge, degrees along the far arc.
@@ -132,7 +153,7 @@ void draw_labels(Canvas& canvas, const Fan& fan, double range_step, double angle
     canvas.text(x, y, tick_label(range, range_step) + " m", label_size, palette.ink);
   }
   for (const double angle :
-       ticks(degrees(fan.first_azimuth_rad), degrees(fan.last_azimuth_rad()), angle_step)) {
+       ticks(degrees(fan.first_azimuth_rad()), degrees(fan.last_azimuth_rad()), angle_step)) {
     if (angle < -180 + angle_step / 2) continue;  // straight astern is labelled once, as +180
     const double azimuth = radians(angle), pixels = fan.far_m * fan.pixels_per_m + angle_label_gap;
     canvas.text(static_cast<int>(std::lround(fan.x(azimuth, pixels))),
@@ -145,17 +166,17 @@ void draw_labels(Canvas& canvas, const Fan& fan, double range_step, double angle
 
 Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font) {
   const Sensor& sensor = *recording.sensor;
-  Fan fan(sensor);
+  Fan fan(sensor, 1400, 920);
   const std::size_t cells = static_cast<std::size_t>(fan.beams) * fan.samples;
   const std::span<const double> energy(recording.energy.data() + ping * cells, cells);
   const DecibelScale scale(energy);
 
   const std::string title = fmt::format("{}   ping {}   t = {:.2f} s", sensor.description().name, ping,
                                         recording.ping_time_s[ping]);
-  const std::string subtitle = fmt::format(
-      "{:g} kHz, {} beam{} over {:g} degrees, {} samples over {:.2f} to {:.2f} m", sensor.frequency_khz(),
-      fan.beams, fan.beams == 1 ? "" : "s", std::round(degrees(fan.beams * fan.beam_width_rad) * 100) / 100,
-      fan.samples, fan.near_m, fan.far_m);
+  const std::string subtitle =
+      fmt::format("{:g} kHz, {} beam{} over {:g} degrees, {} samples over {:.2f} to {:.2f} m",
+                  sensor.frequency_khz(), fan.beams, fan.beams == 1 ? "" : "s",
+                  std::round(degrees(fan.extent_rad()) * 100) / 100, fan.samples, fan.near_m, fan.far_m);
   const std::string footer = scale.reference_j() > 0
                                  ? fmt::format("0 dB: {} dB re 1 J; darkest: no echo",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1))
@@ -175,7 +196,7 @@ Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std
   Canvas canvas(width, header_height + drawing_height + footer_height + margin, palette.background, font);
 
   const double range_step = range_step_m(fan), angle_step = angle_step_deg(fan);
-  const int points = std::clamp(static_cast<int>(std::ceil(1 / (fan.pixels_per_m * fan.step_m))), 3, 8);
+  const int points = points_for(fan);
   for (int y = header_height - 2; y < header_height + fan_height + 2; ++y) {
     for (int x = fan_left - 2; x < fan_left + fan_width + 2; ++x) {
       const PixelEcho echo = echo_under(fan, energy, x, y, points);
@@ -192,6 +213,65 @@ Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std
   canvas.text(margin, canvas.height() - margin, footer, label_size, palette.faint_ink);
   const int legend_bottom = header_height + drawing_height;
   scale.draw_legend(canvas, width - margin - DecibelScale::legend_width + 20,
+                    std::max(header_height, legend_bottom - 400), legend_bottom);
+  return canvas;
+}
+
+std::vector<std::size_t> sequence_frames(std::size_t pings) {
+  constexpr std::size_t most = 20;
+  const std::size_t frames = std::min(pings, most);
+  std::vector<std::size_t> picked;
+  for (std::size_t k = 0; k < frames; ++k) picked.push_back(frames == 1 ? 0 : k * (pings - 1) / (frames - 1));
+  return picked;
+}
+
+Canvas draw_camera_sequence(const Recording& recording, const std::string& font) {
+  constexpr int columns_at_most = 5, gap = 16, caption_height = 30;
+  const Sensor& sensor = *recording.sensor;
+  Fan fan(sensor, 340, 260);
+  const std::vector<std::size_t> frames = sequence_frames(recording.pings());
+  std::vector<double> all;  // one scale for all of them
+  for (const std::size_t ping : frames) {
+    const std::span<const double> energy = recording.energy_of(ping);
+    all.insert(all.end(), energy.begin(), energy.end());
+    recording.let_go(ping);
+  }
+  const DecibelScale scale(all);
+
+  const int columns = std::min(columns_at_most, static_cast<int>(frames.size()));
+  const int rows = (static_cast<int>(frames.size()) + columns - 1) / columns;
+  const int fan_width = static_cast<int>(std::ceil((fan.right_m - fan.left_m) * fan.pixels_per_m));
+  const int fan_height = static_cast<int>(std::ceil((fan.high_m - fan.low_m) * fan.pixels_per_m));
+  const int cell_width = std::max(fan_width, 150) + gap, cell_height = fan_height + caption_height + gap;
+  const std::string title =
+      fmt::format("{}   {} of {} pings", sensor.description().name, frames.size(), recording.pings());
+  const std::string subtitle = fmt::format("{:g} kHz, {:.2f} to {:.2f} m, one scale for all",
+                                           sensor.frequency_khz(), fan.near_m, fan.far_m);
+  const int content = std::max({columns * cell_width + DecibelScale::legend_width,
+                                text_width(title, title_size, font), text_width(subtitle, label_size, font)});
+  Canvas canvas(2 * margin + content, header_height + std::max(rows * cell_height, 240) + margin,
+                palette.background, font);
+  canvas.text(margin, margin, title, title_size, palette.ink);
+  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  const int points = points_for(fan);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const int left = margin + static_cast<int>(k) % columns * cell_width + (cell_width - gap - fan_width) / 2,
+              top = header_height + static_cast<int>(k) / columns * cell_height;
+    fan.apex_x = left - fan.left_m * fan.pixels_per_m;
+    fan.apex_y = top + fan.high_m * fan.pixels_per_m;
+    const std::span<const double> energy =
+        std::span<const double>(all).subspan(k * recording.cells(), recording.cells());
+    for (int y = top; y < top + fan_height; ++y)
+      for (int x = left; x < left + fan_width; ++x) {
+        const PixelEcho echo = echo_under(fan, energy, x, y, points);
+        canvas.blend(x, y, scale.colour(echo.energy_j), echo.coverage);
+      }
+    canvas.text(left + fan_width / 2, top + fan_height + caption_height / 2,
+                fmt::format("{}   {:.2f} s", frames[k], recording.ping_time_s[frames[k]]), label_size,
+                palette.faint_ink, Anchor::centre);
+  }
+  const int legend_bottom = canvas.height() - margin;
+  scale.draw_legend(canvas, canvas.width() - margin - DecibelScale::legend_width + 20,
                     std::max(header_height, legend_bottom - 400), legend_bottom);
   return canvas;
 }

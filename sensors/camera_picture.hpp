@@ -8,8 +8,14 @@ namespace tubefoot {
 
 /// Draws one ping of an acoustic camera in fan geometry: slant range from the camera at the bottom, azimuth
 /// to the sides, forward up and port left, both axes at one scale. A pixel shows the mean energy of the cells
-/// (beam, sample) at a square of points in it, nearest cell, no interpolation. Beams must be equal azimuth
-/// cells. `font` as for Canvas.
+/// (beam, sample) at a square of points in it, nearest cell, no interpolation. Beams meet midway between
+/// their axes. `font` as for Canvas.
 Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font);
+
+/// Which pings of a recording its sequence shows: at most 20, evenly spread, the first and the last among
+/// them.
+std::vector<std::size_t> sequence_frames(std::size_t pings);
+/// Draws them as small fans, five a row, all on one scale of decibels.
+Canvas draw_camera_sequence(const Recording& recording, const std::string& font);
 
 }  // namespace tubefoot

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <stdexcept>
 
@@ -88,13 +89,24 @@ std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& re
     write_sidescan_exr(folder / files[1], recording);
     return files;
   }
-  for (std::size_t ping = 0; ping < recording.ping_time_s.size(); ++ping) {
-    const fs::path png = fmt::format("{}-{:04}.png", stem, ping),
-                   exr = fmt::format("{}-{:04}.exr", stem, ping);
-    draw_camera_frame(recording, ping, font).write_png(folder / png, fmt::format("{}, ping {}", stem, ping));
-    write_camera_exr(folder / exr, recording, ping);
-    files.insert(files.end(), {png, exr});
+  const auto* camera = std::get_if<DidsonDescription>(&recording.sensor->description().kind);
+  const bool sequence_alone = camera && camera->pictures == "sequence";
+  if (recording.pings() > 1 || sequence_alone) {
+    files.push_back(stem + "-sequence.png");
+    draw_camera_sequence(recording, font).write_png(folder / files.back(), stem);
   }
+  if (sequence_alone) return files;
+  const auto name = [&](std::size_t ping, const char* type) {
+    return fs::path(fmt::format("{}-{:04}.{}", stem, ping, type));
+  };
+  tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
+    draw_camera_frame(recording, ping, font)
+        .write_png(folder / name(ping, "png"), fmt::format("{}, ping {}", stem, ping));
+    write_camera_exr(folder / name(ping, "exr"), recording, ping);
+    recording.let_go(ping);
+  });
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping)
+    files.insert(files.end(), {name(ping, "png"), name(ping, "exr")});
   return files;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/products.hpp"
 
+#include "sensors/didson_files.hpp"
 #include "sensors/multibeam_files.hpp"
 
 namespace tubefoot {
@@ -29,9 +30,13 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
 std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
                                                   const Recording& recording, const RunContext& run,
                                                   std::vector<std::string>& warnings) {
-  if (std::holds_alternative<MultibeamDescription>(recording.sensor->description().kind))
+  const auto& kind = recording.sensor->description().kind;
+  if (std::holds_alternative<MultibeamDescription>(kind))
     return write_multibeam_files(folder, recording, run, warnings);
-  return write_pictures(folder, recording, &warnings);
+  std::vector<std::filesystem::path> files = write_pictures(folder, recording, &warnings);
+  if (std::holds_alternative<DidsonDescription>(kind))
+    for (const auto& file : write_camera_files(folder, recording, run, warnings)) files.push_back(file);
+  return files;
 }
 
 }  // namespace tubefoot

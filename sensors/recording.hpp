@@ -55,11 +55,12 @@ void write_echoes(const std::filesystem::path& file, const std::vector<Recording
 
 /// Writes the pictures of a recording into `folder` (which exists) and returns their file names, relative to
 /// it: PNG (16 bit, for looking at, logarithmic) and EXR (32-bit float, for measuring, linear energy).
-/// Cameras: <sensor>-<ping>.png in true fan geometry with a range and angle frame, and <sensor>-<ping>.exr
-/// (beams x samples, unscaled). Sidescan: <sensor>.png waterfall, last ping on top, port left, and
-/// <sensor>.exr. docs/echo-file.md says how pixels are made. Throws std::runtime_error naming the file and
-/// what failed. A picture is written even without a font to label it with; `warnings`, if given, then says
-/// so.
+/// Cameras: <sensor>-sequence.png (pings picked from several; sequence_frames), and unless the camera asks
+/// for that alone <sensor>-<ping>.png in true fan geometry with a range and angle frame, and
+/// <sensor>-<ping>.exr (beams x samples, unscaled). Sidescan: <sensor>.png waterfall, last ping on top, port
+/// left, and <sensor>.exr. docs/echo-file.md says how pixels are made. Throws std::runtime_error naming the
+/// file and what failed. A picture is written even without a font to label it with; `warnings`, if given,
+/// then says so.
 std::vector<std::filesystem::path> write_pictures(const std::filesystem::path& folder,
                                                   const Recording& recording,
                                                   std::vector<std::string>* warnings = nullptr);

@@ -79,9 +79,16 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
   made.receive.resize(fired.beams.size());
   for (const Fan& fan : fired.fans) {
     made.transmit.emplace_back();
-    if (transmit_)
-      made.transmit.back() =
-          directivity(description_.transmit, *transmit_, fan, fan.axis, turn, sound_speed_m_s);
+    if (transmit_) {
+      std::vector<glm::dvec3> axes{fan.axis};
+      if (fan.sent_by_beams) axes.clear();
+      for (std::uint32_t beam = fan.first_beam; fan.sent_by_beams && beam < fan.end_beam; ++beam)
+        axes.push_back(direction_of(beams_[fired.beams[beam]]));
+      made.transmit.back().beams.clear();
+      for (const glm::dvec3 axis : axes)
+        made.transmit.back().beams.push_back(
+            directivity(description_.transmit, *transmit_, fan, axis, turn, sound_speed_m_s));
+    }
     if (receive_)
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
         made.receive[beam] = directivity(description_.receive, *receive_, fan,

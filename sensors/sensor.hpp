@@ -51,8 +51,9 @@ class Sensor {
   /// Whether transmitter or receiver have a pattern; if not, beams are 1 inside their tubes and 0 outside.
   bool has_patterns() const { return transmit_.has_value() || receive_.has_value(); }
   /// The patterns of a shot from a pose of the sensor itself, by the shot's numbers of beams. A receive
-  /// pattern is steered to its beam's axis, a transmit pattern to the middle of its fan. With a receive
-  /// pattern a beam hears its whole fan.
+  /// pattern is steered to its beam's axis, a transmit pattern to the middle of its fan or, where the shot's
+  /// beams are all sent at once, to each of them, added up. With a receive pattern a beam hears its whole
+  /// fan.
   BeamPatterns patterns(const Pose& sensor_pose, double sound_speed_m_s, std::size_t shot = 0) const;
 
   /// TubeSet::reach of its tubes: the end of the last sample, in grid units.
@@ -78,6 +79,7 @@ class Sensor {
     std::uint32_t first_beam = 0, end_beam = 0, end_tube = 0;  ///< tubes: from the end of the fan before
     glm::dvec3 axis{0, 1, 0};                                  ///< its middle, in the sensor's frame
     glm::dvec3 azimuth{1, 0, 0}, elevation{0, 0, 1};           ///< where the two angles' directions grow
+    bool sent_by_beams = false;  ///< the transmit pattern is steered to each beam, else to `axis`
   };
 
   struct Shot {

@@ -60,6 +60,45 @@ void check_signal(const SignalDescription& signal, const TomlTable& table) {
                        fmt::format("'{}' needs {}: add it, or remove the key", key, wanted));
 }
 
+/// Of an acoustic camera's beams and cycles.
+void check_camera(const SensorDescription& sensor, const DidsonDescription& camera, const TomlTable& table) {
+  const auto fail = [&](const char* key, const std::string& what) {
+    throw InputError(table.place_of(key), what);
+  };
+  if (camera.beam_centres == "lens") {
+    if (camera.beams != 48 && camera.beams != 96)
+      fail("beams",
+           fmt::format("beam_centres = \"lens\" is known for 48 or 96 beams, not for {}: take those, "
+                       "or \"even\"",
+                       camera.beams));
+    if (table.has("horizontal_deg"))
+      fail("horizontal_deg",
+           "beam_centres = \"lens\" says how wide the fan is: remove 'horizontal_deg', or take \"even\"");
+  }
+  if (camera.beams % camera.cycles != 0)
+    fail("cycles",
+         fmt::format("'cycles' must share out the {} beams evenly, {} do not", camera.beams, camera.cycles));
+  for (const char* key : {"cycle_interval_s", "firing_order"})
+    if (table.has(key) && camera.cycles == 1)
+      fail(key, fmt::format("'{}' needs 'cycles' of 2 or more: with one, all beams are fired at once", key));
+  std::vector<int> order = camera.firing_order;
+  std::ranges::sort(order);
+  for (std::size_t k = 0; k < order.size(); ++k)
+    if (order.size() != static_cast<std::size_t>(camera.cycles) || order[k] != static_cast<int>(k))
+      fail("firing_order",
+           fmt::format("'firing_order' must have each cycle from 0 to {} once", camera.cycles - 1));
+  if (table.has("receive_margin_deg") && sensor.receive.pattern == "none")
+    fail("receive_margin_deg",
+         "'receive_margin_deg' needs a 'receive_pattern': without one, beams end at their borders");
+  if (!table.has("transmit_steering")) return;
+  if (sensor.transmit.pattern == "none")
+    fail("transmit_steering", "'transmit_steering' needs a 'transmit_pattern': add it, or remove the key");
+  if (camera.transmit_steering == "beams" && sensor.transmit.angle == "elevation")
+    fail("transmit_steering",
+         "a pattern over \"elevation\" is the same for all beams of the fan: take transmit_steering = "
+         "\"fan\"");
+}
+
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
   check_pattern(sensor.transmit, "transmit", table);
   check_pattern(sensor.receive, "receive", table);
@@ -73,6 +112,7 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
                     "A-Z a-z 0-9 _ -, not \"{}\"",
                     longest_name, sensor.name));
   }
+  if (const auto* camera = std::get_if<DidsonDescription>(&sensor.kind)) check_camera(sensor, *camera, table);
   if (const auto* sidescan = std::get_if<SidescanDescription>(&sensor.kind)) {
     if (sidescan->depression_min_deg >= sidescan->depression_max_deg) {
       throw InputError(
@@ -178,18 +218,29 @@ const TomlSection<SensorDescription>& sensor_section() {
           .keys(pattern_fields("transmit", &S::transmit))
           .keys(pattern_fields("receive", &S::receive))
           .keys(signal_fields())
-          .kind<Didson>("kind", "didson",
-                        {field("frequency_khz", &Didson::frequency_khz, {.ranges = {frequency}}),
-                         field("beams", &Didson::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
-                         field("horizontal_deg", &Didson::horizontal_deg, {.ranges = {sector(180, true)}}),
-                         field("vertical_deg", &Didson::vertical_deg, {.ranges = {sector(170, false)}}),
-                         field("transmit_horizontal_deg", &Didson::transmit_horizontal_deg,
-                               {.ranges = {sector(180, true)}, .default_value = "as horizontal_deg"}),
-                         field("transmit_vertical_deg", &Didson::transmit_vertical_deg,
-                               {.ranges = {sector(170, false)}, .default_value = "as vertical_deg"}),
-                         field("samples", &Didson::samples, {.ranges = {range_samples}}),
-                         field("window_start_m", &Didson::window_start_m, {.ranges = {sonar_range}}),
-                         field("window_length_m", &Didson::window_length_m, {.ranges = {sonar_range}})})
+          .kind<Didson>(
+              "kind", "didson",
+              {field("frequency_khz", &Didson::frequency_khz, {.ranges = {frequency}}),
+               field("beams", &Didson::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
+               field("beam_centres", &Didson::beam_centres, {.choices = {"even", "lens"}}),
+               field("horizontal_deg", &Didson::horizontal_deg, {.ranges = {sector(180, true)}}),
+               field("vertical_deg", &Didson::vertical_deg, {.ranges = {sector(170, false)}}),
+               field("transmit_horizontal_deg", &Didson::transmit_horizontal_deg,
+                     {.ranges = {sector(180, true)}, .default_value = "as horizontal_deg"}),
+               field("transmit_vertical_deg", &Didson::transmit_vertical_deg,
+                     {.ranges = {sector(170, false)}, .default_value = "as vertical_deg"}),
+               field("receive_margin_deg", &Didson::receive_margin_deg, {.ranges = {{.lo = 0, .hi = 10}}}),
+               field("cycles", &Didson::cycles, {.ranges = {{.lo = 1, .hi = 4096}}}),
+               field("cycle_interval_s", &Didson::cycle_interval_s,
+                     {.ranges = {{.lo = 0, .hi = 1000}}, .default_value = "echo of the window's end"}),
+               field("firing_order", &Didson::firing_order,
+                     {.ranges = {{.lo = 0, .hi = 4095}}, .default_value = "as numbered"}),
+               field("transmit_steering", &Didson::transmit_steering,
+                     {.choices = {"fan", "beams"}, .default_value = "beams, if there are cycles"}),
+               field("samples", &Didson::samples, {.ranges = {range_samples}}),
+               field("window_start_m", &Didson::window_start_m, {.ranges = {sonar_range}}),
+               field("window_length_m", &Didson::window_length_m, {.ranges = {sonar_range}}),
+               field("pictures", &Didson::pictures, {.choices = {"all", "sequence"}})})
           .kind<Sidescan>(
               "kind", "sidescan",
               {field("frequency_khz", &Sidescan::frequency_khz, {.ranges = {frequency}}),

@@ -45,6 +45,108 @@ depression_max_deg = 85
 range_max_m = 75
 samples = 3000
 )"},
+      {"didson-identification", "DIDSON acoustic camera at 1.8 MHz, two-way width 0.3 degrees",
+       "beams, spacing, sector: vendor; cycles: published simulation; widths (taken as two-way), level: "
+       "second-hand; side lobes: of a uniform aperture, an assumption",
+       R"(kind = "didson"
+frequency_khz = 1800
+beams = 96
+beam_centres = "lens"
+vertical_deg = 14
+cycles = 8
+transmit_pattern = "line"
+transmit_aperture_m = 0.1015
+receive_pattern = "line"
+receive_aperture_m = 0.1015
+receive_margin_deg = 1
+source_level_db = 206
+samples = 512
+window_start_m = 0.84
+window_length_m = 5
+)"},
+      {"didson-detection", "DIDSON acoustic camera at 1.1 MHz, two-way width 0.4 degrees",
+       "beams, spacing, sector: vendor; cycles: published simulation; widths (taken as two-way), level: "
+       "second-hand; side lobes: of a uniform aperture, an assumption",
+       R"(kind = "didson"
+frequency_khz = 1100
+beams = 48
+beam_centres = "lens"
+vertical_deg = 14
+cycles = 4
+transmit_pattern = "line"
+transmit_aperture_m = 0.1246
+receive_pattern = "line"
+receive_aperture_m = 0.1246
+receive_margin_deg = 1
+source_level_db = 202
+samples = 512
+window_start_m = 0.84
+window_length_m = 10
+)"},
+      {"didson-lr-identification", "DIDSON long range at 1.2 MHz, two-way width 0.5 degrees",
+       "frequency, beams, width (taken as two-way), range: second-hand; sector, cycles: as the standard "
+       "camera; side lobes: of a uniform aperture, an assumption",
+       R"(kind = "didson"
+frequency_khz = 1200
+beams = 48
+beam_centres = "lens"
+vertical_deg = 14
+cycles = 4
+transmit_pattern = "line"
+transmit_aperture_m = 0.0914
+receive_pattern = "line"
+receive_aperture_m = 0.0914
+receive_margin_deg = 1
+source_level_db = 206
+samples = 512
+window_start_m = 0.84
+window_length_m = 10
+)"},
+      {"didson-lr-detection", "DIDSON long range at 0.7 MHz, two-way width 0.8 degrees",
+       "frequency, beams, width (taken as two-way), range: second-hand; sector, cycles: as the standard "
+       "camera; side lobes: of a uniform aperture, an assumption",
+       R"(kind = "didson"
+frequency_khz = 700
+beams = 48
+beam_centres = "lens"
+vertical_deg = 14
+cycles = 4
+transmit_pattern = "line"
+transmit_aperture_m = 0.0979
+receive_pattern = "line"
+receive_aperture_m = 0.0979
+receive_margin_deg = 1
+source_level_db = 202
+samples = 512
+window_start_m = 0.84
+window_length_m = 40
+)"},
+      {"aris-1800", "ARIS 1800 acoustic camera, 96 beams",
+       "beams, shots a frame, outermost beam centres, timing: maker's tables; height of the sector: as the "
+       "DIDSON; beams: ideal and even (the maker's get narrower outwards)",
+       R"(kind = "didson"
+frequency_khz = 1800
+beams = 96
+horizontal_deg = 27.84
+vertical_deg = 14
+cycles = 6
+samples = 512
+window_start_m = 0.699
+window_length_m = 4.992
+)"},
+      {"aris-3000", "ARIS 3000 acoustic camera, 128 beams",
+       "beams, shots a frame, outermost beam centres, timing: maker's tables; height of the sector: as the "
+       "DIDSON; beams: ideal and even (the maker's get narrower outwards)",
+       R"(kind = "didson"
+frequency_khz = 3000
+beams = 128
+horizontal_deg = 30.24
+vertical_deg = 14
+cycles = 8
+samples = 512
+window_start_m = 0.699
+window_length_m = 2.688
+)"},
       {"reson-8101", "RESON SeaBat 8101 multibeam echosounder, 240 kHz",
        "beams: device table of CUBE and the manual; source level: manual, full power; range: second-hand; "
        "samples of 5 cm, near a pulse of 75 us",

@@ -2,6 +2,7 @@
 #include "scene/toml_reader.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <system_error>
@@ -182,9 +183,17 @@ const toml::array& array_of_length(const toml::node& node, const TomlKey& key, c
   return *elements;
 }
 
+const toml::array& array_of_any_length(const toml::node& node, const TomlKey& key, const TomlSource& source) {
+  const toml::array* elements = node.as_array();
+  if (elements == nullptr || elements->empty()) fail_type(node, key, source);
+  return *elements;
+}
+
 TomlKey element_key(const TomlKey& key, std::size_t index) {
   TomlKey element = key;
-  element.type = key.type.substr(2, key.type.size() - 3);  // "3 numbers"
+  const std::size_t count =
+      std::isdigit(static_cast<unsigned char>(key.type.front())) ? 2 : 0;  // "3 numbers"
+  element.type = key.type.substr(count, key.type.size() - 1 - count);
   if (!key.ranges.empty()) {
     element.ranges = {key.ranges.size() == 1 ? key.ranges.front() : key.ranges.at(index)};
     element.range = to_string(element.ranges.front());

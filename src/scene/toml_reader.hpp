@@ -116,6 +116,17 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, 
     read_value(*elements.get(i), element_key(key, i), source, value[i]);
   }
 }
+
+/// The elements of an array of any length but 0.
+const toml::array& array_of_any_length(const toml::node& node, const TomlKey& key, const TomlSource& source);
+
+template <class T>
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::vector<T>& value) {
+  const toml::array& elements = array_of_any_length(node, key, source);
+  value.resize(elements.size());
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    read_value(*elements.get(i), element_key(key, i), source, value[i]);
+}
 /// @}
 
 /// The type's name in the documentation, and a default as TOML writes it.
@@ -150,6 +161,13 @@ template <class T, std::size_t n>
 struct TomlType<std::array<T, n>> {
   static std::string name() { return fmt::format("{} {}s", n, TomlType<T>::name()); }
   static std::string text(const std::array<T, n>& value) { return fmt::format("{}", value); }
+};
+template <class T>
+struct TomlType<std::vector<T>> {
+  static std::string name() { return fmt::format("{}s", TomlType<T>::name()); }
+  static std::string text(const std::vector<T>& value) {
+    return value.empty() ? "none" : fmt::format("{}", value);
+  }
 };
 template <class T>
 struct TomlType<std::optional<T>> {

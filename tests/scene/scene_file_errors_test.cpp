@@ -176,6 +176,34 @@ TEST(SceneFileErrors, SectorsOfNoWidthOrTooWideSaySo) {
   });
 }
 
+TEST(SceneFileErrors, ACamerasBeamsAndCyclesMustAgree) {
+  expect_mistakes({
+      {didson, "kind = \"didson\"\nbeam_centres = \"lens\"\nbeams = 64", "13:9",
+       "known for 48 or 96 beams, not for 64"},
+      {didson, "kind = \"didson\"\nbeam_centres = \"lens\"\nhorizontal_deg = 29", "13:18",
+       "remove 'horizontal_deg'"},
+      {didson, "kind = \"didson\"\ncycles = 7", "12:10",
+       "'cycles' must share out the 96 beams evenly, 7 do not"},
+      {didson, "kind = \"didson\"\ncycle_interval_s = 0.1", "12:20",
+       "'cycle_interval_s' needs 'cycles' of 2 or more"},
+      {didson, "kind = \"didson\"\nfiring_order = [0]", "12:16",
+       "'firing_order' needs 'cycles' of 2 or more"},
+      {didson, "kind = \"didson\"\ncycles = 2\nfiring_order = [0, 0]", "13:16",
+       "each cycle from 0 to 1 once"},
+      {didson, "kind = \"didson\"\ncycles = 2\nfiring_order = [0]", "13:16", "each cycle from 0 to 1 once"},
+      {didson, "kind = \"didson\"\ncycles = 2\nfiring_order = []", "13:16",
+       "'firing_order' must be an array of integers"},
+      {didson, "kind = \"didson\"\ncycles = 2\nfiring_order = [1, 0.5]", "13:20", "integer"},
+      {didson, "kind = \"didson\"\ncycles = 2\nfiring_order = [1, -1]", "13:20", "must be 0 to 4095, not -1"},
+      {didson, "kind = \"didson\"\nreceive_margin_deg = 1", "12:22", "needs a 'receive_pattern'"},
+      {didson, "kind = \"didson\"\ntransmit_steering = \"beams\"", "12:21", "needs a 'transmit_pattern'"},
+      {didson,
+       "kind = \"didson\"\ntransmit_pattern = \"gaussian\"\ntransmit_beam_width_deg = "
+       "9\ntransmit_pattern_angle = \"elevation\"\ntransmit_steering = \"beams\"",
+       "15:21", "take transmit_steering = \"fan\""},
+  });
+}
+
 TEST(SceneFileErrors, KeysOfOneTableMustAgree) {
   expect_mistakes({
       {didson, "kind = \"sidescan\"\nrange_min_m = 50", "12:15",

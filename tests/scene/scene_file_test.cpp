@@ -150,6 +150,17 @@ pings = 7
 ping_interval_s = 0.25
 frequency_khz = 1100
 beams = 48
+beam_centres = "even"
+cycles = 4
+cycle_interval_s = 0.02
+firing_order = [0, 2, 1, 3]
+transmit_pattern = "line"
+transmit_aperture_m = 0.1
+transmit_steering = "fan"
+receive_pattern = "line"
+receive_aperture_m = 0.1
+receive_margin_deg = 2
+pictures = "sequence"
 horizontal_deg = 28
 vertical_deg = 12
 transmit_horizontal_deg = 27
@@ -300,6 +311,13 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(didson.frequency_khz, 1100);
   EXPECT_EQ(didson.beams, 48);
   EXPECT_EQ(didson.horizontal_deg, 28);
+  EXPECT_EQ(didson.beam_centres, "even");
+  EXPECT_EQ(didson.cycles, 4);
+  EXPECT_EQ(didson.cycle_interval_s, 0.02);
+  EXPECT_EQ(didson.firing_order, (std::vector<int>{0, 2, 1, 3}));
+  EXPECT_EQ(didson.transmit_steering, "fan");
+  EXPECT_EQ(didson.receive_margin_deg, 2);
+  EXPECT_EQ(didson.pictures, "sequence");
   EXPECT_EQ(didson.vertical_deg, 12);
   EXPECT_EQ(didson.transmit_horizontal_deg, 27);
   EXPECT_EQ(didson.transmit_vertical_deg, 11);

@@ -167,7 +167,8 @@ TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
   for (double& energy : made.energies) energy = std::pow(10, decades(random));
   made.energy(1, 2, 3) = 0;
   EXPECT_THAT(write_pictures(folder.path(), made.recording),
-              ElementsAre("camera-0000.png", "camera-0000.exr", "camera-0001.png", "camera-0001.exr"));
+              ElementsAre("camera-sequence.png", "camera-0000.png", "camera-0000.exr", "camera-0001.png",
+                          "camera-0001.exr"));
   for (const std::size_t ping : {0u, 1u}) {
     const Image exr = read(folder / ("camera-000" + std::to_string(ping) + ".exr"));
     ASSERT_EQ(exr.spec.width, 5);
@@ -185,6 +186,44 @@ TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
   const Image png = read(folder / "camera-0001.png");
   EXPECT_EQ(png.spec.format, OIIO::TypeDesc::UINT16);
   EXPECT_EQ(png.spec.nchannels, 3);
+}
+
+TEST(Pictures, SequencesShowTwentyPingsAtMostTheFirstAndTheLastAmongThem) {
+  EXPECT_THAT(sequence_frames(1), ElementsAre(0u));
+  EXPECT_THAT(sequence_frames(3), ElementsAre(0u, 1u, 2u));
+  const std::vector<std::size_t> many = sequence_frames(1000);
+  ASSERT_EQ(many.size(), 20u);
+  EXPECT_EQ(many.front(), 0u);
+  EXPECT_EQ(many.back(), 999u);
+  for (std::size_t k = 0; k + 1 < many.size(); ++k) EXPECT_NEAR(double(many[k + 1] - many[k]), 999.0 / 19, 1);
+}
+
+TEST(Pictures, ASequenceIsOnOneScale) {
+  auto made = samples::silent(samples::camera(8, 16), 7);
+  for (std::size_t ping = 0; ping < 7; ++ping)
+    for (std::size_t beam = 0; beam < 8; ++beam)
+      for (std::size_t k = 0; k < 16; ++k) made.energy(ping, beam, k) = ping == 5 ? 1e-6 : 1e-9;
+  const Image sheet = read(draw_camera_sequence(made.recording, ""));
+  // Two rows, of five and of two: the brightest colour is that of ping 5, the first of the second row.
+  int left = sheet.spec.width, right = 0, top = sheet.spec.height;
+  for (int y = 0; y < sheet.spec.height; ++y)
+    for (int x = 0; x < sheet.spec.width * 3 / 4; ++x)
+      if (sheet.at(x, y, 2) > 0.6) {
+        left = std::min(left, x);
+        right = std::max(right, x);
+        top = std::min(top, y);
+      }
+  EXPECT_LT(right, sheet.spec.width / 4);
+  EXPECT_GT(top, sheet.spec.height / 2);
+  EXPECT_GT(right - left, 100);
+}
+
+TEST(Pictures, ACameraMayAskForItsSequenceAlone) {
+  const samples::TemporaryFolder folder;
+  SensorDescription description = samples::camera(5, 7);
+  std::get<DidsonDescription>(description.kind).pictures = "sequence";
+  EXPECT_THAT(write_pictures(folder.path(), samples::silent(description, 3).recording),
+              ElementsAre("camera-sequence.png"));
 }
 
 TEST(Pictures, SidescanFilesArePingByPingPortTurnedOver) {
