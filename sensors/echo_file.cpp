@@ -11,6 +11,7 @@
 
 #include "sensors/angles.hpp"
 #include "sensors/checked_file.hpp"
+#include "sensors/pose_angles.hpp"
 #include "sensors/recording.hpp"
 
 namespace tubefoot {
@@ -150,24 +151,6 @@ class EchoGroup {
   std::vector<Pending> pending_;
 };
 
-struct Angles {
-  double heading_deg, pitch_deg, roll_deg;
-};
-
-/// The inverse of attitude_from_angles: heading in [0, 360), pitch in [-90, 90], roll in (-180, 180].
-/// Looking straight up or down, heading and roll are one turn: all of it is called heading.
-Angles angles_of(const glm::dquat& attitude) {
-  const glm::dmat3 axes = glm::mat3_cast(glm::normalize(attitude));
-  const glm::dvec3 starboard = axes[0], forward = axes[1], up = axes[2];
-  const bool vertical = std::hypot(forward.x, forward.y) < 1e-9;
-  double heading_deg =
-      degrees(vertical ? std::atan2(-starboard.y, starboard.x) : std::atan2(forward.x, forward.y));
-  if (heading_deg < 0) heading_deg += 360;
-  if (heading_deg >= 360) heading_deg = 0;  // a rounding below zero was lifted to 360
-  return {heading_deg + 0.0, degrees(std::atan2(forward.z, std::hypot(forward.x, forward.y))),
-          vertical ? 0 : degrees(std::atan2(-starboard.z, up.z))};
-}
-
 std::string kind_of(const SensorDescription& sensor) {
   return std::holds_alternative<DidsonDescription>(sensor.kind) ? "didson" : "sidescan";
 }
@@ -245,7 +228,7 @@ void write_recording(EchoGroup& group, const Recording& recording) {
                  column(beams, [](const BeamAxis& axis) { return degrees(axis.elevation_width_rad); }));
 
   std::vector<double> positions, attitudes;
-  std::vector<Angles> angles;
+  std::vector<PoseAngles> angles;
   for (const Pose& pose : recording.ping_pose) {
     const auto& p = pose.position_m;
     const glm::dquat q = glm::normalize(pose.attitude);
@@ -261,11 +244,11 @@ void write_recording(EchoGroup& group, const Recording& recording) {
                  attitudes);
   group.variable("sensor_heading", {ping}, "degree",
                  "heading of the sensor's forward axis, clockwise from north",
-                 column(angles, [](const Angles& a) { return a.heading_deg; }));
+                 column(angles, [](const PoseAngles& a) { return a.heading_deg; }));
   group.variable("sensor_pitch", {ping}, "degree", "pitch of the sensor, forward axis up positive",
-                 column(angles, [](const Angles& a) { return a.pitch_deg; }));
+                 column(angles, [](const PoseAngles& a) { return a.pitch_deg; }));
   group.variable("sensor_roll", {ping}, "degree", "roll of the sensor, starboard down positive",
-                 column(angles, [](const Angles& a) { return a.roll_deg; }));
+                 column(angles, [](const PoseAngles& a) { return a.roll_deg; }));
 
   group.write();
   const auto count = static_cast<std::size_t>(samples.count);

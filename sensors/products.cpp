@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/products.hpp"
 
+#include <cmath>
+
+#include "sensors/pulse.hpp"
+#include "sensors/sidescan_files.hpp"
+
 namespace tubefoot {
 
 ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
@@ -20,15 +25,33 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
     gain.gain_db = signal.tvg_gain_db;
     receiver.tvg = gain;
   }
+  if (signal.pulse_length_us)
+    receiver.source_level_db +=
+        10 * std::log10(pulse_extent_m(*signal.pulse_length_us, recording.sound_speed_m_s) /
+                        recording.sensor->samples().step_m);
   receiver.seed = run.seed;
   return ReceiverChain(receiver);
+}
+
+std::vector<double> received(const Recording& recording, const RunContext& run, std::size_t ping) {
+  const RangeSamples& samples = recording.sensor->samples();
+  const auto number = static_cast<std::uint32_t>(ping);
+  const ReceiverChain receiver = receiver_of(recording, run);
+  const std::optional<double> pulse_us = recording.sensor->description().signal.pulse_length_us;
+  if (!pulse_us) return receiver.receive(number, recording.energy_of(ping), samples);
+  const double extent_m = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
+  return receiver.receive(number, spread_over_pulse(recording.energy_of(ping), samples, extent_m), samples);
 }
 
 std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
                                                   const Recording& recording, const RunContext& run,
                                                   std::vector<std::string>& warnings) {
-  static_cast<void>(run);
-  return write_pictures(folder, recording, &warnings);
+  std::vector<std::filesystem::path> files = write_pictures(folder, recording, &warnings);
+  std::vector<std::filesystem::path> own;
+  if (std::holds_alternative<SidescanDescription>(recording.sensor->description().kind))
+    own = write_sidescan_files(folder, recording, run, warnings);
+  files.insert(files.end(), own.begin(), own.end());
+  return files;
 }
 
 }  // namespace tubefoot
