@@ -42,14 +42,18 @@ double altitude_m(const Recording& recording, std::size_t ping) {
   return recording.altitude_m.empty() ? std::nan("") : recording.altitude_m[ping];
 }
 
-/// Pings as the files have them. All are read twice: the first time for the loudest sample, which is the full
-/// scale of the codes.
+/// Pings as the files have them. All are read twice: the first time for the scales of the codes.
 class Amplitudes {
  public:
   Amplitudes(const Recording& recording, const RunContext& run)
       : recording_(recording), run_(run), receiver_(receiver_of(recording, run)) {
     for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-      for (const float value : of(ping)) largest_ = std::max(largest_, value);
+      for (const float value : of(ping)) {
+        largest_ = std::max(largest_, value);
+        if (value <= 0) continue;
+        sum_of_logarithms_ += std::log(value);
+        ++echoes_;
+      }
       recording.let_go(ping);
     }
   }
@@ -62,14 +66,22 @@ class Amplitudes {
       amplitudes.push_back(static_cast<float>(receiver_.amplitude_upa(energy)));
     return amplitudes;
   }
-  /// The amplitude that the largest code stands for.
-  double full_scale_upa() const { return largest_ > 0 ? largest_ : 1; }
+  /// That of the loudest sample.
+  double largest_upa() const { return largest_ > 0 ? largest_ : 1; }
+  /// White for the eye: 15 dB above the mean level, lest a quay wall leave the seabed black.
+  double white_upa() const {
+    if (echoes_ == 0) return 1;
+    const double mean_level_upa = std::exp(sum_of_logarithms_ / static_cast<double>(echoes_));
+    return std::min(largest_upa(), mean_level_upa * std::pow(10, 15.0 / 20));
+  }
 
  private:
   const Recording& recording_;
   const RunContext& run_;
   ReceiverChain receiver_;
   float largest_ = 0;
+  double sum_of_logarithms_ = 0;
+  std::size_t echoes_ = 0;
 };
 
 /// The XTF file of a recording. Its samples begin at range 0 and are as many as bring the last one to its
@@ -188,13 +200,14 @@ void add_waterfall_row(ScanlinePicture& picture, std::span<const std::uint16_t> 
   picture.add_row(row.data());
 }
 
-OIIO::ImageSpec waterfall_spec(const Recording& recording, double full_scale_upa) {
+OIIO::ImageSpec waterfall_spec(const Recording& recording, double white_upa) {
   OIIO::ImageSpec spec(1, 1, 1, OIIO::TypeDesc::UINT16);
   spec.attribute(
       "ImageDescription",
-      fmt::format("{}: amplitude, 65535 is {:.6g} uPa; rows: pings, the first on top; columns: port, the "
-                  "farthest sample first, then starboard, the nearest first",
-                  recording.sensor->description().name, full_scale_upa));
+      fmt::format(
+          "{}: amplitude, 65535 is {:.6g} uPa and more; rows: pings, the first on top; columns: port, the "
+          "farthest sample first, then starboard, the nearest first",
+          recording.sensor->description().name, white_upa));
   return spec;
 }
 
@@ -239,21 +252,24 @@ std::vector<fs::path> write_sidescan_files(const fs::path& folder, const Recordi
   const fs::path waterfall = name + "-waterfall.png", map_file = name + "-mosaic.tif",
                  map_picture = name + "-mosaic.png", xtf_file = name + ".xtf";
   const Amplitudes amplitudes(recording, run);
-  const Quantiser quantiser = Quantiser::xtf_amplitude(amplitudes.full_scale_upa());
-
+  const Quantiser all = Quantiser::xtf_amplitude(amplitudes.largest_upa()),
+                  visible = Quantiser::xtf_amplitude(amplitudes.white_upa());
   std::optional<XtfRecord> xtf =
-      open_xtf(folder / xtf_file, recording, run, amplitudes.full_scale_upa(), warnings);
+      open_xtf(folder / xtf_file, recording, run, amplitudes.largest_upa(), warnings);
   ScanlinePicture picture(folder / waterfall, static_cast<int>(recording.cells()),
                           static_cast<int>(recording.pings()),
-                          waterfall_spec(recording, amplitudes.full_scale_upa()));
+                          waterfall_spec(recording, amplitudes.white_upa()));
   Map map{SidescanMosaic(mosaic_cell_m(recording))};
   std::vector<std::uint16_t> codes(recording.cells());
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
     const std::vector<float> heard = amplitudes.of(ping);
-    std::transform(heard.begin(), heard.end(), codes.begin(),
-                   [&](float amplitude) { return quantiser.code(amplitude); });
-    if (xtf) xtf->add(ping, codes);
-    add_waterfall_row(picture, codes);
+    const auto code = [&](const Quantiser& quantiser) {
+      std::transform(heard.begin(), heard.end(), codes.begin(),
+                     [&](float amplitude) { return quantiser.code(amplitude); });
+      return std::span<const std::uint16_t>(codes);
+    };
+    if (xtf) xtf->add(ping, code(all));
+    add_waterfall_row(picture, code(visible));
     map.add(recording, ping, heard);
     recording.let_go(ping);
   }

@@ -348,7 +348,9 @@ TEST(SceneFile, GeoreferenceMayBeAProjectedSystem) {
 // Keeps the test above complete: a new key has to be added to the full scene.
 TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
   const std::string text =
-      "\n" + std::string(full_scene) + "\ncrs = \norigin_crs = \nrays_per_beam = ";  // of the tests after it
+      "\n" + std::string(full_scene) +
+      "\ncrs = \norigin_crs = \nrays_per_beam = "                                 // of the tests after it
+      "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = ";  // sidescan_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&

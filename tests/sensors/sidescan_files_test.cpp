@@ -74,6 +74,22 @@ TEST(SidescanFiles, WaterfallHasARowAPingPortLeftAndTheLoudestSampleWhite) {
   EXPECT_EQ(*std::max_element(pixels.begin(), pixels.end()), 65535);
 }
 
+TEST(SidescanFiles, AGlintIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf) {
+  const samples::TemporaryFolder folder;
+  auto made = line();
+  std::fill(made.energies.begin(), made.energies.end(), 1e-12);
+  made.energy(3, 1, 5) = 1e-4;  // 80 dB above the bed
+  std::vector<std::string> warnings;
+  write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
+  int width = 0, height = 0;
+  const auto pixels = waterfall_of(folder / "sidescan-waterfall.png", width, height);
+  EXPECT_EQ(pixels[3 * 40 + 25], 65535);
+  // 360 samples: the glint lifts the mean level by 80 / 360 dB.
+  EXPECT_NEAR(pixels[0], 65535 * std::pow(10, -(15 + 80.0 / 360) / 20), 2);
+  const std::string xtf = samples::bytes_of(folder / "sidescan.xtf");
+  EXPECT_NE(xtf.find(std::string("\7\0\7\0\7\0\xff\xff\7", 9)), std::string::npos);  // 65535 * 1e-4 is 6.6
+}
+
 TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
   const samples::TemporaryFolder folder;
   auto made = line();
@@ -83,7 +99,8 @@ TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
   std::vector<std::string> warnings;
   write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
   const auto bytes = file_content(folder / "sidescan.xtf");
-  PacketReader header(std::span(bytes).first(1024), false);
+  const std::span<const unsigned char> all(bytes);
+  PacketReader header(all.first(1024), false);
   EXPECT_EQ(header.text(18, 16), "sidescan");
   EXPECT_EQ(header.u32(256 + 8), 22u);
   EXPECT_EQ(header.f32(256 + 32), 455);
@@ -93,9 +110,9 @@ TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
   std::vector<unsigned> types;
   std::size_t ping = 0;
   for (std::size_t begin = 1024; begin < bytes.size();) {
-    PacketReader packet(std::span(bytes).subspan(begin, 14), false);
+    PacketReader packet(all.subspan(begin, 14), false);
     const std::size_t size = packet.u32(10);
-    PacketReader whole(std::span(bytes).subspan(begin, size), false);
+    PacketReader whole(all.subspan(begin, size), false);
     types.push_back(whole.u8(2));
     if (whole.u8(2) == 3) {
       EXPECT_NEAR(whole.f32(30), 2, 1e-5);
