@@ -23,6 +23,7 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
     gain.spreading = *signal.tvg_spreading;
     gain.absorption_db_per_km = signal.tvg_absorption_db_per_km.value_or(recording.absorption_db_per_km);
     gain.gain_db = signal.tvg_gain_db;
+    gain.fixed_below_m = signal.tvg_fixed_below_m;
     receiver.tvg = gain;
   }
   if (signal.pulse_length_us)

@@ -171,6 +171,7 @@ struct SignalDescription {
   std::optional<double> tvg_spreading;  ///< Sp of the gain Sp log10 R + 2 alpha R + G; none: no gain
   std::optional<double> tvg_absorption_db_per_km;  ///< alpha; else the water's own
   double tvg_gain_db = 0;
+  double tvg_fixed_below_m = 10;  ///< nearer than this the gain stays what it is here
   std::optional<double> pulse_length_us;  ///< echoes are spread over c tau / 2; none: not spread
 };
 

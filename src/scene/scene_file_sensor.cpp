@@ -53,6 +53,7 @@ void check_signal(const SignalDescription& signal, const TomlTable& table) {
       {"speckle_shape", signal.speckle == "k", "speckle = \"k\""},
       {"tvg_absorption_db_per_km", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
       {"tvg_gain_db", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
+      {"tvg_fixed_below_m", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
   };
   for (const auto& [key, takes, wanted] : rules)
     if (table.has(key) && !takes)
@@ -136,6 +137,7 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
       field("tvg_absorption_db_per_km", &G::tvg_absorption_db_per_km,
             {.ranges = {{.lo = 0, .hi = 100000}}, .default_value = "the water's"}),
       field("tvg_gain_db", &G::tvg_gain_db, {.ranges = {level}}),
+      field("tvg_fixed_below_m", &G::tvg_fixed_below_m, {.ranges = {sonar_range}}),
       field("pulse_length_us", &G::pulse_length_us,
             {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}})};
   std::vector<TomlField<SensorDescription>> fields;

@@ -63,11 +63,14 @@ tvg_spreading = 40
                      samples, range_m);
 }
 
+/// Middle of the brightest pixels.
 struct Brightest {
-  int x = 0, y = 0, width = 0, height = 0;
+  double x = 0, y = 0;
+  int width = 0, height = 0;
 };
 
-Brightest brightest_of(const std::filesystem::path& file) {
+/// Looks at the pixels that are at least `off_middle` columns from the middle one.
+Brightest brightest_of(const std::filesystem::path& file, int off_middle = 0) {
   auto input = OIIO::ImageInput::open(file.string());
   if (!input) throw std::runtime_error("no picture " + file.string());
   const OIIO::ImageSpec spec = input->spec();
@@ -75,13 +78,17 @@ Brightest brightest_of(const std::filesystem::path& file) {
   input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data());
   Brightest found{0, 0, spec.width, spec.height};
   float most = -1;
+  int count = 0;
   for (int y = 0; y < spec.height; ++y)
-    for (int x = 0; x < spec.width; ++x)
-      if (const float value = pixels[(std::size_t(y) * spec.width + x) * spec.nchannels]; value > most) {
-        most = value;
-        found.x = x;
-        found.y = y;
-      }
+    for (int x = 0; x < spec.width; ++x) {
+      const float value = pixels[(std::size_t(y) * spec.width + x) * spec.nchannels];
+      if (value < most || std::abs(x - spec.width / 2) < off_middle) continue;
+      if (value > most) count = 0;
+      most = value;
+      found.x = (found.x * count + x) / (count + 1);
+      found.y = (found.y * count + y) / (count + 1);
+      ++count;
+    }
   return found;
 }
 
@@ -146,7 +153,7 @@ TEST_P(SidescanRun, TargetAheadIsOnItsSideInEveryFile) {
   EXPECT_NEAR(echo.sample * step_m, slant_m, 0.3);
 
   for (const std::string name : {"fish-waterfall.png", "fish.exr"}) {
-    const Brightest at = brightest_of(results / name);
+    const Brightest at = brightest_of(results / name, 150);  // below the fish the bed is white, too
     EXPECT_EQ(at.width, 2 * samples) << name;
     EXPECT_EQ(at.height, pings) << name;
     EXPECT_NEAR(at.y, target_ping, 2) << name;  // the first ping is the first row

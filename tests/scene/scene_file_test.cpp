@@ -350,7 +350,7 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
   const std::string text =
       "\n" + std::string(full_scene) +
       "\ncrs = \norigin_crs = \nrays_per_beam = "                                 // of the tests after it
-      "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = ";  // sidescan_keys_test.cpp
+      "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = \ntvg_fixed_below_m = ";  // sidescan_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&

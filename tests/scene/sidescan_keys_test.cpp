@@ -42,6 +42,14 @@ TEST(SidescanKeys, AxisNeedsAPatternToTurn) {
               20);
 }
 
+TEST(SidescanKeys, GainMayBeFixedBelowAnyRange) {
+  const SceneFolder folder;
+  const std::string near = "kind = \"sidescan\"\ntvg_fixed_below_m = 1.5\n";
+  EXPECT_THAT(folder.error_of(scene_with(near)), HasSubstr("'tvg_fixed_below_m' needs 'tvg_spreading'"));
+  EXPECT_EQ(folder.read(scene_with(near + "tvg_spreading = 30\n")).sensors.back().signal.tvg_fixed_below_m,
+            1.5);
+}
+
 TEST(SidescanKeys, AnySensorMayHaveAPulse) {
   const SceneFolder folder;
   EXPECT_EQ(folder.read(scene_with("kind = \"didson\"\npulse_length_us = 16\n"))

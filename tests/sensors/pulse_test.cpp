@@ -87,6 +87,18 @@ TEST(Received, WithoutAPulseKeepsTheBits) {
   EXPECT_THAT(heard, testing::ElementsAreArray(made.recording.energy_of(1)));
 }
 
+TEST(Received, GainIsFixedBelowTheRangeOfItsKey) {
+  SensorDescription description = samples::sidescan(990);
+  description.signal.tvg_spreading = 40;
+  description.signal.tvg_absorption_db_per_km = 0;
+  description.signal.tvg_fixed_below_m = 2;
+  auto made = samples::silent(description, 1);
+  std::fill(made.energies.begin(), made.energies.end(), 1e-9);
+  const auto heard = received(made.recording, {}, 0);
+  EXPECT_NEAR(heard[10] / 1e-9, std::pow(2, 4), 1e-9);  // at 1.025 m
+  EXPECT_NEAR(heard[90] / 1e-9, std::pow(5.025, 4), 1e-7);
+}
+
 TEST(Received, SpreadsOverThePulseAndItsLevelIsThatOfThePulse) {
   SensorDescription description = samples::sidescan(990);  // samples of 5 cm
   description.signal.pulse_length_us = 1000;               // 0.74 m at 1480 m/s
