@@ -23,6 +23,7 @@
 #include "geometry/footprint_builder.hpp"
 #include "multibeam_figures.hpp"
 #include "pure_embree.hpp"
+#include "survey_figures.hpp"
 #include "terrain.hpp"
 
 namespace {
@@ -114,6 +115,7 @@ int main(int, char** argv) {
     fmt::print("{:<40} {:.4g}\n", name, value);
     std::fflush(stdout);
   };
+  survey_figures(figure);
   constexpr double tuned_tolerance = 1e-14;  // the right topology on this terrain; docs/performance.md
   {
     View sector(benchmark_terrain(200)), beams(benchmark_terrain(200), 96);

@@ -141,12 +141,19 @@ std::string tick_label(double value, double step) {
   return value <= -step / 2 ? "-" + number : number;
 }
 
-void write_exr(const std::filesystem::path& file, int width, int height, const std::vector<float>& values,
-               const OIIO::ParamValueList& attributes) {
-  OIIO::ImageSpec spec(width, height, 1, OIIO::TypeDesc::FLOAT);
+OIIO::ImageSpec exr_spec(const OIIO::ParamValueList& attributes) {
+  OIIO::ImageSpec spec(1, 1, 1, OIIO::TypeDesc::FLOAT);
   spec.attribute("compression", "zip");
   spec.attribute("DateTime", "");  // or OpenImageIO writes the time of day: equal runs shall give equal files
   for (const auto& attribute : attributes) spec.extra_attribs.push_back(attribute);
+  return spec;
+}
+
+void write_exr(const std::filesystem::path& file, int width, int height, const std::vector<float>& values,
+               const OIIO::ParamValueList& attributes) {
+  OIIO::ImageSpec spec = exr_spec(attributes);
+  spec.width = spec.full_width = width;
+  spec.height = spec.full_height = height;
   write_image(file, spec, values.data());
 }
 

@@ -59,6 +59,10 @@ std::vector<double> ticks(double first, double last, double step);
 /// A tick's label with as many decimals as its step needs.
 std::string tick_label(double value, double step);
 
+/// How a one-channel float EXR is written: lossless, the same bytes at any time of day. `attributes` are
+/// added to its header.
+OIIO::ImageSpec exr_spec(const OIIO::ParamValueList& attributes);
+
 /// Writes a one-channel float EXR with lossless compression: rows from the top, untouched values.
 /// `attributes` are added to its header. Throws std::runtime_error naming the file.
 void write_exr(const std::filesystem::path& file, int width, int height, const std::vector<float>& values,

@@ -7,6 +7,7 @@
 #include "sensors/camera_picture.hpp"
 #include "sensors/canvas.hpp"
 #include "sensors/recording.hpp"
+#include "sensors/scanline_picture.hpp"
 #include "sensors/waterfall_picture.hpp"
 
 namespace tubefoot {
@@ -48,18 +49,23 @@ void write_camera_exr(const fs::path& file, const Recording& recording, std::siz
 }
 
 void write_sidescan_exr(const fs::path& file, const Recording& recording) {
-  const auto pings = recording.ping_time_s.size();
   const auto samples = static_cast<std::size_t>(recording.sensor->samples().count);
-  std::vector<float> values;
-  values.reserve(pings * 2 * samples);
-  for (std::size_t ping = 0; ping < pings; ++ping) {
-    const double* port = recording.energy.data() + ping * 2 * samples;
-    for (std::size_t k = samples; k-- > 0;) values.push_back(static_cast<float>(port[k]));
-    for (std::size_t k = 0; k < samples; ++k) values.push_back(static_cast<float>(port[samples + k]));
+  ScanlinePicture picture(
+      file, static_cast<int>(2 * samples), static_cast<int>(recording.pings()),
+      exr_spec(
+          exr_attributes(recording, "pings, the first on top",
+                         "port samples, the farthest first, then starboard samples, the nearest first")));
+  std::vector<float> row(2 * samples);
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    const std::span<const double> energy = recording.energy_of(ping);
+    for (std::size_t k = 0; k < samples; ++k) {
+      row[samples - 1 - k] = static_cast<float>(energy[k]);
+      row[samples + k] = static_cast<float>(energy[samples + k]);
+    }
+    picture.add_row(row.data());
+    recording.let_go(ping);
   }
-  write_exr(file, static_cast<int>(2 * samples), static_cast<int>(pings), values,
-            exr_attributes(recording, "pings, the first on top",
-                           "port samples, the farthest first, then starboard samples, the nearest first"));
+  picture.finish();
 }
 
 /// A sensor's name becomes a file name: it must not lead elsewhere.

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/products.hpp"
 
+#include <cmath>
+
 #include "sensors/didson_files.hpp"
 #include "sensors/multibeam_files.hpp"
+#include "sensors/pulse.hpp"
+#include "sensors/sidescan_files.hpp"
 
 namespace tubefoot {
 
@@ -21,10 +25,25 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
     gain.spreading = *signal.tvg_spreading;
     gain.absorption_db_per_km = signal.tvg_absorption_db_per_km.value_or(recording.absorption_db_per_km);
     gain.gain_db = signal.tvg_gain_db;
+    gain.fixed_below_m = signal.tvg_fixed_below_m;
     receiver.tvg = gain;
   }
+  if (signal.pulse_length_us)
+    receiver.source_level_db +=
+        10 * std::log10(pulse_extent_m(*signal.pulse_length_us, recording.sound_speed_m_s) /
+                        recording.sensor->samples().step_m);
   receiver.seed = run.seed;
   return ReceiverChain(receiver);
+}
+
+std::vector<double> received(const Recording& recording, const RunContext& run, std::size_t ping) {
+  const RangeSamples& samples = recording.sensor->samples();
+  const auto number = static_cast<std::uint32_t>(ping);
+  const ReceiverChain receiver = receiver_of(recording, run);
+  const std::optional<double> pulse_us = recording.sensor->description().signal.pulse_length_us;
+  if (!pulse_us) return receiver.receive(number, recording.energy_of(ping), samples);
+  const double extent_m = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
+  return receiver.receive(number, spread_over_pulse(recording.energy_of(ping), samples, extent_m), samples);
 }
 
 std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
@@ -34,8 +53,12 @@ std::vector<std::filesystem::path> write_products(const std::filesystem::path& f
   if (std::holds_alternative<MultibeamDescription>(kind))
     return write_multibeam_files(folder, recording, run, warnings);
   std::vector<std::filesystem::path> files = write_pictures(folder, recording, &warnings);
+  std::vector<std::filesystem::path> own;
   if (std::holds_alternative<DidsonDescription>(kind))
-    for (const auto& file : write_camera_files(folder, recording, run, warnings)) files.push_back(file);
+    own = write_camera_files(folder, recording, run, warnings);
+  else if (std::holds_alternative<SidescanDescription>(kind))
+    own = write_sidescan_files(folder, recording, run, warnings);
+  files.insert(files.end(), own.begin(), own.end());
   return files;
 }
 

@@ -16,8 +16,12 @@ struct RunContext {
   std::string title;
 };
 
-/// The receiver that a sensor's description asks for.
+/// The receiver that a sensor's description asks for. With a pulse length its levels are those of that pulse.
 ReceiverChain receiver_of(const Recording& recording, const RunContext& run);
+
+/// The energies [J] of a ping as the sensor's receiver has them, [beam][sample]: spread over the pulse, then
+/// through receiver_of(). Every file that a sonar would write is made of these; echoes.nc is not.
+std::vector<double> received(const Recording& recording, const RunContext& run, std::size_t ping);
 
 /// Writes the files that a sonar of the recording's kind makes, pictures included (write_pictures), into
 /// `folder`, ping by ping, and returns their names. Throws std::runtime_error naming the file and what

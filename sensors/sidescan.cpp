@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/sidescan.hpp"
 
+#include "scene/input_error.hpp"
 #include "sensors/angles.hpp"
 
 namespace tubefoot {
@@ -18,29 +19,53 @@ Sidescan::Sidescan(const SensorDescription& description) : Sensor(description) {
   require(fan.range_max_m > fan.range_min_m, description, "range_max_m", fan.range_max_m,
           "above range_min_m");
 
+  if (fan.sampling_frequency_khz)
+    throw std::invalid_argument(fmt::format(
+        "sensor '{}': its sampling frequency makes samples only with a speed of sound", description.name));
+
   frequency_khz_ = fan.frequency_khz;
   samples_ = {fan.range_min_m, (fan.range_max_m - fan.range_min_m) / fan.samples, fan.samples};
 
   const double shallow_rad = radians(fan.depression_min_deg), steep_rad = radians(fan.depression_max_deg);
   const double half_width_rad = radians(fan.along_track_deg) / 2;
-  const double middle_rad = (shallow_rad + steep_rad) / 2;
+  const double axis_rad =
+      fan.axis_depression_deg ? radians(*fan.axis_depression_deg) : (shallow_rad + steep_rad) / 2;
   const int slices = slices_for(steep_rad - shallow_rad);
   Shot shot;
   shot.beams = {0, 1};
   for (const double side : {-1.0, 1.0}) {
-    beams_.push_back({side * radians(90), -middle_rad, 2 * half_width_rad, steep_rad - shallow_rad});
+    beams_.push_back({side * radians(90), -axis_rad, 2 * half_width_rad, steep_rad - shallow_rad});
     // The grid's azimuth is the depression angle: 0 horizontal to the side, 90 degrees straight down.
     shot.sectors.push_back({even_edges(shallow_rad, steep_rad, slices),
                             {-half_width_rad, half_width_rad},
                             glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});
     shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(slices), side < 0 ? 0u : 1u);
-    const glm::dvec3 axis = std::cos(middle_rad) * side * starboard_axis - std::sin(middle_rad) * up_axis;
-    const glm::dvec3 across = std::sin(middle_rad) * side * starboard_axis + std::cos(middle_rad) * up_axis;
+    const glm::dvec3 axis = std::cos(axis_rad) * side * starboard_axis - std::sin(axis_rad) * up_axis;
+    const glm::dvec3 across = std::sin(axis_rad) * side * starboard_axis + std::cos(axis_rad) * up_axis;
     const auto beam = static_cast<std::uint32_t>(beams_.size());
     shot.fans.push_back(
         {beam - 1, beam, static_cast<std::uint32_t>(shot.beam_of_tube.size()), axis, forward_axis, across});
   }
   shots_.push_back(std::move(shot));
+}
+
+SensorDescription in_water(SensorDescription description, double sound_speed_m_s) {
+  auto* fan = std::get_if<SidescanDescription>(&description.kind);
+  if (!fan || !fan->sampling_frequency_khz) return description;
+  const double step_m = sound_speed_m_s / (2000 * *fan->sampling_frequency_khz);
+  const double whole = std::floor((fan->range_max_m - fan->range_min_m) / step_m * (1 + 1e-12));
+  constexpr double most = 65536;
+  if (!(whole >= 1 && whole <= most))
+    throw InputError(
+        description.place,
+        fmt::format(
+            "sensor '{}': at sampling_frequency_khz = {} and {:.1f} m/s a sample is {:.4g} m long, and "
+            "range_min_m to range_max_m hold {:.0f} of them: choose 1 to {:.0f}",
+            description.name, *fan->sampling_frequency_khz, sound_speed_m_s, step_m, whole, most));
+  fan->samples = static_cast<int>(whole);
+  fan->range_max_m = fan->range_min_m + whole * step_m;
+  fan->sampling_frequency_khz.reset();
+  return description;
 }
 
 }  // namespace tubefoot

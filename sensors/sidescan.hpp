@@ -7,11 +7,18 @@ namespace tubefoot {
 
 /// Sidescan with ideal rectangular beams: beam 0 looks to port, beam 1 to starboard. Each is a fan about the
 /// along-track (forward) axis: from depression_min to depression_max below the horizontal, and along_track
-/// wide at every depression. The port fan is the mirror image of the starboard fan, ray by ray.
+/// wide at every depression. The port fan is the mirror image of the starboard fan, ray by ray. Patterns are
+/// about the axis at axis_depression_deg, or about the fan's middle.
 class Sidescan : public Sensor {
  public:
-  /// Throws std::invalid_argument for a fan, ranges or counts that make no sidescan.
+  /// Throws std::invalid_argument for a fan, ranges or counts that make no sidescan, and for a sampling
+  /// frequency: in_water() turns that into samples.
   explicit Sidescan(const SensorDescription& description);
 };
+
+/// The sensor as it is in water of that speed of sound: where a sidescan has a sampling frequency f, samples
+/// of c / (2 f) each, as many whole ones as its range holds. Any other sensor stays as it is. Throws
+/// InputError at the sensor's place where that makes none, or more than can be.
+SensorDescription in_water(SensorDescription description, double sound_speed_m_s);
 
 }  // namespace tubefoot

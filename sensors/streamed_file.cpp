@@ -22,6 +22,15 @@ void StreamedFile::append(std::span<const std::uint8_t> bytes) {
   size_ += bytes.size();
 }
 
+void StreamedFile::overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  if (offset + bytes.size() > size_)
+    throw std::logic_error(fmt::format("{}: there are no bytes {} to {} to write over", path_.string(),
+                                       offset, offset + bytes.size()));
+  if (std::fseek(open_stream(), static_cast<long>(offset), SEEK_SET) != 0) fail(errno);
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail(errno);
+  if (std::fseek(stream_, 0, SEEK_END) != 0) fail(errno);
+}
+
 void StreamedFile::overwrite_start(std::span<const std::uint8_t> bytes) {
   if (std::fseek(open_stream(), 0, SEEK_SET) != 0) fail(errno);
   if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail(errno);

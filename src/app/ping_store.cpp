@@ -199,11 +199,12 @@ void PingStore::release(std::size_t sensor, std::size_t ping) {
   for (const int which : {0, 1}) {
     const std::span<double> values = part(sensor, ping, which);
     if (values.empty()) continue;
-    // Pages that neighbours share stay.
-    const std::size_t begin = aligned(reinterpret_cast<unsigned char*>(values.data()) - data_);
-    const std::size_t end =
-        (reinterpret_cast<unsigned char*>(values.data() + values.size()) - data_) / alignment * alignment;
-    if (begin < end) madvise(data_ + begin, end - begin, MADV_DONTNEED);
+    // Pages that neighbours share go, too, or a long line would keep one a ping: the mapping is a file's, so
+    // what a neighbour has written there is kept and comes back when it is touched.
+    const std::size_t begin =
+        (reinterpret_cast<unsigned char*>(values.data()) - data_) / alignment * alignment;
+    const std::size_t end = aligned(reinterpret_cast<unsigned char*>(values.data() + values.size()) - data_);
+    madvise(data_ + begin, end - begin, MADV_DONTNEED);
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "app/usage_error.hpp"
 #include "geometry/vertical_line.hpp"
+#include "sensors/sidescan.hpp"
 
 namespace tubefoot {
 namespace {
@@ -156,7 +157,7 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
   survey->tree_seconds = seconds_since(tree_start);
   for (std::size_t s = 0; s < description.sensors.size(); ++s) {
     SensorPings pings;
-    pings.sensor = make_sensor(description.sensors[s]);
+    pings.sensor = make_sensor(in_water(description.sensors[s], survey->scene.sound_speed_m_s));
     pings.times_s = pings.sensor->ping_times_s();
     place_shots(pings, survey->scene.trajectories[survey->scene.sensor_trajectory[s]]);
     survey->sensors.push_back(std::move(pings));

@@ -154,7 +154,9 @@ struct SidescanDescription {
   double frequency_khz = 455;
   double along_track_deg = 0.5;                            ///< one-way width of the ideal rectangular beam
   double depression_min_deg = 2, depression_max_deg = 85;  ///< the fan's limits below the horizontal
+  std::optional<double> axis_depression_deg;               ///< what patterns are about; else the fan's middle
   int samples = 1000;
+  std::optional<double> sampling_frequency_khz;  ///< instead of samples: each is c / (2 f) long
   double range_min_m = 0.5, range_max_m = 50;
 };
 
@@ -192,6 +194,8 @@ struct SignalDescription {
   std::optional<double> tvg_spreading;  ///< Sp of the gain Sp log10 R + 2 alpha R + G; none: no gain
   std::optional<double> tvg_absorption_db_per_km;  ///< alpha; else the water's own
   double tvg_gain_db = 0;
+  double tvg_fixed_below_m = 10;  ///< nearer than this the gain stays what it is here
+  std::optional<double> pulse_length_us;  ///< echoes are spread over c tau / 2; none: not spread
 };
 
 struct SensorDescription {

@@ -97,6 +97,7 @@ void apply_preset(toml::table& sensor, const TomlSource& source) {
       for (const std::string_view side : {"transmit_", "receive_"})
         replaced =
             replaced || (key.str().starts_with(side) && sensor.contains(std::string(side) + "pattern"));
+      replaced = replaced || (key.str() == "samples" && sensor.contains("sampling_frequency_khz"));
       if (!replaced) sensor.insert(key, value);
     }
     return;

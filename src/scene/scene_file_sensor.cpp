@@ -53,6 +53,7 @@ void check_signal(const SignalDescription& signal, const TomlTable& table) {
       {"speckle_shape", signal.speckle == "k", "speckle = \"k\""},
       {"tvg_absorption_db_per_km", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
       {"tvg_gain_db", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
+      {"tvg_fixed_below_m", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
   };
   for (const auto& [key, takes, wanted] : rules)
     if (table.has(key) && !takes)
@@ -120,6 +121,16 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
           fmt::format("'depression_min_deg' ({}) must be less than 'depression_max_deg' ({}): {}",
                       sidescan->depression_min_deg, sidescan->depression_max_deg, no_width));
     }
+    if (table.has("samples") && table.has("sampling_frequency_khz")) {
+      throw InputError(table.place_of("sampling_frequency_khz"),
+                       "'samples' and 'sampling_frequency_khz' both say how long a sample is: remove one of "
+                       "the two");
+    }
+    if (sidescan->axis_depression_deg && sensor.transmit.pattern == "none" &&
+        sensor.receive.pattern == "none")
+      throw InputError(table.place_of("axis_depression_deg"),
+                       "'axis_depression_deg' is the axis of patterns: add transmit_pattern or "
+                       "receive_pattern, or remove the key");
     if (sidescan->range_min_m >= sidescan->range_max_m) {
       throw InputError(place_of_pair(table, "range_min_m", "range_max_m"),
                        fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})",
@@ -179,7 +190,10 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
       field("tvg_spreading", &G::tvg_spreading, {.ranges = {{.lo = 0, .hi = 60}}}),
       field("tvg_absorption_db_per_km", &G::tvg_absorption_db_per_km,
             {.ranges = {{.lo = 0, .hi = 100000}}, .default_value = "the water's"}),
-      field("tvg_gain_db", &G::tvg_gain_db, {.ranges = {level}})};
+      field("tvg_gain_db", &G::tvg_gain_db, {.ranges = {level}}),
+      field("tvg_fixed_below_m", &G::tvg_fixed_below_m, {.ranges = {sonar_range}}),
+      field("pulse_length_us", &G::pulse_length_us,
+            {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}})};
   std::vector<TomlField<SensorDescription>> fields;
   for (const TomlField<G>& f : own)
     fields.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source,
@@ -247,7 +261,11 @@ const TomlSection<SensorDescription>& sensor_section() {
                field("along_track_deg", &Sidescan::along_track_deg, {.ranges = {sector(90, false)}}),
                field("depression_min_deg", &Sidescan::depression_min_deg, {.ranges = {depression}}),
                field("depression_max_deg", &Sidescan::depression_max_deg, {.ranges = {depression}}),
+               field("axis_depression_deg", &Sidescan::axis_depression_deg,
+                     {.ranges = {depression}, .default_value = "the fan's middle"}),
                field("samples", &Sidescan::samples, {.ranges = {range_samples}}),
+               field("sampling_frequency_khz", &Sidescan::sampling_frequency_khz,
+                     {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}}),
                field("range_min_m", &Sidescan::range_min_m, {.ranges = {sonar_range}}),
                field("range_max_m", &Sidescan::range_max_m, {.ranges = {sonar_range}})})
           .kind<Multibeam>(

@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 /// A camera and a sidescan over the tetrahedron.
 const std::string scene = std::string(small_scene) +
                           "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\npings = 5\nsamples = 100\n"
-                          "range_max_m = 12\nalong_track_deg = 2\n";
+                          "range_max_m = 12\nalong_track_deg = 2\n"
+                          "[georeference]\norigin_lat_lon_deg = [48, -4]\n";
 
 struct RunResults : testing::Test {
   TestFolder folder;
@@ -122,7 +123,7 @@ TEST_F(RunResults, EqualRunsGiveEqualBytes) {
     return files;
   };
   const auto once = bytes({});
-  EXPECT_EQ(once.size(), 6u);
+  EXPECT_EQ(once.size(), 10u);
   EXPECT_TRUE(once == bytes({}));
   EXPECT_TRUE(once == bytes({"--threads", "1"}));
 }

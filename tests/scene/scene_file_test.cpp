@@ -368,7 +368,9 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
   const std::string text = "\n" + std::string(full_scene) +
                            "\ncrs = \norigin_crs = \nrays_per_beam = "  // of the tests after it
                            "\nswath_deg = \nspacing = \nbeam_across_deg = \ndetection = "
-                           "\ndetection_threshold_db = \ngrid_cell_m = ";  // multibeam_keys_test.cpp
+                           "\ndetection_threshold_db = \ngrid_cell_m = "  // multibeam_keys_test.cpp
+                           "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = "
+                           "\ntvg_fixed_below_m = ";  // sidescan_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&

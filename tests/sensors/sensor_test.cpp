@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "samples.hpp"
+#include "sensors/sidescan.hpp"
 
 namespace tubefoot {
 namespace {
@@ -139,6 +140,49 @@ TEST(Sidescan, FanKeepsItsAlongTrackWidthAtEveryDepression) {
   }
   EXPECT_NEAR(shallowest, 2, 1e-6);
   EXPECT_NEAR(steepest, 85, 1e-6);
+}
+
+TEST(Sidescan, SamplingFrequencyMakesSamplesOfTheWatersSoundSpeed) {
+  SensorDescription description = samples::sidescan();
+  auto& fan = std::get<SidescanDescription>(description.kind);
+  fan.sampling_frequency_khz = 15;
+  EXPECT_THROW(make_sensor(description), std::invalid_argument);
+  const auto sensor = make_sensor(in_water(description, 1500));  // 5 cm: 990 of them from 0.5 to 50 m
+  EXPECT_DOUBLE_EQ(sensor->samples().step_m, 0.05);
+  EXPECT_EQ(sensor->samples().count, 990);
+  EXPECT_DOUBLE_EQ(sensor->samples().first_m, 0.5);
+  const auto slower = make_sensor(in_water(description, 1440))->samples();  // 1031.25 of 4.8 cm
+  EXPECT_DOUBLE_EQ(slower.step_m, 0.048);
+  EXPECT_EQ(slower.count, 1031);
+  for (const double frequency_khz : {1e-3, 1e4}) {
+    fan.sampling_frequency_khz = frequency_khz;
+    EXPECT_THROW(in_water(description, 1500), InputError);
+  }
+  const SensorDescription camera = samples::camera();
+  EXPECT_EQ(make_sensor(in_water(camera, 1400))->samples().count, 512);
+}
+
+TEST(Sidescan, AxisOfItsPatternsMayLieApartFromTheFansMiddle) {
+  SensorDescription description = samples::sidescan();
+  description.transmit.pattern = description.receive.pattern = "gaussian";
+  description.transmit.angle = description.receive.angle = "elevation";
+  description.transmit.width_deg = description.receive.width_deg = 40;
+  auto& fan = std::get<SidescanDescription>(description.kind);
+  fan.axis_depression_deg = 20;
+  const auto sensor = make_sensor(description);
+  EXPECT_NEAR(sensor->beams()[1].elevation_rad / degree, -20, 1e-12);
+  const BeamPatterns patterns = sensor->patterns(Pose{}, 1500);
+  for (const double side : {-1.0, 1.0}) {
+    const auto towards = [&](double depression_deg) {
+      return glm::dvec3(side * std::cos(depression_deg * degree), 0, -std::sin(depression_deg * degree));
+    };
+    const std::size_t beam = side < 0 ? 0 : 1;
+    for (const auto& [depression_deg, power] : {std::pair{20, 1.0}, {40, 0.5}, {0, 0.5}}) {
+      EXPECT_NEAR(patterns.transmit[beam].gain(towards(depression_deg)), power,
+                  1e-9);  // -3 dB at half the width
+      EXPECT_NEAR(patterns.receive[beam].gain(towards(depression_deg)), power, 1e-9);
+    }
+  }
 }
 
 TEST(Sidescan, FansThatMeetBelowShareTheirRays) {
