@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sensors/angles.hpp"
+#include "sensors/fan_sector.hpp"
 
 namespace tubefoot {
 
@@ -41,29 +42,12 @@ Didson::Didson(const SensorDescription& description) : Sensor(description) {
       2;
   const double half_height_rad =
       radians(std::min(camera.transmit_vertical_deg.value_or(camera.vertical_deg), camera.vertical_deg)) / 2;
-  // Walls of constant elevation are cones, tubes have planes: wide beams are several slices (see
-  // slice_width_rad).
-  const int slices = slices_for(beam_width_rad);
-  // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
-  const int rows = half_height_rad > radians(45) ? 2 : 1;
-  const std::vector<double> edges =
-      even_edges(-half_horizontal_rad, half_horizontal_rad, camera.beams * slices);
+  SectorTubes lit = even_sector(camera.beams, half_horizontal_rad, half_transmit_rad, half_height_rad);
   Shot shot;
   shot.beams.resize(beams_.size());
   std::iota(shot.beams.begin(), shot.beams.end(), 0u);
-  AngularGrid lit{{},
-                  even_edges(-half_height_rad, half_height_rad, rows),
-                  glm::dmat3(forward_axis, starboard_axis, up_axis)};
-  for (std::size_t cell = 0; cell + 1 < edges.size(); ++cell) {
-    const double from = std::max(edges[cell], -half_transmit_rad),
-                 to = std::min(edges[cell + 1], half_transmit_rad);
-    if (to - from < 1e-8) continue;  // unlit, or so narrow that integer rays cannot tell its walls apart
-    if (lit.azimuth_edges_rad.empty()) lit.azimuth_edges_rad.push_back(from);
-    lit.azimuth_edges_rad.push_back(to);
-    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(rows),
-                             static_cast<std::uint32_t>(cell) / static_cast<std::uint32_t>(slices));
-  }
-  shot.sectors.push_back(std::move(lit));
+  shot.beam_of_tube = std::move(lit.beam_of_tube);
+  shot.sectors.push_back(std::move(lit.grid));
   shot.fans.push_back({0, static_cast<std::uint32_t>(beams_.size()),
                        static_cast<std::uint32_t>(shot.beam_of_tube.size()), forward_axis, starboard_axis,
                        up_axis});

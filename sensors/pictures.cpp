@@ -34,7 +34,7 @@ OIIO::ParamValueList exr_attributes(const Recording& recording, const char* rows
 void write_camera_exr(const fs::path& file, const Recording& recording, std::size_t ping) {
   const auto beams = recording.sensor->beams().size();
   const auto samples = static_cast<std::size_t>(recording.sensor->samples().count);
-  const double* energy = recording.energy.data() + ping * beams * samples;
+  const std::span<const double> energy = recording.energy_of(ping);
   std::vector<float> values(beams * samples);
   for (std::size_t beam = 0; beam < beams; ++beam)
     for (std::size_t sample = 0; sample < samples; ++sample)
@@ -52,7 +52,7 @@ void write_sidescan_exr(const fs::path& file, const Recording& recording) {
   std::vector<float> values;
   values.reserve(pings * 2 * samples);
   for (std::size_t ping = 0; ping < pings; ++ping) {
-    const double* port = recording.energy.data() + ping * 2 * samples;
+    const std::span<const double> port = recording.energy_of(ping);
     for (std::size_t k = samples; k-- > 0;) values.push_back(static_cast<float>(port[k]));
     for (std::size_t k = 0; k < samples; ++k) values.push_back(static_cast<float>(port[samples + k]));
   }
@@ -82,7 +82,9 @@ std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& re
         stem));
 
   std::vector<fs::path> files;
-  if (std::holds_alternative<SidescanDescription>(recording.sensor->description().kind)) {
+  const auto& kind = recording.sensor->description().kind;
+  if (std::holds_alternative<SidescanDescription>(kind) ||
+      std::holds_alternative<InterferometricDescription>(kind)) {
     files = {stem + ".png", stem + ".exr"};
     draw_waterfall(recording, font).write_png(folder / files[0], stem);
     write_sidescan_exr(folder / files[1], recording);

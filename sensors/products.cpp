@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/products.hpp"
 
+#include "sensors/echosounder_files.hpp"
+#include "sensors/interferometric_files.hpp"
+
 namespace tubefoot {
 
 ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
@@ -27,8 +30,13 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
 std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
                                                   const Recording& recording, const RunContext& run,
                                                   std::vector<std::string>& warnings) {
-  static_cast<void>(run);
-  return write_pictures(folder, recording, &warnings);
+  const auto& kind = recording.sensor->description().kind;
+  if (std::holds_alternative<EchosounderDescription>(kind))
+    return write_echosounder_files(folder, recording, run, warnings);
+  std::vector<std::filesystem::path> files = write_pictures(folder, recording, &warnings);
+  if (std::holds_alternative<InterferometricDescription>(kind))
+    for (auto& file : write_interferometric_files(folder, recording, run)) files.push_back(std::move(file));
+  return files;
 }
 
 }  // namespace tubefoot

@@ -12,6 +12,9 @@ class Sidescan : public Sensor {
  public:
   /// Throws std::invalid_argument for a fan, ranges or counts that make no sidescan.
   explicit Sidescan(const SensorDescription& description);
+
+ protected:
+  Sidescan(const SensorDescription& description, const SidescanDescription& fan);
 };
 
 }  // namespace tubefoot
