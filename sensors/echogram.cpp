@@ -73,7 +73,7 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> received
     canvas.text(x, top + height + 18, tick_label(ping, 1), label_size, palette.ink, Anchor::centre);
   }
   canvas.text(left + width / 2, top + height + 42, "ping", label_size, palette.ink, Anchor::centre);
-  canvas.text(left - 10, top - 16, "range (m)", label_size, palette.ink, Anchor::right);
+  canvas.text(left - 10, top - 24, "range (m)", label_size, palette.ink, Anchor::right);
   canvas.text(margin, margin,
               fmt::format("{}   pings 0 to {}   t = {:.2f} to {:.2f} s", sensor.description().name, pings - 1,
                           recording.ping_time_s.front(), recording.ping_time_s.back()),

@@ -49,7 +49,7 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
       if (!angle) continue;
       sounding.estimate =
           interferometer.point(sounding.range_m, *angle, std::sqrt(phase_variance(sounding.coherence)));
-      constexpr double weight = 0.2;
+      const double weight = 0.2 * sounding.coherence * sounding.coherence;
       *depth_m += weight * (sounding.estimate.depth_m - *depth_m);
       const double side = beam == 0 ? -1 : 1;
       sounding.position_m =

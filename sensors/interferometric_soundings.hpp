@@ -31,8 +31,8 @@ struct InterferometricNoise {
 
 /// The soundings of a ping, by beam and range. Of the angles that a wrapped phase may stand for, the one is
 /// taken that is nearest in phase to a bed as deep as the samples before found it (a running mean of about
-/// five); the first of a side: as deep as the altitude, or, where that is not known, as the nearest echo is
-/// far. Samples without a common signal have no sounding.
+/// five, weighed by the square of their coherence); the first of a side: as deep as the altitude, or, where
+/// that is not known, as the nearest echo is far. Samples without a common signal have no sounding.
 std::vector<InterferometricSounding> interferometric_soundings(const Recording& recording, std::size_t ping,
                                                                const InterferometricNoise& noise);
 
