@@ -147,7 +147,7 @@ TEST(SceneFileErrors, KeysOfAnotherKindSaySo) {
       {length, "length_m = 30\nhurst = 0.5", "7:1",
        "'hurst' goes with kind = \"fractal\" and not with kind = \"flat\""},
       {didson, "kind = \"didson\"\nrange_max_m = 5", "12:1",
-       "'range_max_m' goes with kind = \"sidescan\" and not with"},
+       "'range_max_m' goes with kind = \"sidescan\", kind = "},
       {didson, "kind = \"didson\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\nradius_m = 1", "15:1",
        "'radius_m' goes with shape = \"sphere\", shape = \"cylinder\", shape = \"cone\" and not with shape = "
        "\"box\""},
@@ -178,6 +178,14 @@ TEST(SceneFileErrors, SectorsOfNoWidthOrTooWideSaySo) {
 
 TEST(SceneFileErrors, KeysOfOneTableMustAgree) {
   expect_mistakes({
+      {didson, "kind = \"imaging\"\nrange_min_m = 50", "12:15",
+       "'range_min_m' (50) must be less than 'range_max_m'"},
+      {didson, "kind = \"echosounder\"\nrange_max_m = 0.5", "12:15",
+       "'range_min_m' (0.5) must be less than 'range_max_m' (0.5)"},
+      {didson, "kind = \"interferometric\"\ndepression_min_deg = 86", "12:22",
+       "'depression_min_deg' (86) must be less than 'depression_max_deg'"},
+      {didson, "kind = \"interferometric\"\nbaseline_m = 0.6", "12:14",
+       "'baseline_m' (0.6) must not be more than 'range_min_m' (0.5)"},
       {didson, "kind = \"sidescan\"\nrange_min_m = 50", "12:15",
        "'range_min_m' (50) must be less than 'range_max_m'"},
       {didson, "kind = \"sidescan\"\nrange_max_m = 0.5", "12:15", "must be less than 'range_max_m' (0.5)"},
