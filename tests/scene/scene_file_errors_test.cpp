@@ -56,7 +56,7 @@ TEST(SceneFileErrors, MisspeltKeysAndSectionsNameTheNearest) {
       {flat, "knid = \"flat\"", "4:1", "unknown key 'knid' in [[terrain]]: did you mean 'kind'?"},
       {didson, "kind = \"didson\"\n  bems = 3", "12:3",
        "unknown key 'bems' in [[sensors]]: did you mean 'beams'?"},
-      {didson, "kind = \"didson\"\nzzzzzz = 3", "12:1", "expected 'kind', 'name', 'trajectory'"},
+      {didson, "kind = \"didson\"\nzzzzzz = 3", "12:1", "expected 'kind', 'name', 'preset', 'trajectory'"},
       {didson, "kind = \"didson\"\n[watr]", "12:2", "unknown section or key 'watr': did you mean 'water'?"},
       {didson, "kind = \"didson\"\n[[object]]", "12:3",
        "unknown section or key 'object': did you mean 'objects'?"},

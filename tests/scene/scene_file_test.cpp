@@ -194,9 +194,17 @@ range_min_m = 3
 range_max_m = 90
 detection = "first"
 threshold_db = -10
+source_level_db = 205
+noise_level_db = 90
+speckle = "k"
+speckle_looks = 3
+speckle_shape = 0.5
+tvg_spreading = 40
+tvg_absorption_db_per_km = 12
+tvg_gain_db = 6
 
 [[sensors]]
-kind = "interferometric"
+preset = "geoswath-500"
 name = "swath"
 trajectory = "track"
 along_track_deg = 0.9
@@ -206,6 +214,7 @@ staff_tilt_deg = 35
 phase_noise = true
 
 [run]
+start_utc = "2024-02-29T12:00:00Z"
 engine = "ray"
 arithmetic = "filtered"
 binning = "spread"
@@ -368,13 +377,25 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(sounder.range_max_m, 90);
   EXPECT_EQ(sounder.detection, "first");
   EXPECT_EQ(sounder.threshold_db, -10);
+  const SignalDescription& signal = scene.sensors[3].signal;
+  EXPECT_EQ(signal.source_level_db, 205);
+  EXPECT_EQ(signal.noise_level_db, 90);
+  EXPECT_EQ(signal.speckle, "k");
+  EXPECT_EQ(signal.speckle_looks, 3);
+  EXPECT_EQ(signal.speckle_shape, 0.5);
+  EXPECT_EQ(signal.tvg_spreading, 40);
+  EXPECT_EQ(signal.tvg_absorption_db_per_km, 12);
+  EXPECT_EQ(signal.tvg_gain_db, 6);
+  EXPECT_EQ(scene.sensors[4].preset, "geoswath-500");
   const auto& swath = std::get<InterferometricDescription>(scene.sensors.at(4).kind);
+  EXPECT_EQ(swath.frequency_khz, 500);
   EXPECT_EQ(swath.along_track_deg, 0.9);
   EXPECT_EQ(swath.range_max_m, 120);
   EXPECT_EQ(swath.baseline_m, 0.02);
   EXPECT_EQ(swath.staff_tilt_deg, 35);
   EXPECT_TRUE(swath.phase_noise);
 
+  EXPECT_EQ(scene.run.start_utc, "2024-02-29T12:00:00Z");
   EXPECT_EQ(scene.run.engine, "ray");
   EXPECT_EQ(scene.run.arithmetic, "filtered");
   EXPECT_EQ(scene.run.binning, "spread");
