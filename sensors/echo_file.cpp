@@ -153,11 +153,14 @@ class EchoGroup {
 
 std::string kind_of(const SensorDescription& sensor) {
   struct Name {
-    std::string operator()(const DidsonDescription&) const { return "didson"; }
-    std::string operator()(const SidescanDescription&) const { return "sidescan"; }
-    std::string operator()(const MultibeamDescription&) const { return "multibeam"; }
+    const char* operator()(const DidsonDescription&) const { return "didson"; }
+    const char* operator()(const SidescanDescription&) const { return "sidescan"; }
+    const char* operator()(const MultibeamDescription&) const { return "multibeam"; }
+    const char* operator()(const ImagingDescription&) const { return "imaging"; }
+    const char* operator()(const EchosounderDescription&) const { return "echosounder"; }
+    const char* operator()(const InterferometricDescription&) const { return "interferometric"; }
   };
-  return std::visit(Name{}, sensor.kind);
+  return std::visit(Name(), sensor.kind);
 }
 
 template <typename Item, typename Value>
@@ -167,6 +170,14 @@ std::vector<double> column(const std::vector<Item>& items, Value value) {
   for (const Item& item : items) values.push_back(value(item));
   return values;
 }
+
+constexpr struct {
+  const char *name, *long_name;
+} cross_variables[] = {
+    {"cross_real", "mean product of the upper receiver's signal and the lower one's conjugate, real part"},
+    {"cross_imag",
+     "mean product of the upper receiver's signal and the lower one's conjugate, imaginary part"},
+};
 
 void write_recording(EchoGroup& group, const Recording& recording) {
   const Sensor& sensor = *recording.sensor;
@@ -191,6 +202,13 @@ void write_recording(EchoGroup& group, const Recording& recording) {
                                   "echo energy per beam and range sample, for a source of 1 J/sr at 1 m");
   group.attribute(energy, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
   group.compress(energy, "energy", {1, beams.size(), static_cast<std::size_t>(samples.count)});
+
+  std::vector<int> cross;
+  if (recording.channels() > 1)
+    for (const auto& [name, long_name] : cross_variables) {
+      cross.push_back(group.define(name, {ping, beam, sample}, "J", long_name));
+      group.compress(cross.back(), name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
+    }
 
   int energy_bound = 0;
   if (!recording.energy_bound.empty()) {
@@ -259,6 +277,9 @@ void write_recording(EchoGroup& group, const Recording& recording) {
   const auto count = static_cast<std::size_t>(samples.count);
   for (std::size_t p = 0; p < recording.pings(); ++p) {
     group.write_ping(energy, "energy", p, beams.size(), count, recording.energy_of(p).data());
+    for (std::size_t c = 0; c < cross.size(); ++c)
+      group.write_ping(cross[c], cross_variables[c].name, p, beams.size(), count,
+                       recording.channel_of(p, c + 1).data());
     if (!recording.energy_bound.empty())
       group.write_ping(energy_bound, "energy_bound", p, beams.size(), count,
                        recording.energy_bound.subspan(p * recording.cells()).data());

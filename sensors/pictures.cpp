@@ -36,7 +36,7 @@ OIIO::ParamValueList exr_attributes(const Recording& recording, const char* rows
 void write_camera_exr(const fs::path& file, const Recording& recording, std::size_t ping) {
   const auto beams = recording.sensor->beams().size();
   const auto samples = static_cast<std::size_t>(recording.sensor->samples().count);
-  const double* energy = recording.energy.data() + ping * beams * samples;
+  const std::span<const double> energy = recording.energy_of(ping);
   std::vector<float> values(beams * samples);
   for (std::size_t beam = 0; beam < beams; ++beam)
     for (std::size_t sample = 0; sample < samples; ++sample)
@@ -89,7 +89,9 @@ std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& re
         stem));
 
   std::vector<fs::path> files;
-  if (std::holds_alternative<SidescanDescription>(recording.sensor->description().kind)) {
+  const auto& kind = recording.sensor->description().kind;
+  if (std::holds_alternative<SidescanDescription>(kind) ||
+      std::holds_alternative<InterferometricDescription>(kind)) {
     files = {stem + ".png", stem + ".exr"};
     draw_waterfall(recording, font).write_png(folder / files[0], stem);
     write_sidescan_exr(folder / files[1], recording);

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "sensors/didson_files.hpp"
+#include "sensors/echosounder_files.hpp"
+#include "sensors/interferometric_files.hpp"
 #include "sensors/multibeam_files.hpp"
 #include "sensors/pulse.hpp"
 #include "sensors/sidescan_files.hpp"
@@ -52,12 +54,16 @@ std::vector<std::filesystem::path> write_products(const std::filesystem::path& f
   const auto& kind = recording.sensor->description().kind;
   if (std::holds_alternative<MultibeamDescription>(kind))
     return write_multibeam_files(folder, recording, run, warnings);
+  if (std::holds_alternative<EchosounderDescription>(kind))
+    return write_echosounder_files(folder, recording, run, warnings);
   std::vector<std::filesystem::path> files = write_pictures(folder, recording, &warnings);
   std::vector<std::filesystem::path> own;
   if (std::holds_alternative<DidsonDescription>(kind))
     own = write_camera_files(folder, recording, run, warnings);
   else if (std::holds_alternative<SidescanDescription>(kind))
     own = write_sidescan_files(folder, recording, run, warnings);
+  else if (std::holds_alternative<InterferometricDescription>(kind))
+    own = write_interferometric_files(folder, recording, run);
   files.insert(files.end(), own.begin(), own.end());
   return files;
 }

@@ -18,7 +18,9 @@ struct Recording {
   std::vector<double> ping_time_s;
   std::vector<Pose> ping_pose;     ///< of the sensor
   std::vector<double> altitude_m;  ///< above the terrain straight below; not a number: unknown. May be empty
-  std::span<const double> energy;  ///< [ping][beam][sample], J for a source of 1 J/sr at 1 m
+  /// [ping][beam][sample], J for a source of 1 J/sr at 1 m. Of a sensor with more channels
+  /// (Sensor::channels) those of a ping follow each other: [ping][channel][beam][sample].
+  std::span<const double> energy;
   double sound_speed_m_s = 0;
   double absorption_db_per_km = 0;
   /// Reference runs: certified half-width of each energy [J], laid out as the energies; empty in others.
@@ -27,10 +29,12 @@ struct Recording {
   std::function<void(std::size_t ping)> release{};
 
   std::size_t pings() const { return ping_time_s.size(); }
-  std::size_t cells() const;  ///< of a ping: beams times samples
+  std::size_t cells() const;     ///< of a ping: beams times samples
+  std::size_t channels() const;  ///< of the sensor
   /// [beam][sample]
-  std::span<const double> energy_of(std::size_t ping) const {
-    return energy.subspan(ping * cells(), cells());
+  std::span<const double> energy_of(std::size_t ping) const { return channel_of(ping, 0); }
+  std::span<const double> channel_of(std::size_t ping, std::size_t channel) const {
+    return energy.subspan((ping * channels() + channel) * cells(), cells());
   }
   void let_go(std::size_t ping) const {
     if (release) release(ping);

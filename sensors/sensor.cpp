@@ -6,6 +6,9 @@
 
 #include "sensors/angles.hpp"
 #include "sensors/didson.hpp"
+#include "sensors/echosounder.hpp"
+#include "sensors/imaging.hpp"
+#include "sensors/interferometric.hpp"
 #include "sensors/multibeam.hpp"
 #include "sensors/pattern_file.hpp"
 #include "sensors/sidescan.hpp"
@@ -93,6 +96,9 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
         made.receive[beam] = directivity(description_.receive, *receive_, fan,
                                          direction_of(beams_[fired.beams[beam]]), turn, sound_speed_m_s);
+    if (channels() > 1)
+      made.fringes.push_back({glm::normalize(turn * fan.staff), baseline_m_,
+                              2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
     while (made.fan_of_tube.size() < fan.end_tube) {
       const std::uint32_t own = fired.beam_of_tube[made.fan_of_tube.size()];
       made.fan_of_tube.push_back(static_cast<std::uint32_t>(made.transmit.size() - 1));
@@ -147,6 +153,15 @@ std::unique_ptr<Sensor> make_sensor(const SensorDescription& description) {
     }
     std::unique_ptr<Sensor> operator()(const MultibeamDescription&) const {
       return std::make_unique<Multibeam>(sensor);
+    }
+    std::unique_ptr<Sensor> operator()(const ImagingDescription&) const {
+      return std::make_unique<Imaging>(sensor);
+    }
+    std::unique_ptr<Sensor> operator()(const EchosounderDescription&) const {
+      return std::make_unique<Echosounder>(sensor);
+    }
+    std::unique_ptr<Sensor> operator()(const InterferometricDescription&) const {
+      return std::make_unique<Interferometric>(sensor);
     }
   };
   return std::visit(Maker{description}, description.kind);

@@ -33,6 +33,9 @@ class Sensor {
   double frequency_khz() const { return frequency_khz_; }
   const std::vector<BeamAxis>& beams() const { return beams_; }
   const RangeSamples& samples() const { return samples_; }
+  /// What is kept of each beam and sample: 1: its energy; 3: that, and the real and the imaginary part of the
+  /// mean product of two receivers' signals.
+  int channels() const { return baseline_m_ > 0 ? 3 : 1; }
 
   /// A ping is one shot or several (an acoustic camera that fires groups of beams in turn), each from where
   /// the sensor is at its own time.
@@ -49,7 +52,7 @@ class Sensor {
   /// The tubes of a shot from a pose of the sensor itself (mounting applied). Equal poses give equal sets.
   TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t shot = 0) const;
   /// Whether transmitter or receiver have a pattern; if not, beams are 1 inside their tubes and 0 outside.
-  bool has_patterns() const { return transmit_.has_value() || receive_.has_value(); }
+  bool has_patterns() const { return transmit_.has_value() || receive_.has_value() || channels() > 1; }
   /// The patterns of a shot from a pose of the sensor itself, by the shot's numbers of beams. A receive
   /// pattern is steered to its beam's axis, a transmit pattern to the middle of its fan or, where the shot's
   /// beams are all sent at once, to each of them, added up. With a receive pattern a beam hears its whole
@@ -80,6 +83,7 @@ class Sensor {
     glm::dvec3 axis{0, 1, 0};                                  ///< its middle, in the sensor's frame
     glm::dvec3 azimuth{1, 0, 0}, elevation{0, 0, 1};           ///< where the two angles' directions grow
     bool sent_by_beams = false;  ///< the transmit pattern is steered to each beam, else to `axis`
+    glm::dvec3 staff{0, 0, 1};   ///< with a baseline: from its lower to its upper receiver
   };
 
   struct Shot {
@@ -94,6 +98,7 @@ class Sensor {
   double frequency_khz_ = 0;
   std::vector<BeamAxis> beams_;
   RangeSamples samples_;
+  double baseline_m_ = 0;  ///< of two receivers a fan; 0: there is one
   std::vector<Shot> shots_;
 
  private:

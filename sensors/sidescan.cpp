@@ -6,8 +6,11 @@
 
 namespace tubefoot {
 
-Sidescan::Sidescan(const SensorDescription& description) : Sensor(description) {
-  const auto& fan = std::get<SidescanDescription>(description.kind);
+Sidescan::Sidescan(const SensorDescription& description)
+    : Sidescan(description, std::get<SidescanDescription>(description.kind)) {}
+
+Sidescan::Sidescan(const SensorDescription& description, const SidescanDescription& fan)
+    : Sensor(description) {
   require(fan.samples >= 1, description, "samples", fan.samples, "1 or more");
   require(fan.along_track_deg > 0 && fan.along_track_deg < 180, description, "along_track_deg",
           fan.along_track_deg, "above 0 and below 180");

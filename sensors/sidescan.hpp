@@ -14,6 +14,9 @@ class Sidescan : public Sensor {
   /// Throws std::invalid_argument for a fan, ranges or counts that make no sidescan, and for a sampling
   /// frequency: in_water() turns that into samples.
   explicit Sidescan(const SensorDescription& description);
+
+ protected:
+  Sidescan(const SensorDescription& description, const SidescanDescription& fan);
 };
 
 /// The sensor as it is in water of that speed of sound: where a sidescan has a sampling frequency f, samples

@@ -12,6 +12,7 @@
 
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "app/usage_error.hpp"
 #include "engine/bistatic_echo.hpp"
 #include "engine/echo.hpp"
 #include "engine/ray_engine.hpp"
@@ -196,7 +197,7 @@ class PingTask {
       const CertifiedEcho certified =
           certify_echo(scene.mesh, *survey_.tree, history, options_of(scene.description.run),
                        sensor.beam_of_tube(shot), sensor.samples(), law, echo, *reference_tolerance_);
-      add_rows(certified.bound, beams, store_.bound(s, ping_));
+      add_rows(certified.bound, beams, 1, store_.bound(s, ping_));
       echo = certified.echo;
       PingCounts met;
       met.bins_over = certified.bins_over;
@@ -206,15 +207,18 @@ class PingTask {
       met.worst_sample = static_cast<std::uint32_t>(certified.worst_sample);
       keep_worst(counts_, met);
     }
-    add_rows(echo.energy, beams, store_.energy(s, ping_));
+    add_rows(echo.energy, beams, static_cast<std::size_t>(sensor.channels()), store_.energy(s, ping_));
   }
 
+  /// `rows`: [channel][beam of the shot][sample]; `all`: of the sensor's beams.
   static void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& beams,
-                       std::span<double> all) {
-    const std::size_t samples = rows.size() / beams.size();
-    for (std::size_t b = 0; b < beams.size(); ++b) {
-      const std::span<double> to = all.subspan(beams[b] * samples, samples);
-      const std::span<const double> from = rows.subspan(b * samples, samples);
+                       std::size_t channels, std::span<double> all) {
+    const std::size_t samples = rows.size() / (beams.size() * channels),
+                      all_beams = all.size() / (channels * samples);
+    for (std::size_t row = 0; row < beams.size() * channels; ++row) {
+      const std::size_t place = row / beams.size() * all_beams + beams[row % beams.size()];
+      const std::span<double> to = all.subspan(place * samples, samples);
+      const std::span<const double> from = rows.subspan(row * samples, samples);
       std::transform(from.begin(), from.end(), to.begin(), to.begin(), std::plus<>());
     }
   }
@@ -235,13 +239,19 @@ StoreLayout layout_of(const Survey& survey, bool with_bounds) {
   layout.with_bounds = with_bounds;
   for (const SensorPings& pings : survey.sensors)
     layout.sensors.push_back(
-        {pings.times_s.size(),
-         pings.sensor->beams().size() * static_cast<std::size_t>(pings.sensor->samples().count)});
+        {pings.times_s.size(), static_cast<std::size_t>(pings.sensor->channels()) *
+                                   pings.sensor->beams().size() *
+                                   static_cast<std::size_t>(pings.sensor->samples().count)});
   for (const SharedShots& group : survey.shots) layout.groups.push_back({group.sensors, survey.pings(group)});
   return layout;
 }
 
 void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<double> reference_tolerance) {
+  for (const SensorPings& pings : survey.sensors)
+    if (reference_tolerance && pings.sensor->channels() > 1)
+      throw UsageError(
+          fmt::format("'{}' has two receivers, whose phases no reference certifies: leave the sensor out",
+                      pings.sensor->description().name));
   refuse_bistatic(survey, reference_tolerance.has_value());
   std::size_t left = 0;
   for (const SharedShots& group : survey.shots) left += survey.pings(group);

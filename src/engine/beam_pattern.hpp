@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -66,8 +67,8 @@ struct Directivity {
   double growth(double imaginary_extent) const;
 };
 
-/// What a transmission sends in a direction: the sum of the powers of beams that are sent at once. One uniform
-/// beam by default.
+/// What a transmission sends in a direction: the sum of the powers of beams that are sent at once. One
+/// uniform beam by default.
 struct TransmitPattern {
   std::vector<Directivity> beams{Directivity()};
 
@@ -79,6 +80,22 @@ struct TransmitPattern {
   double gain(glm::dvec3 direction) const;
 };
 
+/// Two receivers of a fan on a staff, at half the baseline to either side of the transmitter. What they make
+/// of a point depends on its range from the transmitter and on one cosine only.
+struct Fringe {
+  glm::dvec3 axis{0, 0, 1};  ///< unit, along the staff, from the lower to the upper receiver
+  double baseline_m = 0;
+  double wavenumber_rad_m = 0;  ///< 2 pi / wavelength
+
+  /// How much longer the way from the transmitter over a point to the upper receiver is than that to the
+  /// lower one. `cosine`: between the point's direction and the axis. Exact, near or far.
+  double path_difference(double range_m, double cosine) const;
+  /// exp(i wavenumber path_difference): upper signal times the conjugate of the lower one.
+  std::complex<double> product(double range_m, double cosine) const {
+    return std::polar(1.0, wavenumber_rad_m * path_difference(range_m, cosine));
+  }
+};
+
 /// The patterns of a sonar at one pose, in the local frame. Beams belong to fans (one transmission and one
 /// receiver each): a beam with a receive pattern hears all tubes of its fan, one without only its own.
 struct BeamPatterns {
@@ -87,6 +104,11 @@ struct BeamPatterns {
   std::vector<std::uint32_t> fan_of_tube;  ///< by tube
   /// By tube: the beams [first, second) that hear it.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> beams_of_tube;
+  /// By fan, or none. With fringes an echo has three channels: energies, and the real and the imaginary part
+  /// of energies times Fringe::product.
+  std::vector<Fringe> fringes{};
+
+  int channels() const { return fringes.empty() ? 1 : 3; }
 };
 
 }  // namespace tubefoot

@@ -47,6 +47,7 @@ void check(const BeamPatterns& patterns, std::size_t tubes, int beams) {
   bool fits = patterns.receive.size() == std::size_t(beams) && patterns.fan_of_tube.size() == tubes &&
               patterns.beams_of_tube.size() == tubes;
   for (const std::uint32_t fan : patterns.fan_of_tube) fits = fits && fan < patterns.transmit.size();
+  fits = fits && (patterns.fringes.empty() || patterns.fringes.size() == patterns.transmit.size());
   for (const TransmitPattern& fan : patterns.transmit) fits = fits && !fan.beams.empty();
   for (const auto& [first, end] : patterns.beams_of_tube)
     fits = fits && first <= end && end <= std::uint32_t(beams);
@@ -89,20 +90,32 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
   integrator.finish(echo.energy);
 }
 
-/// Shares out the energy that comes from one direction to the beams that hear the tube: `add(beam, energy)`.
-/// The direction, a unit vector, is asked for only where there are patterns.
-template <class Direction, class Add>
-void for_each_beam(std::span<const std::uint32_t> beam_of_tube, const EchoLaw& law, std::uint32_t tube,
-                   double energy, const Direction& direction, const Add& add) {
+/// Puts the energy that comes from one direction into the rows of the beams that hear the tube. The
+/// direction, a unit vector, is asked for only where there are patterns.
+template <class Direction>
+void share_out(std::span<const std::uint32_t> beam_of_tube, const EchoLaw& law, std::uint32_t tube,
+               double energy, double range_m, std::size_t sample, const Direction& direction, Echo& echo) {
+  const auto samples = std::size_t(echo.samples);
   if (law.patterns == nullptr) {
-    add(beam_of_tube[tube], energy);
+    echo.energy[beam_of_tube[tube] * samples + sample] += energy;
     return;
   }
   const BeamPatterns& patterns = *law.patterns;
   const glm::dvec3 d = direction();
-  const double sent = energy * patterns.transmit[patterns.fan_of_tube[tube]].gain(d);
+  const std::uint32_t fan = patterns.fan_of_tube[tube];
+  const double sent = energy * patterns.transmit[fan].gain(d);
   const auto [first, end] = patterns.beams_of_tube[tube];
-  for (std::uint32_t beam = first; beam < end; ++beam) add(beam, sent * patterns.receive[beam].gain(d));
+  for (std::uint32_t beam = first; beam < end; ++beam) {
+    const double heard = sent * patterns.receive[beam].gain(d);
+    double* cell = echo.energy.data() + beam * samples + sample;
+    *cell += heard;
+    if (patterns.fringes.empty()) continue;
+    const Fringe& fringe = patterns.fringes[fan];
+    const std::complex<double> cross = heard * fringe.product(range_m, glm::dot(d, fringe.axis));
+    const std::size_t channel = samples * std::size_t(echo.beams);
+    cell[channel] += cross.real();
+    cell[2 * channel] += cross.imag();
+  }
 }
 
 /// Finds the sample that holds a slant range.
@@ -142,11 +155,9 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
     const double energy =
         rows.mu(footprint.facet) * sine * sine * footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
     const auto put = [&](std::size_t sample, double part) {
-      for_each_beam(
-          beam_of_tube, law, footprint.tube, part * energy, [&] { return footprint.centroid_m / range; },
-          [&](std::uint32_t beam, double heard) {
-            echo.energy[beam * std::size_t(samples.count) + sample] += heard;
-          });
+      share_out(
+          beam_of_tube, law, footprint.tube, part * energy, range, sample,
+          [&] { return footprint.centroid_m / range; }, echo);
     };
     if (binning == Binning::centroid || !(far > near)) {
       if (finder.holds(range)) put(finder.at(range), 1);
@@ -171,12 +182,9 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, cons
     if (!(r > 0 && finder.holds(r))) continue;
     const std::size_t sample = finder.at(r);
     const double spread = mu * hit.sine_grazing * hit.solid_angle_sr / (r * r);
-    for_each_beam(
-        beam_of_tube, law, hit.tube, beta > 0 ? spread * std::exp(-beta * r) : spread,
-        [&] { return glm::normalize(glm::dvec3(hit.direction)); },
-        [&](std::uint32_t beam, double heard) {
-          echo.energy[beam * std::size_t(samples.count) + sample] += heard;
-        });
+    share_out(
+        beam_of_tube, law, hit.tube, beta > 0 ? spread * std::exp(-beta * r) : spread, r, sample,
+        [&] { return glm::normalize(glm::dvec3(hit.direction)); }, echo);
   }
 }
 
@@ -195,7 +203,14 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
   if (!(law.absorption_db_per_m >= 0 && std::isfinite(law.absorption_db_per_m)))
     throw std::invalid_argument(
         fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
-  if (law.patterns != nullptr) check(*law.patterns, beam_of_tube.size(), beams);
+  if (law.patterns != nullptr) {
+    check(*law.patterns, beam_of_tube.size(), beams);
+    for (const Fringe& fringe : law.patterns->fringes)
+      if (!(fringe.baseline_m >= 0 && fringe.baseline_m <= samples.first_m))
+        throw std::invalid_argument(
+            fmt::format("a baseline of {} m needs samples from there on, not from {} m", fringe.baseline_m,
+                        samples.first_m));
+  }
   if (!(law.pattern_tolerance >= 1e-12 && law.pattern_tolerance <= 0.01))
     throw std::invalid_argument(fmt::format(
         "the tolerance of beam patterns must be from 1e-12 to 0.01, not {}", law.pattern_tolerance));
@@ -203,7 +218,8 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
   Echo echo;
   echo.beams = beams;
   echo.samples = samples.count;
-  echo.energy.assign(std::size_t(beams) * samples.count, 0);
+  const int channels = law.patterns != nullptr ? law.patterns->channels() : 1;
+  echo.energy.assign(std::size_t(channels) * beams * samples.count, 0);
   Rows rows(echo, beam_of_tube, law);
   if (binning != Binning::exact)
     add_whole_footprints(history.footprints, samples, law, binning, beam_of_tube, rows, echo);

@@ -40,7 +40,8 @@ enum class Binning {
 /// Name as in scene files; throws std::invalid_argument.
 Binning binning_from_name(std::string_view name);
 
-/// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample].
+/// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With
+/// fringes (BeamPatterns) two more such blocks follow.
 struct Echo {
   int beams = 0;
   int samples = 0;

@@ -124,11 +124,12 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
     if (receiver_->moments)
       receiver_->moments->begin(slab.sample);
     else
-      sum_.assign(end_beam - first_beam, 0);
+      sum_.assign(std::size_t(patterns_.channels()) * (end_beam - first_beam), 0);
     integrate(t0, t1, 0);
     if (receiver_->moments) continue;
-    for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
-      energy[beam * samples + slab.sample] += sum_[beam - first_beam];
+    const std::size_t heard = end_beam - first_beam, channel = samples * patterns_.receive.size();
+    for (std::size_t k = 0; k < sum_.size(); ++k)
+      energy[k / heard * channel + (first_beam + k % heard) * samples + slab.sample] += sum_[k];
   }
 }
 
@@ -294,6 +295,7 @@ int PatternIntegrator::nodes_of_arc(double half, double radius) const {
 void PatternIntegrator::add_circle(double t, double weight) {
   const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
   const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
+  range_ = r2 * per_r;
   const double radial = piece_.factor * weight * t * std::exp(-beta_ * r2 * per_r) * (per_r * per_r) *
                         (per_r * per_r) * (per_r * per_r);
   if (piece_.full_circle) add_arc(per_r, rho, {1, 0}, pi, radial);
@@ -364,12 +366,27 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
     receiver.moments->add(std::span(direction).first(nodes), std::span(share).first(nodes));
     return;
   }
-  for (std::size_t beam = 0; beam < sum_.size(); ++beam) {
+  std::array<std::complex<double>, most_gauss_nodes> product;
+  if (receiver.fringe_axis)
+    for (std::size_t i = 0; i < nodes; ++i)
+      product[i] =
+          patterns_.fringes[receiver.fan].product(range_, at(receiver.axes[*receiver.fringe_axis], i));
+  const std::size_t beams = sum_.size() / std::size_t(patterns_.channels());
+  for (std::size_t beam = 0; beam < beams; ++beam) {
     std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
     for (std::size_t i = 0; i < nodes; ++i)
-      sum_[beam] +=
-          own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i];
+      add_to_beam(beam,
+                  own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i],
+                  receiver.fringe_axis ? &product[i] : nullptr);
   }
+}
+
+void PatternIntegrator::add_to_beam(std::size_t beam, double energy, const std::complex<double>* product) {
+  sum_[beam] += energy;
+  if (product == nullptr) return;
+  const std::size_t beams = sum_.size() / 3;
+  sum_[beams + beam] += energy * product->real();
+  sum_[2 * beams + beam] += energy * product->imag();
 }
 
 }  // namespace tubefoot

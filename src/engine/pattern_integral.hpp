@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -37,7 +38,7 @@ class PatternIntegrator {
                     double tolerance);
 
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that hear the tube, at
-  /// the latest in finish().
+  /// the latest in finish(). With fringes, energy has three such blocks, one a channel (BeamPatterns).
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
            double factor, std::span<double> energy);
   void finish(std::span<double> energy);
@@ -86,6 +87,7 @@ class PatternIntegrator {
     std::optional<DirectionMoments> moments;
     std::size_t moments_axis = 0;
     std::vector<std::optional<Term>> receive;  // by beam, without moments; none: 1
+    std::optional<std::size_t> fringe_axis;    // with fringes
     std::vector<Change> changes;
   };
 
@@ -105,6 +107,7 @@ class PatternIntegrator {
   void add_circle(double t, double weight);
   void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
+  void add_to_beam(std::size_t beam, double energy, const std::complex<double>* product);
 
   std::span<const double> borders_;
   double beta_, tolerance_;
@@ -116,7 +119,8 @@ class PatternIntegrator {
   std::vector<EdgeRanges> ranges_;
   std::vector<Edge> edges_;
   std::vector<Arc> arcs_;
-  std::vector<double> sum_;  // by beam of the tube
+  std::vector<double> sum_;  // by channel and beam of the tube
+  double range_ = 0;         // of the circle at hand
   std::vector<std::pair<double, Crossing>> sorted_;
   Receiver* receiver_ = nullptr;
   Piece piece_{};

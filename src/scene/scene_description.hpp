@@ -159,6 +159,30 @@ struct SidescanDescription {
   std::optional<double> sampling_frequency_khz;  ///< instead of samples: each is c / (2 f) long
   double range_min_m = 0.5, range_max_m = 50;
 };
+/// Imaging or forward-looking sonar: `beams` equal azimuth cells over `horizontal_deg`, one elevation cell.
+struct ImagingDescription {
+  double frequency_khz = 700;
+  int beams = 256;
+  double horizontal_deg = 130, vertical_deg = 20;
+  int samples = 512;
+  double range_min_m = 0.5, range_max_m = 20;
+};
+/// One beam straight down. Where no patterns are given it sends and hears with a Gaussian about its axis.
+struct EchosounderDescription {
+  double frequency_khz = 200;
+  double beam_deg = 7;               ///< full one-way width at -3 dB
+  std::optional<double> sector_deg;  ///< side of the square that is looked at; none: three beam widths
+  int samples = 1000;
+  double range_min_m = 0.5, range_max_m = 50;
+  std::string detection = "centroid";  ///< first | centroid | maximum
+  double threshold_db = -20;           ///< below the strongest sample, of samples that count
+};
+/// Sidescan whose two receivers a side sit on a staff, above and below the transmitter.
+struct InterferometricDescription : SidescanDescription {
+  double baseline_m = 0.012;   ///< from receiver to receiver
+  double staff_tilt_deg = 30;  ///< of the direction that the staff faces, below the horizontal
+  bool phase_noise = false;    ///< soundings from phases with the noise of a single look
+};
 
 /// Multibeam echosounder: a fan of beams across the track, beam 0 port-most.
 struct MultibeamDescription {
@@ -212,7 +236,9 @@ struct SensorDescription {
   double ping_interval_s = 0.1;
   PatternDescription transmit, receive;
   SignalDescription signal;
-  std::variant<DidsonDescription, SidescanDescription, MultibeamDescription> kind;
+  std::variant<DidsonDescription, SidescanDescription, MultibeamDescription, ImagingDescription,
+               EchosounderDescription, InterferometricDescription>
+      kind;
 };
 
 struct RunDescription {

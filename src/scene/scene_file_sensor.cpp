@@ -100,6 +100,13 @@ void check_camera(const SensorDescription& sensor, const DidsonDescription& came
          "\"fan\"");
 }
 
+void check_staff(const InterferometricDescription& sensor, const TomlTable& table) {
+  if (sensor.baseline_m > sensor.range_min_m)
+    throw InputError(place_of_pair(table, "baseline_m", "range_min_m"),
+                     fmt::format("'baseline_m' ({}) must not be more than 'range_min_m' ({})",
+                                 sensor.baseline_m, sensor.range_min_m));
+}
+
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
   check_pattern(sensor.transmit, "transmit", table);
   check_pattern(sensor.receive, "receive", table);
@@ -114,7 +121,12 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
                     longest_name, sensor.name));
   }
   if (const auto* camera = std::get_if<DidsonDescription>(&sensor.kind)) check_camera(sensor, *camera, table);
-  if (const auto* sidescan = std::get_if<SidescanDescription>(&sensor.kind)) {
+  const SidescanDescription* sidescan = std::get_if<SidescanDescription>(&sensor.kind);
+  if (const auto* interferometric = std::get_if<InterferometricDescription>(&sensor.kind)) {
+    sidescan = interferometric;
+    check_staff(*interferometric, table);
+  }
+  if (sidescan != nullptr) {
     if (sidescan->depression_min_deg >= sidescan->depression_max_deg) {
       throw InputError(
           place_of_pair(table, "depression_min_deg", "depression_max_deg"),
@@ -131,11 +143,6 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
       throw InputError(table.place_of("axis_depression_deg"),
                        "'axis_depression_deg' is the axis of patterns: add transmit_pattern or "
                        "receive_pattern, or remove the key");
-    if (sidescan->range_min_m >= sidescan->range_max_m) {
-      throw InputError(place_of_pair(table, "range_min_m", "range_max_m"),
-                       fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})",
-                                   sidescan->range_min_m, sidescan->range_max_m));
-    }
   }
   if (const auto* fan = std::get_if<MultibeamDescription>(&sensor.kind)) {
     if (fan->beams > 1 && fan->swath_deg + fan->beam_across_deg > 180) {
@@ -145,12 +152,16 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
                       "the outermost beams reach above the horizontal",
                       fan->swath_deg, fan->beam_across_deg));
     }
-    if (fan->range_min_m >= fan->range_max_m) {
-      throw InputError(place_of_pair(table, "range_min_m", "range_max_m"),
-                       fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})",
-                                   fan->range_min_m, fan->range_max_m));
-    }
   }
+  std::visit(
+      [&](const auto& kind) {
+        if constexpr (requires { kind.range_min_m; })
+          if (kind.range_min_m >= kind.range_max_m)
+            throw InputError(place_of_pair(table, "range_min_m", "range_max_m"),
+                             fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})",
+                                         kind.range_min_m, kind.range_max_m));
+      },
+      sensor.kind);
 }
 
 /// The keys of a transmit or receive pattern, as keys of the sensor.
@@ -201,17 +212,76 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
   return fields;
 }
 
+/// Of the two limits of a sidescan's fan: together they keep it narrower than 170 degrees.
+constexpr ValueRange depression{.lo = -80, .hi = 90, .if_below = too_wide, .if_above = "90 is straight down"};
+
+/// The keys of a sidescan, as keys of it or of a kind that is one.
+template <typename Kind>
+std::vector<TomlField<Kind>> sidescan_fields() {
+  const auto own = []<typename Value>(Value SidescanDescription::*member) {
+    return static_cast<Value Kind::*>(member);
+  };
+  using S = SidescanDescription;
+  return {field("frequency_khz", own(&S::frequency_khz), {.ranges = {frequency}}),
+          field("along_track_deg", own(&S::along_track_deg), {.ranges = {sector(90, false)}}),
+          field("depression_min_deg", own(&S::depression_min_deg), {.ranges = {depression}}),
+          field("depression_max_deg", own(&S::depression_max_deg), {.ranges = {depression}}),
+          field("samples", own(&S::samples), {.ranges = {range_samples}}),
+          field("range_min_m", own(&S::range_min_m), {.ranges = {sonar_range}}),
+          field("range_max_m", own(&S::range_max_m), {.ranges = {sonar_range}})};
+}
+
+std::vector<TomlField<SidescanDescription>> own_sidescan_fields() {
+  using S = SidescanDescription;
+  std::vector<TomlField<S>> fields = sidescan_fields<S>();
+  fields.push_back(field("axis_depression_deg", &S::axis_depression_deg,
+                         {.ranges = {depression}, .default_value = "the fan's middle"}));
+  fields.push_back(field("sampling_frequency_khz", &S::sampling_frequency_khz,
+                         {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}}));
+  return fields;
+}
+
+std::vector<TomlField<ImagingDescription>> imaging_fields() {
+  using I = ImagingDescription;
+  return {field("frequency_khz", &I::frequency_khz, {.ranges = {frequency}}),
+          field("beams", &I::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
+          field("horizontal_deg", &I::horizontal_deg, {.ranges = {sector(180, true)}}),
+          field("vertical_deg", &I::vertical_deg, {.ranges = {sector(170, false)}}),
+          field("samples", &I::samples, {.ranges = {range_samples}}),
+          field("range_min_m", &I::range_min_m, {.ranges = {sonar_range}}),
+          field("range_max_m", &I::range_max_m, {.ranges = {sonar_range}})};
+}
+
+std::vector<TomlField<EchosounderDescription>> echosounder_fields() {
+  using E = EchosounderDescription;
+  return {field("frequency_khz", &E::frequency_khz, {.ranges = {frequency}}),
+          field("beam_deg", &E::beam_deg, {.ranges = {sector(90, false)}}),
+          field("sector_deg", &E::sector_deg,
+                {.ranges = {sector(170, false)}, .default_value = "3 beam_deg, at most 170"}),
+          field("samples", &E::samples, {.ranges = {range_samples}}),
+          field("range_min_m", &E::range_min_m, {.ranges = {sonar_range}}),
+          field("range_max_m", &E::range_max_m, {.ranges = {sonar_range}}),
+          field("detection", &E::detection, {.choices = {"first", "centroid", "maximum"}}),
+          field("threshold_db", &E::threshold_db, {.ranges = {{.lo = -300, .hi = 0}}})};
+}
+
+std::vector<TomlField<InterferometricDescription>> interferometric_fields() {
+  using I = InterferometricDescription;
+  std::vector<TomlField<I>> fields = sidescan_fields<I>();
+  fields.push_back(
+      field("baseline_m", &I::baseline_m, {.ranges = {{.lo = 0, .hi = 10, .lo_excluded = true}}}));
+  fields.push_back(field("staff_tilt_deg", &I::staff_tilt_deg, {.ranges = {pitch}}));
+  fields.push_back(field("phase_noise", &I::phase_noise));
+  return fields;
+}
+
 }  // namespace
 
 const TomlSection<SensorDescription>& sensor_section() {
   using S = SensorDescription;
   using Didson = DidsonDescription;
-  using Sidescan = SidescanDescription;
   using Multibeam = MultibeamDescription;
   constexpr ValueRange lever_arm{.lo = -1000, .hi = 1000};
-  // Together these two keep a fan narrower than 170 degrees.
-  constexpr ValueRange depression{
-      .lo = -80, .hi = 90, .if_below = too_wide, .if_above = "90 is straight down"};
   std::vector<std::string> presets = sensor_preset_names();
   presets.insert(presets.begin(), "none");
   static const auto section =
@@ -255,19 +325,7 @@ const TomlSection<SensorDescription>& sensor_section() {
                field("window_start_m", &Didson::window_start_m, {.ranges = {sonar_range}}),
                field("window_length_m", &Didson::window_length_m, {.ranges = {sonar_range}}),
                field("pictures", &Didson::pictures, {.choices = {"all", "sequence"}})})
-          .kind<Sidescan>(
-              "kind", "sidescan",
-              {field("frequency_khz", &Sidescan::frequency_khz, {.ranges = {frequency}}),
-               field("along_track_deg", &Sidescan::along_track_deg, {.ranges = {sector(90, false)}}),
-               field("depression_min_deg", &Sidescan::depression_min_deg, {.ranges = {depression}}),
-               field("depression_max_deg", &Sidescan::depression_max_deg, {.ranges = {depression}}),
-               field("axis_depression_deg", &Sidescan::axis_depression_deg,
-                     {.ranges = {depression}, .default_value = "the fan's middle"}),
-               field("samples", &Sidescan::samples, {.ranges = {range_samples}}),
-               field("sampling_frequency_khz", &Sidescan::sampling_frequency_khz,
-                     {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}}),
-               field("range_min_m", &Sidescan::range_min_m, {.ranges = {sonar_range}}),
-               field("range_max_m", &Sidescan::range_max_m, {.ranges = {sonar_range}})})
+          .kind<SidescanDescription>("kind", "sidescan", own_sidescan_fields())
           .kind<Multibeam>(
               "kind", "multibeam",
               {field("frequency_khz", &Multibeam::frequency_khz, {.ranges = {frequency}}),
@@ -284,6 +342,9 @@ const TomlSection<SensorDescription>& sensor_section() {
                field("detection_threshold_db", &Multibeam::detection_threshold_db,
                      {.ranges = {{.lo = -300, .hi = 0}}}),
                field("grid_cell_m", &Multibeam::grid_cell_m, {.ranges = {{.lo = 0, .hi = 100000}}})})
+          .kind<ImagingDescription>("kind", "imaging", imaging_fields())
+          .kind<EchosounderDescription>("kind", "echosounder", echosounder_fields())
+          .kind<InterferometricDescription>("kind", "interferometric", interferometric_fields())
           .check(check_sensor);
   return section;
 }

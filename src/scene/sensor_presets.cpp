@@ -160,6 +160,45 @@ source_level_db = 210
 range_max_m = 300
 samples = 5990
 )"},
+      {"geoswath-125", "GeoSwath Plus interferometric sidescan, 125 kHz",
+       "frequency: maker's data sheet; beam and range (half the swath): published figures, second-hand; "
+       "baseline (about 2 wavelengths), staff tilt and sampling: assumed",
+       R"(kind = "interferometric"
+frequency_khz = 125
+along_track_deg = 0.85
+depression_min_deg = 2
+depression_max_deg = 88
+range_max_m = 390
+samples = 5000
+baseline_m = 0.024
+staff_tilt_deg = 30
+)"},
+      {"geoswath-250", "GeoSwath Plus interferometric sidescan, 250 kHz",
+       "frequency: maker's data sheet; beam and range (half the swath): published figures, second-hand; "
+       "baseline (about 2 wavelengths), staff tilt and sampling: assumed",
+       R"(kind = "interferometric"
+frequency_khz = 250
+along_track_deg = 0.75
+depression_min_deg = 2
+depression_max_deg = 88
+range_max_m = 195
+samples = 5000
+baseline_m = 0.012
+staff_tilt_deg = 30
+)"},
+      {"geoswath-500", "GeoSwath Plus interferometric sidescan, 500 kHz",
+       "frequency: maker's data sheet; beam and range (half the swath): published figures, second-hand; "
+       "baseline (about 2 wavelengths), staff tilt and sampling: assumed",
+       R"(kind = "interferometric"
+frequency_khz = 500
+along_track_deg = 0.5
+depression_min_deg = 2
+depression_max_deg = 88
+range_max_m = 95
+samples = 5000
+baseline_m = 0.006
+staff_tilt_deg = 30
+)"},
   };
   return presets;
 }

@@ -206,6 +206,14 @@ TEST(SceneFileErrors, ACamerasBeamsAndCyclesMustAgree) {
 
 TEST(SceneFileErrors, KeysOfOneTableMustAgree) {
   expect_mistakes({
+      {didson, "kind = \"imaging\"\nrange_min_m = 50", "12:15",
+       "'range_min_m' (50) must be less than 'range_max_m'"},
+      {didson, "kind = \"echosounder\"\nrange_max_m = 0.5", "12:15",
+       "'range_min_m' (0.5) must be less than 'range_max_m' (0.5)"},
+      {didson, "kind = \"interferometric\"\ndepression_min_deg = 86", "12:22",
+       "'depression_min_deg' (86) must be less than 'depression_max_deg'"},
+      {didson, "kind = \"interferometric\"\nbaseline_m = 0.6", "12:14",
+       "'baseline_m' (0.6) must not be more than 'range_min_m' (0.5)"},
       {didson, "kind = \"sidescan\"\nrange_min_m = 50", "12:15",
        "'range_min_m' (50) must be less than 'range_max_m'"},
       {didson, "kind = \"sidescan\"\nrange_max_m = 0.5", "12:15", "must be less than 'range_max_m' (0.5)"},

@@ -181,7 +181,51 @@ samples = 2000
 range_min_m = 1
 range_max_m = 75
 
+[[sensors]]
+kind = "imaging"
+name = "ahead"
+trajectory = "track"
+frequency_khz = 1200
+beams = 130
+horizontal_deg = 60
+vertical_deg = 12
+samples = 300
+range_min_m = 0.2
+range_max_m = 9
+
+[[sensors]]
+kind = "echosounder"
+name = "down"
+trajectory = "track"
+frequency_khz = 38
+beam_deg = 12
+sector_deg = 50
+samples = 400
+range_min_m = 3
+range_max_m = 90
+detection = "first"
+threshold_db = -10
+source_level_db = 205
+noise_level_db = 90
+speckle = "k"
+speckle_looks = 3
+speckle_shape = 0.5
+tvg_spreading = 40
+tvg_absorption_db_per_km = 12
+tvg_gain_db = 6
+
+[[sensors]]
+preset = "geoswath-500"
+name = "swath"
+trajectory = "track"
+along_track_deg = 0.9
+range_max_m = 120
+baseline_m = 0.02
+staff_tilt_deg = 35
+phase_noise = true
+
 [run]
+start_utc = "2024-02-29T12:00:00Z"
 engine = "ray"
 arithmetic = "filtered"
 binning = "spread"
@@ -296,7 +340,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(std::get<WaypointTrajectory>(scene.trajectories[2].kind).file,
             folder.outside.path() / "scene/track.csv");
 
-  ASSERT_EQ(scene.sensors.size(), 2u);
+  ASSERT_EQ(scene.sensors.size(), 5u);
   const SensorDescription& camera = scene.sensors[0];
   EXPECT_EQ(camera.name, "camera");
   EXPECT_EQ(camera.trajectory, "tripod");
@@ -334,7 +378,42 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(sidescan.samples, 2000);
   EXPECT_EQ(sidescan.range_min_m, 1);
   EXPECT_EQ(sidescan.range_max_m, 75);
+  const auto& imaging = std::get<ImagingDescription>(scene.sensors.at(2).kind);
+  EXPECT_EQ(imaging.frequency_khz, 1200);
+  EXPECT_EQ(imaging.beams, 130);
+  EXPECT_EQ(imaging.horizontal_deg, 60);
+  EXPECT_EQ(imaging.vertical_deg, 12);
+  EXPECT_EQ(imaging.samples, 300);
+  EXPECT_EQ(imaging.range_min_m, 0.2);
+  EXPECT_EQ(imaging.range_max_m, 9);
+  const auto& sounder = std::get<EchosounderDescription>(scene.sensors.at(3).kind);
+  EXPECT_EQ(sounder.frequency_khz, 38);
+  EXPECT_EQ(sounder.beam_deg, 12);
+  EXPECT_EQ(sounder.sector_deg, 50);
+  EXPECT_EQ(sounder.samples, 400);
+  EXPECT_EQ(sounder.range_min_m, 3);
+  EXPECT_EQ(sounder.range_max_m, 90);
+  EXPECT_EQ(sounder.detection, "first");
+  EXPECT_EQ(sounder.threshold_db, -10);
+  const SignalDescription& signal = scene.sensors[3].signal;
+  EXPECT_EQ(signal.source_level_db, 205);
+  EXPECT_EQ(signal.noise_level_db, 90);
+  EXPECT_EQ(signal.speckle, "k");
+  EXPECT_EQ(signal.speckle_looks, 3);
+  EXPECT_EQ(signal.speckle_shape, 0.5);
+  EXPECT_EQ(signal.tvg_spreading, 40);
+  EXPECT_EQ(signal.tvg_absorption_db_per_km, 12);
+  EXPECT_EQ(signal.tvg_gain_db, 6);
+  EXPECT_EQ(scene.sensors[4].preset, "geoswath-500");
+  const auto& swath = std::get<InterferometricDescription>(scene.sensors.at(4).kind);
+  EXPECT_EQ(swath.frequency_khz, 500);
+  EXPECT_EQ(swath.along_track_deg, 0.9);
+  EXPECT_EQ(swath.range_max_m, 120);
+  EXPECT_EQ(swath.baseline_m, 0.02);
+  EXPECT_EQ(swath.staff_tilt_deg, 35);
+  EXPECT_TRUE(swath.phase_noise);
 
+  EXPECT_EQ(scene.run.start_utc, "2024-02-29T12:00:00Z");
   EXPECT_EQ(scene.run.engine, "ray");
   EXPECT_EQ(scene.run.arithmetic, "filtered");
   EXPECT_EQ(scene.run.binning, "spread");

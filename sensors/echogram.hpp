@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "sensors/canvas.hpp"
+#include "sensors/recording.hpp"
+
+namespace tubefoot {
+
+/// Draws a single beam's pings side by side, ranges downwards, in dB. `received_j`: [ping][sample].
+/// `bottom_m`: by ping, drawn as a line; not a number where there is none.
+Canvas draw_echogram(const Recording& recording, std::span<const float> received_j,
+                     std::span<const double> bottom_m, const std::string& font);
+
+}  // namespace tubefoot

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/echosounder_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "sensors/bottom_detection.hpp"
+#include "sensors/canvas.hpp"
+#include "sensors/checked_file.hpp"
+#include "sensors/echogram.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+DetectionRule rule_of(const EchosounderDescription& sounder) {
+  DetectionRule rule;
+  rule.method = sounder.detection == "first"     ? DetectionMethod::first_return
+                : sounder.detection == "maximum" ? DetectionMethod::maximum
+                                                 : DetectionMethod::energy_centroid;
+  rule.relative_db = sounder.threshold_db;
+  return rule;
+}
+
+/// Empty for what is not known.
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : ""; }
+
+void append_line(std::string& text, const Recording& recording, std::size_t ping,
+                 const std::optional<Detection>& bottom) {
+  const double altitude_m = ping < recording.altitude_m.size() ? recording.altitude_m[ping]
+                                                               : std::numeric_limits<double>::quiet_NaN();
+  fmt::format_to(std::back_inserter(text), "{},{:.9g},", ping, recording.ping_time_s[ping]);
+  if (bottom) {
+    const glm::dvec3 place = sounding_position(recording.ping_pose[ping], {0, 0, -1}, bottom->range_m);
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
+                   bottom->range_m, bottom->range_sigma_m, bottom->energy_j, bottom->quality, place.x,
+                   place.y, place.z);
+  } else {
+    text += ",,,,,,";
+  }
+  const glm::dvec3 own = recording.ping_pose[ping].position_m;
+  fmt::format_to(std::back_inserter(text), ",{:.9g},{:.9g},{:.9g},{}\n", own.x, own.y, own.z,
+                 cell(altitude_m));
+}
+
+void write_exr_of(const fs::path& file, const Recording& recording, const std::vector<float>& energies) {
+  const RangeSamples& samples = recording.sensor->samples();
+  OIIO::ParamValueList attributes;
+  attributes.attribute("sensor", recording.sensor->description().name);
+  attributes.attribute("quantity", "echo energy [J] for a source of 1 J/sr at 1 m");
+  attributes.attribute("rows", "pings, the first on top");
+  attributes.attribute("columns", "range samples, the nearest first");
+  attributes.attribute("slant_range_first_m", OIIO::TypeDesc::DOUBLE, 1, &samples.first_m);
+  attributes.attribute("slant_range_step_m", OIIO::TypeDesc::DOUBLE, 1, &samples.step_m);
+  write_exr(file, samples.count, static_cast<int>(recording.pings()), energies, attributes);
+}
+
+}  // namespace
+
+std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Recording& recording,
+                                              const RunContext& run, std::vector<std::string>& warnings) {
+  check(recording);
+  const Sensor& sensor = *recording.sensor;
+  const std::string stem = sensor.description().name;
+  const DetectionRule rule = rule_of(std::get<EchosounderDescription>(sensor.description().kind));
+  const ReceiverChain receiver = receiver_of(recording, run);
+  std::vector<float> energies, received;
+  std::vector<double> bottoms;
+  std::string csv =
+      "ping,time_s,range_m,range_sigma_m,energy_j,quality,bottom_east_m,bottom_north_m,bottom_up_m,"
+      "sensor_east_m,sensor_north_m,sensor_up_m,true_altitude_m\n";
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    const std::span<const double> energy = recording.energy_of(ping);
+    energies.insert(energies.end(), energy.begin(), energy.end());
+    const std::vector<double> heard =
+        receiver.receive(static_cast<std::uint32_t>(ping), energy, sensor.samples());
+    received.insert(received.end(), heard.begin(), heard.end());
+    recording.let_go(ping);
+    const std::optional<Detection> bottom = detect_bottom(heard, sensor.samples(), rule);
+    bottoms.push_back(bottom ? bottom->range_m : std::numeric_limits<double>::quiet_NaN());
+    append_line(csv, recording, ping, bottom);
+  }
+
+  const std::string& font = label_font();
+  if (font.empty())
+    warnings.push_back(fmt::format(
+        "the pictures of '{}' have no labels: no font was found (on Debian, install fonts-dejavu-core)",
+        stem));
+  const std::vector<fs::path> files{stem + ".csv", stem + ".png", stem + ".exr"};
+  write_file(folder / files[0], {reinterpret_cast<const unsigned char*>(csv.data()), csv.size()});
+  draw_echogram(recording, received, bottoms, font).write_png(folder / files[1], stem);
+  write_exr_of(folder / files[2], recording, energies);
+  return files;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "sensors/canvas.hpp"
+#include "sensors/recording.hpp"
+
+namespace tubefoot {
+
+/// Draws the phases of an interferometric sidescan as a waterfall, last ping on top, port left: hue is the
+/// phase of the mean product under a pixel, brightness its coherence.
+Canvas draw_phases(const Recording& recording, const std::string& font);
+
+}  // namespace tubefoot

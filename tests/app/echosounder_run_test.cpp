@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The whole program with an echosounder over a flat bed, whose echo through Gaussian beams is a single
+// integral.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "app/csv_rows.hpp"
+#include "app/echo_reader.hpp"
+
+namespace tubefoot {
+namespace {
+
+using std::numbers::pi;
+constexpr double degree = pi / 180, height = 12, width_deg = 10;
+
+std::string scene(const std::string& sensor, double pitch_deg = 0, double heading_deg = 30) {
+  return fmt::format(R"(
+[water]
+sound_speed_m_s = 1500
+absorption_db_per_km = 0
+[[materials]]
+name = "sand"
+lambert_db = -20
+[[terrain]]
+kind = "flat"
+width_m = 100
+length_m = 100
+[trajectory]
+kind = "fixed"
+position_m = [3, -2, {}]
+pitch_deg = {}
+heading_deg = {}
+[[sensors]]
+name = "sounder"
+kind = "echosounder"
+beam_deg = {}
+range_min_m = 11
+range_max_m = 14
+samples = 300
+{})",
+                     height, pitch_deg, heading_deg, width_deg, sensor);
+}
+
+/// Energy at ranges near to far, transmit and receive pattern exp(-4 ln 2 (angle / width)^2) each.
+double closed_form(double near, double far, double ways) {
+  const auto ring = [&](double r) {
+    const double angle = std::acos(height / r) / (width_deg * degree);
+    return 0.01 * height * height * std::pow(r, -6) *
+           std::exp(-4 * ways * std::numbers::ln2 * angle * angle) * 2 * pi * r;
+  };
+  near = std::max(near, height);
+  if (far <= near) return 0;
+  // r = near + u^2: the angle grows with the square root of the range.
+  return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
+      [&](double u) { return 2 * u * ring(near + u * u); }, 0.0, std::sqrt(far - near), 8, 1e-10);
+}
+
+TEST(EchosounderRun, FlatBedThroughBothGaussians) {
+  const Echoes echoes = echoes_of(scene("sector_deg = 40\n"));
+  ASSERT_EQ(echoes.energy.size(), 300u);
+  const double total = closed_form(11, 14, 2);
+  for (std::size_t k = 0; k < 300; ++k) {
+    // Within the square sector's inner circle.
+    if (height / echoes.last_m(k) < std::cos(20 * degree)) break;
+    ASSERT_NEAR(echoes.at(0, 0, k), closed_form(echoes.first_m(k), echoes.last_m(k), 2), 2e-6 * total) << k;
+  }
+  EXPECT_EQ(echoes.beam_elevation_deg.at(0), -90);
+}
+
+TEST(EchosounderRun, AnExplicitPatternReplacesOneWay) {
+  const Echoes echoes = echoes_of(
+      scene("sector_deg = 40\ntransmit_pattern = \"gaussian\"\ntransmit_pattern_angle = \"off_axis\"\n"
+            "transmit_beam_width_deg = 20\n"));
+  // Twice the width is a quarter of the exponent.
+  const double total = closed_form(11, 14, 1.25);
+  for (std::size_t k = 0; k < 160; ++k)
+    ASSERT_NEAR(echoes.at(0, 0, k), closed_form(echoes.first_m(k), echoes.last_m(k), 1.25), 2e-6 * total)
+        << k;
+}
+
+TEST(EchosounderRun, DetectsTheBedAndPlacesItOnTheAxis) {
+  for (const double pitch : {0.0, 4.0}) {
+    const TestFolder folder;
+    const auto file = folder.write("scene.toml", scene("detection = \"first\"\n", pitch));
+    const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string(), "--quiet"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto rows = csv_rows(folder / "out" / "sounder.csv");
+    ASSERT_EQ(rows.size(), 1u);
+    const auto value = [&](const char* name) { return std::stod(rows[0].at(name)); };
+    EXPECT_NEAR(value("true_altitude_m"), height, 1e-5);
+    EXPECT_NEAR(value("range_m"), height, 0.01);  // the nearest bed lies inside the beam either way
+    // Bow up: the axis leans forwards, along heading 30.
+    const double lean = value("range_m") * std::sin(pitch * degree);
+    EXPECT_NEAR(value("bottom_east_m"), 3 + lean * std::sin(30 * degree), 1e-6);
+    EXPECT_NEAR(value("bottom_north_m"), -2 + lean * std::cos(30 * degree), 1e-6);
+    EXPECT_NEAR(value("bottom_up_m"), height - value("range_m") * std::cos(pitch * degree), 1e-6);
+    for (const char* name : {"sounder.png", "sounder.exr"})
+      EXPECT_GT(std::filesystem::file_size(folder / "out" / name), 500u);
+  }
+}
+
+TEST(EchosounderRun, NoEchoLeavesItsCellsEmpty) {
+  const TestFolder folder;
+  const auto file =
+      folder.write("scene.toml", replaced(replaced(scene(""), "range_min_m = 11", "range_min_m = 2"),
+                                          "range_max_m = 14", "range_max_m = 5"));
+  const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string(), "--quiet"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = csv_rows(folder / "out" / "sounder.csv");
+  ASSERT_EQ(rows.size(), 1u);
+  for (const char* name : {"range_m", "range_sigma_m", "energy_j", "quality", "bottom_up_m"})
+    EXPECT_EQ(rows[0].at(name), "") << name;
+  EXPECT_EQ(rows[0].at("sensor_up_m"), "12");
+}
+
+}  // namespace
+}  // namespace tubefoot
