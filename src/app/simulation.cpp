@@ -104,13 +104,14 @@ void refuse_bistatic(const Survey& survey, bool reference) {
   const RunDescription& run = survey.scene.description.run;
   for (const SensorPings& pings : survey.sensors) {
     if (!pings.sensor->has_receiver_apart()) continue;
-    const char* trouble = run.engine != "tube" ? "needs the tube engine: the ray engine has one apex"
-                          : run.arithmetic == "double"
-                              ? "needs an exact arithmetic: fixed, filtered or rational"
-                          : run.binning != "exact" ? "needs exact binning"
-                          : reference              ? "cannot be certified: leave out --reference, or "
-                                                     "'receiver_arm_m'"
-                                                   : nullptr;
+    const char* trouble =
+        run.engine != "tube"           ? "needs the tube engine: the ray engine has one apex"
+        : run.arithmetic == "double"   ? "needs an exact arithmetic: fixed, filtered or rational"
+        : run.binning != "exact"       ? "needs exact binning"
+        : pings.sensor->channels() > 1 ? "has two receivers on its staff: leave out 'receiver_arm_m'"
+        : reference                    ? "cannot be certified: leave out --reference, or "
+                                         "'receiver_arm_m'"
+                                       : nullptr;
     if (trouble != nullptr)
       throw InputError(pings.sensor->description().place,
                        fmt::format("sensor '{}' has its receiver apart and {}",
@@ -178,7 +179,7 @@ class PingTask {
     const Echo echo = integrate_bistatic_echo(
         history, {static_cast<int>(beams.size()), sensor.beam_of_tube(shot), fans, fans}, sensor.samples(),
         law.law);
-    add_rows(echo.energy, beams, store_.energy(s, ping_));
+    add_rows(echo.energy, beams, 1, store_.energy(s, ping_));
     counts_.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     counts_.footprints += history.shared.facets.size();
     counts_.pieces += history.shared.pieces.size();
