@@ -366,27 +366,26 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
     receiver.moments->add(std::span(direction).first(nodes), std::span(share).first(nodes));
     return;
   }
-  std::array<std::complex<double>, most_gauss_nodes> product;
+  std::array<double, most_gauss_nodes> real, imaginary;
   if (receiver.fringe_axis)
-    for (std::size_t i = 0; i < nodes; ++i)
-      product[i] =
+    for (std::size_t i = 0; i < nodes; ++i) {
+      const std::complex<double> product =
           patterns_.fringes[receiver.fan].product(range_, at(receiver.axes[*receiver.fringe_axis], i));
+      real[i] = product.real();
+      imaginary[i] = product.imag();
+    }
   const std::size_t beams = sum_.size() / std::size_t(patterns_.channels());
   for (std::size_t beam = 0; beam < beams; ++beam) {
     std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
-    for (std::size_t i = 0; i < nodes; ++i)
-      add_to_beam(beam,
-                  own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i],
-                  receiver.fringe_axis ? &product[i] : nullptr);
+    for (std::size_t i = 0; i < nodes; ++i) {
+      const double heard =
+          own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i];
+      sum_[beam] += heard;
+      if (!receiver.fringe_axis) continue;
+      sum_[beams + beam] += heard * real[i];
+      sum_[2 * beams + beam] += heard * imaginary[i];
+    }
   }
-}
-
-void PatternIntegrator::add_to_beam(std::size_t beam, double energy, const std::complex<double>* product) {
-  sum_[beam] += energy;
-  if (product == nullptr) return;
-  const std::size_t beams = sum_.size() / 3;
-  sum_[beams + beam] += energy * product->real();
-  sum_[2 * beams + beam] += energy * product->imag();
 }
 
 }  // namespace tubefoot

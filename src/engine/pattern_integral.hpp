@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -107,7 +106,6 @@ class PatternIntegrator {
   void add_circle(double t, double weight);
   void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
-  void add_to_beam(std::size_t beam, double energy, const std::complex<double>* product);
 
   std::span<const double> borders_;
   double beta_, tolerance_;
