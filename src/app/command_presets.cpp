@@ -10,7 +10,7 @@ namespace tubefoot {
 int presets_command(const PresetsOptions& options) {
   if (!options.name) {
     for (const SensorPreset& preset : sensor_presets())
-      fmt::print("{:<20} {}\n{:<20} source: {}\n", preset.name, preset.title, "", preset.source);
+      fmt::print("{:<26} {}\n{:<26} source: {}\n", preset.name, preset.title, "", preset.source);
     return 0;
   }
   for (const SensorPreset& preset : sensor_presets())
