@@ -142,6 +142,7 @@ kind = "didson"
 name = "camera"
 trajectory = "tripod"
 lever_arm_m = [0.1, 0.2, 0.3]
+receiver_arm_m = [0.5, -1.25, 2]
 yaw_deg = 5
 tilt_deg = 25
 roll_deg = 6
@@ -345,6 +346,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(camera.name, "camera");
   EXPECT_EQ(camera.trajectory, "tripod");
   EXPECT_THAT(camera.lever_arm_m, ElementsAre(0.1, 0.2, 0.3));
+  EXPECT_THAT(camera.receiver_arm_m, Optional(ElementsAre(0.5, -1.25, 2)));
   EXPECT_EQ(camera.yaw_deg, 5);
   EXPECT_EQ(camera.tilt_deg, 25);
   EXPECT_EQ(camera.roll_deg, 6);
