@@ -111,8 +111,8 @@ shape = "box"
 size_m = [0.1, 150, 4.9]
 position_m = [0, 0, 2.4]
 )";
-  const Echoes open = echoes_of(scene("lever_arm_m = [-1, 0, -4]\nreceiver_arm_m = [1, 0, -4]"));
-  const Echoes shut = echoes_of(scene("lever_arm_m = [-1, 0, -4]\nreceiver_arm_m = [1, 0, -4]", wall));
+  const Echoes open = echoes_of(scene("lever_arm_m = [-1, 0, -1.5]\nreceiver_arm_m = [1, 0, -1.5]"));
+  const Echoes shut = echoes_of(scene("lever_arm_m = [-1, 0, -1.5]\nreceiver_arm_m = [1, 0, -1.5]", wall));
   EXPECT_GT(open.total(), 0);
   EXPECT_EQ(shut.total(), 0);
 }
