@@ -218,7 +218,7 @@ struct SignalDescription {
   std::optional<double> tvg_spreading;  ///< Sp of the gain Sp log10 R + 2 alpha R + G; none: no gain
   std::optional<double> tvg_absorption_db_per_km;  ///< alpha; else the water's own
   double tvg_gain_db = 0;
-  double tvg_fixed_below_m = 10;  ///< nearer than this the gain stays what it is here
+  double tvg_fixed_below_m = 10;          ///< nearer than this the gain stays what it is here
   std::optional<double> pulse_length_us;  ///< echoes are spread over c tau / 2; none: not spread
 };
 
@@ -230,7 +230,7 @@ struct SensorDescription {
   SourcePlace trajectory_place;
   std::array<double, 3> lever_arm_m{0, 0, 0};  ///< starboard, forward, up from the carrier's reference point
   std::optional<std::array<double, 3>> receiver_arm_m;  ///< of a receiver apart from the transmitter
-  double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;  ///< mounting: yaw to starboard, tilt downwards, roll
+  double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;       ///< mounting: yaw to starboard, tilt downwards, roll
   double first_ping_s = 0;
   int pings = 1;
   double ping_interval_s = 0.1;
