@@ -100,6 +100,26 @@ Estimate top(const Gate& gate) {
 
 }  // namespace
 
+const char* name_of(DetectionMethod method) {
+  switch (method) {
+    case DetectionMethod::first_return:
+      return "first_return";
+    case DetectionMethod::energy_centroid:
+      return "energy_centroid";
+    case DetectionMethod::maximum:
+      return "maximum";
+  }
+  throw std::invalid_argument("no detection method");
+}
+
+DetectionMethod detection_method_from_name(std::string_view name) {
+  for (const DetectionMethod method :
+       {DetectionMethod::first_return, DetectionMethod::energy_centroid, DetectionMethod::maximum})
+    if (name == name_of(method)) return method;
+  throw std::invalid_argument(
+      fmt::format("no detection named '{}': first_return, energy_centroid or maximum", name));
+}
+
 std::optional<Detection> detect_bottom(std::span<const double> energies_j, const RangeSamples& samples,
                                        const DetectionRule& rule) {
   check(energies_j, samples, rule);

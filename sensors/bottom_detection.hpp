@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "engine/echo.hpp"
 #include "scene/trajectory.hpp"
@@ -15,6 +16,11 @@ enum class DetectionMethod {
   energy_centroid,  ///< the mean range of all samples that count, weighed by energy
   maximum,          ///< the top of the parabola through the largest sample and its neighbours
 };
+
+/// Name as in scene files and in tables of soundings: "first_return", "energy_centroid", "maximum".
+const char* name_of(DetectionMethod method);
+/// The method of that name; throws std::invalid_argument.
+DetectionMethod detection_method_from_name(std::string_view name);
 
 /// Which of a beam's samples count: those whose middle lies in the range gate and whose energy is above 0 and
 /// reaches both thresholds.

@@ -19,10 +19,8 @@ namespace fs = std::filesystem;
 
 DetectionRule rule_of(const EchosounderDescription& sounder) {
   DetectionRule rule;
-  rule.method = sounder.detection == "first"     ? DetectionMethod::first_return
-                : sounder.detection == "maximum" ? DetectionMethod::maximum
-                                                 : DetectionMethod::energy_centroid;
-  rule.relative_db = sounder.threshold_db;
+  rule.method = detection_method_from_name(sounder.detection);
+  rule.relative_db = sounder.detection_threshold_db;
   return rule;
 }
 

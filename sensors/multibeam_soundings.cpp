@@ -11,9 +11,7 @@ namespace {
 
 DetectionRule rule_of(const MultibeamDescription& fan) {
   DetectionRule rule;
-  rule.method = fan.detection == "first_return" ? DetectionMethod::first_return
-                : fan.detection == "maximum"    ? DetectionMethod::maximum
-                                                : DetectionMethod::energy_centroid;
+  rule.method = detection_method_from_name(fan.detection);
   rule.relative_db = fan.detection_threshold_db;
   return rule;
 }

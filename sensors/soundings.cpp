@@ -70,18 +70,6 @@ Colour lit_colour(Colour colour, double shade) {
 
 }  // namespace
 
-const char* name_of(DetectionMethod method) {
-  switch (method) {
-    case DetectionMethod::first_return:
-      return "first";
-    case DetectionMethod::energy_centroid:
-      return "centroid";
-    case DetectionMethod::maximum:
-      return "maximum";
-  }
-  throw std::invalid_argument("no detection method");
-}
-
 SoundingGrid::SoundingGrid(LocalFrame frame, double cell_m) : frame_(std::move(frame)), depths_(cell_m) {}
 
 void SoundingGrid::add(const Sounding& sounding) {

@@ -13,9 +13,6 @@
 
 namespace tubefoot {
 
-/// As files have it: "first", "centroid", "maximum".
-const char* name_of(DetectionMethod method);
-
 /// A place of the bed that a beam found.
 struct Sounding {
   std::uint32_t ping = 0, beam = 0;  ///< counted from 0

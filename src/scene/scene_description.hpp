@@ -174,8 +174,8 @@ struct EchosounderDescription {
   std::optional<double> sector_deg;  ///< side of the square that is looked at; none: three beam widths
   int samples = 1000;
   double range_min_m = 0.5, range_max_m = 50;
-  std::string detection = "centroid";  ///< first | centroid | maximum
-  double threshold_db = -20;           ///< below the strongest sample, of samples that count
+  std::string detection = "energy_centroid";  ///< first_return | energy_centroid | maximum
+  double detection_threshold_db = -20;        ///< of samples that count, over the largest
 };
 /// Sidescan whose two receivers a side sit on a staff, above and below the transmitter.
 struct InterferometricDescription : SidescanDescription {

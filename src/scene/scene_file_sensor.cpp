@@ -261,8 +261,8 @@ std::vector<TomlField<EchosounderDescription>> echosounder_fields() {
           field("samples", &E::samples, {.ranges = {range_samples}}),
           field("range_min_m", &E::range_min_m, {.ranges = {sonar_range}}),
           field("range_max_m", &E::range_max_m, {.ranges = {sonar_range}}),
-          field("detection", &E::detection, {.choices = {"first", "centroid", "maximum"}}),
-          field("threshold_db", &E::threshold_db, {.ranges = {{.lo = -300, .hi = 0}}})};
+          field("detection", &E::detection, {.choices = {"first_return", "energy_centroid", "maximum"}}),
+          field("detection_threshold_db", &E::detection_threshold_db, {.ranges = {{.lo = -300, .hi = 0}}})};
 }
 
 std::vector<TomlField<InterferometricDescription>> interferometric_fields() {

@@ -204,8 +204,8 @@ sector_deg = 50
 samples = 400
 range_min_m = 3
 range_max_m = 90
-detection = "first"
-threshold_db = -10
+detection = "first_return"
+detection_threshold_db = -10
 source_level_db = 205
 noise_level_db = 90
 speckle = "k"
@@ -395,8 +395,8 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(sounder.samples, 400);
   EXPECT_EQ(sounder.range_min_m, 3);
   EXPECT_EQ(sounder.range_max_m, 90);
-  EXPECT_EQ(sounder.detection, "first");
-  EXPECT_EQ(sounder.threshold_db, -10);
+  EXPECT_EQ(sounder.detection, "first_return");
+  EXPECT_EQ(sounder.detection_threshold_db, -10);
   const SignalDescription& signal = scene.sensors[3].signal;
   EXPECT_EQ(signal.source_level_db, 205);
   EXPECT_EQ(signal.noise_level_db, 90);

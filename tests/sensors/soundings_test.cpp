@@ -115,7 +115,7 @@ TEST(SoundingsFile, GeoPackageHasPointsInTheScenesCrs) {
   EXPECT_EQ((*one)["beam_angle_deg"].GetDouble(), -62.5);
   EXPECT_EQ((*one)["amplitude"].GetDouble(), 0.375);
   EXPECT_EQ((*one)["quality"].GetDouble(), 0.75);
-  EXPECT_STREQ((*one)["method"].GetString(), "centroid");
+  EXPECT_STREQ((*one)["method"].GetString(), "energy_centroid");
 }
 
 TEST(SoundingsFile, GeoPackageOfATangentFrameHasLongitudeAndLatitude) {
