@@ -85,7 +85,7 @@ TEST(EchosounderRun, AnExplicitPatternReplacesOneWay) {
 TEST(EchosounderRun, DetectsTheBedAndPlacesItOnTheAxis) {
   for (const double pitch : {0.0, 4.0}) {
     const TestFolder folder;
-    const auto file = folder.write("scene.toml", scene("detection = \"first\"\n", pitch));
+    const auto file = folder.write("scene.toml", scene("detection = \"first_return\"\n", pitch));
     const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string(), "--quiet"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const auto rows = csv_rows(folder / "out" / "sounder.csv");

@@ -54,7 +54,7 @@ TEST(SoundingsFile, CsvStatesUnitsAndSigns) {
   EXPECT_EQ(samples::bytes_of(folder / "a.csv"),
             "ping,beam,time_s,east_m,north_m,up_m,two_way_travel_time_s,slant_range_m,"
             "beam_angle_deg_starboard_positive,amplitude,quality_0_to_1,method\n"
-            "0,0,0,0.0000,-0.0000,-30.2500,0.046875,35.1250,-62.5,0.375,0.75,centroid\n");
+            "0,0,0,0.0000,-0.0000,-30.2500,0.046875,35.1250,-62.5,0.375,0.75,energy_centroid\n");
   write(folder / "b.csv", LocalFrame::projected("EPSG:32602", 500000, 0, 5, kPlace), 1, 1);
   std::istringstream lines(samples::bytes_of(folder / "b.csv"));
   std::string head, row;
