@@ -55,7 +55,7 @@ struct Provenance {
 /// group per sensor, named after it. Recordings of more than `most_bytes_in_memory` are written ping by ping,
 /// if the disk has room for all of it. Throws std::runtime_error naming the file and what failed.
 void write_echoes(const std::filesystem::path& file, const std::vector<Recording>& recordings,
-                  const Provenance& provenance, std::size_t most_bytes_in_memory = std::size_t{128} << 20);
+                  const Provenance& provenance, std::size_t most_bytes_in_memory = std::size_t{16} << 20);
 
 /// Writes the pictures of a recording into `folder` (which exists) and returns their file names, relative to
 /// it: PNG (16 bit, for looking at, logarithmic) and EXR (32-bit float, for measuring, linear energy).
