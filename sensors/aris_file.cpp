@@ -192,7 +192,7 @@ void ArisFile::add(const CameraFrame& frame) {
 void ArisFile::finish() {
   if (frames_ == 0)
     throw std::logic_error(fmt::format("{}: a file without a frame cannot be read", file_.path().string()));
-  file_.overwrite_start(file_header().bytes());
+  file_.overwrite(0, file_header().bytes());
   file_.close();
 }
 

@@ -177,7 +177,7 @@ void DdfFile::add(const CameraFrame& frame) {
 void DdfFile::finish() {
   if (frames_ == 0)
     throw std::logic_error(fmt::format("{}: a file without a frame cannot be read", file_.path().string()));
-  file_.overwrite_start(file_header().bytes());
+  file_.overwrite(0, file_header().bytes());
   file_.close();
 }
 

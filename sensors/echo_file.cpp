@@ -7,12 +7,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "sensors/angles.hpp"
 #include "sensors/checked_file.hpp"
 #include "sensors/pose_angles.hpp"
 #include "sensors/recording.hpp"
+#include "sensors/reserved_space.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A netCDF-4 file under construction, every call checked: in memory, if that is not too much, so that it
-/// reaches the disk whole or not at all (HDF5 does not survive a full disk, see checked_file.hpp), else on
-/// the disk, once that has room for it.
+/// reaches the disk whole or not at all, else on the disk, in space that is set aside for all of it before
+/// HDF5 writes anything (ReservedSpace says why).
 class EchoFile {
  public:
   EchoFile(fs::path path, std::size_t bytes_of_values, bool in_memory)
@@ -31,21 +33,21 @@ class EchoFile {
       check(nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_),
             "create the file");
     } else {
-      std::error_code unknown;
-      const fs::space_info space = fs::space(path_.parent_path(), unknown);
-      if (!unknown && space.available < bytes_of_values)
-        throw std::runtime_error(
-            fmt::format("{}: up to {:.0f} MB are needed, but the disk has {:.0f} MB left", path_.string(),
-                        double(bytes_of_values) / 1e6, double(space.available) / 1e6));
       check(nc_create(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "create the file");
+      try {
+        space_.emplace(path_);
+        // What deflate cannot shrink stays as long as it is; a chunk's entry is some ten bytes.
+        constexpr std::size_t margin_bytes = 4 << 20;
+        space_->reserve(bytes_of_values + bytes_of_values / 64 + margin_bytes);
+      } catch (...) {
+        discard();
+        throw;
+      }
     }
     open_ = true;
   }
   ~EchoFile() {
-    if (!open_) return;
-    nc_abort(id_);
-    std::error_code ignored;
-    fs::remove(path_, ignored);
+    if (open_) discard();
   }
   EchoFile(const EchoFile&) = delete;
   EchoFile& operator=(const EchoFile&) = delete;
@@ -56,6 +58,7 @@ class EchoFile {
     open_ = false;
     if (!in_memory_) {
       check(nc_close(id_), "complete the file");
+      space_.reset();
       return;
     }
     NC_memio memory{};
@@ -70,8 +73,17 @@ class EchoFile {
   }
 
  private:
+  void discard() {
+    nc_abort(id_);
+    space_.reset();
+    if (in_memory_) return;
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+
   fs::path path_;
   bool in_memory_;
+  std::optional<ReservedSpace> space_;  ///< of a file on the disk
   int id_ = 0;
   bool open_ = false;
 };

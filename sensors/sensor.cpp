@@ -99,14 +99,15 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
     if (channels() > 1)
       made.fringes.push_back({glm::normalize(turn * fan.staff), baseline_m_,
                               2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
-    while (made.fan_of_tube.size() < fan.end_tube) {
-      const std::uint32_t own = fired.beam_of_tube[made.fan_of_tube.size()];
-      made.fan_of_tube.push_back(static_cast<std::uint32_t>(made.transmit.size() - 1));
-      if (receive_)
-        made.beams_of_tube.emplace_back(fan.first_beam, fan.end_beam);
-      else
-        made.beams_of_tube.emplace_back(own, own + 1);
-    }
+  }
+  made.fan_of_tube = fan_of_tube(shot);
+  for (std::size_t tube = 0; tube < made.fan_of_tube.size(); ++tube) {
+    const Fan& fan = fired.fans[made.fan_of_tube[tube]];
+    const std::uint32_t own = fired.beam_of_tube[tube];
+    if (receive_)
+      made.beams_of_tube.emplace_back(fan.first_beam, fan.end_beam);
+    else
+      made.beams_of_tube.emplace_back(own, own + 1);
   }
   return made;
 }

@@ -31,11 +31,6 @@ void StreamedFile::overwrite(std::uint64_t offset, std::span<const std::uint8_t>
   if (std::fseek(stream_, 0, SEEK_END) != 0) fail(errno);
 }
 
-void StreamedFile::overwrite_start(std::span<const std::uint8_t> bytes) {
-  if (std::fseek(open_stream(), 0, SEEK_SET) != 0) fail(errno);
-  if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail(errno);
-}
-
 void StreamedFile::close() {
   std::FILE* stream = open_stream();
   stream_ = nullptr;

@@ -28,8 +28,6 @@ class StreamedFile {
   void append(std::span<const std::uint8_t> bytes);
   /// Writes over bytes that are there already, from `offset` on; append() goes on at the end.
   void overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-  /// Writes over the first bytes of the file. Call it last: what is appended afterwards would follow them.
-  void overwrite_start(std::span<const std::uint8_t> bytes);
   /// The file is complete, and all of it was taken by the system.
   void close();
 

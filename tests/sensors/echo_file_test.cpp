@@ -275,8 +275,23 @@ TEST(EchoFile, IsTheSameWrittenPingByPingOnTheDisk) {
   write_echoes(folder / "echoes.nc", {made.recording}, provenance, 0);
   EXPECT_EQ(Reader(folder / "echoes.nc").values("energy"), made.energies);
   EXPECT_EQ(released.size(), 20u);
+  EXPECT_LT(std::filesystem::file_size(folder / "echoes.nc"), 1u << 20);  // no space set aside is left
   const auto absent = folder / "absent/echoes.nc";
   samples::failure_naming(absent, [&] { write_echoes(absent, {made.recording}, provenance, 0); });
+}
+
+// HDF5 would crash when the program ends.
+TEST(EchoFile, AFullDiskIsMetBeforeALargeFileIsWritten) {
+  const samples::TemporaryFolder folder;
+  const auto made = noisy_camera(20);
+  const auto file = folder / "echoes.nc";
+  for (const rlim_t room : {rlim_t{4096}, rlim_t{100000}, rlim_t{1} << 20}) {
+    const samples::FullDisk full(room);
+    samples::failure_naming(file, [&] { write_echoes(file, {made.recording}, provenance, 0); });
+    EXPECT_FALSE(std::filesystem::exists(file)) << "room for " << room << " bytes";
+  }
+  write_echoes(file, {made.recording}, provenance, 0);
+  EXPECT_EQ(Reader(file).values("energy"), made.energies);
 }
 
 TEST(EchoFile, RefusesNamesThatMakeNoGroup) {
