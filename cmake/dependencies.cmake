@@ -15,6 +15,7 @@ find_package(CLI11 REQUIRED)
 find_package(TBB REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(nlohmann_json REQUIRED)
+pkg_check_modules(fftw REQUIRED IMPORTED_TARGET fftw3l)
 pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)  # ships no CMake package
 pkg_check_modules(netcdf REQUIRED IMPORTED_TARGET netcdf)
 # OpenImageIO's CMake targets name OpenCV's include folder, which is not installed; pkg-config does not.

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "engine/beam_pattern.hpp"
 #include "engine/history.hpp"
+#include "seabed/reflectivity_field.hpp"
 
 namespace tubefoot {
 
@@ -28,6 +31,10 @@ struct EchoLaw {
   /// With patterns: error of an energy relative to what its footprints would return at the patterns' peak,
   /// 1e-12 to 0.01 (pattern_integral.hpp).
   double pattern_tolerance = 1e-6;
+  /// Micro-texture by material; empty, or null where a material is even. It is a function of position in the
+  /// local frame, where the history's apex is at `apex_m`.
+  std::span<const std::shared_ptr<const ReflectivityField>> reflectivity{};
+  glm::dvec3 apex_m{0};
 };
 
 /// How a footprint's energy gets into range samples.

@@ -198,6 +198,8 @@ class Loader {
                 .mesh = {},
                 .frame = {},
                 .material_mu = {},
+                .relief = {},
+                .reflectivity = {},
                 .trajectories = std::move(trajectories),
                 .sensor_trajectory = std::move(sensor_trajectory),
                 .report = {}};

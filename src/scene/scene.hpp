@@ -10,6 +10,8 @@
 #include "scene/georeference.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/trajectory.hpp"
+#include "seabed/elevation_field.hpp"
+#include "seabed/reflectivity_field.hpp"
 
 namespace tubefoot {
 
@@ -36,6 +38,8 @@ struct Scene {
   FacetMesh mesh;
   LocalFrame frame;                 ///< where the local frame lies on Earth, if the scene says so
   std::vector<double> material_mu;  ///< Lambert mu (linear), by material index
+  std::vector<std::shared_ptr<const ElevationField>> relief;           ///< by material; null: facets are flat
+  std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null: even
   double sound_speed_m_s = 1500;
   std::vector<Trajectory> trajectories;        ///< as in the description
   std::vector<std::size_t> sensor_trajectory;  ///< per sensor: index of its trajectory
