@@ -70,9 +70,9 @@ SceneVerdict verdict_of(const std::string& scene, std::span<const Trial> trials)
   return verdict;
 }
 
-LogPlot work_precision_plot(const std::string& scene, std::span<const Trial> trials, ErrorMeasure measure) {
+Diagram work_precision_plot(const std::string& scene, std::span<const Trial> trials, ErrorMeasure measure) {
   const std::vector<Trial> all = of_scene(trials, scene);
-  LogPlot plot;
+  Diagram plot;
   const bool l1 = measure == ErrorMeasure::l1;
   plot.title = fmt::format("{}: {}", scene, l1 ? "relative L1 error" : "RMS error of lit bins");
   plot.x_label = "seconds a ping, one thread";

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "study/log_plot.hpp"
+#include "study/diagram.hpp"
 #include "study/work_precision.hpp"
 
 namespace tubefoot {
@@ -23,7 +23,7 @@ struct SceneVerdict {
 SceneVerdict verdict_of(const std::string& scene, std::span<const Trial> trials);
 
 /// Error over seconds, a line an engine.
-LogPlot work_precision_plot(const std::string& scene, std::span<const Trial> trials, ErrorMeasure measure);
+Diagram work_precision_plot(const std::string& scene, std::span<const Trial> trials, ErrorMeasure measure);
 
 /// One row a trial: scene, engine, setting, l1_error, rms_db_error, seconds, bound.
 std::string to_csv(std::span<const Trial> trials);

@@ -113,6 +113,17 @@ TEST(Chart, RowsAreTrials) {
             "bed,tube,\"a, \"\"b\"\"\",0.001,0.02,0.5,1e-09\n");
 }
 
+TEST(Chart, LinearAxesHoldNegativeNumbers) {
+  Diagram diagram;
+  diagram.scale = Scale::linear;
+  diagram.series.push_back({"track", "", {{-0.5, -12}, {0, 3}, {2.5, 38}}, true});
+  const std::string svg = to_svg(diagram);
+  for (const char* tick : {">-0.5<", ">2.5<", ">-20<", ">40<"})
+    EXPECT_NE(svg.find(tick), std::string::npos) << tick;
+  EXPECT_EQ(svg.find(">60<"), std::string::npos);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+}
+
 TEST(Chart, DrawsWhatItIsGivenAndEscapesNames) {
   auto trials = ladder("rays <random> & \"co\"", 3, -0.5);
   trials.push_back(exact(0.01, 0));

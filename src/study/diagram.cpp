@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/log_plot.hpp"
+#include "study/diagram.hpp"
 
 #include <fmt/format.h>
 
@@ -35,29 +35,42 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-/// A logarithmic axis that ends at whole decades.
+/// An axis that ends at whole ticks: decades, or multiples of 1, 2 or 5 times a power of ten.
 struct Axis {
+  Scale scale = Scale::logarithmic;
   double lo = std::numeric_limits<double>::infinity(), hi = -std::numeric_limits<double>::infinity();
-  double from = 0, to = 1;
+  double from = 0, to = 1, step = 1;
 
+  bool shows(double value) const { return std::isfinite(value) && (scale == Scale::linear || value > 0); }
+  double measure(double value) const { return scale == Scale::linear ? value : std::log10(value); }
   void hold(double value) {
-    if (!(value > 0) || !std::isfinite(value)) return;
-    lo = std::min(lo, std::log10(value));
-    hi = std::max(hi, std::log10(value));
+    if (!shows(value)) return;
+    lo = std::min(lo, measure(value));
+    hi = std::max(hi, measure(value));
   }
   void settle() {
     if (!(lo <= hi)) lo = hi = 0;
-    lo = std::floor(lo);
-    hi = std::ceil(hi);
-    if (hi - lo < 1) hi = lo + 1;
+    if (scale == Scale::linear) {
+      const double rough = std::max(hi - lo, 1e-300) / 6,
+                   power = std::pow(10.0, std::floor(std::log10(rough)));
+      step = power * (rough > 5 * power ? 10 : rough > 2 * power ? 5 : rough > power ? 2 : 1);
+    }
+    lo = step * std::floor(lo / step);
+    hi = step * std::ceil(hi / step);
+    if (!(hi > lo)) hi = lo + step;
   }
-  double at(double value) const { return from + (to - from) * (std::log10(value) - lo) / (hi - lo); }
-  /// Decades between labels, so that they stay apart.
-  int stride() const { return std::max(1, static_cast<int>(std::ceil((hi - lo) / 9))); }
+  double at_measure(double measured) const { return from + (to - from) * (measured - lo) / (hi - lo); }
+  double at(double value) const { return at_measure(measure(value)); }
+  int ticks() const { return static_cast<int>(std::lround((hi - lo) / step)) + 1; }
+  double tick(int k) const { return lo + k * step; }
+  /// Ticks from label to label, so that they stay apart.
+  int stride() const { return std::max(1, static_cast<int>(std::ceil((ticks() - 1) / 9.0))); }
 };
 
-std::string power(int exponent) {
-  return fmt::format("10<tspan dy=\"-5\" font-size=\"9\">{}</tspan>", exponent);
+std::string label(const Axis& axis, int tick) {
+  const double at = axis.tick(tick);
+  if (axis.scale == Scale::linear) return fmt::format("{:g}", std::abs(at) < axis.step / 2 ? 0.0 : at);
+  return fmt::format("10<tspan dy=\"-5\" font-size=\"9\">{:g}</tspan>", at);
 }
 
 std::string text(double x, double y, const std::string& anchor, const std::string& inner, int size = 12,
@@ -73,15 +86,18 @@ std::string line(double x0, double y0, double x1, double y1, const std::string& 
 
 }  // namespace
 
-std::string to_svg(const LogPlot& plot) {
+std::string to_svg(const Diagram& diagram) {
   Axis x, y;
-  for (const PlotSeries& series : plot.series)
+  x.scale = y.scale = diagram.scale;
+  const bool has_floor = diagram.scale == Scale::logarithmic && diagram.floor > 0;
+  const auto raised = [&](double value) { return has_floor ? std::max(value, diagram.floor) : value; };
+  for (const PlotSeries& series : diagram.series)
     for (const auto& [px, py] : series.points) {
-      if (!(px > 0)) continue;
+      if (!x.shows(px)) continue;
       x.hold(px);
-      y.hold(std::max(py, plot.floor));
+      y.hold(raised(py));
     }
-  y.hold(plot.floor);
+  if (has_floor) y.hold(diagram.floor);
   x.settle();
   y.settle();
   x.from = left, x.to = width - right;
@@ -91,44 +107,44 @@ std::string to_svg(const LogPlot& plot) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
       width, height);
-  svg += text(left, 24, "start", escaped(plot.title), 15, " font-weight=\"bold\"");
-  for (int d = static_cast<int>(x.lo); d <= static_cast<int>(x.hi); ++d) {
-    const double at = x.at(std::pow(10.0, d));
+  svg += text(left, 24, "start", escaped(diagram.title), 15, " font-weight=\"bold\"");
+  for (int k = 0; k < x.ticks(); ++k) {
+    const double at = x.at_measure(x.tick(k));
     svg += line(at, y.from, at, y.to, "stroke=\"#dddddd\"");
-    if ((d - static_cast<int>(x.lo)) % x.stride() == 0) svg += text(at, y.from + 20, "middle", power(d));
+    if (k % x.stride() == 0) svg += text(at, y.from + 20, "middle", label(x, k));
   }
-  for (int d = static_cast<int>(y.lo); d <= static_cast<int>(y.hi); ++d) {
-    const double at = y.at(std::pow(10.0, d));
+  for (int k = 0; k < y.ticks(); ++k) {
+    const double at = y.at_measure(y.tick(k));
     svg += line(x.from, at, x.to, at, "stroke=\"#dddddd\"");
-    if ((d - static_cast<int>(y.lo)) % y.stride() == 0) svg += text(x.from - 8, at + 4, "end", power(d));
+    if (k % y.stride() == 0) svg += text(x.from - 8, at + 4, "end", label(y, k));
   }
   svg += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
       "stroke=\"#444444\"/>\n",
       x.from, y.to, x.to - x.from, y.from - y.to);
-  svg += text((x.from + x.to) / 2, height - 16, "middle", escaped(plot.x_label));
-  svg += text(20, (y.from + y.to) / 2, "middle", escaped(plot.y_label), 12,
+  svg += text((x.from + x.to) / 2, height - 16, "middle", escaped(diagram.x_label));
+  svg += text(20, (y.from + y.to) / 2, "middle", escaped(diagram.y_label), 12,
               fmt::format(" transform=\"rotate(-90 20 {:.1f})\"", (y.from + y.to) / 2));
-  if (plot.floor > 0) {
-    const double at = y.at(plot.floor);
+  if (has_floor) {
+    const double at = y.at(diagram.floor);
     svg += line(x.from, at, x.to, at, "stroke=\"#444444\" stroke-dasharray=\"6 4\"");
-    svg += text(x.to - 6, at - 5, "end", escaped(plot.floor_name), 11, " fill=\"#444444\"");
+    svg += text(x.to - 6, at - 5, "end", escaped(diagram.floor_name), 11, " fill=\"#444444\"");
   }
 
   double legend = top + 12;
-  for (std::size_t s = 0; s < plot.series.size(); ++s) {
-    const PlotSeries& series = plot.series[s];
+  for (std::size_t s = 0; s < diagram.series.size(); ++s) {
+    const PlotSeries& series = diagram.series[s];
     const std::string colour = colours[s % colours.size()];
     std::string path, dots;
     for (const auto& [px, py] : series.points) {
-      const double value = std::max(py, plot.floor);
-      if (!(px > 0) || !(value > 0)) continue;
+      const double value = raised(py);
+      if (!x.shows(px) || !y.shows(value)) continue;
       const double cx = x.at(px), cy = y.at(value);
       path += fmt::format("{}{:.1f},{:.1f}", path.empty() ? "" : " ", cx, cy);
       dots += fmt::format(
           "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" stroke=\"{}\" "
           "stroke-width=\"1.5\"/>\n",
-          cx, cy, py < plot.floor ? "white" : colour, colour);
+          cx, cy, py < value ? "white" : colour, colour);
     }
     if (series.joined && !path.empty())
       svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"/>\n", path,

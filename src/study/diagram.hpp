@@ -14,15 +14,19 @@ struct PlotSeries {
   bool joined = true;
 };
 
-/// A diagram with two logarithmic axes. Points that are not positive are left out of it, but see `floor`.
-struct LogPlot {
+/// How an axis counts.
+enum class Scale { logarithmic, linear };
+
+/// A diagram. What a logarithmic axis cannot show is left out of it, but see `floor`.
+struct Diagram {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
-  double floor = 0;        ///< a dashed line; points below it are drawn on it, hollow. 0: none
-  std::string floor_name;  ///< what the line says
+  Scale scale = Scale::logarithmic;  ///< of both axes
+  double floor = 0;                  ///< a dashed line; points below it are drawn on it, hollow. 0: none
+  std::string floor_name;            ///< what the line says
 };
 
 /// The diagram as a self-contained SVG of 760 x 520 pixels.
-std::string to_svg(const LogPlot& plot);
+std::string to_svg(const Diagram& diagram);
 
 }  // namespace tubefoot

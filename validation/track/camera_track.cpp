@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "track/camera_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <stdexcept>
+
+namespace tubefoot {
+namespace {
+
+constexpr double unseen = std::numeric_limits<double>::quiet_NaN();
+
+/// Unit vectors of a pose's heading, level.
+struct Heading {
+  explicit Heading(const Pose& pose) {
+    const glm::dvec3 forward = pose.attitude * glm::dvec3(0, 1, 0);
+    ahead = glm::normalize(glm::dvec3(forward.x, forward.y, 0));
+    starboard = glm::dvec3(ahead.y, -ahead.x, 0);
+  }
+  glm::dvec3 ahead, starboard;
+};
+
+/// Energies over the mean of their range, less 1.
+std::vector<double> flattened(std::span<const double> energies, std::size_t beams, std::size_t samples) {
+  std::vector<double> flat(energies.size(), unseen);
+  for (std::size_t k = 0; k < samples; ++k) {
+    double sum = 0;
+    for (std::size_t b = 0; b < beams; ++b) sum += energies[b * samples + k];
+    if (!(sum > 0)) continue;
+    for (std::size_t b = 0; b < beams; ++b)
+      flat[b * samples + k] = energies[b * samples + k] * static_cast<double>(beams) / sum - 1;
+  }
+  return flat;
+}
+
+/// Where in a frame, in beams and samples, a place in the camera's own axes is heard.
+class FrameLookup {
+ public:
+  FrameLookup(const Sensor& sensor, std::vector<double> flat)
+      : sensor_(sensor), flat_(std::move(flat)), samples_(static_cast<std::size_t>(sensor.samples().count)) {}
+
+  double at(glm::dvec3 place_m) const {
+    const std::vector<BeamAxis>& beams = sensor_.beams();
+    const double azimuth = std::atan2(place_m.x, place_m.y);
+    const double sample = (glm::length(place_m) - sensor_.samples().first_m) / sensor_.samples().step_m - 0.5;
+    const auto after = std::upper_bound(beams.begin(), beams.end(), azimuth,
+                                        [](double a, const BeamAxis& beam) { return a < beam.azimuth_rad; });
+    if (after == beams.begin() || after == beams.end() || !(sample >= 0)) return unseen;
+    const auto b = static_cast<std::size_t>(after - beams.begin()) - 1, k = static_cast<std::size_t>(sample);
+    if (k + 1 >= samples_) return unseen;
+    const double v = (azimuth - beams[b].azimuth_rad) / (beams[b + 1].azimuth_rad - beams[b].azimuth_rad),
+                 u = sample - static_cast<double>(k);
+    const auto value = [&](std::size_t beam, std::size_t s) { return flat_[beam * samples_ + s]; };
+    return (1 - v) * ((1 - u) * value(b, k) + u * value(b, k + 1)) +
+           v * ((1 - u) * value(b + 1, k) + u * value(b + 1, k + 1));
+  }
+
+ private:
+  const Sensor& sensor_;
+  std::vector<double> flat_;
+  std::size_t samples_;
+};
+
+}  // namespace
+
+PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<const double> energies,
+                        const GroundLayout& layout) {
+  const Sensor& sensor = *recording.sensor;
+  const Pose& pose = recording.ping_pose[ping];
+  const RangeSamples& samples = sensor.samples();
+  const double height_m = pose.position_m.z - layout.bed_m,
+               reach_m = samples.first_m + samples.count * samples.step_m;
+  if (!(height_m > 0 && reach_m > height_m)) throw std::invalid_argument("the camera sees no bed");
+  const double ground_m = std::sqrt(reach_m * reach_m - height_m * height_m);
+  const double half_width_m =
+      ground_m * std::sin(std::min(std::abs(sensor.beams().front().azimuth_rad), 1.5));
+  const FrameLookup lookup(
+      sensor, flattened(energies, sensor.beams().size(), static_cast<std::size_t>(samples.count)));
+  const Heading heading(pose);
+  const glm::dquat into_camera = glm::conjugate(pose.attitude);
+
+  PixelMap map;
+  map.columns = static_cast<std::size_t>(2 * half_width_m / layout.pixel_m) + 1;
+  map.rows = static_cast<std::size_t>(ground_m / layout.pixel_m) + 1;
+  for (std::size_t r = 0; r < map.rows; ++r)
+    for (std::size_t c = 0; c < map.columns; ++c) {
+      const double starboard = static_cast<double>(c) * layout.pixel_m - half_width_m,
+                   ahead = static_cast<double>(r) * layout.pixel_m;
+      const glm::dvec3 place =
+          starboard * heading.starboard + ahead * heading.ahead - glm::dvec3(0, 0, height_m);
+      map.values.push_back(lookup.at(into_camera * place));
+    }
+  return map;
+}
+
+TrackEstimate estimate_track(const Recording& recording, const std::vector<std::vector<double>>& frames,
+                             const GroundLayout& layout, int most_shift) {
+  TrackEstimate estimate;
+  estimate.least_prominence = std::numeric_limits<double>::infinity();
+  PixelMap before;
+  for (std::size_t ping = 0; ping < frames.size(); ++ping) {
+    PixelMap now = ground_picture(recording, ping, frames[ping], layout);
+    if (ping > 0) {
+      const FrameShift shift = find_shift(before, now, most_shift);
+      const Heading heading(recording.ping_pose[ping - 1]);
+      const glm::dvec3 way = recording.ping_pose[ping].position_m - recording.ping_pose[ping - 1].position_m;
+      // What the camera passes moves the other way in its frames.
+      const TrackStep measured{-shift.columns * layout.pixel_m, -shift.rows * layout.pixel_m};
+      const TrackStep truth{glm::dot(way, heading.starboard), glm::dot(way, heading.ahead)};
+      estimate.worst_pixels =
+          std::max(estimate.worst_pixels,
+                   std::hypot(measured.starboard_m - truth.starboard_m, measured.ahead_m - truth.ahead_m) /
+                       layout.pixel_m);
+      estimate.least_prominence = std::min(estimate.least_prominence, shift.prominence);
+      estimate.measured.push_back(measured);
+      estimate.true_steps.push_back(truth);
+      estimate.shifts.push_back(shift);
+    }
+    before = std::move(now);
+  }
+  return estimate;
+}
+
+}  // namespace tubefoot

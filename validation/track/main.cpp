@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tubefoot_track_study SCENE PICTURE: runs the first camera of a scene twice, over its micro-texture and over
+// an even bed with speckle, and estimates the camera's way from neighbouring frames. Writes a diagram of the
+// measured and the true track.
+#include <fmt/format.h>
+
+#include <exception>
+#include <filesystem>
+
+#include "app/simulation.hpp"
+#include "scene/utc.hpp"
+#include "sensors/products.hpp"
+#include "study/diagram.hpp"
+#include "study/svg_png.hpp"
+#include "track/camera_track.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double pixel_m = 0.01;
+constexpr int most_shift = 12;
+
+TrackEstimate track_of(const SceneDescription& description) {
+  const auto survey = open_survey(description);
+  SimulationStats stats;
+  const Recording camera = simulate(*survey, false, stats).front();
+  const RunContext run{survey->scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
+                       description.water, description.title};
+  std::vector<std::vector<double>> frames;
+  for (std::size_t ping = 0; ping < camera.pings(); ++ping) frames.push_back(received(camera, run, ping));
+  return estimate_track(camera, frames, {0, pixel_m}, most_shift);
+}
+
+PlotSeries line_of(const std::string& name, const std::vector<TrackStep>& steps, bool joined) {
+  PlotSeries series{name, "", {{0, 0}}, joined};
+  for (const TrackStep& step : steps)
+    series.points.emplace_back(series.points.back().first + step.starboard_m,
+                               series.points.back().second + step.ahead_m);
+  return series;
+}
+
+int run(const std::filesystem::path& scene, const std::filesystem::path& picture) {
+  SceneDescription textured = read_scene_file(scene), even = textured;
+  textured.sensors.resize(1);
+  even.sensors.resize(1);
+  for (MaterialDescription& material : even.materials) material.reflectivity.clear();
+  even.sensors.front().signal.speckle = "rayleigh";
+  const TrackEstimate with = track_of(textured), without = track_of(even);
+  for (const auto& [name, track] :
+       {std::pair{"micro-texture, no speckle", &with}, {"no texture, speckle", &without}})
+    fmt::print("{}: {} steps, worst error {:.3f} pixels of {} m, least prominence of a peak {:.1f}\n", name,
+               track->shifts.size(), track->worst_pixels, pixel_m, track->least_prominence);
+
+  Diagram diagram;
+  diagram.title = "A camera's way, by what neighbouring frames have in common";
+  diagram.x_label = "to starboard of where the camera looks, m";
+  diagram.y_label = "ahead, m";
+  diagram.scale = Scale::linear;
+  diagram.series = {line_of("true", with.true_steps, true), line_of("micro-texture", with.measured, false),
+                    line_of("speckle alone", without.measured, true)};
+  write_png_of_svg(to_svg(diagram), picture);
+  return 0;
+}
+
+}  // namespace
+}  // namespace tubefoot
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    fmt::print(stderr, "usage: tubefoot_track_study SCENE PICTURE\n");
+    return 2;
+  }
+  try {
+    return tubefoot::run(argv[1], argv[2]);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}
