@@ -7,13 +7,14 @@
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
+#   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo test build setup prove bench atlas advise-study reference format tidy clean
+.PHONY: demo test build setup prove bench atlas advise-study track-study reference format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -55,6 +56,10 @@ atlas: setup
 advise-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_advise_study
 	build/release/tubefoot_advise_study validation/advise.md scenes/chart/*.toml scenes/*/scene.toml
+
+track-study: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_track_study
+	build/release/tubefoot_track_study scenes/textures/track.toml docs/gallery/track.png
 
 reference: build
 	tools/reference_pack $(PROGRAM) reference/v1

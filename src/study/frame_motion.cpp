@@ -47,7 +47,6 @@ class Correlations {
         values_.push_back(shared.n >= least ? shared.correlation() : none);
       }
   }
-  int most() const { return most_; }
   double at(int c, int r) const {
     if (std::abs(c) > most_ || std::abs(r) > most_) return none;
     const auto side = static_cast<std::size_t>(2 * most_ + 1);
@@ -75,21 +74,6 @@ double vertex(double before, double middle, double after) {
   return std::isfinite(before) && std::isfinite(after) && bend < 0 ? (before - after) / (2 * bend) : 0;
 }
 
-double prominence(const Correlations& all, int c, int r) {
-  constexpr int peak_radius = 3;
-  double n = 0, sum = 0, squares = 0;
-  for (int y = -all.most(); y <= all.most(); ++y)
-    for (int x = -all.most(); x <= all.most(); ++x) {
-      const double value = all.at(x, y);
-      if (value == none || (std::abs(x - c) <= peak_radius && std::abs(y - r) <= peak_radius)) continue;
-      n += 1;
-      sum += value;
-      squares += value * value;
-    }
-  const double variance = n > 1 ? (squares - sum * sum / n) / (n - 1) : 0;
-  return variance > 0 ? (all.at(c, r) - sum / n) / std::sqrt(variance) : 0;
-}
-
 }  // namespace
 
 FrameShift find_shift(const PixelMap& first, const PixelMap& second, int most_shift) {
@@ -109,7 +93,6 @@ FrameShift find_shift(const PixelMap& first, const PixelMap& second, int most_sh
   shift.columns = c + vertex(all.at(c - 1, r), all.at(c, r), all.at(c + 1, r));
   shift.rows = r + vertex(all.at(c, r - 1), all.at(c, r), all.at(c, r + 1));
   shift.correlation = all.at(c, r);
-  shift.prominence = prominence(all, c, r);
   return shift;
 }
 

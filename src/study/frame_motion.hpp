@@ -18,9 +18,6 @@ struct PixelMap {
 struct FrameShift {
   double columns = 0, rows = 0;  ///< to fractions of a pixel
   double correlation = 0;        ///< normalised, at the best whole shift: 1 for the same content
-  /// How far the peak stands out of the correlations that are more than three pixels from it: their mean and
-  /// standard deviation apart. Pictures that have nothing in common reach about 3.5 among 1000 shifts.
-  double prominence = 0;
 };
 
 /// Finds the shift (c, r) for which second(x + c, y + r) is most like first(x, y): the largest normalised

@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <stdexcept>
 
 namespace tubefoot {
@@ -23,15 +25,42 @@ struct Heading {
   glm::dvec3 ahead, starboard;
 };
 
-/// Energies over the mean of their range, less 1.
-std::vector<double> flattened(std::span<const double> energies, std::size_t beams, std::size_t samples) {
+/// The elevation, in the camera's axes, at which a beam meets the bed at a slant range; nothing if it does
+/// not.
+std::optional<double> elevation_at(const Pose& pose, double height_m, double azimuth_rad, double range_m) {
+  const double level = (pose.attitude * glm::dvec3(std::sin(azimuth_rad), std::cos(azimuth_rad), 0)).z,
+               up = (pose.attitude * glm::dvec3(0, 0, 1)).z, most = std::hypot(level, up);
+  const double cosine = -height_m / (range_m * most);
+  if (std::abs(cosine) > 1) return {};
+  // level cos e + up sin e = most cos(e - middle)
+  const double middle = std::atan2(up, level), turn = std::acos(cosine);
+  const double one = std::remainder(middle + turn, 2 * std::numbers::pi),
+               other = std::remainder(middle - turn, 2 * std::numbers::pi);
+  return std::abs(one) < std::abs(other) ? one : other;
+}
+
+/// Energies over the mean of their range, less 1, where the bed fills the beam.
+std::vector<double> flattened(const Sensor& sensor, const Pose& pose, double height_m,
+                              std::span<const double> energies) {
+  constexpr double inner = 0.95;  // of the beam's height
+  const auto samples = static_cast<std::size_t>(sensor.samples().count);
   std::vector<double> flat(energies.size(), unseen);
   for (std::size_t k = 0; k < samples; ++k) {
+    const double range_m =
+        sensor.samples().first_m + (static_cast<double>(k) + 0.5) * sensor.samples().step_m;
+    std::vector<std::size_t> filled;
     double sum = 0;
-    for (std::size_t b = 0; b < beams; ++b) sum += energies[b * samples + k];
+    for (std::size_t b = 0; b < sensor.beams().size(); ++b) {
+      const BeamAxis& beam = sensor.beams()[b];
+      const auto elevation = elevation_at(pose, height_m, beam.azimuth_rad, range_m);
+      if (!elevation || std::abs(*elevation - beam.elevation_rad) > inner * beam.elevation_width_rad / 2)
+        continue;
+      filled.push_back(b * samples + k);
+      sum += energies[b * samples + k];
+    }
     if (!(sum > 0)) continue;
-    for (std::size_t b = 0; b < beams; ++b)
-      flat[b * samples + k] = energies[b * samples + k] * static_cast<double>(beams) / sum - 1;
+    for (const std::size_t bin : filled)
+      flat[bin] = energies[bin] * static_cast<double>(filled.size()) / sum - 1;
   }
   return flat;
 }
@@ -77,8 +106,7 @@ PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<
   const double ground_m = std::sqrt(reach_m * reach_m - height_m * height_m);
   const double half_width_m =
       ground_m * std::sin(std::min(std::abs(sensor.beams().front().azimuth_rad), 1.5));
-  const FrameLookup lookup(
-      sensor, flattened(energies, sensor.beams().size(), static_cast<std::size_t>(samples.count)));
+  const FrameLookup lookup(sensor, flattened(sensor, pose, height_m, energies));
   const Heading heading(pose);
   const glm::dquat into_camera = glm::conjugate(pose.attitude);
 
@@ -99,7 +127,8 @@ PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<
 TrackEstimate estimate_track(const Recording& recording, const std::vector<std::vector<double>>& frames,
                              const GroundLayout& layout, int most_shift) {
   TrackEstimate estimate;
-  estimate.least_prominence = std::numeric_limits<double>::infinity();
+  estimate.least_correlation = 1;
+  estimate.largest_correlation = -1;
   PixelMap before;
   for (std::size_t ping = 0; ping < frames.size(); ++ping) {
     PixelMap now = ground_picture(recording, ping, frames[ping], layout);
@@ -114,7 +143,8 @@ TrackEstimate estimate_track(const Recording& recording, const std::vector<std::
           std::max(estimate.worst_pixels,
                    std::hypot(measured.starboard_m - truth.starboard_m, measured.ahead_m - truth.ahead_m) /
                        layout.pixel_m);
-      estimate.least_prominence = std::min(estimate.least_prominence, shift.prominence);
+      estimate.least_correlation = std::min(estimate.least_correlation, shift.correlation);
+      estimate.largest_correlation = std::max(estimate.largest_correlation, shift.correlation);
       estimate.measured.push_back(measured);
       estimate.true_steps.push_back(truth);
       estimate.shifts.push_back(shift);

@@ -32,7 +32,7 @@ struct TrackEstimate {
   std::vector<FrameShift> shifts;
   /// Largest distance of a measured step from the true one, in pixels.
   double worst_pixels = 0;
-  double least_prominence = 0;
+  double least_correlation = 0, largest_correlation = 0;  ///< of neighbouring frames, at their shifts
 };
 
 /// Estimates the way of a camera from its frames (find_shift() of neighbours). `frames`: one a ping.

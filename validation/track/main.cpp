@@ -48,8 +48,11 @@ int run(const std::filesystem::path& scene, const std::filesystem::path& picture
   const TrackEstimate with = track_of(textured), without = track_of(even);
   for (const auto& [name, track] :
        {std::pair{"micro-texture, no speckle", &with}, {"no texture, speckle", &without}})
-    fmt::print("{}: {} steps, worst error {:.3f} pixels of {} m, least prominence of a peak {:.1f}\n", name,
-               track->shifts.size(), track->worst_pixels, pixel_m, track->least_prominence);
+    fmt::print(
+        "{}: {} steps, worst error {:.3f} pixels of {} m; neighbouring frames correlate by {:.3f} to "
+        "{:.3f}\n",
+        name, track->shifts.size(), track->worst_pixels, pixel_m, track->least_correlation,
+        track->largest_correlation);
 
   Diagram diagram;
   diagram.title = "A camera's way, by what neighbouring frames have in common";
