@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "scene/relief_map.hpp"
 #include "seabed/relief_sum.hpp"
 #include "seabed/spectral_relief.hpp"
 
@@ -18,6 +19,8 @@ bool alike(const ReliefDescription& a, const ReliefDescription& b) {
 
 class Reliefs {
  public:
+  Reliefs(const LocalFrame& frame, std::vector<std::string>& warnings) : frame_(frame), warnings_(warnings) {}
+
   Field get(const ReliefDescription& relief) {
     for (const auto& [made, field] : made_)
       if (alike(*made, relief)) return field;
@@ -25,7 +28,7 @@ class Reliefs {
   }
 
  private:
-  static Field make(const ReliefDescription& relief) {
+  Field make(const ReliefDescription& relief) {
     const ReliefTile tile{relief.tile_m, relief.resolution_m, relief.seed};
     try {
       if (const auto* fractal = std::get_if<FractalReliefDescription>(&relief.kind)) {
@@ -34,22 +37,29 @@ class Reliefs {
         if (fractal->spectral_strength_cm4) surface.spectral_strength_cm4 = *fractal->spectral_strength_cm4;
         return make_surface(surface);
       }
+      if (const auto* map = std::get_if<MapReliefDescription>(&relief.kind))
+        return read_relief_map(*map, frame_, warnings_);
       const auto& ripples = std::get<RippleReliefDescription>(relief.kind);
       return make_surface(RippleRelief{tile, ripples.wavelength_m, ripples.direction_deg, ripples.hurst,
                                        ripples.rms_height_m});
     } catch (const std::invalid_argument& error) {
       throw InputError(relief.place, error.what());
+    } catch (const InputError& error) {  // in the map: both places are told
+      throw InputError(relief.place, error.what());
     }
   }
 
+  const LocalFrame& frame_;
+  std::vector<std::string>& warnings_;
   std::vector<std::pair<const ReliefDescription*, Field>> made_;
 };
 
 }  // namespace
 
 std::vector<std::shared_ptr<const ElevationField>> load_relief(
-    const std::vector<MaterialDescription>& materials, const LocalFrame&, std::vector<std::string>&) {
-  Reliefs reliefs;
+    const std::vector<MaterialDescription>& materials, const LocalFrame& frame,
+    std::vector<std::string>& warnings) {
+  Reliefs reliefs(frame, warnings);
   std::vector<Field> fields;
   for (const MaterialDescription& material : materials) {
     std::vector<Field> parts;

@@ -29,6 +29,7 @@ const TomlSection<ReliefDescription>& relief_section() {
   using R = ReliefDescription;
   using F = FractalReliefDescription;
   using P = RippleReliefDescription;
+  using M = MapReliefDescription;
   const std::vector<TomlField<R>> tile{
       field("tile_m", &R::tile_m, {.ranges = {size}, .required = true}),
       field("resolution_m", &R::resolution_m, {.ranges = {size}, .required = true}),
@@ -49,6 +50,10 @@ const TomlSection<ReliefDescription>& relief_section() {
                     field("rms_height_m", &P::rms_height_m, {.ranges = {height}, .required = true}),
                     field("hurst", &P::hurst, {.ranges = {hurst}})},
                    tile)
+          .kind<M>(
+              "kind", "map",
+              {field("file", &M::file, {.required = true}), field("tile_m", &M::tile_m, {.ranges = {size}}),
+               field("scale", &M::scale, {.ranges = {{.lo = -1000, .hi = 1000}}})})
           .check(check_relief);
   return section;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "seabed/spectral_relief.hpp"
 
-#include <fftw3.h>
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -10,47 +9,16 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <mutex>
-#include <new>
 #include <numbers>
 #include <stdexcept>
 
+#include "seabed/fourier.hpp"
 #include "seabed/portable_random.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<long double>;
-static_assert(sizeof(Complex) == sizeof(fftwl_complex));
-
-fftwl_complex* fftw(Complex* z) { return reinterpret_cast<fftwl_complex*>(z); }
-
-// One-dimensional transforms in place, for any number of threads. FFTW_ESTIMATE: the plan, and with it the
-// rounding, depends on the length alone.
-class Transforms {
- public:
-  explicit Transforms(std::size_t nodes) {
-    static std::mutex planner;  // FFTW's planner is not for two threads at once
-    const std::scoped_lock lock(planner);
-    const int n = static_cast<int>(nodes);
-    std::vector<Complex> any(nodes + 2);
-    constexpr unsigned flags = FFTW_ESTIMATE | FFTW_UNALIGNED;
-    column_.reset(fftwl_plan_dft_1d(n, fftw(any.data()), fftw(any.data()), FFTW_BACKWARD, flags));
-    row_.reset(fftwl_plan_dft_c2r_1d(n, fftw(any.data()), reinterpret_cast<long double*>(any.data()), flags));
-    if (!column_ || !row_) throw std::bad_alloc();
-  }
-  void column(Complex* z) const { fftwl_execute_dft(column_.get(), fftw(z), fftw(z)); }
-  /// Half a Hermitian row to as many reals.
-  void row(Complex* z) const {
-    fftwl_execute_dft_c2r(row_.get(), fftw(z), reinterpret_cast<long double*>(z));
-  }
-
- private:
-  struct Destroy {
-    void operator()(fftwl_plan plan) const { fftwl_destroy_plan(plan); }
-  };
-  std::unique_ptr<fftwl_plan_s, Destroy> column_, row_;
-};
 
 // B-spline coefficients over node heights, along one axis: a spline's node is (1, 4, 1)/6 of its
 // coefficients.
@@ -73,7 +41,7 @@ std::shared_ptr<const SplineSurface> synthesise(const ReliefTile& tile, std::opt
   const std::size_t nodes = tile.nodes(), half = nodes / 2;
   const auto nyquist = static_cast<std::int64_t>(half);
   const std::vector<double> sharpen = sharpening(nodes);
-  const Transforms transforms(nodes);
+  const InverseTransforms transforms(nodes);
   std::vector<Complex> plane((half + 1) * nodes);  // row by row
 
   // Columns in blocks, so that a row of the plane is written in whole cache lines.
