@@ -2,15 +2,12 @@
 #include "scene/raster.hpp"
 
 #include <fmt/core.h>
-#include <gdal_priv.h>
 
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
 
-#include "scene/raster_messages.hpp"
-#include "scene/raster_netcdf_size.hpp"
+#include "scene/raster_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -35,25 +32,16 @@ constexpr std::uint32_t kHole = std::numeric_limits<std::uint32_t>::max();
 
 class RasterReader {
  public:
-  RasterReader(const RasterTerrain& terrain) : terrain_(terrain), place_{terrain.file.string(), 0, 0} {
-    open();
-  }
+  explicit RasterReader(const RasterTerrain& terrain) : terrain_(terrain), file_(terrain.file) {}
 
-  std::string crs() const {
-    const OGRSpatialReference* known = dataset_->GetSpatialRef();
-    if (known == nullptr || known->IsEmpty() || known->IsLocal()) return {};
-    return dataset_->GetProjectionRef();  // as WKT
-  }
+  const RasterFile& file() const { return file_; }
 
   Heights read() {
     Heights heights;
     heights.window = window();
-    check_geotransform();
-    GDALRasterBand& band = *dataset_->GetRasterBand(1);
-    double scale = band.GetScale();
-    if (scale == 0) scale = 1;
-    const double metres = (terrain_.depth_positive_down ? -1 : 1) * metres_per_unit(band);
-    const double offset = band.GetOffset();
+    geotransform_ = file_.geotransform();
+    const RasterFile::Metres metres = file_.metres();
+    const double up = terrain_.depth_positive_down ? -1 : 1;
 
     const Window& w = heights.window;
     heights.number.assign(static_cast<std::size_t>(w.kept_columns()) * w.kept_rows(), kHole);
@@ -61,12 +49,11 @@ class RasterReader {
     std::vector<unsigned char> has_data(w.columns);
     std::size_t cell = 0;
     for (int row = w.row; row < w.row + w.rows; row += w.step) {
-      read_row(band, w, row, GDT_Float64, values.data());
-      read_row(*band.GetMaskBand(), w, row, GDT_Byte, has_data.data());
+      file_.read_row(row, w.column, w.columns, values.data(), has_data.data());
       for (int i = 0; i < w.columns; i += w.step, ++cell) {
         if (has_data[i] == 0 || !std::isfinite(values[i])) continue;
         heights.number[cell] = static_cast<std::uint32_t>(heights.points.size());
-        heights.points.push_back(place_of(w.column + i, row, (values[i] * scale + offset) * metres));
+        heights.points.push_back(place_of(w.column + i, row, up * metres(values[i])));
       }
     }
     return heights;
@@ -78,42 +65,11 @@ class RasterReader {
             geotransform_[3] + (w.row + 0.5 * w.rows) * geotransform_[5], 0};
   }
 
-  const GdalMessages& messages() const { return messages_; }
-  const SourcePlace& place() const { return place_; }
-
  private:
-  [[noreturn]] void fail(const std::string& message) const {
-    throw InputError(place_, message + messages_.in_brackets());
-  }
-
-  void open() {
-    static std::once_flag registered;
-    std::call_once(registered, [] { GDALAllRegister(); });
-    const char* const drivers[] = {"GTiff", "BAG", "AAIGrid", "netCDF", nullptr};
-    dataset_.reset(GDALDataset::Open(place_.file.c_str(),
-                                     GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
-    if (dataset_ == nullptr) {
-      fail(
-          "cannot be read as GeoTIFF, BAG, ESRI ASCII grid or netCDF: it is empty, cut off, corrupt or of "
-          "another "
-          "format (gdal_translate converts many)");
-    }
-    std::error_code error;
-    if (const auto needed = netcdf_classic_size(terrain_.file);
-        needed && std::filesystem::file_size(terrain_.file, error) < *needed) {
-      fail("is cut off: its netCDF header describes more data than the file holds");
-    }
-    if (dataset_->GetRasterCount() == 0) {
-      fail(
-          "holds no single raster but perhaps several variables: extract one with gdal_translate "
-          "(gdalinfo lists their names)");
-    }
-  }
-
   Window window() const {
-    const int width = dataset_->GetRasterXSize(), height = dataset_->GetRasterYSize();
+    const int width = file_.columns(), height = file_.rows();
     Window w{0, 0, width, height, terrain_.decimate};
-    if (w.step < 1) fail(fmt::format("decimate is {}, expected 1 or more", w.step));
+    if (w.step < 1) file_.fail(fmt::format("decimate is {}, expected 1 or more", w.step));
     if (terrain_.window) {
       w.column = (*terrain_.window)[0];
       w.row = (*terrain_.window)[1];
@@ -121,56 +77,21 @@ class RasterReader {
       w.rows = (*terrain_.window)[3];
       if (w.column < 0 || w.row < 0 || w.columns < 1 || w.rows < 1 || w.columns > width - w.column ||
           w.rows > height - w.row) {
-        fail(fmt::format(
+        file_.fail(fmt::format(
             "the window of {} x {} cells at column {}, row {} does not lie in the raster of {} x {} cells",
             w.columns, w.rows, w.column, w.row, width, height));
       }
     }
     if (w.kept_columns() < 2 || w.kept_rows() < 2) {
-      fail(fmt::format(
+      file_.fail(fmt::format(
           "{} x {} cells are left, expected at least 2 x 2: facets lie between the cells' centres",
           w.kept_columns(), w.kept_rows()));
     }
     if (static_cast<double>(w.kept_columns()) * w.kept_rows() > kMostCells) {
-      fail(fmt::format("{} x {} cells are more than {:.3g}: give a window or decimate", w.kept_columns(),
-                       w.kept_rows(), kMostCells));
+      file_.fail(fmt::format("{} x {} cells are more than {:.3g}: give a window or decimate",
+                             w.kept_columns(), w.kept_rows(), kMostCells));
     }
     return w;
-  }
-
-  void check_geotransform() {
-    if (dataset_->GetGeoTransform(geotransform_.data()) != CE_None) {
-      fail("has no geotransform, so its cells have no size and place: add one with gdal_edit.py -a_ullr");
-    }
-    if (geotransform_[2] != 0 || geotransform_[4] != 0) {
-      fail("is rotated against its coordinate axes: turn it north-up with gdalwarp");
-    }
-    if (!(geotransform_[1] > 0) || !(geotransform_[5] < 0)) {
-      fail("does not run from north-west to south-east: turn it north-up with gdalwarp");
-    }
-  }
-
-  double metres_per_unit(GDALRasterBand& band) const {
-    const std::string unit = band.GetUnitType();
-    if (unit.empty() || unit == "m" || unit == "metre" || unit == "meter" || unit == "metres" ||
-        unit == "meters") {
-      return 1;
-    }
-    if (unit == "cm") return 0.01;
-    if (unit == "km") return 1000;
-    if (unit == "ft" || unit == "foot" || unit == "feet") return 0.3048;
-    if (unit == "US survey foot" || unit == "ftUS") return 1200.0 / 3937.0;
-    fail(fmt::format(
-        "its heights are in '{}', expected m, cm, km, ft or US survey foot: mend it with gdal_edit.py "
-        "-units m",
-        unit));
-  }
-
-  void read_row(GDALRasterBand& band, const Window& w, int row, GDALDataType type, void* out) const {
-    if (band.RasterIO(GF_Read, w.column, row, w.columns, 1, out, w.columns, 1, type, 0, 0, nullptr) !=
-        CE_None) {
-      fail(fmt::format("row {} cannot be read: the file is cut off or corrupt", row));
-    }
   }
 
   glm::dvec3 place_of(int column, int row, double height_m) const {
@@ -179,9 +100,7 @@ class RasterReader {
   }
 
   const RasterTerrain& terrain_;
-  SourcePlace place_;
-  GdalMessages messages_;
-  GDALDatasetUniquePtr dataset_;
+  RasterFile file_;
   std::array<double, 6> geotransform_{};
 };
 
@@ -240,9 +159,9 @@ LocalFrame frame_about(glm::dvec3 centre, const std::string& crs, const SourcePl
 
 ComponentMesh read_raster(const RasterTerrain& terrain, std::optional<LocalFrame>& frame) {
   RasterReader reader(terrain);
-  const std::string crs = reader.crs();
+  const std::string crs = reader.file().crs();
   Heights heights = reader.read();
-  const SourcePlace& place = reader.place();
+  const SourcePlace& place = reader.file().place();
   std::vector<std::string> warnings;
   if (!frame) frame = frame_about(reader.centre(heights.window), crs, place, warnings.emplace_back());
   if (frame->is_georeferenced()) {
@@ -266,7 +185,7 @@ ComponentMesh read_raster(const RasterTerrain& terrain, std::optional<LocalFrame
         "has no three neighbouring cells with data in the window, so it gives no facet: check the "
         "window and the nodata value");
   }
-  for (const std::string& text : reader.messages().warnings()) {
+  for (const std::string& text : reader.file().messages().warnings()) {
     warnings.push_back(fmt::format("{}: GDAL: {}", place.file, text));
   }
   mesh.warnings = std::move(warnings);

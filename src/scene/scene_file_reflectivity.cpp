@@ -26,22 +26,4 @@ const TomlSection<ReflectivityDescription>& reflectivity_section() {
   return section;
 }
 
-TomlField<MaterialDescription> reflectivity_field() {
-  const TomlKey key = make_key("reflectivity", "tables", "none", {});
-  return {key, [](const toml::node& node, TomlSource& source, MaterialDescription& material) {
-            const auto read_table = [&](const toml::node& table) {
-              const SourcePlace place = source.place(table.source());
-              if (!table.is_table())
-                throw InputError(place, fmt::format("'reflectivity' must be tables: write {}",
-                                                    reflectivity_section().name()));
-              material.reflectivity.push_back(
-                  reflectivity_section().read({table.as_table(), place, &source}, source));
-            };
-            if (const toml::array* tables = node.as_array())
-              for (const toml::node& table : *tables) read_table(table);
-            else
-              read_table(node);
-          }};
-}
-
 }  // namespace tubefoot

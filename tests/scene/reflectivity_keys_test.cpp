@@ -69,7 +69,7 @@ TEST(ReflectivityKeys, AreRefusedWithTheirPlace) {
   EXPECT_THAT(error("tile_m = [1, 1]\n"), HasSubstr("map"));
   EXPECT_THAT(folder.error_of(with_texture("reflectivity = 3\n")),
               AllOf(HasSubstr("scene.toml:3:"), HasSubstr("[[materials.reflectivity]]")));
-  EXPECT_THAT(folder.error_of(with_texture("reflectivity = [1]\n")), HasSubstr("must be tables"));
+  EXPECT_THAT(folder.error_of(with_texture("reflectivity = [1]\n")), HasSubstr("expected tables"));
   EXPECT_THAT(folder.error_of(with_texture("[[materials.reflectivity]]\nkind = \"map\"\n")),
               HasSubstr("file"));
 }

@@ -452,8 +452,9 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\ndetection_threshold_db = \ngrid_cell_m = "  // multibeam_keys_test.cpp
                            "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = "
                            "\ntvg_fixed_below_m = "  // sidescan_keys_test.cpp
-                           "\nreflectivity = \nwavelength_m = \noctaves = \npersistence = \ndepth = "
-                           "\nvalues = \ntile_m = ";  // reflectivity_keys_test.cpp
+                           "\noctaves = \npersistence = \ndepth = \nvalues = "  // reflectivity_keys_test.cpp
+                           "\ntile_m = \nresolution_m = \nspectral_exponent = \nspectral_strength_cm4 = "
+                           "\nwavelength_m = \ndirection_deg = ";  // relief_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <gdal_priv.h>
+
+#include <array>
+#include <filesystem>
+#include <string>
+
+#include "scene/input_error.hpp"
+#include "scene/raster_messages.hpp"
+
+namespace tubefoot {
+
+/// Band 1 of a raster of heights, opened: GeoTIFF, BAG, ESRI ASCII grid or netCDF. While it lives, GDAL's
+/// messages on this thread go to messages(). All errors are InputErrors at the file, with GDAL's own words.
+class RasterFile {
+ public:
+  explicit RasterFile(const std::filesystem::path& file);
+
+  const SourcePlace& place() const { return place_; }
+  const GdalMessages& messages() const { return messages_; }
+  int columns() const { return dataset_->GetRasterXSize(); }
+  int rows() const { return dataset_->GetRasterYSize(); }
+  /// As WKT; empty for none.
+  std::string crs() const;
+  /// Of a north-up raster. Throws where there is none, or it is rotated or upside down.
+  std::array<double, 6> geotransform() const;
+  /// From the band's values to metres, by its scale, offset and unit.
+  struct Metres {
+    double scale = 1, offset = 0, metres_per_unit = 1;
+    double operator()(double value) const { return (value * scale + offset) * metres_per_unit; }
+  };
+  Metres metres() const;
+  /// Part of a row: its values, and which of them are data (not 0).
+  void read_row(int row, int column, int columns, double* values, unsigned char* has_data) const;
+
+  [[noreturn]] void fail(const std::string& message) const;
+
+ private:
+  void read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type, void* out) const;
+
+  SourcePlace place_;
+  GdalMessages messages_;
+  GDALDatasetUniquePtr dataset_;
+};
+
+}  // namespace tubefoot
