@@ -15,6 +15,7 @@
 #include "scene/mesh_file.hpp"
 #include "scene/primitives.hpp"
 #include "scene/raster.hpp"
+#include "scene/relief.hpp"
 #include "scene/scene_placement.hpp"
 #include "scene/terrain.hpp"
 #include "scene/trajectory_file.hpp"
@@ -210,6 +211,7 @@ class Loader {
     scene.sound_speed_m_s = water.sound_speed_m_s.value_or(
         mackenzie_sound_speed_m_s(water.temperature_c, water.salinity_psu, water.depth_m));
     scene.frame = frame_.value_or(LocalFrame());
+    scene.relief = load_relief(description_.materials, scene.frame, report_.warnings);
     build_mesh(scene);
     scene.report = std::move(report_);
     warn_about(scene);

@@ -33,10 +33,40 @@ struct WaterDescription {
   double depth_m = 10;  ///< for the two formulas
 };
 
+/// Relief of a material as a fractional Brownian surface: 'hurst' or 'spectral_exponent' (2 hurst + 2), and
+/// 'rms_height_m' or 'spectral_strength_cm4'.
+struct FractalReliefDescription {
+  std::optional<double> hurst, spectral_exponent, rms_height_m, spectral_strength_cm4;
+  bool operator==(const FractalReliefDescription&) const = default;
+};
+/// Ripples by a translated spectrum.
+struct RippleReliefDescription {
+  double wavelength_m = 1;
+  double direction_deg = 0;  ///< compass direction of the wave vector (across the crests)
+  double rms_height_m = 0.01;
+  double hurst = 0.9;  ///< width of the band: the larger, the narrower
+  bool operator==(const RippleReliefDescription&) const = default;
+};
+/// A measured map of deviations from the facets.
+struct MapReliefDescription {
+  std::filesystem::path file;    ///< already resolved against the scene file's folder
+  std::optional<double> tile_m;  ///< repeated, its width being this; else it lies where its georeference says
+  double scale = 1;              ///< of its heights
+  bool operator==(const MapReliefDescription&) const = default;
+};
+struct ReliefDescription {
+  SourcePlace place;
+  double tile_m = 0;  ///< period of what is synthesised
+  double resolution_m = 0;
+  std::uint64_t seed = 1;
+  std::variant<FractalReliefDescription, RippleReliefDescription, MapReliefDescription> kind;
+};
+
 struct MaterialDescription {
   SourcePlace place;
   std::string name;
-  double lambert_db = -27;  ///< 10 log10 mu; energy conservation wants <= -4.9715
+  double lambert_db = -27;                ///< 10 log10 mu; energy conservation wants <= -4.9715
+  std::vector<ReliefDescription> relief;  ///< their sum; none: facets are flat
 };
 
 struct FlatTerrain {

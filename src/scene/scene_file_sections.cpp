@@ -125,7 +125,8 @@ const TomlSection<MaterialDescription>& material_section() {
       .lo = -120, .hi = -4.9715, .if_above = "a surface cannot scatter more than it receives"};
   static const auto section = TomlSection<M>("[[materials]]")
                                   .keys({field("name", &M::name, {.required = true}),
-                                         field("lambert_db", &M::lambert_db, {.ranges = {lambert}})});
+                                         field("lambert_db", &M::lambert_db, {.ranges = {lambert}})})
+                                  .tables("relief", &M::relief, relief_section());
   return section;
 }
 

@@ -11,6 +11,7 @@ const TomlField<SceneDescription>& title_field();
 const TomlSection<GeoreferenceDescription>& georeference_section();
 const TomlSection<WaterDescription>& water_section();
 const TomlSection<MaterialDescription>& material_section();
+const TomlSection<ReliefDescription>& relief_section();
 const TomlSection<TerrainDescription>& terrain_section();
 const TomlSection<ObjectDescription>& object_section();
 const TomlSection<TrajectoryDescription>& trajectory_section();

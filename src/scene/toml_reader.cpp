@@ -105,6 +105,22 @@ std::vector<TomlEntry> entries_in_file_order(const toml::table& table, const Tom
   return entries;
 }
 
+std::vector<TomlTable> tables_of(const toml::node& node, const std::string& section,
+                                 const TomlSource& source) {
+  std::vector<TomlTable> tables;
+  const auto add = [&](const toml::node& one) {
+    const SourcePlace place = source.place(one.source());
+    if (!one.is_table()) throw InputError(place, fmt::format("expected tables: write {}", section));
+    tables.push_back({one.as_table(), place, &source});
+  };
+  if (const toml::array* many = node.as_array(); many != nullptr) {
+    for (const toml::node& one : *many) add(one);
+  } else {
+    add(node);
+  }
+  return tables;
+}
+
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, double& value) {
   if (!node.is_number()) fail_type(node, key, source);
   value = *node.value<double>();

@@ -81,6 +81,10 @@ struct TomlEntry {
 /// A table's entries as they follow one another in the file (toml++ sorts them by name).
 std::vector<TomlEntry> entries_in_file_order(const toml::table& table, const TomlSource& source);
 
+/// One table, or an array of them; throws InputError for anything else. `section` is for the message.
+std::vector<TomlTable> tables_of(const toml::node& node, const std::string& section,
+                                 const TomlSource& source);
+
 /// Values of every type; they throw InputError at the value's place.
 /// @{
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, double& value);
@@ -221,6 +225,21 @@ class TomlSection {
     return add(lifted, kind).add(more, kind);
   }
 
+  /// Tables of another section inside this one: [[materials.relief]] for `key` "relief". A single one may be
+  /// written [materials.relief].
+  template <class T>
+  TomlSection& tables(std::string_view key, std::vector<T> S::*member, const TomlSection<T>& section) {
+    TomlKey known;
+    known.section = name_;
+    known.name = key;
+    const auto read = [member, &section](const toml::node& node, TomlSource& source, S& s) {
+      for (const TomlTable& table : tables_of(node, section.name(), source))
+        (s.*member).push_back(section.read(table, source));
+    };
+    tables_.push_back({std::move(known), read});
+    return *this;
+  }
+
   /// What no single key can tell, checked after all keys of a table are read.
   TomlSection& check(std::function<void(const S&, const TomlTable&)> check) {
     check_ = std::move(check);
@@ -245,7 +264,7 @@ class TomlSection {
   std::string name_;
   std::string kind_key_;
   std::vector<std::pair<std::string, std::function<void(S&)>>> kinds_;
-  std::vector<TomlField<S>> fields_;
+  std::vector<TomlField<S>> fields_, tables_;
   std::function<void(const S&, const TomlTable&)> check_;
 };
 
@@ -274,7 +293,8 @@ template <class S>
 S TomlSection<S>::read(const TomlTable& table, TomlSource& source) const {
   S s;
   s.place = table.place;
-  const std::vector<TomlKey> keys = all_keys();
+  std::vector<TomlKey> keys = all_keys();
+  for (const TomlField<S>& f : tables_) keys.push_back(f.key);
   check_key_names(table, keys);
   std::string kind;
   if (const toml::node* node = table.table->get(kind_key_); !kinds_.empty() && node != nullptr) {
@@ -290,6 +310,9 @@ S TomlSection<S>::read(const TomlTable& table, TomlSource& source) const {
     for (const TomlField<S>& f : fields_) {
       if (f.key.name == entry.key && (f.key.kind.empty() || f.key.kind == kind))
         f.read(*entry.node, source, s);
+    }
+    for (const TomlField<S>& f : tables_) {
+      if (f.key.name == entry.key) f.read(*entry.node, source, s);
     }
   }
   if (check_) check_(s, table);

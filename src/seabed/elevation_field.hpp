@@ -21,9 +21,13 @@ class ElevationField {
   /// The smallest detail, metres: a mesh of shorter edges shows nothing more.
   virtual double finest_m() const = 0;
 
-  /// What a mesh with edges of a given length leaves out of the field.
+  /// What a mesh with edges of a given length leaves out of the field: its difference from its linear
+  /// interpolation over triangles in plan view. Slopes are metres of height per horizontal metre.
   struct LeftOut {
+    /// Estimates: of edges just as long.
     double rms_height_m = 0, rms_slope = 0;
+    /// Bounds: of every triangle whose edges are no longer; for slopes, whose angles also are 120 degrees at
+    /// most (no bound holds for all slivers).
     double largest_height_m = 0, largest_slope = 0;
   };
   virtual LeftOut left_out(double edge_m) const = 0;
