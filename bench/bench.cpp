@@ -23,6 +23,7 @@
 #include "geometry/footprint_builder.hpp"
 #include "multibeam_figures.hpp"
 #include "pure_embree.hpp"
+#include "relief_figures.hpp"
 #include "survey_figures.hpp"
 #include "terrain.hpp"
 
@@ -116,6 +117,7 @@ int main(int, char** argv) {
     std::fflush(stdout);
   };
   survey_figures(figure);
+  relief_figures(figure);
   constexpr double tuned_tolerance = 1e-14;  // the right topology on this terrain; docs/performance.md
   {
     View sector(benchmark_terrain(200)), beams(benchmark_terrain(200), 96);

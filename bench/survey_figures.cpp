@@ -71,19 +71,32 @@ samples = 1000
   return run_apart(scene, folder / fmt::format("flat-{}", pings)).at("peak_memory_mb").get<double>();
 }
 
+/// Removed at the end, with all that is in it.
+struct TemporaryFolder {
+  TemporaryFolder() {
+    std::string pattern = (fs::temp_directory_path() / "tubefoot-bench-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path = pattern;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  fs::path path;
+};
+
 }  // namespace
 
+nlohmann::json stats_of_run(const fs::path& scene) {
+  const TemporaryFolder folder;
+  return run_apart(scene, folder.path / "run");
+}
+
 void survey_figures(const std::function<void(const std::string& name, double value)>& figure) {
-  std::string pattern = (fs::temp_directory_path() / "tubefoot-bench-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  const fs::path folder = pattern;
-  const struct Remover {
-    fs::path path;
-    ~Remover() {
-      std::error_code ignored;
-      fs::remove_all(path, ignored);
-    }
-  } remover{folder};
+  const TemporaryFolder own;
+  const fs::path& folder = own.path;
 
   const double few = peak_of_flat_line(folder, 100);
   figure("survey_growth_mb", peak_of_flat_line(folder, 2000) - few);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace tubefoot {
@@ -12,5 +14,8 @@ namespace tubefoot {
 /// flat bed take than 100. Call it first: a child's peak begins with what its parent holds. Throws
 /// std::runtime_error where a run fails.
 void survey_figures(const std::function<void(const std::string& name, double value)>& figure);
+
+/// stats.json of `tubefoot run` on a scene, in a process of its own. Throws std::runtime_error.
+nlohmann::json stats_of_run(const std::filesystem::path& scene);
 
 }  // namespace tubefoot

@@ -118,16 +118,21 @@ std::size_t SceneTree::bytes() const {
 
 void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
                       std::vector<FacetId>& out) const {
-  query_sides(apex, half_spaces, reach, out);
+  query_sides(apex, half_spaces, reach, 0, out);
+}
+
+void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach, double margin,
+                      std::vector<FacetId>& out) const {
+  query_sides(apex, half_spaces, reach, margin, out);
 }
 
 void SceneTree::query(GridPoint apex, std::span<const Fan> fans, double reach,
                       std::vector<FacetId>& out) const {
-  query_sides(apex, fans, reach, out);
+  query_sides(apex, fans, reach, 0, out);
 }
 
 template <class Side>
-void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double reach,
+void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double reach, double margin,
                             std::vector<FacetId>& out) const {
   if (nodes_.empty()) return;
   const double reach2 = reach * reach;
@@ -154,9 +159,9 @@ void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double 
       return box.nearest(side.first).sum() >= 0 || box.nearest(side.last).sum() >= 0;
   };
   const auto meets = [&](const Box& box, unsigned& checks) {
-    const double lx = double(box.lo.x) - apex.x, hx = double(box.hi.x) - apex.x,
-                 ly = double(box.lo.y) - apex.y, hy = double(box.hi.y) - apex.y,
-                 lz = double(box.lo.z) - apex.z, hz = double(box.hi.z) - apex.z;
+    const double lx = double(box.lo.x) - apex.x - margin, hx = double(box.hi.x) - apex.x + margin,
+                 ly = double(box.lo.y) - apex.y - margin, hy = double(box.hi.y) - apex.y + margin,
+                 lz = double(box.lo.z) - apex.z - margin, hz = double(box.hi.z) - apex.z + margin;
     const Reach own{lx, hx, ly, hy, lz, hz};
     if (checks & reach_bit) {
       const double dx = gap(lx, hx), dy = gap(ly, hy), dz = gap(lz, hz);

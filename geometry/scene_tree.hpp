@@ -47,6 +47,10 @@ class SceneTree {
   /// does is missing.
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
              std::vector<FacetId>& out) const;
+  /// The same for boxes made larger by `margin` (grid units) on all sides: facets that may meet the pyramid
+  /// when they are moved by as much.
+  void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach, double margin,
+             std::vector<FacetId>& out) const;
   /// The same with fans: no facet is missing whose box truly meets one half-space of each.
   void query(GridPoint apex, std::span<const Fan> fans, double reach, std::vector<FacetId>& out) const;
 
@@ -67,7 +71,7 @@ class SceneTree {
   };
 
   template <class Side>
-  void query_sides(GridPoint apex, std::span<const Side> sides, double reach,
+  void query_sides(GridPoint apex, std::span<const Side> sides, double reach, double margin,
                    std::vector<FacetId>& out) const;
 
   const FacetMesh* mesh_;

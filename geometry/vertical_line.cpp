@@ -42,8 +42,12 @@ Crossing crossing(const FacetMesh& mesh, FacetId id, GridPoint point) {
 }  // namespace
 
 void facets_near_vertical(const SceneTree& tree, GridPoint point, std::vector<FacetId>& out) {
+  facets_near_vertical(tree, point, 0, out);
+}
+
+void facets_near_vertical(const SceneTree& tree, GridPoint point, double margin, std::vector<FacetId>& out) {
   constexpr std::array<SceneTree::HalfSpace, 4> vertical{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
-  tree.query(point, vertical, std::numeric_limits<double>::infinity(), out);
+  tree.query(point, vertical, std::numeric_limits<double>::infinity(), margin, out);
 }
 
 int vertical_side(const FacetMesh& mesh, FacetId facet, GridPoint point) {

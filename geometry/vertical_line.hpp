@@ -19,6 +19,8 @@ struct VerticalCrossings {
 
 /// Appends the facets that may meet the vertical line through a point; none that does is missing.
 void facets_near_vertical(const SceneTree& tree, GridPoint point, std::vector<FacetId>& out);
+/// The same for facets that are moved by up to `margin` (grid units) before they meet it.
+void facets_near_vertical(const SceneTree& tree, GridPoint point, double margin, std::vector<FacetId>& out);
 
 /// Where the vertical line through a point crosses a facet: +1 above the point, -1 at the point or below, 0
 /// nowhere. Exact; the line is moved aside as below.

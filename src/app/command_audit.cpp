@@ -8,6 +8,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/settings.hpp"
+#include "app/shot_ground.hpp"
 #include "app/survey.hpp"
 #include "app/usage_error.hpp"
 #include "engine/tube_engine.hpp"
@@ -22,7 +23,6 @@ int audit_command(const AuditOptions& options) {
   const Scene& scene = survey->scene;
   VisibilityOptions visibility;
   visibility.arithmetic = arithmetic_from_name(description.run.arithmetic);
-  const TubeEngine engine(scene.mesh, *survey->tree, scene.grid.unit_m(), visibility);
   const std::size_t only = options.sensor ? survey->sensor_named(*options.sensor) : 0;
 
   struct Shot {
@@ -51,6 +51,8 @@ int audit_command(const AuditOptions& options) {
   Progress progress("audited shots", shots.size(), options.quiet);
   for (std::size_t k = 0; k < shots.size(); ++k) {
     if (InterruptGuard::requested()) throw std::runtime_error("interrupted");
+    const ShotGround ground = ground_of(*survey, *shots[k].group, shots[k].ping, shots[k].shot);
+    const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), visibility);
     const TubeSet set = survey->tubes(*shots[k].group, shots[k].ping, shots[k].shot);
     const std::vector<TubeAudit> audits = engine.audit(set, shots[k].label);
     for (std::size_t tube = 0; tube < audits.size(); ++tube) {

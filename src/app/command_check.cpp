@@ -6,6 +6,7 @@
 
 #include "app/commands.hpp"
 #include "app/settings.hpp"
+#include "app/shot_ground.hpp"
 #include "app/survey.hpp"
 #include "engine/echo.hpp"
 #include "engine/tube_engine.hpp"
@@ -35,7 +36,6 @@ void print_cost(const Survey& survey, int threads) {
   const Scene& scene = survey.scene;
   VisibilityOptions options;
   options.arithmetic = arithmetic_from_name(scene.description.run.arithmetic);
-  const TubeEngine engine(scene.mesh, *survey.tree, scene.grid.unit_m(), options);
   double seconds = 0;
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.pings(group), probes = std::min<std::size_t>(pings, 3);
@@ -44,11 +44,13 @@ void print_cost(const Survey& survey, int threads) {
     for (std::size_t k = 0; k < probes; ++k) {
       const std::size_t ping = (2 * k + 1) * pings / (2 * probes);
       for (std::size_t shot = 0; shot < survey.shots_a_ping(group); ++shot) {
+        const ShotGround ground = ground_of(survey, group, ping, shot);
+        const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), options);
         const History history = engine.trace(survey.tubes(group, ping, shot), &candidates);
         footprints += history.footprints.footprints.size();
         for (const std::size_t s : group.sensors) {
           const Sensor& sensor = *survey.sensors[s].sensor;
-          EchoLaw law{scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, sensor)};
+          EchoLaw law{scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, sensor)};
           BeamPatterns patterns;
           if (sensor.has_patterns()) {
             patterns = sensor.patterns(survey.sensors[s].shot_pose(ping, shot), scene.sound_speed_m_s, shot);
@@ -94,6 +96,10 @@ int check_command(const CommonOptions& options) {
       "\nfacets         {} ({} degenerate, {} duplicate, {} that no half-edge mesh takes; all take part)\n",
       scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
       refused);
+  if (survey->relief.cell_m > 0)
+    fmt::print("relief         {}, cells of {}: {} facets of {} unrefined ones\n",
+               description.refinement.mode, length_text(survey->relief.cell_m), survey->relief.uniform_facets,
+               survey->relief.base_facets);
   fmt::print("vertices       {}\n", scene.mesh.vertices.size());
   fmt::print("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
   fmt::print("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/commands.hpp"
 #include "app/footprint_file.hpp"
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/settings.hpp"
+#include "app/shot_ground.hpp"
 #include "app/survey.hpp"
 #include "app/usage_error.hpp"
 #include "engine/tube_engine.hpp"
@@ -27,7 +30,10 @@ int footprints_command(const FootprintOptions& options) {
 
   VisibilityOptions visibility;
   visibility.arithmetic = arithmetic_from_name(description.run.arithmetic);
-  const TubeEngine engine(scene.mesh, *survey->tree, scene.grid.unit_m(), visibility);
+  const SharedShots& group =
+      *std::find_if(survey->shots.begin(), survey->shots.end(), [&](const SharedShots& g) {
+        return std::find(g.sensors.begin(), g.sensors.end(), index) != g.sensors.end();
+      });
   // Written beside its place and moved there when complete, so that an earlier file is not lost to a failed
   // run.
   fs::path partial = options.output;
@@ -43,18 +49,20 @@ int footprints_command(const FootprintOptions& options) {
   const InterruptGuard interrupt;
   std::size_t footprints = 0;
   {
-    FootprintFile file(partial);
+    FootprintFile file(partial, survey->relief.cell_m > 0);
     Progress progress("pings", static_cast<std::size_t>(range.last - range.first + 1), options.quiet);
     for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
          ++ping) {
       if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
       for (std::size_t shot = 0; shot < pings.sensor->shots(); ++shot) {
+        const ShotGround ground = ground_of(*survey, group, ping, shot);
+        const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), visibility);
         const History history =
             engine.trace(pings.sensor->tubes(pings.shot_pose(ping, shot), scene.grid, shot));
         std::vector<std::uint32_t> beam_of_tube;
         for (const std::uint32_t beam : pings.sensor->beam_of_tube(shot))
           beam_of_tube.push_back(pings.sensor->beams_of_shot(shot)[beam]);
-        file.add(scene, history, beam_of_tube, ping);
+        file.add(scene, ground, history, beam_of_tube, ping);
         footprints += history.footprints.footprints.size();
       }
       progress.step();

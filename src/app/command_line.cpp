@@ -113,6 +113,17 @@ int run_command_line(int argc, char** argv) {
       "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --pings 0 -o camera.gpkg");
   footprints_app->callback([&] { command = [&] { return footprints_command(footprints); }; });
 
+  RefineOptions refine;
+  CLI::App* refine_app = app.add_subcommand(
+      "refine", "Write the seabed with its relief in facets, for mesh tools and for mode = \"offline\"");
+  refine_app->add_option("SCENE", refine.scene, "scene file (docs/scene-file.md)")->required();
+  refine_app->add_option("-o,--output", refine.output, "PLY file to write")->required();
+  refine_app->add_option("--threads", refine.threads, "number of threads (default: all cores)")
+      ->check(CLI::Range(0, 1024));
+  refine_app->add_flag("--quiet", refine.quiet, "print results and errors only");
+  refine_app->footer("Example:\n  tubefoot refine scenes/sand/ripples.toml -o ripples.ply");
+  refine_app->callback([&] { command = [&] { return refine_command(refine); }; });
+
   CompareOptions compare;
   CLI::App* compare_app =
       app.add_subcommand("compare", "Measure how far one engine's echoes are from another's");
@@ -179,10 +190,11 @@ int run_command_line(int argc, char** argv) {
 
   const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
-    fmt::print(stderr,
-               "tubefoot: there is no command '{}': run, check, audit, footprints, compare, chart, advise or "
-               "presets\n",
-               argv[1]);
+    fmt::print(
+        stderr,
+        "tubefoot: there is no command '{}': run, check, audit, footprints, refine, compare, chart, advise "
+        "or presets\n",
+        argv[1]);
     return wrong_input;
   }
   try {

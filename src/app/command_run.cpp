@@ -117,6 +117,19 @@ void print_tolerance(const nlohmann::ordered_json& advice) {
              advice.at("error_text").get<std::string>());
 }
 
+void print_relief(const Survey& survey, const SimulationStats& stats) {
+  if (survey.ground)
+    fmt::print("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n",
+               stats.refined_facets, stats.pings, survey.relief.uniform_facets, survey.relief.cell_m);
+  else
+    fmt::print("relief: {} facets, made once, in cells of {:g} m\n", survey.scene.mesh.facets.size(),
+               survey.relief.cell_m);
+  fmt::print(
+      "finer relief would change a ping's energies by {:.2g} at most, {:.2g} in the mean (first-order "
+      "estimate, not certified)\n",
+      stats.finer_relief_largest, stats.finer_relief_mean);
+}
+
 /// Everything that a result folder holds but stats.json.
 std::vector<std::filesystem::path> write_files(const std::filesystem::path& folder,
                                                const std::vector<Recording>& recordings,
@@ -241,6 +254,7 @@ int run_command(const RunOptions& options) {
     fmt::print("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
                exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
                seconds_since(start));
+  if (!options.quiet && survey->relief.cell_m > 0) print_relief(*survey, stats);
   if (reference_tolerance) print_reference(*reference_tolerance, stats.reference);
   if (identity.contains("advice")) print_tolerance(identity.at("advice"));
   const std::filesystem::path folder = options.output;

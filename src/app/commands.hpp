@@ -51,6 +51,10 @@ struct FootprintOptions : CommonOptions {
   std::filesystem::path output;
 };
 
+struct RefineOptions : CommonOptions {
+  std::filesystem::path output;
+};
+
 struct CompareOptions {
   std::filesystem::path reference, candidate;
   std::optional<std::string> json;  ///< file, or "-" for stdout
@@ -88,6 +92,7 @@ int run_command(const RunOptions& options);
 int check_command(const CommonOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
+int refine_command(const RefineOptions& options);
 int presets_command(const PresetsOptions& options);
 int chart_command(const ChartOptions& options);
 int advise_command(const AdviseOptions& options);

@@ -43,6 +43,7 @@ struct FootprintFile::State {
   GdalMessages messages;
   GDALDataset* dataset = nullptr;
   OGRLayer* layer = nullptr;
+  bool with_relief = false;
 
   ~State() {
     if (dataset) GDALClose(dataset);
@@ -58,7 +59,8 @@ struct FootprintFile::State {
   }
 };
 
-FootprintFile::FootprintFile(const std::filesystem::path& file) : state_(std::make_unique<State>()) {
+FootprintFile::FootprintFile(const std::filesystem::path& file, bool with_relief)
+    : state_(std::make_unique<State>()) {
   const char* driver_name = driver_for(file);
   GDALAllRegister();
   State& s = *state_;
@@ -77,6 +79,8 @@ FootprintFile::FootprintFile(const std::filesystem::path& file) : state_(std::ma
       s.dataset->CreateLayer("footprints", &local, wkbMultiPolygon25D, const_cast<char**>(options.data()));
   s.require(s.layer != nullptr, "create");
   for (const char* name : {"ping", "beam", "tube", "facet"}) s.field(name, OFTInteger64);
+  s.with_relief = with_relief;
+  if (with_relief) s.field("base_facet", OFTInteger64);
   for (const char* name : {"component", "material"}) s.field(name, OFTString);
   for (const char* name : {"area_m2", "solid_angle_sr", "grazing_deg", "slant_range_min_m",
                            "slant_range_max_m", "centroid_east_m", "centroid_north_m", "centroid_up_m"})
@@ -89,7 +93,7 @@ FootprintFile::FootprintFile(const std::filesystem::path& file) : state_(std::ma
 
 FootprintFile::~FootprintFile() = default;
 
-void FootprintFile::add(const Scene& scene, const History& history,
+void FootprintFile::add(const Scene& scene, const ShotGround& ground, const History& history,
                         const std::vector<std::uint32_t>& beam_of_tube, std::size_t ping) {
   const State& s = *state_;
   const FootprintSet& set = history.footprints;
@@ -118,8 +122,9 @@ void FootprintFile::add(const Scene& scene, const History& history,
     feature.SetField(f++, static_cast<GIntBig>(beam_of_tube[footprint.tube]));
     feature.SetField(f++, static_cast<GIntBig>(footprint.tube));
     feature.SetField(f++, static_cast<GIntBig>(footprint.facet));
-    feature.SetField(f++, scene.report.components[scene.mesh.component[footprint.facet]].name.c_str());
-    feature.SetField(f++, scene.description.materials[scene.mesh.material[footprint.facet]].name.c_str());
+    if (s.with_relief) feature.SetField(f++, static_cast<GIntBig>(ground.base_facet(footprint.facet)));
+    feature.SetField(f++, scene.report.components[ground.mesh().component[footprint.facet]].name.c_str());
+    feature.SetField(f++, scene.description.materials[ground.mesh().material[footprint.facet]].name.c_str());
     for (const double value :
          {footprint.area_m2, footprint.solid_angle_sr, footprint.grazing_angle_rad * degrees,
           footprint.slant_range_min_m, footprint.slant_range_max_m, centroid.x, centroid.y, centroid.z})

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/shot_ground.hpp"
 #include "engine/history.hpp"
 #include "scene/scene.hpp"
 
@@ -17,14 +18,15 @@ namespace tubefoot {
 /// .geojson, .csv (WKT).
 class FootprintFile {
  public:
-  /// Will write to `file`, at close(). Throws UsageError for an unknown ending, std::runtime_error
-  /// with GDAL's message if the file cannot be made.
-  explicit FootprintFile(const std::filesystem::path& file);
+  /// Will write to `file`, at close(); with relief, a footprint's facet is one of its shot's ground, and the
+  /// scene's own facet is named too, as base_facet. Throws UsageError for an unknown ending,
+  /// std::runtime_error with GDAL's message if the file cannot be made.
+  explicit FootprintFile(const std::filesystem::path& file, bool with_relief = false);
   ~FootprintFile();
 
   /// `beam_of_tube` as in Sensor. Throws std::runtime_error where writing fails.
-  void add(const Scene& scene, const History& history, const std::vector<std::uint32_t>& beam_of_tube,
-           std::size_t ping);
+  void add(const Scene& scene, const ShotGround& ground, const History& history,
+           const std::vector<std::uint32_t>& beam_of_tube, std::size_t ping);
   /// Finishes the file; throws std::runtime_error where that fails.
   void close();
 

@@ -20,6 +20,9 @@ struct PingCounts {
   std::uint64_t bins_over = 0;
   double worst_ratio = 0;
   std::uint32_t worst_sensor = 0, worst_beam = 0, worst_sample = 0, padding = 0;
+  /// With relief: facets made for the ping's shots, and LargestChange::mean() of all of them.
+  std::uint64_t refined_facets = 0;
+  double finer_relief = 0;
 };
 
 /// How much a run has to keep.

@@ -38,6 +38,20 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
                          {"worst_sample", reference.worst_sample}};
   }
   json["grid_unit_m"] = scene.grid.unit_m();
+  if (survey.relief.cell_m > 0) {
+    const RefinementDescription& keys = scene.description.refinement;
+    nlohmann::ordered_json& relief = json["relief"];
+    relief = {{"mode", keys.mode}, {"cell_m", survey.relief.cell_m}, {"displace", keys.displace}};
+    if (survey.ground) relief["tolerance"] = keys.tolerance;
+    relief["base_facets"] = survey.relief.base_facets;
+    relief["facets_made"] = survey.ground ? stats.refined_facets : scene.mesh.facets.size();
+    relief["uniform_facets"] = survey.relief.uniform_facets;
+    relief["change_by_finer_relief"] = {
+        {"of", "the energies of a ping, relative"},
+        {"is", "a first-order estimate from the largest omitted slopes and heights: no proven bound"},
+        {"largest", stats.finer_relief_largest},
+        {"mean", stats.finer_relief_mean}};
+  }
   json["facets"] = scene.mesh.facets.size();
   json["pings"] = stats.pings;
   json["tubes"] = stats.tubes;

@@ -12,6 +12,7 @@
 
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "app/shot_ground.hpp"
 #include "app/usage_error.hpp"
 #include "engine/bistatic_echo.hpp"
 #include "engine/echo.hpp"
@@ -45,13 +46,15 @@ VisibilityOptions options_of(const RunDescription& run) {
   return options;
 }
 
-Engine make_engine(const Survey& survey) {
+/// `ground` outlives the engine.
+Engine make_engine(const Survey& survey, const ShotGround& ground) {
   const Scene& scene = survey.scene;
   const RunDescription& run = scene.description.run;
   const double unit = scene.grid.unit_m();
   if (run.engine == "ray") {
     const std::shared_ptr<const RayScene> rays =
-        survey.rays ? survey.rays : std::make_shared<const RayScene>(scene.mesh, scene.grid);
+        survey.rays && !ground.is_own() ? survey.rays
+                                        : std::make_shared<const RayScene>(ground.mesh(), scene.grid);
     return
         [rays, unit, settings = ray_settings(run)](TubeSet tubes, std::span<const std::uint32_t> beam_of_tube,
                                                    std::uint64_t ping, std::size_t&, const Take& take) {
@@ -64,7 +67,7 @@ Engine make_engine(const Survey& survey) {
           trace_rays(*rays, history, own, beam_of_tube, [&] { take(history); });
         };
   }
-  const auto engine = std::make_shared<TubeEngine>(scene.mesh, *survey.tree, unit, options_of(run));
+  const auto engine = std::make_shared<TubeEngine>(ground.mesh(), ground.tree(), unit, options_of(run));
   const bool measured = run.binning != "exact";
   return [engine, measured](TubeSet tubes, std::span<const std::uint32_t>, std::uint64_t,
                             std::size_t& candidates, const Take& take) {
@@ -84,10 +87,11 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
 
 /// The echo law of a sensor at a shot, and the patterns that it refers to.
 struct SensorLaw {
-  SensorLaw(const Survey& survey, std::size_t s, std::size_t ping, std::size_t shot) {
+  SensorLaw(const Survey& survey, const ShotGround& ground, std::size_t s, std::size_t ping,
+            std::size_t shot) {
     const Scene& scene = survey.scene;
     const SensorPings& pings = survey.sensors[s];
-    law = {scene.material_mu, scene.mesh.material, absorption_db_per_m(scene, *pings.sensor)};
+    law = {scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
     law.reflectivity = scene.reflectivity;
     law.apex_m = scene.grid.to_metres(scene.grid.snap(pings.shot_pose(ping, shot).position_m));
     if (!pings.sensor->has_patterns()) return;
@@ -133,32 +137,40 @@ class PingTask {
         binning_(binning),
         reference_tolerance_(reference_tolerance) {}
 
+  /// `engine` of the scene's own facets; unused where shots have their own ground.
   PingCounts run(const Engine& engine, std::uint64_t label) {
     for (const std::size_t s : group_.sensors)
       for (const std::span<double> values : {store_.energy(s, ping_), store_.bound(s, ping_)})
         std::fill(values.begin(), values.end(), 0.0);  // of a ping that was cut off
     const Clock::time_point start = Clock::now();
     for (std::size_t shot = 0; shot < survey_.shots_a_ping(group_); ++shot) {
+      const ShotGround ground = ground_of(survey_, group_, ping_, shot);
+      if (ground.is_own()) counts_.refined_facets += ground.mesh().facets.size();
       if (survey_.sensors[group_.sensors.front()].sensor->has_receiver_apart()) {
-        take_bistatic(shot);
+        take_bistatic(ground, shot);
         continue;
       }
       std::size_t candidates = 0;
-      engine(survey_.tubes(group_, ping_, shot),
-             survey_.sensors[group_.sensors.front()].sensor->beam_of_tube(shot),
-             label + (std::uint64_t(shot) << 40), candidates,
-             [&](const History& history) { take(history, shot); });
+      const Engine own = ground.is_own() ? make_engine(survey_, ground) : Engine();
+      (own ? own : engine)(survey_.tubes(group_, ping_, shot),
+                           survey_.sensors[group_.sensors.front()].sensor->beam_of_tube(shot),
+                           label + (std::uint64_t(shot) << 40), candidates,
+                           [&](const History& history) { take(ground, history, shot); });
       counts_.candidates += candidates;
     }
+    counts_.finer_relief = finer_relief_.mean();
     counts_.visibility_seconds =
         std::chrono::duration<double>(Clock::now() - start).count() - counts_.echo_seconds;
     return counts_;
   }
 
  private:
-  void take(const History& history, std::size_t shot) {
+  void take(const ShotGround& ground, const History& history, std::size_t shot) {
     const Clock::time_point start = Clock::now();
-    for (const std::size_t s : group_.sensors) add_echo(history, shot, s);
+    for (const std::size_t s : group_.sensors) add_echo(ground, history, shot, s);
+    if (survey_.relief.omitted)
+      finer_relief_ +=
+          largest_change(history, ground.mesh(), *survey_.relief.omitted, sample_length_m(survey_, group_));
     counts_.tubes += history.tubes.tubes.size();
     counts_.footprints += history.footprints.footprints.size();
     counts_.pieces += history.footprints.pieces.size();
@@ -167,15 +179,15 @@ class PingTask {
   }
 
   /// A receiver that is apart shares its shots with nobody.
-  void take_bistatic(std::size_t shot) {
+  void take_bistatic(const ShotGround& ground, std::size_t shot) {
     const Scene& scene = survey_.scene;
     const std::size_t s = group_.sensors.front();
     const Sensor& sensor = *survey_.sensors[s].sensor;
     const BistaticHistory history =
-        trace_bistatic(scene.mesh, *survey_.tree, scene.grid.unit_m(), options_of(scene.description.run),
+        trace_bistatic(ground.mesh(), ground.tree(), scene.grid.unit_m(), options_of(scene.description.run),
                        survey_.tubes(group_, ping_, shot), survey_.receive_tubes(s, ping_, shot));
     const Clock::time_point start = Clock::now();
-    const SensorLaw law(survey_, s, ping_, shot);
+    const SensorLaw law(survey_, ground, s, ping_, shot);
     const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
     const Echo echo = integrate_bistatic_echo(
@@ -188,17 +200,17 @@ class PingTask {
     counts_.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
   }
 
-  void add_echo(const History& history, std::size_t shot, std::size_t s) {
+  void add_echo(const ShotGround& ground, const History& history, std::size_t shot, std::size_t s) {
     const Scene& scene = survey_.scene;
     const Sensor& sensor = *survey_.sensors[s].sensor;
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
-    const SensorLaw sensor_law(survey_, s, ping_, shot);
+    const SensorLaw sensor_law(survey_, ground, s, ping_, shot);
     const EchoLaw& law = sensor_law.law;
     Echo echo = integrate_echo(history, sensor.beam_of_tube(shot), static_cast<int>(beams.size()),
                                sensor.samples(), law, binning_);
     if (reference_tolerance_) {
       const CertifiedEcho certified =
-          certify_echo(scene.mesh, *survey_.tree, history, options_of(scene.description.run),
+          certify_echo(ground.mesh(), ground.tree(), history, options_of(scene.description.run),
                        sensor.beam_of_tube(shot), sensor.samples(), law, echo, *reference_tolerance_);
       add_rows(certified.bound, beams, 1, store_.bound(s, ping_));
       echo = certified.echo;
@@ -232,6 +244,7 @@ class PingTask {
   PingStore& store_;
   Binning binning_;
   std::optional<double> reference_tolerance_;
+  LargestChange finer_relief_;
   PingCounts counts_;
 };
 
@@ -259,7 +272,8 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
   std::size_t left = 0;
   for (const SharedShots& group : survey.shots) left += survey.pings(group);
   left -= store.done_units();
-  const Engine engine = make_engine(survey);
+  const ShotGround whole(survey);
+  const Engine engine = survey.ground ? Engine() : make_engine(survey, whole);
   const Binning binning = binning_from_name(survey.scene.description.run.binning);
   Progress progress("pings", left, quiet);
   std::uint64_t label = 0;
@@ -278,6 +292,8 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
 SimulationStats totals(const Survey& survey, const PingStore& store) {
   SimulationStats stats;
   PingCounts worst;
+  std::size_t units = 0;
+  for (const SharedShots& group : survey.shots) units += survey.pings(group);
   for (std::size_t g = 0; g < survey.shots.size(); ++g)
     for (std::size_t ping = 0; ping < survey.pings(survey.shots[g]); ++ping) {
       const PingCounts& counts = store.counts(g, ping);
@@ -287,6 +303,9 @@ SimulationStats totals(const Survey& survey, const PingStore& store) {
       stats.footprints += counts.footprints;
       stats.pieces += counts.pieces;
       stats.hits += counts.hits;
+      stats.refined_facets += counts.refined_facets;
+      stats.finer_relief_largest = std::max(stats.finer_relief_largest, counts.finer_relief);
+      stats.finer_relief_mean += counts.finer_relief / static_cast<double>(units);
       stats.visibility_seconds += counts.visibility_seconds;
       stats.echo_seconds += counts.echo_seconds;
       if (counts.worst_ratio > worst.worst_ratio) stats.reference.worst_ping = ping;

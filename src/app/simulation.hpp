@@ -25,6 +25,10 @@ struct ReferenceStats {
 struct SimulationStats {
   std::size_t pings = 0, tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
   double visibility_seconds = 0, echo_seconds = 0;
+  std::size_t refined_facets = 0;  ///< made for shots, with relief online
+  /// Change of a ping's energies by relief finer than its facets (LargestChange): of the worst ping, and the
+  /// mean over the pings.
+  double finer_relief_largest = 0, finer_relief_mean = 0;
   ReferenceStats reference;
 };
 

@@ -10,6 +10,7 @@
 #include <limits>
 #include <set>
 
+#include "app/shot_ground.hpp"
 #include "app/usage_error.hpp"
 #include "geometry/vertical_line.hpp"
 #include "sensors/sidescan.hpp"
@@ -77,7 +78,8 @@ double check_place(Survey& survey, const SensorPings& pings, std::size_t ping, g
   Scene& scene = survey.scene;
   double altitude_m = std::numeric_limits<double>::quiet_NaN();
   const SourcePlace& place = pings.sensor->description().place;
-  for (const VerticalCrossings& c : vertical_crossings(scene.mesh, *survey.tree, scene.grid.snap(at_m))) {
+  const ShotGround ground = ground_in_line_with(survey, at_m);
+  for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), ground.tree(), scene.grid.snap(at_m))) {
     const std::string& name = scene.report.components[c.component].name;
     if (c.component < scene.description.terrains.size()) {
       if (c.above > 0 && c.below == 0)
@@ -124,6 +126,9 @@ TubeSet reaching_beyond(const SensorPings& pings, std::size_t ping, std::size_t 
 
 }  // namespace
 
+Survey::Survey(Scene loaded) : scene(std::move(loaded)) {}
+Survey::~Survey() = default;
+
 TubeSet Survey::receive_tubes(std::size_t s, std::size_t ping, std::size_t shot) const {
   const SensorPings& pings = sensors[s];
   return reaching_beyond(pings, ping, shot, scene.grid.unit_m(),
@@ -152,6 +157,7 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
   const auto load_start = std::chrono::steady_clock::now();
   auto survey = std::make_unique<Survey>(load_scene(description));
   survey->load_seconds = seconds_since(load_start);
+  lay_relief(*survey);
   const auto tree_start = std::chrono::steady_clock::now();
   survey->tree = std::make_unique<SceneTree>(survey->scene.mesh);
   survey->tree_seconds = seconds_since(tree_start);

@@ -10,6 +10,8 @@
 
 namespace tubefoot {
 
+class Ground;
+class OmittedRelief;
 class RayScene;
 
 /// All pings of one sensor: times and poses of the sensor itself.
@@ -34,13 +36,24 @@ struct SharedShots {
   std::vector<std::size_t> sensors;  ///< indices into Survey::sensors
 };
 
+/// How relief is in a scene's facets; nothing of it without relief.
+struct SurveyRelief {
+  double cell_m = 0;                                ///< 0: no relief
+  std::size_t base_facets = 0, uniform_facets = 0;  ///< unrefined; textured ones in cells
+  std::vector<FacetId> parent;                      ///< offline: by facet of the scene, the unrefined one
+  std::shared_ptr<const OmittedRelief> omitted;
+};
+
 /// A loaded scene, its tree, and who pings where.
 struct Survey {
-  explicit Survey(Scene loaded) : scene(std::move(loaded)) {}
+  explicit Survey(Scene loaded);
+  ~Survey();
   Survey(const Survey&) = delete;  // the tree points into the scene
   Survey& operator=(const Survey&) = delete;
 
   Scene scene;
+  SurveyRelief relief;
+  std::unique_ptr<const Ground> ground;  ///< relief online: what shots refine, each for itself (ground_of)
   std::unique_ptr<SceneTree> tree;
   std::shared_ptr<const RayScene> rays;  ///< for runs of the ray engine that share it; others make their own
   std::vector<SensorPings> sensors;

@@ -12,6 +12,7 @@
 #include "app/interrupt.hpp"
 #include "app/simulation.hpp"
 #include "compare/echo_errors.hpp"
+#include "engine/ground.hpp"
 #include "engine/ray_engine.hpp"
 
 namespace tubefoot {
@@ -148,7 +149,7 @@ std::vector<std::string> TrialScene::silent_sensors() const {
 
 std::vector<Recording> TrialScene::record(const EngineSetting& setting, double& seconds_a_ping) {
   survey_->scene.description.run = setting.run;
-  if (setting.run.engine == "ray" && !survey_->rays)
+  if (setting.run.engine == "ray" && !survey_->rays && !survey_->ground)
     survey_->rays = std::make_shared<RayScene>(survey_->scene.mesh, survey_->scene.grid);
   // One sensor at a time, so that each one's seconds are known.
   std::vector<Recording> recordings;

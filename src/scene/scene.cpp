@@ -195,6 +195,10 @@ class Loader {
                         sensor_positions(sensor, description_.trajectories[t], trajectories[t])});
     }
 
+    std::vector<std::shared_ptr<const ElevationField>> relief(description_.materials.size());
+    if (description_.refinement.mode != "off")
+      relief = load_relief(description_.materials, frame_.value_or(LocalFrame()), report_.warnings);
+    make_room_for(relief);
     Scene scene{.description = description_,
                 .grid = grid_for(description_, parts_),
                 .mesh = {},
@@ -213,7 +217,7 @@ class Loader {
     scene.sound_speed_m_s = water.sound_speed_m_s.value_or(
         mackenzie_sound_speed_m_s(water.temperature_c, water.salinity_psu, water.depth_m));
     scene.frame = frame_.value_or(LocalFrame());
-    scene.relief = load_relief(description_.materials, scene.frame, report_.warnings);
+    scene.relief = std::move(relief);
     build_mesh(scene);
     scene.report = std::move(report_);
     warn_about(scene);
@@ -254,6 +258,18 @@ class Loader {
     report_.warnings.insert(report_.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
     const std::size_t index = index_of(description_.materials, material, "material", material_place);
     components_.push_back({std::move(mesh), static_cast<std::uint16_t>(index), is_file});
+  }
+
+  /// Displaced facets have to fit the grid, too.
+  void make_room_for(const std::vector<std::shared_ptr<const ElevationField>>& relief) {
+    double largest_m = 0;
+    for (const auto& field : relief)
+      if (field) largest_m = std::max(largest_m, field->largest_m());
+    for (std::size_t i = 0; i < components_.size(); ++i) {
+      if (components_[i].mesh.points_m.empty()) continue;
+      parts_[i].box.lo -= largest_m;
+      parts_[i].box.hi += largest_m;
+    }
   }
 
   std::size_t trajectory_of(const SensorDescription& sensor) const {

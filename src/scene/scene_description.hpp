@@ -291,6 +291,18 @@ struct SensorDescription {
       kind;
 };
 
+/// How the materials' relief gets into facets.
+struct RefinementDescription {
+  SourcePlace place;
+  std::string mode = "online";        ///< online | offline | off
+  std::optional<double> cell_m;       ///< else the finest detail of all relief
+  std::string displace = "vertical";  ///< vertical | normal
+  double tolerance = 0.01;  ///< online: RMS change of a range sample's energy, relative; 0: cells everywhere
+  std::optional<std::string>
+      file;  ///< offline: of 'tubefoot refine', resolved; it is no part of the scene hash
+  SourcePlace file_place;
+};
+
 struct RunDescription {
   SourcePlace place;
   std::string start_utc = "2000-01-01T00:00:00Z";  ///< of the scene's time 0 (unix_time_s)
@@ -318,6 +330,7 @@ struct SceneDescription {
   std::vector<ObjectDescription> objects;
   std::vector<TrajectoryDescription> trajectories;
   std::vector<SensorDescription> sensors;
+  RefinementDescription refinement;
   RunDescription run;
 };
 

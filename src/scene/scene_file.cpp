@@ -147,6 +147,7 @@ struct SceneEntries {
   std::vector<Entry<ObjectDescription>> objects;
   std::vector<Entry<TrajectoryDescription>> trajectories;
   std::vector<Entry<SensorDescription>> sensors;
+  std::vector<Entry<RefinementDescription>> refinement;
   std::vector<Entry<RunDescription>> run;
 };
 
@@ -166,6 +167,7 @@ SceneEntries read_entries(const toml::table& root, TomlSource& source) {
       {"trajectories", into(trajectory_section(), all.trajectories)},
       {"trajectory", into(trajectory_section(), all.trajectories)},
       {"sensors", into(sensor_section(), all.sensors)},
+      {"relief", into(refinement_section(), all.refinement)},
       {"run", into(run_section(), all.run)},
   };
   for (const TomlEntry& entry : entries_in_file_order(root, source)) {
@@ -290,6 +292,7 @@ std::vector<SceneKey> scene_file_keys() {
   append_keys(object_section(), keys);
   append_keys(trajectory_section(), keys);
   append_keys(sensor_section(), keys);
+  append_keys(refinement_section(), keys);
   append_keys(run_section(), keys);
   return keys;
 }
@@ -311,6 +314,9 @@ SceneDescription read_scene_file(const fs::path& file) {
   scene.objects = descriptions(all.objects);
   scene.trajectories = descriptions(all.trajectories);
   scene.sensors = descriptions(all.sensors);
+  scene.refinement = only(all.refinement, file);
+  if (!all.refinement.empty()) scene.refinement.file_place = all.refinement.front().table.place_of("file");
+  if (auto& bed = scene.refinement.file) bed = (file.parent_path() / *bed).string();
   scene.run = only(all.run, file);
 
   Sha256 hash;

@@ -17,6 +17,7 @@ const TomlSection<TerrainDescription>& terrain_section();
 const TomlSection<ObjectDescription>& object_section();
 const TomlSection<TrajectoryDescription>& trajectory_section();
 const TomlSection<SensorDescription>& sensor_section();
+const TomlSection<RefinementDescription>& refinement_section();
 const TomlSection<RunDescription>& run_section();
 
 }  // namespace tubefoot

@@ -237,6 +237,12 @@ rays_per_ping = 5000
 seed = 99
 grid_exponent = 16
 threads = 3
+
+[relief]
+mode = "offline"
+cell_m = 0.03
+displace = "normal"
+file = "bed.ply"
 )";
 
 /// The full scene's files, beside and outside its folder.
@@ -434,6 +440,23 @@ TEST(SceneFile, RaysMayBeCountedByBeam) {
   EXPECT_EQ(read_scene_file(folder.scene_file).run.rays_per_beam, 17000);
 }
 
+TEST(SceneFile, ReliefIsRefinedOnlineUnlessItSaysOtherwise) {
+  const FullSceneFolder folder;
+  const RefinementDescription full = read_scene_file(folder.scene_file).refinement;
+  EXPECT_EQ(full.mode, "offline");
+  EXPECT_EQ(full.cell_m, 0.03);
+  EXPECT_EQ(full.displace, "normal");
+  EXPECT_EQ(full.file, (folder.scene_file.parent_path() / "bed.ply").string());
+  const FullSceneFolder online(
+      replaced(replaced(full_scene, "mode = \"offline\"", "tolerance = 0.2"), "file = \"bed.ply\"", ""));
+  EXPECT_EQ(read_scene_file(online.scene_file).refinement.mode, "online");
+  EXPECT_EQ(read_scene_file(online.scene_file).refinement.tolerance, 0.2);
+  const FullSceneFolder both(replaced(full_scene, "mode = \"offline\"", "mode = \"online\""));
+  EXPECT_THROW(read_scene_file(both.scene_file), InputError);
+  const FullSceneFolder idle(replaced(full_scene, "cell_m = 0.03", "tolerance = 0.2"));
+  EXPECT_THROW(read_scene_file(idle.scene_file), InputError);
+}
+
 TEST(SceneFile, GeoreferenceMayBeAProjectedSystem) {
   const FullSceneFolder folder(replaced(full_scene, "origin_lat_lon_deg = [48.5, -4]",
                                         "crs = \"EPSG:32602\"\norigin_crs = [573000, 6012345.5]"));
@@ -447,7 +470,7 @@ TEST(SceneFile, GeoreferenceMayBeAProjectedSystem) {
 // Keeps the test above complete: a new key has to be added to the full scene.
 TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
   const std::string text = "\n" + std::string(full_scene) +
-                           "\ncrs = \norigin_crs = \nrays_per_beam = "  // of the tests after it
+                           "\ncrs = \norigin_crs = \nrays_per_beam = \ntolerance = "  // of the tests after it
                            "\nswath_deg = \nspacing = \nbeam_across_deg = \ndetection = "
                            "\ndetection_threshold_db = \ngrid_cell_m = "  // multibeam_keys_test.cpp
                            "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = "

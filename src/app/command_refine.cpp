@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "app/refined_bed_file.hpp"
+#include "app/settings.hpp"
+#include "app/shot_ground.hpp"
+#include "app/usage_error.hpp"
+
+namespace tubefoot {
+
+int refine_command(const RefineOptions& options) {
+  const SceneDescription description = described(options);
+  if (std::filesystem::is_directory(options.output))
+    throw UsageError(fmt::format("'{}' is a folder: name a file with -o", options.output.string()));
+  const ThreadLimit limit(description.run.threads);
+  const Scene scene = load_scene(description);
+  print_warnings(scene.report.warnings, options.quiet);
+  const std::unique_ptr<Ground> ground = relief_ground(scene);
+  const RefinedMesh bed = refined_bed(scene, *ground);
+  write_refined_bed(options.output, bed, scene, *ground);
+  fmt::print("wrote {} ({} facets of {})\n", options.output.string(), bed.mesh.facets.size(),
+             scene.mesh.facets.size());
+  return 0;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/shot_ground.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/geometric.hpp>
+
+#include "app/refined_bed_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// A facet of a refined bed with its share of vertices and tree takes some 60 bytes.
+constexpr RefinementLimits most_offline{100'000'000}, most_a_shot{20'000'000};
+
+bool has_relief(const Scene& scene) {
+  return std::any_of(scene.relief.begin(), scene.relief.end(), [](const auto& r) { return r != nullptr; });
+}
+
+double cell_of(const Scene& scene) {
+  const RefinementDescription& keys = scene.description.refinement;
+  if (keys.cell_m) return *keys.cell_m;
+  double finest = 0;
+  for (const auto& field : scene.relief)
+    if (field) finest = finest > 0 ? std::min(finest, field->finest_m()) : field->finest_m();
+  return finest;
+}
+
+void check_cell(const Scene& scene, double cell_m) {
+  const SourcePlace& place = scene.description.refinement.place;
+  constexpr double least_units = 16;
+  if (!(cell_m >= least_units * scene.grid.unit_m()))
+    throw InputError(place, fmt::format("cells of {:.3g} m are too fine for a grid of {:.3g} m: 'cell_m' "
+                                        "must be {:.3g} or more",
+                                        cell_m, scene.grid.unit_m(), least_units * scene.grid.unit_m()));
+  double longest2 = 0;
+  for (const auto& f : scene.mesh.facets)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3 d = scene.grid.to_metres(scene.mesh.vertices[f[k]]) -
+                           scene.grid.to_metres(scene.mesh.vertices[f[(k + 1) % 3]]);
+      longest2 = std::max(longest2, glm::dot(d, d));
+    }
+  // Neighbours of different size take a few halvings more.
+  const double finest = std::sqrt(longest2) / std::exp2(deepest_refinement - 4);
+  if (cell_m < finest)
+    throw InputError(place,
+                     fmt::format("a facet with an edge of {:.6g} m cannot be refined to cells of {:.3g} "
+                                 "m: give the terrain smaller facets, or a 'cell_m' of {:.3g} or more",
+                                 std::sqrt(longest2), cell_m, finest));
+}
+
+}  // namespace
+
+std::unique_ptr<Ground> relief_ground(const Scene& scene) {
+  const RefinementDescription& keys = scene.description.refinement;
+  if (!has_relief(scene))
+    throw InputError(keys.place, keys.mode == "off"
+                                     ? "[relief] says mode = \"off\": there is nothing to refine"
+                                     : "no material of the scene has [[materials.relief]]: there is nothing "
+                                       "to refine");
+  const double cell_m = cell_of(scene);
+  check_cell(scene, cell_m);
+  return std::make_unique<Ground>(
+      scene.mesh, scene.grid, scene.relief,
+      GroundSettings{cell_m, keys.displace == "normal" ? Displacement::normal : Displacement::vertical,
+                     keys.tolerance});
+}
+
+RefinedMesh refined_bed(const Scene& scene, const Ground& ground) {
+  const std::size_t count = ground.uniform_count();
+  const auto too_many = [&] {
+    return InputError(scene.description.refinement.place,
+                      fmt::format("a bed in cells of {:.3g} m has {} facets, more than {}: use mode = "
+                                  "\"online\", a larger 'cell_m' or a smaller terrain",
+                                  ground.settings().cell_m, count, most_offline.facets));
+  };
+  if (count > most_offline.facets) throw too_many();
+  try {
+    return ground.everywhere(most_offline);
+  } catch (const RefinementTooLarge&) {
+    throw too_many();
+  }
+}
+
+void lay_relief(Survey& survey) {
+  Scene& scene = survey.scene;
+  if (!has_relief(scene)) return;
+  const RefinementDescription& keys = scene.description.refinement;
+  std::unique_ptr<Ground> ground = relief_ground(scene);
+  survey.relief.cell_m = ground->settings().cell_m;
+  survey.relief.base_facets = scene.mesh.facets.size();
+  survey.relief.uniform_facets = ground->uniform_count();
+  survey.relief.omitted = std::make_shared<const OmittedRelief>(ground->omitted());
+  if (keys.mode == "online") {
+    survey.ground = std::move(ground);
+    return;
+  }
+  RefinedMesh bed =
+      keys.file ? read_refined_bed(*keys.file, keys.file_place, scene, *ground) : refined_bed(scene, *ground);
+  ground.reset();
+  scene.mesh = std::move(bed.mesh);
+  survey.relief.parent = std::move(bed.parent);
+}
+
+double sample_length_m(const Survey& survey, const SharedShots& group) {
+  double shortest = survey.sensors[group.sensors.front()].sensor->samples().step_m;
+  for (const std::size_t s : group.sensors)
+    shortest = std::min(shortest, survey.sensors[s].sensor->samples().step_m);
+  return shortest;
+}
+
+ShotGround ground_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot) {
+  if (!survey.ground) return ShotGround(survey);
+  const std::size_t first = group.sensors.front();
+  double nearest = survey.sensors[first].sensor->samples().first_m;
+  for (const std::size_t s : group.sensors)
+    nearest = std::min(nearest, survey.sensors[s].sensor->samples().first_m);
+  const bool apart = survey.sensors[first].sensor->has_receiver_apart();
+  const std::array<TubeSet, 2> tubes{survey.tubes(group, ping, shot),
+                                     apart ? survey.receive_tubes(first, ping, shot) : TubeSet{}};
+  const double sample = sample_length_m(survey, group);
+  const std::array<Look, 2> looks{Look{&tubes[0], nearest, sample}, Look{&tubes[1], nearest, sample}};
+  try {
+    return ShotGround(survey, survey.ground->seen_by(std::span(looks.data(), apart ? 2 : 1), most_a_shot));
+  } catch (const RefinementTooLarge&) {
+    throw InputError(
+        survey.scene.description.refinement.place,
+        fmt::format("shot {} of ping {} of sensor '{}' looks at more than {} facets of its "
+                    "ground: use a larger 'cell_m' or 'tolerance'",
+                    shot, ping, survey.sensors[first].sensor->description().name, most_a_shot.facets));
+  }
+}
+
+ShotGround ground_in_line_with(const Survey& survey, glm::dvec3 place_m) {
+  if (!survey.ground) return ShotGround(survey);
+  return ShotGround(survey, survey.ground->in_line_with(place_m));
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Relief as the whole program makes it: online and offline, from a file, and where it is refused.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/echo_reader.hpp"
+#include "app/program.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::string_view scene = R"(
+[[materials]]
+name = "sand"
+lambert_db = -25
+[[materials.relief]]
+kind = "ripples"
+tile_m = 5.12
+resolution_m = 0.04
+seed = 7
+wavelength_m = 0.4
+direction_deg = 20
+rms_height_m = 0.02
+[[terrain]]
+kind = "flat"
+width_m = 12
+length_m = 12
+[trajectory]
+kind = "line"
+start_m = [0.2, -5, 1.5]
+end_m = [0.2, 5, 1.5]
+speed_m_s = 1
+[[sensors]]
+name = "camera"
+kind = "didson"
+beams = 8
+horizontal_deg = 10
+vertical_deg = 8
+tilt_deg = 35
+samples = 100
+window_start_m = 2
+window_length_m = 2
+pings = 3
+ping_interval_s = 1
+[relief]
+cell_m = 0.05
+tolerance = 0
+)";
+
+std::string offline_scene(std::string_view more = "") {
+  return replaced(scene, "tolerance = 0", fmt::format("mode = \"offline\"{}", more));
+}
+
+struct Result {
+  std::vector<double> energy;
+  nlohmann::json stats;
+  std::string out;
+};
+
+Result run_scene(const TestFolder& folder, const std::string& name, std::string_view text,
+                 std::vector<std::string> more = {}) {
+  const auto file = folder.write(name + ".toml", text);
+  std::vector<std::string> arguments{"run", file.string(), "-o", (folder / name).string()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Outcome outcome = run_program(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  if (outcome.exit_code != 0) return {};
+  std::ifstream stats(folder / name / "stats.json");
+  return {read_sensor(folder / name / "echoes.nc", "camera").energy, nlohmann::json::parse(stats),
+          outcome.out};
+}
+
+TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
+  const TestFolder folder;
+  const Result online = run_scene(folder, "online", scene),
+               offline = run_scene(folder, "offline", offline_scene());
+  ASSERT_FALSE(online.energy.empty());
+  EXPECT_EQ(online.energy, offline.energy);
+  const Outcome refined =
+      run_program({"refine", (folder / "offline.toml").string(), "-o", (folder / "bed.ply").string()});
+  ASSERT_EQ(refined.exit_code, 0) << refined.err;
+  const Result loaded = run_scene(folder, "loaded", offline_scene("\nfile = \"bed.ply\""));
+  EXPECT_EQ(loaded.energy, offline.energy);
+  EXPECT_EQ(run_scene(folder, "one", scene, {"--threads", "1"}).energy, online.energy);
+  // Nor is it what flat sand says.
+  EXPECT_NE(run_scene(folder, "flat", replaced(scene, "tolerance = 0", "mode = \"off\"")).energy,
+            online.energy);
+
+  const nlohmann::json& told = online.stats.at("relief");
+  EXPECT_EQ(told.at("uniform_facets"), offline.stats.at("relief").at("facets_made"));
+  EXPECT_EQ(told.at("uniform_facets"), offline.stats.at("facets"));
+  EXPECT_EQ(told.at("base_facets"), 2);
+  EXPECT_LT(told.at("facets_made").get<double>(), 3 * told.at("uniform_facets").get<double>());
+  EXPECT_GT(told.at("change_by_finer_relief").at("largest").get<double>(), 0);
+  EXPECT_GE(told.at("change_by_finer_relief").at("largest"), told.at("change_by_finer_relief").at("mean"));
+  EXPECT_THAT(online.out, HasSubstr("first-order estimate, not certified"));
+
+  // A bed of another scene, a damaged one, and one that is not there.
+  const auto refused = [&](std::string_view text) {
+    const Outcome outcome = run_program(
+        {"run", folder.write("refused.toml", text).string(), "-o", (folder / "refused").string()});
+    EXPECT_EQ(outcome.exit_code, 2);
+    return outcome.err;
+  };
+  const std::string with_file = offline_scene("\nfile = \"bed.ply\"");
+  EXPECT_THAT(refused(replaced(with_file, "seed = 7", "seed = 8")), HasSubstr("of another scene"));
+  EXPECT_THAT(refused(replaced(with_file, "cell_m = 0.05", "cell_m = 0.06")), HasSubstr("of another scene"));
+  std::filesystem::resize_file(folder / "bed.ply", std::filesystem::file_size(folder / "bed.ply") - 5);
+  EXPECT_THAT(refused(with_file), HasSubstr("cut short"));
+  EXPECT_THAT(refused(replaced(with_file, "bed.ply", "no.ply")), HasSubstr("tubefoot refine"));
+}
+
+TEST(ReliefRun, AuditAndFootprintsSeeTheShotsGround) {
+  const TestFolder folder;
+  const auto file = folder.write("scene.toml", replaced(scene, "tolerance = 0", "tolerance = 0.05"));
+  const Outcome audit = run_program({"audit", file.string(), "--quiet"});
+  EXPECT_EQ(audit.exit_code, 0) << audit.out;
+  EXPECT_THAT(audit.out, HasSubstr("failures       0"));
+  const Outcome footprints = run_program(
+      {"footprints", file.string(), "--sensor", "camera", "-o", (folder / "footprints.csv").string()});
+  ASSERT_EQ(footprints.exit_code, 0) << footprints.err;
+  EXPECT_THAT(bytes_of(folder / "footprints.csv"), HasSubstr("base_facet"));
+  const Outcome check = run_program({"check", file.string(), "--quiet"});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("relief         online"));
+}
+
+TEST(ReliefRun, OtherEnginesAndTheReferenceSeeItToo) {
+  const TestFolder folder;
+  const std::string few = replaced(scene, "pings = 3", "pings = 1");
+  const Result tubes = run_scene(folder, "tubes", few);
+  const Result rays = run_scene(folder, "rays", few, {"--engine", "ray", "--rays", "400000"});
+  double sum = 0, apart = 0;
+  ASSERT_EQ(tubes.energy.size(), rays.energy.size());
+  for (std::size_t k = 0; k < tubes.energy.size(); ++k) {
+    sum += tubes.energy[k];
+    apart += std::abs(tubes.energy[k] - rays.energy[k]);
+  }
+  EXPECT_LT(apart, 0.02 * sum);
+  const Result certified = run_scene(folder, "certified", few, {"--reference", "--tolerance", "1e-6"});
+  for (std::size_t k = 0; k < certified.energy.size(); ++k)
+    EXPECT_NEAR(certified.energy[k], tubes.energy[k], 1e-6 * tubes.energy[k]);
+}
+
+TEST(ReliefRun, RefusesWhatCannotBe) {
+  const TestFolder folder;
+  const auto refused = [&](std::string_view text, const std::string& command = "check") {
+    const auto file = folder.write("scene.toml", text);
+    const Outcome outcome = command == "check"
+                                ? run_program({"check", file.string()})
+                                : run_program({command, file.string(), "-o", (folder / "x").string()});
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    return outcome.err;
+  };
+  // Over the flat bed by 1 mm, but under a crest of the relief somewhere.
+  EXPECT_THAT(refused(replaced(replaced(scene, "[0.2, -5, 1.5]", "[0.2, -5, 0.001]"), "[0.2, 5, 1.5]",
+                               "[0.2, 5, 0.001]")),
+              HasSubstr("below the seabed"));
+  EXPECT_THAT(refused(replaced(scene, "cell_m = 0.05", "cell_m = 1e-6")), HasSubstr("too fine for a grid"));
+  const std::string vast =
+      replaced(replaced(offline_scene(), "cell_m = 0.05", "cell_m = 0.001"), "width_m = 12", "width_m = 64");
+  EXPECT_THAT(refused(vast), HasSubstr("facets, more than 100000000"));
+  EXPECT_THAT(refused(replaced(scene, "tolerance = 0", "mode = \"off\""), "refine"),
+              HasSubstr("nothing to refine"));
+}
+
+}  // namespace
+}  // namespace tubefoot
