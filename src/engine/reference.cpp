@@ -4,12 +4,15 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <stdexcept>
 
+#include "engine/certified_cells.hpp"
 #include "engine/certified_integral.hpp"
 #include "engine/radial_law.hpp"
 
@@ -17,6 +20,8 @@ namespace tubefoot {
 namespace {
 
 constexpr double least_allowed = 1e-300;
+/// Of a texture, in one piece. A piece of more is enclosed by the texture's range.
+constexpr std::size_t most_cells = 1 << 18;
 
 std::vector<double> targets(const Echo& echo, double tolerance) {
   const auto samples = std::size_t(echo.samples);
@@ -56,6 +61,19 @@ std::vector<double> slabs_of_bins(const History& history, std::span<const std::u
   return slabs;
 }
 
+/// By material; null where it is even. Of materials that some facet has, but for what the field is.
+std::vector<std::shared_ptr<const CertifiedTexture>> textures_of(const EchoLaw& law) {
+  std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
+  for (std::size_t material = 0; material < law.reflectivity.size(); ++material) {
+    if (law.reflectivity[material] == nullptr) continue;
+    textures.at(material) = certified_texture(law.reflectivity[material]);
+    if (textures[material] == nullptr)
+      throw std::invalid_argument(
+          fmt::format("the micro-texture of material {} cannot be enclosed: no reference", material));
+  }
+  return textures;
+}
+
 using Bins = std::map<std::size_t, Ball>;
 
 /// One try: parts are enclosed to `working`, and the bounds held against `tolerance`.
@@ -66,6 +84,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   const std::vector<double> borders = sample_borders_m(samples);
   const std::vector<double> target = targets(ordinary, working);
   const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
+  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = textures_of(law);
   const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(5);
   const auto row = std::size_t(samples.count);
 
@@ -86,18 +105,41 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       const Ball factor = Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
       const double size = factor.hi();
       // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
+      std::size_t cells = 1;
       const CertifiedIntegrator::Allowance allowance{
           working / 3, [&](std::uint32_t beam, std::uint32_t sample) {
             const std::size_t bin = beam * row + sample;
-            return std::max(target[bin] / 3 / std::max(slabs[bin], 1.0) / size, least_allowed);
+            const double sharers = std::max(slabs[bin], 1.0) * double(cells);
+            return std::max(target[bin] / 3 / sharers / size, least_allowed);
           }};
+      Ball even(1);  // the factor of a texture where it is taken for one
       const auto sink = [&](std::uint32_t beam, std::uint32_t sample, const Ball& part) {
-        by_tube[tube][beam * row + sample] += factor * part;
+        by_tube[tube][beam * row + sample] += factor * even * part;
       };
-      if (law.patterns != nullptr)
-        integrator.add(polygon, *law.patterns, tube, allowance, sink);
+      const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
+        if (law.patterns != nullptr)
+          integrator.add(part, *law.patterns, tube, allowance, sink, cell);
+        else
+          integrator.add(part, beam_of_tube[tube], allowance, sink, cell);
+      };
+      const CertifiedTexture* texture = textures[law.material[piece.facet]].get();
+      if (texture == nullptr) {
+        add(polygon, nullptr);
+        continue;
+      }
+      const Ball range = texture->range();
+      if (range.hi() - range.lo() > working / 8 * range.lo())
+        cells = cut_by_cells(polygon, *texture, law.apex_m, most_cells, {});
       else
-        integrator.add(polygon, beam_of_tube[tube], allowance, sink);
+        cells = 0;
+      if (cells > 0) {
+        cut_by_cells(polygon, *texture, law.apex_m, most_cells,
+                     [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add(part, &cell); });
+      } else {
+        cells = 1;
+        even = range;
+        add(polygon, nullptr);
+      }
     }
   });
 
