@@ -12,6 +12,7 @@
 
 #include "engine/path_cut.hpp"
 #include "engine/radial_law.hpp"
+#include "engine/texture_cells.hpp"
 
 namespace tubefoot {
 namespace {
@@ -45,6 +46,9 @@ void check(const BistaticHistory& history, const BistaticBeams& beams, const Ech
     refuse("fans must be given for all transmit and all receive tubes, or for none");
   if (!(law.absorption_db_per_m >= 0 && std::isfinite(law.absorption_db_per_m)))
     refuse(fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
+  if (!law.reflectivity.empty() && law.reflectivity.size() != law.material_mu.size())
+    refuse(fmt::format("{} materials have a Lambert parameter, but {} a texture or none",
+                       law.material_mu.size(), law.reflectivity.size()));
   if (!(tolerance > 0)) refuse(fmt::format("a tolerance must be above 0, not {}", tolerance));
   for (const SharedFacet& facet : history.shared.facets)
     if (facet.facet >= law.material.size() || law.material[facet.facet] >= law.material_mu.size())
@@ -105,11 +109,19 @@ class FacetEcho {
     receive_down_ = -facet.receive_distance_m * plane_.normal;
     factor_ =
         law_.material_mu[law_.material[facet.facet]] * facet.transmit_distance_m * facet.receive_distance_m;
+    texture_ = law_.texture(facet.facet);
+    foot_m_ = law_.apex_m - plane_.distance_m * plane_.normal;
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SharedPiece& piece = shared.pieces[facet.first_piece + k];
       if (!same_fan(piece)) continue;
       polygon_.assign(std::span(shared.corners_m).subspan(piece.first, piece.count), plane_, frame_);
-      law_.patterns == nullptr ? add_plain(piece, parts) : add_weighed(piece, parts);
+      const auto add_part = [&](const PlanarPolygon& part) {
+        law_.patterns == nullptr ? add_plain(part, piece, parts) : add_weighed(part, piece, parts);
+      };
+      if (texture_ == nullptr)
+        add_part(polygon_);
+      else
+        cells_.cut(polygon_, plane_, frame_, law_.apex_m, texture_->cells(), add_part);
     }
   }
 
@@ -119,15 +131,17 @@ class FacetEcho {
            beams_.fan_of_transmit_tube[piece.transmit_tube] == beams_.fan_of_receive_tube[piece.receive_tube];
   }
 
-  double density(double rt, double rr) const {
-    return factor_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * rt * (rr * rr * rr));
+  double density(glm::dvec2 p, double rt, double rr) const {
+    const double even = factor_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * rt * (rr * rr * rr));
+    return texture_ == nullptr ? even : even * texture_->factor(foot_m_ + p.x * frame_.u + p.y * frame_.v);
   }
 
-  void integrate(const PathCutter::Integrand& integrand, std::uint32_t first_beam, std::vector<Part>& parts) {
-    const auto [first, end] = cutter_.samples_of(polygon_, receiver_);
+  void integrate(const PlanarPolygon& polygon, const PathCutter::Integrand& integrand,
+                 std::uint32_t first_beam, std::vector<Part>& parts) {
+    const auto [first, end] = cutter_.samples_of(polygon, receiver_);
     if (first == end) return;
     sum_.resize(work_.values * (borders_.size() - 1), 0);
-    cutter_.add(polygon_, receiver_, integrand, work_, sum_);
+    cutter_.add(polygon, receiver_, integrand, work_, sum_);
     const std::size_t skipped = work_.values > 1 ? 1 : 0;  // the integral without patterns
     for (std::size_t k = first; k < end; ++k)
       for (std::size_t v = 0; v < work_.values; ++v)
@@ -135,14 +149,15 @@ class FacetEcho {
           parts.emplace_back((first_beam + v - skipped) * (borders_.size() - 1) + k, energy);
   }
 
-  void add_plain(const SharedPiece& piece, std::vector<Part>& parts) {
+  void add_plain(const PlanarPolygon& polygon, const SharedPiece& piece, std::vector<Part>& parts) {
     work_.values = 1;
     integrate(
-        [&](glm::dvec2, double rt, double rr, std::span<double> values) { values[0] = density(rt, rr); },
+        polygon,
+        [&](glm::dvec2 p, double rt, double rr, std::span<double> values) { values[0] = density(p, rt, rr); },
         beams_.of_receive_tube[piece.receive_tube], parts);
   }
 
-  void add_weighed(const SharedPiece& piece, std::vector<Part>& parts) {
+  void add_weighed(const PlanarPolygon& polygon, const SharedPiece& piece, std::vector<Part>& parts) {
     const BeamPatterns& patterns = *law_.patterns;
     const auto [first, end] = patterns.beams_of_tube[piece.receive_tube];
     if (first == end) return;
@@ -160,11 +175,12 @@ class FacetEcho {
     work_.most_refinements = tables ? most_refinements_with_tables : PathCutter::Work().most_refinements;
     const glm::dvec3 transmit_down = -plane_.distance_m * plane_.normal;
     integrate(
+        polygon,
         [&, first = first, end = end](glm::dvec2 p, double rt, double rr, std::span<double> values) {
           const glm::dvec2 q = p - receiver_.foot;
           const glm::dvec3 from_transmitter = (transmit_down + p.x * frame_.u + p.y * frame_.v) / rt;
           const glm::dvec3 from_receiver = (receive_down_ + q.x * frame_.u + q.y * frame_.v) / rr;
-          values[0] = density(rt, rr);
+          values[0] = density(p, rt, rr);
           const double sent = values[0] * transmit.gain(from_transmitter);
           for (std::uint32_t beam = first; beam < end; ++beam)
             values[1 + beam - first] = sent * patterns.receive[beam].gain(from_receiver);
@@ -188,6 +204,9 @@ class FacetEcho {
   glm::dvec3 receive_down_{0};
   double factor_ = 0;
   PlanarPolygon polygon_;
+  const ReflectivityField* texture_ = nullptr;
+  glm::dvec3 foot_m_{0};  // of the transmitter, in the local frame
+  TextureCells cells_;
   std::vector<double> sum_;  // all 0 between pieces
 };
 

@@ -10,6 +10,7 @@
 
 #include "engine/pattern_integral.hpp"
 #include "engine/radial_law.hpp"
+#include "engine/texture_cells.hpp"
 #include "geometry/range_cut.hpp"
 
 namespace tubefoot {
@@ -37,6 +38,18 @@ class Rows {
     return law_.material_mu[law_.material[facet]];
   }
 
+  const ReflectivityField* texture(FacetId facet) const {
+    mu(facet);  // refuses a facet without material
+    return law_.texture(facet);
+  }
+
+  /// mu, times the micro-texture at a place relative to the apex.
+  double mu(FacetId facet, glm::dvec3 place_m) const {
+    const double even = mu(facet);
+    const ReflectivityField* texture = law_.texture(facet);
+    return texture == nullptr ? even : even * texture->factor(law_.apex_m + place_m);
+  }
+
  private:
   Echo& echo_;
   std::span<const std::uint32_t> beam_of_tube_;
@@ -54,11 +67,19 @@ void check(const BeamPatterns& patterns, std::size_t tubes, int beams) {
   if (!fits) throw std::invalid_argument("the beam patterns belong to other beams or other tubes");
 }
 
-void add_footprints(const FootprintSet& set, const RadialIntegral& radial, Rows& rows) {
+/// All but those of facets with micro-texture; false if there are some.
+bool add_even_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
+                         Rows& rows) {
+  const RadialIntegral radial = lambert_radial_integral(samples, law.absorption_db_per_m);
   RangeCutter cutter(radial);
   PlanarPolygon polygon;
+  bool all = true;
   for (const Footprint& footprint : set.footprints) {
     const std::span<double> row = rows.of_tube(footprint.tube);
+    if (rows.texture(footprint.facet) != nullptr) {
+      all = false;
+      continue;
+    }
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
     const PlaneFrame frame(plane);
     const double factor = rows.mu(footprint.facet) * plane.distance_m * plane.distance_m;
@@ -68,15 +89,30 @@ void add_footprints(const FootprintSet& set, const RadialIntegral& radial, Rows&
       cutter.add(polygon, factor, row);
     }
   }
+  return all;
 }
 
+/// Beams that hear what is in their own tubes, all of it alike.
+BeamPatterns ideal_beams(std::span<const std::uint32_t> beam_of_tube, int beams) {
+  BeamPatterns patterns;
+  patterns.transmit.resize(1);
+  patterns.receive.resize(std::size_t(beams));
+  patterns.fan_of_tube.assign(beam_of_tube.size(), 0);
+  for (const std::uint32_t beam : beam_of_tube) patterns.beams_of_tube.emplace_back(beam, beam + 1);
+  return patterns;
+}
+
+/// `only_textured`: those of facets with micro-texture.
 void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
-                            Rows& rows, Echo& echo) {
+                            const BeamPatterns& patterns, bool only_textured, Rows& rows, Echo& echo) {
   const std::vector<double> borders = sample_borders_m(samples);
-  PatternIntegrator integrator(borders, two_way_absorption_per_m(law.absorption_db_per_m), *law.patterns,
+  PatternIntegrator integrator(borders, two_way_absorption_per_m(law.absorption_db_per_m), patterns,
                                law.pattern_tolerance);
+  TextureCells cells;
   PlanarPolygon polygon;
   for (const Footprint& footprint : set.footprints) {
+    const ReflectivityField* texture = rows.texture(footprint.facet);
+    if (only_textured && texture == nullptr) continue;
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
     const PlaneFrame frame(plane);
     const double factor = rows.mu(footprint.facet) * plane.distance_m * plane.distance_m;
@@ -84,7 +120,13 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       const Piece piece = set.pieces[footprint.first_piece + p];
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
-      integrator.add(polygon, plane, frame, footprint.tube, factor, echo.energy);
+      if (texture == nullptr) {
+        integrator.add(polygon, plane, frame, footprint.tube, factor, echo.energy);
+        continue;
+      }
+      cells.cut(polygon, plane, frame, law.apex_m, texture->cells(), [&](const PlanarPolygon& part) {
+        integrator.add(part, plane, frame, footprint.tube, factor, echo.energy, {texture, law.apex_m});
+      });
     }
   }
   integrator.finish(echo.energy);
@@ -152,8 +194,8 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
     if (!(range > 0 && footprint.area_m2 > 0)) continue;
     rows.of_tube(footprint.tube);  // refuses a tube that has no beam
     const double sine = std::sin(footprint.grazing_angle_rad), r2 = range * range;
-    const double energy =
-        rows.mu(footprint.facet) * sine * sine * footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
+    const double energy = rows.mu(footprint.facet, footprint.centroid_m) * sine * sine * footprint.area_m2 /
+                          (r2 * r2) * std::exp(-beta * range);
     const auto put = [&](std::size_t sample, double part) {
       share_out(
           beam_of_tube, law, footprint.tube, part * energy, range, sample,
@@ -178,9 +220,10 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, cons
   for (const RayHit& hit : hits) {
     const double r = hit.slant_range_m;
     rows.of_tube(hit.tube);  // refuses a tube that has no beam
-    const double mu = rows.mu(hit.facet);
+    rows.mu(hit.facet);      // refuses a facet without material
     if (!(r > 0 && finder.holds(r))) continue;
     const std::size_t sample = finder.at(r);
+    const double mu = rows.mu(hit.facet, r * glm::normalize(glm::dvec3(hit.direction)));
     const double spread = mu * hit.sine_grazing * hit.solid_angle_sr / (r * r);
     share_out(
         beam_of_tube, law, hit.tube, beta > 0 ? spread * std::exp(-beta * r) : spread, r, sample,
@@ -215,6 +258,10 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
     throw std::invalid_argument(fmt::format(
         "the tolerance of beam patterns must be from 1e-12 to 0.01, not {}", law.pattern_tolerance));
 
+  if (!law.reflectivity.empty() && law.reflectivity.size() != law.material_mu.size())
+    throw std::invalid_argument(fmt::format("{} materials have a Lambert parameter, but {} a texture or none",
+                                            law.material_mu.size(), law.reflectivity.size()));
+
   Echo echo;
   echo.beams = beams;
   echo.samples = samples.count;
@@ -223,10 +270,11 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
   Rows rows(echo, beam_of_tube, law);
   if (binning != Binning::exact)
     add_whole_footprints(history.footprints, samples, law, binning, beam_of_tube, rows, echo);
-  else if (law.patterns == nullptr)
-    add_footprints(history.footprints, lambert_radial_integral(samples, law.absorption_db_per_m), rows);
-  else
-    add_weighed_footprints(history.footprints, samples, law, rows, echo);
+  else if (law.patterns != nullptr)
+    add_weighed_footprints(history.footprints, samples, law, *law.patterns, false, rows, echo);
+  else if (!add_even_footprints(history.footprints, samples, law, rows))
+    add_weighed_footprints(history.footprints, samples, law, ideal_beams(beam_of_tube, beams), true, rows,
+                           echo);
   add_hits(history.hits, samples, law, beam_of_tube, rows, echo);
   return echo;
 }

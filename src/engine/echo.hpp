@@ -28,13 +28,18 @@ struct EchoLaw {
   std::span<const std::uint16_t> material;  ///< material by facet
   double absorption_db_per_m = 0;           ///< one way
   const BeamPatterns* patterns = nullptr;   ///< none: beams are ideal, 1 inside their tubes and 0 outside
-  /// With patterns: error of an energy relative to what its footprints would return at the patterns' peak,
-  /// 1e-12 to 0.01 (pattern_integral.hpp).
+  /// With patterns or micro-texture: error of an energy relative to what its footprints would return at the
+  /// patterns' peak from an even bed, 1e-12 to 0.01 (pattern_integral.hpp).
   double pattern_tolerance = 1e-6;
   /// Micro-texture by material; empty, or null where a material is even. It is a function of position in the
   /// local frame, where the history's apex is at `apex_m`.
   std::span<const std::shared_ptr<const ReflectivityField>> reflectivity{};
   glm::dvec3 apex_m{0};
+
+  /// Micro-texture of a facet that has a material; none: even.
+  const ReflectivityField* texture(FacetId facet) const {
+    return reflectivity.empty() ? nullptr : reflectivity[material[facet]].get();
+  }
 };
 
 /// How a footprint's energy gets into range samples.
@@ -59,7 +64,8 @@ struct Echo {
 /// Turns a history into the echo of a receiver whose beams are unions of tubes.
 /// `beam_of_tube[t]` is the beam that tube t belongs to. Footprints are cut at the range samples' borders
 /// (arcs on the facet), or binned as `binning` says, which reads what measure() filled; ray hits fall into
-/// the sample that holds their range. With patterns the energy from an area element is weighed by transmit
+/// the sample that holds their range. Micro-texture is integrated with exact binning, taken at the centroid
+/// with any other, and at a hit. With patterns the energy from an area element is weighed by transmit
 /// and receive pattern in its own direction, and a beam hears the tubes that `law.patterns->beams_of_tube`
 /// says.
 Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,

@@ -73,7 +73,8 @@ void PatternIntegrator::finish(std::span<double> energy) {
 }
 
 void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame,
-                            std::uint32_t tube, double factor, std::span<double> energy) {
+                            std::uint32_t tube, double factor, std::span<double> energy,
+                            const PlacedTexture& texture) {
   const std::size_t n = polygon.offsets.size();
   const auto [first_beam, end_beam] = patterns_.beams_of_tube[tube];
   if (n < 3 || first_beam == end_beam) return;
@@ -110,6 +111,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   slabs_.cut(ranges_, foot, inside, borders_);
   if (slabs_.slabs().empty()) return;
   take_axes(polygon, plane, frame);
+  take_texture(texture, plane, frame);
 
   const std::size_t samples = borders_.size() - 1;
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
@@ -156,6 +158,21 @@ void PatternIntegrator::take_axes(const PlanarPolygon& polygon, const FacetPlane
     change.along_axis = chord2 < 1 && largest < 0.9;
     if (change.along_axis) change.scale = 1 / std::sqrt(1 - largest * largest);
   }
+}
+
+void PatternIntegrator::take_texture(const PlacedTexture& texture, const FacetPlane& plane,
+                                     const PlaneFrame& frame) {
+  texture_.field = texture.field;
+  if (texture.field == nullptr) return;
+  auto known = counts_.find(texture.field);
+  if (known == counts_.end()) {
+    const auto growth = [&](double away_m) { return std::log1p(texture.field->change(away_m)); };
+    known = counts_.emplace(texture.field, NodeCount(growth, tolerance_)).first;
+  }
+  texture_.count = &known->second;
+  texture_.foot = texture.apex_m - plane.distance_m * plane.normal;
+  texture_.u = frame.u;
+  texture_.v = frame.v;
 }
 
 double PatternIntegrator::s_at(const Crossing& crossing, double t2) const {
@@ -242,15 +259,22 @@ void PatternIntegrator::integrate(double t0, double t1, int depth) {
     add_circle(middle + half * rule.node[i], half * rule.weight[i]);
 }
 
-/// Nodes for the change of the patterns as the arcs' ends, or a full circle, move. The rule for a product
-/// needs what each of its factors needs.
+/// Nodes for the change of patterns and texture as the arcs' ends, or a full circle, move. The rule for a
+/// product needs what each of its factors needs.
 int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
   const double middle = (t0 + t1) / 2;
   const std::array<double, 3> t2{t0 * t0, middle * middle, t1 * t1};
   const double r0 = std::sqrt(piece_.q2 + t2[0]);
   std::array<double, 3> over_r{};
   for (std::size_t i = 0; i < 3; ++i) over_r[i] = 1 / std::sqrt(piece_.q2 + t2[i]);
+  const auto moved = [&] {
+    double most = piece_.full_circle ? t1 - t0 : 0;
+    for (const Arc& arc : arcs_)
+      for (const Crossing& c : {arc.begin, arc.end}) most = std::max(most, s_at(c, t2[2]) - s_at(c, t2[0]));
+    return 1.3 * most;  // the way is not straight
+  };
   int n = 1;
+  if (texture_.field != nullptr) n = texture_.count->nodes(moved() / 2, rho);
   for (const Change& change : receiver_->changes) {
     double extent = 0;
     if (change.along_axis && !piece_.full_circle) {
@@ -265,29 +289,26 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
         }
       extent *= change.scale;
     } else {
-      double moved = piece_.full_circle ? t1 - t0 : 0;
-      for (const Arc& arc : arcs_)
-        for (const Crossing& c : {arc.begin, arc.end})
-          moved = std::max(moved, s_at(c, t2[2]) - s_at(c, t2[0]));
-      extent = 1.3 * moved / r0 / 2;  // the way is not straight
+      extent = moved() / r0 / 2;
     }
     n += change.count.nodes(extent, rho) - 1;
   }
   return n;
 }
 
-/// `half`: half of an arc as an angle about the foot point; `radius`: of the circle, as directions. For an
-/// imaginary part h <= 1 of the angle the cosine has at most radius sinh(h) <= 1.18 radius h.
-int PatternIntegrator::nodes_of_arc(double half, double radius) const {
-  const double rho = ellipse_of_arc(half);
-  int n = 1;
+/// `half`: half of an arc as an angle about the foot point; `radius`: of the circle, as directions, and `rho`
+/// in metres. For an imaginary part h <= 1 of the angle the cosine has at most radius sinh(h) <= 1.18 radius
+/// h.
+int PatternIntegrator::nodes_of_arc(double half, double rho, double radius) const {
+  const double ellipse = ellipse_of_arc(half);
+  int n = texture_.field != nullptr ? texture_.count->nodes(1.18 * half * rho, ellipse) : 1;
   for (const Change& change : receiver_->changes) {
     double steep = radius;
     if (change.along_axis) {
       const Axis& axis = receiver_->axes[*change.axis];
       steep = change.scale * (std::abs(axis.aside) + std::abs(axis.ahead) * std::min(1.0, 3 * half));
     }
-    n += change.count.nodes(1.18 * half * steep, rho) - 1;
+    n += change.count.nodes(1.18 * half * steep, ellipse) - 1;
   }
   return n;
 }
@@ -311,19 +332,27 @@ void PatternIntegrator::add_circle(double t, double weight) {
   }
 }
 
+/// Directions and places over an arc, by the angle from its middle.
+void PatternIntegrator::face(glm::dvec2 ahead, double rho, double radius) {
+  for (Axis& axis : receiver_->axes) {
+    axis.ahead = radius * glm::dot(axis.plane, ahead);
+    axis.aside = radius * glm::dot(axis.plane, turned(ahead));
+  }
+  if (texture_.field == nullptr) return;
+  texture_.ahead = rho * (ahead.x * texture_.u + ahead.y * texture_.v);
+  texture_.aside = rho * (ahead.x * texture_.v - ahead.y * texture_.u);
+}
+
 void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight) {
   const double radius = rho * per_r;
+  for (Axis& axis : receiver_->axes) axis.level = axis.away * per_r;
   // A whole circle, say, is several arcs.
   int panels = 1;
   for (double share = std::abs(half);; share /= 2, panels *= 2) {
     const glm::dvec2 ahead =
         panels == 1 ? middle : std::cos(half - share) * middle - std::sin(half - share) * turned(middle);
-    for (Axis& axis : receiver_->axes) {
-      axis.level = axis.away * per_r;
-      axis.ahead = radius * glm::dot(axis.plane, ahead);
-      axis.aside = radius * glm::dot(axis.plane, turned(ahead));
-    }
-    const int n = nodes_of_arc(share, radius);
+    face(ahead, rho, radius);
+    const int n = nodes_of_arc(share, rho, radius);
     if (n > most_gauss_nodes && panels < 1 << 20) continue;
     const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
     if (panels == 1) {
@@ -336,11 +365,9 @@ void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, dou
   for (int p = 0; p < panels; ++p) {
     const double turn = -half + (2 * p + 1) * part;
     const glm::dvec2 ahead = std::cos(turn) * middle + std::sin(turn) * turned(middle);
-    for (Axis& axis : receiver_->axes) {
-      axis.ahead = radius * glm::dot(axis.plane, ahead);
-      axis.aside = radius * glm::dot(axis.plane, turned(ahead));
-    }
-    add_panel(part, weight, gauss_rule(std::min(nodes_of_arc(std::abs(part), radius), most_gauss_nodes)));
+    face(ahead, rho, radius);
+    add_panel(part, weight,
+              gauss_rule(std::min(nodes_of_arc(std::abs(part), rho, radius), most_gauss_nodes)));
   }
 }
 
@@ -352,6 +379,10 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
     sine_and_cosine(half * rule.node[i], sine[i], cosine[i]);
     share[i] = weight * half * rule.weight[i];
   }
+  if (texture_.field != nullptr)
+    for (std::size_t i = 0; i < nodes; ++i)
+      share[i] *=
+          texture_.field->factor(texture_.foot + cosine[i] * texture_.ahead + sine[i] * texture_.aside);
   const auto at = [&](const Axis& axis, std::size_t i) {
     return axis.level + axis.ahead * cosine[i] + axis.aside * sine[i];
   };

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,8 +15,15 @@
 #include "engine/node_count.hpp"
 #include "geometry/measure.hpp"
 #include "geometry/polar_slabs.hpp"
+#include "seabed/reflectivity_field.hpp"
 
 namespace tubefoot {
+
+/// Micro-texture and where the apex is in its frame, the local one.
+struct PlacedTexture {
+  const ReflectivityField* field = nullptr;  ///< none: even
+  glm::dvec3 apex_m{0};
+};
 
 /// Integrates r^-6 e^(-beta r) times transmit and receive pattern over polygons cut by range samples.
 ///
@@ -29,6 +37,9 @@ namespace tubefoot {
 /// a receiver are functions of one and the same cosine (a line array's), nodes are summed up as moments, and
 /// the beams are looked at once for all footprints, in finish(). Beams sent at once along that array join
 /// them.
+///
+/// Micro-texture is one more factor at the nodes, and one more reason for nodes; polygons with texture must
+/// lie in one of its cells (texture_cells.hpp).
 class PatternIntegrator {
  public:
   /// `tolerance`: about the error of an energy, relative to what the footprint would return at the patterns'
@@ -39,7 +50,7 @@ class PatternIntegrator {
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that hear the tube, at
   /// the latest in finish(). With fringes, energy has three such blocks, one a channel (BeamPatterns).
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
-           double factor, std::span<double> energy);
+           double factor, std::span<double> energy, const PlacedTexture& texture = {});
   void finish(std::span<double> energy);
 
  private:
@@ -90,6 +101,16 @@ class PatternIntegrator {
     std::vector<Change> changes;
   };
 
+  /// A texture on the piece at hand.
+  struct Factor {
+    const ReflectivityField* field = nullptr;
+    const NodeCount* count = nullptr;
+    glm::dvec3 foot{0}, u{0}, v{0};  // of the plane, in the local frame
+    glm::dvec3 ahead{0}, aside{0};   // place = foot + ahead cos + aside sin of the angle from an arc's middle
+  };
+
+  void take_texture(const PlacedTexture& texture, const FacetPlane& plane, const PlaneFrame& frame);
+  void face(glm::dvec2 ahead, double rho, double radius);
   Receiver& receiver_of(std::uint32_t tube);
   std::unique_ptr<Receiver> make_receiver(std::uint32_t fan, std::uint32_t first, std::uint32_t end) const;
   Term term(Receiver& receiver, std::span<const Directivity> beams) const;
@@ -102,7 +123,7 @@ class PatternIntegrator {
   double angle_between(glm::dvec2 begin, glm::dvec2 end) const;
   void integrate(double t0, double t1, int depth);
   int nodes_along(double t0, double t1, double rho) const;
-  int nodes_of_arc(double half, double radius) const;
+  int nodes_of_arc(double half, double rho, double radius) const;
   void add_circle(double t, double weight);
   void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
@@ -122,6 +143,8 @@ class PatternIntegrator {
   std::vector<std::pair<double, Crossing>> sorted_;
   Receiver* receiver_ = nullptr;
   Piece piece_{};
+  Factor texture_;
+  std::map<const ReflectivityField*, NodeCount> counts_;
 };
 
 }  // namespace tubefoot

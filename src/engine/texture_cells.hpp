@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "geometry/measure.hpp"
+#include "seabed/reflectivity_field.hpp"
+
+namespace tubefoot {
+
+/// Cuts polygons along the planes on which a texture is not analytic, so that rules of Gauss converge in each
+/// part. Neighbouring parts share their corners to the last bit. Holds scratch memory: one per thread.
+class TextureCells {
+ public:
+  /// Calls `take` for each part of a convex polygon on `plane` that lies in one cell; the apex is at `apex_m`
+  /// in the local frame. A polygon within one cell is taken as it is. The work is in proportion to the number
+  /// of cells that the polygon meets, the memory to its corners.
+  void cut(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 apex_m,
+           std::span<const CellPlanes> cells, const std::function<void(const PlanarPolygon&)>& take);
+
+ private:
+  struct Level {
+    PlanarPolygon rest, part, next;
+  };
+  void cut(std::span<const CellPlanes> cells, const PlanarPolygon& polygon, std::size_t level);
+
+  FacetPlane plane_;
+  const PlaneFrame* frame_ = nullptr;
+  glm::dvec3 apex_m_{0};
+  const std::function<void(const PlanarPolygon&)>* take_ = nullptr;
+  std::vector<Level> levels_;  // by family of planes
+};
+
+}  // namespace tubefoot
