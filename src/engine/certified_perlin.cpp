@@ -7,19 +7,20 @@
 namespace tubefoot {
 namespace {
 
-/// Of in_cell() in doubles and of the sum of octaves: 3 interpolations between numbers of up to 4, each off by
-/// less than 70 units of 2^-53, make less than 3e-14.
+/// Of in_cell() in doubles and of the sum of octaves: 3 interpolations between numbers of up to 4, each off
+/// by less than 70 units of 2^-53, make less than 3e-14.
 constexpr double rounding = 1e-13;
 /// |dn/dx| in a cell: with weights u(x) and 1 - u(x), u' <= 15/8, of two means of corners' products, each at
 /// most 2 with a slope of at most 1, it is at most 15/8 4 + 1 = 8.5. A little more up to 0.01 outside.
 constexpr double steepest = 10;
+/// No noise is larger: PerlinLattice::largest is the number itself, this one is proven (by the tests, box by
+/// box).
+constexpr double most_noise = 1.05;
 constexpr double up = 1 + 1e-9;  // far above the rounding of doubles that bounds are made of
 
 /// Bounds of |u| and |1 - u| together on either side, u(z) = 6 z^5 - 15 z^4 + 10 z^3, at a distance d from
 /// [0, 1]: on it |u| + |1 - u| = 1, and Taylor's coefficients are at most 15/8, 5/sqrt 3, 10, 15 and 6 there.
-double weights_within(double d) {
-  return 1 + 2 * d * (1.875 + d * (2.8868 + d * (10 + d * (15 + d * 6))));
-}
+double weights_within(double d) { return 1 + 2 * d * (1.875 + d * (2.8868 + d * (10 + d * (15 + d * 6)))); }
 
 /// Of a rectangle, from [0, 1].
 double distance_from_cell(double lo, double hi, double across) {
@@ -28,14 +29,17 @@ double distance_from_cell(double lo, double hi, double across) {
 
 }  // namespace
 
-CertifiedPerlin::CertifiedPerlin(const PerlinLattice& lattice, double wavelength_m, int octaves,
-                                 double persistence, double depth)
-    : lattice_(lattice), wavelength_m_(wavelength_m), depth_(depth) {
+CertifiedPerlin::CertifiedPerlin(const PerlinReflectivity& field)
+    : lattice_(field.lattice()),
+      wavelength_m_(field.settings().wavelength_m),
+      depth_(field.settings().depth) {
+  const PerlinReflectivity::Settings& settings = field.settings();
   double sum = 0, weight = 1;
-  for (int i = 0; i < octaves; ++i, weight *= persistence) {
+  for (int i = 0; i < settings.octaves; ++i, weight *= settings.persistence) {
     weight_.push_back(weight);
     sum += weight;
   }
+  while (weight_.back() == 0) weight_.pop_back();
   for (double& w : weight_) w /= sum;
 }
 
@@ -69,8 +73,8 @@ Ball CertifiedPerlin::factor(std::span<const std::int64_t> cell, std::span<const
       x[a] = own[a].offset + middle[a] * own[a].scale;
     }
     const double n = lattice_.in_cell(own[0].cell, own[1].cell, own[2].cell, x[0], x[1], x[2]);
-    const double off = steepest * radius * own[0].scale + rounding, most = PerlinLattice::largest * up;
-    const double lo = std::max(n - off, -most), hi = std::min(n + off, most);
+    const double off = steepest * radius * own[0].scale + rounding;
+    const double lo = std::max(n - off, -most_noise), hi = std::min(n + off, most_noise);
     sum += weight_[i] * (lo + hi) / 2;
     error += weight_[i] * (hi - lo) / 2 * up;
   }
@@ -109,7 +113,7 @@ double CertifiedPerlin::difference(double off) const {
 }
 
 Ball CertifiedPerlin::range() const {
-  return Ball(1) + Ball(std::abs(depth_) * PerlinLattice::largest * up) * Ball::between(-1, 1);
+  return Ball(1) + Ball(std::abs(depth_) * most_noise * up) * Ball::between(-1, 1);
 }
 
 }  // namespace tubefoot

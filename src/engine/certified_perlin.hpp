@@ -4,16 +4,14 @@
 #include <vector>
 
 #include "engine/certified_texture.hpp"
-#include "seabed/perlin.hpp"
+#include "seabed/perlin_reflectivity.hpp"
 
 namespace tubefoot {
 
-/// Octaves of Perlin noise: 1 + depth sum_i p^i n(2^i x / wavelength) / sum_i p^i, over i < octaves with
-/// persistence p. The finest octave's cells are parts of all others'.
+/// Octaves of Perlin noise. The finest one's cells are parts of all others'.
 class CertifiedPerlin : public CertifiedTexture {
  public:
-  CertifiedPerlin(const PerlinLattice& lattice, double wavelength_m, int octaves, double persistence,
-                  double depth);
+  explicit CertifiedPerlin(const PerlinReflectivity& field);
 
   std::vector<Axis> axes() const override;
   Ball factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const override;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/reference.hpp"
 
+#include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -61,16 +60,15 @@ std::vector<double> slabs_of_bins(const History& history, std::span<const std::u
   return slabs;
 }
 
-/// By material; null where it is even. Of materials that some facet has, but for what the field is.
+/// By material; null where it is even.
 std::vector<std::shared_ptr<const CertifiedTexture>> textures_of(const EchoLaw& law) {
+  if (const auto material = material_without_enclosure(law.reflectivity))
+    throw std::invalid_argument(
+        fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
   std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
-  for (std::size_t material = 0; material < law.reflectivity.size(); ++material) {
-    if (law.reflectivity[material] == nullptr) continue;
-    textures.at(material) = certified_texture(law.reflectivity[material]);
-    if (textures[material] == nullptr)
-      throw std::invalid_argument(
-          fmt::format("the micro-texture of material {} cannot be enclosed: no reference", material));
-  }
+  for (std::size_t material = 0; material < law.reflectivity.size(); ++material)
+    if (law.reflectivity[material] != nullptr)
+      textures.at(material) = certified_texture(law.reflectivity[material]);
   return textures;
 }
 
@@ -80,11 +78,11 @@ using Bins = std::map<std::size_t, Ball>;
 CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
-                           double tolerance, double working) {
+                           double tolerance, double working,
+                           std::span<const std::shared_ptr<const CertifiedTexture>> textures) {
   const std::vector<double> borders = sample_borders_m(samples);
   const std::vector<double> target = targets(ordinary, working);
   const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
-  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = textures_of(law);
   const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(5);
   const auto row = std::size_t(samples.count);
 
@@ -181,6 +179,14 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
 
 }  // namespace
 
+std::optional<std::size_t> material_without_enclosure(
+    std::span<const std::shared_ptr<const ReflectivityField>> reflectivity) {
+  for (std::size_t material = 0; material < reflectivity.size(); ++material)
+    if (reflectivity[material] != nullptr && certified_texture(reflectivity[material]) == nullptr)
+      return material;
+  return std::nullopt;
+}
+
 CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
@@ -191,9 +197,10 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   // prove wrong: then all of them are done again, as much narrower as that bin needs.
   constexpr int most_tries = 3;
   double working = tolerance;
+  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = textures_of(law);
   for (int tries = 1;; ++tries) {
-    CertifiedEcho certified =
-        enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary, tolerance, working);
+    CertifiedEcho certified = enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary,
+                                           tolerance, working, textures);
     const double excess = certified.worst_ratio;
     if (certified.bins_over == 0 || tries == most_tries || !(excess < 1000)) return certified;
     working /= 2 * excess;
