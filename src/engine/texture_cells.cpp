@@ -45,7 +45,12 @@ void TextureCells::cut(const PlanarPolygon& polygon, const FacetPlane& plane, co
 
 void TextureCells::cut(std::span<const CellPlanes> cells, const PlanarPolygon& polygon, std::size_t level) {
   if (level == cells.size()) {
-    (*take_)(polygon);
+    // A polygon's first corner is its origin.
+    taken_.distance = polygon.distance;
+    taken_.first = polygon.corner(0);
+    taken_.offsets.clear();
+    for (const glm::dvec2 offset : polygon.offsets) taken_.offsets.push_back(offset - polygon.offsets[0]);
+    (*take_)(taken_);
     return;
   }
   // In the polygon's offsets the family is a set of lines: across . offset = k spacing - foot.

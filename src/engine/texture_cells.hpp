@@ -11,7 +11,7 @@
 namespace tubefoot {
 
 /// Cuts polygons along the planes on which a texture is not analytic, so that rules of Gauss converge in each
-/// part. Neighbouring parts share their corners to the last bit. Holds scratch memory: one per thread.
+/// part. Neighbouring parts share their corners but for rounding. Holds scratch memory: one per thread.
 class TextureCells {
  public:
   /// Calls `take` for each part of a convex polygon on `plane` that lies in one cell; the apex is at `apex_m`
@@ -31,6 +31,7 @@ class TextureCells {
   glm::dvec3 apex_m_{0};
   const std::function<void(const PlanarPolygon&)>* take_ = nullptr;
   std::vector<Level> levels_;  // by family of planes
+  PlanarPolygon taken_;
 };
 
 }  // namespace tubefoot

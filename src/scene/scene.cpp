@@ -15,6 +15,7 @@
 #include "scene/mesh_file.hpp"
 #include "scene/primitives.hpp"
 #include "scene/raster.hpp"
+#include "scene/reflectivity.hpp"
 #include "scene/scene_placement.hpp"
 #include "scene/terrain.hpp"
 #include "scene/trajectory_file.hpp"
@@ -205,6 +206,7 @@ class Loader {
                 .report = {}};
     for (const MaterialDescription& m : description_.materials) {
       scene.material_mu.push_back(std::pow(10.0, m.lambert_db / 10));
+      scene.reflectivity.push_back(load_reflectivity(m, frame_.value_or(LocalFrame()), report_.warnings));
     }
     const WaterDescription& water = description_.water;
     scene.sound_speed_m_s = water.sound_speed_m_s.value_or(

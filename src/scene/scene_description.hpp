@@ -33,10 +33,30 @@ struct WaterDescription {
   double depth_m = 10;  ///< for the two formulas
 };
 
+/// Micro-texture: octaves of improved Perlin noise.
+struct PerlinReflectivityKeys {
+  double wavelength_m = 0.5;  ///< the longest
+  int octaves = 3;
+  double persistence = 0.5;
+  double depth = 0.25;
+  std::uint64_t seed = 1;
+};
+/// Micro-texture: a raster, over and over from the frame's origin on, or where it lies on Earth.
+struct MapReflectivityKeys {
+  std::filesystem::path file;
+  std::string values = "factor";                ///< factor | db
+  std::optional<std::array<double, 2>> tile_m;  ///< east, north
+};
+struct ReflectivityDescription {
+  SourcePlace place;
+  std::variant<PerlinReflectivityKeys, MapReflectivityKeys> kind;
+};
+
 struct MaterialDescription {
   SourcePlace place;
   std::string name;
   double lambert_db = -27;  ///< 10 log10 mu; energy conservation wants <= -4.9715
+  std::vector<ReflectivityDescription> reflectivity;
 };
 
 struct FlatTerrain {

@@ -284,6 +284,7 @@ std::vector<SceneKey> scene_file_keys() {
   append_keys(georeference_section(), keys);
   append_keys(water_section(), keys);
   append_keys(material_section(), keys);
+  append_keys(reflectivity_section(), keys);
   append_keys(terrain_section(), keys);
   append_keys(object_section(), keys);
   append_keys(trajectory_section(), keys);

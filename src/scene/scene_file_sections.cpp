@@ -123,9 +123,10 @@ const TomlSection<MaterialDescription>& material_section() {
   // 10 log10(1 / pi), rounded towards less energy (physics: Lambert, pi mu <= 1).
   constexpr ValueRange lambert{
       .lo = -120, .hi = -4.9715, .if_above = "a surface cannot scatter more than it receives"};
-  static const auto section = TomlSection<M>("[[materials]]")
-                                  .keys({field("name", &M::name, {.required = true}),
-                                         field("lambert_db", &M::lambert_db, {.ranges = {lambert}})});
+  static const auto section =
+      TomlSection<M>("[[materials]]")
+          .keys({field("name", &M::name, {.required = true}),
+                 field("lambert_db", &M::lambert_db, {.ranges = {lambert}}), reflectivity_field()});
   return section;
 }
 

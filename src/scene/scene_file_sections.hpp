@@ -11,6 +11,8 @@ const TomlField<SceneDescription>& title_field();
 const TomlSection<GeoreferenceDescription>& georeference_section();
 const TomlSection<WaterDescription>& water_section();
 const TomlSection<MaterialDescription>& material_section();
+const TomlSection<ReflectivityDescription>& reflectivity_section();  // of a material
+TomlField<MaterialDescription> reflectivity_field();
 const TomlSection<TerrainDescription>& terrain_section();
 const TomlSection<ObjectDescription>& object_section();
 const TomlSection<TrajectoryDescription>& trajectory_section();

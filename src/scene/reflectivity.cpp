@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/reflectivity.hpp"
+
+#include <fmt/format.h>
+#include <gdal_priv.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <mutex>
+
+#include "scene/raster_messages.hpp"
+#include "seabed/layered_reflectivity.hpp"
+#include "seabed/map_reflectivity.hpp"
+#include "seabed/perlin_reflectivity.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double most_pixels = 50e6;
+
+class MapReader {
+ public:
+  MapReader(const MapReflectivityKeys& keys, const LocalFrame& frame)
+      : keys_(keys), frame_(frame), place_{keys.file.string(), 0, 0} {
+    static std::once_flag registered;
+    std::call_once(registered, [] { GDALAllRegister(); });
+    const char* const drivers[] = {"GTiff", "AAIGrid", "BAG", "netCDF", "PNG", nullptr};
+    dataset_.reset(GDALDataset::Open(place_.file.c_str(),
+                                     GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
+    if (dataset_ == nullptr || dataset_->GetRasterCount() == 0)
+      fail("cannot be read as GeoTIFF, ESRI ASCII grid, BAG, netCDF or PNG");
+    columns_ = dataset_->GetRasterXSize();
+    rows_ = dataset_->GetRasterYSize();
+    if (double(columns_) * rows_ > most_pixels)
+      fail(fmt::format("{} x {} pixels are more than {:.3g}: cut or shrink it with gdal_translate", columns_,
+                       rows_, most_pixels));
+  }
+
+  std::shared_ptr<const ReflectivityField> read() {
+    MapReflectivity::Grid grid{std::size_t(columns_), std::size_t(rows_), values()};
+    const MapReflectivity::Placing placing = keys_.tile_m ? tiled() : placed();
+    try {
+      return std::make_shared<MapReflectivity>(std::move(grid), placing);
+    } catch (const std::invalid_argument& error) {
+      fail(error.what());
+    }
+  }
+
+  const GdalMessages& messages() const { return messages_; }
+  const SourcePlace& place() const { return place_; }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const {
+    throw InputError(place_, message + messages_.in_brackets());
+  }
+
+  std::vector<float> values() {
+    GDALRasterBand& band = *dataset_->GetRasterBand(1);
+    const double scale = band.GetScale() == 0 ? 1 : band.GetScale(), offset = band.GetOffset();
+    std::vector<float> values;
+    values.reserve(std::size_t(columns_) * std::size_t(rows_));
+    std::vector<double> row(static_cast<std::size_t>(columns_));
+    std::vector<unsigned char> has_data(row.size());
+    for (int j = 0; j < rows_; ++j) {
+      const auto get = [&](GDALRasterBand& from, GDALDataType type, void* out) {
+        if (from.RasterIO(GF_Read, 0, j, columns_, 1, out, columns_, 1, type, 0, 0, nullptr) != CE_None)
+          fail(fmt::format("row {} cannot be read: the file is cut off or corrupt", j));
+      };
+      get(band, GDT_Float64, row.data());
+      get(*band.GetMaskBand(), GDT_Byte, has_data.data());
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        const double value = row[i] * scale + offset;
+        values.push_back(has_data[i] == 0 || std::isnan(value) ? std::numeric_limits<float>::quiet_NaN()
+                         : keys_.values == "db"                ? float(std::pow(10, value / 10))
+                                                               : float(value));
+      }
+    }
+    return values;
+  }
+
+  /// North up, the south-west corner at the frame's origin.
+  MapReflectivity::Placing tiled() const {
+    const double width = (*keys_.tile_m)[0] / columns_, height = (*keys_.tile_m)[1] / rows_;
+    return {{width / 2, (*keys_.tile_m)[1] - height / 2}, {width, 0}, {0, -height}, true};
+  }
+
+  MapReflectivity::Placing placed() const {
+    std::array<double, 6> g{};
+    if (dataset_->GetGeoTransform(g.data()) != CE_None)
+      fail(
+          "has no geotransform, so its pixels have no size and place: give 'tile_m', or add one with "
+          "gdal_edit.py -a_ullr");
+    const OGRSpatialReference* known = dataset_->GetSpatialRef();
+    const bool with_crs = known != nullptr && !known->IsEmpty() && !known->IsLocal();
+    if (with_crs && !frame_.is_georeferenced())
+      fail("has a coordinate reference system, but the scene has none: add [georeference], or give 'tile_m'");
+    if (!with_crs && frame_.is_georeferenced())
+      fail(
+          "has no coordinate reference system, but the scene's frame is georeferenced: add it with "
+          "gdal_edit.py -a_srs EPSG:..., or give 'tile_m'");
+    // Corners' and edges' middles and the centre, as pixels' centres are counted.
+    const double w = columns_, h = rows_;
+    std::vector<glm::dvec3> points;
+    for (const double row : {0.0, h / 2, h})
+      for (const double column : {0.0, w / 2, w})
+        points.emplace_back(g[0] + column * g[1] + row * g[2], g[3] + column * g[4] + row * g[5], 0);
+    if (with_crs) frame_.carry(points, dataset_->GetProjectionRef(), place_);
+    const auto plan = [&](std::size_t k) { return glm::dvec2(points[k]); };
+    const glm::dvec2 column = (plan(5) - plan(3)) / w, row = (plan(7) - plan(1)) / h;
+    const glm::dvec2 corner = plan(4) - w / 2 * column - h / 2 * row;
+    const double pixel = std::min(glm::length(column), glm::length(row));
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const glm::dvec2 straight = corner + double(k % 3) * (w / 2) * column + double(k / 3) * (h / 2) * row;
+      if (!(glm::length(plan(k) - straight) <= pixel / 2))
+        fail(
+            fmt::format("lies up to {:.3g} m off a parallelogram in the scene's frame, more than half a "
+                        "pixel: bring it into the frame's projection with gdalwarp",
+                        glm::length(plan(k) - straight)));
+    }
+    return {corner + column / 2.0 + row / 2.0, column, row, false};
+  }
+
+  const MapReflectivityKeys& keys_;
+  const LocalFrame& frame_;
+  SourcePlace place_;
+  GdalMessages messages_;
+  GDALDatasetUniquePtr dataset_;
+  int columns_ = 0, rows_ = 0;
+};
+
+}  // namespace
+
+std::shared_ptr<const ReflectivityField> load_reflectivity(const MaterialDescription& material,
+                                                           const LocalFrame& frame,
+                                                           std::vector<std::string>& warnings) {
+  std::vector<std::shared_ptr<const ReflectivityField>> layers;
+  bool has_map = false;
+  for (const ReflectivityDescription& layer : material.reflectivity) {
+    if (const auto* map = std::get_if<MapReflectivityKeys>(&layer.kind)) {
+      if (has_map)
+        throw InputError(layer.place,
+                         fmt::format("material '{}' has a second map of reflectivity: the product of two has "
+                                     "no known mean, so make one map of them",
+                                     material.name));
+      has_map = true;
+      MapReader reader(*map, frame);
+      layers.push_back(reader.read());
+      for (const std::string& text : reader.messages().warnings())
+        warnings.push_back(fmt::format("{}: GDAL: {}", reader.place().file, text));
+      continue;
+    }
+    const auto& keys = std::get<PerlinReflectivityKeys>(layer.kind);
+    // The first layer has the seed's own lattice.
+    const std::uint64_t seed = keys.seed + 0x9e3779b97f4a7c15u * layers.size();
+    layers.push_back(std::make_shared<PerlinReflectivity>(
+        PerlinReflectivity::Settings{keys.wavelength_m, keys.octaves, keys.persistence, keys.depth, seed}));
+  }
+  if (layers.empty()) return nullptr;
+  if (layers.size() == 1) return layers.front();
+  return std::make_shared<LayeredReflectivity>(std::move(layers));
+}
+
+}  // namespace tubefoot
