@@ -334,8 +334,10 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
     });
     if (in_t.nodes > most_certified_nodes || in_v.nodes > most_certified_nodes) {
       by_segment_ = false;
+      // Near a foot point on an edge, nothing can be said of angles before t has been halved down to it.
+      const bool near_foot = interval.to.hi() > 4 * interval.from.lo();
       split_arcs_ = in_v.nodes > most_certified_nodes &&
-                    (in_t.nodes <= most_certified_nodes || interval.depth % 2 == 0);
+                    (in_t.nodes <= most_certified_nodes || (interval.depth % 2 == 0 && !near_foot));
       return try_box(interval, share, relative);
     }
     const CertifiedRule &rule_t = certified_rule(in_t.nodes), &rule_v = certified_rule(in_v.nodes);

@@ -15,7 +15,7 @@ constexpr double rounding = 1e-13;
 constexpr double steepest = 10;
 /// No noise is larger: PerlinLattice::largest is the number itself, this one is proven (by the tests, box by
 /// box).
-constexpr double most_noise = 1.05;
+constexpr double most_noise = 1.06;
 constexpr double up = 1 + 1e-9;  // far above the rounding of doubles that bounds are made of
 
 /// Bounds of |u| and |1 - u| together on either side, u(z) = 6 z^5 - 15 z^4 + 10 z^3, at a distance d from

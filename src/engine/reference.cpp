@@ -19,8 +19,8 @@ namespace tubefoot {
 namespace {
 
 constexpr double least_allowed = 1e-300;
-/// Of a texture, in one piece. A piece of more is enclosed by the texture's range.
-constexpr std::size_t most_cells = 1 << 18;
+/// Of a texture, in one piece: half a minute's work. A piece of more is enclosed by the texture's range.
+constexpr std::size_t most_cells = 1 << 16;
 
 std::vector<double> targets(const Echo& echo, double tolerance) {
   const auto samples = std::size_t(echo.samples);
