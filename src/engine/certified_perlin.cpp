@@ -13,9 +13,6 @@ constexpr double rounding = 1e-13;
 /// |dn/dx| in a cell: with weights u(x) and 1 - u(x), u' <= 15/8, of two means of corners' products, each at
 /// most 2 with a slope of at most 1, it is at most 15/8 4 + 1 = 8.5. A little more up to 0.01 outside.
 constexpr double steepest = 10;
-/// No noise is larger: PerlinLattice::largest is the number itself, this one is proven (by the tests, box by
-/// box).
-constexpr double most_noise = 1.06;
 constexpr double up = 1 + 1e-9;  // far above the rounding of doubles that bounds are made of
 
 /// Bounds of |u| and |1 - u| together on either side, u(z) = 6 z^5 - 15 z^4 + 10 z^3, at a distance d from
@@ -74,7 +71,7 @@ Ball CertifiedPerlin::factor(std::span<const std::int64_t> cell, std::span<const
     }
     const double n = lattice_.in_cell(own[0].cell, own[1].cell, own[2].cell, x[0], x[1], x[2]);
     const double off = steepest * radius * own[0].scale + rounding;
-    const double lo = std::max(n - off, -most_noise), hi = std::min(n + off, most_noise);
+    const double lo = std::max(n - off, -largest_noise), hi = std::min(n + off, largest_noise);
     sum += weight_[i] * (lo + hi) / 2;
     error += weight_[i] * (hi - lo) / 2 * up;
   }
@@ -113,7 +110,7 @@ double CertifiedPerlin::difference(double off) const {
 }
 
 Ball CertifiedPerlin::range() const {
-  return Ball(1) + Ball(std::abs(depth_) * most_noise * up) * Ball::between(-1, 1);
+  return Ball(1) + Ball(std::abs(depth_) * largest_noise * up) * Ball::between(-1, 1);
 }
 
 }  // namespace tubefoot

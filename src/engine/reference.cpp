@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -74,12 +75,13 @@ std::vector<std::shared_ptr<const CertifiedTexture>> textures_of(const EchoLaw& 
 
 using Bins = std::map<std::size_t, Ball>;
 
-/// One try: parts are enclosed to `working`, and the bounds held against `tolerance`.
+/// One try: parts are enclosed to `working`, and the bounds held against `tolerance`. `coarse`: some texture
+/// has too many cells, so that no narrower try would help.
 CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
                            double tolerance, double working,
-                           std::span<const std::shared_ptr<const CertifiedTexture>> textures) {
+                           std::span<const std::shared_ptr<const CertifiedTexture>> textures, bool& coarse) {
   const std::vector<double> borders = sample_borders_m(samples);
   const std::vector<double> target = targets(ordinary, working);
   const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
@@ -88,6 +90,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
 
   const TubeSet& tubes = history.tubes;
   std::vector<Bins> by_tube(tubes.tubes.size());
+  std::atomic<bool> any_coarse = false;
   struct Buffers {
     VisibilityScratch visibility;
     TubeVisibility seen;
@@ -121,25 +124,26 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
           integrator.add(part, beam_of_tube[tube], allowance, sink, cell);
       };
       const CertifiedTexture* texture = textures[law.material[piece.facet]].get();
-      if (texture == nullptr) {
+      if (texture == nullptr || polygon.edges.size() < 3) {
         add(polygon, nullptr);
         continue;
       }
       const Ball range = texture->range();
-      if (range.hi() - range.lo() > working / 8 * range.lo())
-        cells = cut_by_cells(polygon, *texture, law.apex_m, most_cells, {});
-      else
-        cells = 0;
-      if (cells > 0) {
+      const bool worth_it = range.hi() - range.lo() > working / 8 * range.lo();
+      const std::size_t count = worth_it ? cut_by_cells(polygon, *texture, law.apex_m, most_cells, {}) : 0;
+      if (count > 0) {
+        cells = count;
         cut_by_cells(polygon, *texture, law.apex_m, most_cells,
                      [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add(part, &cell); });
       } else {
-        cells = 1;
+        if (worth_it) any_coarse = true;
         even = range;
         add(polygon, nullptr);
       }
     }
   });
+
+  coarse = any_coarse;
 
   std::vector<Ball> total(ordinary.energy.size());
   for (const Bins& bins : by_tube)  // in order, so that the result does not depend on the threads
@@ -199,10 +203,11 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   double working = tolerance;
   const std::vector<std::shared_ptr<const CertifiedTexture>> textures = textures_of(law);
   for (int tries = 1;; ++tries) {
+    bool coarse = false;
     CertifiedEcho certified = enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary,
-                                           tolerance, working, textures);
+                                           tolerance, working, textures, coarse);
     const double excess = certified.worst_ratio;
-    if (certified.bins_over == 0 || tries == most_tries || !(excess < 1000)) return certified;
+    if (certified.bins_over == 0 || tries == most_tries || coarse || !(excess < 1000)) return certified;
     working /= 2 * excess;
   }
 }
