@@ -3,7 +3,9 @@
 
 #include <flint/fmpz.h>
 
+#include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "geometry/wide_vector.hpp"
 
@@ -37,42 +39,16 @@ RangeEnclosure enclosure(const Ball& x) { return {x.fine_lo(), x.fine_hi()}; }
 
 int sign(const Ball& x) { return x.surely_positive() ? 1 : x.surely_negative() ? -1 : 0; }
 
-struct Point2 {
-  Ball x, y;
-};
-
 /// Angle of a vector; no ball around pi falls apart into pi and -pi.
 Ball angle_of(const Ball& x, const Ball& y) {
   if (x.surely_negative()) return Ball::pi() + atan2(-y, -x);
   return atan2(y, x);
 }
 
-}  // namespace
-
-CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
-                                   const NamedPiece& piece, double unit_m) {
-  FacetCone facet;
-  FacetCone::make(context.mesh, piece.facet, context.apex, facet);
-  const WideVec normal = widen(facet.normal);
-  const WideInt offset = widen(facet.offset);
-  const GridPoint side = facet.point[1] - facet.point[0];
-  const WideVec along{WideInt(side.x), WideInt(side.y), WideInt(side.z)};
-
-  CertifiedPolygon polygon;
-  const Ball per_normal = Ball(1) / root(ball(dot(normal, normal)));
-  polygon.away = scaled(balls(normal), per_normal);
-  const Ball per_along = Ball(1) / root(ball(dot(along, along)));
-  polygon.u = scaled(balls(along), per_along);
-  polygon.v = scaled(balls(cross(normal, along)), per_normal * per_along);
-  polygon.distance = ball(offset) * per_normal * Ball(unit_m);
-
-  const std::size_t n = piece.count;
-  std::vector<Point2> points(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const WideVec d = wide_direction(context, corners[piece.first + i]);
-    const BallVector p = scaled(balls(d), ball(offset) / ball(dot(d, normal)) * Ball(unit_m));
-    points[i] = {dot(p, polygon.u), dot(p, polygon.v)};
-  }
+/// Edges and ranges from the points.
+void finish(CertifiedPolygon& polygon) {
+  const std::vector<CertifiedPolygon::Point>& points = polygon.points;
+  const std::size_t n = points.size();
   const Ball distance2 = squared(polygon.distance);
   std::vector<RangeEnclosure> range(n);
   for (std::size_t i = 0; i < n; ++i)
@@ -99,7 +75,68 @@ CertifiedPolygon certified_polygon(const NameContext& context, const std::vector
     polygon.edges.push_back(std::move(edge));
   }
   if (maybe_inside) polygon.foot = enclosure(polygon.distance);
+}
+
+}  // namespace
+
+CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
+                                   const NamedPiece& piece, double unit_m) {
+  FacetCone facet;
+  FacetCone::make(context.mesh, piece.facet, context.apex, facet);
+  const WideVec normal = widen(facet.normal);
+  const WideInt offset = widen(facet.offset);
+  const GridPoint side = facet.point[1] - facet.point[0];
+  const WideVec along{WideInt(side.x), WideInt(side.y), WideInt(side.z)};
+
+  CertifiedPolygon polygon;
+  const Ball per_normal = Ball(1) / root(ball(dot(normal, normal)));
+  polygon.away = scaled(balls(normal), per_normal);
+  const Ball per_along = Ball(1) / root(ball(dot(along, along)));
+  polygon.u = scaled(balls(along), per_along);
+  polygon.v = scaled(balls(cross(normal, along)), per_normal * per_along);
+  polygon.distance = ball(offset) * per_normal * Ball(unit_m);
+
+  const std::size_t n = piece.count;
+  std::vector<CertifiedPolygon::Point>& points = polygon.points;
+  points.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const WideVec d = wide_direction(context, corners[piece.first + i]);
+    const BallVector p = scaled(balls(d), ball(offset) / ball(dot(d, normal)) * Ball(unit_m));
+    points[i] = {dot(p, polygon.u), dot(p, polygon.v)};
+  }
+  finish(polygon);
   return polygon;
+}
+
+CertifiedPolygon part_of(const CertifiedPolygon& whole, std::vector<CertifiedPolygon::Point> points) {
+  CertifiedPolygon part;
+  part.distance = whole.distance;
+  part.u = whole.u;
+  part.v = whole.v;
+  part.away = whole.away;
+  part.points = std::move(points);
+  finish(part);
+  return part;
+}
+
+std::array<std::vector<CertifiedPolygon::Point>, 2> split(const std::vector<CertifiedPolygon::Point>& points,
+                                                          const std::vector<Ball>& height, double level) {
+  std::vector<int> side;
+  for (const Ball& h : height) side.push_back(h.lo() > level ? 1 : h.hi() < -level ? -1 : 0);
+  std::array<std::vector<CertifiedPolygon::Point>, 2> parts;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t next = i + 1 == points.size() ? 0 : i + 1;
+    if (side[i] <= 0) parts[0].push_back(points[i]);
+    if (side[i] >= 0) parts[1].push_back(points[i]);
+    if (side[i] * side[next] >= 0) continue;
+    const Ball along = height[i] / (height[i] - height[next]);
+    const CertifiedPolygon::Point cut{points[i].x + along * (points[next].x - points[i].x),
+                                      points[i].y + along * (points[next].y - points[i].y)};
+    for (auto& part : parts) part.push_back(cut);
+  }
+  for (const int which : {0, 1})
+    if (std::find(side.begin(), side.end(), 2 * which - 1) == side.end()) parts[which].clear();
+  return parts;
 }
 
 }  // namespace tubefoot

@@ -14,6 +14,9 @@ namespace tubefoot {
 /// A visible piece in its facet's plane, every coordinate enclosed: from the exact integers that its corners'
 /// names stand for, nothing rounded before. Metres.
 struct CertifiedPolygon {
+  struct Point {
+    Ball x, y;  ///< along u and v from the foot point
+  };
   struct Edge {
     Ball angle;     ///< of its direction in the plane, from u to v
     Ball height;    ///< of the foot point to the edge's left
@@ -21,6 +24,7 @@ struct CertifiedPolygon {
   };
   Ball distance;                   ///< of the apex from the plane
   std::array<Ball, 3> u, v, away;  ///< the plane's frame, pieces turning from u to v; away from the apex
+  std::vector<Point> points;
   std::vector<Edge> edges;
   Ball perimeter;
   std::vector<EdgeRanges> ranges;      ///< by edge
@@ -32,5 +36,15 @@ struct CertifiedPolygon {
 /// left out.
 CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
                                    const NamedPiece& piece, double unit_m);
+
+/// A part of a polygon, in the same plane and turning the same way: all that follows from its points.
+CertifiedPolygon part_of(const CertifiedPolygon& whole, std::vector<CertifiedPolygon::Point> points);
+
+/// A convex polygon's points on the two sides of a line. `height` is each point's above the line: an affine
+/// function of place. A point whose height is below `level` in magnitude is taken to be on the line, which
+/// then passes through it: the two sides are one polygon cut along a chord, whatever the heights' roundings.
+/// Either side is empty if no point is surely there.
+std::array<std::vector<CertifiedPolygon::Point>, 2> split(const std::vector<CertifiedPolygon::Point>& points,
+                                                          const std::vector<Ball>& height, double level);
 
 }  // namespace tubefoot

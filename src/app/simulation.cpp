@@ -269,6 +269,10 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
           fmt::format("'{}' has two receivers, whose phases no reference certifies: leave the sensor out",
                       pings.sensor->description().name));
   refuse_bistatic(survey, reference_tolerance.has_value());
+  if (const auto material = material_without_enclosure(survey.scene.reflectivity);
+      reference_tolerance && material)
+    throw UsageError(fmt::format("the micro-texture of material '{}' is one that no reference encloses",
+                                 survey.scene.description.materials[*material].name));
   std::size_t left = 0;
   for (const SharedShots& group : survey.shots) left += survey.pings(group);
   left -= store.done_units();

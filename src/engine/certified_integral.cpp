@@ -31,10 +31,18 @@ CertifiedIntegrator::CertifiedIntegrator(std::span<const double> borders_m, cons
     : borders_(borders_m), beta_(beta_per_m) {}
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance,
-                              const Sink& sink) {
-  patterns_ = nullptr;
+                              const Sink& sink, const CertifiedCell* texture) {
+  weighed_ = texture != nullptr;
+  texture_ = texture;
   tabulated_ = false;
   largest_gain_ = Ball(1);
+  if (texture != nullptr) {
+    static const Directivity even;
+    polygon_ = &polygon;
+    transmit_.assign(1, cosine_of(even));
+    receive_.assign(1, cosine_of(even));
+    largest_gain_ = Ball(texture->texture->range().hi());
+  }
   add(polygon, beam, beam + 1, allowance, sink);
 }
 
@@ -170,7 +178,7 @@ void CertifiedIntegrator::integrate(const Ball& t0, const Ball& t1, double relat
   for (std::size_t next = 0; next < work_.size(); ++next) {
     const Interval interval = work_[next];
     const bool fits =
-        patterns_ ? try_patterned(interval, whole, relative) : try_interval(interval, whole, relative);
+        weighed_ ? try_patterned(interval, whole, relative) : try_interval(interval, whole, relative);
     if (fits) continue;
     if (++halved > limit || interval.depth >= deepest) {
       enclose(interval);
@@ -184,7 +192,7 @@ void CertifiedIntegrator::integrate(const Ball& t0, const Ball& t1, double relat
 void CertifiedIntegrator::halve(const Interval& interval) {
   Interval first = interval, second = interval;
   first.depth = second.depth = interval.depth + 1;
-  if (patterns_ && split_arcs_)
+  if (weighed_ && split_arcs_)
     first.v_to = second.v_from = (interval.v_from + interval.v_to) / 2;
   else
     first.to = second.from = ((interval.from + interval.to) / Ball(2)).centre();
@@ -200,9 +208,9 @@ void CertifiedIntegrator::enclose(const Interval& interval) {
   const Ball largest = radial(t, r) * Ball(2) * Ball::pi() * width * share * largest_gain_;
   const double most = std::max(largest.hi(), 0.0);
   const std::vector<Ball> range =
-      patterns_ && !(arcs_.empty() && !full_circle_) ? box(interval) : std::vector<Ball>(parts_.size());
+      weighed_ && !(arcs_.empty() && !full_circle_) ? box(interval) : std::vector<Ball>(parts_.size());
   for (std::size_t b = 0; b < parts_.size(); ++b) {
-    const bool narrower = patterns_ && range[b].is_finite() && range[b].hi() > 0 && range[b].hi() < most;
+    const bool narrower = weighed_ && range[b].is_finite() && range[b].hi() > 0 && range[b].hi() < most;
     parts_[b].sum += narrower ? Ball::between(std::max(range[b].lo(), 0.0), range[b].hi())
                               : Ball(most) * Ball::between(0, 1);
   }

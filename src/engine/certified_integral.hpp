@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "engine/beam_pattern.hpp"
+#include "engine/certified_cells.hpp"
 #include "geometry/certified_polygon.hpp"
 
 namespace tubefoot {
 
 /// Encloses the integral of r^-6 e^(-beta r) over a polygon's part in each range sample, times the patterns
-/// of its tube if there are any. docs/reference.md says how.
+/// of its tube and the micro-texture of its cell if there are any. docs/reference.md says how.
 ///
 /// The integrand is not negative, and so are all parts of the integral. In a slab (polar_slabs.hpp) it is
 /// analytic in t, r^2 = q^2 + t^2, and in the angle. Gauss-Legendre with N >= 2 nodes errs by at most
@@ -33,11 +34,12 @@ class CertifiedIntegrator {
 
   CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m);
 
-  /// Without patterns: all parts are of `beam`.
-  void add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance, const Sink& sink);
+  /// Without patterns: all parts are of `beam`. With a texture the polygon lies in its cell.
+  void add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance, const Sink& sink,
+           const CertifiedCell* texture = nullptr);
   /// With patterns, for all beams that hear the tube.
   void add(const CertifiedPolygon& polygon, const BeamPatterns& patterns, std::uint32_t tube,
-           const Allowance& allowance, const Sink& sink);
+           const Allowance& allowance, const Sink& sink, const CertifiedCell* texture = nullptr);
 
   /// Intervals that were left at the work limit, so far.
   std::size_t given_up() const { return given_up_; }
@@ -82,7 +84,7 @@ class CertifiedIntegrator {
   template <class N>
   N arcs_length(const N& t, const N& t2) const;
 
-  // With patterns.
+  // With patterns or a texture.
   template <class N>
   std::pair<N, N> ends_of(const Arc* arc, const N& t, const N& t2) const;
   template <class N>
@@ -114,7 +116,8 @@ class CertifiedIntegrator {
   std::vector<Arc> arcs_;
   std::vector<Part> parts_;  // by beam from the first
   std::vector<Interval> work_;
-  const BeamPatterns* patterns_ = nullptr;
+  bool weighed_ = false;  // by patterns, a texture or both
+  const CertifiedCell* texture_ = nullptr;
   std::vector<Cosine> transmit_;  // beams sent at once
   std::vector<Cosine> receive_;
   bool tabulated_ = false;   // some pattern is a table

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CertifiedIntegrator with beam patterns.
+// CertifiedIntegrator with beam patterns or a micro-texture.
 #include <arb_hypgeom.h>
 
 #include <algorithm>
@@ -20,11 +20,13 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 }  // namespace
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPatterns& patterns,
-                              std::uint32_t tube, const Allowance& allowance, const Sink& sink) {
+                              std::uint32_t tube, const Allowance& allowance, const Sink& sink,
+                              const CertifiedCell* texture) {
   const auto [first_beam, end_beam] = patterns.beams_of_tube[tube];
   if (first_beam == end_beam) return;
   polygon_ = &polygon;
-  patterns_ = &patterns;
+  weighed_ = true;
+  texture_ = texture;
   transmit_.clear();
   receive_.clear();
   tabulated_ = false;
@@ -48,6 +50,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPattern
     receive_db = std::max(receive_db, look_at(patterns.receive[beam]));
   }
   largest_gain_ = sent * from_db(receive_db);
+  if (texture != nullptr) largest_gain_ = largest_gain_ * Ball(texture->texture->range().hi());
   add(polygon, first_beam, end_beam, allowance, sink);
 }
 
@@ -214,7 +217,8 @@ double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, cons
                     down = ComplexBall(polygon_->distance) / r;
   const auto [middle, half] = ends_of(arc, t, t2);
   const ComplexBall angle = middle + half * v;
-  const double geometry = std::log((radial(t, r) * half).largest());
+  double geometry = std::log((radial(t, r) * half).largest());
+  if (texture_ != nullptr) geometry += std::log(texture_->largest(rho * r, angle)) + 1e-9;
   const auto bound = [&](const Cosine& cosine) {
     if (cosine.pattern->kind == Directivity::Kind::uniform) return 0.0;
     return log_bound(cosine, cosine_at(cosine, down, rho, angle));
@@ -249,6 +253,7 @@ std::vector<Ball> CertifiedIntegrator::values(const Arc* arc, const Ball& t, con
     Ball sent;
     for (const Cosine& beam : transmit_) sent += gain(beam, cosine_at(beam, down, rho, angle));
     sent = factor * weight[i] * sent;
+    if (texture_ != nullptr) sent = sent * texture_->factor(rho * r, angle);
     for (std::size_t b = 0; b < sums.size(); ++b) {
       if (receive_[b].pattern->kind == Directivity::Kind::uniform)
         sums[b] += sent;
@@ -329,8 +334,10 @@ bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& wh
     });
     if (in_t.nodes > most_certified_nodes || in_v.nodes > most_certified_nodes) {
       by_segment_ = false;
+      // Near a foot point on an edge, nothing can be said of angles before t has been halved down to it.
+      const bool near_foot = interval.to.hi() > 4 * interval.from.lo();
       split_arcs_ = in_v.nodes > most_certified_nodes &&
-                    (in_t.nodes <= most_certified_nodes || interval.depth % 2 == 0);
+                    (in_t.nodes <= most_certified_nodes || (interval.depth % 2 == 0 && !near_foot));
       return try_box(interval, share, relative);
     }
     const CertifiedRule &rule_t = certified_rule(in_t.nodes), &rule_v = certified_rule(in_v.nodes);

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/reference.hpp"
 
+#include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <stdexcept>
 
+#include "engine/certified_cells.hpp"
 #include "engine/certified_integral.hpp"
 #include "engine/radial_law.hpp"
 
@@ -17,6 +20,8 @@ namespace tubefoot {
 namespace {
 
 constexpr double least_allowed = 1e-300;
+/// Of a texture, in one piece: half a minute's work. A piece of more is enclosed by the texture's range.
+constexpr std::size_t most_cells = 1 << 16;
 
 std::vector<double> targets(const Echo& echo, double tolerance) {
   const auto samples = std::size_t(echo.samples);
@@ -56,13 +61,27 @@ std::vector<double> slabs_of_bins(const History& history, std::span<const std::u
   return slabs;
 }
 
+/// By material; null where it is even.
+std::vector<std::shared_ptr<const CertifiedTexture>> textures_of(const EchoLaw& law) {
+  if (const auto material = material_without_enclosure(law.reflectivity))
+    throw std::invalid_argument(
+        fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
+  std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
+  for (std::size_t material = 0; material < law.reflectivity.size(); ++material)
+    if (law.reflectivity[material] != nullptr)
+      textures.at(material) = certified_texture(law.reflectivity[material]);
+  return textures;
+}
+
 using Bins = std::map<std::size_t, Ball>;
 
-/// One try: parts are enclosed to `working`, and the bounds held against `tolerance`.
+/// One try: parts are enclosed to `working`, and the bounds held against `tolerance`. `coarse`: some texture
+/// has too many cells, so that no narrower try would help.
 CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
-                           double tolerance, double working) {
+                           double tolerance, double working,
+                           std::span<const std::shared_ptr<const CertifiedTexture>> textures, bool& coarse) {
   const std::vector<double> borders = sample_borders_m(samples);
   const std::vector<double> target = targets(ordinary, working);
   const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
@@ -71,6 +90,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
 
   const TubeSet& tubes = history.tubes;
   std::vector<Bins> by_tube(tubes.tubes.size());
+  std::atomic<bool> any_coarse = false;
   struct Buffers {
     VisibilityScratch visibility;
     TubeVisibility seen;
@@ -86,20 +106,44 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       const Ball factor = Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
       const double size = factor.hi();
       // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
+      std::size_t cells = 1;
       const CertifiedIntegrator::Allowance allowance{
           working / 3, [&](std::uint32_t beam, std::uint32_t sample) {
             const std::size_t bin = beam * row + sample;
-            return std::max(target[bin] / 3 / std::max(slabs[bin], 1.0) / size, least_allowed);
+            const double sharers = std::max(slabs[bin], 1.0) * double(cells);
+            return std::max(target[bin] / 3 / sharers / size, least_allowed);
           }};
+      Ball even(1);  // the factor of a texture where it is taken for one
       const auto sink = [&](std::uint32_t beam, std::uint32_t sample, const Ball& part) {
-        by_tube[tube][beam * row + sample] += factor * part;
+        by_tube[tube][beam * row + sample] += factor * even * part;
       };
-      if (law.patterns != nullptr)
-        integrator.add(polygon, *law.patterns, tube, allowance, sink);
-      else
-        integrator.add(polygon, beam_of_tube[tube], allowance, sink);
+      const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
+        if (law.patterns != nullptr)
+          integrator.add(part, *law.patterns, tube, allowance, sink, cell);
+        else
+          integrator.add(part, beam_of_tube[tube], allowance, sink, cell);
+      };
+      const CertifiedTexture* texture = textures[law.material[piece.facet]].get();
+      if (texture == nullptr || polygon.edges.size() < 3) {
+        add(polygon, nullptr);
+        continue;
+      }
+      const Ball range = texture->range();
+      const bool worth_it = range.hi() - range.lo() > working / 8 * range.lo();
+      const std::size_t count = worth_it ? cut_by_cells(polygon, *texture, law.apex_m, most_cells, {}) : 0;
+      if (count > 0) {
+        cells = count;
+        cut_by_cells(polygon, *texture, law.apex_m, most_cells,
+                     [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add(part, &cell); });
+      } else {
+        if (worth_it) any_coarse = true;
+        even = range;
+        add(polygon, nullptr);
+      }
     }
   });
+
+  coarse = any_coarse;
 
   std::vector<Ball> total(ordinary.energy.size());
   for (const Bins& bins : by_tube)  // in order, so that the result does not depend on the threads
@@ -139,6 +183,14 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
 
 }  // namespace
 
+std::optional<std::size_t> material_without_enclosure(
+    std::span<const std::shared_ptr<const ReflectivityField>> reflectivity) {
+  for (std::size_t material = 0; material < reflectivity.size(); ++material)
+    if (reflectivity[material] != nullptr && certified_texture(reflectivity[material]) == nullptr)
+      return material;
+  return std::nullopt;
+}
+
 CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
@@ -149,11 +201,13 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   // prove wrong: then all of them are done again, as much narrower as that bin needs.
   constexpr int most_tries = 3;
   double working = tolerance;
+  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = textures_of(law);
   for (int tries = 1;; ++tries) {
-    CertifiedEcho certified =
-        enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary, tolerance, working);
+    bool coarse = false;
+    CertifiedEcho certified = enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary,
+                                           tolerance, working, textures, coarse);
     const double excess = certified.worst_ratio;
-    if (certified.bins_over == 0 || tries == most_tries || !(excess < 1000)) return certified;
+    if (certified.bins_over == 0 || tries == most_tries || coarse || !(excess < 1000)) return certified;
     working /= 2 * excess;
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +25,11 @@ struct CertifiedEcho {
   double worst_ratio = 0;  ///< of all bins; at most 1 if the tolerance is kept everywhere
   int worst_beam = 0, worst_sample = 0;
 };
+
+/// The first material whose micro-texture no reference can enclose: certify_echo() would refuse it. Perlin
+/// noise, maps and products of them can be enclosed.
+std::optional<std::size_t> material_without_enclosure(
+    std::span<const std::shared_ptr<const ReflectivityField>> reflectivity);
 
 /// Encloses the echo of one ping: exact visibility, corners from exact integers, iso-range cuts and integrals
 /// in ball arithmetic, refined until each bound is at most tolerance * max(energy, reference_floor * the

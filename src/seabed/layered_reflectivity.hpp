@@ -21,6 +21,8 @@ class LayeredReflectivity : public ReflectivityField {
   std::span<const CellPlanes> cells() const override { return cells_; }
   double change(double away_m) const override;
 
+  const std::vector<std::shared_ptr<const ReflectivityField>>& layers() const { return layers_; }
+
  private:
   std::vector<std::shared_ptr<const ReflectivityField>> layers_;
   std::vector<CellPlanes> cells_;

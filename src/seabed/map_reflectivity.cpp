@@ -56,7 +56,6 @@ MapReflectivity::MapReflectivity(Grid grid, const Placing& placing)
   cells_ = {planes(to_column_), planes(to_row_)};
 }
 
-/// Of the pixel at whole numbers of columns and rows.
 double MapReflectivity::value(double column, double row) const {
   const auto columns = double(grid_.columns), rows = double(grid_.rows);
   if (placing_.tiled) {

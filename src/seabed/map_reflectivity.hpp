@@ -36,9 +36,15 @@ class MapReflectivity : public ReflectivityField {
   std::span<const CellPlanes> cells() const override { return cells_; }
   double change(double away_m) const override;
 
- private:
+  const Grid& grid() const { return grid_; }
+  const Placing& placing() const { return placing_; }
+  /// Place less placing().first_m to columns and rows.
+  glm::dvec2 to_column() const { return to_column_; }
+  glm::dvec2 to_row() const { return to_row_; }
+  /// Of the pixel at whole numbers of columns and rows, all of the plane's.
   double value(double column, double row) const;
 
+ private:
   Grid grid_;
   Placing placing_;
   glm::dvec2 to_column_{0}, to_row_{0};  ///< place less first_m to pixels
