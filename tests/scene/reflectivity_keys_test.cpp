@@ -102,6 +102,11 @@ std::filesystem::path write(const SceneFolder& folder, const Raster& raster, con
   return file;
 }
 
+MapReflectivityKeys keys_of(const std::filesystem::path& file, const std::string& values = "factor",
+                            std::optional<std::array<double, 2>> tile_m = {}) {
+  return {file, values, tile_m};
+}
+
 std::shared_ptr<const ReflectivityField> load(const std::vector<MapReflectivityKeys>& maps,
                                               const LocalFrame& frame = {}) {
   MaterialDescription material;
@@ -113,7 +118,7 @@ std::shared_ptr<const ReflectivityField> load(const std::vector<MapReflectivityK
 
 TEST(ReflectivityMap, LiesWhereItsGeotransformSays) {
   const SceneFolder folder;
-  const auto map = load({{write(folder, {})}});
+  const auto map = load({keys_of(write(folder, {}))});
   // Pixels' centres: north-west 10.25, 19.875.
   EXPECT_NEAR(map->factor({10.25, 19.875, 3}), 1.0 / 3, 1e-6);
   EXPECT_NEAR(map->factor({10.75, 19.875, 3}), 2.0 / 3, 1e-6);
@@ -124,7 +129,7 @@ TEST(ReflectivityMap, LiesWhereItsGeotransformSays) {
 
 TEST(ReflectivityMap, OfDecibelsAndWithoutData) {
   const SceneFolder folder;
-  const auto map = load({{write(folder, {.values = {0, 10, -99, 10}}), "db"}});
+  const auto map = load({keys_of(write(folder, {.values = {0, 10, -99, 10}}), "db")});
   EXPECT_NEAR(map->factor({10.25, 19.875, 0}), 1.0 / 7, 1e-6);
   EXPECT_NEAR(map->factor({10.75, 19.875, 0}), 10.0 / 7, 1e-6);
   EXPECT_NEAR(map->factor({10.25, 19.625, 0}), 1, 1e-6);
@@ -132,7 +137,7 @@ TEST(ReflectivityMap, OfDecibelsAndWithoutData) {
 
 TEST(ReflectivityMap, TilesAreNorthUpFromTheFramesOrigin) {
   const SceneFolder folder;
-  const auto map = load({{write(folder, {.placed = false}), "factor", std::array{4.0, 2.0}}});
+  const auto map = load({keys_of(write(folder, {.placed = false}), "factor", std::array{4.0, 2.0})});
   for (const glm::dvec3 away : {glm::dvec3{0, 0, 0}, {4, 0, 0}, {-40, 22, 5}}) {
     EXPECT_NEAR(map->factor(glm::dvec3{1, 1.5, 0} + away), 1.0 / 3, 1e-6);  // north-west
     EXPECT_NEAR(map->factor(glm::dvec3{3, 0.5, 0} + away), 2, 1e-6);        // south-east
@@ -143,14 +148,14 @@ TEST(ReflectivityMap, OfAProjectionIsCarriedIntoTheFrame) {
   const SceneFolder folder;
   const Raster utm{.crs = "EPSG:32602", .geotransform = {573000, 2, 0, 6012345, 0, -2}};
   const LocalFrame same = LocalFrame::projected("EPSG:32602", 573000, 6012345, 0, {});
-  const auto map = load({{write(folder, utm)}}, same);
+  const auto map = load({keys_of(write(folder, utm))}, same);
   EXPECT_NEAR(map->factor({1, -1, 0}), 1.0 / 3, 1e-6);
   EXPECT_NEAR(map->factor({3, -3, 0}), 2, 1e-6);
   // In a frame of geographic north the map is turned.
   const LocalFrame tangent = LocalFrame::at_lat_lon(54.2, -170, 0);
   std::vector<glm::dvec3> centre{{573001, 6012344, 0}};
   tangent.carry(centre, "EPSG:32602", {});
-  EXPECT_NEAR(load({{write(folder, utm)}}, tangent)->factor(centre[0]), 1.0 / 3, 1e-4);
+  EXPECT_NEAR(load({keys_of(write(folder, utm))}, tangent)->factor(centre[0]), 1.0 / 3, 1e-4);
 }
 
 TEST(ReflectivityMap, IsRefusedWithItsFilesName) {
@@ -160,17 +165,17 @@ TEST(ReflectivityMap, IsRefusedWithItsFilesName) {
                 ThrowsMessage<InputError>(AllOf(HasSubstr("map.tif"), HasSubstr(what))));
   };
   const LocalFrame frame = LocalFrame::at_lat_lon(54.2, -170, 0);
-  expect({write(folder, {.placed = false})}, {}, "tile_m");
-  expect({write(folder, {.crs = "EPSG:32602"})}, {}, "[georeference]");
-  expect({write(folder, {})}, frame, "coordinate reference system");
-  expect({write(folder, {.values = {1, 2, -1, 3}})}, {}, "negative");
-  expect({write(folder, {.values = {0, 0, 0, 0}})}, {}, "above 0");
+  expect(keys_of(write(folder, {.placed = false})), {}, "tile_m");
+  expect(keys_of(write(folder, {.crs = "EPSG:32602"})), {}, "[georeference]");
+  expect(keys_of(write(folder, {})), frame, "coordinate reference system");
+  expect(keys_of(write(folder, {.values = {1, 2, -1, 3}})), {}, "negative");
+  expect(keys_of(write(folder, {.values = {0, 0, 0, 0}})), {}, "above 0");
   // Metres for pixels, but 200 km of them: the Earth is round.
-  expect({write(folder, {.crs = "EPSG:32602", .geotransform = {473000, 1e5, 0, 6112345, 0, -1}})}, frame,
-         "parallelogram");
+  expect(keys_of(write(folder, {.crs = "EPSG:32602", .geotransform = {473000, 1e5, 0, 6112345, 0, -1}})),
+         frame, "parallelogram");
   folder.write("map.tif", "II*");
-  expect({folder.path() / "map.tif"}, {}, "cannot be read");
-  const MapReflectivityKeys map{write(folder, {})};
+  expect(keys_of(folder.path() / "map.tif"), {}, "cannot be read");
+  const MapReflectivityKeys map = keys_of(write(folder, {}));
   EXPECT_THAT(
       [&] {
         load({map, map});
