@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/plan_cut.hpp"
 
+// Crossings of crossings are rare here, so the plain triangulation will do; it would print a warning.
+#define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -107,7 +109,8 @@ Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::
     if (v->info() != unnumbered) continue;
     v->info() = static_cast<int>(parts.points.size());
     // An exact number's double does not depend on how the number was come by; that of a lazy one does.
-    const Exact &x = v->point().x().exact(), &y = v->point().y().exact();
+    const Kernel::FT lazy_x = v->point().x(), lazy_y = v->point().y();
+    const Exact &x = lazy_x.exact(), &y = lazy_y.exact();
     parts.points.emplace_back(CGAL::to_double(x), CGAL::to_double(y), CGAL::to_double(height.at(x, y)));
   }
   for (auto f = cdt.finite_faces_begin(); f != cdt.finite_faces_end(); ++f) {
