@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <functional>
 #include <glm/common.hpp>
 #include <stdexcept>
 
@@ -129,6 +131,14 @@ std::size_t apply_material_map(ComponentMesh& mesh, const TerrainDescription& te
   const SourcePlace& place = terrain.material_map->place;
   const MaterialMap map = make_map(*terrain.material_map, {materials, usual, lo, hi, frame, place});
 
+  constexpr double reach_m = 1e9;
+  for (const MaterialBorder& border : map.borders())
+    for (const glm::dvec2& p : {border.a, border.b})
+      if (!(std::abs(p.x) <= reach_m && std::abs(p.y) <= reach_m))
+        throw InputError(place,
+                         fmt::format("the map's border at ({:.6g}, {:.6g}) m is no place in this scene: is "
+                                     "its coordinate reference system right?",
+                                     p.x, p.y));
   std::vector<PlanSegment> segments;
   segments.reserve(map.borders().size());
   // Neighbours share borders: once is enough.

@@ -385,6 +385,8 @@ TEST_F(MaterialMaps, MistakesAreNamed) {
               HasSubstr("has no layer \"area\": expected \"areas\""));
   EXPECT_THAT(error_of(polygons({{"a", ring}, {"b", ring}}, "classes = { a = \"mud\" }\n")),
               HasSubstr("without a material: \"b\""));
+  EXPECT_THAT(error_of(polygons({{"mud", "[[0,0],[1e300,0],[0,1],[0,0]]"}})),
+              HasSubstr("is no place in this scene"));
   const std::string map = polygons({{"mud", ring}});
   folder_.write("areas.geojson", R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":)"
                                  R"({"material":"mud"},"geometry":{"type":"Point","coordinates":[1,2]}}]})");
