@@ -354,6 +354,43 @@ TEST_F(MaterialMaps, CarriesPolygonsIntoTheFrame) {
   }
 }
 
+// Cells of UTM in a frame tangent to the Earth are neither square nor straight, but they are where they are.
+TEST_F(MaterialMaps, CarriesRastersIntoTheFrame) {
+  GDALAllRegister();
+  const LocalFrame utm = LocalFrame::projected("EPSG:32630", 300000, 5372000, 0, {});
+  {
+    const GDALDatasetUniquePtr out(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+        (folder_.path() / "classes.tif").c_str(), 4, 4, 1, GDT_Byte, nullptr));
+    std::array<double, 6> corner{300000 - 8, 4, 0, 5372000 + 8, 0, -4};
+    out->SetGeoTransform(corner.data());
+    OGRSpatialReference crs;
+    crs.SetFromUserInput("EPSG:32630");
+    out->SetSpatialRef(&crs);
+    std::array<unsigned char, 16> classes{1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0};
+    ASSERT_EQ(
+        out->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 4, 4, classes.data(), 4, 4, GDT_Byte, 0, 0, nullptr),
+        CE_None);
+  }
+  glm::dvec3 origin(0), corner(3.999, -3.999, 0), beyond(4.001, -2, 0);
+  for (glm::dvec3* p : {&origin, &corner, &beyond}) utm.to_lon_lat({p, 1}, {});
+  const LocalFrame tangent = LocalFrame::at_lat_lon(origin.y, origin.x, 0);
+  corner = tangent.from_lat_lon(corner.y, corner.x, 0, {});
+  beyond = tangent.from_lat_lon(beyond.y, beyond.x, 0, {});
+  EXPECT_GT(std::abs(corner.x - 3.999), 0.05) << "grid north is not north here";
+  const std::string map =
+      "kind = \"raster\"\nfile = \"classes.tif\"\nclasses = { 0 = \"sand\", 1 = \"mud\", 2 = \"gravel\" }\n";
+  const Scene scene = load_scene(folder_.read(
+      fmt::format("[georeference]\norigin_lat_lon_deg = [{:.12f}, {:.12f}]\n", origin.y, origin.x) +
+      replaced(scene_with(map), "[[terrain]]\n", "[[terrain]]\nkind = \"flat\"\n")));
+  EXPECT_NEAR(plan_areas(scene)[mud], 64, 0.1);  // the projection's scale is within 0.05 % of one
+  EXPECT_NEAR(plan_areas(scene)[gravel], 16, 0.03);
+  const SceneTree tree(scene.mesh);
+  EXPECT_EQ(material_below(scene, tree, corner.x, corner.y), gravel);
+  EXPECT_EQ(material_below(scene, tree, beyond.x, beyond.y), sand);
+  expect_closed(scene);
+  EXPECT_THAT(error_of(map), HasSubstr("frame is not georeferenced"));
+}
+
 TEST_F(MaterialMaps, MistakesAreNamed) {
   EXPECT_THAT(
       error_of("kind = \"patches\"\npatch_size_m = 2\nshares = { mudd = 1 }"),
