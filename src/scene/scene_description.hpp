@@ -74,7 +74,7 @@ struct MaterialClass {
 };
 struct RasterMaterialMap {
   std::filesystem::path file;
-  std::vector<MaterialClass> classes;              ///< values are whole numbers
+  std::vector<MaterialClass> classes;             ///< values are whole numbers
   std::optional<std::array<double, 2>> origin_m;  ///< east, north of the raster's south-west corner
   std::optional<double> cell_m;                   ///< goes with origin_m
 };
