@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "app/commands.hpp"
 #include "app/settings.hpp"
@@ -29,6 +30,26 @@ void print_components(const Scene& scene) {
     fmt::print("{:<24} {:>10} {:>10} {:>10}  {:.2f}..{:.2f}, {:.2f}..{:.2f}, {:.2f}..{:.2f}\n", c.name,
                c.facets_in_file, c.facets, c.hole_cells, c.lo_m.x, c.hi_m.x, c.lo_m.y, c.hi_m.y, c.lo_m.z,
                c.hi_m.z);
+}
+
+/// What the bed and the objects are of. Areas are the facets' own, not as seen from above.
+void print_materials(const Scene& scene) {
+  std::vector<std::size_t> facets(scene.description.materials.size());
+  std::vector<double> area_m2(facets.size());
+  for (FacetId f = 0; f < scene.mesh.facets.size(); ++f) {
+    const auto& [a, b, c] = scene.mesh.facets[f];
+    const glm::dvec3 p = scene.grid.to_metres(scene.mesh.vertices[a]),
+                     u = scene.grid.to_metres(scene.mesh.vertices[b]) - p,
+                     v = scene.grid.to_metres(scene.mesh.vertices[c]) - p;
+    ++facets[scene.mesh.material[f]];
+    area_m2[scene.mesh.material[f]] += glm::length(glm::cross(u, v)) / 2;
+  }
+  fmt::print("\n{:<24} {:>10} {:>14}\n", "material", "facets", "area (m2)");
+  for (std::size_t m = 0; m < facets.size(); ++m)
+    fmt::print("{:<24} {:>10} {:>14.6g}\n", scene.description.materials[m].name, facets[m], area_m2[m]);
+  for (const ComponentReport& c : scene.report.components)
+    if (c.cut_facets > 0)
+      fmt::print("{}: {} facets are cut along the borders of its material map\n", c.name, c.cut_facets);
 }
 
 /// Measures a few pings of each group of sensors, spread over their track, and extrapolates.
@@ -90,6 +111,7 @@ int check_command(const CommonOptions& options) {
              description.title.empty() ? description.file.string() : description.title);
   fmt::print("scene hash     {}\n\n", description.sha256);
   print_components(scene);
+  print_materials(scene);
   std::size_t refused = 0;
   for (const ComponentReport& c : scene.report.components) refused += c.kept_outside_halfedge;
   fmt::print(

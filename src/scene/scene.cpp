@@ -12,6 +12,7 @@
 #include "medium/absorption.hpp"
 #include "medium/sound_speed.hpp"
 #include "scene/georeference.hpp"
+#include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/primitives.hpp"
 #include "scene/raster.hpp"
@@ -111,6 +112,7 @@ struct LoadedComponent {
   ComponentMesh mesh;
   std::uint16_t material = 0;
   bool is_file = false;
+  std::vector<std::uint16_t> facet_materials = {};  // of a material map
 };
 
 // What the grid must hold of one component or sensor, for the message when it does not fit.
@@ -235,7 +237,12 @@ class Loader {
     }
     for (std::size_t i = 0; i < terrains.size(); ++i) {
       const TerrainDescription& t = description_.terrains[i];
+      const std::size_t facets = terrains[i].triangles.size();
+      const std::size_t cut =
+          apply_material_map(terrains[i], t, description_.materials, frame_.value_or(LocalFrame()));
       add_component(std::move(terrains[i]), t.name, t.material, t.material_place, t.place, false);
+      report_.components.back().facets_in_file = facets;
+      report_.components.back().cut_facets = cut;
     }
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const ObjectDescription& o = description_.objects[i];
@@ -291,6 +298,7 @@ class Loader {
     for (std::size_t i = 0; i < components_.size(); ++i) {
       LoadedComponent& c = components_[i];
       builder.add(c.mesh.points_m, c.mesh.triangles, c.material, static_cast<std::uint16_t>(i));
+      c.facet_materials = std::move(c.mesh.materials);
       c.mesh = {};  // millions of facets need not be held twice
     }
     scene.mesh = builder.finish(report_.mesh);
@@ -298,6 +306,7 @@ class Loader {
     for (std::size_t i = 0; i < components_.size(); ++i) {
       FacetId last = first;
       while (last < scene.mesh.facets.size() && scene.mesh.component[last] == i) ++last;
+      std::ranges::copy(components_[i].facet_materials, scene.mesh.material.begin() + first);
       ComponentReport& report = report_.components[i];
       report.facets = last - first;
       if (components_[i].is_file)

@@ -19,7 +19,8 @@ namespace tubefoot {
 struct ComponentReport {
   std::string name;
   std::size_t facets_in_file = 0;  ///< triangles the source holds (polygons counted as their triangles)
-  std::size_t facets = 0;          ///< facets in the scene: equal, always
+  std::size_t facets = 0;          ///< facets in the scene: equal, but for a material map's cuts
+  std::size_t cut_facets = 0;      ///< facets of the source that a material map cuts
   std::size_t hole_cells = 0;      ///< raster cells left open because a corner has no data
   std::size_t kept_outside_halfedge = 0;  ///< facets that OpenMesh refused and that take part all the same
   glm::dvec3 lo_m{0}, hi_m{0};            ///< extent in the local frame

@@ -13,6 +13,7 @@ namespace tubefoot {
 struct ComponentMesh {
   std::vector<glm::dvec3> points_m;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint16_t> materials;  ///< per triangle; empty: the component's own
   std::size_t hole_cells = 0;  ///< rasters: cells left wholly or partly open because a corner has no data
   std::vector<std::string> warnings;  ///< what the user should know about the source
 };

@@ -238,7 +238,13 @@ void check_scene(SceneEntries& all, const fs::path& file) {
     resolve(entry.description.material, entry.description.material_place, entry.table, "material", names,
             material_section().name());
   };
-  for (auto& entry : all.terrains) resolve_material(entry);
+  for (auto& entry : all.terrains) {
+    resolve_material(entry);
+    if (!entry.description.material_map) continue;
+    std::vector<std::string> known;
+    for (const auto& material : all.materials) known.push_back(material.description.name);
+    check_materials(*entry.description.material_map, known);
+  }
   for (auto& entry : all.objects) {
     resolve_material(entry);
     if (entry.description.position_lat_lon_deg && all.georeference.empty()) {
@@ -289,6 +295,7 @@ std::vector<SceneKey> scene_file_keys() {
   append_keys(reflectivity_section(), keys);
   append_keys(relief_section(), keys);
   append_keys(terrain_section(), keys);
+  append_keys(material_map_section(), keys);
   append_keys(object_section(), keys);
   append_keys(trajectory_section(), keys);
   append_keys(sensor_section(), keys);

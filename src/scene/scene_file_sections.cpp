@@ -139,7 +139,8 @@ const TomlSection<TerrainDescription>& terrain_section() {
   static const auto section =
       TomlSection<T>("[[terrain]]")
           .keys({field("name", &T::name),
-                 field("material", &T::material, {.default_value = "the only material"})})
+                 field("material", &T::material, {.default_value = "the only material"}),
+                 material_map_field()})
           .kind<Flat>("kind", "flat",
                       {field("width_m", &Flat::width_m, {.ranges = {size}, .required = true}),
                        field("length_m", &Flat::length_m, {.ranges = {size}, .required = true}),

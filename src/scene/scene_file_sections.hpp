@@ -14,6 +14,11 @@ const TomlSection<MaterialDescription>& material_section();
 const TomlSection<ReflectivityDescription>& reflectivity_section();  // of a material
 const TomlSection<ReliefDescription>& relief_section();
 const TomlSection<TerrainDescription>& terrain_section();
+const TomlSection<MaterialMapDescription>& material_map_section();
+/// The key of [[terrain]] that holds such a section.
+TomlField<TerrainDescription> material_map_field();
+/// Throws InputError at the first name that the map gives and that is no material.
+void check_materials(const MaterialMapDescription& map, const std::vector<std::string>& materials);
 const TomlSection<ObjectDescription>& object_section();
 const TomlSection<TrajectoryDescription>& trajectory_section();
 const TomlSection<SensorDescription>& sensor_section();

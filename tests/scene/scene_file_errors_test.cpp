@@ -394,12 +394,14 @@ class EveryKey : public testing::Test {
   static std::string good_value(const SceneKey& key) {
     if (key.type == "file") return "\"file.dat\"";
     if (key.type == "3 numbers") return "[0, 0, 0]";
+    if (key.type == "table") return key.name == "shares" ? "{ x = 1 }" : "{ 1 = \"x\" }";
     return key.type == "text" ? "\"x\"" : "10";
   }
 
   /// A scene that gives `key` this value, and what must stand with it.
   static std::string scene(const SceneKey& key, const std::string& value) {
     std::string text = key.section + "\n" + key.kind + "\n";
+    if (key.section == "[terrain.material_map]") text = "[terrain]\n" + some_kind("[[terrain]]") + text;
     for (const SceneKey& other : scene_file_keys()) {
       const bool together = other.section == key.section && (other.kind.empty() || other.kind == key.kind);
       const bool tells_kind = key.kind.starts_with(other.name + " ");
@@ -417,6 +419,8 @@ class EveryKey : public testing::Test {
     if (section == "[[terrain]]") return "kind = \"flat\"\nwidth_m = 1\nlength_m = 1\n";
     if (section == "[[objects]]") return "shape = \"box\"\n";
     if (section == "[[trajectories]]") return "kind = \"fixed\"\n";
+    if (section == "[terrain.material_map]")
+      return "kind = \"patches\"\npatch_size_m = 1\nshares = { x = 1 }\n";
     return section == "[[sensors]]" ? "kind = \"didson\"\n" : "";
   }
 
@@ -441,7 +445,8 @@ TEST_F(EveryKey, RefusesOtherTypes) {
     if (!wants_bool) expect_refused(key, "true");
     if (wants_text || wants_bool) expect_refused(key, "5");
     expect_refused(key, "[]");
-    expect_refused(key, "{a = 1}");
+    if (key.type != "table") expect_refused(key, "{a = 1}");
+    if (key.type == "table") expect_refused(key, "{}");
     expect_refused(key, "12:30:00");
   }
 }

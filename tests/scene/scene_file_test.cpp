@@ -46,6 +46,13 @@ length_m = 200
 centre_m = [1, 2, -3]
 cell_m = 0.5
 
+[terrain.material_map]
+kind = "raster"
+file = "../grids/classes.tif"
+classes = { -2 = "steel", 7 = "mud" }
+origin_m = [-50, -100]
+cell_m = 0.25
+
 [[terrain]]
 kind = "fractal"
 name = "rough"
@@ -62,6 +69,15 @@ ripple_height_m = 0.05
 ripple_wavelength_m = 0.75
 ripple_direction_deg = 45
 
+[terrain.material_map]
+kind = "polygons"
+file = "../grids/areas.geojson"
+layer = "areas"
+attribute = "kind"
+classes = { "Silty mud" = "mud" }
+overlaps = "first"
+coordinates = "local"
+
 [[terrain]]
 kind = "raster"
 name = "chart"
@@ -70,6 +86,12 @@ file = "../grids/chart.tif"
 window = [10, 20, 300, 400]
 decimate = 3
 depth_positive_down = true
+
+[terrain.material_map]
+kind = "patches"
+patch_size_m = 12.5
+shares = { steel = 0.5, mud = 3 }
+seed = 44
 
 [[objects]]
 shape = "mesh"
@@ -254,6 +276,8 @@ struct FullSceneFolder {
     std::filesystem::create_directory(outside.path() / "grids");
     std::filesystem::create_directory(outside.path() / "scene");
     outside.write("grids/chart.tif", "II*");
+    outside.write("grids/classes.tif", "II*");
+    outside.write("grids/areas.geojson", "{}");
     outside.write("scene/wreck.obj", "v 0 0 0\n");
     outside.write("scene/track.csv", "time_s\n");
     scene_file = outside.write("scene/scene.toml", scene);
@@ -306,6 +330,29 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_THAT(raster.window, Optional(ElementsAre(10, 20, 300, 400)));
   EXPECT_EQ(raster.decimate, 3);
   EXPECT_TRUE(raster.depth_positive_down);
+
+  const auto& classes = std::get<RasterMaterialMap>(scene.terrains[0].material_map.value().kind);
+  EXPECT_TRUE(std::filesystem::equivalent(classes.file, folder.outside.path() / "grids/classes.tif"));
+  ASSERT_EQ(classes.classes.size(), 2u);
+  EXPECT_EQ(classes.classes[0].value, "-2");
+  EXPECT_EQ(classes.classes[0].material, "steel");
+  EXPECT_EQ(classes.classes[1].value, "7");
+  EXPECT_THAT(classes.origin_m, Optional(ElementsAre(-50, -100)));
+  EXPECT_EQ(classes.cell_m, 0.25);
+  const auto& areas = std::get<PolygonMaterialMap>(scene.terrains[1].material_map.value().kind);
+  EXPECT_TRUE(std::filesystem::equivalent(areas.file, folder.outside.path() / "grids/areas.geojson"));
+  EXPECT_EQ(areas.layer, "areas");
+  EXPECT_EQ(areas.attribute, "kind");
+  ASSERT_EQ(areas.classes.size(), 1u);
+  EXPECT_EQ(areas.classes[0].value, "Silty mud");
+  EXPECT_EQ(areas.overlaps, "first");
+  EXPECT_EQ(areas.coordinates, "local");
+  const auto& patches = std::get<PatchMaterialMap>(scene.terrains[2].material_map.value().kind);
+  EXPECT_EQ(patches.patch_size_m, 12.5);
+  EXPECT_EQ(patches.seed, 44u);
+  ASSERT_EQ(patches.shares.size(), 2u);
+  EXPECT_EQ(patches.shares[0].material, "mud");
+  EXPECT_EQ(patches.shares[0].share, 3);
 
   ASSERT_EQ(scene.objects.size(), 5u);
   const ObjectDescription& wreck = scene.objects[0];
@@ -471,10 +518,11 @@ TEST(SceneFile, GeoreferenceMayBeAProjectedSystem) {
 TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
   const std::string text = "\n" + std::string(full_scene) +
                            "\ncrs = \norigin_crs = \nrays_per_beam = \ntolerance = "  // of the tests after it
+                           "\nmaterial_map = "  // as tables of their own
                            "\nswath_deg = \nspacing = \nbeam_across_deg = \ndetection = "
                            "\ndetection_threshold_db = \ngrid_cell_m = "  // multibeam_keys_test.cpp
                            "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = "
-                           "\ntvg_fixed_below_m = "  // sidescan_keys_test.cpp
+                           "\ntvg_fixed_below_m = "                             // sidescan_keys_test.cpp
                            "\noctaves = \npersistence = \ndepth = \nvalues = "  // reflectivity_keys_test.cpp
                            "\ntile_m = \nresolution_m = \nspectral_exponent = \nspectral_strength_cm4 = "
                            "\nwavelength_m = \ndirection_deg = ";  // relief_keys_test.cpp
@@ -496,8 +544,8 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   EXPECT_EQ(to_string(scene.materials[1].place), file + ":19:1");
   EXPECT_EQ(to_string(scene.terrains[0].place), file + ":23:1");
   EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":26:12");
-  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":60:12");
-  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":126:14");
+  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":82:12");
+  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":148:14");
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {

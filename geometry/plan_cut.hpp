@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+namespace tubefoot {
+
+/// A line on a chart: x east, y north.
+struct PlanSegment {
+  glm::dvec2 a, b;
+};
+
+/// A mesh of which every facet lies on one side of every segment.
+struct PlanCut {
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< the parts of a facet follow one another
+  std::vector<std::uint32_t> facet;                     ///< per triangle: the facet that it is a part of
+  std::size_t cut_facets = 0;
+};
+
+/// Cuts facets along vertical walls above and below segments, which may touch, cross and overlap each other.
+/// The parts of a facet turn as it does; facets that no segment enters stay as they are, in their order.
+///
+/// Where a wall meets an edge, every facet at that edge gets the same new vertex: it is computed in rationals
+/// from the two lines alone and rounded once. So a mesh without T-junctions stays one. New vertices are
+/// appended to `points`; the height of each is that of the facet's plane.
+///
+/// Throws std::domain_error where a segment meets a facet that stands vertical (seen from above it has no
+/// inside), std::length_error for more than 2^31 parts or vertices.
+PlanCut cut_in_plan(std::vector<glm::dvec3>& points,
+                    const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                    std::span<const PlanSegment> segments);
+
+}  // namespace tubefoot

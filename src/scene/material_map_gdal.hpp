@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <gdal_priv.h>
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+
+#include "scene/georeference.hpp"
+
+namespace tubefoot {
+
+/// Opens a dataset with one of the drivers (a list that ends in nullptr). Throws InputError that says
+/// `expected`.
+GDALDatasetUniquePtr open_material_map(const SourcePlace& place, unsigned flags, const char* const* drivers,
+                                       const char* expected);
+
+/// A CRS as WKT; empty for none, and for one that only says that coordinates are local.
+std::string crs_text(const OGRSpatialReference* crs);
+
+/// Carries points of a CRS (empty: local metres) into the frame; where only one of the two is georeferenced,
+/// throws InputError that says `way_out`.
+void carry_map_points(std::span<glm::dvec3> points, const std::string& crs, const LocalFrame& frame,
+                      const SourcePlace& place, const char* way_out);
+
+}  // namespace tubefoot
