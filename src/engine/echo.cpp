@@ -10,6 +10,7 @@
 
 #include "engine/pattern_integral.hpp"
 #include "engine/radial_law.hpp"
+#include "engine/scattering_cut.hpp"
 #include "geometry/range_cut.hpp"
 
 namespace tubefoot {
@@ -36,6 +37,11 @@ class Rows {
       throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
     return law_.material_mu[law_.material[facet]];
   }
+  /// Null: Lambert's, by mu().
+  const ScatteringLaw* scattering(FacetId facet) const {
+    mu(facet);  // refuses a facet without a material
+    return law_.law_of(facet);
+  }
 
  private:
   Echo& echo_;
@@ -54,18 +60,24 @@ void check(const BeamPatterns& patterns, std::size_t tubes, int beams) {
   if (!fits) throw std::invalid_argument("the beam patterns belong to other beams or other tubes");
 }
 
-void add_footprints(const FootprintSet& set, const RadialIntegral& radial, Rows& rows) {
+void add_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law, Rows& rows) {
+  const RadialIntegral radial = lambert_radial_integral(samples, law.absorption_db_per_m);
   RangeCutter cutter(radial);
+  ScatteringCutter scattering_cutter(samples, law.absorption_db_per_m);
   PlanarPolygon polygon;
   for (const Footprint& footprint : set.footprints) {
     const std::span<double> row = rows.of_tube(footprint.tube);
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
     const PlaneFrame frame(plane);
     const double factor = rows.mu(footprint.facet) * plane.distance_m * plane.distance_m;
+    const ScatteringLaw* scattering = rows.scattering(footprint.facet);
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       const Piece piece = set.pieces[footprint.first_piece + p];
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
-      cutter.add(polygon, factor, row);
+      if (scattering != nullptr)
+        scattering_cutter.add(polygon, *scattering, row);
+      else
+        cutter.add(polygon, factor, row);
     }
   }
 }
@@ -80,11 +92,13 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
     const PlaneFrame frame(plane);
     const double factor = rows.mu(footprint.facet) * plane.distance_m * plane.distance_m;
+    const ScatteringLaw* scattering = rows.scattering(footprint.facet);
     rows.of_tube(footprint.tube);  // refuses a tube that has no beam
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       const Piece piece = set.pieces[footprint.first_piece + p];
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
-      integrator.add(polygon, plane, frame, footprint.tube, factor, echo.energy);
+      integrator.add(polygon, plane, frame, footprint.tube, scattering != nullptr ? 1 : factor, echo.energy,
+                     scattering);
     }
   }
   integrator.finish(echo.energy);
@@ -152,8 +166,11 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
     if (!(range > 0 && footprint.area_m2 > 0)) continue;
     rows.of_tube(footprint.tube);  // refuses a tube that has no beam
     const double sine = std::sin(footprint.grazing_angle_rad), r2 = range * range;
-    const double energy =
-        rows.mu(footprint.facet) * sine * sine * footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
+    const ScatteringLaw* scattering = rows.scattering(footprint.facet);
+    const double cross_section = scattering != nullptr
+                                     ? scattering->cross_section(sine, std::cos(footprint.grazing_angle_rad))
+                                     : rows.mu(footprint.facet) * sine * sine;
+    const double energy = cross_section * footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
     const auto put = [&](std::size_t sample, double part) {
       share_out(
           beam_of_tube, law, footprint.tube, part * energy, range, sample,
@@ -170,7 +187,8 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
   }
 }
 
-/// A hit stands for the area solid_angle r^2 / sin(grazing), so it returns mu sin(grazing) solid_angle / r^2.
+/// A hit stands for the area solid_angle r^2 / sin(grazing), so it returns sigma / sin(grazing) solid_angle /
+/// r^2; Lambert's sigma is mu sin^2(grazing).
 void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, const EchoLaw& law,
               std::span<const std::uint32_t> beam_of_tube, Rows& rows, Echo& echo) {
   const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
@@ -181,7 +199,13 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, cons
     const double mu = rows.mu(hit.facet);
     if (!(r > 0 && finder.holds(r))) continue;
     const std::size_t sample = finder.at(r);
-    const double spread = mu * hit.sine_grazing * hit.solid_angle_sr / (r * r);
+    double per_sine = mu * hit.sine_grazing;
+    if (const ScatteringLaw* scattering = rows.scattering(hit.facet)) {
+      const double sine = hit.sine_grazing, cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
+      if (!(sine > 0)) continue;
+      per_sine = scattering->cross_section(sine, cosine) / sine;
+    }
+    const double spread = per_sine * hit.solid_angle_sr / (r * r);
     share_out(
         beam_of_tube, law, hit.tube, beta > 0 ? spread * std::exp(-beta * r) : spread, r, sample,
         [&] { return glm::normalize(glm::dvec3(hit.direction)); }, echo);
@@ -211,6 +235,9 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
             fmt::format("a baseline of {} m needs samples from there on, not from {} m", fringe.baseline_m,
                         samples.first_m));
   }
+  if (!law.scattering.empty() && law.scattering.size() != law.material_mu.size())
+    throw std::invalid_argument(fmt::format("{} scattering laws do not fit {} materials",
+                                            law.scattering.size(), law.material_mu.size()));
   if (!(law.pattern_tolerance >= 1e-12 && law.pattern_tolerance <= 0.01))
     throw std::invalid_argument(fmt::format(
         "the tolerance of beam patterns must be from 1e-12 to 0.01, not {}", law.pattern_tolerance));
@@ -224,7 +251,7 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
   if (binning != Binning::exact)
     add_whole_footprints(history.footprints, samples, law, binning, beam_of_tube, rows, echo);
   else if (law.patterns == nullptr)
-    add_footprints(history.footprints, lambert_radial_integral(samples, law.absorption_db_per_m), rows);
+    add_footprints(history.footprints, samples, law, rows);
   else
     add_weighed_footprints(history.footprints, samples, law, rows, echo);
   add_hits(history.hits, samples, law, beam_of_tube, rows, echo);

@@ -15,6 +15,7 @@
 #include "scene/mesh_file.hpp"
 #include "scene/primitives.hpp"
 #include "scene/raster.hpp"
+#include "scene/scattering.hpp"
 #include "scene/scene_placement.hpp"
 #include "scene/terrain.hpp"
 #include "scene/trajectory_file.hpp"
@@ -200,6 +201,7 @@ class Loader {
                 .material_mu = {},
                 .relief = {},
                 .reflectivity = {},
+                .scattering = load_scattering(description_, report_.warnings),
                 .trajectories = std::move(trajectories),
                 .sensor_trajectory = std::move(sensor_trajectory),
                 .report = {}};

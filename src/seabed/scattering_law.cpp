@@ -124,11 +124,14 @@ bool ScatteringLaw::is_pointed() const {
 double ScatteringLaw::growth(double y) const {
   double most = 0;
   for (const Piece& piece : pieces_)
-    for (const Term& t : piece.terms) {
-      const double power = std::max(t.power - 2, 0.0);
-      most = std::max(
-          most, std::abs(t.slope) * y + t.curvature * y * y + power * (y < 30 ? std::log(std::cosh(y)) : y));
-    }
+    for (const Term& t : piece.terms) most = std::max(most, std::abs(t.slope) * y + t.curvature * y * y);
+  return most;
+}
+
+double ScatteringLaw::largest_power() const {
+  double most = 0;
+  for (const Piece& piece : pieces_)
+    for (const Term& t : piece.terms) most = std::max(most, t.power);
   return most;
 }
 

@@ -63,8 +63,10 @@ class ScatteringLaw {
   bool is_pointed() const;
 
   /// How fast it may grow in the complex plane: |sigma| <= exp(growth(y)) times its largest value over a
-  /// stretch of angles, y into the imaginary; powers up to Lambert's are left out.
+  /// stretch of angles, y into the imaginary; powers of the sine are left out, as functions of range.
   double growth(double imaginary_rad) const;
+  /// Of the sine.
+  double largest_power() const;
 
   /// The largest exponent that matters: how many times their own rounding its values may carry.
   double steepest_exponent() const;
