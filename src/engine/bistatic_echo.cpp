@@ -116,6 +116,7 @@ class FacetEcho {
         law_.material_mu[law_.material[facet.facet]] * facet.transmit_distance_m * facet.receive_distance_m;
     smooth_rad_ = scattering_ != nullptr ? resolution_of(*scattering_) : 1;
     cornered_ = scattering_ != nullptr && (scattering_->pieces().size() > 1 || scattering_->is_pointed());
+    if (cornered_) smooth_rad_ = std::min(smooth_rad_, 0.1);  // rules of few nodes do not see a corner
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SharedPiece& piece = shared.pieces[facet.first_piece + k];
       if (!same_fan(piece)) continue;

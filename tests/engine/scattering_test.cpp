@@ -321,7 +321,7 @@ TEST(ScatteringBistatic, LambertAndOneApexAreWhatTheyWere) {
   const History history = history_of(plane, polygon);
   const BeamPatterns patterns = one_beam(line(4), line(3));
   for (const auto& [law, tolerance] :
-       {std::pair{three_terms(), 1e-9}, {medium_sand(), 3e-6}, {lambert_as_gsab(), 1e-9}})
+       {std::pair{three_terms(), 1e-9}, {medium_sand(), 1e-5}, {lambert_as_gsab(), 1e-9}})
     for (const BeamPatterns* p : {(const BeamPatterns*)nullptr, &patterns}) {
       const Echo two = bistatic_echo(together, samples, law, 0.1, p),
                  one = echo_of(history, samples, law, 0.1, p);
@@ -341,7 +341,7 @@ TEST(ScatteringBistatic, IsReciprocal) {
   const BistaticHistory there = piece_on(plane, polygon, receiver),
                         back = piece_on(other, test::shifted(polygon, -foot), -receiver);
   const RangeSamples samples{5, 0.3, 25};
-  for (const auto& [law, tolerance] : {std::pair{three_terms(), 1e-9}, {medium_sand(), 3e-6}}) {
+  for (const auto& [law, tolerance] : {std::pair{three_terms(), 1e-9}, {medium_sand(), 1e-5}}) {
     const Echo a = bistatic_echo(there, samples, law, 0.1), b = bistatic_echo(back, samples, law, 0.1);
     EXPECT_GT(total(a), 0);
     for (int k = 0; k < samples.count; ++k)
@@ -366,7 +366,7 @@ TEST(ScatteringBistatic, OneApexAboveTheOtherIsASingleIntegral) {
           rho(k), rho(k + 1), 5, 1e-12);
     }
     const double energy =
-        total(bistatic_echo(piece_on(flat_bed(h1), endless, {0, 0, h2 - h1}), {5, 2, 700}, law));
+        total(bistatic_echo(piece_on(flat_bed(h1), endless, {0, 0, h2 - h1}), {5, 4, 350}, law));
     EXPECT_NEAR(energy, expected, tolerance * expected);
   }
 }
