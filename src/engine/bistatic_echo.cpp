@@ -143,6 +143,7 @@ class FacetEcho {
   /// then taken as they are.
   void refine(bool cornered, bool tables) {
     work_.tolerance = cornered ? std::max(tolerance_, tolerance_with_corners) : tolerance_;
+    work_.agreements = cornered ? 2 : 1;
     work_.most_refinements =
         cornered || tables ? most_refinements_with_tables : PathCutter::Work().most_refinements;
   }
