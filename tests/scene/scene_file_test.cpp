@@ -451,7 +451,11 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nswath_deg = \nspacing = \nbeam_across_deg = \ndetection = "
                            "\ndetection_threshold_db = \ngrid_cell_m = "  // multibeam_keys_test.cpp
                            "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = "
-                           "\ntvg_fixed_below_m = ";  // sidescan_keys_test.cpp
+                           "\ntvg_fixed_below_m = "  // sidescan_keys_test.cpp
+                           "\nlaw = \nspecular_db = \nspecular_width_deg = \noblique_db = "
+                           "\noblique_exponent = \ntransition_db = \ntransition_width_deg = "
+                           "\ntable_grazing_deg = \ntable_db = \ntable_file = \nsediment = "
+                           "\nsediment_khz = \nunbounded = ";  // scattering_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&
