@@ -35,8 +35,16 @@ struct ChebyshevTables {
   }
 };
 
-/// Interpolates g(s) s on [cell.lo, cell.hi]; false if the interpolant does not hold it to rounding.
-bool fit(Cell& cell, const std::function<double(double)>& g) {
+/// What a RadialIntegral integrates.
+struct Radial {
+  const std::function<double(double)>& g;
+  std::span<const double> corners;
+  double roundings;
+};
+
+/// Interpolates g(s) s on [cell.lo, cell.hi]; false if the interpolant does not hold it to rounding and that
+/// is not to be put up with.
+bool fit(Cell& cell, const Radial& radial, bool anyway) {
   static const ChebyshevTables tables;
   const double half = (cell.hi - cell.lo) / 2;
   cell.middle = cell.lo + half;
@@ -45,7 +53,7 @@ bool fit(Cell& cell, const std::function<double(double)>& g) {
   std::array<double, nodes> value{}, chebyshev{};
   for (int j = 0; j < nodes; ++j) {
     const double s = cell.middle + half * tables.x[j];
-    value[j] = g(s) * s;
+    value[j] = radial.g(s) * s;
     if (!std::isfinite(value[j]))
       throw std::invalid_argument(fmt::format("the function to integrate is not finite at range {} m", s));
   }
@@ -58,8 +66,9 @@ bool fit(Cell& cell, const std::function<double(double)>& g) {
   // The range itself is rounded, which shows as slope * range * rounding: where absorption is strong the
   // values carry many times their own rounding, and no finer cell makes them smoother.
   const double slope = std::abs(value[0] - value[nodes - 1]) / (cell.hi - cell.lo);
-  const double noise = 1e-15 * (largest + slope * cell.hi) + 1e-300;
-  if (std::max(std::abs(chebyshev[nodes - 1]), std::abs(chebyshev[nodes - 2])) > noise) return false;
+  const double noise = 1e-15 * (radial.roundings * largest + slope * cell.hi) + 1e-300;
+  if (std::max(std::abs(chebyshev[nodes - 1]), std::abs(chebyshev[nodes - 2])) > noise && !anyway)
+    return false;
 
   int degree =
       nodes - 1;  // what is below the rounding of s and g(s) is left off: narrow samples need degree 3 or 4
@@ -73,23 +82,24 @@ bool fit(Cell& cell, const std::function<double(double)>& g) {
   return true;
 }
 
-void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sample,
-                  const std::function<double(double)>& g) {
+void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sample, const Radial& radial) {
   Cell cell;
   cell.lo = lo;
   cell.hi = hi;
   cell.sample = sample;
-  if (fit(cell, g)) {
+  const bool narrow = hi - lo < 1e-10 * hi;
+  const auto corner = std::lower_bound(radial.corners.begin(), radial.corners.end(), lo);
+  if (fit(cell, radial, narrow && corner != radial.corners.end() && *corner <= hi)) {
     cells.push_back(cell);
     return;
   }
-  if (hi - lo < 1e-10 * hi)
+  if (narrow)
     throw std::invalid_argument(fmt::format("the function to integrate is not smooth at range {} m", lo));
   // Geometric halving far from the apex's singularity needs few cells; it is plain halving for narrow
   // samples.
   const double cut = hi > 2 * lo ? std::sqrt(lo * hi) : lo + (hi - lo) / 2;
-  append_cells(cells, lo, cut, sample, g);
-  append_cells(cells, cut, hi, sample, g);
+  append_cells(cells, lo, cut, sample, radial);
+  append_cells(cells, cut, hi, sample, radial);
 }
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
@@ -123,7 +133,8 @@ const PairedRule<8> rule_of_8;
 
 }  // namespace
 
-RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::function<double(double)>& g)
+RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::function<double(double)>& g,
+                               std::span<const double> corners_m, double roundings)
     : samples_(borders_m.size() - 1) {
   if (borders_m.size() < 2) throw std::invalid_argument("range samples need at least two borders");
   for (std::size_t k = 0; k < borders_m.size(); ++k)
@@ -131,9 +142,16 @@ RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::fun
       throw std::invalid_argument(fmt::format(
           "borders of range samples must be finite, not negative and increasing; border {} is {} m", k,
           borders_m[k]));
+  const Radial radial{g, corners_m, roundings};
   for (std::size_t k = 0; k < samples_; ++k) {
-    const double lo = std::max(borders_m[k], nearest_range_m), hi = borders_m[k + 1];
-    if (hi > lo) append_cells(cells_, lo, hi, k, g);
+    double lo = std::max(borders_m[k], nearest_range_m);
+    const double hi = borders_m[k + 1];
+    for (auto corner = std::upper_bound(corners_m.begin(), corners_m.end(), lo);
+         corner != corners_m.end() && *corner < hi; ++corner) {
+      append_cells(cells_, lo, *corner, k, radial);
+      lo = *corner;
+    }
+    if (hi > lo) append_cells(cells_, lo, hi, k, radial);
   }
   if (cells_.empty()) throw std::invalid_argument("all range samples are nearer than a nanometre");
   from_front_.reserve(cells_.size());

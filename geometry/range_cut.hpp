@@ -72,7 +72,11 @@ class RadialIntegral {
   /// `g`: finite and smooth on the samples. Cells are split until an interpolant of degree 11 holds g to
   /// about 1e-15. Throws std::invalid_argument for borders that break these rules or a g that is not finite
   /// or that no splitting makes smooth.
-  RadialIntegral(std::span<const double> borders_m, const std::function<double(double)>& g);
+  /// `corners_m`: increasing ranges at which cells end, as derivatives of g may jump there or be infinite;
+  /// next to one of them a cell of 1e-10 of its range is taken as it is. `roundings`: how many its values
+  /// carry.
+  RadialIntegral(std::span<const double> borders_m, const std::function<double(double)>& g,
+                 std::span<const double> corners_m = {}, double roundings = 1);
 
   std::size_t samples() const { return samples_; }
   const std::vector<Cell>& cells() const { return cells_; }

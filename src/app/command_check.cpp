@@ -72,6 +72,7 @@ void print_cost(const Survey& survey, int threads) {
         for (const std::size_t s : group.sensors) {
           const Sensor& sensor = *survey.sensors[s].sensor;
           EchoLaw law{scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, sensor)};
+          law.scattering = scene.scattering;
           BeamPatterns patterns;
           if (sensor.has_patterns()) {
             patterns = sensor.patterns(survey.sensors[s].shot_pose(ping, shot), scene.sound_speed_m_s, shot);

@@ -93,6 +93,7 @@ struct SensorLaw {
     const SensorPings& pings = survey.sensors[s];
     law = {scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
     law.reflectivity = scene.reflectivity;
+    law.scattering = scene.scattering;
     law.apex_m = scene.grid.to_metres(scene.grid.snap(pings.shot_pose(ping, shot).position_m));
     if (!pings.sensor->has_patterns()) return;
     patterns = pings.sensor->patterns(pings.shot_pose(ping, shot), scene.sound_speed_m_s, shot);

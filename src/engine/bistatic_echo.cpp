@@ -53,6 +53,9 @@ void check(const BistaticHistory& history, const BistaticBeams& beams, const Ech
   for (const SharedFacet& facet : history.shared.facets)
     if (facet.facet >= law.material.size() || law.material[facet.facet] >= law.material_mu.size())
       refuse(fmt::format("facet {} has no material with a Lambert parameter", facet.facet));
+  if (!law.scattering.empty() && law.scattering.size() != law.material_mu.size())
+    refuse(fmt::format("{} scattering laws do not fit {} materials", law.scattering.size(),
+                       law.material_mu.size()));
   if (law.patterns == nullptr) return;
   const BeamPatterns& patterns = *law.patterns;
   bool fits = patterns.receive.size() == std::size_t(beams.count) && patterns.fan_of_tube.size() == heard &&
@@ -83,6 +86,12 @@ double resolution_of(const Directivity& transmit, const Directivity& receive) {
   return angle;
 }
 
+double resolution_of(const ScatteringLaw& law) {
+  double angle = 1;
+  while (law.growth(angle / 2) > 3 && angle > 1e-6) angle /= 2;
+  return angle;
+}
+
 bool is_table(const Directivity& pattern) { return pattern.kind == Directivity::Kind::table; }
 
 /// One per thread.
@@ -95,9 +104,8 @@ class FacetEcho {
         law_(law),
         borders_(borders),
         cutter_(borders),
-        beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2) {
-    work_.tolerance = tolerance;
-  }
+        beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2),
+        tolerance_(tolerance) {}
 
   using Part = std::pair<std::size_t, double>;  // bin, energy
 
@@ -107,10 +115,14 @@ class FacetEcho {
     frame_ = PlaneFrame(plane_);
     receiver_ = {facet.receive_distance_m, frame_.project(shared.receiver_m)};
     receive_down_ = -facet.receive_distance_m * plane_.normal;
+    scattering_ = law_.law_of(facet.facet);
     factor_ =
         law_.material_mu[law_.material[facet.facet]] * facet.transmit_distance_m * facet.receive_distance_m;
     texture_ = law_.texture(facet.facet);
     foot_m_ = law_.apex_m - plane_.distance_m * plane_.normal;
+    smooth_rad_ = scattering_ != nullptr ? resolution_of(*scattering_) : 1;
+    cornered_ = scattering_ != nullptr && (scattering_->pieces().size() > 1 || scattering_->is_pointed());
+    if (cornered_) smooth_rad_ = std::min(smooth_rad_, 0.1);  // rules of few nodes do not see a corner
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SharedPiece& piece = shared.pieces[facet.first_piece + k];
       if (!same_fan(piece)) continue;
@@ -132,8 +144,32 @@ class FacetEcho {
   }
 
   double density(glm::dvec2 p, double rt, double rr) const {
-    const double even = factor_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * rt * (rr * rr * rr));
+    const double even = even_density(rt, rr);
     return texture_ == nullptr ? even : even * texture_->factor(foot_m_ + p.x * frame_.u + p.y * frame_.v);
+  }
+
+  double even_density(double rt, double rr) const {
+    if (scattering_ != nullptr) {
+      const double loss = std::exp(-beta_ * (rt + rr)) / (rt * rt * (rr * rr));
+      return loss * std::sqrt(cross_section(plane_.distance_m, rt) * cross_section(receiver_.distance, rr));
+    }
+    return factor_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * rt * (rr * rr * rr));
+  }
+
+  /// No rule converges across a corner of a law or a row of a table: there, cells are halved so often and
+  /// then taken as they are.
+  void refine(bool cornered, bool tables) {
+    work_.tolerance = cornered ? std::max(tolerance_, tolerance_with_corners) : tolerance_;
+    work_.agreements = cornered ? 2 : 1;
+    work_.most_refinements =
+        cornered || tables ? most_refinements_with_tables : PathCutter::Work().most_refinements;
+  }
+
+  /// On a plane at that distance, at a range.
+  double cross_section(double distance, double range) const {
+    const double sine = std::min(distance / range, 1.0);
+    return scattering_->cross_section(sine,
+                                      std::sqrt(std::max(range * range - distance * distance, 0.0)) / range);
   }
 
   void integrate(const PlanarPolygon& polygon, const PathCutter::Integrand& integrand,
@@ -151,6 +187,8 @@ class FacetEcho {
 
   void add_plain(const PlanarPolygon& polygon, const SharedPiece& piece, std::vector<Part>& parts) {
     work_.values = 1;
+    work_.resolution_rad = smooth_rad_;
+    refine(cornered_, false);
     integrate(
         polygon,
         [&](glm::dvec2 p, double rt, double rr, std::span<double> values) { values[0] = density(p, rt, rr); },
@@ -163,7 +201,7 @@ class FacetEcho {
     if (first == end) return;
     const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[piece.receive_tube]];
     work_.values = 1 + end - first;
-    work_.resolution_rad = 1;
+    work_.resolution_rad = smooth_rad_;
     bool tables = false;
     for (const Directivity& sent : transmit.beams) {
       tables = tables || is_table(sent);
@@ -172,7 +210,7 @@ class FacetEcho {
         tables = tables || is_table(patterns.receive[beam]);
       }
     }
-    work_.most_refinements = tables ? most_refinements_with_tables : PathCutter::Work().most_refinements;
+    refine(cornered_, tables);
     const glm::dvec3 transmit_down = -plane_.distance_m * plane_.normal;
     integrate(
         polygon,
@@ -188,8 +226,8 @@ class FacetEcho {
         first, parts);
   }
 
-  /// No rule converges across a row of a table: there, cells are halved so often and then taken as they are.
   static constexpr int most_refinements_with_tables = 12;
+  static constexpr double tolerance_with_corners = 1e-6;
 
   const BistaticHistory& history_;
   const BistaticBeams& beams_;
@@ -197,12 +235,16 @@ class FacetEcho {
   std::span<const double> borders_;
   PathCutter cutter_;
   double beta_;  // of the path there and back, each
+  double tolerance_;
   PathCutter::Work work_;
   PathCutter::Receiver receiver_;
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
   glm::dvec3 receive_down_{0};
   double factor_ = 0;
+  const ScatteringLaw* scattering_ = nullptr;
+  double smooth_rad_ = 1;
+  bool cornered_ = false;
   PlanarPolygon polygon_;
   const ReflectivityField* texture_ = nullptr;
   glm::dvec3 foot_m_{0};  // of the transmitter, in the local frame

@@ -39,11 +39,13 @@ constexpr double bistatic_tolerance = 1e-10;
 /// The echo of a receiver apart from its transmitter. Sample k covers half paths, (transmit range + receive
 /// range) / 2, from first + k step on. An area element returns
 ///     mu sin(grazing at T) sin(grazing at R) r_T^-2 r_R^-2 10^(-alpha (r_T + r_R) / 10) B_T B_R dA,
-/// which is integrate_echo()'s law where both are in the same place. `law.patterns` is about receive tubes
+/// which is integrate_echo()'s law where both are in the same place; with a scattering law,
+/// sqrt(sigma(grazing at T) sigma(grazing at R)) instead of mu and the sines (scattering_law.hpp).
+/// `law.patterns` is about receive tubes
 /// (its fans are used as theirs); the transmit pattern is taken in the direction from the transmit apex, the
 /// receive pattern in that from the receive apex. The error of each energy is at most about `tolerance` times
-/// what it would be with patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to
-/// about 1e-6.
+/// what it would be with patterns of 1; tabulated patterns, whose second derivative jumps, and tabulated
+/// laws, whose first does, keep it only to about 1e-6.
 Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams& beams,
                              const RangeSamples& samples, const EchoLaw& law,
                              double tolerance = bistatic_tolerance);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/certified_rule.hpp"
+#include "engine/certified_scattering.hpp"
 
 namespace tubefoot {
 namespace {
@@ -52,32 +53,72 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
   polygon_ = &polygon;
   distance2_ = squared(polygon.distance);
   slabs_.cut(polygon.ranges, polygon.foot, polygon.foot_inside, borders_);
+  corners_.clear();
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
     parts_.resize(end_beam - first_beam);
     for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
       parts_[beam - first_beam] = {Ball(), allowance.absolute(beam, slab.sample)};
     const bool clear = prepare(slabs_.crossings(slab), slab);
-    const Ball t0 = root(squared(Ball(slab.lo)) - q2_), t1 = root(squared(Ball(slab.hi)) - q2_);
-    if (clear)
-      integrate(t0, t1, allowance.relative);
-    else
-      enclose({t0, t1, 0});
+    integrate_slab(slab, clear, allowance.relative);
     for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
       sink(beam, slab.sample, parts_[beam - first_beam].sum);
   }
-  for (const PolarSlabs::Gap& gap : slabs_.gaps()) {
+  const auto enclose_gap = [&](const PolarSlabs::Gap& gap) {
     // g(r) times the area between the two circles. The arcs of a circle in a convex polygon are no longer
     // than its perimeter: they are a part of the boundary of what both have in common.
     const Ball r = Ball::between(double(gap.lo) * (1 - 1e-15), double(gap.hi) * (1 + 1e-15)),
                rho = root(squared(r) - distance2_);
     const double turn = 2 * Ball::pi().hi(), by_perimeter = (polygon.perimeter / rho).hi();
     const Ball angle(by_perimeter < turn ? by_perimeter : turn);  // also where it is not a number
+    const Ball area = (Ball(gap.hi) - Ball(gap.lo)) * angle * exp(-(beta_ * r));
     const Ball most =
-        (Ball(gap.hi) - Ball(gap.lo)) * angle * exp(-(beta_ * r)) / (r * squared(squared(r))) * largest_gain_;
+        (law_ == nullptr ? area / (r * squared(squared(r))) : area * scattered_over(r) / (r * squared(r))) *
+        largest_gain_;
     const Ball part = Ball(most.hi()) * Ball::between(0, 1);
     for (std::uint32_t sample = gap.first_sample; sample < gap.end_sample; ++sample)
       for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) sink(beam, sample, part);
+  };
+  for (const PolarSlabs::Gap& gap : slabs_.gaps()) enclose_gap(gap);
+  for (const PolarSlabs::Gap& gap : corners_) enclose_gap(gap);
+}
+
+/// A law is analytic in each of its pieces. They meet at ranges that are irrational: in enclosures, which are
+/// left out here and noted in corners_.
+void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clear, double relative) {
+  const auto part = [&](long double lo, long double hi) {
+    if (!(hi > lo)) return;
+    const Ball t0 = root(squared(Ball(lo)) - q2_), t1 = root(squared(Ball(hi)) - q2_);
+    if (clear)
+      integrate(t0, t1, relative);
+    else
+      enclose({t0, t1, 0});
+  };
+  law_piece_ = nullptr;
+  if (law_ == nullptr) return part(slab.lo, slab.hi);
+  const auto& pieces = law_->pieces();
+  for (Part& p : parts_) p.allowed /= double(pieces.size());
+  long double from = slab.lo;
+  for (const ScatteringLaw::Piece& piece : pieces) {
+    law_piece_ = &piece;
+    if (&piece == &pieces.back()) return part(from, slab.hi);
+    Ball sine, cosine;
+    sin_cos(Ball(piece.to), sine, cosine);
+    const Ball corner = polygon_->distance / cosine;
+    const long double lo = corner.fine_lo(), hi = corner.fine_hi();
+    if (!(hi > from)) continue;
+    part(from, std::min(lo, slab.hi));
+    if (!(lo < slab.hi)) return;
+    from = std::max(from, lo);
+    corners_.push_back({from, std::min(hi, slab.hi), slab.sample, slab.sample + 1});
+    if (!(hi < slab.hi)) return;
+    from = hi;
   }
+}
+
+/// The law over ranges.
+Ball CertifiedIntegrator::scattered_over(const Ball& r) const {
+  return cross_section_over(*law_, atan2(root(squared(r) - distance2_), polygon_->distance),
+                            polygon_->distance / r);
 }
 
 /// Chooses q and pairs the arcs; false if that is not certain.
@@ -158,6 +199,12 @@ double CertifiedIntegrator::nearest_singularity() const {
 /// t g(r), so that its integral over t is that of g(r) r over r.
 template <class N>
 N CertifiedIntegrator::radial(const N& t, const N& r) const {
+  if (law_piece_ != nullptr) {
+    const N rho = full_circle_ ? t : root(N(q2_ - distance2_) + squared(t));
+    const N incidence = N(Ball::pi() / Ball(2)) - turn_at(polygon_->distance, rho, size_of(rho));
+    return t * exp(-(N(beta_) * r)) * cross_section_in(*law_piece_, incidence, N(N(polygon_->distance) / r)) /
+           squared(squared(r));
+  }
   return t * exp(-(N(beta_) * r)) / squared(r * squared(r));
 }
 
@@ -205,7 +252,11 @@ void CertifiedIntegrator::halve(const Interval& interval) {
 void CertifiedIntegrator::enclose(const Interval& interval) {
   const Ball width = interval.to - interval.from, share((interval.v_to - interval.v_from) / 2);
   const Ball t(std::max(interval.to.hi(), 0.0)), r(root(q2_ + squared(interval.from)).lo());
-  const Ball largest = radial(t, r) * Ball(2) * Ball::pi() * width * share * largest_gain_;
+  const Ball farthest = root(q2_ + squared(interval.to)), over = Ball::between(r.lo(), farthest.hi());
+  const Ball radial_most =
+      law_ == nullptr ? radial(t, r)
+                      : t * exp(-(beta_ * r)) * Ball(scattered_over(over).hi()) / squared(squared(r));
+  const Ball largest = radial_most * Ball(2) * Ball::pi() * width * share * largest_gain_;
   const double most = std::max(largest.hi(), 0.0);
   const std::vector<Ball> range =
       weighed_ && !(arcs_.empty() && !full_circle_) ? box(interval) : std::vector<Ball>(parts_.size());

@@ -8,11 +8,13 @@
 #include "engine/beam_pattern.hpp"
 #include "engine/certified_cells.hpp"
 #include "geometry/certified_polygon.hpp"
+#include "seabed/scattering_law.hpp"
 
 namespace tubefoot {
 
-/// Encloses the integral of r^-6 e^(-beta r) over a polygon's part in each range sample, times the patterns
-/// of its tube and the micro-texture of its cell if there are any. docs/reference.md says how.
+/// Encloses the integral of r^-6 e^(-beta r), or of a scattering law times r^-4 e^(-beta r), over a polygon's
+/// part in each range sample, times the patterns of its tube and the micro-texture of its cell if there are
+/// any. docs/reference.md says how.
 ///
 /// The integrand is not negative, and so are all parts of the integral. In a slab (polar_slabs.hpp) it is
 /// analytic in t, r^2 = q^2 + t^2, and in the angle. Gauss-Legendre with N >= 2 nodes errs by at most
@@ -33,6 +35,9 @@ class CertifiedIntegrator {
   using Sink = std::function<void(std::uint32_t beam, std::uint32_t sample, const Ball& part)>;
 
   CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m);
+
+  /// The law of the polygons from now on; null: r^-2 in its place, which is Lambert's but for a factor.
+  void take_law(const ScatteringLaw* law) { law_ = law; }
 
   /// Without patterns: all parts are of `beam`. With a texture the polygon lies in its cell.
   void add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance, const Sink& sink,
@@ -71,7 +76,9 @@ class CertifiedIntegrator {
            const Allowance& allowance, const Sink& sink);
   bool prepare(std::span<const Crossing> crossings, const PolarSlabs::Slab& slab);
   bool find_arcs(std::span<const Crossing> crossings, const Ball& t);
+  void integrate_slab(const PolarSlabs::Slab& slab, bool clear, double relative);
   void integrate(const Ball& t0, const Ball& t1, double relative);
+  Ball scattered_over(const Ball& r) const;
   bool try_interval(const Interval& interval, const Ball& whole, double relative);
   void halve(const Interval& interval);
   void enclose(const Interval& interval);
@@ -107,6 +114,9 @@ class CertifiedIntegrator {
   Ball beta_, distance2_, largest_gain_;
   std::size_t given_up_ = 0;
 
+  const ScatteringLaw* law_ = nullptr;
+  const ScatteringLaw::Piece* law_piece_ = nullptr;  // of the interval at hand
+  std::vector<PolarSlabs::Gap> corners_;             // where the law's pieces meet, in slabs
   const CertifiedPolygon* polygon_ = nullptr;
   PolarSlabs slabs_;
   Ball q2_;

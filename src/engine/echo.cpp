@@ -10,6 +10,7 @@
 
 #include "engine/pattern_integral.hpp"
 #include "engine/radial_law.hpp"
+#include "engine/scattering_cut.hpp"
 #include "engine/texture_cells.hpp"
 #include "geometry/range_cut.hpp"
 
@@ -37,17 +38,21 @@ class Rows {
       throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
     return law_.material_mu[law_.material[facet]];
   }
+  /// Null: Lambert's, by mu().
+  const ScatteringLaw* scattering(FacetId facet) const {
+    mu(facet);  // refuses a facet without a material
+    return law_.law_of(facet);
+  }
 
   const ReflectivityField* texture(FacetId facet) const {
     mu(facet);  // refuses a facet without material
     return law_.texture(facet);
   }
 
-  /// mu, times the micro-texture at a place relative to the apex.
-  double mu(FacetId facet, glm::dvec3 place_m) const {
-    const double even = mu(facet);
-    const ReflectivityField* texture = law_.texture(facet);
-    return texture == nullptr ? even : even * texture->factor(law_.apex_m + place_m);
+  /// The micro-texture at a place relative to the apex.
+  double texture_at(FacetId facet, glm::dvec3 place_m) const {
+    const ReflectivityField* field = texture(facet);
+    return field == nullptr ? 1 : field->factor(law_.apex_m + place_m);
   }
 
  private:
@@ -72,6 +77,7 @@ bool add_even_footprints(const FootprintSet& set, const RangeSamples& samples, c
                          Rows& rows) {
   const RadialIntegral radial = lambert_radial_integral(samples, law.absorption_db_per_m);
   RangeCutter cutter(radial);
+  ScatteringCutter scattering_cutter(samples, law.absorption_db_per_m);
   PlanarPolygon polygon;
   bool all = true;
   for (const Footprint& footprint : set.footprints) {
@@ -83,10 +89,14 @@ bool add_even_footprints(const FootprintSet& set, const RangeSamples& samples, c
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
     const PlaneFrame frame(plane);
     const double factor = rows.mu(footprint.facet) * plane.distance_m * plane.distance_m;
+    const ScatteringLaw* scattering = rows.scattering(footprint.facet);
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       const Piece piece = set.pieces[footprint.first_piece + p];
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
-      cutter.add(polygon, factor, row);
+      if (scattering != nullptr)
+        scattering_cutter.add(polygon, *scattering, row);
+      else
+        cutter.add(polygon, factor, row);
     }
   }
   return all;
@@ -116,16 +126,19 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
     const PlaneFrame frame(plane);
     const double factor = rows.mu(footprint.facet) * plane.distance_m * plane.distance_m;
+    const ScatteringLaw* scattering = rows.scattering(footprint.facet);
     rows.of_tube(footprint.tube);  // refuses a tube that has no beam
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       const Piece piece = set.pieces[footprint.first_piece + p];
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
+      const double lambert_or_one = scattering != nullptr ? 1 : factor;
       if (texture == nullptr) {
-        integrator.add(polygon, plane, frame, footprint.tube, factor, echo.energy);
+        integrator.add(polygon, plane, frame, footprint.tube, lambert_or_one, echo.energy, scattering);
         continue;
       }
       cells.cut(polygon, plane, frame, law.apex_m, texture->cells(), [&](const PlanarPolygon& part) {
-        integrator.add(part, plane, frame, footprint.tube, factor, echo.energy, {texture, law.apex_m});
+        integrator.add(part, plane, frame, footprint.tube, lambert_or_one, echo.energy, scattering,
+                       {texture, law.apex_m});
       });
     }
   }
@@ -194,8 +207,12 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
     if (!(range > 0 && footprint.area_m2 > 0)) continue;
     rows.of_tube(footprint.tube);  // refuses a tube that has no beam
     const double sine = std::sin(footprint.grazing_angle_rad), r2 = range * range;
-    const double energy = rows.mu(footprint.facet, footprint.centroid_m) * sine * sine * footprint.area_m2 /
-                          (r2 * r2) * std::exp(-beta * range);
+    const ScatteringLaw* scattering = rows.scattering(footprint.facet);
+    const double cross_section = scattering != nullptr
+                                     ? scattering->cross_section(sine, std::cos(footprint.grazing_angle_rad))
+                                     : rows.mu(footprint.facet) * sine * sine;
+    const double energy = cross_section * rows.texture_at(footprint.facet, footprint.centroid_m) *
+                          footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
     const auto put = [&](std::size_t sample, double part) {
       share_out(
           beam_of_tube, law, footprint.tube, part * energy, range, sample,
@@ -212,7 +229,8 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
   }
 }
 
-/// A hit stands for the area solid_angle r^2 / sin(grazing), so it returns mu sin(grazing) solid_angle / r^2.
+/// A hit stands for the area solid_angle r^2 / sin(grazing), so it returns sigma / sin(grazing) solid_angle /
+/// r^2; Lambert's sigma is mu sin^2(grazing).
 void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, const EchoLaw& law,
               std::span<const std::uint32_t> beam_of_tube, Rows& rows, Echo& echo) {
   const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
@@ -223,8 +241,14 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, cons
     rows.mu(hit.facet);      // refuses a facet without material
     if (!(r > 0 && finder.holds(r))) continue;
     const std::size_t sample = finder.at(r);
-    const double mu = rows.mu(hit.facet, r * glm::normalize(glm::dvec3(hit.direction)));
-    const double spread = mu * hit.sine_grazing * hit.solid_angle_sr / (r * r);
+    double per_sine = rows.mu(hit.facet) * hit.sine_grazing;
+    if (const ScatteringLaw* scattering = rows.scattering(hit.facet)) {
+      const double sine = hit.sine_grazing, cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
+      if (!(sine > 0)) continue;
+      per_sine = scattering->cross_section(sine, cosine) / sine;
+    }
+    per_sine *= rows.texture_at(hit.facet, r * glm::normalize(glm::dvec3(hit.direction)));
+    const double spread = per_sine * hit.solid_angle_sr / (r * r);
     share_out(
         beam_of_tube, law, hit.tube, beta > 0 ? spread * std::exp(-beta * r) : spread, r, sample,
         [&] { return glm::normalize(glm::dvec3(hit.direction)); }, echo);
@@ -254,6 +278,9 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
             fmt::format("a baseline of {} m needs samples from there on, not from {} m", fringe.baseline_m,
                         samples.first_m));
   }
+  if (!law.scattering.empty() && law.scattering.size() != law.material_mu.size())
+    throw std::invalid_argument(fmt::format("{} scattering laws do not fit {} materials",
+                                            law.scattering.size(), law.material_mu.size()));
   if (!(law.pattern_tolerance >= 1e-12 && law.pattern_tolerance <= 0.01))
     throw std::invalid_argument(fmt::format(
         "the tolerance of beam patterns must be from 1e-12 to 0.01, not {}", law.pattern_tolerance));

@@ -11,6 +11,7 @@
 #include "engine/beam_pattern.hpp"
 #include "engine/history.hpp"
 #include "seabed/reflectivity_field.hpp"
+#include "seabed/scattering_law.hpp"
 
 namespace tubefoot {
 
@@ -21,8 +22,8 @@ struct RangeSamples {
   int count = 0;
 };
 
-/// How a path's energy follows from its geometry: Lambert's law per material, spherical spreading both ways,
-/// absorption both ways. Source energy: 1 J/sr at 1 m.
+/// How a path's energy follows from its geometry: a scattering law per material, spherical spreading both
+/// ways, absorption both ways. Source energy: 1 J/sr at 1 m.
 struct EchoLaw {
   std::span<const double> material_mu;      ///< Lambert parameter mu (linear) by material
   std::span<const std::uint16_t> material;  ///< material by facet
@@ -35,10 +36,16 @@ struct EchoLaw {
   /// local frame, where the history's apex is at `apex_m`.
   std::span<const std::shared_ptr<const ReflectivityField>> reflectivity{};
   glm::dvec3 apex_m{0};
+  /// Scattering laws by material; empty, or null where a material is Lambert's by `material_mu`.
+  std::span<const std::shared_ptr<const ScatteringLaw>> scattering{};
 
   /// Micro-texture of a facet that has a material; none: even.
   const ReflectivityField* texture(FacetId facet) const {
     return reflectivity.empty() ? nullptr : reflectivity[material[facet]].get();
+  }
+  /// The law of a facet that has a material; null: Lambert's.
+  const ScatteringLaw* law_of(std::size_t facet) const {
+    return scattering.empty() ? nullptr : scattering[material[facet]].get();
   }
 };
 

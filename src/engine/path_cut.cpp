@@ -339,12 +339,14 @@ void PathCutter::integrate(const Curve& near, const Curve& far, const Cell& cell
   };
   tensor(near, far, cell, rule_orders[arc], rule_orders[ray], coarse);
   bool agree = false;
+  int agreements = 0;
   const std::size_t last = rule_orders.size() - 1;
   for (std::size_t k = 1; std::max(arc, ray) + k <= last && !agree; ++k) {
     const int by_arc = rule_orders[arc + k], by_ray = rule_orders[ray + k];
     const double rounding = tensor(near, far, cell, by_arc, by_ray, fine);
     const double size = std::max(std::abs(fine[0]), negligible * largest_part_);
-    agree = error(coarse, fine) <= work_.tolerance * size + rounding;
+    agreements = error(coarse, fine) <= work_.tolerance * size + rounding ? agreements + 1 : 0;
+    agree = agreements >= work_.agreements;
     coarse.swap(fine);
   }
   if (!agree && cell.refinements < work_.most_refinements && refinements_left_-- > 0) {

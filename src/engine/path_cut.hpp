@@ -40,6 +40,9 @@ class PathCutter {
     double tolerance = 1e-10;
     /// Halvings of a cell for the sake of the tolerance; after these it is taken as it is.
     int most_refinements = 30;
+    /// How many rules in a row must agree with the one before. Across a corner of the integrand two may by
+    /// chance.
+    int agreements = 1;
   };
 
   /// Sample k holds half paths, (transmit range + receive range) / 2, of borders_m[k] .. borders_m[k+1].

@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "engine/scattering_cut.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -69,12 +71,13 @@ void PatternIntegrator::finish(std::span<double> energy) {
     receiver->moments.reset();
   }
   receivers_.clear();
+  laws_.clear();
   receiver_of_tube_.assign(receiver_of_tube_.size(), 0);
 }
 
 void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame,
                             std::uint32_t tube, double factor, std::span<double> energy,
-                            const PlacedTexture& texture) {
+                            const ScatteringLaw* law, const PlacedTexture& texture) {
   const std::size_t n = polygon.offsets.size();
   const auto [first_beam, end_beam] = patterns_.beams_of_tube[tube];
   if (n < 3 || first_beam == end_beam) return;
@@ -111,6 +114,10 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   slabs_.cut(ranges_, foot, inside, borders_);
   if (slabs_.slabs().empty()) return;
   take_axes(polygon, plane, frame);
+  piece_.law = nullptr;
+  if (law != nullptr) take_law(*law);
+  const std::vector<double> corners =
+      law != nullptr ? corner_ranges_m(*law, piece_.distance) : std::vector<double>();
   take_texture(texture, plane, frame);
 
   const std::size_t samples = borders_.size() - 1;
@@ -127,12 +134,40 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
       receiver_->moments->begin(slab.sample);
     else
       sum_.assign(std::size_t(patterns_.channels()) * (end_beam - first_beam), 0);
-    integrate(t0, t1, 0);
+    if (law == nullptr) {
+      integrate(t0, t1, 0);
+    } else {
+      double begin = t0;
+      for (std::size_t k = 0; k < law->pieces().size(); ++k) {
+        const double end = k < corners.size() ? std::clamp(t_of(corners[k]), begin, t1) : t1;
+        piece_.law = &law->pieces()[k];
+        integrate(begin, end, 0);
+        begin = end;
+      }
+    }
     if (receiver_->moments) continue;
     const std::size_t heard = end_beam - first_beam, channel = samples * patterns_.receive.size();
     for (std::size_t k = 0; k < sum_.size(); ++k)
       energy[k / heard * channel + (first_beam + k % heard) * samples + slab.sample] += sum_[k];
   }
+}
+
+void PatternIntegrator::take_law(const ScatteringLaw& law) {
+  const auto known =
+      std::find_if(laws_.begin(), laws_.end(), [&](const LawNodes& l) { return l.law == &law; });
+  if (known != laws_.end()) {
+    law_nodes_ = &*known;
+    return;
+  }
+  const double power = std::max(law.largest_power() - 2, 0.0);  // Lambert's is what the rest is made for
+  laws_.push_back({&law, NodeCount([&](double y) { return law.growth(y); }, tolerance_),
+                   NodeCount([&](double y) { return power * y; }, tolerance_)});
+  law_nodes_ = &laws_.back();
+}
+
+/// Angle of incidence on the circle t.
+double PatternIntegrator::incidence_at(double t) const {
+  return std::atan2(std::sqrt(std::max(piece_.q2 - piece_.distance2, 0.0) + t * t), piece_.distance);
 }
 
 void PatternIntegrator::take_axes(const PlanarPolygon& polygon, const FacetPlane& plane,
@@ -274,7 +309,14 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
     return 1.3 * most;  // the way is not straight
   };
   int n = 1;
-  if (texture_.field != nullptr) n = texture_.count->nodes(moved() / 2, rho);
+  if (piece_.law != nullptr) {
+    const double turned_by = incidence_at(t1) - incidence_at(t0),
+                 stretched_by = std::log(over_r[0] / over_r[2]);
+    constexpr double bent = 1.3 / 2;  // the way is not straight
+    n = std::max(law_nodes_->by_angle.nodes(bent * turned_by, rho),
+                 law_nodes_->by_range.nodes(bent * stretched_by, rho));
+  }
+  if (texture_.field != nullptr) n = std::max(n, texture_.count->nodes(moved() / 2, rho));
   for (const Change& change : receiver_->changes) {
     double extent = 0;
     if (change.along_axis && !piece_.full_circle) {
@@ -317,8 +359,12 @@ void PatternIntegrator::add_circle(double t, double weight) {
   const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
   const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
   range_ = r2 * per_r;
+  const double scattered =
+      piece_.law == nullptr
+          ? per_r * per_r
+          : ScatteringLaw::in_piece(*piece_.law, std::atan2(rho, piece_.distance), piece_.distance * per_r);
   const double radial = piece_.factor * weight * t * std::exp(-beta_ * r2 * per_r) * (per_r * per_r) *
-                        (per_r * per_r) * (per_r * per_r);
+                        (per_r * per_r) * scattered;
   if (piece_.full_circle) add_arc(per_r, rho, {1, 0}, pi, radial);
   for (const Arc& arc : arcs_) {
     const glm::dvec2 begin = point_at(arc.begin, t2), end = point_at(arc.end, t2);

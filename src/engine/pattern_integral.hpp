@@ -16,6 +16,7 @@
 #include "geometry/measure.hpp"
 #include "geometry/polar_slabs.hpp"
 #include "seabed/reflectivity_field.hpp"
+#include "seabed/scattering_law.hpp"
 
 namespace tubefoot {
 
@@ -25,7 +26,8 @@ struct PlacedTexture {
   glm::dvec3 apex_m{0};
 };
 
-/// Integrates r^-6 e^(-beta r) times transmit and receive pattern over polygons cut by range samples.
+/// Integrates r^-6 e^(-beta r), or a scattering law times r^-4 e^(-beta r), times transmit and receive
+/// pattern over polygons cut by range samples.
 ///
 /// A pattern has no symmetry about the foot point, so this is an integral over two dimensions: over slabs of
 /// slant range (polar_slabs.hpp), and in each over the arcs of every circle. With q the range of the nearest
@@ -49,8 +51,11 @@ class PatternIntegrator {
 
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that hear the tube, at
   /// the latest in finish(). With fringes, energy has three such blocks, one a channel (BeamPatterns).
+  /// `law`: by the angle that the polygon's plane is seen at; it must live until finish(). None: r^-2
+  /// instead, which is Lambert's but for a factor.
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
-           double factor, std::span<double> energy, const PlacedTexture& texture = {});
+           double factor, std::span<double> energy, const ScatteringLaw* law = nullptr,
+           const PlacedTexture& texture = {});
   void finish(std::span<double> energy);
 
  private:
@@ -65,6 +70,7 @@ class PatternIntegrator {
   struct Piece {
     double distance, distance2, q2, factor;
     bool full_circle, foot_inside;
+    const ScatteringLaw::Piece* law;  // none: Lambert's
   };
   /// A direction cosine over a piece, and over an arc of it: level + ahead cos + aside sin of the angle from
   /// the arc's middle.
@@ -109,6 +115,12 @@ class PatternIntegrator {
     glm::dvec3 ahead{0}, aside{0};   // place = foot + ahead cos + aside sin of the angle from an arc's middle
   };
 
+  /// How fast a law changes: with the angle of incidence, and with the logarithm of range.
+  struct LawNodes {
+    const ScatteringLaw* law;
+    NodeCount by_angle, by_range;
+  };
+
   void take_texture(const PlacedTexture& texture, const FacetPlane& plane, const PlaneFrame& frame);
   void face(glm::dvec2 ahead, double rho, double radius);
   Receiver& receiver_of(std::uint32_t tube);
@@ -120,6 +132,8 @@ class PatternIntegrator {
   glm::dvec2 point_at(const Crossing& crossing, double t2) const;
   double s_at(const Crossing& crossing, double t2) const;
   double nearest_singularity() const;
+  double incidence_at(double t) const;
+  void take_law(const ScatteringLaw& law);
   double angle_between(glm::dvec2 begin, glm::dvec2 end) const;
   void integrate(double t0, double t1, int depth);
   int nodes_along(double t0, double t1, double rho) const;
@@ -142,6 +156,8 @@ class PatternIntegrator {
   double range_ = 0;         // of the circle at hand
   std::vector<std::pair<double, Crossing>> sorted_;
   Receiver* receiver_ = nullptr;
+  std::vector<LawNodes> laws_;
+  const LawNodes* law_nodes_ = nullptr;  // of the law at hand
   Piece piece_{};
   Factor texture_;
   std::map<const ReflectivityField*, NodeCount> counts_;

@@ -18,6 +18,7 @@
 #include "scene/raster.hpp"
 #include "scene/reflectivity.hpp"
 #include "scene/relief.hpp"
+#include "scene/scattering.hpp"
 #include "scene/scene_placement.hpp"
 #include "scene/terrain.hpp"
 #include "scene/trajectory_file.hpp"
@@ -208,6 +209,7 @@ class Loader {
                 .material_mu = {},
                 .relief = {},
                 .reflectivity = {},
+                .scattering = load_scattering(description_, report_.warnings),
                 .trajectories = std::move(trajectories),
                 .sensor_trajectory = std::move(sensor_trajectory),
                 .report = {}};

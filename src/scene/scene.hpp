@@ -12,6 +12,7 @@
 #include "scene/trajectory.hpp"
 #include "seabed/elevation_field.hpp"
 #include "seabed/reflectivity_field.hpp"
+#include "seabed/scattering_law.hpp"
 
 namespace tubefoot {
 
@@ -41,6 +42,7 @@ struct Scene {
   std::vector<double> material_mu;  ///< Lambert mu (linear), by material index
   std::vector<std::shared_ptr<const ElevationField>> relief;           ///< by material; null: facets are flat
   std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null: even
+  std::vector<std::shared_ptr<const ScatteringLaw>> scattering;        ///< by material; null: Lambert's
   double sound_speed_m_s = 1500;
   std::vector<Trajectory> trajectories;        ///< as in the description
   std::vector<std::size_t> sensor_trajectory;  ///< per sensor: index of its trajectory

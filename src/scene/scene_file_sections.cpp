@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "scene/scene_file_ranges.hpp"
+#include "scene/scene_file_scattering.hpp"
 #include "scene/scene_file_words.hpp"
 #include "scene/utc.hpp"
 
@@ -120,14 +121,12 @@ const TomlSection<WaterDescription>& water_section() {
 
 const TomlSection<MaterialDescription>& material_section() {
   using M = MaterialDescription;
-  // 10 log10(1 / pi), rounded towards less energy (physics: Lambert, pi mu <= 1).
-  constexpr ValueRange lambert{
-      .lo = -120, .hi = -4.9715, .if_above = "a surface cannot scatter more than it receives"};
   static const auto section = TomlSection<M>("[[materials]]")
-                                  .keys({field("name", &M::name, {.required = true}),
-                                         field("lambert_db", &M::lambert_db, {.ranges = {lambert}})})
+                                  .keys({field("name", &M::name, {.required = true})})
+                                  .keys(scattering_fields())
                                   .tables("relief", &M::relief, relief_section())
-                                  .tables("reflectivity", &M::reflectivity, reflectivity_section());
+                                  .tables("reflectivity", &M::reflectivity, reflectivity_section())
+                                  .check(check_scattering);
   return section;
 }
 

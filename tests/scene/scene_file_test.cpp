@@ -525,7 +525,11 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\ntvg_fixed_below_m = "                             // sidescan_keys_test.cpp
                            "\noctaves = \npersistence = \ndepth = \nvalues = "  // reflectivity_keys_test.cpp
                            "\ntile_m = \nresolution_m = \nspectral_exponent = \nspectral_strength_cm4 = "
-                           "\nwavelength_m = \ndirection_deg = ";  // relief_keys_test.cpp
+                           "\nwavelength_m = \ndirection_deg = "  // relief_keys_test.cpp
+                           "\nlaw = \nspecular_db = \nspecular_width_deg = \noblique_db = "
+                           "\noblique_exponent = \ntransition_db = \ntransition_width_deg = "
+                           "\ntable_grazing_deg = \ntable_db = \ntable_file = \nsediment = "
+                           "\nsediment_khz = \nunbounded = ";  // scattering_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&
