@@ -24,7 +24,7 @@ struct ReliefTile {
   std::size_t nodes() const;
   bool operator==(const ReliefTile&) const = default;
 };
-/// No tile has more along a side: building one takes 20 bytes a node, keeping it 4.
+/// No tile has more along a side: building one takes 25 bytes a node, keeping it 4.
 inline constexpr std::size_t kMostNodes = 16384;
 
 /// Fractional Brownian surface: isotropic, with the 2-D spectrum of heights W(K) = w2 (K h0)^-(2 hurst + 2),
