@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 /// The start of a file. What follows: the identity's text, the units, each sensor's energies and bounds,
 /// every part at a multiple of `alignment`.
 struct Header {
-  char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '1'};
+  char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '2'};
   std::uint64_t identity_bytes = 0, units = 0, bytes = 0;
 };
 

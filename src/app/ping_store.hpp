@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,6 +21,9 @@ struct PingCounts {
   std::uint64_t bins_over = 0;
   double worst_ratio = 0;
   std::uint32_t worst_sensor = 0, worst_beam = 0, worst_sample = 0, padding = 0;
+  /// Of paths: image apexes, arrivals without scattering, and the energy of each order.
+  std::uint64_t images = 0, arrivals = 0;
+  std::array<double, 9> energy_of_order{};
 };
 
 /// How much a run has to keep.

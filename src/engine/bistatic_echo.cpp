@@ -85,14 +85,22 @@ bool is_table(const Directivity& pattern) { return pattern.kind == Directivity::
 class FacetEcho {
  public:
   FacetEcho(const BistaticHistory& history, const BistaticBeams& beams, std::span<const double> borders,
-            const EchoLaw& law, double tolerance)
+            const EchoLaw& law, double tolerance, const PathLoss* loss)
       : history_(history),
         beams_(beams),
         law_(law),
+        loss_(loss),
         borders_(borders),
         cutter_(borders),
         beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2) {
     work_.tolerance = tolerance;
+    if (loss == nullptr) return;
+    // A rough surface's loss changes by e where the sum of the sines' squares does by 1 / roughness.
+    for (const MirrorLoss* l : {&loss->transmit, &loss->receive})
+      if (!l->rough_normals.empty())
+        smooth_angle_ =
+            std::min(smooth_angle_, 1 / std::sqrt(l->roughness * double(l->rough_normals.size())));
+    smooth_angle_ = std::max(smooth_angle_, least_smooth_angle);
   }
 
   using Part = std::pair<std::size_t, double>;  // bin, energy
@@ -102,6 +110,7 @@ class FacetEcho {
     plane_ = {facet.plane_normal, facet.transmit_distance_m};
     frame_ = PlaneFrame(plane_);
     receiver_ = {facet.receive_distance_m, frame_.project(shared.receiver_m)};
+    transmit_down_ = -plane_.distance_m * plane_.normal;
     receive_down_ = -facet.receive_distance_m * plane_.normal;
     factor_ =
         law_.material_mu[law_.material[facet.facet]] * facet.transmit_distance_m * facet.receive_distance_m;
@@ -123,6 +132,18 @@ class FacetEcho {
     return factor_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * rt * (rr * rr * rr));
   }
 
+  struct Directions {
+    glm::dvec3 from_transmitter, from_receiver;
+  };
+  Directions directions(glm::dvec2 p, double rt, double rr) const {
+    const glm::dvec2 q = p - receiver_.foot;
+    return {(transmit_down_ + p.x * frame_.u + p.y * frame_.v) / rt,
+            (receive_down_ + q.x * frame_.u + q.y * frame_.v) / rr};
+  }
+  double lost(const Directions& d) const {
+    return loss_->transmit.at(d.from_transmitter) * loss_->receive.at(d.from_receiver);
+  }
+
   void integrate(const PathCutter::Integrand& integrand, std::uint32_t first_beam, std::vector<Part>& parts) {
     const auto [first, end] = cutter_.samples_of(polygon_, receiver_);
     if (first == end) return;
@@ -137,8 +158,12 @@ class FacetEcho {
 
   void add_plain(const SharedPiece& piece, std::vector<Part>& parts) {
     work_.values = 1;
+    work_.resolution_rad = smooth_angle_;
     integrate(
-        [&](glm::dvec2, double rt, double rr, std::span<double> values) { values[0] = density(rt, rr); },
+        [&](glm::dvec2 p, double rt, double rr, std::span<double> values) {
+          values[0] = density(rt, rr);
+          if (loss_ != nullptr) values[0] *= lost(directions(p, rt, rr));
+        },
         beams_.of_receive_tube[piece.receive_tube], parts);
   }
 
@@ -148,7 +173,7 @@ class FacetEcho {
     if (first == end) return;
     const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[piece.receive_tube]];
     work_.values = 1 + end - first;
-    work_.resolution_rad = 1;
+    work_.resolution_rad = smooth_angle_;
     bool tables = false;
     for (const Directivity& sent : transmit.beams) {
       tables = tables || is_table(sent);
@@ -158,26 +183,28 @@ class FacetEcho {
       }
     }
     work_.most_refinements = tables ? most_refinements_with_tables : PathCutter::Work().most_refinements;
-    const glm::dvec3 transmit_down = -plane_.distance_m * plane_.normal;
     integrate(
         [&, first = first, end = end](glm::dvec2 p, double rt, double rr, std::span<double> values) {
-          const glm::dvec2 q = p - receiver_.foot;
-          const glm::dvec3 from_transmitter = (transmit_down + p.x * frame_.u + p.y * frame_.v) / rt;
-          const glm::dvec3 from_receiver = (receive_down_ + q.x * frame_.u + q.y * frame_.v) / rr;
+          const Directions from = directions(p, rt, rr);
           values[0] = density(rt, rr);
-          const double sent = values[0] * transmit.gain(from_transmitter);
+          if (loss_ != nullptr) values[0] *= lost(from);
+          const double sent = values[0] * transmit.gain(from.from_transmitter);
           for (std::uint32_t beam = first; beam < end; ++beam)
-            values[1 + beam - first] = sent * patterns.receive[beam].gain(from_receiver);
+            values[1 + beam - first] = sent * patterns.receive[beam].gain(from.from_receiver);
         },
         first, parts);
   }
 
   /// No rule converges across a row of a table: there, cells are halved so often and then taken as they are.
   static constexpr int most_refinements_with_tables = 12;
+  /// Below this, cells are halved where the loss asks for it.
+  static constexpr double least_smooth_angle = 1e-3;
 
   const BistaticHistory& history_;
   const BistaticBeams& beams_;
   const EchoLaw& law_;
+  const PathLoss* loss_;
+  double smooth_angle_ = 1;
   std::span<const double> borders_;
   PathCutter cutter_;
   double beta_;  // of the path there and back, each
@@ -185,7 +212,7 @@ class FacetEcho {
   PathCutter::Receiver receiver_;
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
-  glm::dvec3 receive_down_{0};
+  glm::dvec3 transmit_down_{0}, receive_down_{0};  // from the apexes to the plane
   double factor_ = 0;
   PlanarPolygon polygon_;
   std::vector<double> sum_;  // all 0 between pieces
@@ -213,7 +240,8 @@ BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, dou
 }
 
 Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams& beams,
-                             const RangeSamples& samples, const EchoLaw& law, double tolerance) {
+                             const RangeSamples& samples, const EchoLaw& law, double tolerance,
+                             const PathLoss* loss) {
   check(history, beams, law, tolerance);
   const std::vector<double> borders = borders_of(samples);
   Echo echo;
@@ -224,7 +252,7 @@ Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams
   const auto& facets = history.shared.facets;
   std::vector<std::vector<FacetEcho::Part>> parts(tasks_for(facets.size()));
   tbb::enumerable_thread_specific<FacetEcho> threads(
-      [&] { return FacetEcho(history, beams, borders, law, tolerance); });
+      [&] { return FacetEcho(history, beams, borders, law, tolerance, loss); });
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     FacetEcho& facet_echo = threads.local();
     const std::size_t end = std::min((task + 1) * facets_per_task, facets.size());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <utility>
 
@@ -118,6 +119,12 @@ struct Part {
   Box box;
 };
 
+bool has_mirrors(const SceneDescription& description) {
+  const auto& materials = description.materials;
+  return description.sea_surface ||
+         std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.specular_loss_db; });
+}
+
 WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>& parts) {
   Box box;
   for (const Part& part : parts) {
@@ -125,6 +132,13 @@ WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>&
     box.add(part.box.hi);
   }
   if (parts.empty()) box.add(glm::dvec3(0));
+  if (description.sea_surface) box.add({box.lo.x, box.lo.y, description.sea_surface->height_m});
+  // An image apex is as far away as the way that its mirrors fold up, which crosses the scene once for each.
+  if (has_mirrors(description)) {
+    const double beyond = description.paths.order * glm::distance(box.lo, box.hi);
+    box.lo -= beyond;
+    box.hi += beyond;
+  }
   const std::optional<int>& exponent = description.run.grid_exponent;
   try {
     return exponent ? WorldGrid::with_exponent(*exponent, box.lo, box.hi)
@@ -198,6 +212,7 @@ class Loader {
                 .mesh = {},
                 .frame = {},
                 .material_mu = {},
+                .material_reflection = {},
                 .relief = {},
                 .reflectivity = {},
                 .trajectories = std::move(trajectories),
@@ -205,6 +220,7 @@ class Loader {
                 .report = {}};
     for (const MaterialDescription& m : description_.materials) {
       scene.material_mu.push_back(std::pow(10.0, m.lambert_db / 10));
+      scene.material_reflection.push_back(m.specular_loss_db ? std::pow(10.0, -*m.specular_loss_db / 10) : 0);
     }
     const WaterDescription& water = description_.water;
     scene.sound_speed_m_s = water.sound_speed_m_s.value_or(

@@ -37,6 +37,24 @@ struct MaterialDescription {
   SourcePlace place;
   std::string name;
   double lambert_db = -27;  ///< 10 log10 mu; energy conservation wants <= -4.9715
+  std::optional<double> specular_loss_db;  ///< of what it mirrors; none: it mirrors nothing
+};
+
+/// A horizontal mirror over the scene.
+struct SeaSurfaceDescription {
+  SourcePlace place;
+  double height_m = 0;
+  double loss_db = 0;          ///< of every reflection
+  double rms_roughness_m = 0;  ///< standard deviation of its heights: a further loss, Rayleigh's
+};
+
+/// Which paths are followed. docs/paths.md
+struct PathsDescription {
+  SourcePlace place;
+  int order = 1;                  ///< most interactions (scattering and reflections) of a path
+  std::optional<int> only_order;  ///< leave out all but this one
+  double cutoff_db = 100;         ///< paths that lose more by reflection are not followed
+  bool direct = false;            ///< a receiver apart also hears its transmitter straight
 };
 
 struct FlatTerrain {
@@ -263,6 +281,8 @@ struct SceneDescription {
   std::string title;
   std::optional<GeoreferenceDescription> georeference;
   WaterDescription water;
+  std::optional<SeaSurfaceDescription> sea_surface;
+  PathsDescription paths;
   std::vector<MaterialDescription> materials;
   std::vector<TerrainDescription> terrains;
   std::vector<ObjectDescription> objects;

@@ -2,6 +2,8 @@
 #include "scene/scene_file_sections.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_words.hpp"
@@ -43,6 +45,18 @@ void check_water(const WaterDescription& water, const TomlTable& table) {
                     "'sound_speed_m_s' for deeper water",
                     water.depth_m));
   }
+}
+
+void check_material(const MaterialDescription& material, const TomlTable& table) {
+  if (!material.specular_loss_db) return;
+  const double scattered = std::numbers::pi * std::pow(10, material.lambert_db / 10);
+  if (scattered + std::pow(10, -*material.specular_loss_db / 10) > 1)
+    throw InputError(
+        table.place_of("specular_loss_db"),
+        fmt::format(
+            "'{}' would return more than it receives: Lambert's law scatters {:.3g} of it, so what it "
+            "mirrors must lose {:.6f} dB at least (or lower 'lambert_db')",
+            material.name, scattered, std::max(0.0, -10 * std::log10(1 - scattered)) + 1e-6));
 }
 
 void check_terrain(const TerrainDescription& terrain, const TomlTable& table) {
@@ -123,9 +137,12 @@ const TomlSection<MaterialDescription>& material_section() {
   // 10 log10(1 / pi), rounded towards less energy (physics: Lambert, pi mu <= 1).
   constexpr ValueRange lambert{
       .lo = -120, .hi = -4.9715, .if_above = "a surface cannot scatter more than it receives"};
-  static const auto section = TomlSection<M>("[[materials]]")
-                                  .keys({field("name", &M::name, {.required = true}),
-                                         field("lambert_db", &M::lambert_db, {.ranges = {lambert}})});
+  static const auto section =
+      TomlSection<M>("[[materials]]")
+          .keys({field("name", &M::name, {.required = true}),
+                 field("lambert_db", &M::lambert_db, {.ranges = {lambert}}),
+                 field("specular_loss_db", &M::specular_loss_db, {.ranges = {{.lo = 0, .hi = 120}}})})
+          .check(check_material);
   return section;
 }
 

@@ -10,6 +10,8 @@ namespace tubefoot {
 const TomlField<SceneDescription>& title_field();
 const TomlSection<GeoreferenceDescription>& georeference_section();
 const TomlSection<WaterDescription>& water_section();
+const TomlSection<SeaSurfaceDescription>& sea_surface_section();
+const TomlSection<PathsDescription>& paths_section();
 const TomlSection<MaterialDescription>& material_section();
 const TomlSection<TerrainDescription>& terrain_section();
 const TomlSection<ObjectDescription>& object_section();
