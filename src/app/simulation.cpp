@@ -131,11 +131,13 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   const auto& reflection = scene.material_reflection;
   const bool mirrors =
       d.sea_surface || std::any_of(reflection.begin(), reflection.end(), [](double r) { return r > 0; });
-  if (!mirrors && !d.paths.direct) return std::nullopt;
+  if (!mirrors && !d.paths.direct && d.paths.scatterings == 1) return std::nullopt;
   PathSettings settings;
   settings.order = d.paths.order;
   settings.cutoff_db = d.paths.cutoff_db;
   settings.direct = d.paths.direct;
+  settings.scatterings = d.paths.scatterings;
+  settings.patch_m = d.paths.patch_m;
   settings.mirrors.reflection = reflection;
   if (d.sea_surface) {
     const double wave_number = 2000 * std::numbers::pi * frequency_khz / scene.sound_speed_m_s;

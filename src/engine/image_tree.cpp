@@ -52,26 +52,28 @@ std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
   return kept;
 }
 
-class ImageTree {
- public:
-  ImageTree(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
-            const Mirrors& mirrors, const ImageSettings& settings)
-      : mesh_(mesh), tree_(tree), options_(options), mirrors_(mirrors), settings_(settings) {
+}  // namespace
+
+struct ImageFinder::State {
+  State(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
+        const Mirrors& mirrors, double least_loss)
+      : mesh_(mesh), tree_(tree), options_(options), mirrors_(mirrors), least_loss_(least_loss) {
     options_.open_water = mirrors.surface.has_value();
     if (mirrors.surface)
       all_below_ = std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
                                [&](GridPoint v) { return v.z < mirrors.surface->height; });
   }
 
-  std::vector<Image> grow(TubeSet tubes) {
+  std::vector<Image> grow(TubeSet tubes, int most_mirrors) {
     std::vector<Image> images(1);
     Image& root = images.front();
     root.windows = std::move(tubes);
     root.mesh = &mesh_;
     root.tree = &tree_;
     for (std::uint32_t t = 0; t < root.windows.tubes.size(); ++t) root.own_tube.push_back(t);
+    if (most_mirrors < 1) look(root);
     for (std::size_t first = 0, end = 1; first < end; first = end, end = images.size()) {
-      if (int(images[first].mirrors) >= settings_.order) break;
+      if (int(images[first].mirrors) >= most_mirrors) break;
       tbb::parallel_for(first, end, [&](std::size_t i) { look(images[i]); });
       std::vector<std::vector<Image>> children(end - first);
       tbb::parallel_for(first, end, [&](std::size_t i) { children[i - first] = children_of(images[i]); });
@@ -80,7 +82,6 @@ class ImageTree {
     return images;
   }
 
- private:
   void look(Image& image) {
     image.seen.resize(image.windows.tubes.size());
     tbb::parallel_for(std::uint32_t{0}, std::uint32_t(image.seen.size()), [&](std::uint32_t tube) {
@@ -157,7 +158,7 @@ class ImageTree {
       for (auto corner = cone.corners.rbegin(); corner != cone.corners.rend(); ++corner)
         mirrored.push_back(reflect * *corner);
       const double passes = most(child.loss, mirrored);
-      if (passes <= settings_.least_loss) continue;
+      if (passes <= least_loss_) continue;
       child.largest = std::max(child.largest, passes);
       windows.add(mirrored, cone.own_tube);
     }
@@ -215,18 +216,22 @@ class ImageTree {
   const SceneTree& tree_;
   VisibilityOptions options_;
   const Mirrors& mirrors_;
-  const ImageSettings& settings_;
+  double least_loss_;
   bool all_below_ = false;
   tbb::enumerable_thread_specific<VisibilityScratch> scratch_;
 };
 
-}  // namespace
-
-std::vector<Image> images_of(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
-                             TubeSet tubes, const Mirrors& mirrors, const ImageSettings& settings) {
+ImageFinder::ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
+                         const Mirrors& mirrors, double least_loss)
+    : state_(std::make_unique<State>(mesh, tree, options, mirrors, least_loss)) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("multiple paths need an exact arithmetic: fixed, filtered or rational");
-  return ImageTree(mesh, tree, options, mirrors, settings).grow(std::move(tubes));
+}
+
+ImageFinder::~ImageFinder() = default;
+
+std::vector<Image> ImageFinder::images_of(TubeSet tubes, int most_mirrors) const {
+  return state_->grow(std::move(tubes), most_mirrors);
 }
 
 }  // namespace tubefoot

@@ -54,16 +54,23 @@ struct Image {
   std::shared_ptr<const World> world;
 };
 
-struct ImageSettings {
-  /// Most interactions of a path: images of up to this many mirrors are made, and those of less have looked.
-  int order = 1;
-  double least_loss = 0;  ///< windows through which no more than this passes are left out
-};
+/// Finds the images of apexes over one mesh. Thread-safe; results do not depend on the threads.
+class ImageFinder {
+ public:
+  /// `options` must name an exact arithmetic. Windows through which no more than `least_loss` passes are left
+  /// out. What is referred to must outlive it.
+  ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
+              const Mirrors& mirrors, double least_loss);
+  ~ImageFinder();
 
-/// The apex of `tubes` (first) and its images, those of fewer mirrors first. `options` must name an exact
-/// arithmetic. tubes.reach should be twice the longest half path: a path may lie all on one side. The result
-/// does not depend on the threads.
-std::vector<Image> images_of(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
-                             TubeSet tubes, const Mirrors& mirrors, const ImageSettings& settings);
+  /// The apex of `tubes` (first) and its images in up to `most_mirrors` mirrors, those of fewer first. Images
+  /// of fewer than `most_mirrors`, and the apex in any case, have looked. tubes.reach should be twice the
+  /// longest half path: a path may lie all on one side.
+  std::vector<Image> images_of(TubeSet tubes, int most_mirrors) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace tubefoot

@@ -172,6 +172,20 @@ void warn_about(Scene& scene) {
     warnings.push_back(fmt::format("{} facets lie exactly on an earlier one: the earlier one is seen",
                                    mesh.duplicate_facets));
   }
+  if (const auto& surface = scene.description.sea_surface) {
+    const auto above =
+        std::count_if(scene.mesh.facets.begin(), scene.mesh.facets.end(), [&](const auto& facet) {
+          return std::any_of(facet.begin(), facet.end(), [&](VertexId v) {
+            return scene.grid.to_metres(scene.mesh.vertices[v]).z > surface->height_m;
+          });
+        });
+    if (above > 0) {
+      warnings.push_back(fmt::format(
+          "{} facets reach above the sea surface: paths over mirrors leave that part out, but the "
+          "ordinary echo takes it as if it were in the water",
+          above));
+    }
+  }
   constexpr double kCoarse_m = 1e-3;
   if (scene.grid.unit_m() > kCoarse_m && !scene.description.run.grid_exponent) {
     warnings.push_back(

@@ -54,6 +54,8 @@ struct PathsDescription {
   int order = 1;                  ///< most interactions (scattering and reflections) of a path
   std::optional<int> only_order;  ///< leave out all but this one
   double cutoff_db = 100;         ///< paths that lose more by reflection are not followed
+  int scatterings = 1;            ///< most of them on a path: 1 or 2
+  double patch_m = 1;             ///< largest patch of the first of two
   bool direct = false;            ///< a receiver apart also hears its transmitter straight
 };
 

@@ -36,7 +36,8 @@ const TomlSection<PathsDescription>& paths_section() {
           .keys({field("order", &P::order, {.ranges = {{.lo = 1, .hi = 8}}}),
                  field("only_order", &P::only_order, {.ranges = {{.lo = 0, .hi = 8}}}),
                  field("cutoff_db", &P::cutoff_db, {.ranges = {{.lo = 0, .hi = 300}}}),
-                 field("direct", &P::direct)})
+                 field("scatterings", &P::scatterings, {.ranges = {{.lo = 1, .hi = 2}}}),
+                 field("patch_m", &P::patch_m, {.ranges = {size}}), field("direct", &P::direct)})
           .check(check_paths);
   return section;
 }

@@ -448,6 +448,166 @@ TEST(PathEcho, ACornerReflectorSendsBackOneImage) {
   }
 }
 
+/// A sphere about the origin by halving a regular octahedron's edges.
+FacetMesh sphere(double radius, int halvings, bool bowl) {
+  FacetMesh mesh;
+  const auto add = [&](auto&& self, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, int left) -> void {
+    if (left > 0) {
+      const glm::dvec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c), ca = glm::normalize(c + a);
+      self(self, a, ab, ca, left - 1);
+      self(self, ab, b, bc, left - 1);
+      self(self, ca, bc, c, left - 1);
+      self(self, ab, bc, ca, left - 1);
+      return;
+    }
+    VertexId v[3];
+    int k = 0;
+    for (const glm::dvec3 p : {a, b, c})
+      v[k++] = test::add_vertex(mesh, at(radius * p.x, radius * p.y, radius * p.z));
+    test::add_facet(mesh, v[0], v[1], v[2]);
+  };
+  for (const double x : {-1, 1})
+    for (const double y : {-1, 1})
+      for (const double z : {-1, 1})
+        if (z < 0 || !bowl) add(add, {x, 0, 0}, {0, y, 0}, {0, 0, z}, halvings);
+  test::weld(mesh);
+  return mesh;
+}
+
+Setting in_a_sphere(bool bowl) {
+  Setting s;
+  s.mesh = sphere(2, 2, bowl);
+  s.transmit.apex = at(0, 0, 0.01);
+  s.transmit.reach = 20.0 * metre;
+  append_tubes(s.transmit, {steps(-180, 180, 4), steps(-89.9, 89.9, 2), glm::dmat3(1)});
+  s.receive = s.transmit;
+  s.samples = {1, 0.25, 20};
+  s.mu = {0.2};
+  s.reflection = {0};
+  s.paths.order = 2;
+  s.paths.scatterings = 2;
+  return s;
+}
+
+// sin sin / r^2 is 1 / (4 a^2) between any two points of a sphere, so what its middle hears of a second
+// scattering is pi mu (the albedo) of the first; by a chord up to c comes the part c^2 / (4 a^2). A bowl,
+// half a sphere, keeps half of it. The radius is taken between that of the facets' corners and that of their
+// middles.
+TEST(PathEcho, ASphereAndABowlHaveASecondEcho) {
+  for (const bool bowl : {false, true}) {
+    const Setting s = in_a_sphere(bowl);
+    const PathEcho paths = s.run();
+    const double part = bowl ? 0.5 : 1, a = 1.95, first = part * 4 * pi * 0.2 / (a * a);
+    EXPECT_NEAR(total(paths.by_order[2]), part * pi * 0.2 * first, 0.03 * part * pi * 0.2 * first) << bowl;
+    if (bowl) continue;
+    double sum = 0;
+    for (int k = 0; k < s.samples.count; ++k) {
+      sum += paths.by_order[2].at(0, k);
+      const double chord = 2 * (s.samples.first_m + (k + 1) * s.samples.step_m - a);
+      const double near = chord <= 0 ? 0 : std::min(1.0, chord * chord / (4 * a * a));
+      EXPECT_NEAR(sum / total(paths.by_order[2]), near, 0.04) << k;
+    }
+  }
+}
+
+/// Two plates that face each other askew; neither hides anything.
+Setting two_plates() {
+  Setting s;
+  add_quad(s.mesh, at(-1, -1, -2), at(1, -1, -2), at(1, 1, -2), at(-1, 1, -2), 0);
+  add_quad(s.mesh, at(2, -1, -1.5), at(2.25, 1, -1.5), at(2.25, 1, 0.5), at(2, -1, 0.5), 1);
+  TubeSet set;
+  set.apex = at(-0.5, 0.25, 0.5);
+  set.reach = 20.0 * metre;
+  const glm::dvec3 forward = glm::normalize(glm::dvec3(1, 0, -1));
+  append_tubes(set, {steps(-75, 75, 4), steps(-75, 75, 3),
+                     glm::dmat3(forward, {0, -1, 0}, glm::cross(forward, {0, -1, 0}))});
+  s.transmit = s.receive = set;
+  s.samples = {2, 0.5, 8};
+  s.mu = {0.1, 0.3};
+  s.reflection = {0, 0};
+  s.paths.order = 2;
+  s.paths.scatterings = 2;
+  s.absorption_db_per_m = 0.5;
+  return s;
+}
+
+TEST(PathEcho, TwoScatteringsAreTheDoubleIntegralOverBothFacetsAndConvergeWithThePatches) {
+  Setting s = two_plates();
+  s.receive.apex = at(-0.25, -0.5, 0.75);
+  // Midpoint rule over both plates, either one first.
+  struct Point {
+    glm::dvec3 at, normal;
+    double area, mu;
+  };
+  constexpr int n = 24;
+  std::vector<Point> points[2];
+  const glm::dvec3 a[2] = {{-1, -1, -2}, {2, -1, -1.5}}, u[2] = {{2, 0, 0}, {0.25, 2, 0}},
+                   v[2] = {{0, 2, 0}, {0, 0, 2}};
+  for (int p = 0; p < 2; ++p)
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        const glm::dvec3 normal = glm::cross(u[p], v[p]) * (p == 0 ? 1.0 : -1.0);
+        points[p].push_back({a[p] + (i + 0.5) / n * u[p] + (j + 0.5) / n * v[p], glm::normalize(normal),
+                             glm::length(normal) / (n * n), s.mu[p]});
+      }
+  const double beta = 0.5 * std::numbers::ln10 / 10;
+  const glm::dvec3 from = metres(s.transmit.apex), to = metres(s.receive.apex);
+  std::vector<double> expected(s.samples.count);
+  for (int first = 0; first < 2; ++first)
+    for (const Point& p : points[first])
+      for (const Point& q : points[1 - first]) {
+        const glm::dvec3 in = from - p.at, over = q.at - p.at, out = to - q.at;
+        const double r1 = glm::length(in), r2 = glm::length(over), r3 = glm::length(out), path = r1 + r2 + r3;
+        const double sines = glm::dot(p.normal, in) / r1 * (glm::dot(p.normal, over) / r2) *
+                             (-glm::dot(q.normal, over) / r2) * (glm::dot(q.normal, out) / r3);
+        const int k = int((path / 2 - s.samples.first_m) / s.samples.step_m);
+        if (k >= 0 && k < s.samples.count)
+          expected[k] +=
+              p.mu * q.mu * sines * std::exp(-beta * path) / std::pow(r1 * r2 * r3, 2) * p.area * q.area;
+      }
+  const double all = std::accumulate(expected.begin(), expected.end(), 0.0);
+  s.paths.patch_m = 0.25;
+  const PathEcho fine = s.run();
+  EXPECT_NEAR(total(fine.by_order[2]), all, 2e-3 * all);
+  for (int k = 0; k < s.samples.count; ++k)
+    EXPECT_NEAR(fine.by_order[2].at(0, k), expected[k], 0.01 * expected[k] + 0.003 * all) << k;
+  // Four times less with patches half as long.
+  s.paths.patch_m = 2;
+  const double coarse = total(s.run().by_order[2]);
+  s.paths.patch_m = 1;
+  const double middle = total(s.run().by_order[2]), best = total(fine.by_order[2]);
+  EXPECT_GT(std::abs(coarse - best), 2 * std::abs(middle - best));
+}
+
+TEST(PathEcho, TwoScatteringsOverASurfaceAreThoseOfItsImage) {
+  // The second plate seen in the surface stands as far above it: the same as a scene with that plate instead,
+  // as far as the way from plate to plate is the one by the surface.
+  Setting s;
+  s.mesh = flat_bed(-4, 2);
+  s.transmit = s.receive = tubes_at(at(0, 0, -2), -89, -5, 3, 40);
+  s.samples = {0, 40, 1};
+  s.mu = {0.2};
+  s.reflection = {0};
+  s.paths.order = 3;
+  s.paths.scatterings = 2;
+  s.paths.patch_m = 0.5;
+  s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
+  const double over_surface = total(s.run().by_order[3]);
+  // Bed to bed by the surface, 4 m up: from each point p to q by way of an image 8 m apart.
+  constexpr int n = 40;
+  double expected = 0;
+  for (int i = 0; i < n * n; ++i)
+    for (int j = 0; j < n * n; ++j) {
+      const glm::dvec3 p(4 * (i % n + 0.5) / n - 2, 4 * (i / n + 0.5) / n - 2, 0),
+          q(4 * (j % n + 0.5) / n - 2, 4 * (j / n + 0.5) / n - 2, 8), home(0, 0, 2);
+      const double r1 = glm::length(home - p), r2 = glm::length(q - p),
+                   r3 = glm::length(home - glm::dvec3(q.x, q.y, 0));
+      expected += 0.7 * 0.04 * (2 / r1) * (8 / r2) * (8 / r2) * (2 / r3) / std::pow(r1 * r2 * r3, 2) *
+                  std::pow(4.0 / n, 4);
+    }
+  EXPECT_NEAR(over_surface, expected, 0.01 * expected);
+}
+
 TEST(PathEcho, ThreadsChangeNothing) {
   Setting s = channel(2);
   s.mu = {0.02};
