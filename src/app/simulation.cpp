@@ -158,8 +158,8 @@ void refuse_paths(const Survey& survey, bool reference) {
       if (d.paths.order > 1 || d.paths.only_order)
         throw InputError(
             d.paths.place,
-            "paths of several orders need a mirror: add [sea_surface], or 'specular_loss_db' to a "
-            "material");
+            "paths of several orders need a mirror or a second scattering: add [sea_surface], "
+            "'specular_loss_db' to a material, or 'scatterings = 2'");
       continue;
     }
     const char* trouble = d.run.engine != "tube"         ? "the tube engine: rays are not mirrored"

@@ -6,6 +6,10 @@ namespace tubefoot {
 namespace {
 
 void check_paths(const PathsDescription& paths, const TomlTable& table) {
+  if (paths.scatterings > paths.order)
+    throw InputError(table.place_of("scatterings"),
+                     fmt::format("{} scatterings are {} interactions: raise 'order', which is {}",
+                                 paths.scatterings, paths.scatterings, paths.order));
   if (!paths.only_order || (*paths.only_order <= paths.order && (*paths.only_order > 0 || paths.direct)))
     return;
   throw InputError(
