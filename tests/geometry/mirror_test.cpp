@@ -130,9 +130,9 @@ TEST(WindowTubes, TubesOfThreeCornersCloseExactly) {
   for (int i = 0; i < 60; ++i) {
     const FacetMesh mesh = test::random_soup(random, 12, 1 << 16, 1 << 15);
     WindowTubes windows({0, 0, 0}, 1e9);
-    windows.add(std::vector<glm::dvec3>{{-0.5, 1, -0.4}, {0.6, 1, -0.3}, {0.1, 1, 0.5}}, 0);
+    windows.add(std::vector<glm::dvec3>{{0.1, 1, 0.5}, {0.6, 1, -0.3}, {-0.5, 1, -0.4}}, 0);
     windows.add(
-        std::vector<glm::dvec3>{{-0.5, 1, -0.4}, {0.1, 1, 0.5}, {-0.9, 1, 0.6}, {-1, 1, 0}, {-0.8, 1, -0.2}},
+        std::vector<glm::dvec3>{{-0.8, 1, -0.2}, {-1, 1, 0}, {-0.9, 1, 0.6}, {0.1, 1, 0.5}, {-0.5, 1, -0.4}},
         1);
     ASSERT_EQ(windows.tubes().tubes.size(), 3u);
     EXPECT_EQ(test::look(mesh, windows.tubes()).not_closed, 0u) << i;
@@ -141,10 +141,10 @@ TEST(WindowTubes, TubesOfThreeCornersCloseExactly) {
 
 TEST(WindowTubes, LeavesOutWhatRoundingMakesFlat) {
   WindowTubes windows({0, 0, 0}, 1);
-  windows.add(std::vector<glm::dvec3>{{0, 1, 0}, {1e-10, 1, 0}, {0, 1, 1}}, 0);
-  windows.add(std::vector<glm::dvec3>{{0, 1, 0}, {0, 1, 1}, {0, 1, 2}}, 0);
+  windows.add(std::vector<glm::dvec3>{{0, 1, 1}, {1e-10, 1, 0}, {0, 1, 0}}, 0);
+  windows.add(std::vector<glm::dvec3>{{0, 1, 2}, {0, 1, 1}, {0, 1, 0}}, 0);
   EXPECT_TRUE(windows.tubes().tubes.empty());
-  windows.add(std::vector<glm::dvec3>{{0, 1, 0}, {1, 1, 0}, {1, 1, 1e-11}, {1, 1, 1}, {0.5, 1, 1}, {0, 1, 1}},
+  windows.add(std::vector<glm::dvec3>{{0, 1, 1}, {0.5, 1, 1}, {1, 1, 1}, {1, 1, 1e-11}, {1, 1, 0}, {0, 1, 0}},
               0);
   ASSERT_EQ(windows.tubes().tubes.size(), 1u);
   EXPECT_TRUE(holds(windows.tubes(), 0, {1, 2, 1}));
