@@ -336,6 +336,11 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
                             at(middle.x + place(random), middle.y + place(random), middle.z + place(random)));
     test::add_facet(s.mesh, v[0], v[1], v[2]);
   }
+  // Sticks through the first plate, most of it behind: there it must hide nothing.
+  const VertexId spike[] = {test::add_vertex(s.mesh, at(3.6, 0.4, 0.6)),
+                            test::add_vertex(s.mesh, at(7, -2, -0.5)),
+                            test::add_vertex(s.mesh, at(7, 2.5, 1.5))};
+  test::add_facet(s.mesh, spike[0], spike[1], spike[2]);
   const GridPoint apex = at(-1, -1.25, 0.3);
   const glm::dvec3 forward = glm::normalize(glm::dvec3(1, 1, -0.1)),
                    right = glm::normalize(glm::cross(forward, {0, 0, 1})), up = glm::cross(right, forward);
