@@ -7,15 +7,16 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/exact_corner.hpp"
+#include "geometry/footprint_builder.hpp"
 #include "geometry/plane_lines.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// Which edges of the facet a corner lies on, by name alone: bit e for the edge from vertex e to the next.
-unsigned edges_of(const CornerName& corner, const FacetCone& facet) {
+unsigned edges_of(const CornerName& corner, const std::array<VertexId, 3>& vertex) {
   const auto index = [&](PointId id) {
-    return int(std::find(facet.vertex.begin(), facet.vertex.end(), id) - facet.vertex.begin());
+    return id == no_point ? 3 : int(std::find(vertex.begin(), vertex.end(), id) - vertex.begin());
   };
   const auto both_ends = [](int i) { return (1u << i) | (1u << ((i + 2) % 3)); };
   if (corner.point != no_point) return index(corner.point) < 3 ? both_ends(index(corner.point)) : 0;
@@ -34,17 +35,27 @@ class SeenPiece {
   SeenPiece(const FacetMesh& mesh, const ApexLook& look, std::uint32_t tube, std::uint32_t piece,
             const FacetCone& facet, const FacetChart& chart)
       : tube_(tube),
-        context_{mesh, look.tubes.apex, look.seen[tube].rays},
+        context_{look.mesh == nullptr ? mesh : *look.mesh, look.tubes.apex, look.seen[tube].rays},
         seen_(&look.seen[tube]),
         piece_(seen_->pieces[piece]),
         facet_(&facet),
         chart_(chart) {
+    if (look.mesh != nullptr) {
+      // Names are those of the facet as it was seen, which may be a part of what it is.
+      FacetCone own;
+      if (FacetCone::make(*look.mesh, piece_.facet, look.tubes.apex, own) && own.point == facet.point)
+        vertex_ = own.vertex;
+      else
+        vertex_.fill(no_point);
+    } else {
+      vertex_ = facet.vertex;
+    }
     lo_[0] = lo_[1] = std::numeric_limits<double>::infinity();
     hi_[0] = hi_[1] = -lo_[0];
     const glm::dvec3 vertex(facet.point[0].x, facet.point[0].y, facet.point[0].z);
     const int axis[2] = {chart.u, chart.v};
     for (std::uint32_t k = 0; k < piece_.count; ++k) {
-      points_.push_back(point_on_facet(context_, corner(k), facet));
+      points_.push_back(point_on_facet(context_, corner(k), seen_as(facet)));
       whole_ = whole_ && on_facet_edge(k);
       for (int i = 0; i < 2; ++i) {
         const double x = points_.back()[axis[i]], origin = vertex[axis[i]];
@@ -66,7 +77,7 @@ class SeenPiece {
   }
   bool on_facet_edge(std::uint32_t k) const {
     const std::uint32_t next = k + 1 == piece_.count ? 0 : k + 1;
-    return (edges_of(corner(k), *facet_) & edges_of(corner(next), *facet_)) != 0;
+    return (edges_of(corner(k), vertex_) & edges_of(corner(next), vertex_)) != 0;
   }
 
   /// Lines of its edges, edge k from corner k to the next. Made when first asked for.
@@ -86,6 +97,11 @@ class SeenPiece {
   }
 
  private:
+  /// The facet under the names that it was seen by.
+  FacetCone seen_as(FacetCone facet) const {
+    facet.vertex = vertex_;
+    return facet;
+  }
   const CornerName& corner(std::uint32_t k) const { return seen_->corners[piece_.first + k]; }
 
   std::uint32_t tube_;
@@ -93,6 +109,7 @@ class SeenPiece {
   const TubeVisibility* seen_;
   NamedPiece piece_;
   const FacetCone* facet_;
+  std::array<VertexId, 3> vertex_{};  // names of its vertices
   FacetChart chart_;
   std::vector<glm::dvec3> points_;
   double lo_[2], hi_[2];  // of u and v, with their errors
@@ -113,7 +130,7 @@ std::vector<FootprintSharer::Seen> FootprintSharer::pieces_of(const ApexLook& lo
   std::vector<Seen> pieces;
   for (std::uint32_t tube = 0; tube < look.seen.size(); ++tube)
     for (std::uint32_t k = 0; k < look.seen[tube].pieces.size(); ++k)
-      pieces.push_back({look.seen[tube].pieces[k].facet, tube, k});
+      pieces.push_back({look.origin_of(look.seen[tube].pieces[k].facet), tube, k});
   std::stable_sort(pieces.begin(), pieces.end(),
                    [](const Seen& a, const Seen& b) { return a.facet < b.facet; });
   return pieces;
@@ -208,6 +225,40 @@ SharedFootprints FootprintSharer::all() const {
   SharedFootprints shared;
   shared.receiver_m = receiver_m();
   for (std::size_t k = 0; k < facets(); ++k) append(k, shared);
+  return shared;
+}
+
+SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m) {
+  const FacetMesh& seen_mesh = look.mesh == nullptr ? mesh : *look.mesh;
+  std::vector<FootprintSet> sets(look.seen.size());
+  for (std::uint32_t tube = 0; tube < sets.size(); ++tube)
+    append_footprints(seen_mesh, look.tubes, tube, look.seen[tube], unit_m, sets[tube]);
+  SharedFootprints shared;
+  for (const FootprintSet& set : sets)
+    for (const Footprint& footprint : set.footprints) {
+      SharedFacet facet;
+      facet.facet = look.origin_of(footprint.facet);
+      facet.first_piece = static_cast<std::uint32_t>(shared.pieces.size());
+      facet.piece_count = footprint.piece_count;
+      facet.plane_normal = footprint.plane_normal;
+      facet.transmit_distance_m = facet.receive_distance_m = footprint.plane_distance_m;
+      for (std::uint32_t k = 0; k < footprint.piece_count; ++k) {
+        const Piece& piece = set.pieces[footprint.first_piece + k];
+        shared.pieces.push_back({footprint.tube, footprint.tube,
+                                 static_cast<std::uint32_t>(shared.corners_m.size()), piece.count});
+        const auto first = set.corners_m.begin() + piece.first;
+        shared.corners_m.insert(shared.corners_m.end(), first, first + piece.count);
+      }
+      shared.facets.push_back(facet);
+    }
+  return shared;
+}
+
+SharedFootprints exchanged(SharedFootprints shared) {
+  for (SharedFacet& facet : shared.facets) std::swap(facet.transmit_distance_m, facet.receive_distance_m);
+  for (SharedPiece& piece : shared.pieces) std::swap(piece.transmit_tube, piece.receive_tube);
+  for (glm::dvec3& corner : shared.corners_m) corner -= shared.receiver_m;
+  shared.receiver_m = -shared.receiver_m;
   return shared;
 }
 

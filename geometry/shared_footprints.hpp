@@ -41,6 +41,12 @@ struct SharedFootprints {
 struct ApexLook {
   const TubeSet& tubes;
   std::span<const TubeVisibility> seen;
+  /// The mesh that was seen, where that is a part of the sharer's, and by its facets those of the sharer's
+  /// mesh (in the order of these) that they are or are cut out of (mirror.hpp).
+  const FacetMesh* mesh = nullptr;
+  std::span<const FacetId> origin{};
+
+  FacetId origin_of(FacetId facet) const { return origin.empty() ? facet : origin[facet]; }
 };
 
 /// Intersects the pieces of two apexes on the facets that both see. Which pieces meet, and in what polygon,
@@ -68,7 +74,7 @@ class FootprintSharer {
  private:
   /// A piece of an apex's look.
   struct Seen {
-    FacetId facet = 0;
+    FacetId facet = 0;  ///< of the sharer's mesh
     std::uint32_t tube = 0, piece = 0;
   };
   struct Both {
@@ -83,6 +89,12 @@ class FootprintSharer {
   std::vector<Seen> transmit_pieces_, receive_pieces_;  ///< by facet, then tube
   std::vector<Both> facets_;
 };
+
+/// What an apex shares with itself: all that it sees.
+SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m);
+
+/// The same with transmitter and receiver exchanged. Pieces stay in their order.
+SharedFootprints exchanged(SharedFootprints shared);
 
 /// Appends what is in `more`, as if its facets had been appended one by one.
 void append(SharedFootprints& all, const SharedFootprints& more);

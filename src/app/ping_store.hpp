@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -23,6 +24,9 @@ struct PingCounts {
   /// With relief: facets made for the ping's shots, and LargestChange::mean() of all of them.
   std::uint64_t refined_facets = 0;
   double finer_relief = 0;
+  /// Of paths: image apexes, arrivals without scattering, and the energy of each order.
+  std::uint64_t images = 0, arrivals = 0;
+  std::array<double, 9> energy_of_order{};
 };
 
 /// How much a run has to keep.

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace tubefoot {
 
@@ -59,6 +60,16 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
   json["footprints"] = stats.footprints;
   json["pieces"] = stats.pieces;
   json["ray_hits"] = stats.hits;
+  const PathsDescription& paths = scene.description.paths;
+  if (stats.images + stats.arrivals > 0 || paths.order > 1 || paths.direct) {
+    nlohmann::ordered_json orders;
+    for (int order = paths.direct ? 0 : 1; order <= paths.order; ++order)
+      orders[std::to_string(order)] = stats.energy_of_order[std::size_t(order)];
+    json["paths"] = {{"order", paths.order},
+                     {"images", stats.images},
+                     {"arrivals", stats.arrivals},
+                     {"energy_of_order", orders}};
+  }
   return json;
 }
 

@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
+#include <numbers>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 
@@ -16,6 +19,7 @@
 #include "app/usage_error.hpp"
 #include "engine/bistatic_echo.hpp"
 #include "engine/echo.hpp"
+#include "engine/path_echo.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/reference.hpp"
 #include "engine/tube_engine.hpp"
@@ -126,6 +130,66 @@ void refuse_bistatic(const Survey& survey, bool reference) {
   }
 }
 
+/// What has to be followed besides the ordinary echo: nothing in a scene without mirrors.
+std::optional<PathSettings> path_settings(const Scene& scene, double frequency_khz) {
+  const SceneDescription& d = scene.description;
+  const auto& reflection = scene.material_reflection;
+  const bool mirrors =
+      d.sea_surface || std::any_of(reflection.begin(), reflection.end(), [](double r) { return r > 0; });
+  if (!mirrors && !d.paths.direct && d.paths.scatterings == 1) return std::nullopt;
+  PathSettings settings;
+  settings.order = d.paths.order;
+  settings.cutoff_db = d.paths.cutoff_db;
+  settings.direct = d.paths.direct;
+  settings.scatterings = d.paths.scatterings;
+  settings.patch_m = d.paths.patch_m;
+  settings.mirrors.reflection = reflection;
+  if (d.sea_surface) {
+    const double wave_number = 2000 * std::numbers::pi * frequency_khz / scene.sound_speed_m_s;
+    const GridPoint place =
+        scene.grid.snap({scene.grid.origin_m().x, scene.grid.origin_m().y, d.sea_surface->height_m});
+    settings.mirrors.surface = SeaSurface{place.z, std::pow(10, -d.sea_surface->loss_db / 10),
+                                          std::pow(2 * wave_number * d.sea_surface->rms_roughness_m, 2)};
+  }
+  return settings;
+}
+
+/// Throws InputError unless the scene's paths can be followed.
+void refuse_paths(const Survey& survey, bool reference) {
+  const SceneDescription& d = survey.scene.description;
+  for (const SensorPings& pings : survey.sensors) {
+    const SensorDescription& sensor = pings.sensor->description();
+    if (!path_settings(survey.scene, pings.sensor->frequency_khz())) {
+      if (d.paths.order > 1 || d.paths.only_order)
+        throw InputError(d.paths.place,
+                         "paths of several orders need a mirror or a second scattering: add [sea_surface], "
+                         "'specular_loss_db' to a material, or 'scatterings = 2'");
+      continue;
+    }
+    const bool lambert = std::all_of(d.materials.begin(), d.materials.end(),
+                                     [](const MaterialDescription& m) { return m.law == "lambert"; });
+    const char* trouble = d.run.engine != "tube"         ? "the tube engine: rays are not mirrored"
+                          : d.run.arithmetic == "double" ? "an exact arithmetic: fixed, filtered or rational"
+                          : pings.sensor->channels() > 1 ? "a sensor with one receiver a fan"
+                          : reference                    ? "a run without --reference: they are not certified"
+                          : survey.ground ? "all of the bed in facets: [relief] with mode = \"offline\""
+                          : d.paths.scatterings > 1 && !lambert
+                              ? "Lambert's law in all materials where they scatter twice"
+                              : nullptr;
+    if (trouble != nullptr)
+      throw InputError(sensor.place,
+                       fmt::format("sensor '{}': paths over mirrors need {}", sensor.name, trouble));
+    if (!d.sea_surface) continue;
+    for (const auto* poses : {&pings.shot_poses, &pings.receiver_poses})
+      for (const Pose& pose : *poses)
+        if (pose.position_m.z >= d.sea_surface->height_m)
+          throw InputError(
+              sensor.place,
+              fmt::format("sensor '{}' is {:.3g} m above the sea surface (at {:.6g} m)", sensor.name,
+                          pose.position_m.z - d.sea_surface->height_m, d.sea_surface->height_m));
+  }
+}
+
 /// Simulates one ping of the sensors that share its shots.
 class PingTask {
  public:
@@ -136,7 +200,8 @@ class PingTask {
         ping_(ping),
         store_(store),
         binning_(binning),
-        reference_tolerance_(reference_tolerance) {}
+        reference_tolerance_(reference_tolerance),
+        only_order_(survey.scene.description.paths.only_order) {}
 
   /// `engine` of the scene's own facets; unused where shots have their own ground.
   PingCounts run(const Engine& engine, std::uint64_t label) {
@@ -145,6 +210,8 @@ class PingTask {
         std::fill(values.begin(), values.end(), 0.0);  // of a ping that was cut off
     const Clock::time_point start = Clock::now();
     for (std::size_t shot = 0; shot < survey_.shots_a_ping(group_); ++shot) {
+      for (const std::size_t s : group_.sensors) take_paths(shot, s);
+      if (only_order_.value_or(1) != 1) continue;
       const ShotGround ground = ground_of(survey_, group_, ping_, shot);
       if (ground.is_own()) counts_.refined_facets += ground.mesh().facets.size();
       if (survey_.sensors[group_.sensors.front()].sensor->has_receiver_apart()) {
@@ -179,6 +246,38 @@ class PingTask {
     counts_.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
   }
 
+  /// Paths over mirrors. Every sensor follows its own: its range says how far.
+  void take_paths(std::size_t shot, std::size_t s) {
+    const Scene& scene = survey_.scene;
+    const Sensor& sensor = *survey_.sensors[s].sensor;
+    const std::optional<PathSettings> settings = path_settings(scene, sensor.frequency_khz());
+    if (!settings) return;
+    TubeSet transmit = survey_.tubes(group_, ping_, shot), receive = survey_.receive_tubes(s, ping_, shot);
+    transmit.reach = receive.reach = 2 * sensor.reach(scene.grid);
+    const SensorLaw law(survey_, ShotGround(survey_), s, ping_, shot);
+    const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
+    const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
+    const PathEcho paths =
+        path_echo(scene.mesh, *survey_.tree, scene.grid.unit_m(), options_of(scene.description.run), transmit,
+                  receive, {static_cast<int>(beams.size()), sensor.beam_of_tube(shot), fans, fans},
+                  sensor.samples(), law.law, *settings);
+    for (std::size_t order = 0; order < paths.by_order.size(); ++order)
+      if (only_order_.value_or(int(order)) == int(order))
+        add_order(order, paths.by_order[order].energy, beams, s);
+    counts_.images += paths.images;
+    counts_.arrivals += paths.arrivals;
+    counts_.pieces += paths.shared_pieces;
+  }
+
+  void add_order(std::size_t order, std::span<const double> energy, const std::vector<std::uint32_t>& beams,
+                 std::size_t s) {
+    const std::size_t cells =
+        beams.size() * static_cast<std::size_t>(survey_.sensors[s].sensor->samples().count);
+    counts_.energy_of_order[order] +=
+        std::accumulate(energy.begin(), energy.begin() + std::ptrdiff_t(cells), 0.0);
+    add_rows(energy, beams, energy.size() / cells, store_.energy(s, ping_));
+  }
+
   /// A receiver that is apart shares its shots with nobody.
   void take_bistatic(const ShotGround& ground, std::size_t shot) {
     const Scene& scene = survey_.scene;
@@ -194,7 +293,7 @@ class PingTask {
     const Echo echo = integrate_bistatic_echo(
         history, {static_cast<int>(beams.size()), sensor.beam_of_tube(shot), fans, fans}, sensor.samples(),
         law.law);
-    add_rows(echo.energy, beams, 1, store_.energy(s, ping_));
+    add_order(1, echo.energy, beams, s);
     counts_.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     counts_.footprints += history.shared.facets.size();
     counts_.pieces += history.shared.pieces.size();
@@ -223,7 +322,7 @@ class PingTask {
       met.worst_sample = static_cast<std::uint32_t>(certified.worst_sample);
       keep_worst(counts_, met);
     }
-    add_rows(echo.energy, beams, static_cast<std::size_t>(sensor.channels()), store_.energy(s, ping_));
+    add_order(1, echo.energy, beams, s);
   }
 
   /// `rows`: [channel][beam of the shot][sample]; `all`: of the sensor's beams.
@@ -246,6 +345,7 @@ class PingTask {
   Binning binning_;
   std::optional<double> reference_tolerance_;
   LargestChange finer_relief_;
+  std::optional<int> only_order_;
   PingCounts counts_;
 };
 
@@ -274,6 +374,7 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
       reference_tolerance && material)
     throw UsageError(fmt::format("the micro-texture of material '{}' is one that no reference encloses",
                                  survey.scene.description.materials[*material].name));
+  refuse_paths(survey, reference_tolerance.has_value());
   std::size_t left = 0;
   for (const SharedShots& group : survey.shots) left += survey.pings(group);
   left -= store.done_units();
@@ -311,6 +412,10 @@ SimulationStats totals(const Survey& survey, const PingStore& store) {
       stats.refined_facets += counts.refined_facets;
       stats.finer_relief_largest = std::max(stats.finer_relief_largest, counts.finer_relief);
       stats.finer_relief_mean += counts.finer_relief / static_cast<double>(units);
+      stats.images += counts.images;
+      stats.arrivals += counts.arrivals;
+      std::transform(counts.energy_of_order.begin(), counts.energy_of_order.end(),
+                     stats.energy_of_order.begin(), stats.energy_of_order.begin(), std::plus<>());
       stats.visibility_seconds += counts.visibility_seconds;
       stats.echo_seconds += counts.echo_seconds;
       if (counts.worst_ratio > worst.worst_ratio) stats.reference.worst_ping = ping;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,8 @@ struct ReferenceStats {
 /// What a simulation counted, summed over its pings. Seconds are those of each ping's task, added up.
 struct SimulationStats {
   std::size_t pings = 0, tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
+  std::size_t images = 0, arrivals = 0;     ///< of paths (docs/paths.md)
+  std::array<double, 9> energy_of_order{};  ///< by number of interactions
   double visibility_seconds = 0, echo_seconds = 0;
   std::size_t refined_facets = 0;  ///< made for shots, with relief online
   /// Change of a ping's energies by relief finer than its facets (LargestChange): of the worst ping, and the

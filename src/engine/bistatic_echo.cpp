@@ -98,14 +98,23 @@ bool is_table(const Directivity& pattern) { return pattern.kind == Directivity::
 class FacetEcho {
  public:
   FacetEcho(const BistaticHistory& history, const BistaticBeams& beams, std::span<const double> borders,
-            const EchoLaw& law, double tolerance)
+            const EchoLaw& law, double tolerance, const PathLoss* loss)
       : history_(history),
         beams_(beams),
         law_(law),
+        loss_(loss),
         borders_(borders),
         cutter_(borders),
         beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2),
-        tolerance_(tolerance) {}
+        tolerance_(tolerance) {
+    if (loss == nullptr) return;
+    // A rough surface's loss changes by e where the sum of the sines' squares does by 1 / roughness.
+    for (const MirrorLoss* l : {&loss->transmit, &loss->receive})
+      if (!l->rough_normals.empty())
+        smooth_angle_ =
+            std::min(smooth_angle_, 1 / std::sqrt(l->roughness * double(l->rough_normals.size())));
+    smooth_angle_ = std::max(smooth_angle_, least_smooth_angle);
+  }
 
   using Part = std::pair<std::size_t, double>;  // bin, energy
 
@@ -114,6 +123,7 @@ class FacetEcho {
     plane_ = {facet.plane_normal, facet.transmit_distance_m};
     frame_ = PlaneFrame(plane_);
     receiver_ = {facet.receive_distance_m, frame_.project(shared.receiver_m)};
+    transmit_down_ = -plane_.distance_m * plane_.normal;
     receive_down_ = -facet.receive_distance_m * plane_.normal;
     scattering_ = law_.law_of(facet.facet);
     factor_ =
@@ -172,6 +182,18 @@ class FacetEcho {
                                       std::sqrt(std::max(range * range - distance * distance, 0.0)) / range);
   }
 
+  struct Directions {
+    glm::dvec3 from_transmitter, from_receiver;
+  };
+  Directions directions(glm::dvec2 p, double rt, double rr) const {
+    const glm::dvec2 q = p - receiver_.foot;
+    return {(transmit_down_ + p.x * frame_.u + p.y * frame_.v) / rt,
+            (receive_down_ + q.x * frame_.u + q.y * frame_.v) / rr};
+  }
+  double lost(const Directions& d) const {
+    return loss_->transmit.at(d.from_transmitter) * loss_->receive.at(d.from_receiver);
+  }
+
   void integrate(const PlanarPolygon& polygon, const PathCutter::Integrand& integrand,
                  std::uint32_t first_beam, std::vector<Part>& parts) {
     const auto [first, end] = cutter_.samples_of(polygon, receiver_);
@@ -187,11 +209,14 @@ class FacetEcho {
 
   void add_plain(const PlanarPolygon& polygon, const SharedPiece& piece, std::vector<Part>& parts) {
     work_.values = 1;
-    work_.resolution_rad = smooth_rad_;
+    work_.resolution_rad = std::min(smooth_rad_, smooth_angle_);
     refine(cornered_, false);
     integrate(
         polygon,
-        [&](glm::dvec2 p, double rt, double rr, std::span<double> values) { values[0] = density(p, rt, rr); },
+        [&](glm::dvec2 p, double rt, double rr, std::span<double> values) {
+          values[0] = density(p, rt, rr);
+          if (loss_ != nullptr) values[0] *= lost(directions(p, rt, rr));
+        },
         beams_.of_receive_tube[piece.receive_tube], parts);
   }
 
@@ -201,7 +226,7 @@ class FacetEcho {
     if (first == end) return;
     const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[piece.receive_tube]];
     work_.values = 1 + end - first;
-    work_.resolution_rad = smooth_rad_;
+    work_.resolution_rad = std::min(smooth_rad_, smooth_angle_);
     bool tables = false;
     for (const Directivity& sent : transmit.beams) {
       tables = tables || is_table(sent);
@@ -211,27 +236,29 @@ class FacetEcho {
       }
     }
     refine(cornered_, tables);
-    const glm::dvec3 transmit_down = -plane_.distance_m * plane_.normal;
     integrate(
         polygon,
         [&, first = first, end = end](glm::dvec2 p, double rt, double rr, std::span<double> values) {
-          const glm::dvec2 q = p - receiver_.foot;
-          const glm::dvec3 from_transmitter = (transmit_down + p.x * frame_.u + p.y * frame_.v) / rt;
-          const glm::dvec3 from_receiver = (receive_down_ + q.x * frame_.u + q.y * frame_.v) / rr;
+          const Directions from = directions(p, rt, rr);
           values[0] = density(p, rt, rr);
-          const double sent = values[0] * transmit.gain(from_transmitter);
+          if (loss_ != nullptr) values[0] *= lost(from);
+          const double sent = values[0] * transmit.gain(from.from_transmitter);
           for (std::uint32_t beam = first; beam < end; ++beam)
-            values[1 + beam - first] = sent * patterns.receive[beam].gain(from_receiver);
+            values[1 + beam - first] = sent * patterns.receive[beam].gain(from.from_receiver);
         },
         first, parts);
   }
 
   static constexpr int most_refinements_with_tables = 12;
   static constexpr double tolerance_with_corners = 1e-6;
+  /// Below this, cells are halved where the loss asks for it.
+  static constexpr double least_smooth_angle = 1e-3;
 
   const BistaticHistory& history_;
   const BistaticBeams& beams_;
   const EchoLaw& law_;
+  const PathLoss* loss_;
+  double smooth_angle_ = 1;
   std::span<const double> borders_;
   PathCutter cutter_;
   double beta_;  // of the path there and back, each
@@ -240,7 +267,7 @@ class FacetEcho {
   PathCutter::Receiver receiver_;
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
-  glm::dvec3 receive_down_{0};
+  glm::dvec3 transmit_down_{0}, receive_down_{0};  // from the apexes to the plane
   double factor_ = 0;
   const ScatteringLaw* scattering_ = nullptr;
   double smooth_rad_ = 1;
@@ -274,9 +301,12 @@ BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, dou
 }
 
 Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams& beams,
-                             const RangeSamples& samples, const EchoLaw& law, double tolerance) {
+                             const RangeSamples& samples, const EchoLaw& law, double tolerance,
+                             const PathLoss* loss) {
   check(history, beams, law, tolerance);
-  const std::vector<double> borders = borders_of(samples);
+  std::vector<double> borders = borders_of(samples);
+  if (loss != nullptr && loss->before_m > 0)
+    for (double& border : borders) border = std::max(border - loss->before_m / 2, 0.0);
   Echo echo;
   echo.beams = beams.count;
   echo.samples = samples.count;
@@ -285,7 +315,7 @@ Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams
   const auto& facets = history.shared.facets;
   std::vector<std::vector<FacetEcho::Part>> parts(tasks_for(facets.size()));
   tbb::enumerable_thread_specific<FacetEcho> threads(
-      [&] { return FacetEcho(history, beams, borders, law, tolerance); });
+      [&] { return FacetEcho(history, beams, borders, law, tolerance, loss); });
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     FacetEcho& facet_echo = threads.local();
     const std::size_t end = std::min((task + 1) * facets_per_task, facets.size());

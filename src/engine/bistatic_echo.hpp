@@ -5,6 +5,7 @@
 #include <span>
 
 #include "engine/echo.hpp"
+#include "engine/path_loss.hpp"
 #include "geometry/scene_tree.hpp"
 #include "geometry/shared_footprints.hpp"
 #include "geometry/visibility.hpp"
@@ -45,9 +46,11 @@ constexpr double bistatic_tolerance = 1e-10;
 /// (its fans are used as theirs); the transmit pattern is taken in the direction from the transmit apex, the
 /// receive pattern in that from the receive apex. The error of each energy is at most about `tolerance` times
 /// what it would be with patterns of 1; tabulated patterns, whose second derivative jumps, and tabulated
-/// laws, whose first does, keep it only to about 1e-6.
+/// laws, whose first does, keep it only to about 1e-6. With `loss` every element also loses what the mirrors
+/// on its path take, by the directions from the two apexes, which may be images, and its range counts what
+/// was before them (docs/paths.md).
 Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams& beams,
                              const RangeSamples& samples, const EchoLaw& law,
-                             double tolerance = bistatic_tolerance);
+                             double tolerance = bistatic_tolerance, const PathLoss* loss = nullptr);
 
 }  // namespace tubefoot

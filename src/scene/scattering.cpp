@@ -113,10 +113,12 @@ std::vector<std::shared_ptr<const ScatteringLaw>> load_scattering(const SceneDes
       throw InputError(m.place, fmt::format("material '{}': {}", m.name, e.what()));
     }
     const ScatteringLaw::Albedo most = laws.back()->largest_albedo();
-    if (most.value > 1 + 1e-9) {
-      const std::string what = fmt::format(
-          "material '{}' scatters {:.3g} times what it receives at a grazing angle of {:.3g} degrees", m.name,
-          most.value, most.grazing_rad / degree);
+    const double mirrored = m.specular_loss_db ? from_db(-*m.specular_loss_db) : 0;
+    if (most.value + mirrored > 1 + 1e-9) {
+      const std::string what =
+          fmt::format("material '{}' {} {:.3g} times what it receives at a grazing angle of {:.3g} degrees",
+                      m.name, mirrored > 0 ? "scatters and mirrors" : "scatters", most.value + mirrored,
+                      most.grazing_rad / degree);
       if (!m.unbounded)
         throw InputError(m.place, what + ": lower its levels, or say unbounded = true if that is meant");
       warnings.push_back(what + ", as 'unbounded' allows");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <utility>
 
@@ -123,6 +124,12 @@ struct Part {
   Box box;
 };
 
+bool has_mirrors(const SceneDescription& description) {
+  const auto& materials = description.materials;
+  return description.sea_surface ||
+         std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.specular_loss_db; });
+}
+
 WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>& parts) {
   Box box;
   for (const Part& part : parts) {
@@ -130,6 +137,13 @@ WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>&
     box.add(part.box.hi);
   }
   if (parts.empty()) box.add(glm::dvec3(0));
+  if (description.sea_surface) box.add({box.lo.x, box.lo.y, description.sea_surface->height_m});
+  // An image apex is as far away as the way that its mirrors fold up, which crosses the scene once for each.
+  if (has_mirrors(description)) {
+    const double beyond = description.paths.order * glm::distance(box.lo, box.hi);
+    box.lo -= beyond;
+    box.hi += beyond;
+  }
   const std::optional<int>& exponent = description.run.grid_exponent;
   try {
     return exponent ? WorldGrid::with_exponent(*exponent, box.lo, box.hi)
@@ -162,6 +176,20 @@ void warn_about(Scene& scene) {
   if (mesh.duplicate_facets > 0) {
     warnings.push_back(fmt::format("{} facets lie exactly on an earlier one: the earlier one is seen",
                                    mesh.duplicate_facets));
+  }
+  if (const auto& surface = scene.description.sea_surface) {
+    const auto above =
+        std::count_if(scene.mesh.facets.begin(), scene.mesh.facets.end(), [&](const auto& facet) {
+          return std::any_of(facet.begin(), facet.end(), [&](VertexId v) {
+            return scene.grid.to_metres(scene.mesh.vertices[v]).z > surface->height_m;
+          });
+        });
+    if (above > 0) {
+      warnings.push_back(fmt::format(
+          "{} facets reach above the sea surface: paths over mirrors leave that part out, but the "
+          "ordinary echo takes it as if it were in the water",
+          above));
+    }
   }
   constexpr double kCoarse_m = 1e-3;
   if (scene.grid.unit_m() > kCoarse_m && !scene.description.run.grid_exponent) {
@@ -207,6 +235,7 @@ class Loader {
                 .mesh = {},
                 .frame = {},
                 .material_mu = {},
+                .material_reflection = {},
                 .relief = {},
                 .reflectivity = {},
                 .scattering = load_scattering(description_, report_.warnings),
@@ -216,6 +245,7 @@ class Loader {
     for (const MaterialDescription& m : description_.materials) {
       scene.material_mu.push_back(std::pow(10.0, m.lambert_db / 10));
       scene.reflectivity.push_back(load_reflectivity(m, frame_.value_or(LocalFrame()), report_.warnings));
+      scene.material_reflection.push_back(m.specular_loss_db ? std::pow(10.0, -*m.specular_loss_db / 10) : 0);
     }
     const WaterDescription& water = description_.water;
     scene.sound_speed_m_s = water.sound_speed_m_s.value_or(

@@ -38,8 +38,9 @@ struct Scene {
   SceneDescription description;
   WorldGrid grid;
   FacetMesh mesh;
-  LocalFrame frame;                 ///< where the local frame lies on Earth, if the scene says so
-  std::vector<double> material_mu;  ///< Lambert mu (linear), by material index
+  LocalFrame frame;                         ///< where the local frame lies on Earth, if the scene says so
+  std::vector<double> material_mu;          ///< Lambert mu (linear), by material index
+  std::vector<double> material_reflection;  ///< energy that it mirrors, by material: 0 to 1
   std::vector<std::shared_ptr<const ElevationField>> relief;           ///< by material; null: facets are flat
   std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null: even
   std::vector<std::shared_ptr<const ScatteringLaw>> scattering;        ///< by material; null: Lambert's

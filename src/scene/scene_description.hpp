@@ -96,6 +96,26 @@ struct MaterialDescription {
   bool unbounded = false;                                     ///< may scatter more than it receives
   std::vector<ReliefDescription> relief;                      ///< their sum; none: facets are flat
   std::vector<ReflectivityDescription> reflectivity;          ///< their product; none: even
+  std::optional<double> specular_loss_db;  ///< of what it mirrors; none: it mirrors nothing
+};
+
+/// A horizontal mirror over the scene.
+struct SeaSurfaceDescription {
+  SourcePlace place;
+  double height_m = 0;
+  double loss_db = 0;          ///< of every reflection
+  double rms_roughness_m = 0;  ///< standard deviation of its heights: a further loss, Rayleigh's
+};
+
+/// Which paths are followed. docs/paths.md
+struct PathsDescription {
+  SourcePlace place;
+  int order = 1;                  ///< most interactions (scattering and reflections) of a path
+  std::optional<int> only_order;  ///< leave out all but this one
+  double cutoff_db = 100;         ///< paths that lose more by reflection are not followed
+  int scatterings = 1;            ///< most of them on a path: 1 or 2
+  double patch_m = 1;             ///< largest patch of the first of two
+  bool direct = false;            ///< a receiver apart also hears its transmitter straight
 };
 
 struct FlatTerrain {
@@ -370,6 +390,8 @@ struct SceneDescription {
   std::string title;
   std::optional<GeoreferenceDescription> georeference;
   WaterDescription water;
+  std::optional<SeaSurfaceDescription> sea_surface;
+  PathsDescription paths;
   std::vector<MaterialDescription> materials;
   std::vector<TerrainDescription> terrains;
   std::vector<ObjectDescription> objects;

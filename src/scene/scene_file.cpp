@@ -142,6 +142,8 @@ struct SceneEntries {
   SceneDescription scene;  ///< what stands above all sections
   std::vector<Entry<GeoreferenceDescription>> georeference;
   std::vector<Entry<WaterDescription>> water;
+  std::vector<Entry<SeaSurfaceDescription>> sea_surface;
+  std::vector<Entry<PathsDescription>> paths;
   std::vector<Entry<MaterialDescription>> materials;
   std::vector<Entry<TerrainDescription>> terrains;
   std::vector<Entry<ObjectDescription>> objects;
@@ -161,6 +163,8 @@ SceneEntries read_entries(const toml::table& root, TomlSource& source) {
       {"title", [&](const TomlEntry& entry) { title_field().read(*entry.node, source, all.scene); }},
       {"georeference", into(georeference_section(), all.georeference)},
       {"water", into(water_section(), all.water)},
+      {"sea_surface", into(sea_surface_section(), all.sea_surface)},
+      {"paths", into(paths_section(), all.paths)},
       {"materials", into(material_section(), all.materials)},
       {"terrain", into(terrain_section(), all.terrains)},
       {"objects", into(object_section(), all.objects)},
@@ -291,6 +295,7 @@ std::vector<SceneKey> scene_file_keys() {
   std::vector<SceneKey> keys{title_field().key};
   append_keys(georeference_section(), keys);
   append_keys(water_section(), keys);
+  append_keys(sea_surface_section(), keys);
   append_keys(material_section(), keys);
   append_keys(reflectivity_section(), keys);
   append_keys(relief_section(), keys);
@@ -300,6 +305,7 @@ std::vector<SceneKey> scene_file_keys() {
   append_keys(trajectory_section(), keys);
   append_keys(sensor_section(), keys);
   append_keys(refinement_section(), keys);
+  append_keys(paths_section(), keys);
   append_keys(run_section(), keys);
   return keys;
 }
@@ -316,6 +322,8 @@ SceneDescription read_scene_file(const fs::path& file) {
   scene.file = file;
   if (!all.georeference.empty()) scene.georeference = all.georeference.front().description;
   scene.water = only(all.water, file);
+  if (!all.sea_surface.empty()) scene.sea_surface = all.sea_surface.front().description;
+  scene.paths = only(all.paths, file);
   scene.materials = descriptions(all.materials);
   scene.terrains = descriptions(all.terrains);
   scene.objects = descriptions(all.objects);

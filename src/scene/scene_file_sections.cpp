@@ -2,6 +2,8 @@
 #include "scene/scene_file_sections.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_scattering.hpp"
@@ -44,6 +46,19 @@ void check_water(const WaterDescription& water, const TomlTable& table) {
                     "'sound_speed_m_s' for deeper water",
                     water.depth_m));
   }
+}
+
+void check_material(const MaterialDescription& material, const TomlTable& table) {
+  check_scattering(material, table);
+  if (!material.specular_loss_db || material.law != "lambert") return;  // other laws: load_scattering()
+  const double scattered = std::numbers::pi * std::pow(10, material.lambert_db / 10);
+  if (scattered + std::pow(10, -*material.specular_loss_db / 10) > 1)
+    throw InputError(
+        table.place_of("specular_loss_db"),
+        fmt::format(
+            "'{}' would return more than it receives: Lambert's law scatters {:.3g} of it, so what it "
+            "mirrors must lose {:.6f} dB at least (or lower 'lambert_db')",
+            material.name, scattered, std::max(0.0, -10 * std::log10(1 - scattered)) + 1e-6));
 }
 
 void check_terrain(const TerrainDescription& terrain, const TomlTable& table) {
@@ -121,12 +136,14 @@ const TomlSection<WaterDescription>& water_section() {
 
 const TomlSection<MaterialDescription>& material_section() {
   using M = MaterialDescription;
-  static const auto section = TomlSection<M>("[[materials]]")
-                                  .keys({field("name", &M::name, {.required = true})})
-                                  .keys(scattering_fields())
-                                  .tables("relief", &M::relief, relief_section())
-                                  .tables("reflectivity", &M::reflectivity, reflectivity_section())
-                                  .check(check_scattering);
+  static const auto section =
+      TomlSection<M>("[[materials]]")
+          .keys({field("name", &M::name, {.required = true})})
+          .keys(scattering_fields())
+          .keys({field("specular_loss_db", &M::specular_loss_db, {.ranges = {{.lo = 0, .hi = 120}}})})
+          .tables("relief", &M::relief, relief_section())
+          .tables("reflectivity", &M::reflectivity, reflectivity_section())
+          .check(check_material);
   return section;
 }
 

@@ -10,6 +10,8 @@ namespace tubefoot {
 const TomlField<SceneDescription>& title_field();
 const TomlSection<GeoreferenceDescription>& georeference_section();
 const TomlSection<WaterDescription>& water_section();
+const TomlSection<SeaSurfaceDescription>& sea_surface_section();
+const TomlSection<PathsDescription>& paths_section();
 const TomlSection<MaterialDescription>& material_section();
 const TomlSection<ReflectivityDescription>& reflectivity_section();  // of a material
 const TomlSection<ReliefDescription>& relief_section();

@@ -257,6 +257,8 @@ TEST(SceneFileErrors, LambertMaterialsConserveEnergy) {
   expect_mistakes({
       {material_name, "name = \"sand\"\nlambert_db = -4.97", "3:14",
        "'lambert_db' must be -120 to -4.9715 dB, not -4.97: a surface cannot scatter more than it receives"},
+      {material_name, "name = \"sand\"\nlambert_db = -10\nspecular_loss_db = 1.6", "4:20",
+       "'sand' would return more than it receives"},
   });
 }
 

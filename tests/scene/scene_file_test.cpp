@@ -29,9 +29,15 @@ salinity_psu = 30
 ph = 7.8
 depth_m = 120
 
+[sea_surface]
+height_m = 3.5
+loss_db = 0.5
+rms_roughness_m = 0.25
+
 [[materials]]
 name = "mud"
 lambert_db = -32
+specular_loss_db = 12
 
 [[materials]]
 name = "steel"
@@ -247,6 +253,14 @@ baseline_m = 0.02
 staff_tilt_deg = 35
 phase_noise = true
 
+[paths]
+order = 4
+only_order = 3
+cutoff_db = 40
+scatterings = 2
+patch_m = 0.125
+direct = true
+
 [run]
 start_utc = "2024-02-29T12:00:00Z"
 engine = "ray"
@@ -303,7 +317,20 @@ TEST(SceneFile, ReadsEveryKey) {
   ASSERT_EQ(scene.materials.size(), 2u);
   EXPECT_EQ(scene.materials[0].name, "mud");
   EXPECT_EQ(scene.materials[1].name, "steel");
+  EXPECT_EQ(scene.materials[0].specular_loss_db, 12);
   EXPECT_EQ(scene.materials[1].lambert_db, -8.5);
+  EXPECT_EQ(scene.materials[1].specular_loss_db, std::nullopt);
+
+  ASSERT_TRUE(scene.sea_surface.has_value());
+  EXPECT_EQ(scene.sea_surface->height_m, 3.5);
+  EXPECT_EQ(scene.sea_surface->loss_db, 0.5);
+  EXPECT_EQ(scene.sea_surface->rms_roughness_m, 0.25);
+  EXPECT_EQ(scene.paths.order, 4);
+  EXPECT_EQ(scene.paths.only_order, 3);
+  EXPECT_EQ(scene.paths.cutoff_db, 40);
+  EXPECT_EQ(scene.paths.scatterings, 2);
+  EXPECT_EQ(scene.paths.patch_m, 0.125);
+  EXPECT_TRUE(scene.paths.direct);
 
   ASSERT_EQ(scene.terrains.size(), 3u);
   EXPECT_EQ(scene.terrains[0].name, "plain");

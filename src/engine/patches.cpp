@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/patches.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <stdexcept>
+
+#include "geometry/mirror.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double most_patches = 1e8;
+
+using Triangle = std::array<glm::dvec3, 3>;
+
+/// Edge from corner k that is longest.
+std::size_t longest_edge(const Triangle& t, double& length) {
+  std::size_t longest = 0;
+  length = -1;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (const double l = glm::distance(t[k], t[(k + 1) % 3]); l > length) {
+      length = l;
+      longest = k;
+    }
+  return longest;
+}
+
+/// The grid point next to the centre that is in front of the facet.
+GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dvec3 centre,
+                   glm::dvec3 normal) {
+  const MirrorPlane plane = MirrorPlane::of_facet(mesh, facet, apex);
+  for (double lift = 0;; lift = lift == 0 ? 1 : 2 * lift) {
+    const glm::dvec3 p = centre + lift * normal;
+    const GridPoint at{apex.x + static_cast<std::int32_t>(std::lround(p.x)),
+                       apex.y + static_cast<std::int32_t>(std::lround(p.y)),
+                       apex.z + static_cast<std::int32_t>(std::lround(p.z))};
+    if (plane.side(at) > 0) return at;
+  }
+}
+
+}  // namespace
+
+std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SharedFootprints& seen,
+                              double unit_m, double longest_m) {
+  double about = 0;
+  for (const SharedPiece& piece : seen.pieces)
+    for (std::uint32_t k = 2; k < piece.count; ++k) {
+      double length = 0;
+      longest_edge(
+          {seen.corners_m[piece.first], seen.corners_m[piece.first + k - 1], seen.corners_m[piece.first + k]},
+          length);
+      about += std::max(1.0, length * length / (longest_m * longest_m));
+    }
+  if (about > most_patches)
+    throw std::length_error(
+        fmt::format("patches of {:.3g} m: about {:.2g} of them, more than {:.2g}; make them larger",
+                    longest_m, about, most_patches));
+  std::vector<Patch> patches;
+  std::vector<Triangle> left;
+  for (const SharedFacet& facet : seen.facets)
+    for (std::uint32_t i = 0; i < facet.piece_count; ++i) {
+      const SharedPiece& piece = seen.pieces[facet.first_piece + i];
+      for (std::uint32_t k = 2; k < piece.count; ++k)
+        left.push_back({seen.corners_m[piece.first], seen.corners_m[piece.first + k - 1],
+                        seen.corners_m[piece.first + k]});
+      while (!left.empty()) {
+        const Triangle t = left.back();
+        left.pop_back();
+        double length = 0;
+        const std::size_t k = longest_edge(t, length);
+        if (length > longest_m) {
+          const glm::dvec3 middle = (t[k] + t[(k + 1) % 3]) * 0.5;
+          left.push_back({t[k], middle, t[(k + 2) % 3]});
+          left.push_back({middle, t[(k + 1) % 3], t[(k + 2) % 3]});
+          continue;
+        }
+        Patch patch;
+        patch.facet = facet.facet;
+        patch.tube = piece.transmit_tube;
+        patch.from_apex_m = (t[0] + t[1] + t[2]) / 3.0;
+        patch.normal = facet.plane_normal;
+        patch.plane_distance_m = facet.transmit_distance_m;
+        patch.area_m2 = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
+        if (!(patch.area_m2 > 0)) continue;
+        patch.centre = in_front(mesh, facet.facet, apex, patch.from_apex_m / unit_m, patch.normal);
+        patches.push_back(patch);
+      }
+    }
+  return patches;
+}
+
+TubeSet front_tubes(const Patch& patch, double reach) {
+  constexpr double right_angle = std::numbers::pi / 2, cap = 1e-3;
+  constexpr int cells = 2;
+  const glm::dvec3 n = patch.normal;
+  const glm::dvec3 aside = std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 u = glm::normalize(glm::cross(n, aside));
+  AngularGrid grid;
+  for (int k = 0; k <= cells; ++k) {
+    const double turn = 2.0 * k / cells - 1;
+    grid.azimuth_edges_rad.push_back(turn * right_angle);
+    grid.elevation_edges_rad.push_back(turn * (right_angle - cap));
+  }
+  grid.frame = glm::dmat3(n, glm::cross(u, n), u);
+  TubeSet tubes;
+  tubes.apex = patch.centre;
+  tubes.reach = reach;
+  append_tubes(tubes, grid);
+  return tubes;
+}
+
+}  // namespace tubefoot

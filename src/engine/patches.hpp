@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "geometry/shared_footprints.hpp"
+
+// What an apex sees, in pieces small enough to be taken for points. docs/paths.md
+namespace tubefoot {
+
+/// A triangle of a footprint.
+struct Patch {
+  FacetId facet = 0;
+  std::uint32_t tube = 0;       ///< the apex's that sees it
+  GridPoint centre;             ///< rounded to the grid, on the apex's side of the facet's plane
+  glm::dvec3 from_apex_m{0};    ///< the centre, not rounded
+  glm::dvec3 normal{0};         ///< unit, to the apex's side
+  double plane_distance_m = 0;  ///< of the apex
+  double area_m2 = 0;
+};
+
+/// All that an apex sees (shared_with_itself()), cut at the middles of longest edges until none is longer
+/// than `longest_m`. Throws std::length_error if that would be more than a hundred million patches.
+std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SharedFootprints& seen,
+                              double unit_m, double longest_m);
+
+/// Tubes that look from a patch to its whole front side, but for caps of 1e-3 rad about an axis in its plane.
+TubeSet front_tubes(const Patch& patch, double reach);
+
+}  // namespace tubefoot

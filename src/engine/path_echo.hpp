@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/bistatic_echo.hpp"
+#include "engine/image_tree.hpp"
+
+// Echoes over mirrors. docs/paths.md
+namespace tubefoot {
+
+/// Which paths, and what they meet.
+struct PathSettings {
+  int order = 1;           ///< most interactions of a path: reflections, and a scattering
+  double cutoff_db = 100;  ///< paths that lose more by reflection are left out
+  int scatterings = 1;     ///< most of them on a path: 1 or 2
+  double patch_m = 1;      ///< longest edge of the patches that the first of two is cut into
+  bool direct = false;     ///< also the way straight from a transmitter to a receiver apart
+  Mirrors mirrors;
+};
+
+/// Echoes of several orders.
+struct PathEcho {
+  /// By order, 0 to the highest asked for. Order 0 is the way straight from transmitter to receiver; order 1
+  /// holds only reflections without scattering: the scattering on its own is the ordinary echo.
+  std::vector<Echo> by_order;
+  std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
+};
+
+/// The echoes over mirrors of a transmission from `transmit`'s apex, heard at `receive`'s (both the same for
+/// a sonar in one place). A path of order n is
+///  - scattered once: a chain of i mirrors from the transmitter, a facet, a chain of j mirrors to the
+///    receiver, i + j + 1 = n, i + j > 0. integrate_bistatic_echo()'s law between the two images, times the
+///    reflections;
+///  - scattered twice: i mirrors from the transmitter, a patch of a facet, j mirrors, a facet, k mirrors to
+///  the
+///    receiver, i + j + k + 2 = n. Patches are taken for points (their share of the error goes with the
+///    square of their size); from each the rest is as above, with its own exact visibility. Patches that
+///    scatter less than the cut-off, compared to all of them, are left out;
+///  - not scattered: a chain of n mirrors from transmitter to receiver, of whole length L: reflections
+///    * B_T B_R 10^(-alpha L / 10) / L^2, in the sample that holds L / 2. Once for each chain and fan,
+///    however many windows meet in its direction.
+/// Patterns are taken in the directions at the true apexes. `beams.of_receive_tube` and the fans are those of
+/// the true tubes, as are `law.patterns`' tubes; `law.material` that of the mesh. TubeSet::reach must be
+/// twice the end of the last sample (in grid units).
+PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                   const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
+                   const BistaticBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                   const PathSettings& settings);
+
+}  // namespace tubefoot

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Paths over mirrors through the whole program (docs/paths.md).
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "app/echo_reader.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+
+/// Looks straight up from 5 m below the surface, with the bed 20 m below that, in a sector wider than the
+/// window's rings.
+std::string scene(const std::string& paths) {
+  return fmt::format(R"(
+[water]
+sound_speed_m_s = 1500
+absorption_db_per_km = 0
+{}
+[[materials]]
+name = "bed"
+lambert_db = -10
+[[terrain]]
+kind = "flat"
+width_m = 100
+length_m = 100
+centre_m = [0, 0, -20]
+[trajectory]
+kind = "fixed"
+position_m = [0, 0, -5]
+[[sensors]]
+name = "up"
+kind = "didson"
+beams = 3
+horizontal_deg = 100
+vertical_deg = 100
+tilt_deg = -90
+samples = 20
+window_start_m = 24.5
+window_length_m = 5
+)",
+                     paths);
+}
+
+const std::string surface = "[sea_surface]\nloss_db = 1\n";
+
+TEST(PathsRun, AnUpwardLookSeesTheBedInTheSurface) {
+  // Straight up there is nothing; by the surface and back, order 3, the bed is 25 m away.
+  EXPECT_EQ(echoes_of(scene(surface)).total(), 0);
+  EXPECT_EQ(echoes_of(scene(surface + "[paths]\norder = 2\n")).total(), 0);
+  const Echoes echoes = echoes_of(scene(surface + "[paths]\norder = 3\n"));
+  const double mu = 0.1, loss = std::pow(10, -0.2);
+  for (std::size_t k = 0; k < echoes.samples; ++k) {
+    const double from = std::max(echoes.first_m(k), 25.0), to = echoes.last_m(k);
+    double sum = 0;
+    for (std::size_t beam = 0; beam < echoes.beams; ++beam) sum += echoes.at(0, beam, k);
+    const double expected =
+        to <= 25 ? 0 : loss * mu * std::numbers::pi / 2 * 625 * (std::pow(from, -4) - std::pow(to, -4));
+    EXPECT_NEAR(sum, expected, 1e-6 * expected) << k;
+  }
+}
+
+TEST(PathsRun, OneOrderAloneAndAllOrdersAddUp) {
+  const std::string both = surface + "[paths]\norder = 3\n";
+  const auto with = [](std::string t, const std::string& from, const std::string& to) {
+    return t.replace(t.find(from), from.size(), to);
+  };
+  // Looks sideways, up and down.
+  const std::string text = with(
+      with(with(scene(both), "tilt_deg = -90", "tilt_deg = 0"), "vertical_deg = 100", "vertical_deg = 150"),
+      "window_length_m = 5", "window_length_m = 20");
+  const Echoes all = echoes_of(text);
+  std::vector<double> sum(all.energy.size());
+  for (int order = 1; order <= 3; ++order) {
+    const Echoes one = echoes_of(with(text, "order = 3", fmt::format("order = 3\nonly_order = {}", order)));
+    EXPECT_GT(one.total(), 0) << order;
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += one.energy[k];
+  }
+  for (std::size_t k = 0; k < sum.size(); ++k) EXPECT_NEAR(all.energy[k], sum[k], 1e-12 * sum[k]) << k;
+  // Order 1 is what it is without mirrors; the world grid is coarser, for room for the images.
+  const Echoes first = echoes_of(with(text, "order = 3", "order = 3\nonly_order = 1"));
+  const Echoes plain = echoes_of(with(text, both, ""));
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    EXPECT_NEAR(first.energy[k], plain.energy[k], 1e-6 * plain.energy[k] + 1e-16) << k;
+}
+
+TEST(PathsRun, SaysWhatItCannotDo) {
+  const auto error_of = [](const std::string& text) {
+    const TestFolder folder;
+    const auto file = folder.write("scene.toml", text);
+    const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
+    return outcome.err;
+  };
+  EXPECT_THAT(error_of(scene("[paths]\norder = 2\n")), HasSubstr("add [sea_surface]"));
+  EXPECT_THAT(error_of(scene("[sea_surface]\nheight_m = -6\n")), HasSubstr("1 m above the sea surface"));
+  EXPECT_THAT(error_of(scene(surface + "[run]\nengine = \"ray\"\n")), HasSubstr("tube engine"));
+  EXPECT_THAT(error_of(scene(surface + "[run]\narithmetic = \"double\"\n")), HasSubstr("exact arithmetic"));
+}
+
+}  // namespace
+}  // namespace tubefoot
