@@ -410,7 +410,8 @@ class EveryKey : public testing::Test {
     }
     // A key of all kinds needs one of them.
     if (key.kind.empty() && key.name != "kind" && key.name != "shape") text += some_kind(key.section);
-    return text + key.name + " = " + value + "\n";
+    const bool nested = key.section.starts_with("[[materials.");
+    return text + key.name + " = " + value + "\n" + (nested ? "[materials]\nname = \"m\"\n" : "");
   }
 
   static std::string some_kind(const std::string& section) {
