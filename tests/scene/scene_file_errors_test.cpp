@@ -414,7 +414,8 @@ class EveryKey : public testing::Test {
     }
     // A key of all kinds needs one of them.
     if (key.kind.empty() && key.name != "kind" && key.name != "shape") text += some_kind(key.section);
-    return text + key.name + " = " + value + "\n";
+    const bool nested = key.section.starts_with("[[materials.");
+    return text + key.name + " = " + value + "\n" + (nested ? "[materials]\nname = \"m\"\n" : "");
   }
 
   static std::string some_kind(const std::string& section) {
@@ -429,7 +430,8 @@ class EveryKey : public testing::Test {
   /// `value` must be refused, at its own place or `deeper` characters further.
   void expect_refused(const SceneKey& key, const std::string& value, std::size_t deeper = 0) {
     const std::string text = scene(key, value);
-    const auto line = std::count(text.begin(), text.end(), '\n');
+    const auto after = key.section.starts_with("[[materials.") ? 2 : 0;  // lines of the material
+    const auto line = std::count(text.begin(), text.end(), '\n') - after;
     const std::size_t column = key.name.size() + 4 + deeper;
     EXPECT_THAT(folder_.error_of(text),
                 StartsWith(fmt::format("scene.toml:{}:{}: '{}' must", line, column, key.name)))
