@@ -29,11 +29,6 @@ salinity_psu = 30
 ph = 7.8
 depth_m = 120
 
-[sea_surface]
-height_m = 3.5
-loss_db = 0.5
-rms_roughness_m = 0.25
-
 [[materials]]
 name = "mud"
 lambert_db = -32
@@ -252,6 +247,11 @@ range_max_m = 120
 baseline_m = 0.02
 staff_tilt_deg = 35
 phase_noise = true
+
+[sea_surface]
+height_m = 3.5
+loss_db = 0.5
+rms_roughness_m = 0.25
 
 [paths]
 order = 4
@@ -572,11 +572,11 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   const std::string file = folder.scene_file.string();
   EXPECT_EQ(to_string(scene.georeference->place), file + ":3:1");
   EXPECT_EQ(to_string(scene.water.place), file + ":7:1");
-  EXPECT_EQ(to_string(scene.materials[1].place), file + ":19:1");
-  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":23:1");
-  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":26:12");
-  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":82:12");
-  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":148:14");
+EXPECT_EQ(to_string(scene.materials[1].place), file + ":20:1");
+  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":24:1");
+  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":27:12");
+  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":83:12");
+  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":149:14");
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {
