@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Materials that do not scatter as Lambert says: their keys, and the laws that loading makes of them.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -110,10 +111,10 @@ TEST(ScatteringKeys, SensorsOutsideASedimentsFrequencyAreWarnedOf) {
   SceneDescription scene =
       folder.read(scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"));
   std::vector<std::string> warnings;
-  scene.sensors[0].kind = DidsonDescription{.frequency_khz = 30};
+  std::get<DidsonDescription>(scene.sensors[0].kind).frequency_khz = 30;
   EXPECT_NEAR(10 * std::log10(load_scattering(scene, warnings)[0]->cross_section(90 * degree)), -1.55, 1e-9);
   EXPECT_TRUE(warnings.empty());
-  scene.sensors[0].kind = DidsonDescription{.frequency_khz = 12};
+  std::get<DidsonDescription>(scene.sensors[0].kind).frequency_khz = 12;
   load_scattering(scene, warnings);
   EXPECT_EQ(warnings.size(), 1u);
 }
