@@ -82,17 +82,17 @@ TEST(ScatteringKeys, LawsScatterAsTheKeysSay) {
   EXPECT_EQ(load(folder, "lambert_db = -20").law, nullptr);
   const Loaded gsab = load(folder,
                            "law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 4\noblique_db = -17\n"
-                           "transition_db = -14\ntransition_width_deg = 25");
+                           "transition_db = -14\ntransition_width_deg = 18");
   EXPECT_TRUE(gsab.warnings.empty());
   for (const double phi : {0.0, 3.0, 20.0, 70.0})
     EXPECT_NEAR(gsab.db(90 - phi),
                 10 * std::log10(std::pow(10, -0.3) * std::exp(-phi * phi / 32) +
                                 std::pow(10, -1.7) * std::pow(std::cos(phi * degree), 2) +
-                                std::pow(10, -1.4) * std::exp(-phi * phi / 1250)),
+                                std::pow(10, -1.4) * std::exp(-phi * phi / 648)),
                 1e-9)
         << phi;
-  const Loaded flat = load(folder, "law = \"gsab\"\noblique_db = -17\noblique_exponent = 1");
-  EXPECT_NEAR(flat.db(30), -17 + 10 * std::log10(0.5), 1e-9);
+  const Loaded flat = load(folder, "law = \"gsab\"\noblique_db = -21\noblique_exponent = 1");
+  EXPECT_NEAR(flat.db(30), -21 + 10 * std::log10(0.5), 1e-9);
   const Loaded table = load(folder, "law = \"table\"\ntable_grazing_deg = [10, 45]\ntable_db = [-35, -22]");
   EXPECT_NEAR(table.db(27.5), -28.5, 1e-9);
   folder.write("measured.csv", "# grazing, level\n\n 10 , -35\r\n45,-22\n");
@@ -143,8 +143,9 @@ TEST(ScatteringKeys, WhatScattersMoreThanItReceivesIsRefusedUnlessAllowed) {
   // Low incidence is where a weak exponent breaks the bound.
   EXPECT_THAT(load_error(folder, "law = \"gsab\"\noblique_db = -12\noblique_exponent = 0"),
               HasSubstr("at a grazing angle of 0.1 degrees"));
-  EXPECT_THAT(load_error(folder, "law = \"table\"\ntable_grazing_deg = [20, 90]\ntable_db = [-2, -2]"),
-              HasSubstr("at a grazing angle of 20 degrees"));
+  EXPECT_THAT(
+      load_error(folder, "law = \"table\"\ntable_grazing_deg = [20, 40, 90]\ntable_db = [-12, 0, -12]"),
+      HasSubstr("at a grazing angle of 40 degrees"));
 }
 
 TEST(ScatteringKeys, MistakesAreToldWithTheirPlace) {
