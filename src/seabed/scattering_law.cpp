@@ -176,7 +176,7 @@ ScatteringLaw::Albedo ScatteringLaw::largest_albedo() const {
   const double scattered = half_albedo();
   const auto look = [&](double grazing) {
     const double value = std::sqrt(cross_section(grazing)) / std::sin(grazing) * scattered;
-    if (value > largest.value) largest = {grazing, value};
+    if (value > largest.value * (1 + 1e-12)) largest = {grazing, value};
   };
   for (int k = 1; k <= 900; ++k) look(k * 0.1 * degree);
   for (const Piece& piece : pieces_)
