@@ -72,7 +72,7 @@ Result run_scene(const TestFolder& folder, const std::string& name, std::string_
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   if (outcome.exit_code != 0) return {};
   std::ifstream stats(folder / name / "stats.json");
-  return {read_sensor(folder / name / "echoes.nc", "camera").energy, nlohmann::json::parse(stats),
+  return {read_echoes(folder / name / "echoes.nc", "camera").energy, nlohmann::json::parse(stats),
           outcome.out};
 }
 
