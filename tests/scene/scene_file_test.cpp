@@ -572,7 +572,7 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   const std::string file = folder.scene_file.string();
   EXPECT_EQ(to_string(scene.georeference->place), file + ":3:1");
   EXPECT_EQ(to_string(scene.water.place), file + ":7:1");
-EXPECT_EQ(to_string(scene.materials[1].place), file + ":20:1");
+  EXPECT_EQ(to_string(scene.materials[1].place), file + ":20:1");
   EXPECT_EQ(to_string(scene.terrains[0].place), file + ":24:1");
   EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":27:12");
   EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":83:12");
