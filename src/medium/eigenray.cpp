@@ -132,7 +132,7 @@ std::optional<Eigenray> EigenrayFinder::within_layer(std::size_t layer, double d
   return e;
 }
 
-RaySums EigenrayFinder::along(const SnellRay& ray, const std::vector<Piece>& way) const {
+RaySums EigenrayFinder::along(const SnellRay& ray, const std::vector<Piece>& way, bool times_too) const {
   RaySums sums;
   if (way.empty()) return sums;
   const double p = ray.p();
@@ -140,12 +140,14 @@ RaySums EigenrayFinder::along(const SnellRay& ray, const std::vector<Piece>& way
   for (const Piece& piece : way) {
     const double s2 = ray.sine_at(piece.c2);
     const double reach = arc_reach(piece.dz_m, piece.c1, piece.c2, s1, s2);
-    const double length = arc_length_m(piece.dz_m, reach, p, piece.gradient_per_s);
     sums.reach += reach;
     sums.dx_dp += arc_dx_dp(reach, s1, s2);
-    sums.time_s += arc_time_s(piece.dz_m, piece.c1, piece.c2, s1, s2, p);
-    sums.length_m += length;
-    sums.absorption_db += water_.absorption_in(piece.layer) * length;
+    if (times_too) {
+      const double length = arc_length_m(piece.dz_m, reach, p, piece.gradient_per_s);
+      sums.time_s += arc_time_s(piece.dz_m, piece.c1, piece.c2, s1, s2, p);
+      sums.length_m += length;
+      sums.absorption_db += water_.absorption_in(piece.layer) * length;
+    }
     s1 = s2;
   }
   return sums;
@@ -190,7 +192,7 @@ std::optional<Eigenray> EigenrayFinder::through_layers(const std::vector<Piece>&
     q = std::max(next, 0.0);
   }
   const SnellRay ray = at(q);
-  return eigenray(ray, along(ray, way), depth_m, depth_m < source_m_, 0);
+  return eigenray(ray, along(ray, way, true), depth_m, depth_m < source_m_, 0);
 }
 
 std::optional<Eigenray> EigenrayFinder::direct(double depth_m, double range_m) const {
@@ -200,8 +202,8 @@ std::optional<Eigenray> EigenrayFinder::direct(double depth_m, double range_m) c
   return through_layers(pieces(top, bottom), depth_m, range_m);
 }
 
-/// Adds the way to a turning point and back, `times` times; false if the ray does not turn there.
-bool EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& way, double times,
+// The way to a turning point and back, `times` times.
+void EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& way, double times,
                               bool times_too, RaySums& sums) const {
   const double p = ray.p();
   double s1 = way.empty() ? 0 : ray.sine_at(way.front().c1);
@@ -211,7 +213,7 @@ bool EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& way
       const RaySums turn = turning_arc(s1, s1, p, piece.gradient_per_s);
       sums = sums + times * turn;
       sums.absorption_db += times * water_.absorption_in(piece.layer) * turn.length_m;
-      return true;
+      return;
     }
     const double s2 = std::sqrt(std::max(0.0, sine2));
     const double reach = arc_reach(piece.dz_m, piece.c1, piece.c2, s1, s2);
@@ -225,7 +227,34 @@ bool EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& way
     }
     s1 = s2;
   }
-  return false;
+}
+
+// Rays that turn where the speed lies between a and b: the layers up to there are covered more steeply than
+// by the ray that turns at a and less than by the one that turns at b, and the turning arc is longest for b.
+std::pair<double, double> EigenrayFinder::range_bounds(const Section& section, const Order& order, double a,
+                                                       double b) {
+  const SnellRay flat{a, 0, 1}, steep{b, 0, 1};
+  double longest = 0, shortest = 0;
+  const auto add = [&](const std::vector<Piece>& way, int times, bool turning) {
+    if (times == 0 || way.empty()) return;
+    double flat1 = flat.sine_at(way.front().c1), steep1 = steep.sine_at(way.front().c1);
+    for (const Piece& piece : way) {
+      if (turning && piece.c2 >= b) {
+        longest += times * turning_arc(steep1, steep1, steep.p(), piece.gradient_per_s).reach * steep.p();
+        return;
+      }
+      const double flat2 = flat.sine_at(piece.c2), steep2 = steep.sine_at(piece.c2);
+      const int passes = turning ? 2 * times : times;
+      longest += passes * flat.p() * arc_reach(piece.dz_m, piece.c1, piece.c2, flat1, flat2);
+      shortest += passes * steep.p() * arc_reach(piece.dz_m, piece.c1, piece.c2, steep1, steep2);
+      flat1 = flat2;
+      steep1 = steep2;
+    }
+  };
+  add(section.between, order.between, false);
+  add(section.above, order.above, true);
+  add(section.below, order.below, true);
+  return {shortest, longest};
 }
 
 // Rays that turn where the speed lies between a and b, by the sine of their angle where it is a.
@@ -234,7 +263,7 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
   const auto ray_at = [a](double sine) { return SnellRay{a, sine, std::sqrt((1 - sine) * (1 + sine))}; };
   const auto sums_at = [&](double sine, bool times_too) {
     const SnellRay ray = ray_at(sine);
-    RaySums sums = double(order.between) * along(ray, section.between);
+    RaySums sums = double(order.between) * along(ray, section.between, times_too);
     if (order.above > 0) add_turn(ray, section.above, order.above, times_too, sums);
     if (order.below > 0) add_turn(ray, section.below, order.below, times_too, sums);
     return sums;
@@ -250,6 +279,8 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
     if (miss_lo * miss_hi < 0 || miss_hi == 0) add(root_between(miss, lo, hi, miss_lo, miss_hi));
   };
 
+  const auto [shortest, longest] = range_bounds(section, order, a, b);
+  if (shortest > range_m || longest < range_m) return;
   constexpr int kSteps = 16;
   const double top = std::sqrt((b - a) * (b + a)) / b;
   double lo = top * 1e-9, miss_lo = miss(lo), slope_lo = slope(lo);

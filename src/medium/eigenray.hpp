@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "medium/ray_arc.hpp"
@@ -64,9 +65,11 @@ class EigenrayFinder {
   std::size_t common_layer(double top_m, double bottom_m) const;
   std::optional<Eigenray> within_layer(std::size_t layer, double depth_m, double range_m) const;
   std::optional<Eigenray> through_layers(const std::vector<Piece>& way, double depth_m, double range_m) const;
-  RaySums along(const SnellRay& ray, const std::vector<Piece>& way) const;
-  bool add_turn(const SnellRay& ray, const std::vector<Piece>& way, double times, bool times_too,
+  RaySums along(const SnellRay& ray, const std::vector<Piece>& way, bool times_too) const;
+  void add_turn(const SnellRay& ray, const std::vector<Piece>& way, double times, bool times_too,
                 RaySums& sums) const;
+  static std::pair<double, double> range_bounds(const Section& section, const Order& order, double a,
+                                                double b);
   void search(const Section& section, const Order& order, double a, double b, double depth_m, double range_m,
               std::vector<Eigenray>& found) const;
   Eigenray eigenray(const SnellRay& ray, const RaySums& sums, double depth_m, bool launched_up,
