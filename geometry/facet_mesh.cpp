@@ -4,53 +4,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <bit>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <stdexcept>
+
+#include "geometry/weld_table.hpp"
 
 namespace tubefoot {
 namespace {
 
 __extension__ using Int128 = __int128;
-
-constexpr VertexId kNone = std::numeric_limits<VertexId>::max();
-
-// Ids of grid points by open addressing: 8 bytes a vertex, where std::unordered_map takes more than 40.
-class WeldTable {
- public:
-  explicit WeldTable(std::vector<GridPoint>& vertices) : vertices_(vertices) {}
-
-  void reserve(std::size_t vertices) {
-    const std::size_t wanted = std::bit_ceil(2 * vertices + 16);
-    if (wanted <= slots_.size()) return;
-    slots_.assign(wanted, kNone);
-    for (VertexId id = 0; id < vertices_.size(); ++id) slots_[slot_of(vertices_[id])] = id;
-  }
-
-  VertexId id_of(GridPoint p) {
-    VertexId& slot = slots_[slot_of(p)];
-    if (slot == kNone) {
-      // Names of points (names.hpp) need the top bit.
-      if (vertices_.size() >= 0x80000000u) throw std::length_error("a mesh holds at most 2^31 vertices");
-      slot = static_cast<VertexId>(vertices_.size());
-      vertices_.push_back(p);
-    }
-    return slot;
-  }
-
- private:
-  // The slot that holds p, or the free one where it belongs.
-  std::size_t slot_of(GridPoint p) const {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t slot = GridPointHash{}(p)&mask;
-    while (slots_[slot] != kNone && vertices_[slots_[slot]] != p) slot = (slot + 1) & mask;
-    return slot;
-  }
-
-  std::vector<GridPoint>& vertices_;
-  std::vector<VertexId> slots_;
-};
 
 std::size_t count_duplicates(const std::vector<std::array<VertexId, 3>>& facets) {
   std::vector<std::array<VertexId, 3>> keys = facets;
