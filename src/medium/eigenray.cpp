@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 namespace tubefoot {
@@ -39,6 +40,16 @@ struct EigenrayFinder::Order {
   int between = 0, above = 0, below = 0;
 };
 
+/// Whole layers from the source on, and part of the one where the point lies.
+struct EigenrayFinder::Way {
+  std::span<const Piece> whole;
+  Piece part;
+  double fastest;
+
+  std::size_t size() const { return whole.size() + 1; }
+  const Piece& operator[](std::size_t i) const { return i < whole.size() ? whole[i] : part; }
+};
+
 EigenrayFinder::EigenrayFinder(const WaterColumn& water, double source_depth_m,
                                const EigenrayOptions& options)
     : water_(water),
@@ -48,6 +59,35 @@ EigenrayFinder::EigenrayFinder(const WaterColumn& water, double source_depth_m,
   if (!(source_m_ >= options_.surface_m) || !std::isfinite(source_m_))
     throw std::invalid_argument(
         fmt::format("a source at a depth of {} m lies above the water's surface", source_depth_m));
+  const std::vector<ProfilePoint>& points = water.profile.points();
+  up_ = pieces_up(source_m_, points.front().depth_m);
+  down_ = pieces(source_m_, points.back().depth_m);
+  for (auto [way, fastest] : {std::pair(&up_, &fastest_up_), std::pair(&down_, &fastest_down_)}) {
+    double c = source_speed_;
+    for (const Piece& piece : *way) fastest->push_back(c = std::max(c, piece.c2));
+  }
+  double slowest = source_speed_, fastest = source_speed_;
+  for (const ProfilePoint& p : points) {
+    slowest = std::min(slowest, p.sound_speed_m_s);
+    fastest = std::max(fastest, p.sound_speed_m_s);
+  }
+  steepest_turning_ = std::sqrt((fastest - slowest) * (fastest + slowest)) / slowest;
+}
+
+EigenrayFinder::Way EigenrayFinder::way_to(double depth_m) const {
+  const SoundSpeedProfile& profile = water_.profile;
+  const bool up = depth_m < source_m_;
+  const std::vector<Piece>& pieces = up ? up_ : down_;
+  std::size_t layer = profile.layer_at(depth_m);
+  if (!up && depth_m == profile.top_m(layer)) --layer;
+  const std::size_t first = pieces.front().layer, whole = up ? first - layer : layer - first;
+  const double from_m = up ? profile.bottom_m(layer) : profile.top_m(layer);
+  const double g = profile.gradient_per_s(layer), c = profile.speed_in(layer, depth_m);
+  Way way;
+  way.whole = std::span(pieces).first(whole);
+  way.part = {std::abs(depth_m - from_m), way.whole.back().c2, c, up ? -g : g, layer};
+  way.fastest = std::max((up ? fastest_up_ : fastest_down_)[whole - 1], c);
+  return way;
 }
 
 std::vector<EigenrayFinder::Piece> EigenrayFinder::pieces(double top_m, double bottom_m) const {
@@ -132,12 +172,14 @@ std::optional<Eigenray> EigenrayFinder::within_layer(std::size_t layer, double d
   return e;
 }
 
-RaySums EigenrayFinder::along(const SnellRay& ray, const std::vector<Piece>& way, bool times_too) const {
+template <class Pieces>
+RaySums EigenrayFinder::along(const SnellRay& ray, const Pieces& way, bool times_too) const {
   RaySums sums;
-  if (way.empty()) return sums;
+  if (way.size() == 0) return sums;
   const double p = ray.p();
-  double s1 = ray.sine_at(way.front().c1);
-  for (const Piece& piece : way) {
+  double s1 = ray.sine_at(way[0].c1);
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    const Piece& piece = way[i];
     const double s2 = ray.sine_at(piece.c2);
     const double reach = arc_reach(piece.dz_m, piece.c1, piece.c2, s1, s2);
     sums.reach += reach;
@@ -155,20 +197,24 @@ RaySums EigenrayFinder::along(const SnellRay& ray, const std::vector<Piece>& way
 
 // Newton's method in q = cosine / sine at the fastest place: range is concave in q, layer by layer, so steps
 // from the left never pass the root, and each doubles the digits.
-std::optional<Eigenray> EigenrayFinder::through_layers(const std::vector<Piece>& way, double depth_m,
-                                                       double range_m) const {
-  double fastest = way.front().c1;
-  for (const Piece& piece : way) fastest = std::max(fastest, piece.c2);
+std::optional<Eigenray> EigenrayFinder::through_layers(double depth_m, double range_m) const {
+  const Way way = way_to(depth_m);
+  const double fastest = way.fastest, first = way[0].c1;
   const auto at = [fastest](double q) {
     const double w = 1 / std::sqrt(1 + q * q);
     return SnellRay{fastest, w, q * w};
   };
-  double q = 0;
+  // Any start will do: one step from the right of the root leads to its left. Here a straight ray in water of
+  // the two ends' mean speed.
+  const double flat =
+      2 * fastest / (source_speed_ + way.part.c2) * range_m / std::hypot(range_m, depth_m - source_m_);
+  double q = flat < 1 ? flat / std::sqrt((1 - flat) * (1 + flat)) : 0;
   bool range_checked = false;
-  for (int step = 0; range_m > 0; ++step) {
+  for (int step = 0; range_m > 0 && step < 200; ++step) {
     const SnellRay ray = at(q);
-    double reach = 0, dx_dp = 0, s1 = ray.sine_at(way.front().c1);
-    for (const Piece& piece : way) {
+    double reach = 0, dx_dp = 0, s1 = ray.sine_at(first);
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const Piece& piece = way[i];
       const double s2 = ray.sine_at(piece.c2);
       const double r = arc_reach(piece.dz_m, piece.c1, piece.c2, s1, s2);
       reach += r;
@@ -177,19 +223,20 @@ std::optional<Eigenray> EigenrayFinder::through_layers(const std::vector<Piece>&
     }
     const double miss = range_m - ray.p() * reach;
     const double slope = dx_dp * ray.sine * ray.sine * ray.sine / fastest;
-    const double next = q + miss / slope;
-    if (std::abs(next - q) <= 1e-15 * q || std::abs(miss) <= 1e-15 * range_m || step == 200) break;
-    if (step > 4 && !range_checked) {  // slow: near the end of the branch, where the ray turns horizontal
+    const double next = std::max(q + miss / slope, 0.0);
+    const bool close = std::abs(next - q) <= 1e-9 * q;  // the step's square is below rounding
+    q = next;
+    if (close) break;
+    if (step > 6 && !range_checked) {  // slow: near the end of the branch, where the ray turns horizontal
       range_checked = true;
       const SnellRay grazing{fastest, 0, 1};
       double longest = 0;
-      for (const Piece& piece : way) {
-        const double sines = grazing.sine_at(piece.c1) + grazing.sine_at(piece.c2);
-        longest += piece.dz_m * (piece.c1 + piece.c2) / sines / fastest;  // infinite in an even layer
+      for (std::size_t i = 0; i < way.size(); ++i) {
+        const double sines = grazing.sine_at(way[i].c1) + grazing.sine_at(way[i].c2);
+        longest += way[i].dz_m * (way[i].c1 + way[i].c2) / sines / fastest;  // infinite in an even layer
       }
       if (!(range_m < longest)) return std::nullopt;
     }
-    q = std::max(next, 0.0);
   }
   const SnellRay ray = at(q);
   return eigenray(ray, along(ray, way, true), depth_m, depth_m < source_m_, 0);
@@ -198,8 +245,7 @@ std::optional<Eigenray> EigenrayFinder::through_layers(const std::vector<Piece>&
 std::optional<Eigenray> EigenrayFinder::direct(double depth_m, double range_m) const {
   const double top = std::min(depth_m, source_m_), bottom = std::max(depth_m, source_m_);
   const std::size_t layer = common_layer(top, bottom);
-  if (layer != kNoLayer) return within_layer(layer, depth_m, range_m);
-  return through_layers(pieces(top, bottom), depth_m, range_m);
+  return layer != kNoLayer ? within_layer(layer, depth_m, range_m) : through_layers(depth_m, range_m);
 }
 
 // The way to a turning point and back, `times` times.
@@ -304,7 +350,8 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
   const double top_m = std::min(depth_m, source_m_), bottom_m = std::max(depth_m, source_m_);
   std::vector<Eigenray> found;
   if (auto ray = direct(depth_m, range_m)) found.push_back(*ray);
-  if (options_.most_turns < 1 || range_m <= 0) return found;
+  // A ray that turns is nowhere steeper than one that is horizontal at the fastest place of all.
+  if (options_.most_turns < 1 || range_m * steepest_turning_ < bottom_m - top_m || range_m <= 0) return found;
 
   const SoundSpeedProfile& profile = water_.profile;
   Section section;

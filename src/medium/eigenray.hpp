@@ -60,12 +60,16 @@ class EigenrayFinder {
   struct Section;
   struct Order;
 
+  struct Way;
+  Way way_to(double depth_m) const;
+
   std::vector<Piece> pieces(double top_m, double bottom_m) const;
   std::vector<Piece> pieces_up(double from_m, double to_m) const;
   std::size_t common_layer(double top_m, double bottom_m) const;
   std::optional<Eigenray> within_layer(std::size_t layer, double depth_m, double range_m) const;
-  std::optional<Eigenray> through_layers(const std::vector<Piece>& way, double depth_m, double range_m) const;
-  RaySums along(const SnellRay& ray, const std::vector<Piece>& way, bool times_too) const;
+  std::optional<Eigenray> through_layers(double depth_m, double range_m) const;
+  template <class Pieces>
+  RaySums along(const SnellRay& ray, const Pieces& way, bool times_too) const;
   void add_turn(const SnellRay& ray, const std::vector<Piece>& way, double times, bool times_too,
                 RaySums& sums) const;
   static std::pair<double, double> range_bounds(const Section& section, const Order& order, double a,
@@ -78,6 +82,9 @@ class EigenrayFinder {
   const WaterColumn& water_;
   EigenrayOptions options_;
   double source_m_, source_speed_;
+  std::vector<Piece> up_, down_;                   // from the source to the ends of the profile
+  std::vector<double> fastest_up_, fastest_down_;  // on the way to the end of each of these
+  double steepest_turning_ = 0;                    // tangent of the steepest grazing angle of rays that turn
 };
 
 }  // namespace tubefoot
