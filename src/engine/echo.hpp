@@ -35,6 +35,9 @@ struct EchoLaw {
   /// local frame, where the history's apex is at `apex_m`.
   std::span<const std::shared_ptr<const ReflectivityField>> reflectivity{};
   glm::dvec3 apex_m{0};
+  /// By facet: what it returns over what the straight law makes of it (apparent facets in refracting water,
+  /// medium/straightening.hpp); empty: 1.
+  std::span<const double> facet_factor{};
 };
 
 /// How a footprint's energy gets into range samples.

@@ -83,7 +83,8 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
     CertifiedIntegrator integrator(borders, beta);
     for (const NamedPiece& piece : seen.pieces) {
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
-      const Ball factor = Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
+      Ball factor = Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
+      if (!law.facet_factor.empty()) factor = factor * Ball(law.facet_factor[piece.facet]);
       const double size = factor.hi();
       // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
       const CertifiedIntegrator::Allowance allowance{

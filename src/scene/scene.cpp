@@ -9,8 +9,6 @@
 #include <limits>
 #include <utility>
 
-#include "medium/absorption.hpp"
-#include "medium/sound_speed.hpp"
 #include "scene/georeference.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/primitives.hpp"
@@ -200,15 +198,15 @@ class Loader {
                 .material_mu = {},
                 .relief = {},
                 .reflectivity = {},
+                .water = {},
                 .trajectories = std::move(trajectories),
                 .sensor_trajectory = std::move(sensor_trajectory),
                 .report = {}};
     for (const MaterialDescription& m : description_.materials) {
       scene.material_mu.push_back(std::pow(10.0, m.lambert_db / 10));
     }
-    const WaterDescription& water = description_.water;
-    scene.sound_speed_m_s = water.sound_speed_m_s.value_or(
-        mackenzie_sound_speed_m_s(water.temperature_c, water.salinity_psu, water.depth_m));
+    scene.water = std::make_shared<const SceneWater>(description_.water);
+    scene.sound_speed_m_s = scene.water->profile().at(description_.water.depth_m);
     scene.frame = frame_.value_or(LocalFrame());
     build_mesh(scene);
     scene.report = std::move(report_);
@@ -296,11 +294,5 @@ class Loader {
 }  // namespace
 
 Scene load_scene(const SceneDescription& description) { return Loader(description).load(); }
-
-double absorption_db_per_km(const WaterDescription& water, double frequency_khz) {
-  if (water.absorption_db_per_km) return *water.absorption_db_per_km;
-  return francois_garrison_absorption_db_per_km(frequency_khz, water.temperature_c, water.salinity_psu,
-                                                water.depth_m, water.ph);
-}
 
 }  // namespace tubefoot
