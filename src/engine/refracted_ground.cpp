@@ -45,11 +45,12 @@ class GapRule final : public EdgeRule {
   GapRule(Images& images, const StraighteningSettings& settings) : images_(images), settings_(settings) {}
 
   bool cuts(const BasePoint& a, const BasePoint& b) const override {
-    if (!(glm::length(b.at_m - a.at_m) > settings_.shortest_edge_m)) return false;
+    const double length = glm::length(b.at_m - a.at_m);
+    if (!(length > settings_.shortest_edge_m)) return false;
     const auto &from = images_.of(a.at_m), &to = images_.of(b.at_m),
                &middle = images_.of((a.at_m + b.at_m) / 2.0);
-    const int seen = int(from.has_value()) + int(to.has_value()) + int(middle.has_value());
-    if (seen < 3) return seen > 0;  // the border of a shadow is narrowed down, the shadow is not
+    // Shadows are cut evenly, in and beside them: a border narrowed down between long edges would not end.
+    if (!from || !to || !middle) return length > settings_.shadow_edge_m;
     return edge_gap_m(from->at_m, to->at_m, middle->at_m) > settings_.gap_m;
   }
 
@@ -69,8 +70,8 @@ UnclearPlace unclear_place(FacetId facet, const glm::dvec3& at_m, const std::opt
 ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                           const Straightening& straightening, double reference_absorption_db_per_m,
                           const StraighteningSettings& settings, const RefinementLimits& limits) {
-  if (!(settings.gap_m > 0 && settings.shortest_edge_m > 0))
-    throw std::invalid_argument("a gap and a shortest edge of straightening must be above 0");
+  if (!(settings.gap_m > 0 && settings.shortest_edge_m > 0 && settings.shadow_edge_m > 0))
+    throw std::invalid_argument("the lengths of straightening must be above 0");
   Images images(straightening);
   // Where a vertex truly lies; of points with one image the first in order, whichever thread comes first.
   struct Compare {

@@ -14,8 +14,10 @@ namespace tubefoot {
 struct StraighteningSettings {
   /// Edges are cut until the image of their middle is as close as this to the middle of their ends' images.
   double gap_m = 1e-3;
-  /// None shorter than this is cut: next to a caustic or a shadow's border the gap does not shrink.
+  /// None shorter than this is cut: next to a caustic the gap does not shrink.
   double shortest_edge_m = 0.05;
+  /// Edges in a shadow, or at its border, are cut down to this: facets at the border are left out whole.
+  double shadow_edge_m = 4;
 };
 
 /// A place that has not exactly one eigenray.
@@ -39,7 +41,7 @@ struct ApparentGround {
 
 /// Straightens `facets` of `base` for one apex. `reference_absorption_db_per_m` is what the echo law will
 /// apply to apparent ranges. Apparent points have to fit `grid`. The result does not depend on the number of
-/// threads. Throws as refine(); std::invalid_argument unless gap and shortest edge are above 0.
+/// threads. Throws as refine(); std::invalid_argument unless the settings are above 0.
 ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                           const Straightening& straightening, double reference_absorption_db_per_m,
                           const StraighteningSettings& settings, const RefinementLimits& limits = {});

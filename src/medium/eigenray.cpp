@@ -351,7 +351,8 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
   std::vector<Eigenray> found;
   if (auto ray = direct(depth_m, range_m)) found.push_back(*ray);
   // A ray that turns is nowhere steeper than one that is horizontal at the fastest place of all.
-  if (options_.most_turns < 1 || range_m * steepest_turning_ < bottom_m - top_m || range_m <= 0) return found;
+  if (options_.most_turns < 1 || steeper_than_turning(bottom_m - top_m, range_m) || range_m <= 0)
+    return found;
 
   const SoundSpeedProfile& profile = water_.profile;
   Section section;

@@ -48,6 +48,12 @@ class EigenrayFinder {
   /// All of up to `most_turns` turning points, earliest first. Range >= 0.
   std::vector<Eigenray> all(double depth_m, double range_m) const;
 
+  /// Whether a point so much higher or lower is seen more steeply than any ray that turns anywhere in the
+  /// water: then it has one ray.
+  bool steeper_than_turning(double height_m, double range_m) const {
+    return range_m * steepest_turning_ < height_m;
+  }
+
   const WaterColumn& water() const { return water_; }
   double source_depth_m() const { return source_m_; }
   double source_speed_m_s() const { return source_speed_; }
