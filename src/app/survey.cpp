@@ -157,6 +157,12 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
   const auto load_start = std::chrono::steady_clock::now();
   auto survey = std::make_unique<Survey>(load_scene(description));
   survey->load_seconds = seconds_since(load_start);
+  if (survey->scene.water->refracts())
+    throw InputError(
+        description.water.place,
+        fmt::format("the water's profile = \"{}\" refracts, and pings are traced through even water "
+                    "only: give profile = \"constant\"",
+                    description.water.profile));
   lay_relief(*survey);
   const auto tree_start = std::chrono::steady_clock::now();
   survey->tree = std::make_unique<SceneTree>(survey->scene.mesh);

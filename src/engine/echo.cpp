@@ -33,10 +33,15 @@ class Rows {
     return std::span(echo_.energy).subspan(std::size_t(beam) * echo_.samples, echo_.samples);
   }
 
+  /// Lambert's mu, times the facet's factor.
   double mu(FacetId facet) const {
     if (facet >= law_.material.size() || law_.material[facet] >= law_.material_mu.size())
       throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
-    return law_.material_mu[law_.material[facet]];
+    const double own = law_.material_mu[law_.material[facet]];
+    if (law_.facet_factor.empty()) return own;
+    if (facet >= law_.facet_factor.size())
+      throw std::invalid_argument(fmt::format("facet {} has no factor, others have", facet));
+    return own * law_.facet_factor[facet];
   }
   /// Null: Lambert's, by mu().
   const ScatteringLaw* scattering(FacetId facet) const {

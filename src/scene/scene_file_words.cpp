@@ -31,6 +31,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 32> units{{
     {"ft", "feet"},
     {"nmi", "nautical miles"},
     {"kn", "knots"},
+    {"per_s", "1/s"},
     {"s", "seconds"},
     {"ms", "milliseconds"},
     {"us", "microseconds"},
