@@ -97,7 +97,7 @@ TEST(RayTrace, CyclesOfTheDeepSoundChannel) {
         EXPECT_NEAR(cycle->state.range_m / row.range, 1, relative);
         EXPECT_NEAR(cycle->state.time_s / row.period, 1, relative);
         if (step == 10) {
-          EXPECT_NEAR(cycle->state.range_m, row.by_bellhop, 1.5);
+          EXPECT_NEAR(cycle->state.range_m, row.by_bellhop, 0.006);
         }
         double upper = 1e9, lower = 0;
         for (auto n = nodes.begin(); n != cycle; ++n) {
