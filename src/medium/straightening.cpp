@@ -8,10 +8,11 @@
 namespace tubefoot {
 
 Straightening::Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
-                             const EigenrayOptions& options)
+                             const EigenrayOptions& options, std::optional<double> reference_speed_m_s)
     : finder_(water, surface_height_m - apex_m.z, options),
       apex_m_(apex_m),
-      surface_height_m_(surface_height_m) {}
+      surface_height_m_(surface_height_m),
+      reference_speed_m_s_(reference_speed_m_s.value_or(finder_.source_speed_m_s())) {}
 
 std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
   const glm::dvec3 way = point_m - apex_m_;
@@ -19,7 +20,7 @@ std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
   const std::vector<Eigenray> rays = finder_.all(depth_m(point_m), range);
   if (rays.empty()) return std::nullopt;
   const Eigenray& first = rays.front();
-  const double distance = finder_.source_speed_m_s() * first.time_s;
+  const double distance = reference_speed_m_s_ * first.time_s;
   // A vertical ray has no azimuth and needs none.
   const double across = range > 0 ? distance * first.launch_cosine / range : 0;
   return ApparentPoint{apex_m_ + glm::dvec3(across * way.x, across * way.y, -distance * first.launch_sine),
@@ -42,27 +43,25 @@ double edge_gap_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle) {
   return glm::length(middle - (a + b) / 2.0);
 }
 
-std::optional<double> facet_factor(const Straightening& straightening, const glm::dvec3 (&corners_m)[3],
-                                   const glm::dvec3 (&apparent_m)[3], double reference_absorption_db_per_m) {
-  const auto centre = [](const glm::dvec3(&c)[3]) { return (c[0] + c[1] + c[2]) / 3.0; };
-  const auto normal = [](const glm::dvec3(&c)[3]) {
+CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_m, const ApparentPoint& image,
+                           double reference_absorption_db_per_m) {
+  const double range = straightening.reference_speed_m_s() * image.ray.time_s;
+  const double beyond_db = image.ray.absorption_db - reference_absorption_db_per_m * range;
+  return {straightening.arrival_direction(point_m, image.ray),
+          range * range / straightening.return_area_m2_per_sr(point_m, image.ray) *
+              std::exp(-2 * beyond_db * std::numbers::ln10 / 10)};
+}
+
+FacetReturn facet_return(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
+                         const CornerReturn (&returns)[3]) {
+  const auto sine = [](const glm::dvec3(&c)[3], const glm::dvec3& along) {
     const glm::dvec3 n = glm::cross(c[1] - c[0], c[2] - c[0]);
-    const double length = glm::length(n);
-    return length > 0 ? n / length : glm::dvec3(0);
+    const double length = glm::length(n) * glm::length(along);
+    return length > 0 ? std::abs(glm::dot(n, along)) / length : 0;
   };
-  const glm::dvec3 at = centre(corners_m);
-  const auto image = straightening.apparent(at);
-  if (!image) return std::nullopt;
-  // The image facet is flat: its own centre, not the image of the true one, is what the straight law sees.
-  const glm::dvec3 seen = centre(apparent_m) - straightening.apex_m();
-  const double range = glm::length(seen);
-  const double sine_true =
-      std::abs(glm::dot(normal(corners_m), straightening.arrival_direction(at, image->ray)));
-  const double sine_seen = std::abs(glm::dot(normal(apparent_m), seen)) / range;
-  if (!(sine_seen > 0)) return 0;
-  const double beyond_db = image->ray.absorption_db - reference_absorption_db_per_m * range;
-  return sine_true / sine_seen * range * range / straightening.return_area_m2_per_sr(at, image->ray) *
-         std::exp(-2 * beyond_db * std::numbers::ln10 / 10);
+  return {sine(corners_m, returns[0].arrival + returns[1].arrival + returns[2].arrival),
+          sine(seen_m, seen_m[0] + seen_m[1] + seen_m[2]),
+          (returns[0].spreading + returns[1].spreading + returns[2].spreading) / 3};
 }
 
 }  // namespace tubefoot

@@ -16,22 +16,23 @@ struct ApparentPoint {
 };
 
 /// Makes curved rays from one apex straight: a point goes to the direction in which its ray is launched, at
-/// the distance that sound would cover in the ray's time at the apex's own speed. What the apex sees of the
+/// the distance that sound would cover in the ray's time at a reference speed. What the apex sees of the
 /// apparent points along straight rays, and when, is what it sees of the true ones along the curved.
 ///
 /// Local frame: z up, depth = surface height - z. Of several rays the first to arrive is taken, and their
 /// number told.
 class Straightening {
  public:
-  /// Refers to `water`. Throws std::invalid_argument for an apex above the surface.
+  /// Refers to `water`. `reference_speed_m_s`: else the apex's own. Throws std::invalid_argument for an apex
+  /// above the surface.
   Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
-                const EigenrayOptions& options = {});
+                const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {});
 
   /// None where no ray leads to (a shadow zone).
   std::optional<ApparentPoint> apparent(glm::dvec3 point_m) const;
 
-  /// The sound speed that times become ranges by: the apex's own.
-  double reference_speed_m_s() const { return finder_.source_speed_m_s(); }
+  /// The sound speed that times become ranges by.
+  double reference_speed_m_s() const { return reference_speed_m_s_; }
   glm::dvec3 apex_m() const { return apex_m_; }
   double depth_m(glm::dvec3 point_m) const { return surface_height_m_ - point_m.z; }
   const WaterColumn& water() const { return finder_.water(); }
@@ -46,22 +47,36 @@ class Straightening {
  private:
   EigenrayFinder finder_;
   glm::dvec3 apex_m_;
-  double surface_height_m_;
+  double surface_height_m_, reference_speed_m_s_;
 };
 
 /// The second-order gap of an edge: how far the image of its middle lies from the middle of its ends' images.
 /// `a`, `b`, `middle` are apparent points.
 double edge_gap_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle);
 
-/// What a facet of true corners `corners_m` returns to the apex, over what the straight law (Lambert,
-/// 1 / r^4, absorption `reference_absorption_db_per_m`) makes of its apparent image, at the facet's centre.
+/// What the echo of a facet's corner needs of its ray.
+struct CornerReturn {
+  glm::dvec3 arrival{0};  ///< direction of travel, unit vector
+  /// (R^2 / A_back) exp(-2 (path absorption - reference absorption R)), with R the apparent range and A_back
+  /// the area per steradian from the point back to the apex; not finite on a caustic.
+  double spreading = 1;
+};
+CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_m, const ApparentPoint& image,
+                           double reference_absorption_db_per_m);
+
+/// What a facet returns to the apex, over what the straight law (1 / r^4, reference absorption) makes of its
+/// apparent image: sigma(true) sine_seen / (sine_true sigma(seen)) spreading, by the means of its corners.
 /// Energy flux: the sonar sends energy into a tube of launch directions, the facet intercepts it whatever the
-/// tube's shape, scatters by Lambert about its true normal at the true grazing angle, and the receiver hears
-/// through the tube from the point back. With d the solid angle of launch that facet and image share, the
-/// energies are mu sin(true) / A_back d and mu sin(apparent) / R^2 d, so the factor is
-/// (sin true / sin apparent) (R^2 / A_back) exp(-2 (path absorption - reference absorption R)). None without
-/// an eigenray to the centre; 0 where the image is edge-on.
-std::optional<double> facet_factor(const Straightening& straightening, const glm::dvec3 (&corners_m)[3],
-                                   const glm::dvec3 (&apparent_m)[3], double reference_absorption_db_per_m);
+/// tube's shape, scatters about its true normal at the true grazing angle, and the receiver hears through the
+/// tube from the point back. With d the solid angle of launch that facet and image share, the energies are
+/// sigma(true) / sine_true / A_back d and sigma(seen) / sine_seen / R^2 d.
+struct FacetReturn {
+  double sine_true = 0, sine_seen = 0, spreading = 1;
+  /// With Lambert's law; 0 where the image is edge-on.
+  double lambert_factor() const { return sine_seen > 0 ? sine_true / sine_seen * spreading : 0; }
+};
+/// `seen_m`: the image's corners, relative to the apex.
+FacetReturn facet_return(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
+                         const CornerReturn (&returns)[3]);
 
 }  // namespace tubefoot

@@ -42,6 +42,8 @@ struct WaterDescription {
   std::optional<double> gradient_per_s;
   std::optional<double> munk_axis_m, munk_scale_m, munk_epsilon;
   std::optional<double> profile_error_m_s, profile_step_m;  ///< of sampling a curved profile
+  std::optional<double> refraction_gap_m;                   ///< else a quarter of a range sample
+  std::optional<double> refraction_tolerance_db;            ///< else 0.1
 };
 
 /// Micro-texture: octaves of improved Perlin noise.

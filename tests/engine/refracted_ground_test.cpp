@@ -156,10 +156,22 @@ TEST(RefractedGround, FlatBedUnderOneGradientConvergesToTheClosedForm) {
 TEST(RefractedGround, PointsConvergeAtSecondOrder) {
   // The gap is what a facet's middle is off: halving edges quarters it.
   const WaterColumn water = gradient(-0.5);
+  const Straightening straightening(water, glm::dvec3(0), Site::apex_depth_m);
   double before = 0;
   for (const double cell : {32., 16., 8., 4.}) {
     const Site site(128, cell);
-    const double gap = site.ground(water, 1e9).largest_gap_m;
+    const ApparentGround ground = site.ground(water, 1e9);
+    ASSERT_EQ(ground.refined.mesh.facets, site.base.facets);
+    double gap = 0;
+    for (const auto& f : site.base.facets)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec3 a = site.grid.to_metres(site.base.vertices[f[k]]),
+                         b = site.grid.to_metres(site.base.vertices[f[(k + 1) % 3]]);
+        gap = std::max(gap, edge_gap_m(straightening.apparent(a)->at_m, straightening.apparent(b)->at_m,
+                                       straightening.apparent((a + b) / 2.0)->at_m));
+      }
+    EXPECT_LE(gap, ground.largest_gap_m);  // a bound, where it was not measured
+    EXPECT_LT(ground.largest_gap_m, 5 * gap);
     if (before > 0) {
       EXPECT_NEAR(before / gap, 4, 1) << cell;
     }
@@ -204,6 +216,86 @@ TEST(RefractedGround, BedBehindTheLastRayIsHidden) {
   const auto sum = [](const Echo& e) { return std::accumulate(e.energy.begin(), e.energy.end(), 0.0); };
   EXPECT_GT(sum(before), 0);
   EXPECT_LT(sum(echo), 1e-2 * sum(before));
+}
+
+TEST(RefractedGround, TruePlacesAndAreasAreThoseOfTheBed) {
+  const Site site;
+  const ApparentGround ground = site.ground(gradient(-0.5), 0.02);
+  double area_m2 = 0;
+  for (FacetId f = 0; f < ground.refined.mesh.facets.size(); ++f) {
+    glm::dvec3 seen[3], centre(0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      seen[k] = site.grid.to_metres(ground.refined.mesh.vertices[ground.refined.mesh.facets[f][k]]);
+      centre += seen[k] / 3.0;
+      EXPECT_LT(glm::distance(ground.true_place(f, seen[k], site.grid),
+                              ground.truth[ground.refined.mesh.facets[f][k]]),
+                1e-9);
+    }
+    EXPECT_NEAR(ground.true_place(f, centre, site.grid).z, -Site::below_m, 1e-9);
+    area_m2 +=
+        ground.area_ratio(f, site.grid) * glm::length(glm::cross(seen[1] - seen[0], seen[2] - seen[0])) / 2;
+  }
+  EXPECT_NEAR(area_m2 / (512. * 512.), 1, 1e-12);
+}
+
+// No facet that has an image in the tubes is missing.
+TEST(RefractedGround, FacetsSeenHoldAllWithAnImageInTheTubes) {
+  const Site site(128, 4);
+  const SceneTree tree(site.base);
+  for (const double g : {-0.5, -0.05, 0.3}) {
+    const WaterColumn water = gradient(g);
+    const Straightening straightening(water, glm::dvec3(0), Site::apex_depth_m);
+    for (const double reach_m : {40., 90.}) {
+      TubeSet tubes = fan();
+      tubes.reach = reach_m / site.grid.unit_m();
+      const Sector sector(tubes, site.grid.unit_m());
+      const std::vector<FacetId> seen = facets_seen(site.base, tree, site.grid, tubes, straightening);
+      std::size_t inside = 0;
+      for (FacetId f = 0; f < site.base.facets.size(); ++f) {
+        bool any = false;
+        for (const VertexId v : site.base.facets[f]) {
+          const auto image = straightening.apparent(site.grid.to_metres(site.base.vertices[v]));
+          any = any || (image && sector.may_meet(image->at_m, 0));
+        }
+        inside += any;
+        if (any) {
+          EXPECT_TRUE(std::binary_search(seen.begin(), seen.end(), f)) << g << ' ' << f;
+        }
+      }
+      EXPECT_GT(inside, 30u);
+      EXPECT_LT(seen.size(), site.base.facets.size() / 2);
+    }
+  }
+}
+
+// A law that is Lambert's by another name returns the same; one that is not, by its own angles.
+TEST(RefractedGround, OtherLawsScatterAtTrueGrazingAngles) {
+  const Site site(32, 2);
+  std::vector<FacetId> all(site.base.facets.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const WaterColumn water = gradient(-0.5);
+  const Straightening straightening(water, glm::dvec3(0), Site::apex_depth_m);
+  const std::vector<std::shared_ptr<const ScatteringLaw>> laws{
+      std::make_shared<const ScatteringLaw>(ScatteringLaw::gsab({.oblique = 0.1, .oblique_exponent = 5}))};
+  const ApparentGround lambert = site.ground(water, 1);
+  const ApparentGround other =
+      straighten(site.base, all, site.grid, straightening, 0, {.gap_m = 1}, {}, laws);
+  ASSERT_EQ(lambert.facet_factor.size(), other.facet_factor.size());
+  for (std::size_t f = 0; f < all.size(); ++f) {
+    glm::dvec3 lies(0), seen(0), corner[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId v = other.refined.mesh.facets[f][k];
+      lies += other.truth[v] / 3.0;
+      corner[k] = site.grid.to_metres(other.refined.mesh.vertices[v]);
+      seen += corner[k] / 3.0;
+    }
+    const auto ray = straightening.apparent(lies)->ray;
+    const glm::dvec3 n = glm::normalize(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
+    const double sine_seen = std::abs(glm::dot(n, glm::normalize(seen)));
+    // sigma is sine^5, Lambert's sine^2: three powers more of the ratio of the sines.
+    EXPECT_NEAR(other.facet_factor[f] / (lambert.facet_factor[f] * std::pow(ray.arrival_sine / sine_seen, 3)),
+                1, 5e-3);
+  }
 }
 
 TEST(RefractedGround, FactorsAreReadByEveryIntegrator) {

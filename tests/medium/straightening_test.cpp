@@ -63,11 +63,25 @@ TEST(Straightening, GapOfAnEdgeIsOfSecondOrder) {
   EXPECT_LT(before, 1e-4);
 }
 
+/// Of a facet with Lambert's law.
+std::optional<double> factor_of(const Straightening& straight, const glm::dvec3 (&corners)[3],
+                                double absorption_db_per_m) {
+  glm::dvec3 seen[3];
+  CornerReturn returns[3];
+  for (int i = 0; i < 3; ++i) {
+    const auto image = straight.apparent(corners[i]);
+    if (!image) return {};
+    seen[i] = image->at_m - straight.apex_m();
+    returns[i] = corner_return(straight, corners[i], *image, absorption_db_per_m);
+  }
+  return facet_return(corners, seen, returns).lambert_factor();
+}
+
 TEST(Straightening, FacetFactorIsOneInEvenWater) {
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {20, 1480}}), {0.06, 0.06, 0.06}};
   const Straightening straight(water, {0, 0, -3}, 0);
   const glm::dvec3 facet[3] = {{30, 1, -40}, {31, 1, -40}, {30, 2, -39.5}};
-  EXPECT_NEAR(*facet_factor(straight, facet, facet, 0.06), 1, 1e-12);
+  EXPECT_NEAR(*factor_of(straight, facet, 0.06), 1, 1e-12);
 }
 
 // The energy of a small facet, from the tube of rays that it intercepts: launch directions to its corners
@@ -101,7 +115,7 @@ TEST(Straightening, FacetFactorReturnsTheEnergyOfTheCurvedTubes) {
   const double sine_seen = std::abs(glm::dot(glm::normalize(area2), middle)) / r;
   const double straight_law =
       sine_seen * sine_seen * area / std::pow(r, 4) * std::pow(10, -2 * absorption * r / 10);
-  const double factor = *facet_factor(straight, corners, seen, absorption);
+  const double factor = *factor_of(straight, corners, absorption);
   EXPECT_NEAR(factor * straight_law / energy, 1, 2e-3);
   EXPECT_GT(std::abs(factor - 1), 0.02);
 }
@@ -112,10 +126,34 @@ TEST(Straightening, TellsShadowsAndCrossings) {
   EXPECT_TRUE(straight.apparent({100, 0, -60}));
   EXPECT_FALSE(straight.apparent({0, 20000, -60}));
   const glm::dvec3 facet[3] = {{20000, 0, -60}, {20001, 0, -60}, {20000, 1, -60}};
-  EXPECT_FALSE(facet_factor(straight, facet, facet, 0));
+  EXPECT_FALSE(factor_of(straight, facet, 0));
   const WaterColumn crossing{SoundSpeedProfile({{0, 1500}, {100, 1500.5}, {200, 1540}}), {}};
   EXPECT_GE(Straightening(crossing, {0, 0, -20}, 0).apparent({3000, 0, -20})->eigenrays, 2);
   EXPECT_THROW(Straightening(crossing, {0, 0, 1}, 0), std::invalid_argument);
+}
+
+// A sonar that rises keeps one speed for its ranges: images move towards or away from it, and what facets
+// return stays the same.
+TEST(Straightening, ReferenceSpeedScalesImagesAndNotEnergies) {
+  const WaterColumn water{SoundSpeedProfile({{0, 1520}, {40, 1480}}), {}};
+  const glm::dvec3 apex(1, 2, -3);
+  const Straightening own(water, apex, 0), other(water, apex, 0, {}, 1400);
+  EXPECT_EQ(own.reference_speed_m_s(), 1517);
+  const glm::dvec3 corners[3] = {{60, 5, -30}, {60.1, 5, -30}, {60, 5.1, -30}};
+  glm::dvec3 seen[2][3];
+  for (int i = 0; i < 3; ++i) {
+    seen[0][i] = own.apparent(corners[i])->at_m - apex;
+    seen[1][i] = other.apparent(corners[i])->at_m - apex;
+    EXPECT_NEAR(glm::distance(seen[1][i], seen[0][i] * 1400.0 / 1517.0), 0, 1e-11);
+  }
+  const auto straight_law = [](const glm::dvec3(&s)[3]) {  // Lambert: sine^2 area / r^4
+    const glm::dvec3 n = glm::cross(s[1] - s[0], s[2] - s[0]), c = (s[0] + s[1] + s[2]) / 3.0;
+    const double r = glm::length(c), sine = glm::dot(n, c) / glm::length(n) / r;
+    return sine * sine * glm::length(n) / std::pow(r, 4);
+  };
+  EXPECT_NEAR(*factor_of(own, corners, 0) * straight_law(seen[0]) /
+                  (*factor_of(other, corners, 0) * straight_law(seen[1])),
+              1, 1e-9);
 }
 
 }  // namespace

@@ -35,6 +35,8 @@ profile = "gradient"
 surface_height_m = 2
 profile_bottom_m = 80
 gradient_per_s = 0.016
+refraction_gap_m = 0.02
+refraction_tolerance_db = 0.2
 
 [[materials]]
 name = "mud"
@@ -588,11 +590,11 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   const std::string file = folder.scene_file.string();
   EXPECT_EQ(to_string(scene.georeference->place), file + ":3:1");
   EXPECT_EQ(to_string(scene.water.place), file + ":7:1");
-  EXPECT_EQ(to_string(scene.materials[1].place), file + ":26:1");
-  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":30:1");
-  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":33:12");
-  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":89:12");
-  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":155:14");
+  EXPECT_EQ(to_string(scene.materials[1].place), file + ":28:1");
+  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":32:1");
+  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":35:12");
+  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":91:12");
+  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":157:14");
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {
