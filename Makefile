@@ -8,6 +8,7 @@
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
 #   make rays    hold rays in layered water against published ones: validation/rays.md
+#   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
 #   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
@@ -15,7 +16,8 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo test build setup prove bench atlas advise-study track-study rays reference format tidy clean
+.PHONY: demo test build setup prove bench atlas advise-study refraction-study track-study rays reference format tidy \
+  clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -57,6 +59,10 @@ atlas: setup
 advise-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_advise_study
 	build/release/tubefoot_advise_study validation/advise.md scenes/chart/*.toml scenes/*/scene.toml
+
+refraction-study: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_refraction_study
+	build/release/tubefoot_refraction_study scenes/refraction/scene.toml docs/pictures/refraction.png
 
 track-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_track_study

@@ -23,6 +23,7 @@
 #include "geometry/footprint_builder.hpp"
 #include "multibeam_figures.hpp"
 #include "pure_embree.hpp"
+#include "refraction_figures.hpp"
 #include "relief_figures.hpp"
 #include "survey_figures.hpp"
 #include "terrain.hpp"
@@ -190,6 +191,7 @@ int main(int, char** argv) {
     figure("two_thread_speedup", t[0] / t[1]);
   }
   multibeam_figures(figure);
+  refraction_figures(figure);
   didson_figures(figure);
   chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";

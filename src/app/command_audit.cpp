@@ -7,6 +7,7 @@
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "app/refraction.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/survey.hpp"
@@ -21,6 +22,7 @@ int audit_command(const AuditOptions& options) {
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const Scene& scene = survey->scene;
+  refuse_refraction(*survey, false);
   VisibilityOptions visibility;
   visibility.arithmetic = arithmetic_from_name(description.run.arithmetic);
   const std::size_t only = options.sensor ? survey->sensor_named(*options.sensor) : 0;

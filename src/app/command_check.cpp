@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "app/commands.hpp"
+#include "app/refraction.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/survey.hpp"
@@ -73,9 +74,11 @@ void print_cost(const Survey& survey, int threads) {
           const Sensor& sensor = *survey.sensors[s].sensor;
           EchoLaw law{scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, sensor)};
           law.scattering = scene.scattering;
+          if (ground.apparent() != nullptr) law.facet_factor = ground.apparent()->facet_factor;
           BeamPatterns patterns;
           if (sensor.has_patterns()) {
-            patterns = sensor.patterns(survey.sensors[s].shot_pose(ping, shot), scene.sound_speed_m_s, shot);
+            patterns = sensor.patterns(survey.sensors[s].shot_pose(ping, shot),
+                                       survey.sensors[s].sound_speed_m_s, shot);
             law.patterns = &patterns;
           }
           integrate_echo(history, sensor.beam_of_tube(shot),
@@ -106,6 +109,7 @@ int check_command(const CommonOptions& options) {
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   const Scene& scene = survey->scene;
+  refuse_refraction(*survey, false);
   print_warnings(scene.report.warnings, options.quiet);
 
   fmt::print("scene          {}\n",
@@ -126,7 +130,11 @@ int check_command(const CommonOptions& options) {
   fmt::print("vertices       {}\n", scene.mesh.vertices.size());
   fmt::print("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
   fmt::print("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
-  fmt::print("water          {:.2f} m/s\n", scene.sound_speed_m_s);
+  if (scene.water->refracts())
+    fmt::print("water          refracts: profile \"{}\" of {} points\n", description.water.profile,
+               scene.water->profile().points().size());
+  else
+    fmt::print("water          {:.2f} m/s\n", scene.sound_speed_m_s);
   fmt::print("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->load_seconds,
              survey->tree_seconds,
              (static_cast<double>(survey->tree->bytes()) +
@@ -143,6 +151,7 @@ int check_command(const CommonOptions& options) {
         sensor.description().name, pings.times_s.size(), sensor.beams().size(), samples.count,
         samples.first_m, samples.first_m + samples.step_m * samples.count, sensor.frequency_khz(),
         1000 * absorption_db_per_m(scene, sensor));
+    if (pings.water) fmt::print("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);
   }
   print_cost(*survey, limit.threads());
   return 0;

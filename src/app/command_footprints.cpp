@@ -7,6 +7,7 @@
 #include "app/footprint_file.hpp"
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "app/refraction.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/survey.hpp"
@@ -23,6 +24,7 @@ int footprints_command(const FootprintOptions& options) {
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   const Scene& scene = survey->scene;
+  refuse_refraction(*survey, false);
   print_warnings(scene.report.warnings, options.quiet);
   const std::size_t index = survey->sensor_named(options.sensor);
   const SensorPings& pings = survey->sensors[index];
@@ -49,7 +51,7 @@ int footprints_command(const FootprintOptions& options) {
   const InterruptGuard interrupt;
   std::size_t footprints = 0;
   {
-    FootprintFile file(partial, survey->relief.cell_m > 0);
+    FootprintFile file(partial, survey->relief.cell_m > 0 || scene.water->refracts());
     Progress progress("pings", static_cast<std::size_t>(range.last - range.first + 1), options.quiet);
     for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
          ++ping) {

@@ -10,6 +10,7 @@
 #include "app/interrupt.hpp"
 #include "app/output_folder.hpp"
 #include "app/partial_run.hpp"
+#include "app/refraction.hpp"
 #include "app/run_statistics.hpp"
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
@@ -212,6 +213,9 @@ int run_command(const RunOptions& options) {
   stop_if_asked();
   const SimulationStats stats = totals(*survey, *store);
   const std::vector<Recording> recordings = recordings_of(*survey, store);
+  const std::vector<std::string> refraction = refraction_warnings(*survey, stats);
+  print_warnings(refraction, options.quiet);
+  warnings.insert(warnings.end(), refraction.begin(), refraction.end());
   const double simulation_seconds = seconds_since(simulation_start);
 
   const RunDescription& run = description.run;

@@ -99,12 +99,18 @@ void FootprintFile::add(const Scene& scene, const ShotGround& ground, const Hist
   const FootprintSet& set = history.footprints;
   const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
   for (const Footprint& footprint : set.footprints) {
+    const auto true_place = [&](glm::dvec3 seen_m) {
+      const ApparentGround* apparent = ground.apparent();
+      return apparent == nullptr ? seen_m : apparent->true_place(footprint.facet, seen_m, scene.grid);
+    };
+    const double area_ratio =
+        ground.apparent() == nullptr ? 1 : ground.apparent()->area_ratio(footprint.facet, scene.grid);
     OGRMultiPolygon shape;
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       const Piece& piece = set.pieces[footprint.first_piece + p];
       auto* ring = new OGRLinearRing;  // owned by the polygon below
       for (std::uint32_t c = 0; c <= piece.count; ++c) {
-        const glm::dvec3 corner = apex + set.corners_m[piece.first + c % piece.count];
+        const glm::dvec3 corner = true_place(apex + set.corners_m[piece.first + c % piece.count]);
         ring->addPoint(corner.x, corner.y, corner.z);
       }
       auto* polygon = new OGRPolygon;  // owned by the shape
@@ -114,7 +120,7 @@ void FootprintFile::add(const Scene& scene, const ShotGround& ground, const Hist
     std::string occluders;
     for (std::uint32_t k = 0; k < footprint.occluder_count; ++k)
       occluders += fmt::format("{}{}", k == 0 ? "" : " ", set.occluders[footprint.first_occluder + k]);
-    const glm::dvec3 centroid = apex + footprint.centroid_m;
+    const glm::dvec3 centroid = true_place(apex + footprint.centroid_m);
 
     OGRFeature feature(s.layer->GetLayerDefn());
     int f = 0;
@@ -126,7 +132,7 @@ void FootprintFile::add(const Scene& scene, const ShotGround& ground, const Hist
     feature.SetField(f++, scene.report.components[ground.mesh().component[footprint.facet]].name.c_str());
     feature.SetField(f++, scene.description.materials[ground.mesh().material[footprint.facet]].name.c_str());
     for (const double value :
-         {footprint.area_m2, footprint.solid_angle_sr, footprint.grazing_angle_rad * degrees,
+         {area_ratio * footprint.area_m2, footprint.solid_angle_sr, footprint.grazing_angle_rad * degrees,
           footprint.slant_range_min_m, footprint.slant_range_max_m, centroid.x, centroid.y, centroid.z})
       feature.SetField(f++, value);
     feature.SetField(f++, static_cast<GIntBig>(footprint.piece_count));

@@ -14,8 +14,9 @@
 namespace tubefoot {
 
 /// A vector file of footprints: one feature each, a MULTIPOLYGON Z of its convex pieces in the local frame
-/// (east, north, up in metres), with its measures as attributes. The ending chooses the format: .gpkg,
-/// .geojson, .csv (WKT).
+/// (east, north, up in metres), with its measures as attributes. Through refracting water, corners, centroid
+/// and area are true ones; solid angle, grazing angle and ranges are those of the apparent facet. The ending
+/// chooses the format: .gpkg, .geojson, .csv (WKT).
 class FootprintFile {
  public:
   /// Will write to `file`, at close(); with relief, a footprint's facet is one of its shot's ground, and the

@@ -13,6 +13,14 @@
 
 namespace tubefoot {
 
+/// Apparent facets of shots through refracting water (engine/refracted_ground.hpp), and where some have not
+/// exactly one ray: azimuth and elevation in degrees and range in metres, from the sonar in the local frame.
+struct StraighteningCounts {
+  std::uint64_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
+  double largest_gap_m = 0;
+  std::array<double, 3> shadow{}, several{};  ///< the first of each
+};
+
 /// What the simulation of one ping counted. Plain data: it is kept beside the ping's energies.
 struct PingCounts {
   std::uint64_t tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
@@ -27,6 +35,8 @@ struct PingCounts {
   /// Of paths: image apexes, arrivals without scattering, and the energy of each order.
   std::uint64_t images = 0, arrivals = 0;
   std::array<double, 9> energy_of_order{};
+  /// Of refraction, by shot: apparent facets, and those that StraighteningCounts names.
+  StraighteningCounts refraction;
 };
 
 /// How much a run has to keep.

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "app/refraction.hpp"
+
 namespace tubefoot {
 
 nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationStats& stats,
@@ -53,6 +55,7 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
         {"largest", stats.finer_relief_largest},
         {"mean", stats.finer_relief_mean}};
   }
+  if (scene.water->refracts()) json["refraction"] = refraction_json(survey, stats);
   json["facets"] = scene.mesh.facets.size();
   json["pings"] = stats.pings;
   json["tubes"] = stats.tubes;

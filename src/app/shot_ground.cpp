@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "app/refined_bed_file.hpp"
+#include "app/refraction.hpp"
 
 namespace tubefoot {
 namespace {
@@ -112,6 +113,7 @@ double sample_length_m(const Survey& survey, const SharedShots& group) {
 }
 
 ShotGround ground_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot) {
+  if (survey.scene.water->refracts()) return refracted_ground_of(survey, group, ping, shot);
   if (!survey.ground) return ShotGround(survey);
   const std::size_t first = group.sensors.front();
   double nearest = survey.sensors[first].sensor->samples().first_m;

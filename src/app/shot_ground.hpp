@@ -5,6 +5,7 @@
 
 #include "app/survey.hpp"
 #include "engine/ground.hpp"
+#include "engine/refracted_ground.hpp"
 
 namespace tubefoot {
 
@@ -18,18 +19,29 @@ class ShotGround {
         refined_(std::make_unique<RefinedMesh>(std::move(refined))),
         tree_(std::make_unique<SceneTree>(refined_->mesh, SceneTree::Sheets::ignored)) {}
 
-  const FacetMesh& mesh() const { return refined_ ? refined_->mesh : survey_->scene.mesh; }
-  const SceneTree& tree() const { return refined_ ? *tree_ : *survey_->tree; }
-  bool is_own() const { return refined_ != nullptr; }
+  /// As the sonar sees it through refracting water.
+  ShotGround(const Survey& survey, ApparentGround apparent)
+      : survey_(&survey),
+        apparent_(std::make_unique<ApparentGround>(std::move(apparent))),
+        tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::Sheets::ignored)) {}
+
+  const FacetMesh& mesh() const { return is_own() ? own().mesh : survey_->scene.mesh; }
+  const SceneTree& tree() const { return is_own() ? *tree_ : *survey_->tree; }
+  bool is_own() const { return tree_ != nullptr; }
   /// The facet of the unrefined scene that a facet is part of.
   FacetId base_facet(FacetId facet) const {
-    if (refined_) return refined_->parent[facet];
+    if (is_own()) facet = own().parent[facet];
     return survey_->relief.parent.empty() ? facet : survey_->relief.parent[facet];
   }
+  /// Null where facets are where they seem to be.
+  const ApparentGround* apparent() const { return apparent_.get(); }
 
  private:
+  const RefinedMesh& own() const { return apparent_ ? apparent_->refined : *refined_; }
+
   const Survey* survey_;
   std::unique_ptr<RefinedMesh> refined_;
+  std::unique_ptr<ApparentGround> apparent_;
   std::unique_ptr<SceneTree> tree_;
 };
 

@@ -15,6 +15,7 @@
 
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "app/refraction.hpp"
 #include "app/shot_ground.hpp"
 #include "app/usage_error.hpp"
 #include "engine/bistatic_echo.hpp"
@@ -99,8 +100,9 @@ struct SensorLaw {
     law.reflectivity = scene.reflectivity;
     law.scattering = scene.scattering;
     law.apex_m = scene.grid.to_metres(scene.grid.snap(pings.shot_pose(ping, shot).position_m));
+    if (ground.apparent() != nullptr) law.facet_factor = ground.apparent()->facet_factor;
     if (!pings.sensor->has_patterns()) return;
-    patterns = pings.sensor->patterns(pings.shot_pose(ping, shot), scene.sound_speed_m_s, shot);
+    patterns = pings.sensor->patterns(pings.shot_pose(ping, shot), pings.sound_speed_m_s, shot);
     law.patterns = &patterns;
   }
   SensorLaw(const SensorLaw&) = delete;
@@ -213,7 +215,10 @@ class PingTask {
       for (const std::size_t s : group_.sensors) take_paths(shot, s);
       if (only_order_.value_or(1) != 1) continue;
       const ShotGround ground = ground_of(survey_, group_, ping_, shot);
-      if (ground.is_own()) counts_.refined_facets += ground.mesh().facets.size();
+      if (ground.apparent() != nullptr)
+        add_counts(counts_.refraction, *ground.apparent(), survey_, group_, ping_, shot);
+      else if (ground.is_own())
+        counts_.refined_facets += ground.mesh().facets.size();
       if (survey_.sensors[group_.sensors.front()].sensor->has_receiver_apart()) {
         take_bistatic(ground, shot);
         continue;
@@ -369,6 +374,7 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
       throw UsageError(
           fmt::format("'{}' has two receivers, whose phases no reference certifies: leave the sensor out",
                       pings.sensor->description().name));
+  refuse_refraction(survey, reference_tolerance.has_value());
   refuse_bistatic(survey, reference_tolerance.has_value());
   if (const auto material = material_without_enclosure(survey.scene.reflectivity);
       reference_tolerance && material)
@@ -379,7 +385,8 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
   for (const SharedShots& group : survey.shots) left += survey.pings(group);
   left -= store.done_units();
   const ShotGround whole(survey);
-  const Engine engine = survey.ground ? Engine() : make_engine(survey, whole);
+  const bool own_grounds = survey.ground || survey.scene.water->refracts();
+  const Engine engine = own_grounds ? Engine() : make_engine(survey, whole);
   const Binning binning = binning_from_name(survey.scene.description.run.binning);
   Progress progress("pings", left, quiet);
   std::uint64_t label = 0;
@@ -412,6 +419,8 @@ SimulationStats totals(const Survey& survey, const PingStore& store) {
       stats.refined_facets += counts.refined_facets;
       stats.finer_relief_largest = std::max(stats.finer_relief_largest, counts.finer_relief);
       stats.finer_relief_mean += counts.finer_relief / static_cast<double>(units);
+      add_counts(stats.refraction, counts.refraction);
+      stats.shadowed_pings += counts.refraction.in_shadow > 0 ? survey.shots[g].sensors.size() : 0;
       stats.images += counts.images;
       stats.arrivals += counts.arrivals;
       std::transform(counts.energy_of_order.begin(), counts.energy_of_order.end(),
@@ -442,7 +451,7 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
     recording.energy = store->energy(s);
     recording.energy_bound = store->bound(s);
     recording.release = [store, s](std::size_t ping) { store->release(s, ping); };
-    recording.sound_speed_m_s = survey.scene.sound_speed_m_s;
+    recording.sound_speed_m_s = pings.sound_speed_m_s;
     recording.absorption_db_per_km = 1000 * absorption_db_per_m(survey.scene, *pings.sensor);
     recordings.push_back(std::move(recording));
   }

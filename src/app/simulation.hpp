@@ -32,6 +32,8 @@ struct SimulationStats {
   /// Change of a ping's energies by relief finer than its facets (LargestChange): of the worst ping, and the
   /// mean over the pings.
   double finer_relief_largest = 0, finer_relief_mean = 0;
+  StraighteningCounts refraction;
+  std::size_t shadowed_pings = 0;  ///< of which facets were left out in shadows
   ReferenceStats reference;
 };
 

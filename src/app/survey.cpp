@@ -10,6 +10,7 @@
 #include <limits>
 #include <set>
 
+#include "app/refraction.hpp"
 #include "app/shot_ground.hpp"
 #include "app/usage_error.hpp"
 #include "geometry/vertical_line.hpp"
@@ -23,6 +24,10 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 bool same_shots(const Survey& survey, const SensorPings& a, const SensorPings& b) {
+  // Facets return by their rays' absorption, which goes by the frequency.
+  if (a.water &&
+      (a.sensor->frequency_khz() != b.sensor->frequency_khz() || a.sound_speed_m_s != b.sound_speed_m_s))
+    return false;
   if (a.times_s != b.times_s || a.sensor->shots() != b.sensor->shots()) return false;
   if (a.sensor->has_receiver_apart() || b.sensor->has_receiver_apart()) return false;  // two apexes
   const auto same = [](const Pose& p, const Pose& q) {
@@ -163,12 +168,15 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
   survey->tree_seconds = seconds_since(tree_start);
   for (std::size_t s = 0; s < description.sensors.size(); ++s) {
     SensorPings pings;
-    pings.sensor = make_sensor(in_water(description.sensors[s], survey->scene.sound_speed_m_s));
+    const Trajectory& trajectory = survey->scene.trajectories[survey->scene.sensor_trajectory[s]];
+    pings.sound_speed_m_s = sound_speed_at(*survey, description.sensors[s], trajectory);
+    pings.sensor = make_sensor(in_water(description.sensors[s], pings.sound_speed_m_s));
     pings.times_s = pings.sensor->ping_times_s();
-    place_shots(pings, survey->scene.trajectories[survey->scene.sensor_trajectory[s]]);
+    place_shots(pings, trajectory);
     survey->sensors.push_back(std::move(pings));
   }
   check_places(*survey);
+  put_into_water(*survey);
   find_shared_shots(*survey);
   return survey;
 }

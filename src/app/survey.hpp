@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/scene_tree.hpp"
+#include "medium/water_column.hpp"
 #include "scene/scene.hpp"
 #include "sensors/sensor.hpp"
 
@@ -21,7 +22,11 @@ struct SensorPings {
   std::vector<Pose> poses;           ///< at the pings' times
   std::vector<Pose> shot_poses;      ///< [ping][shot], each at its own time
   std::vector<Pose> receiver_poses;  ///< [ping][shot], of a receiver that is apart; else empty
-  std::vector<double> altitudes_m;   ///< above the terrain straight below; not a number where there is none
+  /// At its first place; the scene's, in even water. Travel times times this are slant ranges.
+  double sound_speed_m_s = 1500;
+  std::shared_ptr<const WaterColumn>
+      water;                        ///< with absorption at its frequency; null: even, rays are straight
+  std::vector<double> altitudes_m;  ///< above the terrain straight below; not a number where there is none
 
   const Pose& shot_pose(std::size_t ping, std::size_t shot) const {
     return shot_poses.at(ping * sensor->shots() + shot);
@@ -55,6 +60,7 @@ struct Survey {
   SurveyRelief relief;
   std::unique_ptr<const Ground> ground;  ///< relief online: what shots refine, each for itself (ground_of)
   std::unique_ptr<SceneTree> tree;
+  double lowest_m = 0;                   ///< of the scene, where water refracts: rays do not turn below
   std::shared_ptr<const RayScene> rays;  ///< for runs of the ray engine that share it; others make their own
   std::vector<SensorPings> sensors;
   std::vector<SharedShots> shots;

@@ -44,6 +44,7 @@ void check(const BistaticHistory& history, const BistaticBeams& beams, const Ech
   const bool fans = !beams.fan_of_transmit_tube.empty() || !beams.fan_of_receive_tube.empty();
   if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != heard))
     refuse("fans must be given for all transmit and all receive tubes, or for none");
+  if (!law.facet_factor.empty()) refuse("apparent facets belong to one apex, not to two");
   if (!(law.absorption_db_per_m >= 0 && std::isfinite(law.absorption_db_per_m)))
     refuse(fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
   if (!law.reflectivity.empty() && law.reflectivity.size() != law.material_mu.size())

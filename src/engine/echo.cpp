@@ -33,10 +33,18 @@ class Rows {
     return std::span(echo_.energy).subspan(std::size_t(beam) * echo_.samples, echo_.samples);
   }
 
+  /// Lambert's mu, times the facet's factor.
   double mu(FacetId facet) const {
     if (facet >= law_.material.size() || law_.material[facet] >= law_.material_mu.size())
       throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
-    return law_.material_mu[law_.material[facet]];
+    return law_.material_mu[law_.material[facet]] * factor(facet);
+  }
+  /// The facet's own factor, of any law.
+  double factor(FacetId facet) const {
+    if (law_.facet_factor.empty()) return 1;
+    if (facet >= law_.facet_factor.size())
+      throw std::invalid_argument(fmt::format("facet {} has no factor, others have", facet));
+    return law_.facet_factor[facet];
   }
   /// Null: Lambert's, by mu().
   const ScatteringLaw* scattering(FacetId facet) const {
@@ -94,7 +102,7 @@ bool add_even_footprints(const FootprintSet& set, const RangeSamples& samples, c
       const Piece piece = set.pieces[footprint.first_piece + p];
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
       if (scattering != nullptr)
-        scattering_cutter.add(polygon, *scattering, row);
+        scattering_cutter.add(polygon, *scattering, row, rows.factor(footprint.facet));
       else
         cutter.add(polygon, factor, row);
     }
@@ -131,7 +139,7 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       const Piece piece = set.pieces[footprint.first_piece + p];
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
-      const double lambert_or_one = scattering != nullptr ? 1 : factor;
+      const double lambert_or_one = scattering != nullptr ? rows.factor(footprint.facet) : factor;
       if (texture == nullptr) {
         integrator.add(polygon, plane, frame, footprint.tube, lambert_or_one, echo.energy, scattering);
         continue;
@@ -208,9 +216,10 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
     rows.of_tube(footprint.tube);  // refuses a tube that has no beam
     const double sine = std::sin(footprint.grazing_angle_rad), r2 = range * range;
     const ScatteringLaw* scattering = rows.scattering(footprint.facet);
-    const double cross_section = scattering != nullptr
-                                     ? scattering->cross_section(sine, std::cos(footprint.grazing_angle_rad))
-                                     : rows.mu(footprint.facet) * sine * sine;
+    const double cross_section =
+        scattering != nullptr ? rows.factor(footprint.facet) *
+                                    scattering->cross_section(sine, std::cos(footprint.grazing_angle_rad))
+                              : rows.mu(footprint.facet) * sine * sine;
     const double energy = cross_section * rows.texture_at(footprint.facet, footprint.centroid_m) *
                           footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
     const auto put = [&](std::size_t sample, double part) {
@@ -245,7 +254,7 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, cons
     if (const ScatteringLaw* scattering = rows.scattering(hit.facet)) {
       const double sine = hit.sine_grazing, cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
       if (!(sine > 0)) continue;
-      per_sine = scattering->cross_section(sine, cosine) / sine;
+      per_sine = rows.factor(hit.facet) * scattering->cross_section(sine, cosine) / sine;
     }
     per_sine *= rows.texture_at(hit.facet, r * glm::normalize(glm::dvec3(hit.direction)));
     const double spread = per_sine * hit.solid_angle_sr / (r * r);

@@ -47,6 +47,9 @@ struct EchoLaw {
   const ScatteringLaw* law_of(std::size_t facet) const {
     return scattering.empty() ? nullptr : scattering[material[facet]].get();
   }
+  /// By facet: what it returns over what the straight law makes of it (apparent facets in refracting water,
+  /// medium/straightening.hpp); empty: 1.
+  std::span<const double> facet_factor{};
 };
 
 /// How a footprint's energy gets into range samples.

@@ -105,9 +105,10 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
       const ScatteringLaw* scattering = law.law_of(piece.facet);
       integrator.take_law(scattering);
-      const Ball factor = scattering != nullptr
-                              ? Ball(1)
-                              : Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
+      Ball factor = scattering != nullptr
+                        ? Ball(1)
+                        : Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
+      if (!law.facet_factor.empty()) factor = factor * Ball(law.facet_factor[piece.facet]);
       const double size = factor.hi();
       // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
       std::size_t cells = 1;

@@ -39,7 +39,8 @@ void ScatteringCutter::prepare(const ScatteringLaw& law, double distance_m, std:
   cutter_ = std::make_unique<RangeCutter>(*radial_);
 }
 
-void ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringLaw& law, std::span<double> row) {
+void ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringLaw& law, std::span<double> row,
+                           double factor) {
   if (polygon.offsets.size() < 3 || !(polygon.distance > 0)) return;
   const double near = nearest_point(polygon).range, far = farthest_range(polygon);
   if (!(far > borders_.front() && near < borders_.back())) return;
@@ -50,7 +51,7 @@ void ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringLaw& la
   const auto k0 = std::clamp<std::ptrdiff_t>(first - borders_.begin() - 2, 0, samples - 1);
   const auto k1 = std::clamp<std::ptrdiff_t>(end - borders_.begin() + 1, k0 + 1, samples);
   prepare(law, polygon.distance, std::size_t(k0), std::size_t(k1));
-  cutter_->add(polygon, 1, row.subspan(first_, end_ - first_));
+  cutter_->add(polygon, factor, row.subspan(first_, end_ - first_));
 }
 
 }  // namespace tubefoot

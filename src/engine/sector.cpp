@@ -54,7 +54,7 @@ void Sector::add(const TubeSet& tubes, std::size_t first, std::size_t end) {
     rays.push_back(unit_ray(tubes.rays[name]));
     sum += rays.back();
   }
-  Pyramid pyramid{glm::normalize(sum), 0, {}};
+  Pyramid pyramid{glm::normalize(sum), 0, {}, {}};
   for (const glm::dvec3& ray : rays)
     pyramid.spread_rad = std::max(pyramid.spread_rad, angle(pyramid.axis, ray));
   // The sides of the rays' convex hull: planes through two of them that have none outside. Leaving one out
@@ -77,6 +77,7 @@ void Sector::add(const TubeSet& tubes, std::size_t first, std::size_t end) {
                                      [&](const glm::dvec3& n) { return glm::distance(n, normal) < 1e-7; });
       if (!known) pyramid.inward.push_back(normal);
     }
+  pyramid.rays = std::move(rays);
   pyramids_.push_back(std::move(pyramid));
 }
 
@@ -102,6 +103,54 @@ std::vector<FacetId> Sector::facets(const SceneTree& tree, double margin_m) cons
     // The slack of the sides, on top, at the largest distance.
     const double margin = margin_m / unit_m_ + 4 * slack * reach_ + 1;
     tree.query(apex_, sides, reach_ + margin, margin, all);
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+// Turned by s in its vertical plane, a direction u becomes u cos s + e sin s, with e straight across it.
+bool Sector::may_meet_turned(glm::dvec3 place_m, double radius_m, double turn_rad, double stretch) const {
+  const double range = glm::length(place_m), across = std::hypot(place_m.x, place_m.y);
+  if (stretch * (range - radius_m) > reach_ * unit_m_) return false;
+  if (across <= 2 * radius_m) return true;  // around the vertical, where e turns fast
+  const glm::dvec3 e{-place_m.z * place_m.x / across, -place_m.z * place_m.y / across, across};
+  // Turned points part by as much more as they come farther from the vertical.
+  const double margin =
+      radius_m * (1 + std::abs(place_m.z) / (across - radius_m) * std::sin(turn_rad)) + 4 * slack * range;
+  return std::any_of(pyramids_.begin(), pyramids_.end(), [&](const Pyramid& p) {
+    return std::all_of(p.inward.begin(), p.inward.end(), [&](const glm::dvec3& n) {
+      const double along = glm::dot(n, place_m), beside = std::abs(glm::dot(n, e));
+      const double best = std::atan2(beside, along);  // the turn that leads farthest inside
+      const double inside = best <= turn_rad ? std::hypot(along, beside)
+                                             : along * std::cos(turn_rad) + beside * std::sin(turn_rad);
+      return inside >= -margin;
+    });
+  });
+}
+
+std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_rad, double stretch) const {
+  std::vector<FacetId> all;
+  const double reach = reach_ / stretch;
+  for (const Pyramid& p : pyramids_) {
+    // How far turning moves a direction of the pyramid across a side: sides that it hardly crosses, such as
+    // those of an upright fan, are kept.
+    constexpr double most_crossing = 0.2;
+    std::vector<SceneTree::HalfSpace> sides;
+    double margin = 0;
+    for (const glm::dvec3& n : p.inward) {
+      double crossing = 0;
+      for (const glm::dvec3& u : p.rays) {
+        const double across = std::hypot(u.x, u.y);
+        crossing = std::max(crossing, across > 0 ? std::abs(n.z - u.z * glm::dot(n, u)) / across : 1.0);
+      }
+      // Twice: what lies between the rays.
+      const double moved = 2 * crossing * std::sin(turn_rad);
+      if (crossing > most_crossing || turn_rad > glm::half_pi<double>()) continue;
+      sides.push_back({n.x, n.y, n.z});
+      margin = std::max(margin, moved);
+    }
+    tree.query(apex_, sides, reach + 1, margin * reach + 4 * slack * reach + 1, all);
   }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());

@@ -22,6 +22,12 @@ class Sector {
   /// Facets of a tree that may be looked at when they are moved by up to `margin_m`; by increasing id.
   std::vector<FacetId> facets(const SceneTree& tree, double margin_m) const;
 
+  /// As may_meet(), for a ball whose points are seen, each in its own vertical plane, up to `turn_rad` higher
+  /// or lower than they are, and at `stretch` times their distance or more.
+  bool may_meet_turned(glm::dvec3 place_m, double radius_m, double turn_rad, double stretch) const;
+  /// As facets(), for facets whose points are seen so.
+  std::vector<FacetId> facets_turned(const SceneTree& tree, double turn_rad, double stretch) const;
+
   /// Angle between the rays of the narrowest side of a tube.
   double narrowest_rad() const { return narrowest_rad_; }
 
@@ -30,6 +36,7 @@ class Sector {
     glm::dvec3 axis;
     double spread_rad;               ///< no ray is farther from the axis
     std::vector<glm::dvec3> inward;  ///< unit normals of its sides
+    std::vector<glm::dvec3> rays;
   };
   void add(const TubeSet& tubes, std::size_t first, std::size_t end);
 

@@ -44,4 +44,14 @@ double francois_garrison_absorption_db_per_km(double frequency_khz, double tempe
   return boric + sulphate + water;
 }
 
+double ainslie_mccolm_absorption_db_per_km(double frequency_khz, double temperature_c, double salinity_psu,
+                                           double depth_m, double ph) {
+  const double t = temperature_c, s = salinity_psu, km = depth_m / 1000;
+  const double boric_khz = 0.78 * std::sqrt(s / 35) * std::exp(t / 26);
+  const double sulphate_khz = 42 * std::exp(t / 17);
+  return 0.106 * relaxation(boric_khz, frequency_khz) * std::exp((ph - 8) / 0.56) +
+         0.52 * (1 + t / 43) * (s / 35) * relaxation(sulphate_khz, frequency_khz) * std::exp(-km / 6) +
+         0.00049 * frequency_khz * frequency_khz * std::exp(-(t / 27 + km / 17));
+}
+
 }  // namespace tubefoot

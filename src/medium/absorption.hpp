@@ -15,4 +15,10 @@ double francois_garrison_absorption_db_per_km(double frequency_khz, double tempe
 double francois_garrison_absorption_db_per_km(double frequency_khz, double temperature_c, double salinity_psu,
                                               double depth_m, double ph, double sound_speed_m_s);
 
+/// Absorption of sound in sea water [dB/km, one way] by Ainslie & McColm, JASA 103 (1998) 1671: a shorter
+/// formula for the same three processes, within about 10 % of Francois & Garrison for 0.1 to 1000 kHz, -6 to
+/// 35 degrees Celsius, 5 to 50 PSU, pH 7.7 to 8.3 and depths (positive down) of 0 to 7000 m. Frequency > 0.
+double ainslie_mccolm_absorption_db_per_km(double frequency_khz, double temperature_c, double salinity_psu,
+                                           double depth_m, double ph);
+
 }  // namespace tubefoot

@@ -10,8 +10,6 @@
 #include <limits>
 #include <utility>
 
-#include "medium/absorption.hpp"
-#include "medium/sound_speed.hpp"
 #include "scene/georeference.hpp"
 #include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"
@@ -239,6 +237,7 @@ class Loader {
                 .relief = {},
                 .reflectivity = {},
                 .scattering = load_scattering(description_, report_.warnings),
+                .water = {},
                 .trajectories = std::move(trajectories),
                 .sensor_trajectory = std::move(sensor_trajectory),
                 .report = {}};
@@ -247,9 +246,8 @@ class Loader {
       scene.reflectivity.push_back(load_reflectivity(m, frame_.value_or(LocalFrame()), report_.warnings));
       scene.material_reflection.push_back(m.specular_loss_db ? std::pow(10.0, -*m.specular_loss_db / 10) : 0);
     }
-    const WaterDescription& water = description_.water;
-    scene.sound_speed_m_s = water.sound_speed_m_s.value_or(
-        mackenzie_sound_speed_m_s(water.temperature_c, water.salinity_psu, water.depth_m));
+    scene.water = std::make_shared<const SceneWater>(description_.water);
+    scene.sound_speed_m_s = scene.water->profile().at(description_.water.depth_m);
     scene.frame = frame_.value_or(LocalFrame());
     scene.relief = std::move(relief);
     build_mesh(scene);
@@ -357,11 +355,5 @@ class Loader {
 }  // namespace
 
 Scene load_scene(const SceneDescription& description) { return Loader(description).load(); }
-
-double absorption_db_per_km(const WaterDescription& water, double frequency_khz) {
-  if (water.absorption_db_per_km) return *water.absorption_db_per_km;
-  return francois_garrison_absorption_db_per_km(frequency_khz, water.temperature_c, water.salinity_psu,
-                                                water.depth_m, water.ph);
-}
 
 }  // namespace tubefoot

@@ -9,6 +9,7 @@
 #include "geometry/world_grid.hpp"
 #include "scene/georeference.hpp"
 #include "scene/scene_description.hpp"
+#include "scene/scene_water.hpp"
 #include "scene/trajectory.hpp"
 #include "seabed/elevation_field.hpp"
 #include "seabed/reflectivity_field.hpp"
@@ -44,7 +45,8 @@ struct Scene {
   std::vector<std::shared_ptr<const ElevationField>> relief;           ///< by material; null: facets are flat
   std::vector<std::shared_ptr<const ReflectivityField>> reflectivity;  ///< by material; null: even
   std::vector<std::shared_ptr<const ScatteringLaw>> scattering;        ///< by material; null: Lambert's
-  double sound_speed_m_s = 1500;
+  std::shared_ptr<const SceneWater> water;
+  double sound_speed_m_s = 1500;               ///< of even water; else at the depth that [water] names
   std::vector<Trajectory> trajectories;        ///< as in the description
   std::vector<std::size_t> sensor_trajectory;  ///< per sensor: index of its trajectory
   SceneReport report;
@@ -52,8 +54,5 @@ struct Scene {
 
 /// Loads every file the description names. Throws InputError (with the place that named the file).
 Scene load_scene(const SceneDescription& description);
-
-/// Amplitude-free one-way absorption of the scene's water at a frequency, dB/km.
-double absorption_db_per_km(const WaterDescription& water, double frequency_khz);
 
 }  // namespace tubefoot

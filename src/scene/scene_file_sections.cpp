@@ -29,25 +29,6 @@ void check_georeference(const GeoreferenceDescription& g, const TomlTable& table
   }
 }
 
-void check_water(const WaterDescription& water, const TomlTable& table) {
-  if (water.sound_speed_m_s) return;
-  // Mackenzie 1981 is fitted to these ranges; the temperature's own range is narrow enough.
-  if (water.salinity_psu < 25) {
-    throw InputError(
-        table.place_of("salinity_psu"),
-        fmt::format("the formula for sound speed holds for a 'salinity_psu' of 25 to 40, not {}: give "
-                    "'sound_speed_m_s' for fresh or brackish water",
-                    water.salinity_psu));
-  }
-  if (water.depth_m > 8000) {
-    throw InputError(
-        table.place_of("depth_m"),
-        fmt::format("the formula for sound speed holds for a 'depth_m' of 0 to 8000, not {}: give "
-                    "'sound_speed_m_s' for deeper water",
-                    water.depth_m));
-  }
-}
-
 void check_material(const MaterialDescription& material, const TomlTable& table) {
   check_scattering(material, table);
   if (!material.specular_loss_db || material.law != "lambert") return;  // other laws: load_scattering()
@@ -116,21 +97,6 @@ const TomlSection<GeoreferenceDescription>& georeference_section() {
                  field("crs", &G::crs), field("origin_crs", &G::origin_crs),
                  field("origin_height_m", &G::origin_height_m, {.ranges = {{.lo = -12000, .hi = 12000}}})})
           .check(check_georeference);
-  return section;
-}
-
-const TomlSection<WaterDescription>& water_section() {
-  using W = WaterDescription;
-  static const auto section =
-      TomlSection<W>("[water]")
-          .keys(
-              {field("sound_speed_m_s", &W::sound_speed_m_s, {.ranges = {{.lo = 1300, .hi = 1700}}}),
-               field("absorption_db_per_km", &W::absorption_db_per_km, {.ranges = {{.lo = 0, .hi = 100000}}}),
-               field("temperature_c", &W::temperature_c, {.ranges = {{.lo = -2, .hi = 30}}}),
-               field("salinity_psu", &W::salinity_psu, {.ranges = {{.lo = 0, .hi = 40}}}),
-               field("ph", &W::ph, {.ranges = {{.lo = 6, .hi = 9}}}),
-               field("depth_m", &W::depth_m, {.ranges = {{.lo = 0, .hi = 10000}}})})
-          .check(check_water);
   return section;
 }
 

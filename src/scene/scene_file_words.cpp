@@ -9,7 +9,7 @@ namespace tubefoot {
 namespace {
 
 /// Units that scene files use, and others that a person may try. Longer endings before their own endings.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 32> units{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 33> units{{
     {"db_per_km", "dB/km"},
     {"db_per_m", "dB/m"},
     {"np_per_m", "nepers per metre"},
@@ -31,6 +31,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 32> units{{
     {"ft", "feet"},
     {"nmi", "nautical miles"},
     {"kn", "knots"},
+    {"per_s", "1/s"},
     {"s", "seconds"},
     {"ms", "milliseconds"},
     {"us", "microseconds"},

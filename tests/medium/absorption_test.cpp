@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tubefoot {
@@ -73,6 +74,32 @@ TEST(FrancoisGarrison, BranchesOfPureWaterMeetAtTwentyDegrees) {
   const double below = absorption(1800, 20), above = absorption(1800, 20 + 1e-9);
   EXPECT_NE(below, above);
   EXPECT_NEAR(above / below, 1, 1e-3);
+}
+
+TEST(AinslieMcColm, FrequencyTable) {
+  const struct {
+    double khz, db_per_km;
+  } rows[] = {{12, 1.357},     {30, 7.005},     {38, 10.364},     {70, 24.107},    {100, 34.288},
+              {120, 39.627},   {200, 55.987},   {240, 63.621},    {300, 76.057},   {400, 100.948},
+              {455, 117.218},  {500, 131.968},  {700, 213.645},   {900, 322.067},  {1000, 386.377},
+              {1100, 457.433}, {1200, 535.240}, {1800, 1143.991}, {3000, 3091.706}};
+  for (const auto& row : rows)
+    EXPECT_NEAR(ainslie_mccolm_absorption_db_per_km(row.khz, 10, 35, 10, 8), row.db_per_km, 6e-4) << row.khz;
+}
+
+TEST(AinslieMcColm, AgreesWithFrancoisGarrison) {
+  double largest = 0;
+  for (double khz = 10; khz <= 1000; khz *= 1.01) {
+    for (double t = 0; t <= 30; ++t) {
+      const double fg = absorption(khz, t, 35, 10);
+      largest = std::max(largest, std::abs(ainslie_mccolm_absorption_db_per_km(khz, t, 35, 10, 8) / fg - 1));
+    }
+  }
+  EXPECT_NEAR(largest, 0.085, 1e-3);
+  EXPECT_NEAR(ainslie_mccolm_absorption_db_per_km(1100, 0, 35, 10, 8) / absorption(1100, 0, 35, 10), 0.993,
+              6e-4);
+  EXPECT_NEAR(ainslie_mccolm_absorption_db_per_km(1800, 20, 35, 10, 8) / absorption(1800, 20, 35, 10), 1.061,
+              6e-4);
 }
 
 }  // namespace

@@ -28,6 +28,15 @@ temperature_c = 4
 salinity_psu = 30
 ph = 7.8
 depth_m = 120
+sound_speed_formula = "leroy"
+latitude_deg = -30
+absorption_model = "ainslie-mccolm"
+profile = "gradient"
+surface_height_m = 2
+profile_bottom_m = 80
+gradient_per_s = 0.016
+refraction_gap_m = 0.02
+refraction_tolerance_db = 0.2
 
 [[materials]]
 name = "mud"
@@ -313,6 +322,13 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.water.salinity_psu, 30);
   EXPECT_EQ(scene.water.ph, 7.8);
   EXPECT_EQ(scene.water.depth_m, 120);
+  EXPECT_EQ(scene.water.sound_speed_formula, "leroy");
+  EXPECT_EQ(scene.water.latitude_deg, -30);
+  EXPECT_EQ(scene.water.absorption_model, "ainslie-mccolm");
+  EXPECT_EQ(scene.water.profile, "gradient");
+  EXPECT_EQ(scene.water.surface_height_m, 2);
+  EXPECT_EQ(scene.water.profile_bottom_m, 80);
+  EXPECT_EQ(scene.water.gradient_per_s, 0.016);
 
   ASSERT_EQ(scene.materials.size(), 2u);
   EXPECT_EQ(scene.materials[0].name, "mud");
@@ -556,7 +572,9 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nlaw = \nspecular_db = \nspecular_width_deg = \noblique_db = "
                            "\noblique_exponent = \ntransition_db = \ntransition_width_deg = "
                            "\ntable_grazing_deg = \ntable_db = \ntable_file = \nsediment = "
-                           "\nsediment_khz = \nunbounded = ";  // scattering_keys_test.cpp
+                           "\nsediment_khz = \nunbounded = "  // scattering_keys_test.cpp
+                           "\nprofile_step_m = \nmunk_axis_m = \nmunk_scale_m = \nmunk_epsilon = "
+                           "\nprofile_file = \nprofile_error_m_s = ";  // water_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&
@@ -572,11 +590,11 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   const std::string file = folder.scene_file.string();
   EXPECT_EQ(to_string(scene.georeference->place), file + ":3:1");
   EXPECT_EQ(to_string(scene.water.place), file + ":7:1");
-  EXPECT_EQ(to_string(scene.materials[1].place), file + ":20:1");
-  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":24:1");
-  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":27:12");
-  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":83:12");
-  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":149:14");
+  EXPECT_EQ(to_string(scene.materials[1].place), file + ":28:1");
+  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":32:1");
+  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":35:12");
+  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":91:12");
+  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":157:14");
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/refraction.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "app/usage_error.hpp"
+#include "scene/scene_water.hpp"
+#include "sensors/sidescan.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+constexpr RefinementLimits most_a_shot{20'000'000};
+
+std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
+  return {std::atan2(direction.x, direction.y) * degrees,
+          std::asin(std::clamp(direction.z, -1.0, 1.0)) * degrees, range_m};
+}
+
+Straightening straightening_of(const Survey& survey, const SensorPings& pings, glm::dvec3 apex_m) {
+  const double surface = survey.scene.water->surface_height_m();
+  EigenrayOptions options;
+  options.deepest_turn_m = surface - survey.lowest_m;
+  return Straightening(*pings.water, apex_m, surface, options, pings.sound_speed_m_s);
+}
+
+nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
+  return {{"azimuth_deg", place[0]}, {"elevation_deg", place[1]}, {"range_m", place[2]}};
+}
+
+}  // namespace
+
+double sound_speed_at(const Survey& survey, const SensorDescription& sensor, const Trajectory& trajectory) {
+  const Scene& scene = survey.scene;
+  if (!scene.water->refracts()) return scene.sound_speed_m_s;
+  // Only a place is asked of it: the samples may still change with the speed.
+  const auto provisional = make_sensor(in_water(sensor, scene.sound_speed_m_s));
+  const std::vector<double> times_s = provisional->ping_times_s();
+  const glm::dvec3 at_m = provisional->pose_on(trajectory.at(times_s.front())).position_m;
+  return scene.water->profile().at(scene.water->surface_height_m() - at_m.z);
+}
+
+void put_into_water(Survey& survey) {
+  const Scene& scene = survey.scene;
+  if (!scene.water->refracts()) return;
+  survey.lowest_m = std::numeric_limits<double>::infinity();
+  for (const GridPoint& v : scene.mesh.vertices)
+    survey.lowest_m = std::min(survey.lowest_m, scene.grid.to_metres(v).z);
+  const double surface = scene.water->surface_height_m();
+  for (SensorPings& pings : survey.sensors) {
+    pings.water = std::make_shared<const WaterColumn>(scene.water->column(pings.sensor->frequency_khz()));
+    for (const auto* poses : {&pings.poses, &pings.shot_poses})
+      for (const Pose& pose : *poses)
+        if (!(pose.position_m.z <= surface))
+          throw InputError(
+              pings.sensor->description().place,
+              fmt::format("sensor '{}' is {:.3g} m above the sea surface (at {:.6g} m): lower "
+                          "its trajectory, or raise 'surface_height_m' of [water]",
+                          pings.sensor->description().name, pose.position_m.z - surface, surface));
+  }
+}
+
+void refuse_refraction(const Survey& survey, bool reference) {
+  const Scene& scene = survey.scene;
+  if (!scene.water->refracts()) return;
+  const SceneDescription& d = scene.description;
+  if (reference)
+    throw UsageError(
+        "no reference through water that refracts: how far flat apparent facets are from the curved ones is "
+        "estimated at the middles of their edges, not proven, so that no bound can include it");
+  const auto refuse = [&d](const char* what) {
+    throw InputError(d.water.place,
+                     fmt::format("the water's profile = \"{}\" refracts, and {}", d.water.profile, what));
+  };
+  const auto any = [](const auto& list, const auto& is) { return std::any_of(list.begin(), list.end(), is); };
+  if (survey.ground) refuse("relief is then refined once for all shots: give [relief] mode = \"offline\"");
+  if (any(scene.reflectivity, [](const auto& field) { return field != nullptr; }))
+    refuse("micro-texture would be looked up where facets seem to be: leave out [[materials.reflectivity]]");
+  if (d.sea_surface || d.paths.direct || d.paths.scatterings > 1 || d.paths.order > 1 ||
+      any(scene.material_reflection, [](double r) { return r > 0; }))
+    refuse(
+        "mirrors and further paths need even water: leave out [sea_surface], [paths] and "
+        "'specular_loss_db', or give profile = \"constant\"");
+  for (const SensorPings& pings : survey.sensors)
+    if (pings.sensor->has_receiver_apart())
+      refuse(
+          "what it shows is seen from one place: leave out 'receiver_arm_m', or give profile = "
+          "\"constant\"");
+}
+
+ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                               std::size_t shot) {
+  const Scene& scene = survey.scene;
+  const SensorPings& pings = survey.sensors[group.sensors.front()];
+  const TubeSet tubes = survey.tubes(group, ping, shot);
+  const Straightening straightening = straightening_of(survey, pings, scene.grid.to_metres(tubes.apex));
+  const WaterDescription& keys = scene.description.water;
+  const double sample = sample_length_m(survey, group), reach_m = tubes.reach * scene.grid.unit_m();
+  StraighteningSettings settings;
+  settings.gap_m = keys.refraction_gap_m.value_or(sample / 4);
+  settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
+  // Caustics and the borders of shadows take no more edges than a sector is wide.
+  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * scene.grid.unit_m()});
+  settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
+  const std::vector<FacetId> facets = facets_seen(scene.mesh, *survey.tree, scene.grid, tubes, straightening);
+  try {
+    return ShotGround(survey, straighten(scene.mesh, facets, scene.grid, straightening,
+                                         absorption_db_per_m(scene, *pings.sensor), settings, most_a_shot,
+                                         scene.scattering));
+  } catch (const RefinementTooLarge&) {
+    throw InputError(keys.place,
+                     fmt::format("shot {} of ping {} of sensor '{}' needs more than {} facets to be seen "
+                                 "through the water: raise 'refraction_gap_m' or 'refraction_tolerance_db'",
+                                 shot, ping, pings.sensor->description().name, most_a_shot.facets));
+  } catch (const GridRangeError&) {
+    throw InputError(keys.place,
+                     fmt::format("shot {} of ping {} of sensor '{}' sees facets through the water outside "
+                                 "of the scene's grid: shorten its range",
+                                 shot, ping, pings.sensor->description().name));
+  }
+}
+
+void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Survey& survey,
+                const SharedShots& group, std::size_t ping, std::size_t shot) {
+  StraighteningCounts own;
+  own.facets = ground.refined.mesh.facets.size();
+  own.in_shadow = ground.facets_in_shadow;
+  own.of_several = ground.facets_of_several;
+  own.folded = ground.facets_folded;
+  own.largest_gap_m = ground.largest_gap_m;
+  const glm::dvec3 apex = survey.sensors[group.sensors.front()].shot_pose(ping, shot).position_m;
+  const auto keep = [&](const UnclearPlace& place, std::array<double, 3>& kept) {
+    if (kept[2] == 0) kept = polar(place.direction, glm::distance(place.at_m, apex));
+  };
+  for (const UnclearPlace& place : ground.unclear)
+    keep(place, place.eigenrays == 0 ? own.shadow : own.several);
+  add_counts(counts, own);
+}
+
+void add_counts(StraighteningCounts& sum, const StraighteningCounts& more) {
+  sum.facets += more.facets;
+  if (sum.in_shadow == 0) sum.shadow = more.shadow;
+  if (sum.of_several == 0) sum.several = more.several;
+  sum.in_shadow += more.in_shadow;
+  sum.of_several += more.of_several;
+  sum.folded += more.folded;
+  sum.largest_gap_m = std::max(sum.largest_gap_m, more.largest_gap_m);
+}
+
+nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationStats& stats) {
+  const StraighteningCounts& counts = stats.refraction;
+  nlohmann::ordered_json json{{"profile", survey.scene.description.water.profile},
+                              {"layers", survey.scene.water->profile().layers()},
+                              {"branches", "the first ray to arrive, with one turning point at most"},
+                              {"apparent_facets", counts.facets},
+                              {"largest_gap_m", counts.largest_gap_m},
+                              {"facets_in_shadow", counts.in_shadow},
+                              {"facets_of_several_rays", counts.of_several},
+                              {"facets_folded", counts.folded}};
+  for (const SensorPings& pings : survey.sensors)
+    json["sound_speed_m_s"][pings.sensor->description().name] = pings.sound_speed_m_s;
+  if (counts.in_shadow > 0) {
+    json["pings_with_shadows"] = stats.shadowed_pings;
+    json["first_shadow"] = place_json(counts.shadow);
+  }
+  if (counts.of_several > 0) json["first_of_several"] = place_json(counts.several);
+  return json;
+}
+
+std::vector<std::string> refraction_warnings(const Survey& survey, const SimulationStats& stats) {
+  const StraighteningCounts& counts = stats.refraction;
+  std::vector<std::string> warnings;
+  const auto at = [](const std::array<double, 3>& place) {
+    return fmt::format("the first at azimuth {:.1f} and elevation {:.1f} degrees, {:.4g} m away", place[0],
+                       place[1], place[2]);
+  };
+  const std::string where = to_string(survey.scene.description.water.place);
+  if (counts.in_shadow > 0)
+    warnings.push_back(
+        fmt::format("{}: {} apparent facets of {} pings are left out: no ray leads to them, or to a part of "
+                    "them (a shadow zone); {}",
+                    where, counts.in_shadow, stats.shadowed_pings, at(counts.shadow)));
+  if (counts.of_several > 0)
+    warnings.push_back(
+        fmt::format("{}: several rays lead to {} apparent facets: only the first to arrive, with one turning "
+                    "point at most, is followed; {}",
+                    where, counts.of_several, at(counts.several)));
+  if (counts.folded > 0)
+    warnings.push_back(
+        fmt::format("{}: {} apparent facets are turned over: rays cross before them (a "
+                    "caustic), and energies there are not to be relied on",
+                    where, counts.folded));
+  return warnings;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "app/shot_ground.hpp"
+#include "app/simulation.hpp"
+
+// Sonars in water that refracts (docs/refraction.md).
+namespace tubefoot {
+
+/// Speed of sound where a sensor is first; the scene's, in even water.
+double sound_speed_at(const Survey& survey, const SensorDescription& sensor, const Trajectory& trajectory);
+
+/// Gives each sensor its water, where that refracts. Throws InputError for a sensor above the surface.
+void put_into_water(Survey& survey);
+
+/// Throws InputError, or UsageError for a reference, where a scene asks for what refraction cannot do.
+void refuse_refraction(const Survey& survey, bool reference);
+
+/// The facets of a shot where it sees them. Throws InputError where it takes too many.
+ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                               std::size_t shot);
+
+void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Survey& survey,
+                const SharedShots& group, std::size_t ping, std::size_t shot);
+void add_counts(StraighteningCounts& sum, const StraighteningCounts& more);
+
+/// For stats.json.
+nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationStats& stats);
+/// What a run has to tell of facets without, or with several, rays.
+std::vector<std::string> refraction_warnings(const Survey& survey, const SimulationStats& stats);
+
+}  // namespace tubefoot

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/csv_file.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace tubefoot {
+namespace {
+
+struct Field {
+  std::string_view text;
+  int column = 1;  // of its first character
+};
+
+std::vector<Field> fields_of(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  std::vector<Field> fields;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    std::size_t first = begin, last = end;
+    while (first < last && kBlanks.find(line[first]) != kBlanks.npos) ++first;
+    while (first < last && kBlanks.find(line[last - 1]) != kBlanks.npos) --last;
+    fields.push_back({line.substr(first, last - first), static_cast<int>(first) + 1});
+    begin = end + 1;
+  }
+  return fields;
+}
+
+double number(const Field& field, std::string_view name, const SourcePlace& place) {
+  double value = 0;
+  const char* end = field.text.data() + field.text.size();
+  const auto [rest, error] = std::from_chars(field.text.data(), end, value);
+  if (error != std::errc() || rest != end || !std::isfinite(value)) {
+    throw InputError(place, fmt::format("{} is '{}', expected a finite number", name, field.text));
+  }
+  return value;
+}
+
+class CsvReader {
+ public:
+  CsvReader(const std::filesystem::path& file, std::span<const std::string_view> columns)
+      : place_{file.string(), 0, 0}, columns_(columns) {}
+
+  std::size_t read(const std::function<void(const CsvRow&)>& take) {
+    std::ifstream in(place_.file);
+    if (!in) throw InputError(place_, "cannot be opened: check the path and the permissions");
+    std::size_t rows = 0;
+    for (std::string line; std::getline(in, line);) {
+      ++place_.line;
+      std::string_view text = line;
+      if (place_.line == 1 && text.starts_with("\xEF\xBB\xBF"))
+        text.remove_prefix(3);  // spreadsheets' UTF-8 mark
+      const std::vector<Field> fields = fields_of(text);
+      if ((fields.size() == 1 && fields[0].text.empty()) || fields[0].text.starts_with('#')) continue;
+      if (header_size_ == 0) {
+        read_header(fields);
+      } else {
+        read_row(fields, take);
+        ++rows;
+      }
+    }
+    if (in.bad()) throw InputError(place_, "cannot be read to its end");
+    if (header_size_ == 0) {
+      throw InputError({place_.file, 0, 0},
+                       fmt::format("is empty, expected the header line {}", fmt::join(columns_, ",")));
+    }
+    return rows;
+  }
+
+ private:
+  void read_header(const std::vector<Field>& fields) {
+    header_size_ = fields.size();
+    for (const std::string_view wanted : columns_) {
+      const auto found =
+          std::ranges::find_if(fields, [wanted](const Field& field) { return field.text == wanted; });
+      if (found == fields.end()) {
+        throw InputError(place_, fmt::format("the column {} is missing, expected the header {}", wanted,
+                                             fmt::join(columns_, ",")));
+      }
+      field_of_column_.push_back(static_cast<std::size_t>(found - fields.begin()));
+    }
+  }
+
+  void read_row(const std::vector<Field>& fields, const std::function<void(const CsvRow&)>& take) {
+    if (fields.size() != header_size_) {
+      throw InputError(place_, fmt::format("the row has {} fields, expected {} as in the header",
+                                           fields.size(), header_size_));
+    }
+    std::vector<double> values;
+    std::vector<SourcePlace> places;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const Field& field = fields[field_of_column_[i]];
+      places.push_back({place_.file, place_.line, field.column});
+      values.push_back(number(field, columns_[i], places.back()));
+    }
+    take({values, places});
+  }
+
+  SourcePlace place_;
+  std::span<const std::string_view> columns_;
+  std::size_t header_size_ = 0;
+  std::vector<std::size_t> field_of_column_;
+};
+
+}  // namespace
+
+std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+                     const std::function<void(const CsvRow&)>& take) {
+  return CsvReader(file, columns).read(take);
+}
+
+}  // namespace tubefoot
