@@ -73,8 +73,11 @@ void print_cost(const Survey& survey, int threads) {
         for (const std::size_t s : group.sensors) {
           const Sensor& sensor = *survey.sensors[s].sensor;
           EchoLaw law{scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, sensor)};
+          law.reflectivity = scene.reflectivity;
           law.scattering = scene.scattering;
           if (ground.apparent() != nullptr) law.facet_factor = ground.apparent()->facet_factor;
+          law.apex_m =
+              scene.grid.to_metres(scene.grid.snap(survey.sensors[s].shot_pose(ping, shot).position_m));
           BeamPatterns patterns;
           if (sensor.has_patterns()) {
             patterns = sensor.patterns(survey.sensors[s].shot_pose(ping, shot),

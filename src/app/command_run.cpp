@@ -164,6 +164,8 @@ int run_command(const RunOptions& options) {
   if (options.tolerance && !options.reference) {
     refuse_what_the_tolerance_picks(options);
     tolerance = asked_tolerance(*options.tolerance);
+    // One dial: the ground is refined no further, and no less, unless the scene says how far.
+    if (!description.refinement.tolerance) description.refinement.tolerance = relative_error(*tolerance);
   }
   if (options.reference) {
     reference_tolerance = bound_asked_for(options.tolerance);

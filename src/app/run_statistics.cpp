@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/refraction.hpp"
+#include "engine/ground.hpp"
 
 namespace tubefoot {
 
@@ -45,7 +46,7 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
     const RefinementDescription& keys = scene.description.refinement;
     nlohmann::ordered_json& relief = json["relief"];
     relief = {{"mode", keys.mode}, {"cell_m", survey.relief.cell_m}, {"displace", keys.displace}};
-    if (survey.ground) relief["tolerance"] = keys.tolerance;
+    if (survey.ground) relief["tolerance"] = survey.ground->settings().tolerance;
     relief["base_facets"] = survey.relief.base_facets;
     relief["facets_made"] = survey.ground ? stats.refined_facets : scene.mesh.facets.size();
     relief["uniform_facets"] = survey.relief.uniform_facets;

@@ -66,7 +66,7 @@ std::unique_ptr<Ground> relief_ground(const Scene& scene) {
   return std::make_unique<Ground>(
       scene.mesh, scene.grid, scene.relief,
       GroundSettings{cell_m, keys.displace == "normal" ? Displacement::normal : Displacement::vertical,
-                     keys.tolerance});
+                     keys.tolerance.value_or(GroundSettings().tolerance)});
 }
 
 RefinedMesh refined_bed(const Scene& scene, const Ground& ground) {
@@ -120,6 +120,11 @@ ShotGround ground_of(const Survey& survey, const SharedShots& group, std::size_t
   for (const std::size_t s : group.sensors)
     nearest = std::min(nearest, survey.sensors[s].sensor->samples().first_m);
   const bool apart = survey.sensors[first].sensor->has_receiver_apart();
+  if (apart)  // half the path is longer than the way from the nearer end by up to half of what lies between
+    nearest = std::max(nearest - glm::distance(survey.sensors[first].shot_pose(ping, shot).position_m,
+                                               survey.sensors[first].receiver_pose(ping, shot).position_m) /
+                                     2,
+                       0.0);
   const std::array<TubeSet, 2> tubes{survey.tubes(group, ping, shot),
                                      apart ? survey.receive_tubes(first, ping, shot) : TubeSet{}};
   const double sample = sample_length_m(survey, group);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -292,6 +293,9 @@ class PingTask {
         trace_bistatic(ground.mesh(), ground.tree(), scene.grid.unit_m(), options_of(scene.description.run),
                        survey_.tubes(group_, ping_, shot), survey_.receive_tubes(s, ping_, shot));
     const Clock::time_point start = Clock::now();
+    if (survey_.relief.omitted)
+      finer_relief_ +=
+          largest_change(history, ground.mesh(), *survey_.relief.omitted, sensor.samples().step_m);
     const SensorLaw law(survey_, ground, s, ping_, shot);
     const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
@@ -395,7 +399,12 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
     tbb::parallel_for(std::size_t{0}, survey.pings(group), [&](std::size_t ping) {
       if (store.done(g, ping) || InterruptGuard::requested()) return;
       PingTask task(survey, group, ping, store, binning, reference_tolerance);
-      store.finish(g, ping, task.run(engine, label + ping));
+      const auto run = [&] { store.finish(g, ping, task.run(engine, label + ping)); };
+      // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
+      if (survey.ground)
+        tbb::this_task_arena::isolate(run);
+      else
+        run();
       progress.step();
     });
     label += survey.pings(group);

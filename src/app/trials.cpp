@@ -37,6 +37,8 @@ void trim(Survey& survey, const std::vector<TrialPings>& choice) {
       some.poses.push_back(all.poses[ping]);
       for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot)
         some.shot_poses.push_back(all.shot_pose(ping, shot));
+      for (std::size_t shot = 0; all.sensor->has_receiver_apart() && shot < all.sensor->shots(); ++shot)
+        some.receiver_poses.push_back(all.receiver_pose(ping, shot));
     }
     some.sensor = std::move(all.sensor);
     kept.push_back(std::move(some));

@@ -62,34 +62,71 @@ double omitted_change(const ElevationField::LeftOut& left_out, double edge2_m2, 
          left_out.rms_height_m * cell.sine_grazing / cell.sample_m * std::sqrt(2 / patches);
 }
 
+namespace {
+
+/// To first order, where rays come and go at those grazing angles.
+double change_at(const ElevationField::LeftOut& left, double sine, double sine_back, double sample_m) {
+  return left.largest_slope * (cotangent(sine) + cotangent(sine_back)) +
+         left.largest_height_m * (sine + sine_back) / 2 / sample_m;
+}
+
+struct MeasuredPiece {
+  double area_m2 = 0;
+  glm::dvec3 middle_m{0};
+};
+
+MeasuredPiece measured(std::span<const glm::dvec3> corners) {
+  glm::dvec3 doubled_area{0}, sum{0};
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    sum += corners[c];
+    if (c > 1) doubled_area += glm::cross(corners[c - 1] - corners[0], corners[c] - corners[0]);
+  }
+  return {glm::length(doubled_area) / 2, sum / static_cast<double>(corners.size())};
+}
+
+}  // namespace
+
 LargestChange largest_change(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
                              double sample_m) {
   LargestChange all;
   const auto add = [&](FacetId facet, double weight, double sine) {
     const ElevationField::LeftOut& left =
         omitted.at(longest_edge2(mesh, facet, history.grid_unit_m), mesh.material[facet]);
-    all.weight += weight;
-    all.weighted +=
-        weight * (2 * left.largest_slope * cotangent(sine) + left.largest_height_m * sine / sample_m);
+    all += {weight * change_at(left, sine, sine, sample_m), weight};
   };
   const FootprintSet& set = history.footprints;
   for (const Footprint& f : set.footprints)
     for (std::uint32_t p = 0; p < f.piece_count; ++p) {
       const Piece& piece = set.pieces[f.first_piece + p];
-      glm::dvec3 doubled_area{0}, sum{0};
-      const glm::dvec3 first = set.corners_m[piece.first];
-      for (std::uint32_t c = 0; c < piece.count; ++c) {
-        const glm::dvec3 corner = set.corners_m[piece.first + c];
-        sum += corner;
-        if (c > 1) doubled_area += glm::cross(set.corners_m[piece.first + c - 1] - first, corner - first);
-      }
-      const double range = glm::length(sum) / piece.count;
+      const MeasuredPiece m = measured(std::span(set.corners_m).subspan(piece.first, piece.count));
+      const double range = glm::length(m.middle_m);
       if (!(range > 0)) continue;
       const double sine = std::min(1.0, f.plane_distance_m / range);
-      add(f.facet, glm::length(doubled_area) * sine * sine / std::pow(range, 4), sine);
+      add(f.facet, m.area_m2 * sine * sine / std::pow(range, 4), sine);
     }
   for (const RayHit& h : history.hits)
     add(h.facet, h.solid_angle_sr * h.sine_grazing / (h.slant_range_m * h.slant_range_m), h.sine_grazing);
+  return all;
+}
+
+LargestChange largest_change(const BistaticHistory& history, const FacetMesh& mesh,
+                             const OmittedRelief& omitted, double sample_m) {
+  LargestChange all;
+  const SharedFootprints& shared = history.shared;
+  for (const SharedFacet& f : shared.facets) {
+    const ElevationField::LeftOut& left =
+        omitted.at(longest_edge2(mesh, f.facet, history.grid_unit_m), mesh.material[f.facet]);
+    for (std::uint32_t p = 0; p < f.piece_count; ++p) {
+      const SharedPiece& piece = shared.pieces[f.first_piece + p];
+      const MeasuredPiece m = measured(std::span(shared.corners_m).subspan(piece.first, piece.count));
+      const double there = glm::length(m.middle_m), back = glm::distance(m.middle_m, shared.receiver_m);
+      if (!(there > 0 && back > 0)) continue;
+      const double sine = std::min(1.0, f.transmit_distance_m / there),
+                   sine_back = std::min(1.0, f.receive_distance_m / back),
+                   weight = m.area_m2 * sine * sine_back / (there * there * back * back);
+      all += {weight * change_at(left, sine, sine_back, sample_m), weight};
+    }
+  }
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/bistatic_echo.hpp"
 #include "engine/history.hpp"
 #include "geometry/facet_mesh.hpp"
 #include "seabed/elevation_field.hpp"
@@ -61,5 +62,8 @@ struct LargestChange {
 };
 LargestChange largest_change(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
                              double sample_m);
+/// Of a transmitter and a receiver apart.
+LargestChange largest_change(const BistaticHistory& history, const FacetMesh& mesh,
+                             const OmittedRelief& omitted, double sample_m);
 
 }  // namespace tubefoot

@@ -375,7 +375,9 @@ struct RefinementDescription {
   std::string mode = "online";        ///< online | offline | off
   std::optional<double> cell_m;       ///< else the finest detail of all relief
   std::string displace = "vertical";  ///< vertical | normal
-  double tolerance = 0.01;  ///< online: RMS change of a range sample's energy, relative; 0: cells everywhere
+  /// Online: RMS change of a range sample's energy, relative; 0: cells everywhere; none: 0.01, unless a run
+  /// is asked for a tolerance.
+  std::optional<double> tolerance;
   std::optional<std::string>
       file;  ///< offline: of 'tubefoot refine', resolved; it is no part of the scene hash
   SourcePlace file_place;

@@ -5,6 +5,8 @@
 
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 namespace tubefoot {
@@ -46,6 +48,11 @@ Tolerance parse_tolerance(std::string_view text) {
 
 std::string to_text(const Tolerance& tolerance) {
   return fmt::format("{:g}{}", tolerance.value, tolerance.measure == ErrorMeasure::rms_db ? "dB" : "");
+}
+
+double relative_error(const Tolerance& tolerance) {
+  return tolerance.measure == ErrorMeasure::rms_db ? -std::expm1(-tolerance.value * std::numbers::ln10 / 10)
+                                                   : tolerance.value;
 }
 
 std::string error_text(ErrorMeasure measure, double error) {

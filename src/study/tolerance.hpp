@@ -26,6 +26,9 @@ Tolerance parse_tolerance(std::string_view text);
 /// As parse_tolerance() reads it.
 std::string to_text(const Tolerance& tolerance);
 
+/// As a relative error of a single energy: of so many dB less, which is the smaller way.
+double relative_error(const Tolerance& tolerance);
+
 /// An error in words: "0.0421 dB" or "0.12 %".
 std::string error_text(ErrorMeasure measure, double error);
 

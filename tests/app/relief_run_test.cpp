@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -146,6 +147,84 @@ TEST(ReliefRun, OtherEnginesAndTheReferenceSeeItToo) {
   const Result certified = run_scene(folder, "certified", few, {"--reference", "--tolerance", "1e-6"});
   for (std::size_t k = 0; k < certified.energy.size(); ++k)
     EXPECT_NEAR(certified.energy[k], tubes.energy[k], 1e-6 * tubes.energy[k]);
+}
+
+TEST(ReliefRun, TheRunsToleranceIsTheReliefsUnlessTheSceneSaysOne) {
+  const TestFolder folder;
+  const std::string silent = replaced(replaced(scene, "tolerance = 0", ""), "pings = 3", "pings = 2"),
+                    spoken = replaced(silent, "cell_m = 0.05", "cell_m = 0.05\ntolerance = 0.2");
+  const auto taken = [&](const std::string& name, std::string_view text, std::vector<std::string> more) {
+    return run_scene(folder, name, text, std::move(more)).stats.at("relief").at("tolerance").get<double>();
+  };
+  EXPECT_EQ(taken("default", silent, {}), 0.01);
+  EXPECT_NEAR(taken("db", silent, {"--tolerance", "3dB"}), 1 - std::pow(10, -0.3), 1e-12);
+  EXPECT_EQ(taken("relative", silent, {"--tolerance", "10%"}), 0.1);
+  EXPECT_EQ(taken("spoken", spoken, {"--tolerance", "10%"}), 0.2);
+  // Of a reference it is the bound of the bins, and no wish for the ground.
+  EXPECT_EQ(taken("reference", silent, {"--reference", "--tolerance", "0.1"}), 0.01);
+}
+
+constexpr std::string_view apart = R"(
+lever_arm_m = [-0.4, 0, 0]
+receiver_arm_m = [0.4, 0, 0])";
+
+TEST(ReliefRun, AReceiverApartAndSensorsThatShareShotsSeeTheShotsGround) {
+  const TestFolder folder;
+  const std::string head(scene.substr(0, scene.find("[relief]"))), tail(scene.substr(scene.find("[relief]")));
+  const std::string camera = head.substr(head.find("[[sensors]]"));
+  // The second hears farther: the ground must reach as far as the farthest.
+  const std::string two =
+      head +
+      replaced(replaced(camera, "\"camera\"", "\"far\""), "window_length_m = 2", "window_length_m = 3") +
+      tail;
+  const std::string receiver = replaced(scene, "tilt_deg = 35", "tilt_deg = 35" + std::string(apart));
+  for (const auto& [name, text] : {std::pair<std::string, std::string>{"two", two}, {"apart", receiver}}) {
+    const Result online = run_scene(folder, name + "-online", text),
+                 offline = run_scene(folder, name + "-offline",
+                                     replaced(text, "tolerance = 0", "mode = \"offline\""));
+    ASSERT_FALSE(online.energy.empty());
+    double sum = 0, differ = 0;
+    for (std::size_t k = 0; k < online.energy.size(); ++k) {
+      sum += offline.energy[k];
+      differ += std::abs(online.energy[k] - offline.energy[k]);
+    }
+    EXPECT_GT(sum, 0);
+    EXPECT_LE(differ, 1e-12 * sum) << name;
+    const nlohmann::json &change = online.stats.at("relief").at("change_by_finer_relief"),
+                         &same = offline.stats.at("relief").at("change_by_finer_relief");
+    EXPECT_GT(change.at("largest").get<double>(), 0) << name;
+    EXPECT_NEAR(change.at("mean").get<double>(), same.at("mean").get<double>(),
+                1e-9 * same.at("mean").get<double>())
+        << name;
+  }
+}
+
+TEST(ReliefRun, ShotsThatSeeNoReliefAreThoseOfFlatGround) {
+  const TestFolder folder;
+  // Relief on an object only, beside the track; and a track that looks past everything.
+  const std::string object = replaced(scene, "[[terrain]]",
+                                      R"([[materials]]
+name = "mud"
+lambert_db = -30
+[[objects]]
+name = "stone"
+shape = "sphere"
+radius_m = 0.5
+chord_error_m = 0.01
+material = "sand"
+position_m = [4, 4, 0]
+[[terrain]]
+material = "mud")");
+  const Result with = run_scene(folder, "object", object),
+               flat = run_scene(folder, "flat", replaced(object, "tolerance = 0", "mode = \"off\""));
+  ASSERT_FALSE(with.energy.empty());
+  EXPECT_EQ(with.energy, flat.energy);
+  const Result over = run_scene(
+      folder, "over",
+      replaced(replaced(scene, "[0.2, -5, 1.5]", "[0.2, -5, 50]"), "[0.2, 5, 1.5]", "[0.2, 5, 50]"));
+  ASSERT_FALSE(over.energy.empty());
+  for (const double energy : over.energy) EXPECT_EQ(energy, 0);
+  EXPECT_EQ(over.stats.at("relief").at("facets_made"), 0);
 }
 
 TEST(ReliefRun, RefusesWhatCannotBe) {

@@ -536,6 +536,7 @@ TEST(SceneFile, ReliefIsRefinedOnlineUnlessItSaysOtherwise) {
   EXPECT_EQ(full.mode, "offline");
   EXPECT_EQ(full.cell_m, 0.03);
   EXPECT_EQ(full.displace, "normal");
+  EXPECT_FALSE(full.tolerance.has_value());
   EXPECT_EQ(full.file, (folder.scene_file.parent_path() / "bed.ply").string());
   const FullSceneFolder online(
       replaced(replaced(full_scene, "mode = \"offline\"", "tolerance = 0.2"), "file = \"bed.ply\"", ""));

@@ -67,5 +67,12 @@ TEST(SamplesFor, FollowThePowerLawOfTheLastTrials) {
   EXPECT_FALSE(samples_for(ladder, ErrorMeasure::l1, 1e-4)) << "does not fall";
 }
 
+TEST(Tolerance, OfASingleEnergy) {
+  EXPECT_EQ(relative_error(parse_tolerance("0.1%")), parse_tolerance("1e-3").value);
+  EXPECT_NEAR(relative_error(parse_tolerance("3dB")), 0.4988127663727278, 1e-15);
+  EXPECT_NEAR(relative_error(parse_tolerance("1e-5dB")), 2.3025824e-6, 1e-12);
+  EXPECT_LT(relative_error(parse_tolerance("30dB")), 1);
+}
+
 }  // namespace
 }  // namespace tubefoot
