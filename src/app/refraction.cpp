@@ -110,11 +110,12 @@ ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, s
   // Caustics and the borders of shadows take no more edges than a sector is wide.
   settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * scene.grid.unit_m()});
   settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
-  const std::vector<FacetId> facets = facets_seen(scene.mesh, *survey.tree, scene.grid, tubes, straightening);
+  const Outlook outlook(tubes, scene.grid.unit_m(), straightening);
+  const std::vector<FacetId> facets = outlook.facets(scene.mesh, *survey.tree, scene.grid);
   try {
     return ShotGround(survey, straighten(scene.mesh, facets, scene.grid, straightening,
                                          absorption_db_per_m(scene, *pings.sensor), settings, most_a_shot,
-                                         scene.scattering));
+                                         scene.scattering, &outlook));
   } catch (const RefinementTooLarge&) {
     throw InputError(keys.place,
                      fmt::format("shot {} of ping {} of sensor '{}' needs more than {} facets to be seen "
@@ -125,6 +126,10 @@ ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, s
                      fmt::format("shot {} of ping {} of sensor '{}' sees facets through the water outside "
                                  "of the scene's grid: shorten its range",
                                  shot, ping, pings.sensor->description().name));
+  } catch (const std::range_error& error) {
+    throw InputError(keys.place, fmt::format("shot {} of ping {} of sensor '{}' cannot be seen through the "
+                                             "water: {}, or give the terrain smaller facets",
+                                             shot, ping, pings.sensor->description().name, error.what()));
   }
 }
 

@@ -24,6 +24,9 @@ constexpr double db_per_relative = 4.3429448190325183;
 struct Image {
   glm::dvec3 at_m{0};
   CornerReturn returned;
+  double range_m = 0;
+  /// What a level facet's factor is here, in decibels.
+  double level_db = 0;
   int eigenrays = 0;
   bool seen() const { return eigenrays > 0; }
   /// One ray, whose tube is about as wide as that of a straight one: far from caustics.
@@ -43,8 +46,11 @@ struct PlaceHash {
 class Images {
  public:
   Images(const Straightening& straightening, double reference_absorption_db_per_m,
-         const StraighteningSettings& settings)
-      : straightening_(straightening), absorption_(reference_absorption_db_per_m), settings_(settings) {
+         const StraighteningSettings& settings, const Outlook* outlook)
+      : straightening_(straightening),
+        absorption_(reference_absorption_db_per_m),
+        settings_(settings),
+        outlook_(outlook) {
     const SoundSpeedProfile& profile = straightening.water().profile;
     double slowest = profile.points().front().sound_speed_m_s, steepest = 0;
     for (const ProfilePoint& p : profile.points()) slowest = std::min(slowest, p.sound_speed_m_s);
@@ -58,7 +64,12 @@ class Images {
     if (!found) return {};
     const CornerReturn returned = corner_return(straightening_, point_m, *found, absorption_);
     if (!std::isfinite(returned.spreading)) return {};  // on a caustic, where rays say nothing
-    return {found->at_m, returned, found->eigenrays};
+    // Rays that are nearly level, where they turn, do not make it as small or large as they could.
+    constexpr double least = 0.02;
+    const double sines = std::max(std::abs(found->ray.arrival_sine), least) /
+                         std::max(std::abs(found->ray.launch_sine), least);
+    return {found->at_m, returned, glm::distance(found->at_m, straightening_.apex_m()),
+            db_per_relative * std::log(returned.spreading * sines), found->eigenrays};
   }
 
   /// The gap of an edge, metres. Straight lines are seen curved about as much as rays are, at most g / c per
@@ -71,36 +82,47 @@ class Images {
                                           : std::numeric_limits<double>::infinity();
   }
 
+  /// Short beside its range: the ends say how things change along it.
+  static bool is_short(double length, const Image& from, const Image& to) {
+    return 4 * length < std::min(from.range_m, to.range_m);
+  }
+
   /// Whether the bound of gap_m() will do, and the images of the ends are enough.
   bool surely_whole(const glm::dvec3& a, const glm::dvec3& b, const Image& from, const Image& to) const {
-    return is_fine(glm::distance(a, b), gap_m(a, b, from, to), from, to);
+    const double length = glm::distance(a, b);
+    return is_short(length, from, to) && is_fine(length, gap_m(a, b, from, to), from, to, to);
   }
 
   template <class ImageOf>
   bool cuts(const glm::dvec3& a, const glm::dvec3& b, const Image& from, const Image& to,
             const ImageOf& image_of) const {
     const double length = glm::distance(a, b);
-    if (!(length > settings_.shortest_edge_m)) return false;
+    if (!(length > settings_.shortest_edge_m) || !may_see((a + b) / 2.0, 2 * length)) return false;
     if (from.seen() && to.seen() && surely_whole(a, b, from, to)) return false;
     const Image& middle = image_of((a + b) / 2.0);
-    // Shadows are cut evenly, in and beside them: a border narrowed down between long edges would not end.
-    if (!from.seen() || !to.seen() || !middle.seen()) return length > settings_.shadow_edge_m;
-    return !is_fine(length, gap_m(a, b, from, to, &middle), from, to);
+    // Shadows and caustics are cut evenly, in and beside them: a border narrowed down between long edges
+    // would not end.
+    if (!from.regular() || !to.regular() || !middle.regular()) return length > settings_.shadow_edge_m;
+    return !is_fine(length, gap_m(a, b, from, to, &middle), from, to, middle);
   }
 
-  const Straightening& straightening() const { return straightening_; }
+  bool may_see(const glm::dvec3& centre_m, double radius_m) const {
+    return outlook_ == nullptr || outlook_->may_see(centre_m, radius_m);
+  }
 
  private:
   /// A gap that grows as the square of the way along the edge changes lengths by 4 gap / length at its ends;
   /// one factor for a facet is off by half the change between them.
-  bool is_fine(double length, double gap, const Image& from, const Image& to) const {
-    const double spread = std::abs(std::log(to.returned.spreading / from.returned.spreading)) / 2;
-    return gap <= settings_.gap_m && db_per_relative * (4 * gap / length + spread) <= settings_.tolerance_db;
+  bool is_fine(double length, double gap, const Image& from, const Image& to, const Image& middle) const {
+    const auto [least, most] = std::minmax({from.level_db, to.level_db, middle.level_db});
+    return gap <= settings_.gap_m &&
+           db_per_relative * 4 * gap / length + (most - least) / 2 <= settings_.tolerance_db;
   }
 
   const Straightening& straightening_;
   double absorption_;
   StraighteningSettings settings_;
+  const Outlook* outlook_;
   double bend_per_m_ = 0;
 };
 
@@ -219,14 +241,14 @@ void thin_out(std::vector<UnclearPlace>& unclear) {
   unclear.erase(rest.begin(), rest.end());
 }
 
-double factor_of(const FacetReturn& facet, const ScatteringLaw* law) {
-  if (law == nullptr || !(facet.sine_seen > 0 && facet.sine_true > 0)) return facet.lambert_factor();
+double scattered_over(const GrazingSines& sines, const ScatteringLaw* law) {
+  if (law == nullptr || !(sines.seen > 0 && sines.lies > 0)) return lambert_over(sines);
   const auto sigma = [law](double sine) {
     sine = std::min(sine, 1.0);
     return law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine)));
   };
-  const double seen = sigma(facet.sine_seen);
-  return seen > 0 ? sigma(facet.sine_true) / facet.sine_true * facet.sine_seen / seen * facet.spreading : 0;
+  const double seen = sigma(sines.seen);
+  return seen > 0 ? sigma(sines.lies) / sines.lies * sines.seen / seen : 0;
 }
 
 glm::dvec3 normal_of(const glm::dvec3 (&c)[3]) { return glm::cross(c[1] - c[0], c[2] - c[0]); }
@@ -236,11 +258,12 @@ glm::dvec3 normal_of(const glm::dvec3 (&c)[3]) { return glm::cross(c[1] - c[0], 
 ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                           const Straightening& straightening, double reference_absorption_db_per_m,
                           const StraighteningSettings& settings, const RefinementLimits& limits,
-                          std::span<const std::shared_ptr<const ScatteringLaw>> laws) {
+                          std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                          const Outlook* outlook) {
   if (!(settings.gap_m > 0 && settings.shortest_edge_m > 0 && settings.shadow_edge_m > 0 &&
         settings.tolerance_db > 0))
     throw std::invalid_argument("the lengths and the tolerance of straightening must be above 0");
-  const Images images(straightening, reference_absorption_db_per_m, settings);
+  const Images images(straightening, reference_absorption_db_per_m, settings, outlook);
   FineFacets fine = refined(base, facets, grid, images, limits);
 
   ApparentGround ground;
@@ -270,10 +293,11 @@ ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets
       returns[i] = fine.image[v].returned;
       note(corners[i], fine.image[v]);
     }
-    if (kept && !regular) {
-      const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-      note(centre, images.make(centre));
-    }
+    const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+    const double radius = std::max({glm::distance(corners[0], centre), glm::distance(corners[1], centre),
+                                    glm::distance(corners[2], centre)});
+    if (!images.may_see(centre, radius)) continue;  // a part of a large facet
+    if (kept && !regular) note(centre, images.make(centre));
     if (unclear) ground.unclear.push_back(*unclear);
     ground.facets_of_several += kept && several;
     if (!kept) {
@@ -298,8 +322,9 @@ ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets
     mesh.material.push_back(material);
     mesh.component.push_back(from.component[f]);
     ground.refined.parent.push_back(fine.mesh.parent[f]);
-    ground.facet_factor.push_back(
-        factor_of(facet_return(corners, seen, returns), laws.empty() ? nullptr : laws[material].get()));
+    const ScatteringLaw* law = laws.empty() ? nullptr : laws[material].get();
+    ground.facet_factor.push_back(facet_factor(
+        corners, seen, returns, [law](const GrazingSines& sines) { return scattered_over(sines, law); }));
   }
   ground.truth = std::move(fine.at_m);
   thin_out(ground.unclear);
@@ -330,31 +355,28 @@ double ApparentGround::area_ratio(FacetId facet, const WorldGrid& grid) const {
   return apparent > 0 ? glm::length(normal_of(lies)) / apparent : 0;
 }
 
-double most_turn_rad(const SoundSpeedProfile& profile) {
-  double slowest = profile.points().front().sound_speed_m_s, fastest = slowest;
-  for (const ProfilePoint& p : profile.points()) {
-    slowest = std::min(slowest, p.sound_speed_m_s);
-    fastest = std::max(fastest, p.sound_speed_m_s);
-  }
-  return 2 * std::acos(slowest / fastest);
+Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening)
+    : sector_(tubes, grid_unit_m), apex_m_(straightening.apex_m()) {
+  const std::vector<ProfilePoint>& points = straightening.water().profile.points();
+  const auto [slowest, fastest] = std::ranges::minmax(points, {}, &ProfilePoint::sound_speed_m_s);
+  turn_rad_ = 2 * std::acos(slowest.sound_speed_m_s / fastest.sound_speed_m_s);
+  stretch_ = straightening.reference_speed_m_s() / fastest.sound_speed_m_s;
 }
 
-std::vector<FacetId> facets_seen(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid,
-                                 const TubeSet& tubes, const Straightening& straightening) {
-  const Sector sector(tubes, grid.unit_m());
-  const SoundSpeedProfile& profile = straightening.water().profile;
-  double fastest = 0;
-  for (const ProfilePoint& p : profile.points()) fastest = std::max(fastest, p.sound_speed_m_s);
-  const double turn = most_turn_rad(profile), stretch = straightening.reference_speed_m_s() / fastest;
-  const glm::dvec3 apex = straightening.apex_m();
+bool Outlook::may_see(const glm::dvec3& centre_m, double radius_m) const {
+  return sector_.may_meet_turned(centre_m - apex_m_, radius_m, turn_rad_, stretch_);
+}
+
+std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tree,
+                                     const WorldGrid& grid) const {
   std::vector<FacetId> seen;
-  for (const FacetId f : sector.facets_turned(tree, turn, stretch)) {
+  for (const FacetId f : sector_.facets_turned(tree, turn_rad_, stretch_)) {
     const auto& [a, b, c] = mesh.facets[f];
     const glm::dvec3 p = grid.to_metres(mesh.vertices[a]), q = grid.to_metres(mesh.vertices[b]),
                      r = grid.to_metres(mesh.vertices[c]), centre = (p + q + r) / 3.0;
     const double radius =
         std::max({glm::distance(p, centre), glm::distance(q, centre), glm::distance(r, centre)});
-    if (sector.may_meet_turned(centre - apex, radius, turn, stretch)) seen.push_back(f);
+    if (may_see(centre, radius)) seen.push_back(f);
   }
   return seen;
 }

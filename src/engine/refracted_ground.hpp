@@ -58,22 +58,31 @@ struct ApparentGround {
   double area_ratio(FacetId facet, const WorldGrid& grid) const;
 };
 
+/// Where tubes may look through refracting water: launch directions lie no farther from straight ones than
+/// twice the grazing angle at the slowest depth of a ray that is level at the fastest, and in the same
+/// vertical plane.
+class Outlook {
+ public:
+  Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening);
+  /// False only if no image of a point of the ball is in the tubes' reach.
+  bool may_see(const glm::dvec3& centre_m, double radius_m) const;
+  /// The facets of a mesh that may be seen, by increasing id.
+  std::vector<FacetId> facets(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid) const;
+
+ private:
+  Sector sector_;
+  glm::dvec3 apex_m_;
+  double turn_rad_ = 0, stretch_ = 1;
+};
+
 /// Straightens `facets` of `base` for one apex. `reference_absorption_db_per_m` is what the echo law will
-/// apply to apparent ranges; `laws`: by material, empty or null for Lambert's. Apparent points have to fit
-/// `grid`. The result does not depend on the number of threads. Throws as refine(); std::invalid_argument
-/// unless the settings are above 0.
+/// apply to apparent ranges; `laws`: by material, empty or null for Lambert's; `outlook`: where parts are
+/// cut and kept, null: everywhere. Apparent points have to fit `grid`. The result does not depend on the
+/// number of threads. Throws as refine(); std::invalid_argument unless the settings are above 0.
 ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                           const Straightening& straightening, double reference_absorption_db_per_m,
                           const StraighteningSettings& settings, const RefinementLimits& limits = {},
-                          std::span<const std::shared_ptr<const ScatteringLaw>> laws = {});
-
-/// How far launch directions can lie from straight ones in a water column, radians: twice the grazing angle
-/// at the slowest depth of a ray that turns at the fastest.
-double most_turn_rad(const SoundSpeedProfile& profile);
-
-/// The facets of a mesh that tubes may see through refracting water: none is missing that has an image in the
-/// tubes' reach. By increasing id.
-std::vector<FacetId> facets_seen(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid,
-                                 const TubeSet& tubes, const Straightening& straightening);
+                          std::span<const std::shared_ptr<const ScatteringLaw>> laws = {},
+                          const Outlook* outlook = nullptr);
 
 }  // namespace tubefoot

@@ -52,16 +52,4 @@ CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_
               std::exp(-2 * beyond_db * std::numbers::ln10 / 10)};
 }
 
-FacetReturn facet_return(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
-                         const CornerReturn (&returns)[3]) {
-  const auto sine = [](const glm::dvec3(&c)[3], const glm::dvec3& along) {
-    const glm::dvec3 n = glm::cross(c[1] - c[0], c[2] - c[0]);
-    const double length = glm::length(n) * glm::length(along);
-    return length > 0 ? std::abs(glm::dot(n, along)) / length : 0;
-  };
-  return {sine(corners_m, returns[0].arrival + returns[1].arrival + returns[2].arrival),
-          sine(seen_m, seen_m[0] + seen_m[1] + seen_m[2]),
-          (returns[0].spreading + returns[1].spreading + returns[2].spreading) / 3};
-}
-
 }  // namespace tubefoot

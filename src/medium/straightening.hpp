@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 
@@ -64,19 +66,42 @@ struct CornerReturn {
 CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_m, const ApparentPoint& image,
                            double reference_absorption_db_per_m);
 
+/// Sines of the grazing angles at a facet's corner: of the curved ray on the true facet, and of the straight
+/// one on its image.
+struct GrazingSines {
+  double lies = 0, seen = 0;
+};
+
 /// What a facet returns to the apex, over what the straight law (1 / r^4, reference absorption) makes of its
-/// apparent image: sigma(true) sine_seen / (sine_true sigma(seen)) spreading, by the means of its corners.
+/// apparent image: the mean over its corners of
+///     (sigma(lies) / lies) / (sigma(seen) / seen) spreading.
 /// Energy flux: the sonar sends energy into a tube of launch directions, the facet intercepts it whatever the
 /// tube's shape, scatters about its true normal at the true grazing angle, and the receiver hears through the
 /// tube from the point back. With d the solid angle of launch that facet and image share, the energies are
-/// sigma(true) / sine_true / A_back d and sigma(seen) / sine_seen / R^2 d.
-struct FacetReturn {
-  double sine_true = 0, sine_seen = 0, spreading = 1;
-  /// With Lambert's law; 0 where the image is edge-on.
-  double lambert_factor() const { return sine_seen > 0 ? sine_true / sine_seen * spreading : 0; }
-};
-/// `seen_m`: the image's corners, relative to the apex.
-FacetReturn facet_return(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
-                         const CornerReturn (&returns)[3]);
+/// sigma(lies) / lies / A_back d and sigma(seen) / seen / R^2 d. `seen_m`: the image's corners, relative to
+/// the apex. `scattered_over(sines)`: the first factor; with Lambert's law lies / seen.
+template <class ScatteredOver>
+double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
+                    const CornerReturn (&returns)[3], const ScatteredOver& scattered_over);
+
+/// With Lambert's law; 0 where the image is edge-on.
+inline double lambert_over(const GrazingSines& sines) {
+  return sines.seen > 0 ? sines.lies / sines.seen : 0;
+}
+
+template <class ScatteredOver>
+double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
+                    const CornerReturn (&returns)[3], const ScatteredOver& scattered_over) {
+  const auto sine = [](const glm::dvec3(&c)[3], const glm::dvec3& along) {
+    const glm::dvec3 n = glm::cross(c[1] - c[0], c[2] - c[0]);
+    const double length = glm::length(n) * glm::length(along);
+    return length > 0 ? std::abs(glm::dot(n, along)) / length : 0;
+  };
+  double sum = 0;
+  for (int i = 0; i < 3; ++i)
+    sum += returns[i].spreading *
+           scattered_over(GrazingSines{sine(corners_m, returns[i].arrival), sine(seen_m, seen_m[i])});
+  return sum / 3;
+}
 
 }  // namespace tubefoot

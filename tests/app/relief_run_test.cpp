@@ -165,8 +165,8 @@ TEST(ReliefRun, TheRunsToleranceIsTheReliefsUnlessTheSceneSaysOne) {
 }
 
 constexpr std::string_view apart = R"(
-lever_arm_m = [-0.4, 0, 0]
-receiver_arm_m = [0.4, 0, 0])";
+lever_arm_m = [-0.03, 0, 0]
+receiver_arm_m = [0.03, 0, 0])";
 
 TEST(ReliefRun, AReceiverApartAndSensorsThatShareShotsSeeTheShotsGround) {
   const TestFolder folder;

@@ -249,7 +249,8 @@ TEST(RefractedGround, FacetsSeenHoldAllWithAnImageInTheTubes) {
       TubeSet tubes = fan();
       tubes.reach = reach_m / site.grid.unit_m();
       const Sector sector(tubes, site.grid.unit_m());
-      const std::vector<FacetId> seen = facets_seen(site.base, tree, site.grid, tubes, straightening);
+      const std::vector<FacetId> seen =
+          Outlook(tubes, site.grid.unit_m(), straightening).facets(site.base, tree, site.grid);
       std::size_t inside = 0;
       for (FacetId f = 0; f < site.base.facets.size(); ++f) {
         bool any = false;

@@ -74,7 +74,7 @@ std::optional<double> factor_of(const Straightening& straight, const glm::dvec3 
     seen[i] = image->at_m - straight.apex_m();
     returns[i] = corner_return(straight, corners[i], *image, absorption_db_per_m);
   }
-  return facet_return(corners, seen, returns).lambert_factor();
+  return facet_factor(corners, seen, returns, lambert_over);
 }
 
 TEST(Straightening, FacetFactorIsOneInEvenWater) {
