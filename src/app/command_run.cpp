@@ -126,9 +126,9 @@ void print_relief(const Survey& survey, const SimulationStats& stats) {
     fmt::print("relief: {} facets, made once, in cells of {:g} m\n", survey.scene.mesh.facets.size(),
                survey.relief.cell_m);
   fmt::print(
-      "finer relief would change a ping's energies by {:.2g} at most, {:.2g} in the mean (first-order "
-      "estimate, not certified)\n",
-      stats.finer_relief_largest, stats.finer_relief_mean);
+      "finer relief would change a facet's energy by {:.2g} times itself (RMS), by {:.2g} times at most "
+      "(first-order estimates for the worst ping, not certified)\n",
+      stats.finer_relief_rms, stats.finer_relief_largest);
 }
 
 /// Everything that a result folder holds but stats.json.

@@ -29,9 +29,9 @@ struct PingCounts {
   std::uint64_t bins_over = 0;
   double worst_ratio = 0;
   std::uint32_t worst_sensor = 0, worst_beam = 0, worst_sample = 0, padding = 0;
-  /// With relief: facets made for the ping's shots, and LargestChange::mean() of all of them.
+  /// With relief: facets made for the ping's shots, and what finer relief would change (FinerRelief).
   std::uint64_t refined_facets = 0;
-  double finer_relief = 0;
+  double finer_relief_largest = 0, finer_relief_rms = 0;
   /// Of paths: image apexes, arrivals without scattering, and the energy of each order.
   std::uint64_t images = 0, arrivals = 0;
   std::array<double, 9> energy_of_order{};

@@ -51,10 +51,10 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
     relief["facets_made"] = survey.ground ? stats.refined_facets : scene.mesh.facets.size();
     relief["uniform_facets"] = survey.relief.uniform_facets;
     relief["change_by_finer_relief"] = {
-        {"of", "the energies of a ping, relative"},
-        {"is", "a first-order estimate from the largest omitted slopes and heights: no proven bound"},
-        {"largest", stats.finer_relief_largest},
-        {"mean", stats.finer_relief_mean}};
+        {"of", "a facet's energy, relative; mean over the worst ping, weighed by energy"},
+        {"is", "first-order estimates from what the relief's own statistics leave out: no proven bounds"},
+        {"rms", stats.finer_relief_rms},
+        {"largest", stats.finer_relief_largest}};
   }
   if (scene.water->refracts()) json["refraction"] = refraction_json(survey, stats);
   json["facets"] = scene.mesh.facets.size();

@@ -232,7 +232,8 @@ class PingTask {
                            [&](const History& history) { take(ground, history, shot); });
       counts_.candidates += candidates;
     }
-    counts_.finer_relief = finer_relief_.mean();
+    counts_.finer_relief_largest = finer_relief_.largest;
+    counts_.finer_relief_rms = finer_relief_.rms;
     counts_.visibility_seconds =
         std::chrono::duration<double>(Clock::now() - start).count() - counts_.echo_seconds;
     return counts_;
@@ -244,7 +245,7 @@ class PingTask {
     for (const std::size_t s : group_.sensors) add_echo(ground, history, shot, s);
     if (survey_.relief.omitted)
       finer_relief_ +=
-          largest_change(history, ground.mesh(), *survey_.relief.omitted, sample_length_m(survey_, group_));
+          finer_relief(history, ground.mesh(), *survey_.relief.omitted, sample_length_m(survey_, group_));
     counts_.tubes += history.tubes.tubes.size();
     counts_.footprints += history.footprints.footprints.size();
     counts_.pieces += history.footprints.pieces.size();
@@ -294,8 +295,7 @@ class PingTask {
                        survey_.tubes(group_, ping_, shot), survey_.receive_tubes(s, ping_, shot));
     const Clock::time_point start = Clock::now();
     if (survey_.relief.omitted)
-      finer_relief_ +=
-          largest_change(history, ground.mesh(), *survey_.relief.omitted, sensor.samples().step_m);
+      finer_relief_ += finer_relief(history, ground.mesh(), *survey_.relief.omitted, sensor.samples().step_m);
     const SensorLaw law(survey_, ground, s, ping_, shot);
     const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
@@ -353,7 +353,7 @@ class PingTask {
   PingStore& store_;
   Binning binning_;
   std::optional<double> reference_tolerance_;
-  LargestChange finer_relief_;
+  FinerRelief finer_relief_;
   std::optional<int> only_order_;
   PingCounts counts_;
 };
@@ -414,8 +414,6 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
 SimulationStats totals(const Survey& survey, const PingStore& store) {
   SimulationStats stats;
   PingCounts worst;
-  std::size_t units = 0;
-  for (const SharedShots& group : survey.shots) units += survey.pings(group);
   for (std::size_t g = 0; g < survey.shots.size(); ++g)
     for (std::size_t ping = 0; ping < survey.pings(survey.shots[g]); ++ping) {
       const PingCounts& counts = store.counts(g, ping);
@@ -426,8 +424,8 @@ SimulationStats totals(const Survey& survey, const PingStore& store) {
       stats.pieces += counts.pieces;
       stats.hits += counts.hits;
       stats.refined_facets += counts.refined_facets;
-      stats.finer_relief_largest = std::max(stats.finer_relief_largest, counts.finer_relief);
-      stats.finer_relief_mean += counts.finer_relief / static_cast<double>(units);
+      stats.finer_relief_largest = std::max(stats.finer_relief_largest, counts.finer_relief_largest);
+      stats.finer_relief_rms = std::max(stats.finer_relief_rms, counts.finer_relief_rms);
       add_counts(stats.refraction, counts.refraction);
       stats.shadowed_pings += counts.refraction.in_shadow > 0 ? survey.shots[g].sensors.size() : 0;
       stats.images += counts.images;

@@ -29,9 +29,8 @@ struct SimulationStats {
   std::array<double, 9> energy_of_order{};  ///< by number of interactions
   double visibility_seconds = 0, echo_seconds = 0;
   std::size_t refined_facets = 0;  ///< made for shots, with relief online
-  /// Change of a ping's energies by relief finer than its facets (LargestChange): of the worst ping, and the
-  /// mean over the pings.
-  double finer_relief_largest = 0, finer_relief_mean = 0;
+  /// What finer relief than its facets would change (FinerRelief), of the worst ping.
+  double finer_relief_largest = 0, finer_relief_rms = 0;
   StraighteningCounts refraction;
   std::size_t shadowed_pings = 0;  ///< of which facets were left out in shadows
   ReferenceStats reference;

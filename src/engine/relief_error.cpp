@@ -64,10 +64,13 @@ double omitted_change(const ElevationField::LeftOut& left_out, double edge2_m2, 
 
 namespace {
 
-/// To first order, where rays come and go at those grazing angles.
-double change_at(const ElevationField::LeftOut& left, double sine, double sine_back, double sample_m) {
-  return left.largest_slope * (cotangent(sine) + cotangent(sine_back)) +
-         left.largest_height_m * (sine + sine_back) / 2 / sample_m;
+/// Where rays come and go at those grazing angles.
+FinerRelief change_at(const ElevationField::LeftOut& left, double sine, double sine_back, double sample_m,
+                      double weight) {
+  const double by_slope = cotangent(sine) + cotangent(sine_back),
+               by_height = (sine + sine_back) / 2 / sample_m;
+  return {left.largest_slope * by_slope + left.largest_height_m * by_height,
+          std::hypot(left.rms_slope * by_slope, left.rms_height_m * by_height), weight};
 }
 
 struct MeasuredPiece {
@@ -86,13 +89,22 @@ MeasuredPiece measured(std::span<const glm::dvec3> corners) {
 
 }  // namespace
 
-LargestChange largest_change(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
-                             double sample_m) {
-  LargestChange all;
+FinerRelief& FinerRelief::operator+=(const FinerRelief& o) {
+  if (!(o.weight > 0)) return *this;
+  const double share = o.weight / (weight + o.weight);
+  largest += share * (o.largest - largest);
+  rms += share * (o.rms - rms);
+  weight += o.weight;
+  return *this;
+}
+
+FinerRelief finer_relief(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
+                         double sample_m) {
+  FinerRelief all;
   const auto add = [&](FacetId facet, double weight, double sine) {
     const ElevationField::LeftOut& left =
         omitted.at(longest_edge2(mesh, facet, history.grid_unit_m), mesh.material[facet]);
-    all += {weight * change_at(left, sine, sine, sample_m), weight};
+    all += change_at(left, sine, sine, sample_m, weight);
   };
   const FootprintSet& set = history.footprints;
   for (const Footprint& f : set.footprints)
@@ -109,9 +121,9 @@ LargestChange largest_change(const History& history, const FacetMesh& mesh, cons
   return all;
 }
 
-LargestChange largest_change(const BistaticHistory& history, const FacetMesh& mesh,
-                             const OmittedRelief& omitted, double sample_m) {
-  LargestChange all;
+FinerRelief finer_relief(const BistaticHistory& history, const FacetMesh& mesh, const OmittedRelief& omitted,
+                         double sample_m) {
+  FinerRelief all;
   const SharedFootprints& shared = history.shared;
   for (const SharedFacet& f : shared.facets) {
     const ElevationField::LeftOut& left =
@@ -124,7 +136,7 @@ LargestChange largest_change(const BistaticHistory& history, const FacetMesh& me
       const double sine = std::min(1.0, f.transmit_distance_m / there),
                    sine_back = std::min(1.0, f.receive_distance_m / back),
                    weight = m.area_m2 * sine * sine_back / (there * there * back * back);
-      all += {weight * change_at(left, sine, sine_back, sample_m), weight};
+      all += change_at(left, sine, sine_back, sample_m, weight);
     }
   }
   return all;

@@ -49,21 +49,19 @@ struct Resolution {
 /// RMS change of a range sample's energy, relative, by the relief that a mesh leaves out: an estimate.
 double omitted_change(const ElevationField::LeftOut& left_out, double edge2_m2, const Resolution& cell);
 
-/// Energy-weighted mean, over what a history saw, of the change by finer relief to first order and with the
-/// largest omitted slope and height everywhere at once: an estimate from above, no proof.
-struct LargestChange {
-  double weighted = 0, weight = 0;
-  double mean() const { return weight > 0 ? weighted / weight : 0; }
-  LargestChange& operator+=(const LargestChange& o) {
-    weighted += o.weighted;
-    weight += o.weight;
-    return *this;
-  }
+/// Energy-weighted means, over what a history saw, of how much finer relief would change a facet's energy,
+/// relative and to first order. Estimates; neither is a proven bound.
+struct FinerRelief {
+  double largest = 0;  ///< with the largest omitted slope and height everywhere at once: from above
+  double rms = 0;      ///< with their root mean squares: typical
+  double weight = 0;   ///< of the means in a sum
+
+  FinerRelief& operator+=(const FinerRelief& o);
 };
-LargestChange largest_change(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
-                             double sample_m);
+FinerRelief finer_relief(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
+                         double sample_m);
 /// Of a transmitter and a receiver apart.
-LargestChange largest_change(const BistaticHistory& history, const FacetMesh& mesh,
-                             const OmittedRelief& omitted, double sample_m);
+FinerRelief finer_relief(const BistaticHistory& history, const FacetMesh& mesh, const OmittedRelief& omitted,
+                         double sample_m);
 
 }  // namespace tubefoot

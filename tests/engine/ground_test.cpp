@@ -314,7 +314,7 @@ TEST(Ground, FinerReliefChangesNoMoreThanStated) {
     const std::array<Look, 1> looks{look_of(tubes)};
     const Ground coarse(base, grid, fields, cells(0.05)), fine(base, grid, fields, cells(0.02));
     const Shot a = fired(coarse.seen_by(looks, {}), tubes), b = fired(fine.seen_by(looks, {}), tubes);
-    const double stated = largest_change(a.history, a.ground.mesh, coarse.omitted(), samples.step_m).mean();
+    const double stated = finer_relief(a.history, a.ground.mesh, coarse.omitted(), samples.step_m).largest;
     double changed = 0;
     for (std::size_t k = 0; k < a.echo.energy.size(); ++k)
       changed += std::abs(a.echo.energy[k] - b.echo.energy[k]);
