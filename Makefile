@@ -7,7 +7,7 @@
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
-#   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, drift.png
+#   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
@@ -59,7 +59,8 @@ advise-study: build
 
 track-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_track_study
-	build/release/tubefoot_track_study scenes/textures/track.toml docs/gallery/track.png docs/gallery/drift.png
+	@mkdir -p out
+	build/release/tubefoot_track_study scenes/textures/track.toml docs/gallery/track.png out/drift.png
 
 reference: build
 	tools/reference_pack $(PROGRAM) reference/v1

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t shown = 8, in_a_row = 4;
 constexpr double pixel_m = 0.005, ahead_m = 4.0;  // of the squares' middles
 constexpr int side = 300, gap = 12, head = 84, label = 30;
-constexpr double swing = 0.3;  // of the flattened energies, from dark to bright
+constexpr double swing = 0.2;  // of the flattened energies, from dark to bright
 constexpr Colour mark{0.25f, 0.95f, 1.0f};
 
 /// A pixel of a square: (0, 0) is its top left one, port and farthest ahead.
@@ -54,8 +54,8 @@ TrackStep brightest(const PixelMap& map) {
 }
 
 void ring(Canvas& canvas, double x, double y, double radius) {
-  for (int dy = -20; dy <= 20; ++dy)
-    for (int dx = -20; dx <= 20; ++dx) {
+  for (int dy = -24; dy <= 24; ++dy)
+    for (int dx = -24; dx <= 24; ++dx) {
       const double px = std::floor(x) + dx, py = std::floor(y) + dy;
       const double off = std::abs(std::hypot(px + 0.5 - x, py + 0.5 - y) - radius);
       if (off < 1.8) canvas.blend(static_cast<int>(px), static_cast<int>(py), mark, std::min(1.0, 1.8 - off));
@@ -89,12 +89,12 @@ Canvas draw_drift(const Recording& recording, const std::vector<std::vector<doub
         if (const double value = value_at(maps[ping], place_of(x, y)); !std::isnan(value))
           canvas.fill(x0 + x, y0 + y, x0 + x + 1, y0 + y + 1,
                       DecibelScale::at_level(0.55 + value / (2 * swing)));
-    way.push_back(spot_of(seen_from(recording.ping_pose[ping], place_m)));
     for (const Spot& before : way) {
       const int x = x0 + static_cast<int>(before.x), y = y0 + static_cast<int>(before.y);
       canvas.fill(x - 1, y - 1, x + 2, y + 2, mark);
     }
-    ring(canvas, x0 + way.back().x, y0 + way.back().y, 15);
+    way.push_back(spot_of(seen_from(recording.ping_pose[ping], place_m)));
+    ring(canvas, x0 + way.back().x, y0 + way.back().y, 20);
     canvas.text(x0, y0 + side + label / 2,
                 fmt::format("frame {}   t = {:.1f} s", ping, recording.ping_time_s[ping]), label_size,
                 palette.ink);
