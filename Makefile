@@ -9,7 +9,7 @@
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
 #   make rays    hold rays in layered water against published ones: validation/rays.md
 #   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
-#   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png
+#   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
@@ -66,7 +66,8 @@ refraction-study: build
 
 track-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_track_study
-	build/release/tubefoot_track_study scenes/textures/track.toml docs/gallery/track.png
+	@mkdir -p out
+	build/release/tubefoot_track_study scenes/textures/track.toml docs/gallery/track.png out/drift.png
 
 rays: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_rays

@@ -124,6 +124,19 @@ PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<
   return map;
 }
 
+TrackStep seen_from(const Pose& pose, glm::dvec3 place_m) {
+  const Heading heading(pose);
+  const glm::dvec3 way = place_m - pose.position_m;
+  return {glm::dot(way, heading.starboard), glm::dot(way, heading.ahead)};
+}
+
+glm::dvec3 place_seen(const Pose& pose, TrackStep there, double bed_m) {
+  const Heading heading(pose);
+  const glm::dvec3 place =
+      pose.position_m + there.starboard_m * heading.starboard + there.ahead_m * heading.ahead;
+  return {place.x, place.y, bed_m};
+}
+
 TrackEstimate estimate_track(const Recording& recording, const std::vector<std::vector<double>>& frames,
                              const GroundLayout& layout, int most_shift) {
   TrackEstimate estimate;
@@ -134,11 +147,9 @@ TrackEstimate estimate_track(const Recording& recording, const std::vector<std::
     PixelMap now = ground_picture(recording, ping, frames[ping], layout);
     if (ping > 0) {
       const FrameShift shift = find_shift(before, now, most_shift);
-      const Heading heading(recording.ping_pose[ping - 1]);
-      const glm::dvec3 way = recording.ping_pose[ping].position_m - recording.ping_pose[ping - 1].position_m;
       // What the camera passes moves the other way in its frames.
       const TrackStep measured{-shift.columns * layout.pixel_m, -shift.rows * layout.pixel_m};
-      const TrackStep truth{glm::dot(way, heading.starboard), glm::dot(way, heading.ahead)};
+      const TrackStep truth = seen_from(recording.ping_pose[ping - 1], recording.ping_pose[ping].position_m);
       estimate.worst_pixels =
           std::max(estimate.worst_pixels,
                    std::hypot(measured.starboard_m - truth.starboard_m, measured.ahead_m - truth.ahead_m) /

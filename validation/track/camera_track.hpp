@@ -26,6 +26,11 @@ struct TrackStep {
   double starboard_m = 0, ahead_m = 0;
 };
 
+/// Where a place lies for somebody at a pose: to starboard and ahead in its heading, level.
+TrackStep seen_from(const Pose& pose, glm::dvec3 place_m);
+/// The place on a flat bed of height `bed_m` that lies there.
+glm::dvec3 place_seen(const Pose& pose, TrackStep there, double bed_m);
+
 /// What frames tell of the way between them.
 struct TrackEstimate {
   std::vector<TrackStep> measured, true_steps;  ///< from each frame to the next

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot_track_study SCENE PICTURE: runs the first camera of a scene twice, over its micro-texture and over
-// an even bed with speckle, and estimates the camera's way from neighbouring frames. Writes a diagram of the
-// measured and the true track.
+// tubefoot_track_study SCENE TRACK FRAMES: runs the first camera of a scene twice, over its micro-texture and
+// over an even bed with speckle, and estimates the camera's way from neighbouring frames. Writes a diagram of
+// the measured and the true track, and a sheet of frames on which the texture drifts by.
 #include <fmt/format.h>
 
 #include <exception>
@@ -12,7 +12,7 @@
 #include "sensors/products.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
-#include "track/camera_track.hpp"
+#include "track/drift_sheet.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,7 +20,8 @@ namespace {
 constexpr double pixel_m = 0.01;
 constexpr int most_shift = 12;
 
-TrackEstimate track_of(const SceneDescription& description) {
+/// `sheet`: where to draw the frames; empty: nowhere.
+TrackEstimate track_of(const SceneDescription& description, const std::filesystem::path& sheet = {}) {
   const auto survey = open_survey(description);
   SimulationStats stats;
   const Recording camera = simulate(*survey, false, stats).front();
@@ -28,6 +29,8 @@ TrackEstimate track_of(const SceneDescription& description) {
                        description.water, description.title};
   std::vector<std::vector<double>> frames;
   for (std::size_t ping = 0; ping < camera.pings(); ++ping) frames.push_back(received(camera, run, ping));
+  if (!sheet.empty())
+    draw_drift(camera, frames, 0, label_font()).write_png(sheet, "drift of a texture over camera frames");
   return estimate_track(camera, frames, {0, pixel_m}, most_shift);
 }
 
@@ -39,13 +42,14 @@ PlotSeries line_of(const std::string& name, const std::vector<TrackStep>& steps,
   return series;
 }
 
-int run(const std::filesystem::path& scene, const std::filesystem::path& picture) {
+int run(const std::filesystem::path& scene, const std::filesystem::path& picture,
+        const std::filesystem::path& sheet) {
   SceneDescription textured = read_scene_file(scene), even = textured;
   textured.sensors.resize(1);
   even.sensors.resize(1);
   for (MaterialDescription& material : even.materials) material.reflectivity.clear();
   even.sensors.front().signal.speckle = "rayleigh";
-  const TrackEstimate with = track_of(textured), without = track_of(even);
+  const TrackEstimate with = track_of(textured, sheet), without = track_of(even);
   for (const auto& [name, track] :
        {std::pair{"micro-texture, no speckle", &with}, {"no texture, speckle", &without}})
     fmt::print(
@@ -69,12 +73,12 @@ int run(const std::filesystem::path& scene, const std::filesystem::path& picture
 }  // namespace tubefoot
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    fmt::print(stderr, "usage: tubefoot_track_study SCENE PICTURE\n");
+  if (argc != 4) {
+    fmt::print(stderr, "usage: tubefoot_track_study SCENE TRACK FRAMES\n");
     return 2;
   }
   try {
-    return tubefoot::run(argv[1], argv[2]);
+    return tubefoot::run(argv[1], argv[2], argv[3]);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;
