@@ -131,6 +131,12 @@ class GapRule final : public EdgeRule {
  public:
   explicit GapRule(const Images& images) : images_(images) {}
   bool cuts(const BasePoint& a, const BasePoint& b) const override {
+    // Where images jump, as the first ray to arrive does, cutting need not end beside a long edge that is
+    // fine: there it ends here.
+    constexpr double most_parts = 1 << (deepest_refinement - 2);
+    for (const BasePoint* p : {&a, &b})
+      for (const double weight : p->weight)
+        if (std::floor(weight * most_parts) != weight * most_parts) return false;
     return images_.cuts(a.at_m, b.at_m, of(a.at_m), of(b.at_m),
                         [this](const glm::dvec3& p) -> const Image& { return of(p); });
   }
