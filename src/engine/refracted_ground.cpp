@@ -64,8 +64,9 @@ class Images {
     if (!found) return {};
     const CornerReturn returned = corner_return(straightening_, point_m, *found, absorption_);
     if (!std::isfinite(returned.spreading)) return {};  // on a caustic, where rays say nothing
-    // Rays that are nearly level, where they turn, do not make it as small or large as they could.
-    constexpr double least = 0.02;
+    // Rays that are nearly level, where they turn, do not make it as small or large as they could: little
+    // comes back from there.
+    constexpr double least = 0.1;
     const double sines = std::max(std::abs(found->ray.arrival_sine), least) /
                          std::max(std::abs(found->ray.launch_sine), least);
     return {found->at_m, returned, glm::distance(found->at_m, straightening_.apex_m()),
