@@ -64,8 +64,9 @@ class Images {
     if (!found) return {};
     const CornerReturn returned = corner_return(straightening_, point_m, *found, absorption_);
     if (!std::isfinite(returned.spreading)) return {};  // on a caustic, where rays say nothing
-    // Rays that are nearly level, where they turn, do not make it as small or large as they could.
-    constexpr double least = 0.02;
+    // Rays that are nearly level, where they turn, do not make it as small or large as they could: little
+    // comes back from there.
+    constexpr double least = 0.1;
     const double sines = std::max(std::abs(found->ray.arrival_sine), least) /
                          std::max(std::abs(found->ray.launch_sine), least);
     return {found->at_m, returned, glm::distance(found->at_m, straightening_.apex_m()),
@@ -131,6 +132,12 @@ class GapRule final : public EdgeRule {
  public:
   explicit GapRule(const Images& images) : images_(images) {}
   bool cuts(const BasePoint& a, const BasePoint& b) const override {
+    // Where images jump, as the first ray to arrive does, cutting need not end beside a long edge that is
+    // fine: there it ends here.
+    constexpr double most_parts = 1 << (deepest_refinement - 2);
+    for (const BasePoint* p : {&a, &b})
+      for (const double weight : p->weight)
+        if (std::floor(weight * most_parts) != weight * most_parts) return false;
     return images_.cuts(a.at_m, b.at_m, of(a.at_m), of(b.at_m),
                         [this](const glm::dvec3& p) -> const Image& { return of(p); });
   }

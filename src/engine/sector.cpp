@@ -115,15 +115,15 @@ bool Sector::may_meet_turned(glm::dvec3 place_m, double radius_m, double turn_ra
   if (stretch * (range - radius_m) > reach_ * unit_m_) return false;
   if (across <= 2 * radius_m) return true;  // around the vertical, where e turns fast
   const glm::dvec3 e{-place_m.z * place_m.x / across, -place_m.z * place_m.y / across, across};
+  const double sine = std::sin(turn_rad), cosine = std::cos(turn_rad);
   // Turned points part by as much more as they come farther from the vertical.
-  const double margin =
-      radius_m * (1 + std::abs(place_m.z) / (across - radius_m) * std::sin(turn_rad)) + 4 * slack * range;
+  const double margin = radius_m * (1 + std::abs(place_m.z) / (across - radius_m) * sine) + 4 * slack * range;
   return std::any_of(pyramids_.begin(), pyramids_.end(), [&](const Pyramid& p) {
     return std::all_of(p.inward.begin(), p.inward.end(), [&](const glm::dvec3& n) {
       const double along = glm::dot(n, place_m), beside = std::abs(glm::dot(n, e));
-      const double best = std::atan2(beside, along);  // the turn that leads farthest inside
-      const double inside = best <= turn_rad ? std::hypot(along, beside)
-                                             : along * std::cos(turn_rad) + beside * std::sin(turn_rad);
+      // At most as far inside as that: as far as the best turn leads, or else the largest.
+      if (along * sine >= beside * cosine) return true;
+      const double inside = along * cosine + beside * sine;
       return inside >= -margin;
     });
   });
