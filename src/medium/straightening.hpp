@@ -85,9 +85,7 @@ double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)
                     const CornerReturn (&returns)[3], const ScatteredOver& scattered_over);
 
 /// With Lambert's law; 0 where the image is edge-on.
-inline double lambert_over(const GrazingSines& sines) {
-  return sines.seen > 0 ? sines.lies / sines.seen : 0;
-}
+inline double lambert_over(const GrazingSines& sines) { return sines.seen > 0 ? sines.lies / sines.seen : 0; }
 
 template <class ScatteredOver>
 double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],

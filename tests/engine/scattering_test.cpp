@@ -165,7 +165,8 @@ TEST(ScatteringEcho, EverySampleOfAFanIsASingleIntegral) {
       for (int k = 0; k < samples.count; ++k) {
         const double from = samples.first_m + k * samples.step_m, to = from + samples.step_m;
         const double expected = to > h ? fan_by_quadrature(*laws[l], h, dphi, from, to, absorption) : 0;
-        ASSERT_NEAR(echo.at(0, k), expected, 2e-11 * expected + 1e-15 * total(echo)) << "law " << l << ", sample " << k;
+        ASSERT_NEAR(echo.at(0, k), expected, 2e-11 * expected + 1e-15 * total(echo))
+            << "law " << l << ", sample " << k;
       }
     }
 }
