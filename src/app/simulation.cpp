@@ -141,7 +141,8 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
       d.sea_surface || std::any_of(reflection.begin(), reflection.end(), [](double r) { return r > 0; });
   if (!mirrors && !d.paths.direct && d.paths.scatterings == 1) return std::nullopt;
   PathSettings settings;
-  settings.order = d.paths.order;
+  settings.order = std::min(d.paths.order, std::max(d.paths.only_order.value_or(d.paths.order), 1));
+  settings.most_images = static_cast<std::size_t>(d.paths.most_images);
   settings.cutoff_db = d.paths.cutoff_db;
   settings.direct = d.paths.direct;
   settings.scatterings = d.paths.scatterings;
@@ -149,9 +150,7 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   settings.mirrors.reflection = reflection;
   if (d.sea_surface) {
     const double wave_number = 2000 * std::numbers::pi * frequency_khz / scene.sound_speed_m_s;
-    const GridPoint place =
-        scene.grid.snap({scene.grid.origin_m().x, scene.grid.origin_m().y, d.sea_surface->height_m});
-    settings.mirrors.surface = SeaSurface{place.z, std::pow(10, -d.sea_surface->loss_db / 10),
+    settings.mirrors.surface = SeaSurface{scene.surface_height(), std::pow(10, -d.sea_surface->loss_db / 10),
                                           std::pow(2 * wave_number * d.sea_surface->rms_roughness_m, 2)};
   }
   return settings;
@@ -264,10 +263,16 @@ class PingTask {
     const SensorLaw law(survey_, ShotGround(survey_), s, ping_, shot);
     const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
-    const PathEcho paths =
-        path_echo(scene.mesh, *survey_.tree, scene.grid.unit_m(), options_of(scene.description.run), transmit,
-                  receive, {static_cast<int>(beams.size()), sensor.beam_of_tube(shot), fans, fans},
-                  sensor.samples(), law.law, *settings);
+    PathEcho paths;
+    try {
+      paths = path_echo(scene.mesh, *survey_.tree, scene.grid.unit_m(), options_of(scene.description.run),
+                        transmit, receive,
+                        {static_cast<int>(beams.size()), sensor.beam_of_tube(shot), fans, fans},
+                        sensor.samples(), law.law, *settings);
+    } catch (const std::length_error& error) {
+      throw InputError(sensor.description().place,
+                       fmt::format("sensor '{}', paths: {}", sensor.description().name, error.what()));
+    }
     for (std::size_t order = 0; order < paths.by_order.size(); ++order)
       if (only_order_.value_or(int(order)) == int(order))
         add_order(order, paths.by_order[order].energy, beams, s);

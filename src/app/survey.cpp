@@ -8,11 +8,13 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "app/refraction.hpp"
 #include "app/shot_ground.hpp"
 #include "app/usage_error.hpp"
+#include "geometry/mirror.hpp"
 #include "geometry/vertical_line.hpp"
 #include "sensors/sidescan.hpp"
 
@@ -119,6 +121,24 @@ void check_places(Survey& survey) {
   }
 }
 
+/// Leaves what is in the water. After check_places(), which counts the crossings of whole objects.
+void cut_at_surface(Survey& survey) {
+  Scene& scene = survey.scene;
+  if (!scene.description.sea_surface || survey.ground) return;  // no path follows ground of its own
+  const std::int32_t height = scene.surface_height();
+  const auto& vertices = scene.mesh.vertices;
+  if (std::all_of(vertices.begin(), vertices.end(), [=](GridPoint v) { return v.z <= height; })) return;
+  std::vector<FacetId> all(scene.mesh.facets.size());
+  std::iota(all.begin(), all.end(), FacetId{0});
+  MeshPart wet = in_front_of(MirrorPlane::horizontal(height), scene.mesh, all);
+  scene.mesh = std::move(wet.mesh);
+  if (!survey.relief.parent.empty()) {
+    for (FacetId& facet : wet.origin) facet = survey.relief.parent[facet];
+    survey.relief.parent = std::move(wet.origin);
+  }
+  survey.tree = std::make_unique<SceneTree>(scene.mesh);
+}
+
 /// Half of the path from transmitter to receiver is no less than the range from either of them, less half of
 /// the way between them.
 TubeSet reaching_beyond(const SensorPings& pings, std::size_t ping, std::size_t shot, double unit_m,
@@ -176,6 +196,7 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
     survey->sensors.push_back(std::move(pings));
   }
   check_places(*survey);
+  cut_at_surface(*survey);
   put_into_water(*survey);
   find_shared_shots(*survey);
   return survey;

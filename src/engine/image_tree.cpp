@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/image_tree.hpp"
 
+#include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -56,31 +58,50 @@ std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
 
 struct ImageFinder::State {
   State(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
-        const Mirrors& mirrors, double least_loss)
-      : mesh_(mesh), tree_(tree), options_(options), mirrors_(mirrors), least_loss_(least_loss) {
+        const Mirrors& mirrors, double least_loss, std::size_t most_images)
+      : mesh_(mesh),
+        tree_(tree),
+        options_(options),
+        mirrors_(mirrors),
+        least_loss_(least_loss),
+        most_images_(most_images) {
     options_.open_water = mirrors.surface.has_value();
-    if (mirrors.surface)
-      all_below_ = std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
-                               [&](GridPoint v) { return v.z < mirrors.surface->height; });
+    if (!mirrors.surface) return;
+    // As in_front_of() has it: what touches the surface from below stays as it is, what lies in it does not.
+    const auto height = [&](VertexId v) { return mesh.vertices[v].z; };
+    all_below_ = std::all_of(mesh.facets.begin(), mesh.facets.end(), [&](const auto& facet) {
+      const auto [least, most] = std::minmax({height(facet[0]), height(facet[1]), height(facet[2])});
+      return most <= mirrors.surface->height && least < mirrors.surface->height;
+    });
   }
 
-  std::vector<Image> grow(TubeSet tubes, int most_mirrors) {
+  std::vector<Image> grow(TubeSet tubes, int most_mirrors, std::optional<GridPoint> heard_at) {
     std::vector<Image> images(1);
     Image& root = images.front();
     root.windows = std::move(tubes);
     root.mesh = &mesh_;
     root.tree = &tree_;
     for (std::uint32_t t = 0; t < root.windows.tubes.size(); ++t) root.own_tube.push_back(t);
-    if (most_mirrors < 1) look(root);
+    std::atomic<std::size_t> found{0};
     for (std::size_t first = 0, end = 1; first < end; first = end, end = images.size()) {
-      if (int(images[first].mirrors) >= most_mirrors) break;
-      tbb::parallel_for(first, end, [&](std::size_t i) { look(images[i]); });
+      const int mirrors = int(images[first].mirrors);
+      if (mirrors < most_mirrors || !heard_at)
+        tbb::parallel_for(first, end, [&](std::size_t i) { look(images[i]); });
+      if (mirrors >= most_mirrors) break;
+      const Wanted wanted{mirrors + 1 == most_mirrors ? heard_at : std::nullopt, found};
       std::vector<std::vector<Image>> children(end - first);
-      tbb::parallel_for(first, end, [&](std::size_t i) { children[i - first] = children_of(images[i]); });
+      tbb::parallel_for(first, end,
+                        [&](std::size_t i) { children[i - first] = children_of(images[i], wanted); });
       for (auto& some : children) std::move(some.begin(), some.end(), std::back_inserter(images));
     }
     return images;
   }
+
+  /// Which images are kept, and how many of them there are so far.
+  struct Wanted {
+    std::optional<GridPoint> heard_at;
+    std::atomic<std::size_t>& found;
+  };
 
   void look(Image& image) {
     image.seen.resize(image.windows.tubes.size());
@@ -89,9 +110,9 @@ struct ImageFinder::State {
     });
   }
 
-  std::vector<Image> children_of(const Image& image) const {
+  std::vector<Image> children_of(const Image& image, const Wanted& wanted) const {
     std::vector<Image> children;
-    if (mirrors_.surface) add_surface(image, children);
+    if (mirrors_.surface) add_surface(image, wanted, children);
     std::map<MirrorPlane, std::map<double, std::vector<Cone>>> facets;  // by plane and reflection
     for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
       const TubeVisibility& seen = image.seen[tube];
@@ -110,11 +131,11 @@ struct ImageFinder::State {
     }
     for (const auto& [plane, by_reflection] : facets)
       for (const auto& [reflection, cones] : by_reflection)
-        add_child(image, plane, reflection, cones, false, children);
+        add_child(image, plane, reflection, cones, false, wanted, children);
     return children;
   }
 
-  void add_surface(const Image& image, std::vector<Image>& children) const {
+  void add_surface(const Image& image, const Wanted& wanted, std::vector<Image>& children) const {
     const MirrorPlane plane = MirrorPlane::horizontal(mirrors_.surface->height);
     if (plane.side(image.windows.apex) <= 0) return;
     std::vector<Cone> cones;
@@ -129,11 +150,12 @@ struct ImageFinder::State {
         if (cone.corners.size() >= 3) cones.push_back(std::move(cone));
       }
     }
-    add_child(image, plane, mirrors_.surface->reflection, cones, true, children);
+    add_child(image, plane, mirrors_.surface->reflection, cones, true, wanted, children);
   }
 
   void add_child(const Image& image, const MirrorPlane& plane, double reflection,
-                 const std::vector<Cone>& cones, bool is_surface, std::vector<Image>& children) const {
+                 const std::vector<Cone>& cones, bool is_surface, const Wanted& wanted,
+                 std::vector<Image>& children) const {
     if (cones.empty()) return;
     const GridPoint apex = plane.image(image.windows.apex);
     // As far behind the mirror as the image is in front of it; a rounded one may have come to lie in it.
@@ -164,9 +186,22 @@ struct ImageFinder::State {
     }
     if (windows.tubes().tubes.empty()) return;
     child.windows = windows.tubes();
+    if (wanted.heard_at && !has_window_to(child, *wanted.heard_at)) return;
+    if (++wanted.found > most_images_)
+      throw std::length_error(
+          fmt::format("more than {} images of one apex, of up to {} mirrors: a mirror of many small facets "
+                      "has as many images; make it coarser, follow fewer orders or cut off sooner",
+                      most_images_, child.mirrors));
     child.own_tube = windows.labels();
     place(child, plane, is_surface);
     children.push_back(std::move(child));
+  }
+
+  static bool has_window_to(const Image& image, GridPoint place) {
+    const GridPoint along = place - image.windows.apex;
+    for (std::uint32_t window = 0; window < image.windows.tubes.size(); ++window)
+      if (holds(image.windows, window, along, window_border_rad)) return true;
+    return false;
   }
 
   /// No less than what passes anywhere in a cone: the sine to a plane is smallest in a corner, unless the
@@ -217,21 +252,23 @@ struct ImageFinder::State {
   VisibilityOptions options_;
   const Mirrors& mirrors_;
   double least_loss_;
+  std::size_t most_images_;
   bool all_below_ = false;
   tbb::enumerable_thread_specific<VisibilityScratch> scratch_;
 };
 
 ImageFinder::ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
-                         const Mirrors& mirrors, double least_loss)
-    : state_(std::make_unique<State>(mesh, tree, options, mirrors, least_loss)) {
+                         const Mirrors& mirrors, double least_loss, std::size_t most_images)
+    : state_(std::make_unique<State>(mesh, tree, options, mirrors, least_loss, most_images)) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("multiple paths need an exact arithmetic: fixed, filtered or rational");
 }
 
 ImageFinder::~ImageFinder() = default;
 
-std::vector<Image> ImageFinder::images_of(TubeSet tubes, int most_mirrors) const {
-  return state_->grow(std::move(tubes), most_mirrors);
+std::vector<Image> ImageFinder::images_of(TubeSet tubes, int most_mirrors,
+                                          std::optional<GridPoint> heard_at) const {
+  return state_->grow(std::move(tubes), most_mirrors, heard_at);
 }
 
 }  // namespace tubefoot

@@ -54,19 +54,24 @@ struct Image {
   std::shared_ptr<const World> world;
 };
 
+/// Directions that near to a window's border are taken as in it: windows are rounded to half of this.
+constexpr double window_border_rad = 4e-9;
+
 /// Finds the images of apexes over one mesh. Thread-safe; results do not depend on the threads.
 class ImageFinder {
  public:
   /// `options` must name an exact arithmetic. Windows through which no more than `least_loss` passes are left
   /// out. What is referred to must outlive it.
   ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
-              const Mirrors& mirrors, double least_loss);
+              const Mirrors& mirrors, double least_loss, std::size_t most_images);
   ~ImageFinder();
 
-  /// The apex of `tubes` (first) and its images in up to `most_mirrors` mirrors, those of fewer first. Images
-  /// of fewer than `most_mirrors`, and the apex in any case, have looked. tubes.reach should be twice the
-  /// longest half path: a path may lie all on one side.
-  std::vector<Image> images_of(TubeSet tubes, int most_mirrors) const;
+  /// The apex of `tubes` (first) and its images in up to `most_mirrors` mirrors, those of fewer first. All
+  /// have looked; but with `heard_at`, images in `most_mirrors` mirrors have not, and are only those that
+  /// have a window towards that place. tubes.reach should be twice the longest half path: a path may lie all
+  /// on one side. Throws std::length_error if there are more images than `most_images`.
+  std::vector<Image> images_of(TubeSet tubes, int most_mirrors,
+                               std::optional<GridPoint> heard_at = std::nullopt) const;
 
  private:
   struct State;

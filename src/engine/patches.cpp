@@ -3,9 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -46,7 +50,7 @@ GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dv
 }  // namespace
 
 std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SharedFootprints& seen,
-                              double unit_m, double longest_m) {
+                              double unit_m, double longest_m, std::span<const std::uint32_t> label_of_tube) {
   double about = 0;
   for (const SharedPiece& piece : seen.pieces)
     for (std::uint32_t k = 2; k < piece.count; ++k) {
@@ -62,9 +66,25 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
                     longest_m, about, most_patches));
   std::vector<Patch> patches;
   std::vector<Triangle> left;
-  for (const SharedFacet& facet : seen.facets)
-    for (std::uint32_t i = 0; i < facet.piece_count; ++i) {
-      const SharedPiece& piece = seen.pieces[facet.first_piece + i];
+  // Each tube that sees a facet has an entry for it.
+  std::vector<const SharedFacet*> by_facet;
+  for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
+  std::stable_sort(by_facet.begin(), by_facet.end(),
+                   [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
+  std::map<std::array<std::int64_t, 4>, Patch> gathered;  // by label and cube
+  for (auto first = by_facet.begin(), end = first; first != by_facet.end(); first = end) {
+    const SharedFacet& facet = **first;
+    std::vector<SharedPiece> pieces;
+    for (; end != by_facet.end() && (*end)->facet == facet.facet; ++end)
+      for (std::uint32_t i = 0; i < (*end)->piece_count; ++i)
+        pieces.push_back(seen.pieces[(*end)->first_piece + i]);
+    // Cubes begin at the corner of what is seen of the facet, so that a small one is not cut by them.
+    glm::dvec3 corner(std::numeric_limits<double>::infinity());
+    for (const SharedPiece& piece : pieces)
+      for (std::uint32_t k = 0; k < piece.count; ++k)
+        corner = glm::min(corner, seen.corners_m[piece.first + k]);
+    gathered.clear();
+    for (const SharedPiece& piece : pieces) {
       for (std::uint32_t k = 2; k < piece.count; ++k)
         left.push_back({seen.corners_m[piece.first], seen.corners_m[piece.first + k - 1],
                         seen.corners_m[piece.first + k]});
@@ -79,18 +99,26 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
           left.push_back({middle, t[(k + 1) % 3], t[(k + 2) % 3]});
           continue;
         }
-        Patch patch;
-        patch.facet = facet.facet;
+        const double area_m2 = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
+        if (!(area_m2 > 0)) continue;
+        const glm::dvec3 middle = (t[0] + t[1] + t[2]) / 3.0,
+                         cube = glm::floor((middle - corner) * (2 / longest_m));
+        const std::int64_t label = label_of_tube.empty() ? 0 : label_of_tube[piece.transmit_tube];
+        Patch& patch = gathered[{label, std::int64_t(cube.x), std::int64_t(cube.y), std::int64_t(cube.z)}];
         patch.tube = piece.transmit_tube;
-        patch.from_apex_m = (t[0] + t[1] + t[2]) / 3.0;
-        patch.normal = facet.plane_normal;
-        patch.plane_distance_m = facet.transmit_distance_m;
-        patch.area_m2 = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
-        if (!(patch.area_m2 > 0)) continue;
-        patch.centre = in_front(mesh, facet.facet, apex, patch.from_apex_m / unit_m, patch.normal);
-        patches.push_back(patch);
+        patch.from_apex_m += area_m2 * middle;  // the sum, so far
+        patch.area_m2 += area_m2;
       }
     }
+    for (auto& [key, patch] : gathered) {
+      patch.facet = facet.facet;
+      patch.from_apex_m /= patch.area_m2;
+      patch.normal = facet.plane_normal;
+      patch.plane_distance_m = facet.transmit_distance_m;
+      patch.centre = in_front(mesh, facet.facet, apex, patch.from_apex_m / unit_m, patch.normal);
+      patches.push_back(patch);
+    }
+  }
   return patches;
 }
 

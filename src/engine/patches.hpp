@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "geometry/shared_footprints.hpp"
@@ -10,10 +11,10 @@
 // What an apex sees, in pieces small enough to be taken for points. docs/paths.md
 namespace tubefoot {
 
-/// A triangle of a footprint.
+/// Some triangles of footprints, close together on a facet.
 struct Patch {
   FacetId facet = 0;
-  std::uint32_t tube = 0;       ///< the apex's that sees it
+  std::uint32_t tube = 0;       ///< one of the apex's that see it
   GridPoint centre;             ///< rounded to the grid, on the apex's side of the facet's plane
   glm::dvec3 from_apex_m{0};    ///< the centre, not rounded
   glm::dvec3 normal{0};         ///< unit, to the apex's side
@@ -22,9 +23,11 @@ struct Patch {
 };
 
 /// All that an apex sees (shared_with_itself()), cut at the middles of longest edges until none is longer
-/// than `longest_m`. Throws std::length_error if that would be more than a hundred million patches.
+/// than `longest_m`; then those of a facet whose middles lie in the same cube of half that edge, and whose
+/// tubes have the same label, are one. Labels may be empty: all tubes have the same. Throws std::length_error
+/// if that would be more than a hundred million patches.
 std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SharedFootprints& seen,
-                              double unit_m, double longest_m);
+                              double unit_m, double longest_m, std::span<const std::uint32_t> label_of_tube);
 
 /// Tubes that look from a patch to its whole front side, but for caps of 1e-3 rad about an axis in its plane.
 TubeSet front_tubes(const Patch& patch, double reach);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/path_echo.hpp"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "engine/patches.hpp"
@@ -46,9 +48,13 @@ class PathTracer {
         true_apex_(transmit.apex),
         true_receive_(receive),
         one_place_(transmit == receive),
-        finder_(mesh, tree, options, settings.mirrors, least_) {
-    transmit_ = finder_.images_of(transmit, settings.order);
-    if (!one_place_) receive_ = finder_.images_of(receive, settings.order);
+        finder_(mesh, tree, options, settings.mirrors, least_, settings.most_images) {
+    if (settings.scatterings > 1)
+      for (const auto& scattering : law.scattering)
+        if (scattering != nullptr)
+          throw std::invalid_argument("two scatterings on a path need Lambert's law in all materials");
+    transmit_ = finder_.images_of(transmit, settings.order, receive.apex);
+    if (!one_place_) receive_ = finder_.images_of(receive, settings.order - 1);
     echo_.by_order.resize(std::size_t(settings.order) + 1);
     for (Echo& echo : echo_.by_order) {
       echo.beams = beams.count;
@@ -81,20 +87,56 @@ class PathTracer {
 
   const std::vector<Image>& receivers() const { return one_place_ ? transmit_ : receive_; }
 
+  /// Facets of the whole mesh, each once.
+  static std::vector<FacetId> facets_seen(const Image& image) {
+    std::vector<FacetId> facets;
+    for (const TubeVisibility& seen : image.seen)
+      for (const NamedPiece& piece : seen.pieces)
+        facets.push_back(image.origin.empty() ? piece.facet : image.origin[piece.facet]);
+    std::sort(facets.begin(), facets.end());
+    facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
+    return facets;
+  }
+
+  /// Which image sees which facet, sorted.
+  static std::vector<std::pair<FacetId, std::size_t>> who_sees(const std::vector<Image>& images) {
+    std::vector<std::pair<FacetId, std::size_t>> who;
+    for (std::size_t i = 0; i < images.size(); ++i)
+      for (const FacetId facet : facets_seen(images[i])) who.emplace_back(facet, i);
+    std::sort(who.begin(), who.end());
+    return who;
+  }
+
   /// All pairs of images between which something is scattered. What two images share is found once, also
   /// where both ends swap their parts.
   void scatter() {
+    if (settings_.order < 2) return;
     struct Pair {
       std::size_t transmit, receive;
     };
     std::vector<Pair> pairs;
-    for (std::size_t i = 0; i < transmit_.size(); ++i)
-      for (std::size_t j = one_place_ ? i : 0; j < receivers().size(); ++j) {
+    const auto who = who_sees(receivers());
+    std::vector<std::size_t> same, last(receivers().size(), transmit_.size());
+    for (std::size_t i = 0; i < transmit_.size(); ++i) {
+      same.clear();
+      for (const FacetId facet : facets_seen(transmit_[i]))
+        for (auto at = std::lower_bound(who.begin(), who.end(), std::pair(facet, one_place_ ? i : 0));
+             at != who.end() && at->first == facet; ++at)
+          if (std::exchange(last[at->second], i) != i) same.push_back(at->second);
+      std::sort(same.begin(), same.end());
+      for (const std::size_t j : same) {
         const std::uint32_t mirrors = transmit_[i].mirrors + receivers()[j].mirrors;
         if (mirrors > 0 && int(mirrors) < settings_.order &&
             transmit_[i].largest * receivers()[j].largest > least_)
           pairs.push_back({i, j});
       }
+      if (pairs.size() / 100 > settings_.most_images)
+        throw std::length_error(
+            fmt::format("more than {} pairs of images that see the same facets: make mirrors of many small "
+                        "facets coarser, "
+                        "follow fewer orders or cut off sooner",
+                        100 * settings_.most_images));
+    }
     std::vector<Part> parts(pairs.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
       const Image &sent = transmit_[pairs[k].transmit], &heard = receivers()[pairs[k].receive];
@@ -115,7 +157,7 @@ class PathTracer {
   void scatter_twice(const Image& image) {
     const std::vector<Patch> patches =
         patches_of(mesh_, image.windows.apex, shared_with_itself(mesh_, image.look(), unit_m_), unit_m_,
-                   settings_.patch_m);
+                   settings_.patch_m, of_windows(image, beams_.fan_of_transmit_tube));
     std::vector<double> strength;
     for (const Patch& patch : patches) strength.push_back(strength_of(image, patch));
     const double least = least_ * std::accumulate(strength.begin(), strength.end(), 0.0);
@@ -149,10 +191,8 @@ class PathTracer {
     const double before = glm::length(patch.from_apex_m);
     if (before / 2 >= samples_.first_m + samples_.step_m * samples_.count) return;
     const int mirrors_left = settings_.order - 2 - int(image.mirrors);
-    // One more than may be followed, so that all that may have looked.
-    std::vector<Image> sources = finder_.images_of(front_tubes(patch, true_receive_.reach), mirrors_left + 1);
+    std::vector<Image> sources = finder_.images_of(front_tubes(patch, true_receive_.reach), mirrors_left);
     for (Image& source : sources) {
-      if (int(source.mirrors) > mirrors_left) break;
       source.own_tube.assign(source.own_tube.size(), image.own_tube[patch.tube]);
       MirrorLoss loss = source.loss;
       loss.factor *= strength;
@@ -213,8 +253,6 @@ class PathTracer {
 
   /// Of what is scattered from a patch, which is a point only to begin with.
   static constexpr double patch_tolerance = 1e-6;
-  /// Directions that near to a window's border are taken as in it: windows are rounded to half of this.
-  static constexpr double border_rad = 4e-9;
   /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
   static constexpr double edge_units = 4;
 
@@ -240,7 +278,7 @@ class PathTracer {
     for (std::uint32_t window = 0; window < image.own_tube.size(); ++window) {
       const std::uint32_t fan =
           beams_.fan_of_transmit_tube.empty() ? 0 : beams_.fan_of_transmit_tube[image.own_tube[window]];
-      if (arrived_.contains({from, fan}) || !holds(image.windows, window, along, border_rad)) continue;
+      if (arrived_.contains({from, fan}) || !holds(image.windows, window, along, window_border_rad)) continue;
       if (!seen) seen = in_sight(*image.mesh, *image.tree, from, to, part_to_mirror(image, to));
       if (!*seen) return;
       for (std::uint32_t tube = 0; tube < true_receive_.tubes.size(); ++tube) {

@@ -12,11 +12,12 @@ namespace tubefoot {
 
 /// Which paths, and what they meet.
 struct PathSettings {
-  int order = 1;           ///< most interactions of a path: reflections, and a scattering
-  double cutoff_db = 100;  ///< paths that lose more by reflection are left out
-  int scatterings = 1;     ///< most of them on a path: 1 or 2
-  double patch_m = 1;      ///< longest edge of the patches that the first of two is cut into
-  bool direct = false;     ///< also the way straight from a transmitter to a receiver apart
+  int order = 1;                    ///< most interactions of a path: reflections, and a scattering
+  double cutoff_db = 100;           ///< paths that lose more by reflection are left out
+  int scatterings = 1;              ///< most of them on a path: 1 or 2
+  double patch_m = 1;               ///< longest edge of the patches that the first of two is cut into
+  std::size_t most_images = 10000;  ///< of one apex; and a hundred times as many pairs of images
+  bool direct = false;              ///< also the way straight from a transmitter to a receiver apart
   Mirrors mirrors;
 };
 
@@ -43,7 +44,9 @@ struct PathEcho {
 ///    however many windows meet in its direction.
 /// Patterns are taken in the directions at the true apexes. `beams.of_receive_tube` and the fans are those of
 /// the true tubes, as are `law.patterns`' tubes; `law.material` that of the mesh. TubeSet::reach must be
-/// twice the end of the last sample (in grid units).
+/// twice the end of the last sample (in grid units). Throws std::length_error if there are more images (or
+/// pairs of them, or patches) than may be, std::invalid_argument for two scatterings by another law than
+/// Lambert's.
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
                    const BistaticBeams& beams, const RangeSamples& samples, const EchoLaw& law,

@@ -184,9 +184,7 @@ void warn_about(Scene& scene) {
         });
     if (above > 0) {
       warnings.push_back(fmt::format(
-          "{} facets reach above the sea surface: paths over mirrors leave that part out, but the "
-          "ordinary echo takes it as if it were in the water",
-          above));
+          "{} facets reach above the sea surface: they end there, and what is above is not heard", above));
     }
   }
   constexpr double kCoarse_m = 1e-3;

@@ -50,6 +50,11 @@ struct Scene {
   std::vector<Trajectory> trajectories;        ///< as in the description
   std::vector<std::size_t> sensor_trajectory;  ///< per sensor: index of its trajectory
   SceneReport report;
+
+  /// Of the sea surface, which there must be, in grid units.
+  std::int32_t surface_height() const {
+    return grid.snap({grid.origin_m().x, grid.origin_m().y, description.sea_surface->height_m}).z;
+  }
 };
 
 /// Loads every file the description names. Throws InputError (with the place that named the file).

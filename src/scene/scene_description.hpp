@@ -128,6 +128,7 @@ struct PathsDescription {
   double cutoff_db = 100;         ///< paths that lose more by reflection are not followed
   int scatterings = 1;            ///< most of them on a path: 1 or 2
   double patch_m = 1;             ///< largest patch of the first of two
+  int most_images = 10000;        ///< of one apex
   bool direct = false;            ///< a receiver apart also hears its transmitter straight
 };
 

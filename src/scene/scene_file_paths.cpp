@@ -41,7 +41,9 @@ const TomlSection<PathsDescription>& paths_section() {
                  field("only_order", &P::only_order, {.ranges = {{.lo = 0, .hi = 8}}}),
                  field("cutoff_db", &P::cutoff_db, {.ranges = {{.lo = 0, .hi = 300}}}),
                  field("scatterings", &P::scatterings, {.ranges = {{.lo = 1, .hi = 2}}}),
-                 field("patch_m", &P::patch_m, {.ranges = {size}}), field("direct", &P::direct)})
+                 field("patch_m", &P::patch_m, {.ranges = {size}}),
+                 field("most_images", &P::most_images, {.ranges = {{.lo = 1, .hi = 10000000}}}),
+                 field("direct", &P::direct)})
           .check(check_paths);
   return section;
 }

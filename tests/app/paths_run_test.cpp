@@ -89,6 +89,36 @@ TEST(PathsRun, OneOrderAloneAndAllOrdersAddUp) {
     EXPECT_NEAR(first.energy[k], plain.energy[k], 1e-6 * plain.energy[k] + 1e-16) << k;
 }
 
+// A quay that stands out of the water neither hides its mirror image nor is heard above the surface.
+TEST(PathsRun, WhatIsAboveTheSurfaceIsNotHeard) {
+  const auto echoes = [](double top_m, double bottom_m) {
+    std::string text = scene(surface + "[paths]\norder = 3\n");
+    for (const auto& [from, to] : {std::pair("tilt_deg = -90", "tilt_deg = 0"),
+                                   std::pair("window_start_m = 24.5", "window_start_m = 5"),
+                                   std::pair("window_length_m = 5", "window_length_m = 20")})
+      text.replace(text.find(from), std::string(from).size(), to);
+    const std::string quay = fmt::format(
+        "[[objects]]\nname = \"quay\"\nshape = \"box\"\nmaterial = \"bed\"\nsize_m = [30, 4, {}]\n"
+        "position_m = [0, 10, {}]\n",
+        top_m - bottom_m, (top_m + bottom_m) / 2);
+    return echoes_of(text.insert(text.find("[trajectory]"), quay));
+  };
+  const Echoes level = echoes(0, -21), high = echoes(25, -21);
+  EXPECT_GT(level.total(), 0);
+  for (std::size_t k = 0; k < level.energy.size(); ++k)
+    EXPECT_NEAR(high.energy[k], level.energy[k], 1e-6 * level.energy[k]) << k;
+  // A bridge, seen from straight below.
+  std::string text = scene(surface + "[paths]\norder = 3\n");
+  const Echoes none = echoes_of(text);
+  const Echoes gone =
+      echoes_of(text.insert(text.find("[trajectory]"),
+                            "[[objects]]\nname = \"bridge\"\nshape = \"box\"\nmaterial = \"bed\"\n"
+                            "size_m = [30, 30, 2]\nposition_m = [0, 0, 8]\n"));
+  EXPECT_GT(none.total(), 0);
+  for (std::size_t k = 0; k < none.energy.size(); ++k)
+    EXPECT_NEAR(gone.energy[k], none.energy[k], 1e-6 * none.energy[k]) << k;
+}
+
 TEST(PathsRun, SaysWhatItCannotDo) {
   const auto error_of = [](const std::string& text) {
     const TestFolder folder;
@@ -99,6 +129,8 @@ TEST(PathsRun, SaysWhatItCannotDo) {
     return outcome.err;
   };
   EXPECT_THAT(error_of(scene("[paths]\norder = 2\n")), HasSubstr("add [sea_surface]"));
+  EXPECT_THAT(error_of(scene(surface + "[paths]\norder = 3\nmost_images = 1\n")),
+              HasSubstr("more than 1 images"));
   EXPECT_THAT(error_of(scene("[sea_surface]\nheight_m = -6\n")), HasSubstr("1 m above the sea surface"));
   EXPECT_THAT(error_of(scene(surface + "[run]\nengine = \"ray\"\n")), HasSubstr("tube engine"));
   EXPECT_THAT(error_of(scene(surface + "[run]\narithmetic = \"double\"\n")), HasSubstr("exact arithmetic"));

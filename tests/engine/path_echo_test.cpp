@@ -99,7 +99,7 @@ TEST(PathEcho, AFlatChannelIsTheImageSeries) {
   s.absorption_db_per_m = 0.01;
   const PathEcho paths = s.run();
   EXPECT_EQ(paths.arrivals, 1u + 2 * order);
-  EXPECT_EQ(paths.images, 4u * order);
+  EXPECT_EQ(paths.images, 4u * order - 2);  // the receiver's own of the last order would hear nothing new
   std::vector<double> lengths;
   for (int n = 0; n <= order; ++n) {
     std::vector<double> expected(s.samples.count);

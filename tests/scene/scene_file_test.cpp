@@ -268,6 +268,7 @@ only_order = 3
 cutoff_db = 40
 scatterings = 2
 patch_m = 0.125
+most_images = 77
 direct = true
 
 [run]
@@ -346,6 +347,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.paths.cutoff_db, 40);
   EXPECT_EQ(scene.paths.scatterings, 2);
   EXPECT_EQ(scene.paths.patch_m, 0.125);
+  EXPECT_EQ(scene.paths.most_images, 77);
   EXPECT_TRUE(scene.paths.direct);
 
   ASSERT_EQ(scene.terrains.size(), 3u);
