@@ -593,11 +593,11 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   const std::string file = folder.scene_file.string();
   EXPECT_EQ(to_string(scene.georeference->place), file + ":3:1");
   EXPECT_EQ(to_string(scene.water.place), file + ":7:1");
-  EXPECT_EQ(to_string(scene.materials[1].place), file + ":28:1");
-  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":32:1");
-  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":35:12");
-  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":91:12");
-  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":157:14");
+  EXPECT_EQ(to_string(scene.materials[1].place), file + ":29:1");
+  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":33:1");
+  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":36:12");
+  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":92:12");
+  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":158:14");
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {
