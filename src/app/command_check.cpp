@@ -7,6 +7,7 @@
 
 #include "app/commands.hpp"
 #include "app/refraction.hpp"
+#include "app/sensor_law.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/survey.hpp"
@@ -72,20 +73,9 @@ void print_cost(const Survey& survey, int threads) {
         footprints += history.footprints.footprints.size();
         for (const std::size_t s : group.sensors) {
           const Sensor& sensor = *survey.sensors[s].sensor;
-          EchoLaw law{scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, sensor)};
-          law.reflectivity = scene.reflectivity;
-          law.scattering = scene.scattering;
-          if (ground.apparent() != nullptr) law.facet_factor = ground.apparent()->facet_factor;
-          law.apex_m =
-              scene.grid.to_metres(scene.grid.snap(survey.sensors[s].shot_pose(ping, shot).position_m));
-          BeamPatterns patterns;
-          if (sensor.has_patterns()) {
-            patterns = sensor.patterns(survey.sensors[s].shot_pose(ping, shot),
-                                       survey.sensors[s].sound_speed_m_s, shot);
-            law.patterns = &patterns;
-          }
+          const SensorLaw law(survey, ground, s, ping, shot);
           integrate_echo(history, sensor.beam_of_tube(shot),
-                         static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law);
+                         static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law.law);
         }
       }
     }

@@ -29,9 +29,11 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void print_reference(double tolerance, const ReferenceStats& reference) {
+/// `refined`: shots had ground of their own, no finer than its tolerance asks.
+void print_reference(double tolerance, const ReferenceStats& reference, bool refined) {
   if (reference.bins_over == 0)
-    fmt::print("reference: every energy within {:g} of its bin, certified\n", tolerance);
+    fmt::print("reference: every energy within {:g} of its bin, certified{}\n", tolerance,
+               refined ? ", for the facets that relief was refined into" : "");
   else
     fmt::print(
         "reference: {} bins have wider bounds than {:g}; the widest is {:.3g} times what was asked, at "
@@ -261,7 +263,7 @@ int run_command(const RunOptions& options) {
                exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
                seconds_since(start));
   if (!options.quiet && survey->relief.cell_m > 0) print_relief(*survey, stats);
-  if (reference_tolerance) print_reference(*reference_tolerance, stats.reference);
+  if (reference_tolerance) print_reference(*reference_tolerance, stats.reference, survey->ground != nullptr);
   if (identity.contains("advice")) print_tolerance(identity.at("advice"));
   const std::filesystem::path folder = options.output;
   files.emplace_back("stats.json");

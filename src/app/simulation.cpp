@@ -17,6 +17,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
+#include "app/sensor_law.hpp"
 #include "app/shot_ground.hpp"
 #include "app/usage_error.hpp"
 #include "engine/bistatic_echo.hpp"
@@ -90,28 +91,6 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
   kept.worst_beam = met.worst_beam;
   kept.worst_sample = met.worst_sample;
 }
-
-/// The echo law of a sensor at a shot, and the patterns that it refers to.
-struct SensorLaw {
-  SensorLaw(const Survey& survey, const ShotGround& ground, std::size_t s, std::size_t ping,
-            std::size_t shot) {
-    const Scene& scene = survey.scene;
-    const SensorPings& pings = survey.sensors[s];
-    law = {scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
-    law.reflectivity = scene.reflectivity;
-    law.scattering = scene.scattering;
-    law.apex_m = scene.grid.to_metres(scene.grid.snap(pings.shot_pose(ping, shot).position_m));
-    if (ground.apparent() != nullptr) law.facet_factor = ground.apparent()->facet_factor;
-    if (!pings.sensor->has_patterns()) return;
-    patterns = pings.sensor->patterns(pings.shot_pose(ping, shot), pings.sound_speed_m_s, shot);
-    law.patterns = &patterns;
-  }
-  SensorLaw(const SensorLaw&) = delete;
-  SensorLaw& operator=(const SensorLaw&) = delete;
-
-  EchoLaw law;
-  BeamPatterns patterns;
-};
 
 /// Throws InputError unless sensors with a receiver apart are run as they can be.
 void refuse_bistatic(const Survey& survey, bool reference) {
