@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/canvas.hpp"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebufalgo.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,25 +9,10 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "sensors/checked_file.hpp"
+#include "sensors/image_file.hpp"
 
 namespace tubefoot {
 namespace {
-
-void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec, const float* pixels) {
-  const auto fail = [&](const std::string& reason) {
-    throw std::runtime_error(fmt::format("{}: cannot encode the picture: {}", file.string(), reason));
-  };
-  auto output = OIIO::ImageOutput::create(file.filename().string());
-  if (!output) fail(OIIO::geterror());
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  output->set_ioproxy(&memory);
-  if (!output->open(file.filename().string(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, pixels) ||
-      !output->close())
-    fail(output->geterror());
-  write_file(file, bytes);
-}
 
 constexpr std::string_view degree_sign = "\u00b0";
 
@@ -58,13 +41,17 @@ Colour mix(Colour a, Colour b, double amount) {
 }
 
 Canvas::Canvas(int width, int height, Colour background, std::string font)
-    : image_(OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::FLOAT)), font_(std::move(font)) {
+    : width_(width),
+      height_(height),
+      components_(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      font_(std::move(font)) {
   fill(0, 0, width, height, background);
 }
 
 void Canvas::blend(int x, int y, Colour colour, double alpha) {
   if (x < 0 || y < 0 || x >= width() || y >= height()) return;
-  auto* pixel = static_cast<float*>(image_.pixeladdr(x, y));
+  float* pixel = &components_[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                   static_cast<std::size_t>(x))];
   const Colour mixed = mix({pixel[0], pixel[1], pixel[2]}, colour, alpha);
   pixel[0] = mixed.red;
   pixel[1] = mixed.green;
@@ -84,8 +71,9 @@ void Canvas::text(int x, int y, const std::string& line, int size, Colour colour
   const int baseline =
       y + static_cast<int>(std::lround(0.365 * size));  // half the height of DejaVu's capitals
   const float components[] = {colour.red, colour.green, colour.blue};
-  if (!OIIO::ImageBufAlgo::render_text(image_, x, baseline, drawable(line), size, font_, components))
-    throw std::runtime_error("cannot draw a label: " + image_.geterror());
+  OIIO::ImageBuf image(OIIO::ImageSpec(width_, height_, 3, OIIO::TypeDesc::FLOAT), components_.data());
+  if (!OIIO::ImageBufAlgo::render_text(image, x, baseline, drawable(line), size, font_, components))
+    throw std::runtime_error("cannot draw a label: " + image.geterror());
   if (!line.ends_with(degree_sign)) return;
   const double radius = ring_width(size) / 2.0 - 1.5, centre_x = x + length - 1 - radius,
                centre_y = y - 0.27 * size;
@@ -98,7 +86,7 @@ void Canvas::text(int x, int y, const std::string& line, int size, Colour colour
 void Canvas::write_png(const std::filesystem::path& file, const std::string& description) const {
   OIIO::ImageSpec spec(width(), height(), 3, OIIO::TypeDesc::UINT16);
   spec.attribute("ImageDescription", description);
-  write_image(file, spec, static_cast<const float*>(image_.localpixels()));
+  write_image(file, spec, components_.data());
 }
 
 std::string find_font(const std::vector<std::string>& candidates) {
@@ -139,22 +127,6 @@ std::string tick_label(double value, double step) {
   const std::string number =
       fmt::format("{:.{}f}", std::abs(value) < step / 2 ? 0.0 : std::abs(value), decimals);
   return value <= -step / 2 ? "-" + number : number;
-}
-
-OIIO::ImageSpec exr_spec(const OIIO::ParamValueList& attributes) {
-  OIIO::ImageSpec spec(1, 1, 1, OIIO::TypeDesc::FLOAT);
-  spec.attribute("compression", "zip");
-  spec.attribute("DateTime", "");  // or OpenImageIO writes the time of day: equal runs shall give equal files
-  for (const auto& attribute : attributes) spec.extra_attribs.push_back(attribute);
-  return spec;
-}
-
-void write_exr(const std::filesystem::path& file, int width, int height, const std::vector<float>& values,
-               const OIIO::ParamValueList& attributes) {
-  OIIO::ImageSpec spec = exr_spec(attributes);
-  spec.width = spec.full_width = width;
-  spec.height = spec.full_height = height;
-  write_image(file, spec, values.data());
 }
 
 }  // namespace tubefoot

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <OpenImageIO/imagebuf.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -26,8 +24,8 @@ class Canvas {
   /// `font` is a name or file that OpenImageIO finds; empty: texts are left out (find_font).
   Canvas(int width, int height, Colour background, std::string font);
 
-  int width() const { return image_.spec().width; }
-  int height() const { return image_.spec().height; }
+  int width() const { return width_; }
+  int height() const { return height_; }
 
   /// Lays a colour over a pixel; pixels outside the picture are ignored.
   void blend(int x, int y, Colour colour, double alpha = 1);
@@ -40,7 +38,8 @@ class Canvas {
   void write_png(const std::filesystem::path& file, const std::string& description) const;
 
  private:
-  OIIO::ImageBuf image_;
+  int width_, height_;
+  std::vector<float> components_;  ///< red, green, blue of each pixel, row by row
   std::string font_;
 };
 
@@ -58,14 +57,5 @@ double tick_step(double extent, int wanted);
 std::vector<double> ticks(double first, double last, double step);
 /// A tick's label with as many decimals as its step needs.
 std::string tick_label(double value, double step);
-
-/// How a one-channel float EXR is written: lossless, the same bytes at any time of day. `attributes` are
-/// added to its header.
-OIIO::ImageSpec exr_spec(const OIIO::ParamValueList& attributes);
-
-/// Writes a one-channel float EXR with lossless compression: rows from the top, untouched values.
-/// `attributes` are added to its header. Throws std::runtime_error naming the file.
-void write_exr(const std::filesystem::path& file, int width, int height, const std::vector<float>& values,
-               const OIIO::ParamValueList& attributes);
 
 }  // namespace tubefoot

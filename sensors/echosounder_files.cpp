@@ -11,6 +11,7 @@
 #include "sensors/canvas.hpp"
 #include "sensors/checked_file.hpp"
 #include "sensors/echogram.hpp"
+#include "sensors/image_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "sensors/angles.hpp"
+#include "sensors/image_file.hpp"
 #include "sensors/interferometric_soundings.hpp"
 #include "sensors/phase_picture.hpp"
 #include "sensors/streamed_file.hpp"

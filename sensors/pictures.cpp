@@ -6,6 +6,7 @@
 
 #include "sensors/camera_picture.hpp"
 #include "sensors/canvas.hpp"
+#include "sensors/image_file.hpp"
 #include "sensors/recording.hpp"
 #include "sensors/scanline_picture.hpp"
 #include "sensors/waterfall_picture.hpp"

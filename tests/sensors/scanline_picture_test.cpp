@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "samples.hpp"
-#include "sensors/canvas.hpp"
+#include "sensors/image_file.hpp"
 
 namespace tubefoot {
 namespace {
