@@ -26,6 +26,8 @@ class Files {
     const bool only_exact = options.output.extension() == ".txt";
     if (only_exact && options.rationals)
       throw UsageError("-o with the ending .txt writes what --rationals does: leave one of them out");
+    if (options.rationals && fs::weakly_canonical(*options.rationals) == fs::weakly_canonical(options.output))
+      throw UsageError("-o and --rationals name the same file");
     if (!only_exact) {
       const FootprintFileMaker make = footprint_file_maker(options.output);
       columns_place_.emplace(options.output);

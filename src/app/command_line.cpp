@@ -116,7 +116,7 @@ int run_command_line(int argc, char** argv) {
   footprints_app->add_option("--rationals", footprints.rationals,
                              "write the exact corners, as fractions, into this file as well");
   footprints_app->footer(
-      "Examples:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --ping 0 -o camera.gpkg\n"
+      "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --ping 0 -o camera.gpkg\n"
       "  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --beam 40:50 -o beams.vtp");
   footprints_app->callback([&] { command = [&] { return footprints_command(footprints); }; });
 

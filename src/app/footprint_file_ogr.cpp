@@ -33,6 +33,7 @@ class GeoPackage : public FootprintFile {
     OGRSpatialReference crs;
     require(crs.SetFromUserInput(place_.is_map() ? place_.crs_wkt().c_str() : local_crs) == OGRERR_NONE,
             "describe the frame of");
+    if (source.scene.frame.is_tangent()) crs.SetProjCS("tubefoot tangent plane");
     crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     const std::string title = "DESCRIPTION=Footprints of sensor '" + source.sensor + "'. " + place_.said();
     std::array<const char*, 3> options{title.c_str(), "GEOMETRY_NAME=geom", nullptr};

@@ -116,10 +116,14 @@ class Vtp : public FootprintFile {
     head += names("component_names", source_.scene.report.components);
     head += names("material_names", source_.scene.description.materials);
     // In the order of the arrays, which is that of the appended data.
-    std::string points = entry(*points_), polys = entry(*connectivity_) + entry(*ends_),
-                cells = entry(*footprint_) + entry(*share_);
+    const std::string points = entry(*points_);
+    std::string polys = entry(*connectivity_);
+    polys += entry(*ends_);
+    std::string cells = entry(*footprint_);
+    cells += entry(*share_);
     for (const Array* array : cells_) cells += entry(*array);
-    head += entry(*occluder_ends_, rows_) + entry(*occluders_, occluder_count_);
+    head += entry(*occluder_ends_, rows_);
+    head += entry(*occluders_, occluder_count_);
     head += fmt::format(
         "</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" "
         "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n"
