@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "app/footprint_table.hpp"
+#include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/usage_error.hpp"
 #include "geometry/exact_direction.hpp"
@@ -102,9 +103,7 @@ std::size_t RationalsFile::add(std::size_t ping, std::size_t shot, std::span<con
   const ChosenTubes chosen = chosen_tubes(s.survey, s.sensor, ping, shot, beams);
   if (chosen.number.empty()) return 0;
   const ShotGround ground = ground_of(s.survey, shots_of(s.survey, s.sensor), ping, shot);
-  VisibilityOptions options;
-  options.arithmetic = arithmetic_from_name(scene.description.run.arithmetic);
-  options.facets_per_split = static_cast<std::uint32_t>(scene.description.run.facets_per_split);
+  VisibilityOptions options = options_of(scene.description.run);
   options.open_water = true;
   const ShotLines lines{ground.mesh(), chosen.set, exact_metres(scene.grid.to_metres(chosen.set.apex)),
                         Rational(scene.grid.unit_m())};

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "app/sensor_law.hpp"
+#include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "engine/footprint_energy.hpp"
 #include "engine/tube_engine.hpp"
@@ -41,14 +42,6 @@ const std::array<FootprintColumn, 20> columns{{
     {"centroid_north_m", "m", "centroid, north in the local frame", &T::centroid_north_m},
     {"centroid_up_m", "m", "centroid, up in the local frame", &T::centroid_up_m},
 }};
-
-VisibilityOptions options_of(const RunDescription& run) {
-  VisibilityOptions options;
-  options.arithmetic = arithmetic_from_name(run.arithmetic);
-  options.facets_per_split = static_cast<std::uint32_t>(run.facets_per_split);
-  options.tolerance = run.zero_tolerance;
-  return options;
-}
 
 template <class Value>
 void append_all(std::vector<Value>& to, const std::vector<Value>& from) {

@@ -9,12 +9,16 @@
 #include <vector>
 
 #include "app/commands.hpp"
+#include "geometry/visibility.hpp"
 #include "scene/scene_description.hpp"
 
 namespace tubefoot {
 
 /// Reads the scene file and lets the command line's options override its [run] section.
 SceneDescription described(const CommonOptions& options);
+
+/// How a run sees: its arithmetic and what goes with it.
+VisibilityOptions options_of(const RunDescription& run);
 
 /// Limits the threads of everything while it lives; 0 is all cores.
 class ThreadLimit {
