@@ -18,6 +18,7 @@
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
 #include "app/sensor_law.hpp"
+#include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/usage_error.hpp"
 #include "engine/bistatic_echo.hpp"
@@ -43,14 +44,6 @@ RaySettings ray_settings(const RunDescription& run) {
   const bool by_beam = run.rays_per_beam.has_value();
   return {ray_sampling_from_name(run.sampling), by_beam ? *run.rays_per_beam : run.rays_per_ping,
           by_beam ? RaySettings::Per::beam : RaySettings::Per::ping, run.seed};
-}
-
-VisibilityOptions options_of(const RunDescription& run) {
-  VisibilityOptions options;
-  options.arithmetic = arithmetic_from_name(run.arithmetic);
-  options.facets_per_split = static_cast<std::uint32_t>(run.facets_per_split);
-  options.tolerance = run.zero_tolerance;
-  return options;
 }
 
 /// `ground` outlives the engine.
