@@ -201,10 +201,10 @@ int coverage_command(const CoverageOptions& options) {
   constexpr std::size_t batch = 2048;
   Progress progress("facets", coverage.facets(), options.quiet);
   for (std::size_t first = 0; first < coverage.facets(); first += batch) {
-    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
     const std::size_t count = std::min(batch, coverage.facets() - first);
     std::vector<CoveredFacet> facets(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      if (InterruptGuard::requested()) return;
       FacetCoverage covered = coverage.facet(first + k);
       if (!covered.closes)
         throw std::logic_error(
@@ -214,6 +214,7 @@ int coverage_command(const CoverageOptions& options) {
       if (covered.met()) facets[k] = measured(*survey, looks, std::move(covered));
       progress.step();
     });
+    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
     for (const CoveredFacet& facet : facets) {
       if (facet.coverage.cells.empty()) continue;
       totals.add(facet);

@@ -154,11 +154,16 @@ void CoveragePicture::write(const std::filesystem::path& file, const std::string
   };
   canvas.text(x, y, "seen by", label_size, palette.ink);
   y += 26;
+  constexpr int few = 8;
   std::vector<int> steps;
-  for (int decade = 1; decade <= most_; decade *= 10)
-    for (const int digit : {1, 2, 5})
-      if (decade * digit <= most_) steps.push_back(decade * digit);
-  if (steps.back() != most_) steps.push_back(most_);
+  for (int pings = 1; pings <= std::min(most_, few); ++pings) steps.push_back(pings);
+  if (most_ > few) {
+    steps = {1, 2, 5};
+    for (int decade = 10; decade <= most_; decade *= 10)
+      for (const int digit : {1, 2, 5})
+        if (decade * digit <= most_) steps.push_back(decade * digit);
+    if (steps.back() != most_) steps.push_back(most_);
+  }
   for (const int pings : steps)
     entry(colour_of(pings, most_), fmt::format("{} ping{}", pings, pings > 1 ? "s" : ""));
   entry(shadow_colour, "none: hidden");

@@ -173,7 +173,8 @@ TEST(CoverageRun, PingsAndSensorAreThoseAskedFor) {
   const auto most = [&](const std::vector<std::string>& more) {
     EXPECT_EQ(cover(scene_file, folder / "c.gpkg", more).exit_code, 0);
     GIntBig pings = 0;
-    for (const auto& row : *opened(folder / "c.gpkg")->GetLayerByName("facets"))
+    const auto data = opened(folder / "c.gpkg");
+    for (const auto& row : *data->GetLayerByName("facets"))
       pings = std::max(pings, row->GetFieldAsInteger64("most_pings"));
     return pings;
   };
@@ -190,7 +191,7 @@ TEST(CoverageRun, IsInTheReferenceSystemOfTheScene) {
     EXPECT_EQ(cover(folder.write("scene.toml", text), folder / "c.gpkg", {"--pings", "0"}).exit_code, 0);
     const auto data = opened(folder / "c.gpkg");
     OGREnvelope extent;
-    data->GetLayerByName("coverage")->GetExtent(&extent);
+    EXPECT_EQ(data->GetLayerByName("coverage")->GetExtent(&extent), OGRERR_NONE);
     const char* code = data->GetLayerByName("coverage")->GetSpatialRef()->GetAuthorityCode(nullptr);
     return std::pair(extent, std::string(code ? code : ""));
   };
