@@ -54,22 +54,29 @@ FacetChart::FacetChart(const FacetCone& facet) {
 
 PlaneLine PlaneLine::through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
                              const WideVec& to) {
-  const auto [u, v, w] = chart;
   const auto product = [](const WideInt& x, const WideInt& y) { return HugeInt(HugeInt(x) * HugeInt(y)); };
-  // The wall's inward normal m. On the plane n . (x - V) = 0 of the facet, times n_w,
-  // m . x = m . V + (m_u - m_w n_u / n_w) (x - V)_u + (m_v - m_w n_v / n_w) (x - V)_v.
   std::array<HugeInt, 3> m;
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     m[k] = product(from[i], to[j]) - product(from[j], to[i]);
   }
+  return on_plane(facet, chart, m);
+}
+
+PlaneLine PlaneLine::on_plane(const FacetCone& facet, const FacetChart& chart,
+                              const std::array<HugeInt, 3>& m) {
+  const auto [u, v, w] = chart;
+  // The wall's inward normal m. On the plane n . (x - V) = 0 of the facet, times n_w,
+  // m . x = m . V + (m_u - m_w n_u / n_w) (x - V)_u + (m_v - m_w n_v / n_w) (x - V)_v.
   const auto n = parts(facet.normal), vertex = parts(facet.point[0]);
   const std::int64_t turn = n[w] < 0 ? -1 : 1;
   const HugeInt nu = huge(turn * n[u]), nv = huge(turn * n[v]), nw = huge(turn * n[w]);
-  PlaneLine line;
-  line.a = m[u] * nw - m[w] * nu;
-  line.b = m[v] * nw - m[w] * nv;
-  line.c = nw * HugeInt(m[0] * huge(vertex[0]) + m[1] * huge(vertex[1]) + m[2] * huge(vertex[2]));
+  return of(m[u] * nw - m[w] * nu, m[v] * nw - m[w] * nv,
+            nw * HugeInt(m[0] * huge(vertex[0]) + m[1] * huge(vertex[1]) + m[2] * huge(vertex[2])));
+}
+
+PlaneLine PlaneLine::of(HugeInt a_exact, HugeInt b_exact, HugeInt c_exact) {
+  PlaneLine line{std::move(a_exact), std::move(b_exact), std::move(c_exact)};
   if (line.is_none()) return line;
   const Scaled a = scaled(line.a), b = scaled(line.b), c = scaled(line.c);
   const auto size = [](const Scaled& x) {
@@ -131,6 +138,11 @@ void clip(LinePolygon& polygon, const PlaneLine& line, std::vector<int>& sides) 
     if (end < 0 || (end == 0 && sides[(k + 2) % n] < 0)) rest.push_back(&line);
   }
   polygon.swap(rest);
+}
+
+glm::dvec2 meeting_point(const PlaneLine& p, const PlaneLine& q) {
+  const HugeInt x = p.b * q.c - p.c * q.b, y = p.c * q.a - p.a * q.c, z = p.a * q.b - p.b * q.a;
+  return {quotient(x, z), quotient(y, z)};
 }
 
 glm::dvec3 meeting_point(const FacetCone& facet, const FacetChart& chart, const PlaneLine& p,

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <boost/multiprecision/cpp_int.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -36,6 +37,11 @@ struct PlaneLine {
   /// On the inner side of the wall from one direction to the next, both from the apex of `facet`.
   static PlaneLine through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
                            const WideVec& to);
+  /// On the inner side of the plane through the apex of `facet` with that inward normal, of 630 bits at most.
+  static PlaneLine on_plane(const FacetCone& facet, const FacetChart& chart,
+                            const std::array<HugeInt, 3>& normal);
+  /// Of these coefficients.
+  static PlaneLine of(HugeInt a, HugeInt b, HugeInt c);
   bool is_none() const { return a == 0 && b == 0; }  ///< the two directions were the same
 };
 
@@ -52,6 +58,10 @@ LinePolygon line_polygon(const std::vector<PlaneLine>& lines);
 /// Takes away what is outside of the half-plane. Empty if what remains has no area. `sides` is scratch
 /// memory.
 void clip(LinePolygon& polygon, const PlaneLine& line, std::vector<int>& sides);
+
+/// The point of two lines on the chart, relative to the facet's first vertex; each coordinate to 4 units in
+/// the last place.
+glm::dvec2 meeting_point(const PlaneLine& first, const PlaneLine& second);
 
 /// The point of two lines relative to the facet's apex, in grid units; each coordinate to 4 units in the last
 /// place.

@@ -120,6 +120,23 @@ int run_command_line(int argc, char** argv) {
       "  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --beam 40:50 -o beams.vtp");
   footprints_app->callback([&] { command = [&] { return footprints_command(footprints); }; });
 
+  CoverageOptions coverage;
+  CLI::App* coverage_app = app.add_subcommand(
+      "coverage", "Measure exactly what a survey's pings see of each facet: how often, or never");
+  add_common(*coverage_app, coverage);
+  coverage_app->add_option("--sensor", coverage.sensor, "only this sensor");
+  coverage_app->add_option("--pings", coverage.pings,
+                           "pings A:B of each sensor, both included, counted from 0 (default: all)");
+  coverage_app
+      ->add_option("-o,--output", coverage.output,
+                   "file: .gpkg (GeoPackage: polygons and tables) or .csv (a row a facet); else a folder for "
+                   "both and a picture")
+      ->required();
+  coverage_app->add_option("--picture", coverage.picture, "also draw a plan of it into this PNG");
+  coverage_app->footer(
+      "Example:\n  tubefoot coverage scenes/survey/scene.toml --pings 200:299 -o out/coverage");
+  coverage_app->callback([&] { command = [&] { return coverage_command(coverage); }; });
+
   RefineOptions refine;
   CLI::App* refine_app = app.add_subcommand(
       "refine", "Write the seabed with its relief in facets, for mesh tools and for mode = \"offline\"");
@@ -199,8 +216,8 @@ int run_command_line(int argc, char** argv) {
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
     fmt::print(
         stderr,
-        "tubefoot: there is no command '{}': run, check, audit, footprints, refine, compare, chart, advise "
-        "or presets\n",
+        "tubefoot: there is no command '{}': run, check, audit, footprints, coverage, refine, compare, "
+        "chart, advise or presets\n",
         argv[1]);
     return wrong_input;
   }

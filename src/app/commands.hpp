@@ -53,6 +53,13 @@ struct FootprintOptions : CommonOptions {
   std::optional<std::filesystem::path> rationals;  ///< exact corners as well
 };
 
+struct CoverageOptions : CommonOptions {
+  std::optional<std::string> sensor;
+  std::string pings = ":";
+  std::filesystem::path output;
+  std::optional<std::filesystem::path> picture;
+};
+
 struct RefineOptions : CommonOptions {
   std::filesystem::path output;
 };
@@ -94,6 +101,7 @@ int run_command(const RunOptions& options);
 int check_command(const CommonOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
+int coverage_command(const CoverageOptions& options);
 int refine_command(const RefineOptions& options);
 int presets_command(const PresetsOptions& options);
 int chart_command(const ChartOptions& options);

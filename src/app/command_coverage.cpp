@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <glm/geometric.hpp>
+#include <map>
+#include <tuple>
+
+#include "app/commands.hpp"
+#include "app/coverage_file.hpp"
+#include "app/coverage_picture.hpp"
+#include "app/interrupt.hpp"
+#include "app/output_folder.hpp"
+#include "app/progress.hpp"
+#include "app/settings.hpp"
+#include "app/survey.hpp"
+#include "app/usage_error.hpp"
+#include "scene/input_error.hpp"
+
+namespace tubefoot {
+namespace {
+namespace fs = std::filesystem;
+
+void refuse_what_has_no_coverage(const Survey& survey) {
+  const SceneDescription& d = survey.scene.description;
+  if (survey.scene.water->refracts())
+    throw InputError(
+        d.water.place,
+        fmt::format("the water's profile = \"{}\" refracts: each ping then sees apparent facets of "
+                    "its own, which cannot be laid over each other. Give profile = \"constant\"",
+                    d.water.profile));
+  if (survey.ground)
+    throw InputError(
+        d.refinement.place,
+        "relief that is refined anew for each shot gives each ping facets of its own, which cannot "
+        "be laid over each other: give [relief] mode = \"offline\"");
+  if (arithmetic_from_name(d.run.arithmetic) == Arithmetic::plain_double)
+    throw UsageError("coverage takes an exact arithmetic: fixed, filtered or rational, not double");
+}
+
+/// The pings that count, and what each sees.
+struct Looks {
+  std::vector<CountedPing> pings;
+  std::vector<CoverageLook> looks;
+};
+
+Looks look(const Survey& survey, const CoverageOptions& options) {
+  const Scene& scene = survey.scene;
+  Looks all;
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    const SensorPings& sensor = survey.sensors[s];
+    if (options.sensor && survey.sensor_named(*options.sensor) != s) continue;
+    const std::string& name = sensor.sensor->description().name;
+    if (sensor.sensor->has_receiver_apart())
+      throw InputError(sensor.sensor->description().place,
+                       fmt::format("sensor '{}' has its receiver apart: coverage is of one apex. Leave out "
+                                   "'receiver_arm_m', or choose another with --sensor",
+                                   name));
+    const PingRange range = resolved(options.pings, sensor.times_s.size());
+    for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
+         ++ping) {
+      for (std::size_t shot = 0; shot < sensor.sensor->shots(); ++shot)
+        all.looks.push_back({static_cast<std::uint32_t>(all.pings.size()),
+                             sensor.sensor->tubes(sensor.shot_pose(ping, shot), scene.grid, shot),
+                             {},
+                             sensor.sensor->samples().first_m / scene.grid.unit_m(),
+                             sensor.sensor->reach(scene.grid)});
+      all.pings.push_back({name, ping});
+    }
+  }
+  VisibilityOptions visibility;
+  visibility.arithmetic = arithmetic_from_name(scene.description.run.arithmetic);
+  struct Buffers {
+    VisibilityScratch visibility;
+    TubeVisibility seen;
+  };
+  tbb::enumerable_thread_specific<Buffers> threads;
+  Progress progress("shots", all.looks.size(), options.quiet);
+  tbb::parallel_for(std::size_t{0}, all.looks.size(), [&](std::size_t l) {
+    if (InterruptGuard::requested()) return;
+    CoverageLook& its = all.looks[l];
+    auto& [scratch, seen] = threads.local();
+    its.seen.resize(its.tubes.tubes.size());
+    for (const TubeRun& run : runs_of(its.tubes))
+      see_run(scene.mesh, *survey.tree, its.tubes, run, visibility, scratch, seen, [&](std::uint32_t tube) {
+        TubeVisibility& kept = its.seen[tube];  // copies are no larger than what they hold
+        kept.corners = seen.corners;
+        kept.pieces = seen.pieces;
+        kept.rays = seen.rays;
+      });
+    progress.step();
+  });
+  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+  return all;
+}
+
+CoveredFacet measured(const Survey& survey, const Looks& looks, FacetCoverage&& coverage) {
+  const Scene& scene = survey.scene;
+  const double unit_m = scene.grid.unit_m();
+  CoveredFacet facet{std::move(coverage), 0, {}, {}};
+  std::array<glm::dvec3, 3> p;
+  for (std::size_t k = 0; k < 3; ++k)
+    p[k] = scene.grid.to_metres(scene.mesh.vertices[scene.mesh.facets[facet.coverage.facet][k]]);
+  facet.area_m2 = glm::length(glm::cross(p[1] - p[0], p[2] - p[0])) / 2;
+  for (const glm::dvec3& corner : facet.coverage.corners)
+    facet.corners_m.push_back(scene.grid.origin_m() + corner * unit_m);
+  std::map<std::tuple<std::uint32_t, std::uint32_t, FacetId>, std::vector<std::size_t>> shadows;
+  for (std::size_t k = 0; k < facet.coverage.cells.size(); ++k) {
+    const CoverageCell& cell = facet.coverage.cells[k];
+    if (cell.in_sector == 0) continue;
+    glm::dvec3 middle(0);
+    for (std::uint32_t c = 0; c < cell.count; ++c)
+      middle += facet.coverage.corners[cell.first + c] / static_cast<double>(cell.count);
+    const CoverageLook& first = looks.looks[cell.first_look];
+    const FacetId occluder = first_in_the_way(scene.mesh, *survey.tree, first.tubes.apex, middle);
+    shadows[{first.ping, cell.in_sector, occluder}].push_back(k);
+  }
+  for (auto& [key, cells] : shadows)
+    facet.shadows.push_back({std::get<1>(key), std::get<0>(key), std::get<2>(key), std::move(cells)});
+  return facet;
+}
+
+/// Areas of all facets that were met, m^2.
+struct Totals {
+  std::size_t facets = 0, closed = 0, seen_whole = 0, never_seen = 0;
+  double area = 0, seen = 0, shadow = 0;
+  std::map<std::uint32_t, double> by_pings;
+
+  void add(const CoveredFacet& facet) {
+    ++facets;
+    closed += facet.coverage.closes;
+    seen_whole += facet.coverage.seen.exact == "1";
+    never_seen += facet.coverage.seen.exact == "0";
+    area += facet.area_m2;
+    seen += facet.area_m2 * facet.coverage.seen.share;
+    shadow += facet.area_m2 * facet.coverage.shadow.share;
+    for (const AreaShare& part : facet.coverage.by_pings) by_pings[part.pings] += facet.area_m2 * part.share;
+  }
+  void print(std::size_t scene_facets, std::size_t pings) const {
+    const auto line = [&](const char* what, double m2) {
+      fmt::print("{:<15}{:.6g} m2 ({:.2f} %)\n", what, m2, area > 0 ? 100 * m2 / area : 0.0);
+    };
+    fmt::print("pings          {}\n", pings);
+    fmt::print("facets         {} in a sector, of {}: {} seen whole, {} not at all\n", facets, scene_facets,
+               seen_whole, never_seen);
+    fmt::print("closes         {} facets of {}\n", closed, facets);
+    fmt::print("area           {:.6g} m2\n", area);
+    line("seen", seen);
+    line("never seen", by_pings.count(0) ? by_pings.at(0) : 0.0);
+    line("  in a shadow", shadow);
+    constexpr std::size_t most_lines = 12;
+    std::size_t lines = 0;
+    double more = 0;
+    for (const auto& [times, m2] : by_pings) {
+      if (times == 0) continue;
+      if (++lines <= most_lines)
+        line(fmt::format("  by {}", times).c_str(), m2);
+      else
+        more += m2;
+    }
+    if (lines > most_lines) line("  by more", more);
+  }
+};
+
+}  // namespace
+
+int coverage_command(const CoverageOptions& options) {
+  const std::string ending = options.output.extension().string();
+  const bool package = ending == ".gpkg", table = ending == ".csv", folder = !package && !table;
+  if (folder && !ending.empty() && !fs::is_directory(options.output))
+    throw UsageError(fmt::format("'{}': the ending chooses the format: .gpkg, .csv, or none for a folder",
+                                 options.output.string()));
+  if (!folder && fs::is_directory(options.output))
+    throw UsageError(fmt::format("'{}' is a folder: name a file with -o", options.output.string()));
+  if (options.picture && options.picture->extension() != ".png")
+    throw UsageError(fmt::format("'{}': the picture is a .png", options.picture->string()));
+  const SceneDescription description = described(options);
+  const ThreadLimit limit(description.run.threads);
+  const auto survey = open_survey(description);
+  const Scene& scene = survey->scene;
+  print_warnings(scene.report.warnings, options.quiet);
+  refuse_what_has_no_coverage(*survey);
+  if (options.sensor) survey->sensor_named(*options.sensor);
+
+  std::optional<OutputFolder> staged;
+  if (folder) staged.emplace(options.output);
+  const InterruptGuard interrupt;
+  const Looks looks = look(*survey, options);
+  const Coverage coverage(scene.mesh, *survey->tree, looks.looks);
+
+  std::optional<CoverageFile> layers;
+  if (!table) layers.emplace(scene);
+  CoverageTables tables(scene);
+  std::optional<CoveragePicture> picture;
+  if (folder || options.picture) picture.emplace(scene);
+  Totals totals;
+  // A batch at a time: facets are independent of each other, files want them in their order.
+  constexpr std::size_t batch = 2048;
+  Progress progress("facets", coverage.facets(), options.quiet);
+  for (std::size_t first = 0; first < coverage.facets(); first += batch) {
+    const std::size_t count = std::min(batch, coverage.facets() - first);
+    std::vector<CoveredFacet> facets(count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      if (InterruptGuard::requested()) return;
+      FacetCoverage covered = coverage.facet(first + k);
+      if (!covered.closes)
+        throw std::logic_error(
+            fmt::format("internal error: what is seen of facet {} and what is not do not add "
+                        "up to it. Please report the scene",
+                        covered.facet));
+      if (covered.met()) facets[k] = measured(*survey, looks, std::move(covered));
+      progress.step();
+    });
+    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+    for (const CoveredFacet& facet : facets) {
+      if (facet.coverage.cells.empty()) continue;
+      totals.add(facet);
+      if (!package) tables.add(facet);
+      if (layers) layers->add(facet, looks.pings);
+      if (picture) picture->add(facet);
+    }
+  }
+  const std::string title = fmt::format(
+      "{}: {}, {} ping{}", description.title.empty() ? "coverage" : description.title,
+      options.sensor.value_or("all sensors"), looks.pings.size(), looks.pings.size() == 1 ? "" : "s");
+  // Beside its place first: an earlier file is not lost to a failed run.
+  const auto replace = [](const fs::path& file, const auto& write) {
+    fs::path partial = file;
+    partial.replace_filename(".partial-" + file.filename().string());
+    try {
+      write(partial);
+      fs::rename(partial, file);
+    } catch (...) {
+      std::error_code ignored;
+      fs::remove(partial, ignored);
+      throw;
+    }
+  };
+  if (options.picture) replace(*options.picture, [&](const fs::path& file) { picture->write(file, title); });
+  if (folder) {
+    layers->write(staged->staging() / "coverage.gpkg");
+    write_file(staged->staging() / "facets.csv", tables.facets());
+    write_file(staged->staging() / "depths.csv", tables.depths());
+    if (totals.facets > 0) picture->write(staged->staging() / "coverage.png", title);
+    staged->commit();
+  } else {
+    replace(options.output, [&](const fs::path& file) {
+      if (package)
+        layers->write(file);
+      else
+        write_file(file, tables.facets());
+    });
+  }
+  totals.print(scene.mesh.facets.size(), looks.pings.size());
+  fmt::print("wrote {}\n", options.output.string());
+  return 0;
+}
+
+}  // namespace tubefoot

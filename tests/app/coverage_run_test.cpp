@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tubefoot coverage: tables and layers that agree with each other and close in rationals, in the scene's
+// reference system; and what has no coverage is refused.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <ogrsf_frmts.h>
+
+#include <boost/multiprecision/gmp.hpp>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "app/program.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using Rational = boost::multiprecision::mpq_rational;
+using testing::HasSubstr;
+
+/// Five pings of a sidescan past a box on a flat bed; neighbours' beams overlap.
+constexpr std::string_view scene = R"(
+title = "Box"
+[[materials]]
+name = "sand"
+[[terrain]]
+name = "bed"
+kind = "fractal"
+material = "sand"
+width_m = 40
+length_m = 20
+cell_m = 1
+rms_height_m = 0.05
+[[objects]]
+name = "box"
+shape = "box"
+position_m = [6, 0.3, 0.5]
+heading_deg = 20
+[trajectory]
+kind = "line"
+start_m = [0, -1, 5]
+end_m = [0, 1, 5]
+speed_m_s = 1
+[[sensors]]
+name = "sidescan"
+kind = "sidescan"
+pings = 5
+ping_interval_s = 0.3
+along_track_deg = 3
+range_min_m = 1
+range_max_m = 15
+samples = 100
+)";
+
+Outcome cover(const fs::path& scene_file, const fs::path& output, const std::vector<std::string>& more = {},
+              const Surroundings& surroundings = {}) {
+  std::vector<std::string> words{"coverage", scene_file.string(), "-o", output.string(), "--quiet"};
+  words.insert(words.end(), more.begin(), more.end());
+  return run_program(words, surroundings);
+}
+
+std::unique_ptr<GDALDataset> opened(const fs::path& file) {
+  GDALAllRegister();
+  std::unique_ptr<GDALDataset> data(
+      GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  if (!data) throw std::runtime_error("OGR cannot read " + file.string());
+  return data;
+}
+
+struct FacetRow {
+  double area_m2 = 0, seen_m2 = 0, shadow_m2 = 0;
+  Rational seen, never, shadow;
+};
+
+TEST(CoverageRun, LayersAndTablesAgreeAndCloseInRationals) {
+  const TestFolder folder;
+  const fs::path file = folder / "c.gpkg";
+  const Outcome outcome = cover(folder.write("scene.toml", scene), file);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml", "c.gpkg"}));
+  const auto data = opened(file);
+
+  std::map<GIntBig, FacetRow> facets;
+  for (const auto& row : *data->GetLayerByName("facets")) {
+    FacetRow& facet = facets[row->GetFieldAsInteger64("facet")];
+    facet = {row->GetFieldAsDouble("area_m2"),
+             row->GetFieldAsDouble("seen_m2"),
+             row->GetFieldAsDouble("shadow_m2"),
+             Rational(row->GetFieldAsString("seen_exact")),
+             Rational(row->GetFieldAsString("never_exact")),
+             Rational(row->GetFieldAsString("shadow_exact"))};
+    EXPECT_EQ(facet.seen + facet.never, 1);
+    EXPECT_LE(facet.shadow, facet.never);
+    EXPECT_NEAR(facet.seen_m2, facet.area_m2 * facet.seen.convert_to<double>(), 1e-12);
+  }
+  ASSERT_GT(facets.size(), 100u);
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("closes         {0} facets of {0}", facets.size())));
+
+  std::map<GIntBig, Rational> sums, seen;
+  GIntBig most = 0;
+  for (const auto& row : *data->GetLayerByName("depths")) {
+    const GIntBig facet = row->GetFieldAsInteger64("facet"), pings = row->GetFieldAsInteger64("pings");
+    sums[facet] += Rational(row->GetFieldAsString("share_exact"));
+    if (pings > 0) seen[facet] += Rational(row->GetFieldAsString("share_exact"));
+    most = std::max(most, pings);
+  }
+  EXPECT_GE(most, 2);
+  EXPECT_LE(most, 5);
+  EXPECT_EQ(sums.size(), facets.size());
+  for (const auto& [id, facet] : facets) {
+    EXPECT_EQ(sums[id], 1);
+    EXPECT_EQ(seen[id], facet.seen);
+  }
+
+  // Polygons: every facet wholly covered by its own, plan areas of OGR included.
+  std::map<GIntBig, double> area, seen_area, shadow_area;
+  for (const auto& feature : *data->GetLayerByName("coverage")) {
+    const GIntBig facet = feature->GetFieldAsInteger64("facet");
+    area[facet] += feature->GetFieldAsDouble("area_m2");
+    if (feature->GetFieldAsInteger64("pings") > 0) seen_area[facet] += feature->GetFieldAsDouble("area_m2");
+    if (std::string(feature->GetFieldAsString("component")) == "bed") {
+      double plan = 0;
+      for (const OGRPolygon* polygon : *feature->GetGeometryRef()->toMultiPolygon())
+        plan += polygon->get_Area();
+      EXPECT_NEAR(plan, feature->GetFieldAsDouble("area_m2"), 0.2 * plan);
+      EXPECT_LE(plan, feature->GetFieldAsDouble("area_m2") + 1e-9);
+    }
+  }
+  double in_shadow = 0;
+  for (const auto& feature : *data->GetLayerByName("shadows")) {
+    shadow_area[feature->GetFieldAsInteger64("facet")] += feature->GetFieldAsDouble("area_m2");
+    EXPECT_GE(feature->GetFieldAsInteger64("in_sector"), 1);
+    EXPECT_STREQ(feature->GetFieldAsString("first_sensor"), "sidescan");
+    if (std::string(feature->GetFieldAsString("component")) == "bed" &&
+        std::string(feature->GetFieldAsString("occluder_component")) == "box")
+      in_shadow += feature->GetFieldAsDouble("area_m2");
+  }
+  for (const auto& [id, facet] : facets) {
+    EXPECT_NEAR(area[id], facet.area_m2, 1e-9);
+    EXPECT_NEAR(seen_area[id], facet.seen_m2, 1e-9);
+    EXPECT_NEAR(shadow_area[id], facet.shadow_m2, 1e-9);
+  }
+  EXPECT_GT(in_shadow, 0.3) << "the box throws a shadow on the bed";
+}
+
+TEST(CoverageRun, FolderHoldsTheSameAsTheFiles) {
+  const TestFolder folder;
+  const fs::path scene_file = folder.write("scene.toml", scene);
+  ASSERT_EQ(cover(scene_file, folder / "out", {"--threads", "1"}).exit_code, 0);
+  ASSERT_EQ(cover(scene_file, folder / "c.gpkg", {"--threads", "3"}).exit_code, 0);
+  ASSERT_EQ(cover(scene_file, folder / "c.csv", {"--picture", (folder / "c.png").string()}).exit_code, 0);
+  EXPECT_TRUE(bytes_of(folder / "out/coverage.gpkg") == bytes_of(folder / "c.gpkg"));
+  EXPECT_TRUE(bytes_of(folder / "out/facets.csv") == bytes_of(folder / "c.csv"));
+  EXPECT_TRUE(bytes_of(folder / "out/coverage.png") == bytes_of(folder / "c.png"));
+  std::istringstream rows(bytes_of(folder / "out/facets.csv"));
+  std::string header, row;
+  std::getline(rows, header);
+  EXPECT_EQ(header,
+            "facet,component,material,most_pings,area_m2,seen_m2,never_m2,shadow_m2,seen_share,never_share,"
+            "shadow_share,mean_pings,seen_exact,never_exact,shadow_exact");
+  std::size_t count = 0;
+  while (std::getline(rows, row)) ++count;
+  EXPECT_EQ(count,
+            static_cast<std::size_t>(opened(folder / "c.gpkg")->GetLayerByName("facets")->GetFeatureCount()));
+}
+
+TEST(CoverageRun, PingsAndSensorAreThoseAskedFor) {
+  const TestFolder folder;
+  const fs::path scene_file = folder.write("scene.toml", scene);
+  const auto most = [&](const std::vector<std::string>& more) {
+    EXPECT_EQ(cover(scene_file, folder / "c.gpkg", more).exit_code, 0);
+    GIntBig pings = 0;
+    const auto data = opened(folder / "c.gpkg");
+    for (const auto& row : *data->GetLayerByName("facets"))
+      pings = std::max(pings, row->GetFieldAsInteger64("most_pings"));
+    return pings;
+  };
+  EXPECT_EQ(most({"--pings", "2"}), 1);
+  EXPECT_GT(most({"--sensor", "sidescan"}), 1);
+  EXPECT_EQ(cover(scene_file, folder / "d.gpkg", {"--pings", "5"}).exit_code, 2);
+  EXPECT_EQ(cover(scene_file, folder / "d.gpkg", {"--sensor", "sidescam"}).exit_code, 2);
+  EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml", "c.gpkg"}));
+}
+
+TEST(CoverageRun, IsInTheReferenceSystemOfTheScene) {
+  const TestFolder folder;
+  const auto extent_of = [&](const std::string& text) {
+    EXPECT_EQ(cover(folder.write("scene.toml", text), folder / "c.gpkg", {"--pings", "0"}).exit_code, 0);
+    const auto data = opened(folder / "c.gpkg");
+    OGREnvelope extent;
+    EXPECT_EQ(data->GetLayerByName("coverage")->GetExtent(&extent), OGRERR_NONE);
+    const char* code = data->GetLayerByName("coverage")->GetSpatialRef()->GetAuthorityCode(nullptr);
+    return std::pair(extent, std::string(code ? code : ""));
+  };
+  const auto [local, no_code] = extent_of(std::string(scene));
+  const std::string projected = replaced(scene, "title = \"Box\"\n",
+                                         "title = \"Box\"\n[georeference]\ncrs = \"EPSG:32602\"\n"
+                                         "origin_crs = [621930.0, 7245100.0]\n");
+  const auto [utm, code] = extent_of(projected);
+  EXPECT_EQ(code, "32602");
+  EXPECT_NEAR(utm.MinX - local.MinX, 621930, 1e-6);
+  EXPECT_NEAR(utm.MaxY - local.MaxY, 7245100, 1e-6);
+}
+
+TEST(CoverageRun, WhatHasNoCoverageIsRefused) {
+  const TestFolder folder;
+  const auto expect_refused = [&](const std::string& text, const std::vector<std::string>& more,
+                                  const char* why) {
+    const Outcome outcome = cover(folder.write("scene.toml", text), folder / "c.gpkg", more);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr(why));
+    EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
+  };
+  expect_refused(std::string(scene), {"--arithmetic", "double"}, "exact arithmetic");
+  expect_refused(std::string(scene) + "receiver_arm_m = [1, 0, 0]\n", {}, "receiver apart");
+  expect_refused(replaced(scene, "name = \"sand\"\n[[terrain]]",
+                          "name = \"sand\"\n[[materials.relief]]\nkind = \"fbm\"\nhurst = 0.8\ntile_m = 5\n"
+                          "resolution_m = 0.5\nrms_height_m = 0.02\n[[terrain]]"),
+                 {}, "offline");
+  expect_refused(replaced(scene, "[[materials]]",
+                          "[water]\nprofile = \"gradient\"\ngradient_per_s = 0.1\nprofile_bottom_m = "
+                          "50\nsurface_height_m = 10\nsound_speed_m_s = 1500\n[[materials]]"),
+                 {}, "refracts");
+  for (const char* name : {"c.shp", "c.gpkg.zip", "c.GPKG"}) {
+    const Outcome outcome = cover(folder / "scene.toml", folder / name);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr(".gpkg, .csv"));
+  }
+}
+
+TEST(CoverageRun, EarlierFileOutlivesAFailedRun) {
+  const TestFolder folder;
+  const fs::path scene_file = folder.write("scene.toml", scene);
+  for (const char* name : {"c.gpkg", "c.csv"}) {
+    folder.write(name, "an earlier file");
+    Surroundings full_disk;
+    full_disk.largest_file_bytes = 3000;
+    const Outcome outcome = cover(scene_file, folder / name, {}, full_disk);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+    EXPECT_EQ(bytes_of(folder / name), "an earlier file");
+    fs::remove(folder / name);
+  }
+  EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
+}
+
+TEST(CoverageRun, ASectorThatMeetsNothingGivesEmptyTables) {
+  const TestFolder folder;
+  const Outcome outcome =
+      cover(folder.write("scene.toml", replaced(replaced(scene, "range_max_m = 15", "range_max_m = 2"),
+                                                "position_m = [6, 0.3, 0.5]", "position_m = [16, 0.3, 0.5]")),
+            folder / "out");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("closes         0 facets of 0"));
+  EXPECT_TRUE(fs::exists(folder / "out/coverage.gpkg"));
+}
+
+/// Boxes sunk into the sand, cylinders, curved primitives in facets: contacts of all kinds.
+TEST(CoverageRun, WellheadCloses) {
+  const TestFolder folder;
+  const Outcome outcome = cover(fs::path(TUBEFOOT_SOURCE_DIR) / "scenes/wellhead/scene.toml",
+                                folder / "c.csv", {"--sensor", "camera"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::istringstream lines(outcome.out);
+  std::string line;
+  std::size_t closed = 0, of = 0;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::string first, facets, between;
+    if (words >> first && first == "closes") words >> closed >> facets >> between >> of;
+  }
+  EXPECT_GT(of, 10000u);
+  EXPECT_EQ(closed, of);
+}
+
+}  // namespace
+}  // namespace tubefoot
