@@ -103,14 +103,21 @@ int run_command_line(int argc, char** argv) {
   CLI::App* footprints_app =
       app.add_subcommand("footprints", "Write the visible polygons of some pings of a sensor");
   add_common(*footprints_app, footprints);
-  footprints_app->add_option("--sensor", footprints.sensor, "the sensor")->required();
-  footprints_app->add_option("--pings", footprints.pings,
+  footprints_app->add_option("--sensor", footprints.sensor, "the sensor; one")->required();
+  footprints_app->add_option("--ping,--pings", footprints.pings,
                              "pings A:B, both included, counted from 0 (default: 0)");
+  footprints_app->add_option("--beam,--beams", footprints.beams,
+                             "beams A:B, both included, or several such between commas (default: all)");
   footprints_app
-      ->add_option("-o,--output", footprints.output, "file: .gpkg (GeoPackage), .geojson, or .csv with WKT")
+      ->add_option("-o,--output", footprints.output,
+                   "file: .gpkg (GeoPackage), .geojson, .csv (WKT), .vtp (VTK, ParaView), .obj, .ply, .nc "
+                   "(netCDF), .txt (exact corners); docs/footprints.md")
       ->required();
+  footprints_app->add_option("--rationals", footprints.rationals,
+                             "write the exact corners, as fractions, into this file as well");
   footprints_app->footer(
-      "Example:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --pings 0 -o camera.gpkg");
+      "Examples:\n  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --ping 0 -o camera.gpkg\n"
+      "  tubefoot footprints scenes/wellhead/scene.toml --sensor camera --beam 40:50 -o beams.vtp");
   footprints_app->callback([&] { command = [&] { return footprints_command(footprints); }; });
 
   RefineOptions refine;

@@ -48,7 +48,9 @@ struct AuditOptions : CommonOptions {
 struct FootprintOptions : CommonOptions {
   std::string sensor;
   std::string pings = "0";
+  std::string beams;  ///< as resolved_beams() reads them; empty: all
   std::filesystem::path output;
+  std::optional<std::filesystem::path> rationals;  ///< exact corners as well
 };
 
 struct RefineOptions : CommonOptions {

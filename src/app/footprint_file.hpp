@@ -1,39 +1,67 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "app/shot_ground.hpp"
-#include "engine/history.hpp"
-#include "scene/scene.hpp"
+#include "app/footprint_table.hpp"
 
 namespace tubefoot {
 
-/// A vector file of footprints: one feature each, a MULTIPOLYGON Z of its convex pieces in the local frame
-/// (east, north, up in metres), with its measures as attributes. Through refracting water, corners, centroid
-/// and area are true ones; solid angle, grazing angle and ranges are those of the apparent facet. The ending
-/// chooses the format: .gpkg, .geojson, .csv (WKT).
+/// A file of footprints, written table by table (docs/footprints.md). No more than a table is held in memory.
+/// The bytes are the same for the same tables. What was not closed is taken away.
 class FootprintFile {
  public:
-  /// Will write to `file`, at close(); with relief, a footprint's facet is one of its shot's ground, and the
-  /// scene's own facet is named too, as base_facet. Throws UsageError for an unknown ending,
-  /// std::runtime_error with GDAL's message if the file cannot be made.
-  explicit FootprintFile(const std::filesystem::path& file, bool with_relief = false);
-  ~FootprintFile();
+  virtual ~FootprintFile() = default;
+  /// Throws std::runtime_error where writing fails; so does close(), which completes the file.
+  virtual void add(const FootprintTable& table) = 0;
+  virtual void close() = 0;
+};
 
-  /// `beam_of_tube` as in Sensor. Throws std::runtime_error where writing fails.
-  void add(const Scene& scene, const ShotGround& ground, const History& history,
-           const std::vector<std::uint32_t>& beam_of_tube, std::size_t ping);
-  /// Finishes the file; throws std::runtime_error where that fails.
-  void close();
+/// What a file says besides its tables.
+struct FootprintSource {
+  const Scene& scene;
+  std::string sensor;
+};
+
+using FootprintFileMaker = std::unique_ptr<FootprintFile> (*)(const std::filesystem::path& file,
+                                                              const FootprintSource& source);
+/// The format that the ending of a file asks for; throws UsageError for an unknown one.
+FootprintFileMaker footprint_file_maker(const std::filesystem::path& file);
+
+/// GeoPackage: MULTIPOLYGON Z in the scene's map, if it is georeferenced (LocalFrame::map), else in metres
+/// of the local frame.
+std::unique_ptr<FootprintFile> geopackage_file(const std::filesystem::path&, const FootprintSource&);
+/// GeoJSON: longitude and latitude (RFC 7946) if the scene is georeferenced, else metres of the local frame.
+std::unique_ptr<FootprintFile> geojson_file(const std::filesystem::path&, const FootprintSource&);
+/// CSV with WKT, in the coordinates of geopackage_file().
+std::unique_ptr<FootprintFile> csv_file(const std::filesystem::path&, const FootprintSource&);
+/// VTK XML PolyData, a cell for each piece, in the local frame; so are all that follow.
+std::unique_ptr<FootprintFile> vtp_file(const std::filesystem::path&, const FootprintSource&);
+/// Wavefront OBJ, a face for each piece, materials and groups named, columns as comments.
+std::unique_ptr<FootprintFile> obj_file(const std::filesystem::path&, const FootprintSource&);
+/// PLY, binary, a face for each piece with the columns as properties.
+std::unique_ptr<FootprintFile> ply_file(const std::filesystem::path&, const FootprintSource&);
+/// netCDF-4 with CF's polygons and contiguous ragged arrays.
+std::unique_ptr<FootprintFile> netcdf_footprint_file(const std::filesystem::path&, const FootprintSource&);
+
+/// A place for a file until it is complete: beside its own, where nothing is touched before.
+class FileBeside {
+ public:
+  /// Throws UsageError if the target is a folder.
+  explicit FileBeside(std::filesystem::path target);
+  ~FileBeside();
+  FileBeside(const FileBeside&) = delete;
+  FileBeside& operator=(const FileBeside&) = delete;
+  const std::filesystem::path& path() const { return partial_; }
+  /// Moves it to its own place. Throws std::runtime_error.
+  void commit();
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  void remove() const;
+  std::filesystem::path target_, partial_;
 };
 
 }  // namespace tubefoot

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <tbb/info.h>
 
+#include <algorithm>
 #include <charconv>
 #include <stdexcept>
 
@@ -46,6 +47,31 @@ PingRange resolved(const std::string& text, std::size_t pings) {
   if (range.first > range.last || range.last > last)
     throw UsageError(fmt::format("--pings '{}': the sensor has pings 0 to {}", text, last));
   return range;
+}
+
+std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t beams) {
+  std::vector<std::uint32_t> chosen;
+  const auto last = static_cast<std::int64_t>(beams) - 1;
+  for (std::size_t begin = 0; begin < text.size() || (begin > 0 && text.back() == ',');) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    PingRange range;
+    try {
+      range = parse_ping_range(text.substr(begin, comma - begin));
+    } catch (const std::invalid_argument&) {
+      throw UsageError(fmt::format(
+          "--beam '{}': expected beams as N, A:B, A: or :B, several of them between commas, counted from 0",
+          text));
+    }
+    if (range.last < 0) range.last = last;
+    if (range.first > range.last || range.last > last)
+      throw UsageError(fmt::format("--beam '{}': the sensor has beams 0 to {}", text, last));
+    for (std::int64_t beam = range.first; beam <= range.last; ++beam)
+      chosen.push_back(static_cast<std::uint32_t>(beam));
+    begin = comma + 1;
+  }
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
 }
 
 SceneDescription described(const CommonOptions& options) {

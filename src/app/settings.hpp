@@ -3,8 +3,10 @@
 
 #include <tbb/global_control.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "app/commands.hpp"
 #include "scene/scene_description.hpp"
@@ -30,5 +32,9 @@ void print_warnings(const std::vector<std::string>& warnings, bool quiet);
 
 /// Checks a ping range against a number of pings; throws UsageError.
 PingRange resolved(const std::string& text, std::size_t pings);
+
+/// Beams of a sensor that has so many, "3", "2:5" (both included), ":5", "2:" or several of these between
+/// commas: sorted, each once; none for an empty text. Throws UsageError.
+std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t beams);
 
 }  // namespace tubefoot

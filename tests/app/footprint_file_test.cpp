@@ -240,7 +240,7 @@ TEST(Footprints, OfAnUnknownKindAreRefused) {
         {"footprints", scene_file.string(), "--sensor", "camera", "-o", (folder / name).string()});
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.err, HasSubstr(name));
-    EXPECT_THAT(outcome.err, HasSubstr(".gpkg, .geojson or .csv"));
+    EXPECT_THAT(outcome.err, HasSubstr(".gpkg, .geojson, .csv, .vtp, .obj, .ply, .nc or .txt"));
     EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
   }
 }

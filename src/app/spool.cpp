@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/spool.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace tubefoot {
+namespace {
+
+constexpr std::size_t most_in_memory = std::size_t{1} << 20;
+
+}  // namespace
+
+Spool::~Spool() {
+  if (file_ != nullptr) std::fclose(file_);
+}
+
+Spool::Spool(Spool&& other) noexcept
+    : beside_(std::move(other.beside_)),
+      memory_(std::move(other.memory_)),
+      file_(std::exchange(other.file_, nullptr)),
+      on_disk_(std::exchange(other.on_disk_, 0)) {}
+
+void Spool::fail() const {
+  throw std::runtime_error(fmt::format("cannot write '{}': {}", beside_.string(), std::strerror(errno)));
+}
+
+void Spool::add(const void* bytes, std::size_t count) {
+  memory_.append(static_cast<const char*>(bytes), count);
+  if (memory_.size() > most_in_memory) flush();
+}
+
+void Spool::flush() {
+  if (file_ == nullptr) {
+    std::string name = beside_.string() + ".XXXXXX";
+    const int descriptor = mkstemp(name.data());
+    if (descriptor < 0) fail();
+    unlink(name.c_str());
+    file_ = fdopen(descriptor, "w+b");
+    if (file_ == nullptr) {
+      close(descriptor);
+      fail();
+    }
+  }
+  if (std::fwrite(memory_.data(), 1, memory_.size(), file_) != memory_.size()) fail();
+  on_disk_ += memory_.size();
+  memory_.clear();
+}
+
+void Spool::replay(const std::function<void(std::span<const char>)>& take) {
+  if (file_ != nullptr) {
+    flush();
+    if (std::fflush(file_) != 0 || std::fseek(file_, 0, SEEK_SET) != 0) fail();
+    std::vector<char> block(most_in_memory);
+    for (std::uint64_t left = on_disk_; left > 0;) {
+      const std::size_t read =
+          std::fread(block.data(), 1, std::min<std::uint64_t>(left, block.size()), file_);
+      if (read == 0) fail();
+      take(std::span(block).first(read));
+      left -= read;
+    }
+  }
+  take(memory_);
+}
+
+}  // namespace tubefoot
