@@ -9,5 +9,6 @@ void bind_scene(pybind11::module_& module);
 void bind_shot(pybind11::module_& module);
 void bind_run(pybind11::module_& module);
 void bind_study(pybind11::module_& module);
+void bind_footprints(pybind11::module_& module);
 
 }  // namespace tubefoot::python

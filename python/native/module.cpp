@@ -35,4 +35,5 @@ PYBIND11_MODULE(_native, module) {
   tubefoot::python::bind_shot(module);
   tubefoot::python::bind_run(module);
   tubefoot::python::bind_study(module);
+  tubefoot::python::bind_footprints(module);
 }
