@@ -91,7 +91,7 @@ def test_the_tutorial_runs(tmp_path, monkeypatch):
     text = (SOURCES / "docs/python.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.S)
     assert len(blocks) >= 6
-    shutil.copytree(SOURCES / "scenes/wellhead", tmp_path / "scenes/wellhead")
+    shutil.copytree(SOURCES / "scenes/chart", tmp_path / "scenes/chart")
     monkeypatch.chdir(tmp_path)
     names = {"__name__": "tutorial"}
     for block in blocks:
