@@ -2,6 +2,7 @@
 # The front door. Everything else is CMake: see CMakePresets.json.
 #
 #   make demo    install what is missing, build, run scenes/wellhead, name the pictures
+#   make python  build the Python module and install it for the current user of /usr/bin/python3: docs/python.md
 #   make test    install what is missing, build, run the tests
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
 #   make bench   build without assertions and run the benchmarks
@@ -16,7 +17,7 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo test build setup prove bench atlas advise-study refraction-study track-study rays reference format tidy \
+.PHONY: demo python test build setup prove bench atlas advise-study refraction-study track-study rays reference format tidy \
   clean
 
 demo: build
@@ -24,6 +25,16 @@ demo: build
 	@echo
 	@echo "The acoustic camera, from three sides:  out/wellhead/camera-0000.png  camera-0001.png  camera-0002.png"
 	@echo "The sidescan sonar, in passing:         out/wellhead/sidescan.png"
+
+PYTHON_SITE := $(shell /usr/bin/python3 -m site --user-site 2>/dev/null)
+
+python: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_python
+	@mkdir -p "$(PYTHON_SITE)"
+	@rm -rf "$(PYTHON_SITE)/tubefoot"
+	@cp -r build/release/python/tubefoot "$(PYTHON_SITE)/"
+	@/usr/bin/python3 -c "import sys; sys.path.insert(0, '$(PYTHON_SITE)'); import tubefoot; \
+	  print('tubefoot', tubefoot.__version__, 'for /usr/bin/python3 is in', tubefoot.__path__[0])"
 
 test: build
 	cmake --build --preset release --parallel $(JOBS)

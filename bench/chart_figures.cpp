@@ -31,7 +31,8 @@ void chart_figures(const std::function<void(const std::string& name, double valu
       {"chart/bowl.toml", 1},          {"chart/fine-plane.toml", 1}};
   for (const auto& [file, seconds] : longest_seconds) {
     TrialScene scene(read_scene_file(scenes / file), first_pings(1), reference_tolerance);
-    const SceneVerdict verdict = verdict_of(scene.name(), all_trials(scene, repeats, seconds));
+    const SceneVerdict verdict =
+        verdict_of(scene.name(), all_trials(scene, builtin_settings(scene.beams()), repeats, seconds));
     if (verdict.ray_over_tube_at_db)
       figure(fmt::format("ray_over_tube_at_0.1dB_{}", scene.name()), *verdict.ray_over_tube_at_db);
     if (verdict.ray_over_tube_at_l1)

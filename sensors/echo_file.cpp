@@ -163,18 +163,6 @@ class EchoGroup {
   std::vector<Pending> pending_;
 };
 
-std::string kind_of(const SensorDescription& sensor) {
-  struct Name {
-    const char* operator()(const DidsonDescription&) const { return "didson"; }
-    const char* operator()(const SidescanDescription&) const { return "sidescan"; }
-    const char* operator()(const MultibeamDescription&) const { return "multibeam"; }
-    const char* operator()(const ImagingDescription&) const { return "imaging"; }
-    const char* operator()(const EchosounderDescription&) const { return "echosounder"; }
-    const char* operator()(const InterferometricDescription&) const { return "interferometric"; }
-  };
-  return std::visit(Name(), sensor.kind);
-}
-
 template <typename Item, typename Value>
 std::vector<double> column(const std::vector<Item>& items, Value value) {
   std::vector<double> values;
@@ -300,6 +288,18 @@ void write_recording(EchoGroup& group, const Recording& recording) {
 }
 
 }  // namespace
+
+std::string kind_of(const SensorDescription& sensor) {
+  struct Name {
+    const char* operator()(const DidsonDescription&) const { return "didson"; }
+    const char* operator()(const SidescanDescription&) const { return "sidescan"; }
+    const char* operator()(const MultibeamDescription&) const { return "multibeam"; }
+    const char* operator()(const ImagingDescription&) const { return "imaging"; }
+    const char* operator()(const EchosounderDescription&) const { return "echosounder"; }
+    const char* operator()(const InterferometricDescription&) const { return "interferometric"; }
+  };
+  return std::visit(Name(), sensor.kind);
+}
 
 void write_echoes(const fs::path& path, const std::vector<Recording>& recordings,
                   const Provenance& provenance, std::size_t most_bytes_in_memory) {

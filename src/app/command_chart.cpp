@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "app/chart_folder.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
 #include "app/output_folder.hpp"
@@ -11,22 +12,9 @@
 #include "app/trials.hpp"
 #include "app/usage_error.hpp"
 #include "study/chart_page.hpp"
-#include "study/svg_png.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double reference_tolerance = 1e-7;
-
-void write_pictures_of(const std::filesystem::path& folder, const std::string& scene,
-                       const std::vector<Trial>& trials) {
-  for (const auto& [measure, name] : {std::pair{ErrorMeasure::l1, "l1"}, {ErrorMeasure::rms_db, "rms-db"}}) {
-    const std::string svg = to_svg(work_precision_plot(scene, trials, measure));
-    const std::string stem = fmt::format("{}-{}", scene, name);
-    write_file(folder / (stem + ".svg"), svg);
-    write_png_of_svg(svg, folder / (stem + ".png"));
-  }
-}
 
 void print_verdict(const SceneVerdict& v) {
   const auto ratio = [](const std::optional<double>& value, bool extrapolated) {
@@ -44,27 +32,18 @@ int chart_command(const ChartOptions& options) {
   OutputFolder output(options.output);
   const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
   std::vector<Trial> trials;
-  Progress progress("settings", options.scenes.size() * settings_count(), options.quiet);
+  Progress progress("settings", options.scenes.size() * builtin_settings(1).size(), options.quiet);
   for (const std::filesystem::path& file : options.scenes) {
-    TrialScene scene(read_scene_file(file), first_pings(options.pings), reference_tolerance);
+    TrialScene scene(read_scene_file(file), first_pings(options.pings), chart_reference_tolerance);
     if (!names.insert(scene.name()).second)
       throw UsageError(
           fmt::format("two scenes are called '{}': the chart could not tell them apart", scene.name()));
-    const std::vector<Trial> own =
-        all_trials(scene, options.repeats, options.seconds_per_trial, [&] { progress.step(); });
+    const std::vector<Trial> own = all_trials(scene, builtin_settings(scene.beams()), options.repeats,
+                                              options.seconds_per_trial, [&] { progress.step(); });
     trials.insert(trials.end(), own.begin(), own.end());
-    write_pictures_of(output.staging(), scene.name(), trials);
   }
-  write_file(output.staging() / "chart.csv", to_csv(trials));
-  write_file(
-      output.staging() / "index.html",
-      to_html(trials, fmt::format("Made by <code>tubefoot chart</code>, version {}: {} of each scene's "
-                                  "first sensor, one thread, median of {} runs. The reference is "
-                                  "certified (docs/reference.md); trees are built beforehand.",
-                                  TUBEFOOT_VERSION,
-                                  options.pings == 1 ? "the first ping"
-                                                     : fmt::format("the first {} pings", options.pings),
-                                  options.repeats)));
+  write_chart(output.staging(), trials,
+              chart_origin("<code>tubefoot chart</code>", options.pings, options.repeats));
   output.commit();
   fmt::print("{:<22} {:>14} {:>14} {:>14}\n", "scene", "rays/tubes", "rays/tubes", "rays cheaper");
   fmt::print("{:<22} {:>14} {:>14} {:>14}\n", "", "at 0.1 dB RMS", "at 1e-3 L1", "above L1 of");

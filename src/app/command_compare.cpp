@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
+#include "app/comparison.hpp"
 #include "app/echo_pairs.hpp"
 #include "app/usage_error.hpp"
-#include "compare/echo_errors.hpp"
 #include "sensors/checked_file.hpp"
 #include "sensors/comparison_picture.hpp"
 
@@ -16,26 +16,8 @@ namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr int within = 0, beyond = 3;
-
-struct SensorErrors {
-  EchoPairs::Sensor pair;
-  EchoErrors errors;
-};
-
-EchoErrors errors_of(const EchoPairs::Sensor& pair, std::size_t worst) {
-  const SensorEchoes &reference = *pair.reference, &candidate = *pair.candidate;
-  return echo_errors({{reference.pings, reference.beams, reference.samples},
-                      reference.energy,
-                      candidate.energy,
-                      reference.energy_bound,
-                      reference.slant_range_m},
-                     worst);
-}
-
-double decibels(double ratio) { return 10 * std::log10(ratio); }
 
 std::string made_by(const Provenance& provenance) {
   std::string words;
@@ -66,7 +48,7 @@ void print_sensor(const SensorErrors& sensor) {
   fmt::print("  relative L1 error        {:.3g}\n", errors.l1);
   fmt::print("  RMS error of lit bins    {:.3g} dB\n", errors.rms_db);
   fmt::print("  total energy ratio       {:.6g} ({:+.3g} dB)\n", errors.energy_ratio,
-             decibels(errors.energy_ratio));
+             10 * std::log10(errors.energy_ratio));
   fmt::print("  empty where lit          {} of {} lit bins (above {:.3g} J)\n", errors.empty_where_lit,
              errors.lit_bins, errors.lit_threshold_j);
   fmt::print("  lit where shadow         {} of {} shadow bins\n", errors.lit_where_shadow,
@@ -86,67 +68,6 @@ void print_sensor(const SensorErrors& sensor) {
     fmt::print("             {:>6} {:>6} {:>7} {:>11.3f} {:>13.4g} {:>13.4g} {:>+11.3g} {:>12.3g} %\n",
                bin.place.ping, bin.place.beam, bin.place.sample, bin.slant_range_m, bin.reference_j,
                bin.candidate_j, bin.error_db, 100 * bin.share_of_difference);
-}
-
-Json json_of(const EchoContents& contents) {
-  const Provenance& provenance = contents.provenance;
-  return {{"file", contents.file.string()},      {"title", provenance.title},
-          {"scene_hash", provenance.scene_hash}, {"engine", provenance.engine},
-          {"arithmetic", provenance.arithmetic}, {"version", provenance.version}};
-}
-
-Json json_of(const FirstReturnErrors& first) {
-  Json json{{"in_both", first.in_both},
-            {"only_in_reference", first.only_in_reference},
-            {"only_in_candidate", first.only_in_candidate},
-            {"in_neither", first.in_neither}};
-  if (first.in_both == 0) return json;
-  json["mean_m"] = first.mean_m;
-  json["mean_absolute_m"] = first.mean_absolute_m;
-  json["mean_absolute_samples"] = first.mean_absolute_samples;
-  json["largest_m"] = first.largest_m;
-  json["largest_samples"] = first.largest_samples;
-  json["largest_ping"] = first.largest_at.ping;
-  json["largest_beam"] = first.largest_at.beam;
-  return json;
-}
-
-/// Figures that are not finite (a silent reference) become null.
-Json json_of(const SensorErrors& sensor) {
-  const SensorEchoes& reference = *sensor.pair.reference;
-  const EchoErrors& errors = sensor.errors;
-  Json json{{"name", reference.name},
-            {"pings", reference.pings},
-            {"beams", reference.beams},
-            {"samples", reference.samples},
-            {"l1_error", errors.l1},
-            {"rms_db_error", errors.rms_db},
-            {"energy_ratio", errors.energy_ratio},
-            {"energy_ratio_db", decibels(errors.energy_ratio)},
-            {"reference_total_j", errors.reference_total_j},
-            {"candidate_total_j", errors.candidate_total_j},
-            {"lit_threshold_j", errors.lit_threshold_j},
-            {"lit_bins", errors.lit_bins},
-            {"shadow_bins", errors.shadow_bins},
-            {"empty_where_lit", errors.empty_where_lit},
-            {"lit_where_shadow", errors.lit_where_shadow},
-            {"first_return", json_of(errors.first_return)},
-            {"within_bound", nullptr},
-            {"worst_bins", Json::array()}};
-  if (const auto& bound = errors.within_bound)
-    json["within_bound"] = {{"bound_l1", bound->bound_l1},
-                            {"share_of_difference", bound->share_of_difference},
-                            {"share_of_bins", bound->share_of_bins}};
-  for (const BinError& bin : errors.worst)
-    json["worst_bins"].push_back({{"ping", bin.place.ping},
-                                  {"beam", bin.place.beam},
-                                  {"sample", bin.place.sample},
-                                  {"slant_range_m", bin.slant_range_m},
-                                  {"reference_j", bin.reference_j},
-                                  {"candidate_j", bin.candidate_j},
-                                  {"error_db", bin.error_db},
-                                  {"share_of_difference", bin.share_of_difference}});
-  return json;
 }
 
 /// The ping with the largest sum |C - R|.
@@ -207,11 +128,9 @@ int compare_command(const CompareOptions& options) {
   const EchoContents reference = read_echo_file(options.reference),
                      candidate = read_echo_file(options.candidate);
   const EchoPairs pairs = pair_echoes(reference, candidate, options.sensor, options.any_scene);
-  std::vector<SensorErrors> sensors;
+  const std::vector<SensorErrors> sensors = errors_of(pairs, options.worst);
   bool held = true;
-  for (const EchoPairs::Sensor& pair : pairs.sensors) {
-    const EchoErrors& errors =
-        sensors.emplace_back(SensorErrors{pair, errors_of(pair, options.worst)}).errors;
+  for (const auto& [pair, errors] : sensors) {
     if (options.within_l1) held = held && errors.l1 <= *options.within_l1;
     if (options.within_db) held = held && errors.rms_db <= *options.within_db;
   }
@@ -225,13 +144,11 @@ int compare_command(const CompareOptions& options) {
   }
   std::string json;
   if (options.json) {
-    Json all{{"reference", json_of(reference)}, {"candidate", json_of(candidate)}, {"notes", pairs.notes}};
-    for (const SensorErrors& sensor : sensors) all["sensors"].push_back(json_of(sensor));
+    nlohmann::ordered_json all = comparison_json(reference, candidate, pairs, sensors);
     if (options.within_l1) all["within"]["l1_error"] = *options.within_l1;
     if (options.within_db) all["within"]["rms_db_error"] = *options.within_db;
     if (options.within_l1 || options.within_db) all["within"]["held"] = held;
-    // A stranger's attributes need not be UTF-8.
-    json = all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    json = text_of(all) + "\n";
   }
   if (options.json == "-") {
     fmt::print("{}", json);

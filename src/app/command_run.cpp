@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <charconv>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -12,12 +11,11 @@
 #include "app/partial_run.hpp"
 #include "app/refraction.hpp"
 #include "app/run_statistics.hpp"
+#include "app/run_steps.hpp"
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
 #include "app/usage_error.hpp"
-#include "scene/utc.hpp"
-#include "sensors/products.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {
@@ -41,53 +39,6 @@ void print_reference(double tolerance, const ReferenceStats& reference, bool ref
         "'{}', ping {}, beam {}, sample {}\n",
         reference.bins_over, tolerance, reference.worst_ratio, reference.worst_sensor, reference.worst_ping,
         reference.worst_beam, reference.worst_sample);
-}
-
-double bound_asked_for(const std::optional<std::string>& text) {
-  double bound = 1e-9;
-  if (!text) return bound;
-  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), bound);
-  // Not a number fails both comparisons.
-  if (error != std::errc() || end != text->data() + text->size() || !(bound >= 1e-12 && bound <= 0.1))
-    throw UsageError(
-        fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{}'", *text));
-  return bound;
-}
-
-void refuse_what_the_tolerance_picks(const RunOptions& options) {
-  const char* option = options.engine          ? "--engine"
-                       : options.arithmetic    ? "--arithmetic"
-                       : options.binning       ? "--binning"
-                       : options.sampling      ? "--sampling"
-                       : options.rays          ? "--rays"
-                       : options.rays_per_beam ? "--rays-per-beam"
-                                               : nullptr;
-  if (option != nullptr)
-    throw UsageError(
-        fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
-}
-
-Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {
-  AdviceOptions options;
-  options.measure = false;   // all of its time is the user's waiting
-  options.largest_cost = 1;  // dearer rays would not be chosen
-  options.seed = description.run.seed;
-  options.quiet = quiet;
-  Advice advice = advise(description, tolerance, options);
-  RunDescription& run = description.run;
-  const RunDescription& chosen = advice.best().setting.run;
-  // What the scene's own [run] says of seed, grid and threads stays.
-  run.engine = chosen.engine;
-  run.arithmetic = chosen.arithmetic;
-  run.binning = chosen.binning;
-  run.facets_per_split = chosen.facets_per_split;
-  run.zero_tolerance = chosen.zero_tolerance;
-  run.sampling = chosen.sampling;
-  run.rays_per_beam = chosen.rays_per_beam;
-  if (!quiet)
-    fmt::print("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine,
-               advice.best().setting.setting);
-  return advice;
 }
 
 nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
@@ -133,51 +84,14 @@ void print_relief(const Survey& survey, const SimulationStats& stats) {
       stats.finer_relief_rms, stats.finer_relief_largest);
 }
 
-/// Everything that a result folder holds but stats.json.
-std::vector<std::filesystem::path> write_files(const std::filesystem::path& folder,
-                                               const std::vector<Recording>& recordings,
-                                               const Provenance& provenance, const RunContext& run,
-                                               std::vector<std::string>& warnings) {
-  write_echoes(folder / "echoes.nc", recordings, provenance);
-  std::vector<std::filesystem::path> files{"echoes.nc"};
-  for (const Recording& recording : recordings) {
-    if (InterruptGuard::requested()) break;
-    for (const auto& file : write_products(folder, recording, run, warnings)) files.push_back(file);
-  }
-  return files;
-}
-
 }  // namespace
 
 int run_command(const RunOptions& options) {
   const Clock::time_point start = Clock::now();
   SceneDescription description = described(options);
-  if (options.engine) description.run.engine = *options.engine;
-  if (options.binning) description.run.binning = *options.binning;
-  if (options.sampling) description.run.sampling = *options.sampling;
-  if (options.rays) {
-    description.run.rays_per_ping = *options.rays;
-    description.run.rays_per_beam.reset();
-  }
-  if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
-  if (options.seed) description.run.seed = *options.seed;
-  std::optional<double> reference_tolerance;
-  std::optional<Tolerance> tolerance;
-  if (options.tolerance && !options.reference) {
-    refuse_what_the_tolerance_picks(options);
-    tolerance = asked_tolerance(*options.tolerance);
-    // One dial: the ground is refined no further, and no less, unless the scene says how far.
-    if (!description.refinement.tolerance) description.refinement.tolerance = relative_error(*tolerance);
-  }
-  if (options.reference) {
-    reference_tolerance = bound_asked_for(options.tolerance);
-    if (description.run.engine != "tube")
-      throw UsageError("--reference measures footprints: it needs --engine tube");
-    if (description.run.binning != "exact")
-      throw UsageError("--reference integrates footprints: it needs --binning exact");
-    if (description.run.arithmetic == "double")
-      throw UsageError("--reference needs an exact arithmetic: fixed, filtered or rational, not double");
-  }
+  const RunRequest request = requested(options, description);
+  const std::optional<double>& reference_tolerance = request.reference_tolerance;
+  const std::optional<Tolerance>& tolerance = request.tolerance;
   const InterruptGuard interrupt;
   OutputFolder output(options.output);
   PartialRun partial(options.output, options.resume);
@@ -228,12 +142,7 @@ int run_command(const RunOptions& options) {
   try {
     const Clock::time_point write_start = Clock::now();
     std::vector<std::string> file_warnings;
-    files = write_files(
-        output.staging(), recordings,
-        {description.title, description.sha256, run.engine, exact ? run.arithmetic : "float",
-         TUBEFOOT_VERSION, reference_tolerance},
-        {scene.frame, *unix_time_s(run.start_utc), run.seed, description.water, description.title},
-        file_warnings);
+    files = write_result_files(output.staging(), *survey, recordings, reference_tolerance, file_warnings);
     print_warnings(file_warnings, options.quiet);
     warnings.insert(warnings.end(), file_warnings.begin(), file_warnings.end());
     nlohmann::ordered_json json = statistics_json(*survey, stats, reference_tolerance);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/refraction.hpp"
+#include "app/run_steps.hpp"
 #include "engine/ground.hpp"
 
 namespace tubefoot {
@@ -19,8 +20,10 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
   json["scene"] = scene.description.file.string();
   json["scene_hash"] = scene.description.sha256;
   json["version"] = TUBEFOOT_VERSION;
-  json["engine"] = run.engine;
-  if (run.engine == "tube") {
+  json["engine"] = engine_name(survey);
+  if (survey.own_engine) {
+    json["settings"] = nullptr;  // it knows them
+  } else if (run.engine == "tube") {
     json["arithmetic"] = run.arithmetic;
     json["binning"] = run.binning;
   } else {

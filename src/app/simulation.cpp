@@ -15,6 +15,7 @@
 #include <stdexcept>
 
 #include "app/interrupt.hpp"
+#include "app/own_engine.hpp"
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
 #include "app/sensor_law.hpp"
@@ -184,6 +185,10 @@ class PingTask {
         std::fill(values.begin(), values.end(), 0.0);  // of a ping that was cut off
     const Clock::time_point start = Clock::now();
     for (std::size_t shot = 0; shot < survey_.shots_a_ping(group_); ++shot) {
+      if (survey_.own_engine) {
+        for (const std::size_t s : group_.sensors) take_own(shot, s);
+        continue;
+      }
       for (const std::size_t s : group_.sensors) take_paths(shot, s);
       if (only_order_.value_or(1) != 1) continue;
       const ShotGround ground = ground_of(survey_, group_, ping_, shot);
@@ -222,6 +227,14 @@ class PingTask {
     counts_.pieces += history.footprints.pieces.size();
     counts_.hits += history.hits.size();
     counts_.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  void take_own(std::size_t shot, std::size_t s) {
+    const Sensor& sensor = *survey_.sensors[s].sensor;
+    const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
+    std::vector<double> energy(beams.size() * static_cast<std::size_t>(sensor.samples().count));
+    survey_.own_engine->echo(survey_, {s, ping_, shot}, energy);
+    add_order(1, energy, beams, s);
   }
 
   /// Paths over mirrors. Every sensor follows its own: its range says how far.
@@ -351,7 +364,10 @@ StoreLayout layout_of(const Survey& survey, bool with_bounds) {
 
 void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<double> reference_tolerance) {
   for (const SensorPings& pings : survey.sensors)
-    if (reference_tolerance && pings.sensor->channels() > 1)
+    if (survey.own_engine && pings.sensor->channels() > 1)
+      throw UsageError(fmt::format("'{}' has two receivers, whose phases engine '{}' does not compute",
+                                   pings.sensor->description().name, survey.own_engine->name));
+    else if (reference_tolerance && pings.sensor->channels() > 1)
       throw UsageError(
           fmt::format("'{}' has two receivers, whose phases no reference certifies: leave the sensor out",
                       pings.sensor->description().name));
@@ -365,6 +381,7 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
   std::size_t left = 0;
   for (const SharedShots& group : survey.shots) left += survey.pings(group);
   left -= store.done_units();
+  if (survey.watch) survey.watch->total = left;
   const ShotGround whole(survey);
   const bool own_grounds = survey.ground || survey.scene.water->refracts();
   const Engine engine = own_grounds ? Engine() : make_engine(survey, whole);
@@ -374,7 +391,7 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
   for (std::size_t g = 0; g < survey.shots.size(); ++g) {
     const SharedShots& group = survey.shots[g];
     tbb::parallel_for(std::size_t{0}, survey.pings(group), [&](std::size_t ping) {
-      if (store.done(g, ping) || InterruptGuard::requested()) return;
+      if (store.done(g, ping) || InterruptGuard::requested() || (survey.watch && survey.watch->stop)) return;
       PingTask task(survey, group, ping, store, binning, reference_tolerance);
       const auto run = [&] { store.finish(g, ping, task.run(engine, label + ping)); };
       // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
@@ -383,6 +400,7 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
       else
         run();
       progress.step();
+      if (survey.watch) ++survey.watch->pings;
     });
     label += survey.pings(group);
   }
@@ -446,7 +464,8 @@ std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStat
                                 std::optional<double> reference_tolerance) {
   const auto store = std::make_shared<PingStore>(layout_of(survey, reference_tolerance.has_value()));
   simulate(survey, *store, quiet, reference_tolerance);
-  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+  if (InterruptGuard::requested() || (survey.watch && survey.watch->stop))
+    throw std::runtime_error("interrupted: nothing was written");
   stats = totals(survey, *store);
   return recordings_of(survey, store);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -12,6 +13,7 @@
 namespace tubefoot {
 
 class Ground;
+struct OwnEngine;
 class OmittedRelief;
 class RayScene;
 
@@ -49,8 +51,14 @@ struct SurveyRelief {
   std::shared_ptr<const OmittedRelief> omitted;
 };
 
+/// Between a run and somebody who waits for it on another thread.
+struct RunWatch {
+  std::atomic<bool> stop{false};  ///< asks simulate() to leave the pings undone that it has not begun
+  std::atomic<std::size_t> pings{0}, total{0};  ///< finished, and to do
+};
+
 /// A loaded scene, its tree, and who pings where.
-struct Survey {
+struct Survey : std::enable_shared_from_this<Survey> {
   explicit Survey(Scene loaded);
   ~Survey();
   Survey(const Survey&) = delete;  // the tree points into the scene
@@ -65,6 +73,8 @@ struct Survey {
   std::vector<SensorPings> sensors;
   std::vector<SharedShots> shots;
   double load_seconds = 0, tree_seconds = 0;
+  std::shared_ptr<const OwnEngine> own_engine;  ///< computes echoes in place of a built-in one; else null
+  std::shared_ptr<RunWatch> watch;              ///< may be null
 
   /// Tubes of a shot of ping `ping` of a group, with the largest reach of its sensors.
   TubeSet tubes(const SharedShots& group, std::size_t ping, std::size_t shot) const;

@@ -151,6 +151,7 @@ std::vector<std::string> TrialScene::silent_sensors() const {
 
 std::vector<Recording> TrialScene::record(const EngineSetting& setting, double& seconds_a_ping) {
   survey_->scene.description.run = setting.run;
+  survey_->own_engine = setting.own;
   if (setting.run.engine == "ray" && !survey_->rays && !survey_->ground)
     survey_->rays = std::make_shared<RayScene>(survey_->scene.mesh, survey_->scene.grid);
   // One sensor at a time, so that each one's seconds are known.
@@ -205,14 +206,16 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) {
   return trial;
 }
 
-std::size_t settings_count() { return tube_settings().size() + ray_settings(1).size(); }
+std::vector<EngineSetting> builtin_settings(std::size_t beams) {
+  std::vector<EngineSetting> settings = tube_settings();
+  for (EngineSetting& s : ray_settings(beams)) settings.push_back(std::move(s));
+  return settings;
+}
 
-std::vector<Trial> all_trials(TrialScene& scene, int repeats, double seconds_per_trial,
-                              const std::function<void()>& step) {
+std::vector<Trial> all_trials(TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats,
+                              double seconds_per_trial, const std::function<void()>& step) {
   constexpr double next_rung = 5;  // rungs are about 4 apart
   constexpr double slow_seconds = 0.5;
-  std::vector<EngineSetting> settings = tube_settings();
-  for (EngineSetting& s : ray_settings(scene.beams())) settings.push_back(std::move(s));
   std::vector<Trial> trials;
   std::map<std::string, double> last_seconds;
   for (const EngineSetting& setting : settings) {

@@ -16,9 +16,10 @@ namespace tubefoot {
 
 /// One way to compute a scene.
 struct EngineSetting {
-  std::string engine, setting;  ///< for people: "rays, stratified", "114 a beam"
-  RunDescription run;           ///< its engine, arithmetic, binning, rays and sampling count
-  double rays = 0;              ///< a ping; 0 for tubes
+  std::string engine, setting;             ///< for people: "rays, stratified", "114 a beam"
+  RunDescription run;                      ///< its engine, arithmetic, binning, rays and sampling count
+  double rays = 0;                         ///< a ping; 0 for tubes
+  std::shared_ptr<const OwnEngine> own{};  ///< in place of what `run` names
 };
 
 /// The tube engine in fixed arithmetic with one of its binnings: exact, spread or centroid.
@@ -66,20 +67,21 @@ class TrialScene {
   std::vector<Recording> record(const EngineSetting& setting, double& seconds_a_ping);
 
   std::string name_;
-  std::unique_ptr<Survey> survey_;
+  std::shared_ptr<Survey> survey_;
   std::vector<double> weight_;  ///< by sensor: its share of the scene's pings
   std::vector<Recording> reference_;
   double bound_ = 0;
 };
 
-/// Every setting of both engines on a scene, `step` called after each. A ladder of rays ends before a rung
+/// Every setting of both engines on `beams` beams.
+std::vector<EngineSetting> builtin_settings(std::size_t beams);
+
+/// Settings on a scene, `step` called after each. A ladder of rays ends before a rung
 /// that would probably take longer than `seconds_per_trial`; slow settings are run once instead of `repeats`
 /// times. Throws std::runtime_error when InterruptGuard says that the user wants to stop.
 std::vector<Trial> all_trials(
-    TrialScene& scene, int repeats, double seconds_per_trial, const std::function<void()>& step = [] {});
-
-/// How many settings that is, on any scene.
-std::size_t settings_count();
+    TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats, double seconds_per_trial,
+    const std::function<void()>& step = [] {});
 
 /// The first pings of the first sensor.
 TrialScene::Choice first_pings(std::size_t count);

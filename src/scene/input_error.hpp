@@ -19,8 +19,9 @@ std::string to_string(const SourcePlace& place);
 
 /// The input is wrong: the program exits with 2 and prints "place: what was expected, what to do".
 struct InputError : std::runtime_error {
-  InputError(const SourcePlace& place, const std::string& message)
-      : std::runtime_error(to_string(place) + ": " + message) {}
+  InputError(const SourcePlace& where, const std::string& message)
+      : std::runtime_error(to_string(where) + ": " + message), place(where) {}
+  SourcePlace place;
 };
 
 }  // namespace tubefoot

@@ -53,6 +53,7 @@ std::size_t index_of(const std::vector<Described>& list, const std::string& name
 }
 
 ComponentMesh terrain_mesh(const TerrainDescription& terrain, std::optional<LocalFrame>& frame) {
+  if (terrain.facets) return *terrain.facets;
   if (const auto* flat = std::get_if<FlatTerrain>(&terrain.kind)) return flat_facets(*flat, terrain.place);
   if (const auto* fractal = std::get_if<FractalTerrain>(&terrain.kind))
     return fractal_facets(*fractal, terrain.place);
@@ -60,6 +61,7 @@ ComponentMesh terrain_mesh(const TerrainDescription& terrain, std::optional<Loca
 }
 
 ComponentMesh object_mesh(const ObjectDescription& object) {
+  if (object.facets) return *object.facets;
   // The stated chord error is that of the facets in the scene, after scaling.
   const double chord_error =
       object.chord_error_m / *std::max_element(object.scale.begin(), object.scale.end());

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "scene/input_error.hpp"
+#include "scene/scene_component.hpp"
 
 // What a scene file says, key by key, in the file's own units (degrees, metres, kHz). Nothing is loaded yet.
 // docs/scene-file.md documents every key with unit, default and range.
@@ -202,6 +204,7 @@ struct TerrainDescription {
   SourcePlace material_place;
   std::optional<MaterialMapDescription> material_map;  ///< `material` is what it leaves out
   std::variant<FlatTerrain, FractalTerrain, RasterTerrain> kind;
+  std::shared_ptr<const ComponentMesh> facets;  ///< given in memory, in place of `kind`; else null
 };
 
 struct MeshFile {
@@ -226,7 +229,8 @@ struct ObjectDescription {
   std::string material;
   SourcePlace material_place;
   std::variant<MeshFile, SpherePrimitive, CylinderPrimitive, ConePrimitive, BoxPrimitive> kind;
-  std::array<double, 3> position_m{0, 0, 0};  ///< of the primitive's centre / the file's origin
+  std::shared_ptr<const ComponentMesh> facets;  ///< given in memory, in place of `kind`; else null
+  std::array<double, 3> position_m{0, 0, 0};    ///< of the primitive's centre / the file's origin
   std::optional<std::array<double, 2>> position_lat_lon_deg;  ///< instead of x and y of position_m
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
   std::array<double, 3> scale{1, 1, 1};
@@ -420,5 +424,8 @@ struct SceneDescription {
 /// Reads and checks a scene file: keys, types, ranges, names that refer to each other, files that must exist.
 /// Throws InputError "scene.toml:12:5: ..." that says what was expected.
 SceneDescription read_scene_file(const std::filesystem::path& file);
+/// The same from a text, as if it stood in `file`: relative paths start from that one's folder, and messages
+/// name it. It need not exist.
+SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -310,8 +310,9 @@ std::vector<SceneKey> scene_file_keys() {
   return keys;
 }
 
-SceneDescription read_scene_file(const fs::path& file) {
-  const std::string text = scene_text(file);
+SceneDescription read_scene_file(const fs::path& file) { return read_scene_text(scene_text(file), file); }
+
+SceneDescription read_scene_text(const std::string& text, const fs::path& file) {
   TomlSource source{file, {}};
   toml::table root = parse(text, source);
   apply_presets(root, source);

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "app/output_folder.hpp"
+#include "app/refraction.hpp"
+#include "app/run_statistics.hpp"
+#include "app/run_steps.hpp"
+#include "app/settings.hpp"
+#include "app/simulation.hpp"
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "own_echo.hpp"
+#include "result.hpp"
+#include "run_apart.hpp"
+#include "scene.hpp"
+#include "sensors/pose_angles.hpp"
+
+namespace tubefoot::python {
+namespace py = pybind11;
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void stop_if_asked(const RunWatch& watch) {
+  if (watch.stop) throw std::runtime_error("interrupted: nothing was written");
+}
+
+/// What `tubefoot run` does, into memory and, if asked to, into a folder.
+std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOptions& options,
+                                      const std::shared_ptr<const OwnEngine>& own,
+                                      const std::shared_ptr<RunWatch>& watch) {
+  const Clock::time_point start = Clock::now();
+  if (options.arithmetic) description.run.arithmetic = *options.arithmetic;
+  if (options.threads) description.run.threads = *options.threads;
+  const RunRequest request = requested(options, description);
+  std::optional<OutputFolder> output;
+  if (!options.output.empty()) output.emplace(options.output);
+  if (request.tolerance) pick_settings(description, *request.tolerance, true);
+  stop_if_asked(*watch);
+  const ThreadLimit limit(description.run.threads);
+
+  auto result = std::make_shared<NativeResult>();
+  result->survey = open_survey(description);
+  Survey& survey = *result->survey;
+  survey.own_engine = own;
+  survey.watch = watch;
+  result->warnings = survey.scene.report.warnings;
+  stop_if_asked(*watch);
+  const Clock::time_point simulation_start = Clock::now();
+  result->store = std::make_shared<PingStore>(layout_of(survey, request.reference_tolerance.has_value()));
+  simulate(survey, *result->store, true, request.reference_tolerance);
+  stop_if_asked(*watch);
+  const SimulationStats stats = totals(survey, *result->store);
+  result->recordings = recordings_of(survey, result->store);
+  for (const std::string& warning : refraction_warnings(survey, stats)) result->warnings.push_back(warning);
+
+  result->provenance = provenance_of(survey, request.reference_tolerance);
+  nlohmann::ordered_json json = statistics_json(survey, stats, request.reference_tolerance);
+  json["threads"] = limit.threads();
+  json["seconds"] = {{"load", survey.load_seconds},
+                     {"tree", survey.tree_seconds},
+                     {"simulation", seconds_since(simulation_start)},
+                     {"visibility_of_all_pings", stats.visibility_seconds},
+                     {"echo_of_all_pings", stats.echo_seconds}};
+  if (output)
+    write_result_files(output->staging(), survey, result->recordings, request.reference_tolerance,
+                       result->warnings);
+  json["seconds"]["total"] = seconds_since(start);
+  json["peak_memory_mb"] = peak_memory_mb();
+  json["warnings"] = result->warnings;
+  result->statistics = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  if (output) {
+    write_file(output->staging() / "stats.json", result->statistics + "\n");
+    stop_if_asked(*watch);
+    output->commit();
+  }
+  survey.own_engine.reset();  // a result needs no function
+  return result;
+}
+
+template <class T>
+std::optional<T> option(const py::dict& options, const char* name) {
+  if (!options.contains(name) || options[name].is_none()) return std::nullopt;
+  return options[name].cast<T>();
+}
+
+std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& options,
+                                  const std::optional<std::string>& own_name, const py::object& own,
+                                  const py::object& progress) {
+  RunOptions asked;
+  asked.quiet = true;
+  asked.arithmetic = option<std::string>(options, "arithmetic");
+  asked.threads = option<int>(options, "threads");
+  asked.output = option<std::string>(options, "output").value_or("");
+  asked.engine = option<std::string>(options, "engine");
+  asked.binning = option<std::string>(options, "binning");
+  asked.sampling = option<std::string>(options, "sampling");
+  asked.rays = option<std::int64_t>(options, "rays");
+  asked.rays_per_beam = option<std::int64_t>(options, "rays_per_beam");
+  asked.seed = option<std::uint64_t>(options, "seed");
+  asked.reference = option<bool>(options, "reference").value_or(false);
+  asked.tolerance = option<std::string>(options, "tolerance");
+  const auto engine = own_name ? own_engine(*own_name, own) : nullptr;
+  const auto watch = std::make_shared<RunWatch>();
+  std::shared_ptr<NativeResult> result;
+  run_apart(*watch, progress, [&] { result = compute(scene.description(), asked, engine, watch); });
+  return result;
+}
+
+/// Energies of a channel: shape (pings, beams, samples), a view.
+py::array channel(const py::object& self, std::size_t sensor, std::size_t channel) {
+  const Recording& r = self.cast<const NativeResult&>().recordings.at(sensor);
+  const auto beams = py::ssize_t(r.sensor->beams().size()), samples = py::ssize_t(r.sensor->samples().count);
+  constexpr auto size = py::ssize_t(sizeof(double));
+  return view(r.energy.data() + channel * r.cells(), {py::ssize_t(r.pings()), beams, samples},
+              {py::ssize_t(r.cells() * r.channels()) * size, samples * size, size}, self);
+}
+
+py::dict arrays_of(const py::object& self, std::size_t sensor) {
+  const Recording& r = self.cast<const NativeResult&>().recordings.at(sensor);
+  py::dict arrays;
+  arrays["energy"] = channel(self, sensor, 0);
+  if (r.channels() > 1) {
+    arrays["cross_real"] = channel(self, sensor, 1);
+    arrays["cross_imag"] = channel(self, sensor, 2);
+  }
+  if (!r.energy_bound.empty()) {
+    const auto samples = py::ssize_t(r.sensor->samples().count), size = py::ssize_t(sizeof(double));
+    const auto cells = py::ssize_t(r.cells());
+    arrays["energy_bound"] = view(r.energy_bound.data(), {py::ssize_t(r.pings()), cells / samples, samples},
+                                  {cells * size, samples * size, size}, self);
+  }
+  arrays["ping_time"] = view_of<double>(r.ping_time_s, self);
+  arrays["sensor_position"] = view_of<double>(r.ping_pose, &Pose::position_m, self, 3);
+  std::vector<double> attitude, heading, pitch, roll;
+  for (const Pose& pose : r.ping_pose) {
+    const glm::dquat q = glm::normalize(pose.attitude);
+    attitude.insert(attitude.end(), {q.w, q.x, q.y, q.z});
+    const PoseAngles angles = angles_of(q);
+    heading.push_back(angles.heading_deg);
+    pitch.push_back(angles.pitch_deg);
+    roll.push_back(angles.roll_deg);
+  }
+  arrays["sensor_attitude"] = array_of(attitude, 4);
+  arrays["sensor_heading"] = array_of(heading);
+  arrays["sensor_pitch"] = array_of(pitch);
+  arrays["sensor_roll"] = array_of(roll);
+  arrays["altitude"] = view_of<double>(r.altitude_m, self);
+  return arrays;
+}
+
+py::dict axes_of(const NativeResult& self, std::size_t sensor) {
+  constexpr double degrees = 57.29577951308232;
+  const Recording& r = self.recordings.at(sensor);
+  py::dict axes;
+  std::vector<double> azimuth, elevation, azimuth_width, elevation_width;
+  for (const BeamAxis& beam : r.sensor->beams()) {
+    azimuth.push_back(degrees * beam.azimuth_rad);
+    elevation.push_back(degrees * beam.elevation_rad);
+    azimuth_width.push_back(degrees * beam.azimuth_width_rad);
+    elevation_width.push_back(degrees * beam.elevation_width_rad);
+  }
+  axes["beam_azimuth"] = array_of(azimuth);
+  axes["beam_elevation"] = array_of(elevation);
+  axes["beam_azimuth_width"] = array_of(azimuth_width);
+  axes["beam_elevation_width"] = array_of(elevation_width);
+  const RangeSamples& samples = r.sensor->samples();
+  std::vector<double> centres, bounds, times;
+  for (int k = 0; k < samples.count; ++k) {
+    centres.push_back(samples.first_m + (k + 0.5) * samples.step_m);
+    bounds.push_back(samples.first_m + k * samples.step_m);
+    bounds.push_back(samples.first_m + (k + 1) * samples.step_m);
+    times.push_back(2 * centres.back() / r.sound_speed_m_s);
+  }
+  axes["slant_range"] = array_of(centres);
+  axes["slant_range_bounds"] = array_of(bounds, 2);
+  axes["two_way_travel_time"] = array_of(times);
+  return axes;
+}
+
+py::dict attributes_of(const NativeResult& self, std::size_t sensor) {
+  const Recording& r = self.recordings.at(sensor);
+  py::dict attributes;
+  attributes["sensor_name"] = r.sensor->description().name;
+  attributes["sensor_kind"] = kind_of(r.sensor->description());
+  attributes["frequency_khz"] = r.sensor->frequency_khz();
+  attributes["source_energy"] = "1 J/sr at 1 m";
+  attributes["sound_speed_m_s"] = r.sound_speed_m_s;
+  attributes["absorption_db_per_km"] = r.absorption_db_per_km;
+  return attributes;
+}
+
+py::dict file_attributes(const NativeResult& self) {
+  const Provenance& p = self.provenance;
+  py::dict attributes;
+  attributes["title"] = p.title;
+  attributes["Conventions"] = "tubefoot-echoes-1.0";
+  attributes["scene_hash"] = p.scene_hash;
+  attributes["engine"] = p.engine;
+  attributes["arithmetic"] = p.arithmetic;
+  attributes["version"] = p.version;
+  if (p.reference_tolerance) attributes["reference_tolerance"] = *p.reference_tolerance;
+  return attributes;
+}
+
+}  // namespace
+
+void bind_run(py::module_& module) {
+  py::class_<NativeResult, std::shared_ptr<NativeResult>>(module, "Result")
+      .def_property_readonly("sensors",
+                             [](const NativeResult& self) {
+                               std::vector<std::string> names;
+                               for (const Recording& r : self.recordings)
+                                 names.push_back(r.sensor->description().name);
+                               return names;
+                             })
+      .def_readonly("statistics", &NativeResult::statistics)
+      .def_readonly("warnings", &NativeResult::warnings)
+      .def("arrays", &arrays_of)
+      .def("axes", &axes_of)
+      .def("attributes", &attributes_of)
+      .def("file_attributes", &file_attributes);
+  module.def("run", &run);
+}
+
+}  // namespace tubefoot::python

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+#include "bindings.hpp"
+#include "scene.hpp"
+#include "scene/file_hash.hpp"
+
+namespace tubefoot::python {
+namespace py = pybind11;
+namespace {
+
+using Points = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Corners = py::array_t<std::uint32_t, py::array::c_style | py::array::forcecast>;
+
+/// Facets of a component, of shape (n, 3) and (m, 3); the package has seen to that.
+std::shared_ptr<const ComponentMesh> component(const Points& vertices, const Corners& facets,
+                                               const SourcePlace& place) {
+  auto mesh = std::make_shared<ComponentMesh>();
+  const auto v = vertices.unchecked<2>();
+  mesh->points_m.reserve(std::size_t(v.shape(0)));
+  for (py::ssize_t i = 0; i < v.shape(0); ++i) {
+    mesh->points_m.emplace_back(v(i, 0), v(i, 1), v(i, 2));
+    for (int k = 0; k < 3; ++k)
+      if (!std::isfinite(v(i, k)))
+        throw InputError(place, fmt::format("vertex {} has a coordinate that is not finite", i));
+  }
+  const auto f = facets.unchecked<2>();
+  mesh->triangles.reserve(std::size_t(f.shape(0)));
+  for (py::ssize_t i = 0; i < f.shape(0); ++i) {
+    mesh->triangles.push_back({f(i, 0), f(i, 1), f(i, 2)});
+    for (int k = 0; k < 3; ++k)
+      if (f(i, k) >= v.shape(0))
+        throw InputError(place,
+                         fmt::format("facet {} has vertex {}, but there are {}", i, f(i, k), v.shape(0)));
+  }
+  drop_unused_points(*mesh);
+  return mesh;
+}
+
+template <class T>
+std::string_view bytes_of(const T& array) {
+  return {reinterpret_cast<const char*>(array.data()), std::size_t(array.nbytes())};
+}
+
+std::shared_ptr<NativeScene> parse_scene(
+    const std::string& text, const std::string& file,
+    const std::vector<std::tuple<bool, std::size_t, Points, Corners>>& given) {
+  SceneDescription description = read_scene_text(text, file);
+  Sha256 hash;
+  hash.update(description.sha256);
+  for (const auto& [terrain, index, vertices, facets] : given) {
+    const auto put = [&, &v = vertices, &f = facets](auto& described) {
+      described.facets = component(v, f, described.place);
+    };
+    if (terrain)
+      put(description.terrains.at(index));
+    else
+      put(description.objects.at(index));
+    hash.update(bytes_of(vertices));
+    hash.update(bytes_of(facets));
+  }
+  if (!given.empty()) description.sha256 = hash.hex_digest();
+  return std::make_shared<NativeScene>(std::move(description));
+}
+
+template <class T>
+std::vector<std::string> names_of(const std::vector<T>& described) {
+  std::vector<std::string> names;
+  for (const T& d : described) names.push_back(d.name);
+  return names;
+}
+
+}  // namespace
+
+std::shared_ptr<const Survey> NativeScene::survey() {
+  const std::scoped_lock lock(mutex_);
+  if (!survey_) survey_ = open_survey(description_);
+  return survey_;
+}
+
+void bind_scene(py::module_& module) {
+  py::class_<NativeScene, std::shared_ptr<NativeScene>>(module, "Scene")
+      .def_property_readonly("title", [](const NativeScene& s) { return s.description().title; })
+      .def_property_readonly("file", [](const NativeScene& s) { return s.description().file.string(); })
+      .def_property_readonly("hash", [](const NativeScene& s) { return s.description().sha256; })
+      .def_property_readonly("sensors",
+                             [](const NativeScene& s) { return names_of(s.description().sensors); })
+      .def_property_readonly("materials",
+                             [](const NativeScene& s) { return names_of(s.description().materials); })
+      .def_property_readonly("components",
+                             [](const NativeScene& s) {
+                               std::vector<std::string> names = names_of(s.description().terrains);
+                               for (std::string& n : names_of(s.description().objects))
+                                 names.push_back(std::move(n));
+                               return names;
+                             })
+      .def("warnings",
+           [](NativeScene& s) {
+             const py::gil_scoped_release released;
+             return s.survey()->scene.report.warnings;
+           })
+      .def("pings",
+           [](NativeScene& s, const std::string& sensor) {
+             const py::gil_scoped_release released;
+             const auto survey = s.survey();
+             return survey->sensors[survey->sensor_named(sensor)].times_s.size();
+           })
+      .def("shots",
+           [](NativeScene& s, const std::string& sensor) {
+             const py::gil_scoped_release released;
+             const auto survey = s.survey();
+             return survey->sensors[survey->sensor_named(sensor)].sensor->shots();
+           })
+      .def("shot", [](NativeScene& s, const std::string& sensor, std::size_t ping, std::size_t shot) {
+        const py::gil_scoped_release released;
+        const auto survey = s.survey();
+        return std::make_shared<NativeShot>(survey, HeardShot{survey->sensor_named(sensor), ping, shot},
+                                            s.vertices());
+      });
+  module.def(
+      "read_scene",
+      [](const std::string& file) { return std::make_shared<NativeScene>(read_scene_file(file)); },
+      py::call_guard<py::gil_scoped_release>());
+  module.def("parse_scene", &parse_scene);
+}
+
+}  // namespace tubefoot::python

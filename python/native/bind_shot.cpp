@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <glm/geometric.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "shot.hpp"
+
+namespace tubefoot::python {
+namespace py = pybind11;
+namespace {
+
+const NativeShot& shot_in(const py::object& self) { return self.cast<const NativeShot&>(); }
+
+py::array three(glm::dvec3 v) { return array_of(std::vector<double>{v.x, v.y, v.z}); }
+
+py::array rays(const NativeShot& shot) {
+  std::vector<double> directions;
+  for (const GridPoint& r : shot.tubes().rays) {
+    const glm::dvec3 d = glm::normalize(glm::dvec3(r.x, r.y, r.z));
+    directions.insert(directions.end(), {d.x, d.y, d.z});
+  }
+  return array_of(directions, 3);
+}
+
+py::array beam_of_tube(const NativeShot& shot) {
+  return array_of(shot.sensor().beam_of_tube(shot.which().shot));
+}
+
+py::array range_edges(const NativeShot& shot) {
+  const RangeSamples& samples = shot.sensor().samples();
+  std::vector<double> edges;
+  for (int k = 0; k <= samples.count; ++k) edges.push_back(samples.first_m + k * samples.step_m);
+  return array_of(edges);
+}
+
+/// A value of each of the shot's beams.
+template <class Value>
+py::array by_beam(const NativeShot& shot, Value value) {
+  std::vector<double> values;
+  for (const std::uint32_t b : shot.sensor().beams_of_shot(shot.which().shot))
+    values.push_back(value(shot.sensor().beams()[b]));
+  return array_of(values);
+}
+
+std::vector<std::string> material_names(const NativeShot& shot) {
+  std::vector<std::string> names;
+  for (const MaterialDescription& m : shot.survey().scene.description.materials) names.push_back(m.name);
+  return names;
+}
+
+py::array attitude(const NativeShot& shot) {
+  const glm::dquat q = glm::normalize(shot.pose().attitude);
+  return array_of(std::vector<double>{q.w, q.x, q.y, q.z});
+}
+
+void bind_shot_class(py::module_& module) {
+  py::class_<NativeShot, std::shared_ptr<NativeShot>>(module, "Shot")
+      .def_property_readonly("sensor", [](const NativeShot& s) { return s.sensor().description().name; })
+      .def_property_readonly("ping", [](const NativeShot& s) { return s.which().ping; })
+      .def_property_readonly("shot", [](const NativeShot& s) { return s.which().shot; })
+      .def_property_readonly("frequency_khz", [](const NativeShot& s) { return s.sensor().frequency_khz(); })
+      .def_property_readonly("sound_speed_m_s", [](const NativeShot& s) { return s.pings().sound_speed_m_s; })
+      .def_property_readonly(
+          "absorption_db_per_m",
+          [](const NativeShot& s) { return absorption_db_per_m(s.survey().scene, s.sensor()); })
+      .def_property_readonly("time_s",
+                             [](const NativeShot& s) {
+                               return s.pings().times_s[s.which().ping] +
+                                      s.sensor().shot_delay_s(s.which().shot);
+                             })
+      .def_property_readonly("apex_m", [](const NativeShot& s) { return three(s.apex_m()); })
+      .def_property_readonly("position_m", [](const NativeShot& s) { return three(s.pose().position_m); })
+      .def_property_readonly("attitude", &attitude)
+      .def_property_readonly("beams",
+                             [](const py::object& self) {
+                               const NativeShot& s = shot_in(self);
+                               return view_of<std::uint32_t>(s.sensor().beams_of_shot(s.which().shot), self);
+                             })
+      .def_property_readonly(
+          "beam_azimuth_rad",
+          [](const NativeShot& s) { return by_beam(s, [](const BeamAxis& b) { return b.azimuth_rad; }); })
+      .def_property_readonly(
+          "beam_elevation_rad",
+          [](const NativeShot& s) { return by_beam(s, [](const BeamAxis& b) { return b.elevation_rad; }); })
+      .def_property_readonly("range_edges_m", &range_edges)
+      .def_property_readonly("rays", &rays)
+      .def_property_readonly(
+          "tubes",
+          [](const py::object& self) { return view_of<std::uint32_t>(shot_in(self).tubes().tubes, self, 4); })
+      .def_property_readonly("beam_of_tube", &beam_of_tube)
+      .def_property_readonly(
+          "vertices_m",
+          [](const py::object& self) { return view_of<double>(shot_in(self).vertices_m(), self, 3); })
+      .def_property_readonly("facets",
+                             [](const py::object& self) {
+                               return view_of<std::uint32_t>(shot_in(self).ground().mesh().facets, self, 3);
+                             })
+      .def_property_readonly("material",
+                             [](const py::object& self) {
+                               return view_of<std::uint16_t>(shot_in(self).ground().mesh().material, self);
+                             })
+      .def_property_readonly("component",
+                             [](const py::object& self) {
+                               return view_of<std::uint16_t>(shot_in(self).ground().mesh().component, self);
+                             })
+      .def_property_readonly("material_mu",
+                             [](const NativeShot& s) { return array_of(s.survey().scene.material_mu); })
+      .def_property_readonly("material_names", &material_names)
+      .def("trace", &NativeShot::trace, py::call_guard<py::gil_scoped_release>());
+}
+
+using Histories = py::class_<NativeHistory, std::shared_ptr<NativeHistory>>;
+
+template <class T, class S, class Member>
+void column(Histories& histories, const char* name, std::vector<S> FootprintSet::*elements, Member S::*member,
+            std::size_t width = 1) {
+  histories.def_property_readonly(name, [=](const py::object& self) {
+    return view_of<T>(self.cast<const NativeHistory&>().history.footprints.*elements, member, self, width);
+  });
+}
+
+void bind_history_class(py::module_& module) {
+  Histories histories(module, "History");
+  using F = Footprint;
+  const auto footprints = &FootprintSet::footprints;
+  column<std::uint32_t>(histories, "tube", footprints, &F::tube);
+  column<std::uint32_t>(histories, "facet", footprints, &F::facet);
+  column<double>(histories, "area_m2", footprints, &F::area_m2);
+  column<double>(histories, "solid_angle_sr", footprints, &F::solid_angle_sr);
+  column<double>(histories, "centroid_m", footprints, &F::centroid_m, 3);
+  column<double>(histories, "normal", footprints, &F::plane_normal, 3);
+  column<double>(histories, "plane_distance_m", footprints, &F::plane_distance_m);
+  column<double>(histories, "grazing_rad", footprints, &F::grazing_angle_rad);
+  column<double>(histories, "range_min_m", footprints, &F::slant_range_min_m);
+  column<double>(histories, "range_max_m", footprints, &F::slant_range_max_m);
+  column<std::uint32_t>(histories, "first_piece", footprints, &F::first_piece);
+  column<std::uint32_t>(histories, "pieces", footprints, &F::piece_count);
+  column<std::uint32_t>(histories, "first_occluder", footprints, &F::first_occluder);
+  column<std::uint32_t>(histories, "occluders", footprints, &F::occluder_count);
+  column<std::uint32_t>(histories, "piece_first_corner", &FootprintSet::pieces, &Piece::first);
+  column<std::uint32_t>(histories, "piece_corners", &FootprintSet::pieces, &Piece::count);
+  histories
+      .def_property_readonly("corners_m",
+                             [](const py::object& self) {
+                               return view_of<double>(
+                                   self.cast<const NativeHistory&>().history.footprints.corners_m, self, 3);
+                             })
+      .def_property_readonly("occluder_facets",
+                             [](const py::object& self) {
+                               return view_of<std::uint32_t>(
+                                   self.cast<const NativeHistory&>().history.footprints.occluders, self);
+                             })
+      .def_property_readonly(
+          "shot", [](const NativeHistory& h) { return std::const_pointer_cast<NativeShot>(h.shot); });
+}
+
+}  // namespace
+
+void bind_shot(py::module_& module) {
+  bind_shot_class(module);
+  bind_history_class(module);
+}
+
+}  // namespace tubefoot::python

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/stl.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <variant>
+
+#include "app/chart_folder.hpp"
+#include "app/comparison.hpp"
+#include "app/output_folder.hpp"
+#include "app/settings.hpp"
+#include "app/trials.hpp"
+#include "app/usage_error.hpp"
+#include "bindings.hpp"
+#include "own_echo.hpp"
+#include "result.hpp"
+#include "run_apart.hpp"
+#include "scene.hpp"
+
+namespace tubefoot::python {
+namespace py = pybind11;
+namespace {
+
+/// An echo file, or a result as one would be read back.
+using Echoes = std::variant<std::shared_ptr<NativeResult>, std::string>;
+
+EchoContents contents_of(const NativeResult& result, const std::string& called) {
+  constexpr double degrees = 57.29577951308232;
+  EchoContents contents{called, result.provenance, {}};
+  for (const Recording& r : result.recordings) {
+    SensorEchoes sensor;
+    sensor.name = r.sensor->description().name;
+    sensor.pings = r.pings();
+    sensor.beams = r.sensor->beams().size();
+    sensor.samples = std::size_t(r.sensor->samples().count);
+    for (std::size_t ping = 0; ping < r.pings(); ++ping) {
+      const auto energy = r.energy_of(ping);
+      sensor.energy.insert(sensor.energy.end(), energy.begin(), energy.end());
+    }
+    sensor.energy_bound.assign(r.energy_bound.begin(), r.energy_bound.end());
+    const RangeSamples& samples = r.sensor->samples();
+    for (int k = 0; k < samples.count; ++k) {
+      sensor.slant_range_m.push_back(samples.first_m + (k + 0.5) * samples.step_m);
+      sensor.slant_range_bounds_m.push_back(samples.first_m + k * samples.step_m);
+      sensor.slant_range_bounds_m.push_back(samples.first_m + (k + 1) * samples.step_m);
+    }
+    for (const BeamAxis& beam : r.sensor->beams()) {
+      sensor.beam_azimuth_deg.push_back(degrees * beam.azimuth_rad);
+      sensor.beam_elevation_deg.push_back(degrees * beam.elevation_rad);
+    }
+    sensor.ping_time_s = r.ping_time_s;
+    contents.sensors.push_back(std::move(sensor));
+  }
+  return contents;
+}
+
+EchoContents contents_of(const Echoes& echoes, const std::string& called) {
+  if (const auto* file = std::get_if<std::string>(&echoes)) return read_echo_file(*file);
+  return contents_of(*std::get<std::shared_ptr<NativeResult>>(echoes), called);
+}
+
+std::string compare(const Echoes& first, const Echoes& second, const std::optional<std::string>& sensor,
+                    std::size_t worst, bool any_scene) {
+  const EchoContents reference = contents_of(first, "reference"),
+                     candidate = contents_of(second, "candidate");
+  const EchoPairs pairs = pair_echoes(reference, candidate, sensor, any_scene);
+  return text_of(comparison_json(reference, candidate, pairs, errors_of(pairs, worst)));
+}
+
+struct ChartRequest {
+  std::vector<std::shared_ptr<NativeScene>> scenes;
+  std::vector<std::string> builtin;  ///< tube, ray
+  std::vector<std::pair<std::string, py::object>> own;
+  std::string output;  ///< may be empty
+  std::size_t pings = 1;
+  int repeats = 3;
+  double seconds = 4;
+};
+
+std::vector<EngineSetting> settings_of(const std::vector<std::string>& builtin, std::size_t beams) {
+  std::vector<EngineSetting> settings;
+  for (const std::string& name : builtin)
+    for (EngineSetting& s : name == "tube" ? tube_settings() : ray_settings(beams))
+      settings.push_back(std::move(s));
+  return settings;
+}
+
+std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
+  std::optional<OutputFolder> output;
+  if (!request.output.empty()) output.emplace(request.output);
+  const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
+  watch.total = request.scenes.size() * (settings_of(request.builtin, 1).size() + request.own.size());
+  const auto step = [&watch] {
+    ++watch.pings;
+    if (watch.stop) throw std::runtime_error("interrupted: nothing was written");
+  };
+  std::set<std::string> names;
+  std::vector<Trial> trials;
+  for (const auto& described : request.scenes) {
+    TrialScene scene(described->description(), first_pings(request.pings), chart_reference_tolerance);
+    if (!names.insert(scene.name()).second)
+      throw UsageError("two scenes are called '" + scene.name() + "': the chart could not tell them apart");
+    std::vector<EngineSetting> settings = settings_of(request.builtin, scene.beams());
+    for (const auto& [name, function] : request.own) {
+      EngineSetting& own = settings.emplace_back();
+      own.engine = name;
+      own.setting = "Python";
+      own.own = own_engine(name, function);
+    }
+    for (Trial& trial : all_trials(scene, settings, request.repeats, request.seconds, step))
+      trials.push_back(std::move(trial));
+  }
+  if (output) {
+    write_chart(output->staging(), trials,
+                chart_origin("<code>tubefoot.chart</code>", request.pings, request.repeats));
+    output->commit();
+  }
+  return trials;
+}
+
+std::vector<py::dict> chart_from_python(const std::vector<std::shared_ptr<NativeScene>>& scenes,
+                                        const std::vector<std::string>& builtin,
+                                        const std::vector<std::pair<std::string, py::object>>& own,
+                                        const std::string& output, std::size_t pings, int repeats,
+                                        double seconds, const py::object& progress) {
+  const ChartRequest request{scenes, builtin, own, output, pings, repeats, seconds};
+  RunWatch watch;
+  std::vector<Trial> trials;
+  run_apart(watch, progress, [&] { trials = chart(request, watch); });
+  std::vector<py::dict> rows;
+  for (const Trial& t : trials) {
+    py::dict& row = rows.emplace_back();
+    row["scene"] = t.scene;
+    row["engine"] = t.engine;
+    row["setting"] = t.setting;
+    row["l1_error"] = t.l1_error;
+    row["rms_db_error"] = t.rms_db_error;
+    row["seconds"] = t.seconds;
+    row["bound"] = t.bound;
+    row["rays"] = t.samples;
+  }
+  return rows;
+}
+
+}  // namespace
+
+void bind_study(py::module_& module) {
+  module.def("compare", &compare, py::call_guard<py::gil_scoped_release>());
+  module.def("chart", &chart_from_python);
+}
+
+}  // namespace tubefoot::python

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace tubefoot::python {
+
+void bind_scene(pybind11::module_& module);
+void bind_shot(pybind11::module_& module);
+void bind_run(pybind11::module_& module);
+void bind_study(pybind11::module_& module);
+void bind_footprints(pybind11::module_& module);
+
+}  // namespace tubefoot::python

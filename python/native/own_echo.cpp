@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "own_echo.hpp"
+
+#include <pybind11/numpy.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "shot.hpp"
+
+namespace tubefoot::python {
+namespace py = pybind11;
+
+std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const py::object& function) {
+  // Engines are made and let go of by threads that need not hold the interpreter's lock.
+  const py::gil_scoped_acquire lock;
+  const std::shared_ptr<py::object> held(new py::object(function), [](py::object* object) {
+    const py::gil_scoped_acquire inner;
+    delete object;
+  });
+  const auto vertices = std::make_shared<SharedVertices>();
+  return std::make_shared<const OwnEngine>(OwnEngine{
+      name, [held, vertices](const Survey& survey, const HeardShot& which, std::span<double> energy) {
+        const auto shot = std::make_shared<NativeShot>(survey.shared_from_this(), which, vertices);
+        const py::gil_scoped_acquire lock;
+        using Energies = py::array_t<double, py::array::c_style | py::array::forcecast>;
+        const auto values = (*held)(shot).cast<Energies>();
+        if (std::size_t(values.size()) != energy.size())
+          throw std::length_error("an engine's energies have another size than its shot");
+        std::copy_n(values.data(), energy.size(), energy.begin());
+      }});
+}
+
+}  // namespace tubefoot::python

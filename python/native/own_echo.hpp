@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <string>
+
+#include "app/own_engine.hpp"
+
+namespace tubefoot::python {
+
+/// An engine that calls `function` with a Shot and takes the float64 array that it returns, of shape (beams
+/// of the shot, samples). The package has seen to shape and values.
+/// Callable with or without the interpreter's lock.
+std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const pybind11::object& function);
+
+}  // namespace tubefoot::python

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run_apart.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace tubefoot::python {
+namespace py = pybind11;
+
+void run_apart(RunWatch& watch, const py::object& progress, const std::function<void()>& work) {
+  constexpr std::chrono::milliseconds between_looks{50};
+  std::exception_ptr failure, stopped;
+  std::mutex mutex;
+  std::condition_variable ended;
+  bool done = false;
+  std::size_t told = 0;
+  const auto tell = [&] {
+    if (progress.is_none() || watch.pings == told) return;
+    told = watch.pings;
+    progress(told, watch.total.load());
+  };
+  const auto look = [&] {
+    const py::gil_scoped_acquire held;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      tell();
+    } catch (...) {
+      stopped = std::current_exception();
+      watch.stop = true;
+    }
+  };
+  {
+    const py::gil_scoped_release released;
+    std::thread worker([&] {
+      try {
+        work();
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      const std::scoped_lock lock(mutex);
+      done = true;
+      ended.notify_one();
+    });
+    std::unique_lock lock(mutex);
+    while (!ended.wait_for(lock, between_looks, [&] { return done; })) {
+      lock.unlock();
+      if (!stopped) look();
+      lock.lock();
+    }
+    lock.unlock();
+    worker.join();
+  }
+  if (stopped) std::rethrow_exception(stopped);
+  if (failure) std::rethrow_exception(failure);
+  tell();
+}
+
+}  // namespace tubefoot::python

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "app/survey.hpp"
+#include "shot.hpp"
+
+namespace tubefoot::python {
+
+/// A described scene, and, once somebody looks at it, the loaded one.
+class NativeScene {
+ public:
+  explicit NativeScene(SceneDescription description) : description_(std::move(description)) {}
+  const SceneDescription& description() const { return description_; }
+  /// Loaded at the first call. Throws as open_survey(). Not to be called with the interpreter's lock held.
+  std::shared_ptr<const Survey> survey();
+  /// Vertices of the survey in metres; after survey().
+  const std::shared_ptr<SharedVertices>& vertices() const { return vertices_; }
+
+ private:
+  SceneDescription description_;
+  std::mutex mutex_;
+  std::shared_ptr<const Survey> survey_;
+  std::shared_ptr<SharedVertices> vertices_ = std::make_shared<SharedVertices>();
+};
+
+}  // namespace tubefoot::python

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Engines and sensors that are Python functions, and what they are compared and charted with."""
+
+import json
+import threading
+
+import netCDF4
+import numpy as np
+import pytest
+
+import tubefoot
+
+
+@tubefoot.sensor("centroids")
+def centroids(history):
+    """All of a footprint's energy in the sample of its centroid: binning = "centroid", by Lambert's law."""
+    shot = history.shot
+    ranges = np.linalg.norm(history.centroid_m, axis=1)
+    mu = shot.material_mu[shot.material[history.facet]]
+    loss = 10 ** (-2 * shot.absorption_db_per_m * ranges / 10)
+    energy = mu * np.sin(history.grazing_rad) ** 2 * history.area_m2 / ranges**4 * loss
+    sample = np.searchsorted(shot.range_edges_m, ranges, side="right") - 1
+    inside = (sample >= 0) & (sample < shot.energy_shape[1])
+    total = np.zeros(shot.energy_shape)
+    np.add.at(total, (history.beam[inside], sample[inside]), energy[inside])
+    return total
+
+
+@tubefoot.engine("nothing")
+def nothing(shot):
+    return np.zeros(shot.energy_shape)
+
+
+def test_a_sensor_in_numpy_is_the_built_in_binning(scene):
+    built_in = tubefoot.run(scene, binning="centroid")
+    own = tubefoot.run(scene, engine=centroids)
+    for name in own:
+        assert own[name].energy == pytest.approx(built_in[name].energy, rel=1e-9, abs=1e-30)
+        assert own[name].energy.sum() > 0
+    assert own["camera"].to_xarray().attrs["engine"] == "centroids"
+    assert own.stats["engine"] == "centroids" and own.stats["pings"] == 5
+
+
+def test_an_engine_sees_the_scene(scene):
+    @tubefoot.engine("middle rays")
+    def middle_rays(shot):
+        """The whole beam at the range of its middle ray, if that hits."""
+        energy = np.zeros(shot.energy_shape)
+        corners = shot.vertices_m[shot.facets] - shot.apex_m
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        for tube, beam in zip(shot.tubes, shot.beam_of_tube):
+            ray = shot.rays[tube].sum(axis=0)
+            ray /= np.linalg.norm(ray)
+            with np.errstate(all="ignore"):
+                ranges = (corners[:, 0] * normal).sum(axis=1) / (normal @ ray)
+            point = ranges[:, None, None] * ray
+            sides = [((np.cross(corners[:, (k + 1) % 3] - corners[:, k], point[:, 0] - corners[:, k])) * normal).sum(1)
+                     for k in range(3)]
+            hit = np.where((np.min(sides, axis=0) >= 0) & (ranges > 0), ranges, np.inf).min()
+            sample = np.searchsorted(shot.range_edges_m, hit, side="right") - 1
+            if 0 <= sample < energy.shape[1]:
+                energy[beam, sample] += 1
+        return energy
+    exact, rough = tubefoot.run(scene), tubefoot.run(scene, engine=middle_rays)
+    hit = rough["camera"].energy > 0
+    assert hit.any(axis=2).all() and (exact["camera"].energy[hit] > 0).all()
+
+
+def test_each_shot_is_asked_for_once_with_its_ping(scene):
+    asked = []
+
+    @tubefoot.engine("asked")
+    def engine(shot):
+        asked.append((shot.sensor, shot.ping, shot.shot))
+        return np.full(shot.energy_shape, 1.0 + shot.ping)
+    result = tubefoot.run(scene, engine=engine, threads=3)
+    assert sorted(asked) == [("camera", p, 0) for p in range(3)] + [("side", p, 0) for p in range(2)]
+    assert (result["camera"].energy == np.arange(1, 4)[:, None, None]).all()
+
+
+def test_a_function_that_waits_for_another_thread_is_no_deadlock(scene):
+    go = threading.Event()
+
+    @tubefoot.engine("waits")
+    def engine(shot):
+        assert go.wait(60)
+        return np.zeros(shot.energy_shape)
+    threading.Timer(0.2, go.set).start()
+    tubefoot.run(scene, engine=engine)
+
+
+def test_shots_may_be_kept(scene):
+    kept = []
+
+    @tubefoot.engine("keeps")
+    def engine(shot):
+        kept.append((shot, shot.facets, shot.vertices_m))
+        return np.zeros(shot.energy_shape)
+    tubefoot.run(scene, engine=engine)
+    del scene
+    assert all(facets.shape == (6, 3) and np.isfinite(vertices).all() for _, facets, vertices in kept)
+    assert len(kept[0][0].history()) > 0
+
+
+def test_what_a_function_raises_comes_out_and_leaves_nothing(scene, folder):
+    @tubefoot.engine("broken")
+    def broken(shot):
+        raise ZeroDivisionError("mine")
+    before = sorted(folder.iterdir())
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        tubefoot.run(scene, engine=broken, output=folder / "out")
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize("energy, text", [
+    (np.zeros((3, 3)), r"returned an array of shape \(3, 3\), expected \(beams, samples\) = \("),
+    (None, "returned an array of shape"),
+    ("negative", "negative or not finite"),
+    ("nan", "negative or not finite"),
+    ("complex", "returned complex128, expected float64"),
+])
+def test_energies_that_are_none(scene, energy, text):
+    @tubefoot.engine("odd")
+    def odd(shot):
+        value = {"negative": -1.0, "nan": np.nan, "complex": 1j}.get(energy) if isinstance(energy, str) else None
+        return energy if value is None else np.full(shot.energy_shape, value)
+    with pytest.raises(ValueError, match="engine 'odd' .*" + text):
+        tubefoot.run(scene, engine=odd)
+
+
+def test_engines_that_are_none(scene):
+    with pytest.raises(tubefoot.UsageError, match="not function"):
+        tubefoot.run(scene, engine=lambda shot: None)
+    with pytest.raises(tubefoot.UsageError, match="built in"):
+        tubefoot.run(scene, engine=nothing, tolerance=1e-3)
+    with pytest.raises(tubefoot.UsageError, match="needs a name"):
+        tubefoot.engine("")(lambda shot: None)
+
+
+def test_two_receivers_need_phases(folder):
+    text = (folder / "scene.toml").read_text().replace('kind = "sidescan"', 'kind = "interferometric"')
+    (folder / "two.toml").write_text(text)
+    with pytest.raises(tubefoot.UsageError, match="'side' has two receivers, whose phases engine 'nothing'"):
+        tubefoot.run(tubefoot.load(folder / "two.toml"), engine=nothing)
+
+
+def test_an_output_of_ones_own_engine_is_read_by_compare(scene, folder, program):
+    tubefoot.run(scene, output=folder / "exact")
+    tubefoot.run(scene, engine=centroids, output=folder / "own")
+    with netCDF4.Dataset(folder / "own" / "echoes.nc") as file:
+        assert file.engine == "centroids" and file.scene_hash == scene.hash
+    said = json.loads(program("compare", folder / "exact/echoes.nc", folder / "own/echoes.nc", "--json", "-"))
+    ours = tubefoot.compare(folder / "exact/echoes.nc", folder / "own/echoes.nc")
+    assert ours == said and said["sensors"][0]["l1_error"] > 0
+    # Results that were never written compare as their files do.
+    memory = tubefoot.compare(tubefoot.run(scene), tubefoot.run(scene, engine=centroids))
+    assert memory["sensors"] == said["sensors"]
+    mixed = tubefoot.compare(folder / "exact/echoes.nc", tubefoot.run(scene, engine=centroids), sensor="side", worst=2)
+    assert [s["name"] for s in mixed["sensors"]] == ["side"] and len(mixed["sensors"][0]["worst_bins"]) == 2
+    bound = tubefoot.compare(tubefoot.reference(scene, 1e-6), tubefoot.run(scene))["sensors"][0]["within_bound"]
+    assert 0 < bound["bound_l1"] <= 1e-6 and bound["share_of_bins"] > 0.9
+
+
+def test_what_does_not_go_together_is_not_compared(scene, folder, keys, program):
+    tubefoot.run(scene, output=folder / "a")
+    keys["sensors"][0]["beams"] = 9
+    other = tubefoot.Scene.from_dict(keys, base=folder)
+    tubefoot.run(other, output=folder / "b")
+    said = program("compare", folder / "a/echoes.nc", folder / "b/echoes.nc", fails=True)
+    with pytest.raises(tubefoot.InputError) as error:
+        tubefoot.compare(folder / "a/echoes.nc", folder / "b/echoes.nc")
+    assert str(error.value) == said
+    with pytest.raises(tubefoot.InputError, match="candidate"):
+        tubefoot.compare(tubefoot.run(scene), tubefoot.run(other))
+
+
+def test_charts_have_ones_own_engines_beside_the_built_in_ones(folder, scene):
+    steps = []
+    rows = tubefoot.chart(scene, ["tube", centroids, nothing], output=folder / "chart", repeats=1,
+                          progress=lambda done, total: steps.append((done, total)))
+    assert steps[-1] == (10, 10)
+    by_engine = {}
+    for row in rows:
+        by_engine.setdefault(row["engine"], []).append(row)
+    assert by_engine["nothing"][0]["l1_error"] == 1 and by_engine["nothing"][0]["rays"] == 0
+    built_in = by_engine["tubes, centroid"][0]
+    own = by_engine["centroids"][0]
+    assert own["l1_error"] == pytest.approx(built_in["l1_error"], rel=1e-6) and 0 < own["l1_error"] < 1
+    assert own["seconds"] > 0 and own["setting"] == "Python"
+    page = (folder / "chart" / "index.html").read_text()
+    table = (folder / "chart" / "chart.csv").read_text()
+    assert "centroids" in page and "centroids,Python" in table and "tubes, exact cuts" in page
+    name = rows[0]["scene"]
+    assert (folder / "chart" / f"{name}-l1.svg").exists() and (folder / "chart" / f"{name}-rms-db.png").exists()
+
+
+def test_a_chart_that_is_stopped_leaves_nothing(folder, scene):
+    def stop(done, total):
+        raise InterruptedError
+    before = sorted(folder.iterdir())
+    with pytest.raises(InterruptedError):
+        tubefoot.chart(scene, ["tube", "ray"], output=folder / "chart", progress=stop)
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize("engines, text", [
+    (["tubes"], "engines: tubes not in {tube,ray}"),
+    ([], "a chart needs a scene and an engine"),
+    ([nothing, nothing], "two engines have one name: nothing, nothing"),
+])
+def test_charts_that_are_none(scene, engines, text):
+    with pytest.raises(tubefoot.UsageError) as error:
+        tubefoot.chart(scene, engines)
+    assert str(error.value) == text

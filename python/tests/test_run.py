@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs and references against the files that the command writes."""
+
+import gc
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray
+
+import tubefoot
+from conftest import equal_energies
+
+
+def test_energies_are_those_of_the_commands_file(scene, folder, program):
+    program("run", folder / "scene.toml", "-o", folder / "out")
+    result = tubefoot.run(scene)
+    with netCDF4.Dataset(folder / "out" / "echoes.nc") as file:
+        assert list(result) == list(file.groups) == ["camera", "side"]
+        for name, group in file.groups.items():
+            assert result[name].energy.tobytes() == group["energy"][:].filled().tobytes()
+            assert result[name].energy.sum() > 0
+            assert (result[name].times == group["ping_time"][:]).all()
+            assert (result[name].slant_ranges == group["slant_range"][:]).all()
+            poses = np.column_stack([group["sensor_position"], group["sensor_heading"], group["sensor_pitch"],
+                                     group["sensor_roll"]])
+            assert (result[name].poses == poses).all()
+    assert result["camera"].energy.shape == (3, 8, 64)
+    assert result["camera"].altitudes == pytest.approx([2, 2, 2], abs=1e-5)
+
+
+def test_an_output_folder_is_the_commands_byte_by_byte(scene, folder, program):
+    program("run", folder / "scene.toml", "-o", folder / "command")
+    tubefoot.run(scene, output=folder / "module")
+    names = sorted(p.name for p in (folder / "command").iterdir())
+    assert names == sorted(p.name for p in (folder / "module").iterdir())
+    assert "echoes.nc" in names and any(n.endswith(".png") for n in names)
+    for name in names:
+        if name != "stats.json":  # tells seconds
+            assert (folder / "module" / name).read_bytes() == (folder / "command" / name).read_bytes(), name
+
+
+@pytest.mark.parametrize("options, arguments", [
+    (dict(engine="ray", rays_per_beam=50, sampling="random", seed=7),
+     ["--engine", "ray", "--rays-per-beam", 50, "--sampling", "random", "--seed", 7]),
+    (dict(binning="centroid", threads=1), ["--binning", "centroid", "--threads", 1]),
+    (dict(arithmetic="rational"), ["--arithmetic", "rational"]),
+])
+def test_options_are_those_of_the_command(scene, folder, program, options, arguments):
+    program("run", folder / "scene.toml", "-o", folder / "out", *arguments)
+    result = tubefoot.run(scene, **options)
+    with netCDF4.Dataset(folder / "out" / "echoes.nc") as file:
+        for name, group in file.groups.items():
+            assert result[name].energy.tobytes() == group["energy"][:].filled().tobytes()
+        assert result["side"].to_xarray().attrs["engine"] == file.engine
+
+
+def test_threads_do_not_change_energies(scene):
+    assert equal_energies(tubefoot.run(scene, threads=1), tubefoot.run(scene, threads=4))
+
+
+def test_a_reference_has_the_commands_bounds(scene, folder, program):
+    program("run", folder / "scene.toml", "--reference", "--tolerance", "1e-6", "-o", folder / "out")
+    result = tubefoot.reference(scene, 1e-6)
+    assert result.stats["reference"]["tolerance"] == 1e-6
+    plain = tubefoot.run(scene)
+    with netCDF4.Dataset(folder / "out" / "echoes.nc") as file:
+        for name, group in file.groups.items():
+            assert result[name].energy_bound.tobytes() == group["energy_bound"][:].filled().tobytes()
+            assert result[name].energy.tobytes() == group["energy"][:].filled().tobytes()
+            assert (np.abs(plain[name].energy - result[name].energy)
+                    <= result[name].energy_bound + 1e-9 * result[name].energy).all()
+    assert plain["camera"].energy_bound is None
+
+
+def test_datasets_are_laid_out_as_the_file(scene, folder):
+    result = tubefoot.reference(scene, 1e-6, output=folder / "out")
+    path = folder / "out" / "echoes.nc"
+    for name, dataset in result.to_xarray().items():
+        root = xarray.open_dataset(path)
+        file = xarray.open_dataset(path, group=name, decode_coords=False)
+        assert dataset.attrs == {**root.attrs, **file.attrs}
+        plain = dataset.reset_coords()
+        assert set(plain.variables) == set(file.variables)
+        for variable in plain.variables:
+            del file[variable].attrs["coordinates"] if "coordinates" in file[variable].attrs else plain
+            xarray.testing.assert_identical(plain[variable].variable, file[variable].variable)
+        assert {"ping_time", "slant_range", "beam_azimuth"} <= set(dataset.coords)
+        assert dataset["energy"].dims == ("ping", "beam", "sample") and dataset["energy"].units == "J"
+
+
+def test_arrays_are_the_runs_own_memory(scene):
+    result = tubefoot.run(scene)
+    sensor = result["camera"]
+    again = result._native.arrays(0)["energy"]
+    assert sensor.energy.ctypes.data == again.ctypes.data
+    assert np.shares_memory(sensor.energy, sensor.to_xarray()["energy"].values)
+    assert sensor.energy.base is not None and not sensor.energy.flags.owndata
+    assert np.shares_memory(sensor.positions, result._native.arrays(0)["sensor_position"])
+    # Pings of one sensor lie one after the other in one block.
+    assert sensor.energy.flags.c_contiguous
+    with pytest.raises(ValueError):
+        sensor.energy[0, 0, 0] = 1
+
+
+def test_arrays_outlive_scene_and_result(scene):
+    result = tubefoot.run(scene)
+    energy, copy = result["camera"].energy, result["camera"].energy.copy()
+    del scene, result
+    gc.collect()
+    for _ in range(3):
+        np.full(copy.size, np.nan)  # where the memory would be, had it been let go of
+    assert energy.tobytes() == copy.tobytes()
+
+
+def test_two_receivers(folder):
+    text = (folder / "scene.toml").read_text().replace('kind = "sidescan"', 'kind = "interferometric"')
+    (folder / "two.toml").write_text(text)
+    result = tubefoot.run(tubefoot.load(folder / "two.toml"), output=folder / "out")
+    with netCDF4.Dataset(folder / "out" / "echoes.nc") as file:
+        side = file["side"]
+        cross = side["cross_real"][:].filled() + 1j * side["cross_imag"][:].filled()
+        assert (result["side"].cross == cross).all() and np.abs(cross).max() > 0
+        assert result["side"].energy.tobytes() == side["energy"][:].filled().tobytes()
+
+
+def test_a_tolerance_picks_the_settings(scene):
+    result = tubefoot.run(scene, tolerance="1dB")
+    exact = tubefoot.run(scene)
+    assert tubefoot.compare(exact, result)["sensors"][0]["rms_db_error"] < 1.5
+    assert equal_energies(tubefoot.run(scene, tolerance=1e-9), exact)
+
+
+def test_other_threads_run_meanwhile(scene):
+    ticks, over = [], threading.Event()
+
+    def tick():
+        while not over.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.002)
+    other = threading.Thread(target=tick)
+    other.start()
+    start = time.perf_counter()
+    tubefoot.run(scene, engine="ray", rays=2_000_000, threads=1)
+    end = time.perf_counter()
+    over.set()
+    other.join()
+    inside = [t for t in ticks if start < t < end]
+    # Seconds long; with the lock held, at most the moments before and after would be in here.
+    assert len(inside) >= 10 and max(np.diff(inside), default=1) < (end - start) / 2
+
+
+def test_runs_in_several_threads_are_each_their_own(scene):
+    expected = {e: tubefoot.run(scene, engine=e, rays=3000 if e == "ray" else None) for e in ("tube", "ray")}
+    found = {}
+
+    def one(i, e):
+        found[i] = (e, tubefoot.run(scene, engine=e, rays=3000 if e == "ray" else None))
+    threads = [threading.Thread(target=one, args=(i, e)) for i, e in enumerate(["tube", "ray"] * 3)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert len(found) == 6
+    assert all(equal_energies(result, expected[e]) for e, result in found.values())
+
+
+def test_progress_counts_pings(scene):
+    seen = []
+    tubefoot.run(scene, progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (5, 5) and seen == sorted(seen)
+
+
+def test_what_progress_raises_ends_the_run_and_leaves_nothing(scene, folder):
+    class Enough(Exception):
+        pass
+
+    def stop(done, total):
+        raise Enough
+    before = sorted(folder.iterdir())
+    with pytest.raises(Enough):
+        tubefoot.run(scene, engine="ray", rays=3_000_000, threads=1, output=folder / "out", progress=stop)
+    assert sorted(folder.iterdir()) == before
+
+
+def test_ctrl_c_ends_a_run_and_leaves_nothing(folder):
+    before = sorted(folder.iterdir())
+    script = f"""
+import sys, tubefoot
+scene = tubefoot.load({str(folder / 'scene.toml')!r})
+def told(done, total):
+    print(done, flush=True)
+try:
+    tubefoot.run(scene, engine="ray", rays=3_000_000, threads=1, output={str(folder / 'out')!r}, progress=told)
+except KeyboardInterrupt:
+    tubefoot.run(scene)  # and another one works
+    sys.exit(42)
+"""
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+    assert child.stdout.readline().strip() == "1"
+    child.send_signal(signal.SIGINT)
+    child.communicate(timeout=300)
+    assert child.returncode == 42
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize("options, text", [
+    (dict(engine="tubes"), "engine: tubes not in {tube,ray}"),
+    (dict(threads=0), "threads: Value 0 not in range [1 - 4096]"),
+    (dict(rays=10, rays_per_beam=10), "rays excludes rays_per_beam"),
+    (dict(output=""), "output: the name of a folder is empty"),
+])
+def test_wrong_options(scene, options, text):
+    with pytest.raises(tubefoot.UsageError, match="") as error:
+        tubefoot.run(scene, **options)
+    assert str(error.value) == text and isinstance(error.value, ValueError)
+
+
+@pytest.mark.parametrize("arguments, call", [
+    (["--tolerance", "1e-3", "--binning", "spread"], lambda s: tubefoot.run(s, tolerance="1e-3", binning="spread")),
+    (["--tolerance", "much"], lambda s: tubefoot.run(s, tolerance="much")),
+    (["--reference", "--tolerance", "0.5"], lambda s: tubefoot.reference(s, 0.5)),
+    (["--reference", "--arithmetic", "double"], lambda s: tubefoot.reference(s, arithmetic="double")),
+])
+def test_usage_errors_say_what_the_command_says(scene, folder, program, arguments, call):
+    said = program("run", folder / "scene.toml", "-o", folder / "out", *arguments, fails=True)
+    with pytest.raises(tubefoot.UsageError) as error:
+        call(scene)
+    assert said == "tubefoot: " + str(error.value)
+
+
+def test_a_strangers_folder_is_not_overwritten(scene, folder, program):
+    (folder / "mine").mkdir()
+    (folder / "mine" / "letter.txt").write_text("dear")
+    said = program("run", folder / "scene.toml", "-o", folder / "mine", fails=True)
+    with pytest.raises(tubefoot.UsageError) as error:
+        tubefoot.run(scene, output=folder / "mine")
+    assert said == "tubefoot: " + str(error.value)
+
+
+def test_results_name_their_sensors(scene):
+    result = tubefoot.run(scene)
+    with pytest.raises(KeyError, match="no sensor 'sonar'; it has 'camera', 'side'"):
+        result["sonar"]
+    assert len(result) == 2 and result.stats["pings"] == 5
+    assert repr(result["side"]) == "<tubefoot.SensorResult 'side': 2 pings x 2 beams x 100 samples>"
+
+
+def test_warnings_are_warnings(folder):
+    (folder / "inside.toml").write_text((folder / "scene.toml").read_text().replace(
+        'name = "thing"\nshape = "mesh"\nfile = "thing.obj"', 'name = "ball"\nshape = "sphere"\nradius_m = 3'))
+    with pytest.warns(tubefoot.SceneWarning, match="is inside object 'ball'") as caught:
+        result = tubefoot.run(tubefoot.load(folder / "inside.toml"))
+    assert caught[0].filename == __file__
+    assert result.warnings and result.warnings[0] in str(caught[0].message)

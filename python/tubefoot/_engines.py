@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Engines and sensors that are Python functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._errors import UsageError
+from ._history import History, Shot
+
+
+class Engine:
+    """A Python function that :func:`run` and :func:`chart` take as an engine. Made by :func:`engine` or
+    :func:`sensor`; calling it calls the function.
+
+    Attributes:
+        name: what results and charts call it.
+        function: the function itself.
+    """
+
+    def __init__(self, name: str, function: Callable[[Any], Any], takes_history: bool) -> None:
+        if not isinstance(name, str) or not name:
+            raise UsageError("an engine needs a name")
+        self.name = name
+        self.function = function
+        self._takes_history = takes_history
+        self.__doc__ = function.__doc__
+
+    def __call__(self, seen: Union[Shot, History]) -> np.ndarray:
+        return self.function(seen)
+
+    def checked(self, native: _native.Shot) -> np.ndarray:
+        """Energies of a shot, (beams, samples) float64, finite and not negative."""
+        shot = Shot(native)
+        energy = np.asarray(self.function(shot.history() if self._takes_history else shot))
+        if energy.shape != shot.energy_shape:
+            raise ValueError(f"engine '{self.name}' returned an array of shape {energy.shape}, expected "
+                             f"(beams, samples) = {shot.energy_shape}")
+        try:
+            energy = energy.astype(np.float64, casting="safe", copy=False)
+        except TypeError:
+            raise ValueError(f"engine '{self.name}' returned {energy.dtype}, expected float64") from None
+        if not np.isfinite(energy).all() or (energy < 0).any():
+            raise ValueError(f"engine '{self.name}' returned energies that are negative or not finite")
+        return np.ascontiguousarray(energy)
+
+    def __repr__(self) -> str:
+        return f"<tubefoot.Engine {self.name!r}>"
+
+
+def engine(name: str) -> Callable[[Callable[[Shot], np.ndarray]], Engine]:
+    """Marks a function as an engine: ``@tubefoot.engine("mine")``.
+
+    The function gets a :class:`Shot` (facets, tubes and pose as arrays) and returns the energies of the shot's beams,
+    (beams, samples) float64 in J, for a source of 1 J/sr at 1 m. It is called once a shot, in no certain order.
+    """
+    return lambda function: Engine(name, function, False)
+
+
+def sensor(name: str) -> Callable[[Callable[[History], np.ndarray]], Engine]:
+    """Marks a function as a sensor: ``@tubefoot.sensor("mine")``.
+
+    The function gets the :class:`History` of a shot (the visible footprints as arrays, found by the exact engine) and
+    returns energies as that of an :func:`engine` does: how footprints become samples is its own.
+    """
+    return lambda function: Engine(name, function, True)
+
+
+def own_engine(engine: Union[str, Engine, None]) -> Optional[Engine]:
+    """The engine if it is a function; None if it is built in."""
+    if engine is None or isinstance(engine, str):
+        return None
+    if isinstance(engine, Engine):
+        return engine
+    raise UsageError(f"an engine is a name or a function marked by tubefoot.engine, not {type(engine).__name__}")

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What goes wrong, with the texts of the command line."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """A scene, or a file that it names, is wrong.
+
+    The text says where, what was expected and what to do, as ``tubefoot`` prints it. Of a scene that was built in
+    code, the place is the path of a key, such as ``sensors[0].beams``.
+
+    Attributes:
+        file: file name, or the scene's name in code.
+        line: line, from 1; 0 where it is not known.
+        column: column, from 1; 0 where it is not known.
+        key: path of the key in the keys that the scene was made of; empty for scene files.
+    """
+
+    def __init__(self, message: str, file: str = "", line: int = 0, column: int = 0, key: str = "") -> None:
+        super().__init__(message)
+        self.file = file
+        self.line = line
+        self.column = column
+        self.key = key
+
+    def __reduce__(self) -> tuple:
+        return (type(self), (str(self), self.file, self.line, self.column, self.key))
+
+
+class UsageError(ValueError):
+    """A function is asked for something that cannot be, with the text of the command line."""
+
+
+class SceneWarning(UserWarning):
+    """A scene loads, but something in it may not be meant."""

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Footprints of pings as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._result import Progress
+from ._scene import Scene
+
+if TYPE_CHECKING:
+    import geopandas
+
+Numbers = Union[int, str, range, Iterable[int]]
+
+
+class Footprints(Mapping[str, np.ndarray]):
+    """Footprints of a sensor's pings as columns of one element a footprint: ``footprints["area_m2"]``.
+
+    Names and units are those of docs/footprints.md (:attr:`units`). Arrays are read-only and share the memory of the
+    table. ``N`` footprints, ``P`` convex pieces and ``C`` corners of those, in the scene's local frame.
+    """
+
+    def __init__(self, native: _native.Footprints) -> None:
+        self._native = native
+        columns = native.columns()
+        self._columns = {name: values for name, _, _, values in columns}
+        self._units = {name: units for name, units, _, _ in columns}
+        self._meanings = {name: long_name for name, _, long_name, _ in columns}
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        return self._columns[column]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        """Number of columns; footprints are counted by :attr:`rows`."""
+        return len(self._columns)
+
+    @property
+    def rows(self) -> int:
+        """Number of footprints, N."""
+        return len(self._columns["ping"])
+
+    @property
+    def sensor(self) -> str:
+        """The sensor's name."""
+        return self._native.sensor
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column; ``"1"`` for numbers of things."""
+        return dict(self._units)
+
+    @property
+    def meanings(self) -> dict[str, str]:
+        """What each column is."""
+        return dict(self._meanings)
+
+    @property
+    def component(self) -> np.ndarray:
+        """(N,) text, a copy: name of the terrain or object of each footprint."""
+        return np.array(self._native.component_names, dtype=object)[self["component_index"]]
+
+    @property
+    def material(self) -> np.ndarray:
+        """(N,) text, a copy: name of the material of each footprint."""
+        return np.array(self._native.material_names, dtype=object)[self["material_index"]]
+
+    @property
+    def first_piece(self) -> np.ndarray:
+        """(N + 1,) uint64: footprint i has the pieces ``first_piece[i]`` to ``first_piece[i + 1]`` (excluded)."""
+        return self._native.first_piece
+
+    @property
+    def first_corner(self) -> np.ndarray:
+        """(P + 1,) uint64: piece p has the corners ``first_corner[p]`` to ``first_corner[p + 1]`` (excluded)."""
+        return self._native.first_corner
+
+    @property
+    def corners_m(self) -> np.ndarray:
+        """(C, 3) float64: corners, counter-clockwise for the sensor; east, north, up in m."""
+        return self._native.corners_m
+
+    @property
+    def first_occluder(self) -> np.ndarray:
+        """(N + 1,) uint64: footprint i has the occluders ``first_occluder[i]`` to ``first_occluder[i + 1]``
+        (excluded)."""
+        return self._native.first_occluder
+
+    @property
+    def occluders(self) -> np.ndarray:
+        """(any,) uint32: facets that hide something of the footprints' facets."""
+        return self._native.occluders
+
+    def polygons_m(self, row: int) -> list[np.ndarray]:
+        """The pieces of a footprint: arrays (corners, 3) float64, east, north, up in m."""
+        pieces = range(int(self.first_piece[row]), int(self.first_piece[row + 1]))
+        return [self.corners_m[int(self.first_corner[p]):int(self.first_corner[p + 1])] for p in pieces]
+
+    def to_geopandas(self) -> geopandas.GeoDataFrame:
+        """Columns and multipolygons, in the scene's CRS if it has one, else in local metres.
+
+        Needs GeoPandas (Debian: python3-geopandas). The same as the file that ``tubefoot footprints`` writes.
+        """
+        import geopandas
+        from shapely.geometry import MultiPolygon, Polygon
+
+        corners = self._native.map_corners
+        pieces = [Polygon(corners[int(a):int(b)]) for a, b in zip(self.first_corner[:-1], self.first_corner[1:])]
+        shapes = [MultiPolygon(pieces[int(a):int(b)]) for a, b in zip(self.first_piece[:-1], self.first_piece[1:])]
+        columns = {**self._columns, "component": self.component, "material": self.material,
+                   "pieces": np.diff(self.first_piece.astype(np.int64))}
+        return geopandas.GeoDataFrame(columns, geometry=shapes, crs=self._native.crs_wkt or None)
+
+    def __repr__(self) -> str:
+        return f"<tubefoot.Footprints of {self.sensor!r}: {self.rows}>"
+
+
+def footprints(scene: Scene, sensor: str, pings: Numbers = 0, beams: Optional[Numbers] = None, *,
+               progress: Optional[Progress] = None) -> Footprints:
+    """The visible polygons of pings of a sensor, with their measures and energies (docs/footprints.md).
+
+    Args:
+        scene: the scene.
+        sensor: name of the sensor.
+        pings: a ping, a ``range`` of step 1, or text as of the command: ``"3"``, ``"2:5"`` (both included), ``":"``.
+        beams: a beam, several, or text as of the command: ``"2:5,9"``; by default all.
+        progress: called now and then with the pings finished and all pings; what it raises ends the work.
+
+    Raises:
+        InputError: the scene is wrong.
+        UsageError: there is no such sensor, ping or beam.
+    """
+    with scene._explained():
+        return Footprints(_native.footprints(scene._native, sensor, _text(pings), _text(beams), progress))
+
+
+def _text(numbers: Optional[Numbers]) -> str:
+    if numbers is None:
+        return ""
+    if isinstance(numbers, str):
+        return numbers
+    if isinstance(numbers, range) and numbers.step == 1 and len(numbers) > 0:
+        return f"{numbers[0]}:{numbers[-1]}"
+    if isinstance(numbers, Iterable):
+        return ",".join(str(int(n)) for n in numbers)
+    return str(int(numbers))

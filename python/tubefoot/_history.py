@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a shot meets, as arrays: for looking at, and for engines and sensors of one's own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import _native
+from ._errors import UsageError
+from ._scene import Scene
+
+
+class Shot:
+    """One shot of one sensor: the scene's facets, the tubes that it looks through and how it listens.
+
+    Arrays are read-only; large ones share the scene's memory. ``V`` vertices, ``F`` facets, ``R`` rays, ``T`` tubes,
+    ``B`` beams that listen to the shot and ``K`` range samples.
+    """
+
+    def __init__(self, native: _native.Shot) -> None:
+        self._native = native
+
+    @property
+    def sensor(self) -> str:
+        """The sensor's name."""
+        return self._native.sensor
+
+    @property
+    def ping(self) -> int:
+        """The ping, from 0."""
+        return self._native.ping
+
+    @property
+    def shot(self) -> int:
+        """The shot of the ping, from 0."""
+        return self._native.shot
+
+    @property
+    def energy_shape(self) -> tuple[int, int]:
+        """(B, K): shape of the energies that an engine returns."""
+        return len(self._native.beams), len(self._native.range_edges_m) - 1
+
+    @property
+    def vertices_m(self) -> np.ndarray:
+        """(V, 3) float64: east, north, up of the vertices in m, on the scene's grid."""
+        return self._native.vertices_m
+
+    @property
+    def facets(self) -> np.ndarray:
+        """(F, 3) uint32: vertices of each facet. With relief, or through refracting water, of this shot's ground."""
+        return self._native.facets
+
+    @property
+    def material(self) -> np.ndarray:
+        """(F,) uint16: material of each facet."""
+        return self._native.material
+
+    @property
+    def component(self) -> np.ndarray:
+        """(F,) uint16: terrain or object of each facet."""
+        return self._native.component
+
+    @property
+    def material_mu(self) -> np.ndarray:
+        """(materials,) float64: Lambert parameter mu (linear) by material."""
+        return self._native.material_mu
+
+    @property
+    def material_names(self) -> list[str]:
+        """Names by material."""
+        return self._native.material_names
+
+    @property
+    def apex_m(self) -> np.ndarray:
+        """(3,) float64: where all rays start, east, north, up in m: the sensor's position on the scene's grid."""
+        return self._native.apex_m
+
+    @property
+    def position_m(self) -> np.ndarray:
+        """(3,) float64: the sensor's position, east, north, up in m."""
+        return self._native.position_m
+
+    @property
+    def attitude(self) -> np.ndarray:
+        """(4,) float64: unit quaternion w, x, y, z that turns the sensor's axes (starboard, forward, up) into the
+        local frame."""
+        return self._native.attitude
+
+    @property
+    def rays(self) -> np.ndarray:
+        """(R, 3) float64: unit directions of the tubes' corner rays, east, north, up."""
+        return self._native.rays
+
+    @property
+    def tubes(self) -> np.ndarray:
+        """(T, 4) uint32: rays of each tube, counter-clockwise for someone who looks back at the apex."""
+        return self._native.tubes
+
+    @property
+    def beam_of_tube(self) -> np.ndarray:
+        """(T,) uint32: beam of each tube, as the shot numbers them (a row of the energies)."""
+        return self._native.beam_of_tube
+
+    @property
+    def beams(self) -> np.ndarray:
+        """(B,) uint32: the sensor's number of each beam of the shot."""
+        return self._native.beams
+
+    @property
+    def beam_azimuth_rad(self) -> np.ndarray:
+        """(B,) float64: azimuth of each beam's axis in the sensor's frame in rad, clockwise from forward."""
+        return self._native.beam_azimuth_rad
+
+    @property
+    def beam_elevation_rad(self) -> np.ndarray:
+        """(B,) float64: elevation of each beam's axis in rad, upwards."""
+        return self._native.beam_elevation_rad
+
+    @property
+    def range_edges_m(self) -> np.ndarray:
+        """(K + 1,) float64: slant ranges in m between which the samples lie."""
+        return self._native.range_edges_m
+
+    @property
+    def frequency_khz(self) -> float:
+        """Acoustic frequency in kHz."""
+        return self._native.frequency_khz
+
+    @property
+    def sound_speed_m_s(self) -> float:
+        """Sound speed at the sensor in m/s."""
+        return self._native.sound_speed_m_s
+
+    @property
+    def absorption_db_per_m(self) -> float:
+        """One-way absorption in dB per m."""
+        return self._native.absorption_db_per_m
+
+    @property
+    def time_s(self) -> float:
+        """When the shot is fired, s on the scene's clock."""
+        return self._native.time_s
+
+    def history(self) -> History:
+        """The footprints that the exact engine finds. Computed at each call; other threads run meanwhile."""
+        return History(self._native.trace(), self)
+
+    def __repr__(self) -> str:
+        return f"<tubefoot.Shot {self.shot} of ping {self.ping} of {self.sensor!r}>"
+
+
+class History:
+    """Which part of which facet each tube of a shot touches first, in order of tubes, then of facets.
+
+    Arrays are read-only and share the engine's memory. ``N`` footprints, ``P`` convex pieces that they consist of and
+    ``C`` corners of those. Positions are relative to the apex.
+    """
+
+    def __init__(self, native: _native.History, shot: Shot) -> None:
+        self._native = native
+        self._shot = shot
+
+    @property
+    def shot(self) -> Shot:
+        """The shot."""
+        return self._shot
+
+    @property
+    def apex_m(self) -> np.ndarray:
+        """(3,) float64: the apex, east, north, up in m."""
+        return self._shot.apex_m
+
+    @property
+    def tube(self) -> np.ndarray:
+        """(N,) uint32: tube of each footprint."""
+        return self._native.tube
+
+    @property
+    def beam(self) -> np.ndarray:
+        """(N,) uint32, a copy: beam of each footprint, as the shot numbers them (a row of the energies)."""
+        return self._shot.beam_of_tube[self.tube]
+
+    @property
+    def facet(self) -> np.ndarray:
+        """(N,) uint32: facet of each footprint."""
+        return self._native.facet
+
+    @property
+    def area_m2(self) -> np.ndarray:
+        """(N,) float64: area in m2."""
+        return self._native.area_m2
+
+    @property
+    def solid_angle_sr(self) -> np.ndarray:
+        """(N,) float64: solid angle at the apex in sr."""
+        return self._native.solid_angle_sr
+
+    @property
+    def centroid_m(self) -> np.ndarray:
+        """(N, 3) float64: centroid of the area, relative to the apex in m."""
+        return self._native.centroid_m
+
+    @property
+    def normal(self) -> np.ndarray:
+        """(N, 3) float64: unit normal of the facet, to the apex's side."""
+        return self._native.normal
+
+    @property
+    def grazing_rad(self) -> np.ndarray:
+        """(N,) float64: angle between line of sight and facet at the centroid in rad."""
+        return self._native.grazing_rad
+
+    @property
+    def range_min_m(self) -> np.ndarray:
+        """(N,) float64: slant range of the nearest point in m."""
+        return self._native.range_min_m
+
+    @property
+    def range_max_m(self) -> np.ndarray:
+        """(N,) float64: slant range of the farthest point in m."""
+        return self._native.range_max_m
+
+    @property
+    def first_piece(self) -> np.ndarray:
+        """(N,) uint32: first piece of each footprint."""
+        return self._native.first_piece
+
+    @property
+    def pieces(self) -> np.ndarray:
+        """(N,) uint32: number of pieces of each footprint; their interiors are disjoint."""
+        return self._native.pieces
+
+    @property
+    def piece_first_corner(self) -> np.ndarray:
+        """(P,) uint32: first corner of each piece."""
+        return self._native.piece_first_corner
+
+    @property
+    def piece_corners(self) -> np.ndarray:
+        """(P,) uint32: number of corners of each piece, at least 3."""
+        return self._native.piece_corners
+
+    @property
+    def corners_m(self) -> np.ndarray:
+        """(C, 3) float64: corners of all pieces, counter-clockwise for the apex, relative to it in m."""
+        return self._native.corners_m
+
+    @property
+    def occluders(self) -> np.ndarray:
+        """(N,) uint32: number of facets that hide something of each footprint's facet."""
+        return self._native.occluders
+
+    @property
+    def first_occluder(self) -> np.ndarray:
+        """(N,) uint32: first of them in :attr:`occluder_facets`."""
+        return self._native.first_occluder
+
+    @property
+    def occluder_facets(self) -> np.ndarray:
+        """(any,) uint32: the facets that hide something, footprint by footprint."""
+        return self._native.occluder_facets
+
+    def polygons_m(self, footprint: int) -> list[np.ndarray]:
+        """The pieces of a footprint: arrays (corners, 3) float64, east, north, up in m in the scene's frame."""
+        first = int(self.first_piece[footprint])
+        pieces = range(first, first + int(self.pieces[footprint]))
+        starts, counts = self.piece_first_corner, self.piece_corners
+        return [self.apex_m + self.corners_m[starts[p]:starts[p] + counts[p]] for p in pieces]
+
+    def __len__(self) -> int:
+        return len(self.tube)
+
+    def __repr__(self) -> str:
+        return f"<tubefoot.History of {self._shot!r}: {len(self)} footprints>"
+
+
+def shot(scene: Scene, sensor: str, ping: int = 0, shot: int = 0) -> Shot:
+    """One shot of a ping of a sensor, both counted from 0.
+
+    Raises:
+        InputError: the scene is wrong.
+        UsageError: there is no such sensor, ping or shot, or the sensor's receiver is apart.
+    """
+    with scene._explained():
+        return Shot(scene._native.shot(sensor, _counted("ping", ping), _counted("shot", shot)))
+
+
+def history(scene: Scene, sensor: str, ping: int = 0, shot: int = 0) -> History:
+    """The footprints of one shot, found by the exact engine; as :func:`shot`."""
+    with scene._explained():
+        return Shot(scene._native.shot(sensor, _counted("ping", ping), _counted("shot", shot))).history()
+
+
+def _counted(name: str, number: int) -> int:
+    if number < 0:
+        raise UsageError(f"{name} {number}: counted from 0")
+    return number

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from collections.abc import Callable
+from typing import Any, Optional, Union
+
+import numpy as np
+
+version: str
+
+class Scene:
+    title: str
+    file: str
+    hash: str
+    sensors: list[str]
+    materials: list[str]
+    components: list[str]
+    def warnings(self) -> list[str]: ...
+    def pings(self, sensor: str) -> int: ...
+    def shots(self, sensor: str) -> int: ...
+    def shot(self, sensor: str, ping: int, shot: int) -> Shot: ...
+
+class Shot:
+    sensor: str
+    ping: int
+    shot: int
+    frequency_khz: float
+    sound_speed_m_s: float
+    absorption_db_per_m: float
+    time_s: float
+    apex_m: np.ndarray
+    position_m: np.ndarray
+    attitude: np.ndarray
+    beams: np.ndarray
+    beam_azimuth_rad: np.ndarray
+    beam_elevation_rad: np.ndarray
+    range_edges_m: np.ndarray
+    rays: np.ndarray
+    tubes: np.ndarray
+    beam_of_tube: np.ndarray
+    vertices_m: np.ndarray
+    facets: np.ndarray
+    material: np.ndarray
+    component: np.ndarray
+    material_mu: np.ndarray
+    material_names: list[str]
+    def trace(self) -> History: ...
+
+class History:
+    tube: np.ndarray
+    facet: np.ndarray
+    area_m2: np.ndarray
+    solid_angle_sr: np.ndarray
+    centroid_m: np.ndarray
+    normal: np.ndarray
+    plane_distance_m: np.ndarray
+    grazing_rad: np.ndarray
+    range_min_m: np.ndarray
+    range_max_m: np.ndarray
+    first_piece: np.ndarray
+    pieces: np.ndarray
+    first_occluder: np.ndarray
+    occluders: np.ndarray
+    piece_first_corner: np.ndarray
+    piece_corners: np.ndarray
+    corners_m: np.ndarray
+    occluder_facets: np.ndarray
+
+class Result:
+    sensors: list[str]
+    statistics: str
+    warnings: list[str]
+    def arrays(self, sensor: int) -> dict[str, np.ndarray]: ...
+    def axes(self, sensor: int) -> dict[str, np.ndarray]: ...
+    def attributes(self, sensor: int) -> dict[str, Any]: ...
+    def file_attributes(self) -> dict[str, Any]: ...
+
+class Footprints:
+    sensor: str
+    first_piece: np.ndarray
+    first_corner: np.ndarray
+    first_occluder: np.ndarray
+    corners_m: np.ndarray
+    occluders: np.ndarray
+    map_corners: np.ndarray
+    crs_wkt: str
+    component_names: list[str]
+    material_names: list[str]
+    def columns(self) -> list[tuple[str, str, str, np.ndarray]]: ...
+
+_Progress = Optional[Callable[[int, int], Any]]
+
+def read_scene(file: str) -> Scene: ...
+def parse_scene(text: str, file: str, facets: list[tuple[bool, int, np.ndarray, np.ndarray]]) -> Scene: ...
+def run(scene: Scene, options: dict[str, Any], own_name: Optional[str], own: Optional[Callable[[Shot], np.ndarray]],
+        progress: _Progress) -> Result: ...
+def footprints(scene: Scene, sensor: str, pings: str, beams: str, progress: _Progress) -> Footprints: ...
+def compare(reference: Union[Result, str], candidate: Union[Result, str], sensor: Optional[str], worst: int,
+            any_scene: bool) -> str: ...
+def chart(scenes: list[Scene], builtin: list[str], own: list[tuple[str, Callable[[Shot], np.ndarray]]], output: str,
+          pings: int, repeats: int, seconds: float, progress: _Progress) -> list[dict[str, Any]]: ...

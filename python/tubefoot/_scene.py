@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes, from files or built in code."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._errors import InputError, SceneWarning, UsageError
+from ._toml import Text
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+_MESH_KEYS = {"vertices", "facets"}
+_HEIGHT_KEYS = {"heights", "cell_m", "origin_m"}
+
+
+class Scene:
+    """What a sonar looks at, and the sonars: described, and loaded when something is computed.
+
+    Made by :func:`load` or :meth:`from_dict`. A scene does not change; results do not need it to live.
+    """
+
+    def __init__(self, native: _native.Scene, text: Optional[Text] = None) -> None:
+        self._native = native
+        self._text = text
+
+    @classmethod
+    def from_dict(cls, keys: Mapping[str, Any], base: PathLike = ".", name: str = "scene.dict") -> Scene:
+        """A scene of the keys of a scene file (docs/scene-file.md).
+
+        Args:
+            keys: sections as dicts or lists of dicts, with the keys, units and defaults of scene files. Values may be
+                NumPy numbers and arrays. Beyond scene files, entries of ``objects`` and ``terrain`` may have
+
+                * ``vertices``: (n, 3) float, metres in the object's own axes (a terrain's: east, north, up in the
+                  scene's frame), and ``facets``: (m, 3) int, indices of vertices, in place of ``shape`` or ``kind``
+                  and its keys;
+                * terrain only: ``heights``: (rows, columns) float, metres up, rows from south to north and columns
+                  from west to east, not a number where there is a hole; ``cell_m``: distance of neighbours in
+                  metres; ``origin_m``: (east, north) of ``heights[0, 0]`` in metres, (0, 0) by default.
+            base: folder that relative file names start from.
+            name: what messages call the scene; the chart's name of it, without its ending.
+
+        Raises:
+            InputError: a key or a value is wrong; ``key`` is its path.
+            UsageError: a value has a type that scenes do not hold.
+        """
+        plain, meshes = _without_arrays(keys)
+        text = Text(plain)
+        file = os.path.join(os.fspath(base), name)
+        with _explained(text, file):
+            return cls(_native.parse_scene(str(text), file, meshes), text)
+
+    @property
+    def title(self) -> str:
+        """The scene's title; may be empty."""
+        return self._native.title
+
+    @property
+    def file(self) -> str:
+        """The scene file, or where it would be."""
+        return self._native.file
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the scene's text, of the files that it names and of its arrays; 64 hexadecimal digits."""
+        return self._native.hash
+
+    @property
+    def sensors(self) -> list[str]:
+        """Names of the sensors."""
+        return self._native.sensors
+
+    @property
+    def materials(self) -> list[str]:
+        """Names of the materials; materials of facets are indices into these."""
+        return self._native.materials
+
+    @property
+    def components(self) -> list[str]:
+        """Names of terrains, then objects; components of facets are indices into these."""
+        return self._native.components
+
+    def pings(self, sensor: str) -> int:
+        """Number of pings of a sensor. Loads the scene."""
+        with self._explained():
+            return self._native.pings(sensor)
+
+    def shots(self, sensor: str) -> int:
+        """Number of shots of a ping of a sensor. Loads the scene."""
+        with self._explained():
+            return self._native.shots(sensor)
+
+    def warnings(self) -> list[str]:
+        """What may not be meant. Loads the scene."""
+        with self._explained():
+            return self._native.warnings()
+
+    def to_toml(self) -> str:
+        """The text of the scene's file; of a scene with arrays, with a placeholder for each."""
+        if self._text is not None:
+            return str(self._text)
+        with open(self.file, encoding="utf-8") as file:
+            return file.read()
+
+    def __repr__(self) -> str:
+        return f"<tubefoot.Scene {self.file!r}: {', '.join(self.sensors)}>"
+
+    def _explained(self) -> Any:
+        return _explained(self._text, self.file)
+
+
+def load(file: PathLike) -> Scene:
+    """The scene of a scene file (TOML, docs/scene-file.md).
+
+    Raises:
+        InputError: the file is missing or wrong; ``file``, ``line`` and ``column`` say where.
+    """
+    return Scene(_native.read_scene(os.fspath(file)))
+
+
+@contextmanager
+def _explained(text: Optional[Text], file: str) -> Iterator[None]:
+    try:
+        yield
+    except InputError as error:
+        if text is None:
+            raise
+        raise text.explained(error, file) from None
+
+
+def warn(messages: list[str]) -> None:
+    """Tells the caller of a public function."""
+    for message in messages:
+        warnings.warn(message, SceneWarning, stacklevel=4)
+
+
+def _without_arrays(keys: Mapping[str, Any]) -> tuple[dict[str, Any], list[tuple]]:
+    plain = dict(keys)
+    meshes: list[tuple] = []
+    for section, is_terrain in (("terrain", True), ("objects", False)):
+        if section not in plain:
+            continue
+        entries = plain[section]
+        single = isinstance(entries, Mapping)
+        replaced = []
+        for i, entry in enumerate([entries] if single else list(entries)):
+            path = section if single else f"{section}[{i}]"
+            if isinstance(entry, Mapping) and (_MESH_KEYS | {"heights"}) & set(entry):
+                mesh, entry = _mesh_of(entry, is_terrain, path)
+                meshes.append((is_terrain, i, *mesh))
+            replaced.append(entry)
+        plain[section] = replaced[0] if single else replaced
+    return plain, meshes
+
+
+def _mesh_of(entry: Mapping[str, Any], is_terrain: bool, path: str) -> tuple[tuple, dict[str, Any]]:
+    rest = dict(entry)
+    if "heights" in rest:
+        if not is_terrain or _MESH_KEYS & set(rest):
+            raise UsageError(f"{path}: 'heights' go with a terrain, without 'vertices' and 'facets'")
+        if "cell_m" not in rest:
+            raise UsageError(f"{path}: 'heights' need 'cell_m', the distance of neighbours in metres")
+        mesh = _heights(rest, path)
+        own = _HEIGHT_KEYS
+    else:
+        if not _MESH_KEYS <= set(rest):
+            raise UsageError(f"{path}: 'vertices' and 'facets' go together")
+        mesh = (_array(rest["vertices"], path + ".vertices", np.float64),
+                _array(rest["facets"], path + ".facets", np.int64))
+        own = _MESH_KEYS
+    if mesh[1].size and (mesh[1].min() < 0 or mesh[1].max() >= len(mesh[0])):
+        raise UsageError(f"{path}.facets: indices of vertices are 0 to {len(mesh[0]) - 1}, "
+                         f"not {mesh[1].min()} to {mesh[1].max()}")
+    for key in own:
+        rest.pop(key, None)
+    kind = "kind" if is_terrain else "shape"
+    if kind in rest:
+        raise UsageError(f"{path}: give '{kind}' or arrays, not both")
+    rest.update({"kind": "flat", "width_m": 1.0, "length_m": 1.0} if is_terrain else {"shape": "box"})
+    return (mesh[0], mesh[1].astype(np.uint32)), rest
+
+
+def _array(values: npt.ArrayLike, path: str, kind: type) -> np.ndarray:
+    array = np.asarray(values)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise UsageError(f"{path}: expected an array of shape (n, 3), not {array.shape}")
+    if kind is np.int64 and array.size and not np.issubdtype(array.dtype, np.integer):
+        raise UsageError(f"{path}: expected integers, not {array.dtype}")
+    if kind is np.float64 and not np.isfinite(np.asarray(array, np.float64)).all():
+        raise UsageError(f"{path}: expected finite numbers")
+    return np.ascontiguousarray(array, kind)
+
+
+def _heights(entry: Mapping[str, Any], path: str) -> tuple[np.ndarray, np.ndarray]:
+    heights = np.asarray(entry["heights"], np.float64)
+    if heights.ndim != 2 or min(heights.shape) < 2:
+        raise UsageError(f"{path}.heights: expected an array of at least (2, 2), not {heights.shape}")
+    cell = float(entry["cell_m"])
+    if not cell > 0 or not np.isfinite(cell):
+        raise UsageError(f"{path}.cell_m: expected metres above 0, not {cell}")
+    east, north = (float(v) for v in entry.get("origin_m", (0, 0)))
+    rows, columns = heights.shape
+    y, x = np.mgrid[0:rows, 0:columns]
+    vertices = np.stack([east + cell * x, north + cell * y, heights], axis=-1).reshape(-1, 3)
+    south_west = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    south_east, north_west, north_east = south_west + 1, south_west + columns, south_west + columns + 1
+    facets = np.stack([south_west, south_east, north_east, south_west, north_east, north_west], -1).reshape(-1, 3)
+    known = np.isfinite(vertices[:, 2])
+    facets = facets[known[facets].all(axis=1)]
+    vertices[~known] = 0  # of no facet
+    return vertices, facets

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "study/work_precision.hpp"
+
+namespace tubefoot {
+
+/// Relative bound of a chart's reference.
+constexpr double chart_reference_tolerance = 1e-7;
+
+/// A sentence on how a chart was made; `program` is HTML.
+std::string chart_origin(const std::string& program, std::size_t pings, int repeats);
+
+/// Writes index.html, chart.csv and each scene's diagrams. Throws std::runtime_error naming the file.
+void write_chart(const std::filesystem::path& folder, std::span<const Trial> trials,
+                 const std::string& origin);
+
+}  // namespace tubefoot

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/run_steps.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "app/interrupt.hpp"
+#include "app/own_engine.hpp"
+#include "app/usage_error.hpp"
+#include "scene/utc.hpp"
+#include "sensors/products.hpp"
+
+namespace tubefoot {
+namespace {
+
+double bound_asked_for(const std::optional<std::string>& text) {
+  double bound = 1e-9;
+  if (!text) return bound;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), bound);
+  // Not a number fails both comparisons.
+  if (error != std::errc() || end != text->data() + text->size() || !(bound >= 1e-12 && bound <= 0.1))
+    throw UsageError(
+        fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{}'", *text));
+  return bound;
+}
+
+void refuse_what_the_tolerance_picks(const RunOptions& options) {
+  const char* option = options.engine          ? "--engine"
+                       : options.arithmetic    ? "--arithmetic"
+                       : options.binning       ? "--binning"
+                       : options.sampling      ? "--sampling"
+                       : options.rays          ? "--rays"
+                       : options.rays_per_beam ? "--rays-per-beam"
+                                               : nullptr;
+  if (option != nullptr)
+    throw UsageError(
+        fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
+}
+
+}  // namespace
+
+RunRequest requested(const RunOptions& options, SceneDescription& description) {
+  if (options.engine) description.run.engine = *options.engine;
+  if (options.binning) description.run.binning = *options.binning;
+  if (options.sampling) description.run.sampling = *options.sampling;
+  if (options.rays) {
+    description.run.rays_per_ping = *options.rays;
+    description.run.rays_per_beam.reset();
+  }
+  if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
+  if (options.seed) description.run.seed = *options.seed;
+  RunRequest request;
+  if (options.tolerance && !options.reference) {
+    refuse_what_the_tolerance_picks(options);
+    request.tolerance = asked_tolerance(*options.tolerance);
+    // One dial: the ground is refined no further, and no less, unless the scene says how far.
+    if (!description.refinement.tolerance)
+      description.refinement.tolerance = relative_error(*request.tolerance);
+  }
+  if (options.reference) {
+    request.reference_tolerance = bound_asked_for(options.tolerance);
+    if (description.run.engine != "tube")
+      throw UsageError("--reference measures footprints: it needs --engine tube");
+    if (description.run.binning != "exact")
+      throw UsageError("--reference integrates footprints: it needs --binning exact");
+    if (description.run.arithmetic == "double")
+      throw UsageError("--reference needs an exact arithmetic: fixed, filtered or rational, not double");
+  }
+  return request;
+}
+
+Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {
+  AdviceOptions options;
+  options.measure = false;   // all of its time is the user's waiting
+  options.largest_cost = 1;  // dearer rays would not be chosen
+  options.seed = description.run.seed;
+  options.quiet = quiet;
+  Advice advice = advise(description, tolerance, options);
+  RunDescription& run = description.run;
+  const RunDescription& chosen = advice.best().setting.run;
+  // What the scene's own [run] says of seed, grid and threads stays.
+  run.engine = chosen.engine;
+  run.arithmetic = chosen.arithmetic;
+  run.binning = chosen.binning;
+  run.facets_per_split = chosen.facets_per_split;
+  run.zero_tolerance = chosen.zero_tolerance;
+  run.sampling = chosen.sampling;
+  run.rays_per_beam = chosen.rays_per_beam;
+  if (!quiet)
+    fmt::print("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine,
+               advice.best().setting.setting);
+  return advice;
+}
+
+std::string engine_name(const Survey& survey) {
+  return survey.own_engine ? survey.own_engine->name : survey.scene.description.run.engine;
+}
+
+Provenance provenance_of(const Survey& survey, const std::optional<double>& reference_tolerance) {
+  const SceneDescription& description = survey.scene.description;
+  const RunDescription& run = description.run;
+  const std::string arithmetic = survey.own_engine ? "own" : run.engine == "tube" ? run.arithmetic : "float";
+  return {description.title, description.sha256, engine_name(survey),
+          arithmetic,        TUBEFOOT_VERSION,   reference_tolerance};
+}
+
+std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
+                                                      const Survey& survey,
+                                                      const std::vector<Recording>& recordings,
+                                                      const std::optional<double>& reference_tolerance,
+                                                      std::vector<std::string>& warnings) {
+  const SceneDescription& description = survey.scene.description;
+  const RunDescription& run = description.run;
+  const RunContext context{survey.scene.frame, *unix_time_s(run.start_utc), run.seed, description.water,
+                           description.title};
+  write_echoes(folder / "echoes.nc", recordings, provenance_of(survey, reference_tolerance));
+  std::vector<std::filesystem::path> files{"echoes.nc"};
+  for (const Recording& recording : recordings) {
+    if (InterruptGuard::requested() || (survey.watch && survey.watch->stop)) break;
+    for (const auto& file : write_products(folder, recording, context, warnings)) files.push_back(file);
+  }
+  return files;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/advice.hpp"
+#include "app/commands.hpp"
+#include "app/survey.hpp"
+#include "sensors/recording.hpp"
+
+// The steps of a run that the command and the Python module share.
+namespace tubefoot {
+
+/// What a run is asked beside its engine and settings.
+struct RunRequest {
+  std::optional<double> reference_tolerance;  ///< of a reference: the relative bound
+  std::optional<Tolerance> tolerance;         ///< picks the settings
+};
+
+/// Lets a run's options override the scene's own. Throws UsageError where they contradict each other.
+RunRequest requested(const RunOptions& options, SceneDescription& description);
+
+/// Puts the settings into the description that hold a tolerance most cheaply.
+Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet);
+
+/// What computed the energies: the name of an engine of one's own, or of a built-in one.
+std::string engine_name(const Survey& survey);
+
+/// What an echo file says of where it comes from.
+Provenance provenance_of(const Survey& survey, const std::optional<double>& reference_tolerance);
+
+/// Writes everything that a result folder holds but stats.json, and returns the names. Throws
+/// std::runtime_error naming the file and what failed.
+std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
+                                                      const Survey& survey,
+                                                      const std::vector<Recording>& recordings,
+                                                      const std::optional<double>& reference_tolerance,
+                                                      std::vector<std::string>& warnings);
+
+}  // namespace tubefoot
