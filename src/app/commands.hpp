@@ -51,6 +51,13 @@ struct FootprintOptions : CommonOptions {
   std::filesystem::path output;
 };
 
+/// `scene` is a scene file or a folder that a run wrote.
+struct ViewOptions : CommonOptions {
+  std::optional<std::filesystem::path> moved_scene;  ///< where the scene of a result folder is now
+  std::optional<std::string> sensor, pings;
+  std::filesystem::path output;
+};
+
 struct RefineOptions : CommonOptions {
   std::filesystem::path output;
 };
@@ -92,6 +99,7 @@ int run_command(const RunOptions& options);
 int check_command(const CommonOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
+int view_command(const ViewOptions& options);
 int refine_command(const RefineOptions& options);
 int presets_command(const PresetsOptions& options);
 int chart_command(const ChartOptions& options);
