@@ -15,6 +15,7 @@
 #include "sensors/pose_angles.hpp"
 #include "sensors/recording.hpp"
 #include "sensors/reserved_space.hpp"
+#include "sensors/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {
@@ -162,18 +163,6 @@ class EchoGroup {
   int id_;
   std::vector<Pending> pending_;
 };
-
-std::string kind_of(const SensorDescription& sensor) {
-  struct Name {
-    const char* operator()(const DidsonDescription&) const { return "didson"; }
-    const char* operator()(const SidescanDescription&) const { return "sidescan"; }
-    const char* operator()(const MultibeamDescription&) const { return "multibeam"; }
-    const char* operator()(const ImagingDescription&) const { return "imaging"; }
-    const char* operator()(const EchosounderDescription&) const { return "echosounder"; }
-    const char* operator()(const InterferometricDescription&) const { return "interferometric"; }
-  };
-  return std::visit(Name(), sensor.kind);
-}
 
 template <typename Item, typename Value>
 std::vector<double> column(const std::vector<Item>& items, Value value) {

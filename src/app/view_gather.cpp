@@ -15,6 +15,7 @@
 #include "app/view_surroundings.hpp"
 #include "engine/contributions.hpp"
 #include "engine/tube_engine.hpp"
+#include "sensors/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {
@@ -33,7 +34,7 @@ std::vector<double> beam_angles_deg(const Sensor& sensor) {
     flat.push_back(180 / std::numbers::pi * std::atan2(x, y));
     across.push_back(180 / std::numbers::pi * std::atan2(x, -z));
   }
-  const auto& kind = sensor.description().kind;
+  const std::string kind = kind_of(sensor.description());
   return kind == "multibeam" || kind == "echosounder" ? across : flat;
 }
 
@@ -199,7 +200,7 @@ ViewData gather_view(const Survey& survey, std::size_t sensor, const std::option
   view.title = scene.description.title;
   view.scene_hash = scene.description.sha256;
   view.sensor = description.name;
-  view.kind = description.kind;
+  view.kind = kind_of(description);
   for (const ComponentReport& component : scene.report.components) view.components.push_back(component.name);
   for (const MaterialDescription& material : scene.description.materials)
     view.materials.push_back(material.name);
