@@ -118,13 +118,18 @@ class Gatherer {
     const RangeSamples& samples = sensor_.samples();
     const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
     const auto first_tube = static_cast<std::uint32_t>(view.tubes.size());
+    // A tube is drawn to its farthest footprint; into open water, to the end of the samples.
+    std::vector<double> length_m(history.tubes.tubes.size(), 0.0);
+    for (const Footprint& f : history.footprints.footprints)
+      length_m[f.tube] = std::max(length_m[f.tube], f.slant_range_max_m);
+    const double last_m = samples.first_m + samples.count * samples.step_m;
+    for (double& length : length_m) length = length > 0 ? std::min(length, last_m) : last_m;
     if (!scene.water->refracts())
       for (std::size_t t = 0; t < history.tubes.tubes.size(); ++t) {
         ViewTube tube{place, beams[beam_of_tube[t]], apex, {}};
         for (std::size_t k = 0; k < 4; ++k) {
           const GridPoint& ray = history.tubes.rays[history.tubes.tubes[t][k]];
-          tube.ends_m[k] = apex + glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)) *
-                                      (samples.first_m + samples.count * samples.step_m);
+          tube.ends_m[k] = apex + glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)) * length_m[t];
         }
         view.tubes.push_back(tube);
       }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <unordered_map>
@@ -30,6 +31,39 @@ double area_of(const std::vector<glm::dvec3>& polygon) {
     sum += glm::cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
   return glm::length(sum) / 2;
 }
+
+/// How far a place is from what is shown, in plan and roughly: by cells of a grid over the box.
+class Nearness {
+ public:
+  Nearness(const ViewData& view, glm::dvec3 lo, glm::dvec3 hi)
+      : lo_(lo), cell_m_(std::max(hi.x - lo.x, hi.y - lo.y) / side), distance_(side * side, 0.0) {
+    std::vector<bool> taken(side * side, false);
+    for (const auto* points : {&view.shapes.corners_m, &view.shadows.corners_m})
+      for (const glm::dvec3& p : *points) taken[cell(p)] = true;
+    std::vector<std::size_t> shown;
+    for (std::size_t c = 0; c < taken.size(); ++c)
+      if (taken[c]) shown.push_back(c);
+    for (std::size_t c = 0; c < taken.size() && !shown.empty(); ++c) {
+      distance_[c] = std::numeric_limits<double>::infinity();
+      for (const std::size_t s : shown)
+        distance_[c] = std::min(distance_[c], cell_m_ * std::hypot(double(c % side) - double(s % side),
+                                                                   double(c / side) - double(s / side)));
+    }
+  }
+  double distance_m(glm::dvec3 place) const { return distance_[cell(place)]; }
+
+ private:
+  static constexpr std::size_t side = 64;
+  std::size_t cell(glm::dvec3 p) const {
+    const auto along = [&](int k) {
+      return std::size_t(std::clamp((p[k] - lo_[k]) / cell_m_, 0.0, double(side - 1)));
+    };
+    return along(1) * side + along(0);
+  }
+  glm::dvec3 lo_;
+  double cell_m_;
+  std::vector<double> distance_;
+};
 
 }  // namespace
 
@@ -102,7 +136,7 @@ std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t mos
   const double margin = glm::distance(lo, hi) / 4;
   lo -= margin;
   hi += margin;
-  const glm::dvec3 middle = (lo + hi) / 2.0;
+  const Nearness nearness(view, lo, hi);
   struct Near {
     double distance_m;
     FacetId facet;
@@ -117,7 +151,7 @@ std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t mos
     }
     if (from.x > hi.x || from.y > hi.y || from.z > hi.z || to.x < lo.x || to.y < lo.y || to.z < lo.z)
       continue;
-    near.push_back({glm::distance(glm::clamp(middle, from, to), middle), FacetId(f)});
+    near.push_back({nearness.distance_m((from + to) / 2.0), FacetId(f)});
   }
   std::size_t left_out = 0;
   if (near.size() > most) {

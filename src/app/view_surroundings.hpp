@@ -16,8 +16,8 @@ bool add_shadows(const Scene& scene, const ShotGround& ground, const History& hi
                  ViewPolygons& shadows);
 
 /// Takes the facets of a mesh about the footprints: those that meet the box of footprints and shadows made
-/// larger by a quarter of its diagonal; of more than `most`, the nearest to its middle. Returns how many were
-/// left out.
+/// larger by a quarter of its diagonal; of more than `most`, the nearest to them in plan. Returns how many
+/// were left out.
 std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t most, ViewData& view);
 
 }  // namespace tubefoot

@@ -28,7 +28,7 @@ function drawAxes(context, plot, axes) {
     context.textAlign = across ? "center" : "right";
     context.textBaseline = across ? "top" : "middle";
     for (const tick of ticks) {
-      const at = axis.at(tick), text = axis.text ? axis.text(tick, step) : tickText(tick, step);
+      const at = axis.at(axis.whole ? tick + 0.5 : tick), text = axis.text ? axis.text(tick, step) : tickText(tick, step);
       if (across && at >= plot.x - 1 && at <= plot.x + plot.width + 1) {
         context.fillRect(Math.round(at), plot.y + plot.height, 1, 4);
         context.fillText(text, at, plot.y + plot.height + 6);

@@ -74,7 +74,7 @@ class Orbit {
   frame({ middle, radius }) {
     this.target = middle;
     const aspect = this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1);
-    this.distance = 1.05 * radius / Math.sin(this.heightRad / 2) / Math.min(aspect, 1);
+    this.distance = 0.9 * radius / Math.sin(this.heightRad / 2) / Math.min(aspect, 1);
     this.changed();
   }
   matrix() {

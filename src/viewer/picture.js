@@ -97,6 +97,24 @@ function inPing(ping, beam, range) {
   return cellOf(ping, beam, sample);
 }
 
+/// All of a layout, or what has echoes where that is less than half of it: the rest is open water.
+function boxOfEchoes({ box, outline }) {
+  const lo = [Infinity, Infinity], hi = [-Infinity, -Infinity];
+  arrays.cellEnergy.forEach((energy, cell) => {
+    if (!(energy > 0)) return;
+    for (const corner of outline(cell))
+      for (const k of [0, 1]) {
+        lo[k] = Math.min(lo[k], corner[k]);
+        hi[k] = Math.max(hi[k], corner[k]);
+      }
+  });
+  const small = (hi[0] - lo[0]) * (hi[1] - lo[1]) < 0.5 * (box[1] - box[0]) * (box[3] - box[2]);
+  if (!small || hi[0] < lo[0]) return box;
+  const spare = [0, 1].map((k) => 0.06 * (hi[k] - lo[k]));
+  return [lo[0] - spare[0], hi[0] + spare[0], lo[1] - spare[1], hi[1] + spare[1]]
+    .map((v, k) => k % 2 ? Math.min(v, box[k]) : Math.max(v, box[k]));
+}
+
 class Picture {
   constructor(canvas, { clicked }) {
     Object.assign(this, { canvas, context: canvas.getContext("2d"), lit: [], chosen: null, ping: 0 });
@@ -122,6 +140,7 @@ class Picture {
 
   layOut(name) {
     this.layout = layouts[name](() => this.ping);
+    this.layout.box = boxOfEchoes(this.layout);
     this.showAll();
   }
   showAll() {
@@ -169,7 +188,7 @@ class Picture {
     const next = [u, u, v, v].map((c, k) => c + (window_[k] - c) * factor);
     const share = Math.max((next[1] - next[0]) / (u1 - u0), (next[3] - next[2]) / (v1 - v0));
     if (share < 1e-4) return;
-    this.window = share > 1.5 ? null : next;
+    this.window = share > 20 ? null : next;
     this.draw();
   }
   pan(dx, dy) {

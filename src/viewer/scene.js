@@ -200,7 +200,7 @@ class Scene {
     };
     this.drawGround(plain);
     gl.enable(gl.BLEND);
-    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);  // the canvas stays opaque
     if (shown.tubes) {
       const from = linesATube * firstTube[this.pings[0]], count = linesATube * firstTube[this.pings[1]] - from;
       plain(this.tubes, gl.LINES, "--tube", Math.min(Math.max(150 / count, 0.06), 0.6) + 0.1, 0, from, count);

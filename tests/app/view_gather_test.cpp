@@ -68,7 +68,7 @@ receive_pattern = "line"
 )",
                   sidescan = R"(kind = "sidescan"
 pings = 5
-range_m = 15
+range_max_m = 15
 samples = 200
 )",
                   ripples = R"([[materials.reflectivity]]

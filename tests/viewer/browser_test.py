@@ -61,7 +61,7 @@ window_length_m = 6
 name = "sidescan"
 kind = "sidescan"
 pings = 12
-range_m = 12
+range_max_m = 12
 samples = 120
 """
 
