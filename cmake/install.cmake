@@ -8,7 +8,7 @@ install(TARGETS tubefoot)
 get_property(libraries GLOBAL PROPERTY TUBEFOOT_LIBRARIES)
 install(TARGETS ${libraries} EXPORT tubefoot-targets)
 # Included as "geometry/tube.hpp", "engine/echo.hpp": as in here.
-foreach(folder geometry sensors src/app src/compare src/engine src/medium src/scene src/seabed src/study)
+foreach(folder geometry sensors src/app src/compare src/engine src/medium src/scene src/seabed src/study src/viewer)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tubefoot FILES_MATCHING PATTERN *.hpp)
 endforeach()
 

@@ -15,6 +15,7 @@
 #include "sensors/pose_angles.hpp"
 #include "sensors/recording.hpp"
 #include "sensors/reserved_space.hpp"
+#include "sensors/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "app/commands.hpp"
 #include "app/usage_error.hpp"
@@ -137,6 +139,28 @@ int run_command_line(int argc, char** argv) {
       "Example:\n  tubefoot coverage scenes/survey/scene.toml --pings 200:299 -o out/coverage");
   coverage_app->callback([&] { command = [&] { return coverage_command(coverage); }; });
 
+  ViewOptions view;
+  CLI::App* view_app = app.add_subcommand(
+      "view", "Write a page that shows footprints in 3-D beside the picture they make (docs/viewer.md)");
+  view_app->add_option("RESULT", view.scene, "folder that 'run' wrote, or a scene file")->required();
+  view_app->add_option("-o,--output", view.output, "HTML file to write; needs no network")->required();
+  view_app->add_option("--sensor", view.sensor, "the sensor (default: the scene's first)");
+  view_app->add_option(
+      "--pings", view.pings,
+      "pings A:B, both included, counted from 0 (default: 0; of a sidescan or an echosounder "
+      "as many as a page shows well)");
+  view_app->add_option("--scene", view.moved_scene, "where the scene of RESULT is, if it has moved");
+  view_app
+      ->add_option("--arithmetic", view.arithmetic,
+                   "number type of the exact kernel; default: as the run or the scene says")
+      ->check(CLI::IsMember({"fixed", "filtered", "rational", "double"}));
+  view_app
+      ->add_option("--threads", view.threads, "threads to use; default: as the scene says, else all cores")
+      ->check(CLI::Range(1, 4096));
+  view_app->add_flag("--quiet", view.quiet, "print results and errors only");
+  view_app->footer("Example:\n  tubefoot view out/wellhead -o wellhead.html --sensor camera");
+  view_app->callback([&] { command = [&] { return view_command(view); }; });
+
   RefineOptions refine;
   CLI::App* refine_app = app.add_subcommand(
       "refine", "Write the seabed with its relief in facets, for mesh tools and for mode = \"offline\"");
@@ -214,11 +238,12 @@ int run_command_line(int argc, char** argv) {
 
   const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
-    fmt::print(
-        stderr,
-        "tubefoot: there is no command '{}': run, check, audit, footprints, coverage, refine, compare, "
-        "chart, advise or presets\n",
-        argv[1]);
+    std::vector<std::string> names;
+    for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
+    const std::string last = names.back();
+    names.pop_back();
+    fmt::print(stderr, "tubefoot: there is no command '{}': {} or {}\n", argv[1], fmt::join(names, ", "),
+               last);
     return wrong_input;
   }
   try {

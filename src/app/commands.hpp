@@ -60,6 +60,13 @@ struct CoverageOptions : CommonOptions {
   std::optional<std::filesystem::path> picture;
 };
 
+/// `scene` is a scene file or a folder that a run wrote.
+struct ViewOptions : CommonOptions {
+  std::optional<std::filesystem::path> moved_scene;  ///< where the scene of a result folder is now
+  std::optional<std::string> sensor, pings;
+  std::filesystem::path output;
+};
+
 struct RefineOptions : CommonOptions {
   std::filesystem::path output;
 };
@@ -102,6 +109,8 @@ int check_command(const CommonOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
 int coverage_command(const CoverageOptions& options);
+
+int view_command(const ViewOptions& options);
 int refine_command(const RefineOptions& options);
 int presets_command(const PresetsOptions& options);
 int chart_command(const ChartOptions& options);

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 
+#include "engine/contributions.hpp"
 #include "engine/pattern_integral.hpp"
 #include "engine/radial_law.hpp"
 #include "engine/scattering_cut.hpp"
@@ -82,7 +83,7 @@ void check(const BeamPatterns& patterns, std::size_t tubes, int beams) {
 
 /// All but those of facets with micro-texture; false if there are some.
 bool add_even_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
-                         Rows& rows) {
+                         const FootprintTaker& taker, Rows& rows, Echo& echo) {
   const RadialIntegral radial = lambert_radial_integral(samples, law.absorption_db_per_m);
   RangeCutter cutter(radial);
   ScatteringCutter scattering_cutter(samples, law.absorption_db_per_m);
@@ -106,6 +107,7 @@ bool add_even_footprints(const FootprintSet& set, const RangeSamples& samples, c
       else
         cutter.add(polygon, factor, row);
     }
+    if (taker) taker(footprint, echo.energy);
   }
   return all;
 }
@@ -122,7 +124,8 @@ BeamPatterns ideal_beams(std::span<const std::uint32_t> beam_of_tube, int beams)
 
 /// `only_textured`: those of facets with micro-texture.
 void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
-                            const BeamPatterns& patterns, bool only_textured, Rows& rows, Echo& echo) {
+                            const BeamPatterns& patterns, bool only_textured, const FootprintTaker& taker,
+                            Rows& rows, Echo& echo) {
   const std::vector<double> borders = sample_borders_m(samples);
   PatternIntegrator integrator(borders, two_way_absorption_per_m(law.absorption_db_per_m), patterns,
                                law.pattern_tolerance);
@@ -149,6 +152,9 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
                        {texture, law.apex_m});
       });
     }
+    if (!taker) continue;
+    integrator.settle(echo.energy);
+    taker(footprint, echo.energy);
   }
   integrator.finish(echo.energy);
 }
@@ -204,8 +210,8 @@ class SampleFinder {
 };
 
 void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
-                          Binning binning, std::span<const std::uint32_t> beam_of_tube, Rows& rows,
-                          Echo& echo) {
+                          Binning binning, std::span<const std::uint32_t> beam_of_tube,
+                          const FootprintTaker& taker, Rows& rows, Echo& echo) {
   const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
   const SampleFinder finder(samples);
   const std::vector<double>& borders = finder.borders();
@@ -229,12 +235,12 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
     };
     if (binning == Binning::centroid || !(far > near)) {
       if (finder.holds(range)) put(finder.at(range), 1);
-      continue;
+    } else if (far > borders.front() && near < borders.back()) {
+      for (std::size_t k = near <= borders.front() ? 0 : finder.at(near);
+           k + 1 < borders.size() && borders[k] < far; ++k)
+        put(k, (std::min(far, borders[k + 1]) - std::max(near, borders[k])) / (far - near));
     }
-    if (!(far > borders.front() && near < borders.back())) continue;
-    for (std::size_t k = near <= borders.front() ? 0 : finder.at(near);
-         k + 1 < borders.size() && borders[k] < far; ++k)
-      put(k, (std::min(far, borders[k + 1]) - std::max(near, borders[k])) / (far - near));
+    if (taker) taker(footprint, echo.energy);
   }
 }
 
@@ -275,6 +281,12 @@ Binning binning_from_name(std::string_view name) {
 
 Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,
                     const RangeSamples& samples, const EchoLaw& law, Binning binning) {
+  return integrate_echo(history, beam_of_tube, beams, samples, law, binning, FootprintTaker());
+}
+
+Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,
+                    const RangeSamples& samples, const EchoLaw& law, Binning binning,
+                    const FootprintTaker& taker) {
   if (beams < 0) throw std::invalid_argument(fmt::format("a receiver cannot have {} beams", beams));
   if (!(law.absorption_db_per_m >= 0 && std::isfinite(law.absorption_db_per_m)))
     throw std::invalid_argument(
@@ -305,12 +317,12 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
   echo.energy.assign(std::size_t(channels) * beams * samples.count, 0);
   Rows rows(echo, beam_of_tube, law);
   if (binning != Binning::exact)
-    add_whole_footprints(history.footprints, samples, law, binning, beam_of_tube, rows, echo);
+    add_whole_footprints(history.footprints, samples, law, binning, beam_of_tube, taker, rows, echo);
   else if (law.patterns != nullptr)
-    add_weighed_footprints(history.footprints, samples, law, *law.patterns, false, rows, echo);
-  else if (!add_even_footprints(history.footprints, samples, law, rows))
-    add_weighed_footprints(history.footprints, samples, law, ideal_beams(beam_of_tube, beams), true, rows,
-                           echo);
+    add_weighed_footprints(history.footprints, samples, law, *law.patterns, false, taker, rows, echo);
+  else if (!add_even_footprints(history.footprints, samples, law, taker, rows, echo))
+    add_weighed_footprints(history.footprints, samples, law, ideal_beams(beam_of_tube, beams), true, taker,
+                           rows, echo);
   add_hits(history.hits, samples, law, beam_of_tube, rows, echo);
   return echo;
 }

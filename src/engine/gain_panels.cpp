@@ -171,6 +171,16 @@ void DirectionMoments::grow() {
   }
 }
 
+void DirectionMoments::clear() {
+  if (rows_.empty()) return;
+  rows_.clear();
+  moments_.clear();
+  std::fill(slots_.begin(), slots_.end(), 0u);
+  recent_.fill({});
+  sample_ = std::numeric_limits<std::uint32_t>::max();
+  lo_ = std::numeric_limits<double>::infinity();
+}
+
 void DirectionMoments::finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const double* moment = moments_.data() + k * terms;

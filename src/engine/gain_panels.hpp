@@ -73,6 +73,8 @@ class DirectionMoments {
   void add(std::span<const double> cosines, std::span<const double> weights);
   /// Adds to energy[(first_beam + function) * samples + sample].
   void finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const;
+  /// Forgets all weights; gains stay known.
+  void clear();
 
  private:
   struct Row {

@@ -64,12 +64,16 @@ PatternIntegrator::PatternIntegrator(std::span<const double> borders_m, double b
   for (int n = 1; n <= most_gauss_nodes; ++n) least_rho_[n] = std::pow(64.0 / 15 / tolerance, 0.5 / n);
 }
 
-void PatternIntegrator::finish(std::span<double> energy) {
+void PatternIntegrator::settle(std::span<double> energy) {
   for (auto& receiver : receivers_) {
     if (!receiver->moments) continue;
     receiver->moments->finish(receiver->first, borders_.size() - 1, energy);
-    receiver->moments.reset();
+    receiver->moments->clear();
   }
+}
+
+void PatternIntegrator::finish(std::span<double> energy) {
+  settle(energy);
   receivers_.clear();
   laws_.clear();
   receiver_of_tube_.assign(receiver_of_tube_.size(), 0);

@@ -57,6 +57,8 @@ class PatternIntegrator {
            double factor, std::span<double> energy, const ScatteringLaw* law = nullptr,
            const PlacedTexture& texture = {});
   void finish(std::span<double> energy);
+  /// Adds what is still waiting for finish(), and goes on.
+  void settle(std::span<double> energy);
 
  private:
   struct Edge {

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Numbers of what is lit.
+
+const mostRows = 200;
+
+function element(name, { text, ...attributes } = {}, ...children) {
+  const made = document.createElement(name);
+  if (text !== undefined) made.textContent = text;
+  for (const [key, value] of Object.entries(attributes)) key in made ? (made[key] = value) : made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+
+const dbText = (energy) => energy > 0 ? `${decibels(energy).toFixed(2)} dB` : "no echo";
+const digits = (value, n = 4) => Number(value.toPrecision(n)).toString();
+const degrees = (rad) => (rad / radians).toFixed(2) + "\u00b0";
+const pingOf = (ping) => facts.pings.length > 1 ? `ping ${facts.pings[ping].number}, ` : "";
+function cellText(cell) {
+  const { ping, beam, sample } = placeOf(cell);
+  return `${pingOf(ping)}beam ${beam}, sample ${sample}`;
+}
+
+function table(heads, rows, more) {
+  const body = element("table", {}, element("thead", {}, element("tr", {}, ...heads.map((text) => element("th", { text, scope: "col" })))));
+  const list = element("tbody");
+  for (const row of rows)
+    list.append(element("tr", {}, ...row.map((cell) => typeof cell === "string" ? element("td", { text: cell }) : element("td", {}, cell))));
+  body.append(list);
+  return more > 0 ? [body, element("p", { className: "faint", text: `and ${more} more` })] : [body];
+}
+
+function listOf(pairs) {
+  return element("dl", {}, ...pairs.flatMap(([name, text]) => [element("dt", { text: name }), element("dd", { text })]));
+}
+
+/// `choose`: called with {cell} or {footprint} by the buttons of the lists.
+class Panel {
+  constructor(place, choose) {
+    this.place = place;
+    this.choose = choose;
+  }
+  button(text, what) { return element("button", { type: "button", text, onclick: () => this.choose(what) }); }
+
+  showNothing() {
+    this.place.replaceChildren(
+      element("h2", { text: "Nothing is lit" }),
+      element("p", { text: "A click on a pixel of the picture lights the footprints that made it; a click on a footprint lights its pixels." }),
+      element("p", { className: "faint", text: `${footprintCount} footprints, ${arrays.linkCell.length} links between footprints and pixels.` }));
+  }
+
+  showCell(cell, parts) {
+    const { sample } = placeOf(cell), energy = arrays.cellEnergy[cell], sum = parts.reduce((s, p) => s + p.energy, 0);
+    const shown = parts.slice(0, mostRows);
+    const rest = energy - sum;
+    const content = [
+      element("h2", { text: `Pixel: ${cellText(cell)}` }),
+      listOf([["energy", dbText(energy)], ["slant range", `${rangeOf(sample).toFixed(3)} to ${rangeOf(sample + 1).toFixed(3)} m`],
+        ["footprints", String(parts.length)], ["their sum", dbText(sum)]]),
+    ];
+    // Single precision leaves 1e-7 or so.
+    if (Math.abs(rest) > 1e-5 * energy)
+      content.push(element("p", { className: "faint", text: `${(100 * rest / energy).toPrecision(3)} % of the energy is not theirs (see About this page).` }));
+    if (!parts.length) content.push(element("p", { text: energy > 0 ? "No footprint is linked to it." : "No footprint reaches it: shadow, or open water." }));
+    else
+      content.push(...table(["footprint", "energy", "share", "grazing", "area, m\u00b2"], shown.map(({ footprint: f, energy: e }) => [
+        this.button(`${facts.components[arrays.component[f]]} #${arrays.facet[f]}`, { footprint: f }), dbText(e),
+        `${(100 * e / sum).toFixed(1)} %`, degrees(arrays.grazing[f]), digits(arrays.area[f], 3)]), parts.length - shown.length));
+    this.place.replaceChildren(...content);
+  }
+
+  showFootprint(f, parts) {
+    const a = arrays, shown = parts.slice(0, mostRows), at = [0, 1, 2].map((k) => (a.centroid[3 * f + k] + facts.centre[k]).toFixed(3));
+    this.place.replaceChildren(
+      element("h2", { text: `Footprint: ${pingOf(a.ping[f])}beam ${a.beam[f]}, facet ${a.facet[f]}` }),
+      listOf([["energy", dbText(a.energy[f])], ["area", `${digits(a.area[f])} m\u00b2`],
+        ["grazing angle", degrees(a.grazing[f])], ["solid angle", `${digits(a.solidAngle[f])} sr`],
+        ["slant range", `${a.near[f].toFixed(3)} to ${a.far[f].toFixed(3)} m`], ["tube", String(a.tube[f])],
+        ["of", facts.components[a.component[f]]], ["material", facts.materials[a.material[f]]],
+        ["cut by", a.occluders[f] ? `${a.occluders[f]} nearer facets` : "nothing"], ["pieces", String(a.pieces[f])],
+        ["centroid", `${at[0]} E, ${at[1]} N`], ["height", `${at[2]} m`]]),
+      ...(parts.length
+        ? table(["pixel", "its energy there", "share of the pixel"], shown.map(({ cell, energy }) => [
+          this.button(cellText(cell), { cell }), dbText(energy),
+          a.cellEnergy[cell] > 0 ? `${(100 * energy / a.cellEnergy[cell]).toFixed(1)} %` : ""]), parts.length - shown.length)
+        : [element("p", { text: "It is in no pixel: beyond the range samples." })]));
+  }
+}
