@@ -109,29 +109,34 @@ std::vector<FacetId> Sector::facets(const SceneTree& tree, double margin_m) cons
   return all;
 }
 
-// Turned by s in its vertical plane, a direction u becomes u cos s + e sin s, with e straight across it.
-bool Sector::may_meet_turned(glm::dvec3 place_m, double radius_m, double turn_rad, double stretch) const {
-  const double range = glm::length(place_m), across = std::hypot(place_m.x, place_m.y);
-  if (stretch * (range - radius_m) > reach_ * unit_m_) return false;
-  if (across <= 2 * radius_m) return true;  // around the vertical, where e turns fast
-  const glm::dvec3 e{-place_m.z * place_m.x / across, -place_m.z * place_m.y / across, across};
-  const double sine = std::sin(turn_rad), cosine = std::cos(turn_rad);
-  // Turned points part by as much more as they come farther from the vertical.
-  const double margin = radius_m * (1 + std::abs(place_m.z) / (across - radius_m) * sine) + 4 * slack * range;
+// With the best azimuth, what is left is a sinusoid of the elevation, largest at an end or where it is level.
+double DirectionBox::farthest_along(const glm::dvec3& n) const {
+  const auto left_of = [](glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x >= 0; };
+  const glm::dvec2 level{n.x, n.y};
+  const double across = all_round || (left_of(from, level) && left_of(level, to))
+                            ? glm::length(level)
+                            : std::max(glm::dot(level, from), glm::dot(level, to));
+  if (n.z * low_cosine > across * low_sine && n.z * high_cosine < across * high_sine)
+    return std::hypot(across, n.z);
+  return std::max(across * low_cosine + n.z * low_sine, across * high_cosine + n.z * high_sine);
+}
+
+bool Sector::may_meet(const DirectionBox& box) const {
   return std::any_of(pyramids_.begin(), pyramids_.end(), [&](const Pyramid& p) {
-    return std::all_of(p.inward.begin(), p.inward.end(), [&](const glm::dvec3& n) {
-      const double along = glm::dot(n, place_m), beside = std::abs(glm::dot(n, e));
-      // At most as far inside as that: as far as the best turn leads, or else the largest.
-      if (along * sine >= beside * cosine) return true;
-      const double inside = along * cosine + beside * sine;
-      return inside >= -margin;
-    });
+    return std::all_of(p.inward.begin(), p.inward.end(),
+                       [&](const glm::dvec3& n) { return box.farthest_along(n) >= -4 * slack; });
   });
 }
 
 std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_rad, double stretch) const {
   std::vector<FacetId> all;
   const double reach = reach_ / stretch;
+  // Pyramids above one another have the same sides left: they are asked for together.
+  struct Query {
+    std::vector<SceneTree::HalfSpace> sides;
+    double margin;
+  };
+  std::vector<Query> queries;
   for (const Pyramid& p : pyramids_) {
     // How far turning moves a direction of the pyramid across a side: sides that it hardly crosses, such as
     // those of an upright fan, are kept.
@@ -150,8 +155,19 @@ std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_ra
       sides.push_back({n.x, n.y, n.z});
       margin = std::max(margin, moved);
     }
-    tree.query(apex_, sides, reach + 1, margin * reach + 4 * slack * reach + 1, all);
+    margin += 4 * slack;
+    const auto same = [&](const Query& q) {
+      return std::ranges::is_permutation(sides, q.sides, [](const auto& a, const auto& b) {
+        return glm::distance(glm::dvec3(a.x, a.y, a.z), glm::dvec3(b.x, b.y, b.z)) < slack;
+      });
+    };
+    const auto known = std::ranges::find_if(queries, same);
+    if (known == queries.end())
+      queries.push_back({std::move(sides), margin + slack});  // for sides that are the same but for this
+    else
+      known->margin = std::max(known->margin, margin + slack);
   }
+  for (const Query& q : queries) tree.query(apex_, q.sides, reach + 1, q.margin * reach + 1, all);
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/outlook.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace tubefoot {
+namespace {
+
+double other_leg(double cosine) { return std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))); }
+
+/// Cosine of the elevation of a point `height` above the apex and `across` from its vertical.
+double cosine_of(double height, double across) {
+  const double range2 = height * height + across * across;
+  return range2 > 0 ? across / std::sqrt(range2) : 1;
+}
+
+}  // namespace
+
+Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening)
+    : sector_(tubes, grid_unit_m), straightening_(straightening), apex_m_(straightening.apex_m()) {
+  const SoundSpeedProfile& profile = straightening.water().profile;
+  const double apex_depth_m = straightening.depth_m(apex_m_), at_apex = profile.at(apex_depth_m);
+  double slowest = at_apex, fastest = at_apex;
+  for (const ProfilePoint& p : profile.points()) {
+    Side& side = p.depth_m < apex_depth_m ? above_ : below_;
+    side.slowest = std::max(side.slowest, at_apex / p.sound_speed_m_s);
+    side.fastest = std::min(side.fastest, at_apex / p.sound_speed_m_s);
+    slowest = std::min(slowest, p.sound_speed_m_s);
+    fastest = std::max(fastest, p.sound_speed_m_s);
+  }
+  turning_.high_cosine = above_.fastest;
+  turning_.high_sine = other_leg(above_.fastest);
+  turning_.low_cosine = below_.fastest;
+  turning_.low_sine = -other_leg(below_.fastest);
+  turn_rad_ = 2 * std::acos(slowest / fastest);
+  stretch_ = straightening.reference_speed_m_s() / fastest;
+}
+
+bool Outlook::may_see(DirectionBox& box, double lowest_m, double highest_m, double nearest_m,
+                      double farthest_m) const {
+  // The tubes' reach.
+  const double height_m = std::max({lowest_m, -highest_m, 0.0});
+  const double reach_m = sector_.reach_m() / stretch_ + 1e-6;
+  if (height_m * height_m + nearest_m * nearest_m > reach_m * reach_m) return false;
+  // Rays that rise or fall all the way: the flattest and the steepest of each side.
+  if (highest_m >= 0) {
+    box.high_cosine = above_.fastest * cosine_of(highest_m, nearest_m);
+    box.high_sine = other_leg(box.high_cosine);
+  } else {
+    box.high_cosine = std::min(1.0, below_.slowest * cosine_of(highest_m, farthest_m));
+    box.high_sine = -other_leg(box.high_cosine);
+  }
+  if (lowest_m <= 0) {
+    box.low_cosine = below_.fastest * cosine_of(lowest_m, nearest_m);
+    box.low_sine = -other_leg(box.low_cosine);
+  } else {
+    box.low_cosine = std::min(1.0, above_.slowest * cosine_of(lowest_m, farthest_m));
+    box.low_sine = other_leg(box.low_cosine);
+  }
+  if (sector_.may_meet(box)) return true;
+  if (straightening_.finder().steeper_than_turning(height_m, farthest_m)) return false;
+  box.low_sine = turning_.low_sine;
+  box.low_cosine = turning_.low_cosine;
+  box.high_sine = turning_.high_sine;
+  box.high_cosine = turning_.high_cosine;
+  return sector_.may_meet(box);
+}
+
+bool Outlook::may_see(const glm::dvec3& centre_m, double radius_m) const {
+  const glm::dvec3 way = centre_m - apex_m_;
+  const double across = std::hypot(way.x, way.y);
+  DirectionBox box;
+  box.all_round = !(radius_m < across);
+  if (!box.all_round) {
+    const double sine = radius_m / across, cosine = other_leg(sine);
+    const glm::dvec2 towards = glm::dvec2(way) / across, left(-towards.y, towards.x);
+    box.from = cosine * towards - sine * left;
+    box.to = cosine * towards + sine * left;
+  }
+  return may_see(box, way.z - radius_m, way.z + radius_m, std::max(0.0, across - radius_m),
+                 across + radius_m);
+}
+
+bool Outlook::may_see(const glm::dvec3 (&corners_m)[3]) const {
+  glm::dvec2 way[3], sum(0);
+  double lowest_m = corners_m[0].z, highest_m = lowest_m, farthest2 = 0;
+  for (int i = 0; i < 3; ++i) {
+    way[i] = glm::dvec2(corners_m[i] - apex_m_);
+    sum += way[i];
+    lowest_m = std::min(lowest_m, corners_m[i].z);
+    highest_m = std::max(highest_m, corners_m[i].z);
+    farthest2 = std::max(farthest2, glm::dot(way[i], way[i]));
+  }
+  // All lie on one side of a line through the apex, unless it is above or below the triangle, or nearly so.
+  DirectionBox box;
+  double nearest_m = 0;
+  const double length = glm::length(sum);
+  const glm::dvec2 towards = length > 0 ? sum / length : glm::dvec2(0);
+  const double ahead[3] = {glm::dot(way[0], towards), glm::dot(way[1], towards), glm::dot(way[2], towards)};
+  nearest_m = std::min({ahead[0], ahead[1], ahead[2]});
+  box.all_round = !(nearest_m > 0);
+  if (box.all_round) {
+    nearest_m = 0;
+  } else {
+    int right = 0, left = 0;
+    double beside[3];
+    for (int i = 0; i < 3; ++i) {
+      beside[i] = (towards.x * way[i].y - towards.y * way[i].x) / ahead[i];
+      if (beside[i] < beside[right]) right = i;
+      if (beside[i] > beside[left]) left = i;
+    }
+    box.from = glm::normalize(way[right]);
+    box.to = glm::normalize(way[left]);
+  }
+  return may_see(box, lowest_m - apex_m_.z, highest_m - apex_m_.z, nearest_m, std::sqrt(farthest2));
+}
+
+std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tree,
+                                     const WorldGrid& grid) const {
+  std::vector<FacetId> seen;
+  for (const FacetId f : sector_.facets_turned(tree, turn_rad_, stretch_)) {
+    const auto& [a, b, c] = mesh.facets[f];
+    if (may_see({grid.to_metres(mesh.vertices[a]), grid.to_metres(mesh.vertices[b]),
+                 grid.to_metres(mesh.vertices[c])}))
+      seen.push_back(f);
+  }
+  return seen;
+}
+
+}  // namespace tubefoot
