@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace tubefoot {
 namespace {
@@ -36,6 +37,40 @@ Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& 
   turning_.low_sine = -other_leg(below_.fastest);
   turn_rad_ = 2 * std::acos(slowest / fastest);
   stretch_ = straightening.reference_speed_m_s() / fastest;
+  const auto [lowest, highest] = sector_.elevation_sines();
+  trace_flattest(above_, false, std::max(lowest, 0.0));
+  trace_flattest(below_, true, std::max(-highest, 0.0));
+}
+
+void Outlook::trace_flattest(Side& side, bool down, double launch_sine) {
+  const SoundSpeedProfile& profile = straightening_.water().profile;
+  const std::vector<ProfilePoint>& points = profile.points();
+  const double apex_depth_m = straightening_.depth_m(apex_m_), at_apex = profile.at(apex_depth_m);
+  launch_sine = std::max(0.0, launch_sine - 1e-9);  // far more than rounding
+  side.flattest = {at_apex, launch_sine, other_leg(launch_sine)};
+  const double sign = down ? 1 : -1;
+  const std::size_t apex_layer = profile.layer_at(apex_depth_m);
+  side.borders = {{0, at_apex, sign * profile.gradient_per_s(apex_layer), launch_sine, 0}};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t k = down ? i : points.size() - 1 - i;
+    const double way_m = sign * (points[k].depth_m - apex_depth_m);
+    if (!(way_m > 0)) continue;
+    const double range_m = side.farthest_m(way_m), speed = points[k].sound_speed_m_s;
+    side.borders.push_back({way_m, speed, sign * profile.gradient_per_s(down ? k + 1 : k),
+                            side.flattest.sine_at(speed), range_m});
+  }
+}
+
+// Where the flattest ray does not come to, steeper ones do: no bound.
+double Outlook::Side::farthest_m(double way_m) const {
+  const auto next = std::upper_bound(borders.begin(), borders.end(), way_m,
+                                     [](double way, const Border& border) { return way < border.way_m; });
+  const Border& from = *(next - 1);
+  const double dz_m = way_m - from.way_m;
+  if (dz_m == 0) return from.range_m;
+  const double speed = from.speed_m_s + from.gradient_per_s * dz_m, sine2 = flattest.sine2_at(speed);
+  if (!(sine2 > 0)) return std::numeric_limits<double>::infinity();
+  return from.range_m + flattest.p() * arc_reach(dz_m, from.speed_m_s, speed, from.sine, std::sqrt(sine2));
 }
 
 bool Outlook::may_see(DirectionBox& box, double lowest_m, double highest_m, double nearest_m,
@@ -59,7 +94,10 @@ bool Outlook::may_see(DirectionBox& box, double lowest_m, double highest_m, doub
     box.low_cosine = std::min(1.0, above_.slowest * cosine_of(lowest_m, farthest_m));
     box.low_sine = other_leg(box.low_cosine);
   }
-  if (sector_.may_meet(box)) return true;
+  constexpr double slack = 1 + 1e-9;
+  const bool falling = lowest_m <= 0 && nearest_m <= slack * below_.farthest_m(-lowest_m),
+             rising = highest_m >= 0 && nearest_m <= slack * above_.farthest_m(highest_m);
+  if ((falling || rising) && sector_.may_meet(box)) return true;
   if (straightening_.finder().steeper_than_turning(height_m, farthest_m)) return false;
   box.low_sine = turning_.low_sine;
   box.low_cosine = turning_.low_cosine;

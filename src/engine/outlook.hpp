@@ -16,7 +16,8 @@ namespace tubefoot {
 /// all the way has, somewhere on it, the grazing angle of the straight line to its end (a mean of cotangents
 /// over depth), so that by Snell's law the cosine of its launch angle is that of the straight line, times the
 /// sound speed at the apex over one between the slowest and the fastest on that side of it. One that turns is
-/// launched no steeper than one that is level at the fastest place on that side.
+/// launched no steeper than one that is level at the fastest place on that side. And of those that fall
+/// (rise) all the way none that is launched like the tubes comes farther than the flattest of them.
 class Outlook {
  public:
   Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening);
@@ -29,10 +30,20 @@ class Outlook {
   std::vector<FacetId> facets(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid) const;
 
  private:
-  /// Speed at the apex over the slowest and the fastest of one side of it.
+  /// One side of the apex.
   struct Side {
-    double slowest = 1, fastest = 1;
+    double slowest = 1, fastest = 1;  ///< speed at the apex over the slowest and the fastest
+    /// The flattest ray that tubes send there.
+    SnellRay flattest;
+    /// Where it is at the borders of layers, from the apex on.
+    struct Border {
+      double way_m, speed_m_s, gradient_per_s, sine, range_m;
+    };
+    std::vector<Border> borders;
+    /// No ray of the tubes is farther where it has risen or fallen all the `way_m`.
+    double farthest_m(double way_m) const;
   };
+  void trace_flattest(Side& side, bool down, double launch_sine);
   /// Points in a range of heights above the apex and of distances from its vertical, in the azimuths of
   /// `box`, whose elevations are set.
   bool may_see(DirectionBox& box, double lowest_m, double highest_m, double nearest_m,

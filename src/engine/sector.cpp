@@ -114,10 +114,10 @@ double DirectionBox::farthest_along(const glm::dvec3& n) const {
   const auto left_of = [](glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x >= 0; };
   const glm::dvec2 level{n.x, n.y};
   const double across = all_round || (left_of(from, level) && left_of(level, to))
-                            ? glm::length(level)
+                            ? std::sqrt(glm::dot(level, level))
                             : std::max(glm::dot(level, from), glm::dot(level, to));
   if (n.z * low_cosine > across * low_sine && n.z * high_cosine < across * high_sine)
-    return std::hypot(across, n.z);
+    return std::sqrt(across * across + n.z * n.z);
   return std::max(across * low_cosine + n.z * low_sine, across * high_cosine + n.z * high_sine);
 }
 
@@ -126,6 +126,21 @@ bool Sector::may_meet(const DirectionBox& box) const {
     return std::all_of(p.inward.begin(), p.inward.end(),
                        [&](const glm::dvec3& n) { return box.farthest_along(n) >= -4 * slack; });
   });
+}
+
+// Between rays below the horizon directions are lower still, between those above it they may be higher by as
+// much as the middle of an arc over its ends.
+std::pair<double, double> Sector::elevation_sines() const {
+  double lowest = 1, highest = -1;
+  for (const Pyramid& p : pyramids_) {
+    const double shortest = std::cos(std::min(p.spread_rad, glm::half_pi<double>()));
+    for (const glm::dvec3& u : p.rays) {
+      const double far = shortest > 0 ? u.z / shortest : std::copysign(1.0, u.z);
+      lowest = std::min(lowest, std::min(u.z, far));
+      highest = std::max(highest, std::max(u.z, far));
+    }
+  }
+  return {std::max(lowest, -1.0), std::min(highest, 1.0)};
 }
 
 std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_rad, double stretch) const {

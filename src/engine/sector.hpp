@@ -3,6 +3,7 @@
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <utility>
 #include <vector>
 
 #include "geometry/scene_tree.hpp"
@@ -39,6 +40,8 @@ class Sector {
   /// As facets(), for facets whose points are seen, each in its own vertical plane, up to `turn_rad` higher
   /// or lower than they are, and at `stretch` times their distance or more.
   std::vector<FacetId> facets_turned(const SceneTree& tree, double turn_rad, double stretch) const;
+  /// Sines of the elevations between which all tubes look.
+  std::pair<double, double> elevation_sines() const;
   double reach_m() const { return reach_ * unit_m_; }
 
   /// Angle between the rays of the narrowest side of a tube.
