@@ -2,6 +2,7 @@
 #include "engine/outlook.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -23,19 +24,17 @@ Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& 
     : sector_(tubes, grid_unit_m), straightening_(straightening), apex_m_(straightening.apex_m()) {
   const SoundSpeedProfile& profile = straightening.water().profile;
   const double apex_depth_m = straightening.depth_m(apex_m_), at_apex = profile.at(apex_depth_m);
-  double slowest = at_apex, fastest = at_apex;
+  double fastest = at_apex;
   for (const ProfilePoint& p : profile.points()) {
     Side& side = p.depth_m < apex_depth_m ? above_ : below_;
     side.slowest = std::max(side.slowest, at_apex / p.sound_speed_m_s);
     side.fastest = std::min(side.fastest, at_apex / p.sound_speed_m_s);
-    slowest = std::min(slowest, p.sound_speed_m_s);
     fastest = std::max(fastest, p.sound_speed_m_s);
   }
   turning_.high_cosine = above_.fastest;
   turning_.high_sine = other_leg(above_.fastest);
   turning_.low_cosine = below_.fastest;
   turning_.low_sine = -other_leg(below_.fastest);
-  turn_rad_ = 2 * std::acos(slowest / fastest);
   stretch_ = straightening.reference_speed_m_s() / fastest;
   const auto [lowest, highest] = sector_.elevation_sines();
   trace_flattest(above_, false, std::max(lowest, 0.0));
@@ -121,49 +120,64 @@ bool Outlook::may_see(const glm::dvec3& centre_m, double radius_m) const {
                  across + radius_m);
 }
 
-bool Outlook::may_see(const glm::dvec3 (&corners_m)[3]) const {
-  glm::dvec2 way[3], sum(0);
-  double lowest_m = corners_m[0].z, highest_m = lowest_m, farthest2 = 0;
-  for (int i = 0; i < 3; ++i) {
-    way[i] = glm::dvec2(corners_m[i] - apex_m_);
-    sum += way[i];
-    lowest_m = std::min(lowest_m, corners_m[i].z);
-    highest_m = std::max(highest_m, corners_m[i].z);
-    farthest2 = std::max(farthest2, glm::dot(way[i], way[i]));
+bool Outlook::may_see(std::span<const glm::dvec2> ways_m, double lowest_m, double highest_m) const {
+  glm::dvec2 sum(0);
+  double farthest2 = 0, nearest_m = std::numeric_limits<double>::infinity();
+  for (const glm::dvec2& way : ways_m) {
+    sum += way;
+    farthest2 = std::max(farthest2, glm::dot(way, way));
   }
-  // All lie on one side of a line through the apex, unless it is above or below the triangle, or nearly so.
-  DirectionBox box;
-  double nearest_m = 0;
   const double length = glm::length(sum);
   const glm::dvec2 towards = length > 0 ? sum / length : glm::dvec2(0);
-  const double ahead[3] = {glm::dot(way[0], towards), glm::dot(way[1], towards), glm::dot(way[2], towards)};
-  nearest_m = std::min({ahead[0], ahead[1], ahead[2]});
-  box.all_round = !(nearest_m > 0);
-  if (box.all_round) {
-    nearest_m = 0;
-  } else {
-    int right = 0, left = 0;
-    double beside[3];
-    for (int i = 0; i < 3; ++i) {
-      beside[i] = (towards.x * way[i].y - towards.y * way[i].x) / ahead[i];
-      if (beside[i] < beside[right]) right = i;
-      if (beside[i] > beside[left]) left = i;
+  DirectionBox box;
+  glm::dvec2 right{0}, left{0};
+  double rightmost = 0, leftmost = 0;
+  for (const glm::dvec2& way : ways_m) {
+    const double ahead = glm::dot(way, towards);
+    const double beside = (towards.x * way.y - towards.y * way.x) / ahead;
+    if (nearest_m == std::numeric_limits<double>::infinity() || beside < rightmost) {
+      rightmost = beside;
+      right = way;
     }
-    box.from = glm::normalize(way[right]);
-    box.to = glm::normalize(way[left]);
+    if (nearest_m == std::numeric_limits<double>::infinity() || beside > leftmost) {
+      leftmost = beside;
+      left = way;
+    }
+    nearest_m = std::min(nearest_m, ahead);
   }
-  return may_see(box, lowest_m - apex_m_.z, highest_m - apex_m_.z, nearest_m, std::sqrt(farthest2));
+  // Unless the apex is above or below the hull, or nearly so, all of it lies to one side.
+  box.all_round = !(nearest_m > 0);
+  if (!box.all_round) {
+    box.from = glm::normalize(right);
+    box.to = glm::normalize(left);
+  }
+  return may_see(box, lowest_m, highest_m, std::max(0.0, nearest_m), std::sqrt(farthest2));
+}
+
+bool Outlook::may_see(const glm::dvec3 (&corners_m)[3]) const {
+  const glm::dvec3 a = corners_m[0] - apex_m_, b = corners_m[1] - apex_m_, c = corners_m[2] - apex_m_;
+  return may_see(std::array{glm::dvec2(a), glm::dvec2(b), glm::dvec2(c)}, std::min({a.z, b.z, c.z}),
+                 std::max({a.z, b.z, c.z}));
 }
 
 std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tree,
                                      const WorldGrid& grid) const {
-  std::vector<FacetId> seen;
-  for (const FacetId f : sector_.facets_turned(tree, turn_rad_, stretch_)) {
+  std::vector<FacetId> near, seen;
+  tree.query(
+      [&](const GridPoint& lowest, const GridPoint& highest) {
+        const glm::dvec3 lo = grid.to_metres(lowest) - apex_m_, hi = grid.to_metres(highest) - apex_m_;
+        return may_see(
+            std::array{glm::dvec2(lo), glm::dvec2(hi.x, lo.y), glm::dvec2(hi), glm::dvec2(lo.x, hi.y)}, lo.z,
+            hi.z);
+      },
+      near);
+  for (const FacetId f : near) {
     const auto& [a, b, c] = mesh.facets[f];
     if (may_see({grid.to_metres(mesh.vertices[a]), grid.to_metres(mesh.vertices[b]),
                  grid.to_metres(mesh.vertices[c])}))
       seen.push_back(f);
   }
+  std::ranges::sort(seen);
   return seen;
 }
 

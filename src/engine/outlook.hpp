@@ -44,6 +44,8 @@ class Outlook {
     double farthest_m(double way_m) const;
   };
   void trace_flattest(Side& side, bool down, double launch_sine);
+  /// Points between heights above the apex, in the convex hull of places in plan from it.
+  bool may_see(std::span<const glm::dvec2> ways_m, double lowest_m, double highest_m) const;
   /// Points in a range of heights above the apex and of distances from its vertical, in the azimuths of
   /// `box`, whose elevations are set.
   bool may_see(DirectionBox& box, double lowest_m, double highest_m, double nearest_m,
@@ -54,7 +56,7 @@ class Outlook {
   glm::dvec3 apex_m_;
   Side above_, below_;
   DirectionBox turning_;  ///< elevations of rays that turn
-  double turn_rad_ = 0, stretch_ = 1;
+  double stretch_ = 1;
 };
 
 }  // namespace tubefoot

@@ -54,7 +54,7 @@ void Sector::add(const TubeSet& tubes, std::size_t first, std::size_t end) {
     rays.push_back(unit_ray(tubes.rays[name]));
     sum += rays.back();
   }
-  Pyramid pyramid{glm::normalize(sum), 0, {}, {}};
+  Pyramid pyramid{glm::normalize(sum), 0, {}, 1, -1};
   for (const glm::dvec3& ray : rays)
     pyramid.spread_rad = std::max(pyramid.spread_rad, angle(pyramid.axis, ray));
   // The sides of the rays' convex hull: planes through two of them that have none outside. Leaving one out
@@ -77,7 +77,16 @@ void Sector::add(const TubeSet& tubes, std::size_t first, std::size_t end) {
                                      [&](const glm::dvec3& n) { return glm::distance(n, normal) < 1e-7; });
       if (!known) pyramid.inward.push_back(normal);
     }
-  pyramid.rays = std::move(rays);
+  // Steep sides first: most places are beside them.
+  std::ranges::sort(pyramid.inward, {}, [](const glm::dvec3& n) { return std::abs(n.z); });
+  // Between rays below the horizon directions are lower still, between those above it they may be higher, by
+  // as much as the middle of an arc is over its ends.
+  const double shortest = std::cos(std::min(pyramid.spread_rad, glm::half_pi<double>()));
+  for (const glm::dvec3& u : rays) {
+    const double far = shortest > 1e-6 ? u.z / shortest : std::copysign(1.0, u.z);
+    pyramid.lowest_sine = std::max(-1.0, std::min({pyramid.lowest_sine, u.z, far}) - 4 * slack);
+    pyramid.highest_sine = std::min(1.0, std::max({pyramid.highest_sine, u.z, far}) + 4 * slack);
+  }
   pyramids_.push_back(std::move(pyramid));
 }
 
@@ -123,69 +132,19 @@ double DirectionBox::farthest_along(const glm::dvec3& n) const {
 
 bool Sector::may_meet(const DirectionBox& box) const {
   return std::any_of(pyramids_.begin(), pyramids_.end(), [&](const Pyramid& p) {
+    if (box.low_sine > p.highest_sine || box.high_sine < p.lowest_sine) return false;
     return std::all_of(p.inward.begin(), p.inward.end(),
                        [&](const glm::dvec3& n) { return box.farthest_along(n) >= -4 * slack; });
   });
 }
 
-// Between rays below the horizon directions are lower still, between those above it they may be higher by as
-// much as the middle of an arc over its ends.
 std::pair<double, double> Sector::elevation_sines() const {
   double lowest = 1, highest = -1;
   for (const Pyramid& p : pyramids_) {
-    const double shortest = std::cos(std::min(p.spread_rad, glm::half_pi<double>()));
-    for (const glm::dvec3& u : p.rays) {
-      const double far = shortest > 0 ? u.z / shortest : std::copysign(1.0, u.z);
-      lowest = std::min(lowest, std::min(u.z, far));
-      highest = std::max(highest, std::max(u.z, far));
-    }
+    lowest = std::min(lowest, p.lowest_sine);
+    highest = std::max(highest, p.highest_sine);
   }
-  return {std::max(lowest, -1.0), std::min(highest, 1.0)};
-}
-
-std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_rad, double stretch) const {
-  std::vector<FacetId> all;
-  const double reach = reach_ / stretch;
-  // Pyramids above one another have the same sides left: they are asked for together.
-  struct Query {
-    std::vector<SceneTree::HalfSpace> sides;
-    double margin;
-  };
-  std::vector<Query> queries;
-  for (const Pyramid& p : pyramids_) {
-    // How far turning moves a direction of the pyramid across a side: sides that it hardly crosses, such as
-    // those of an upright fan, are kept.
-    constexpr double most_crossing = 0.2;
-    std::vector<SceneTree::HalfSpace> sides;
-    double margin = 0;
-    for (const glm::dvec3& n : p.inward) {
-      double crossing = 0;
-      for (const glm::dvec3& u : p.rays) {
-        const double across = std::hypot(u.x, u.y);
-        crossing = std::max(crossing, across > 0 ? std::abs(n.z - u.z * glm::dot(n, u)) / across : 1.0);
-      }
-      // Twice: what lies between the rays.
-      const double moved = 2 * crossing * std::sin(turn_rad);
-      if (crossing > most_crossing || turn_rad > glm::half_pi<double>()) continue;
-      sides.push_back({n.x, n.y, n.z});
-      margin = std::max(margin, moved);
-    }
-    margin += 4 * slack;
-    const auto same = [&](const Query& q) {
-      return std::ranges::is_permutation(sides, q.sides, [](const auto& a, const auto& b) {
-        return glm::distance(glm::dvec3(a.x, a.y, a.z), glm::dvec3(b.x, b.y, b.z)) < slack;
-      });
-    };
-    const auto known = std::ranges::find_if(queries, same);
-    if (known == queries.end())
-      queries.push_back({std::move(sides), margin + slack});  // for sides that are the same but for this
-    else
-      known->margin = std::max(known->margin, margin + slack);
-  }
-  for (const Query& q : queries) tree.query(apex_, q.sides, reach + 1, q.margin * reach + 1, all);
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
+  return {lowest, highest};
 }
 
 }  // namespace tubefoot

@@ -37,9 +37,6 @@ class Sector {
 
   /// False only if no tube looks in a direction of the box.
   bool may_meet(const DirectionBox& box) const;
-  /// As facets(), for facets whose points are seen, each in its own vertical plane, up to `turn_rad` higher
-  /// or lower than they are, and at `stretch` times their distance or more.
-  std::vector<FacetId> facets_turned(const SceneTree& tree, double turn_rad, double stretch) const;
   /// Sines of the elevations between which all tubes look.
   std::pair<double, double> elevation_sines() const;
   double reach_m() const { return reach_ * unit_m_; }
@@ -50,9 +47,9 @@ class Sector {
  private:
   struct Pyramid {
     glm::dvec3 axis;
-    double spread_rad;               ///< no ray is farther from the axis
-    std::vector<glm::dvec3> inward;  ///< unit normals of its sides
-    std::vector<glm::dvec3> rays;
+    double spread_rad;                 ///< no ray is farther from the axis
+    std::vector<glm::dvec3> inward;    ///< unit normals of its sides
+    double lowest_sine, highest_sine;  ///< elevations of its directions lie between
   };
   void add(const TubeSet& tubes, std::size_t first, std::size_t end);
 

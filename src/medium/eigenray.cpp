@@ -315,9 +315,10 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
     return sums;
   };
   const auto miss = [&](double sine) { return ray_at(sine).p() * sums_at(sine, false).reach - range_m; };
-  const auto slope = [&](double sine) {  // of the range by the sine
-    return -sums_at(sine, false).dx_dp * sine / (a * std::sqrt((1 - sine) * (1 + sine)));
+  const auto slope_of = [a](const RaySums& sums, double sine) {  // of the range by the sine
+    return -sums.dx_dp * sine / (a * std::sqrt((1 - sine) * (1 + sine)));
   };
+  const auto slope = [&](double sine) { return slope_of(sums_at(sine, false), sine); };
   const auto add = [&](double sine) {
     found.push_back(eigenray(ray_at(sine), sums_at(sine, true), depth_m, order.launched_up, order.turns));
   };
@@ -329,10 +330,15 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
   if (shortest > range_m || longest < range_m) return;
   constexpr int kSteps = 16;
   const double top = std::sqrt((b - a) * (b + a)) / b;
-  double lo = top * 1e-9, miss_lo = miss(lo), slope_lo = slope(lo);
+  const auto both = [&](double sine) {
+    const RaySums sums = sums_at(sine, false);
+    return std::pair(ray_at(sine).p() * sums.reach - range_m, slope_of(sums, sine));
+  };
+  double lo = top * 1e-9;
+  auto [miss_lo, slope_lo] = both(lo);
   for (int i = 1; i <= kSteps; ++i) {
     const double hi = i < kSteps ? top * i / kSteps : top * (1 - 1e-15);
-    const double miss_hi = miss(hi), slope_hi = slope(hi);
+    const auto [miss_hi, slope_hi] = both(hi);
     if (slope_lo * slope_hi < 0) {
       const double peak = root_between(slope, lo, hi, slope_lo, slope_hi), miss_peak = miss(peak);
       add_between(lo, peak, miss_lo, miss_peak);
