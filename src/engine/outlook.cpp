@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -16,6 +17,28 @@ double other_leg(double cosine) { return std::sqrt(std::max(0.0, (1 - cosine) * 
 double cosine_of(double height, double across) {
   const double range2 = height * height + across * across;
   return range2 > 0 ? across / std::sqrt(range2) : 1;
+}
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+/// The point of a triangle that is nearest to the origin.
+glm::dvec2 nearest_of(const std::array<glm::dvec2, 3>& corners) {
+  glm::dvec2 nearest{0};
+  double least2 = std::numeric_limits<double>::infinity();
+  int left = 0, right = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec2 from = corners[k], along = corners[(k + 1) % 3] - from;
+    const double turn = cross(from, along), length2 = glm::dot(along, along);
+    left += turn >= 0;
+    right += turn <= 0;
+    const double part = length2 > 0 ? std::clamp(-glm::dot(from, along) / length2, 0.0, 1.0) : 0;
+    const glm::dvec2 point = from + part * along;
+    if (glm::dot(point, point) < least2) {
+      least2 = glm::dot(point, point);
+      nearest = point;
+    }
+  }
+  return left == 3 || right == 3 ? glm::dvec2(0) : nearest;
 }
 
 }  // namespace
@@ -120,44 +143,46 @@ bool Outlook::may_see(const glm::dvec3& centre_m, double radius_m) const {
                  across + radius_m);
 }
 
-bool Outlook::may_see(std::span<const glm::dvec2> ways_m, double lowest_m, double highest_m) const {
-  glm::dvec2 sum(0);
-  double farthest2 = 0, nearest_m = std::numeric_limits<double>::infinity();
-  for (const glm::dvec2& way : ways_m) {
-    sum += way;
-    farthest2 = std::max(farthest2, glm::dot(way, way));
-  }
-  const double length = glm::length(sum);
-  const glm::dvec2 towards = length > 0 ? sum / length : glm::dvec2(0);
+// All of a convex hull lies ahead of the line across its nearest point. Every range that is handed on is that
+// of the hull itself, so that what is true for a hull is true for every one that holds it.
+bool Outlook::may_see(std::span<const glm::dvec2> ways_m, glm::dvec2 nearest_m, double lowest_m,
+                      double highest_m) const {
+  const double nearest = glm::length(nearest_m);
+  double farthest2 = 0;
+  for (const glm::dvec2& way : ways_m) farthest2 = std::max(farthest2, glm::dot(way, way));
   DirectionBox box;
-  glm::dvec2 right{0}, left{0};
-  double rightmost = 0, leftmost = 0;
-  for (const glm::dvec2& way : ways_m) {
-    const double ahead = glm::dot(way, towards);
-    const double beside = (towards.x * way.y - towards.y * way.x) / ahead;
-    if (nearest_m == std::numeric_limits<double>::infinity() || beside < rightmost) {
-      rightmost = beside;
-      right = way;
-    }
-    if (nearest_m == std::numeric_limits<double>::infinity() || beside > leftmost) {
-      leftmost = beside;
-      left = way;
-    }
-    nearest_m = std::min(nearest_m, ahead);
-  }
-  // Unless the apex is above or below the hull, or nearly so, all of it lies to one side.
-  box.all_round = !(nearest_m > 0);
+  box.all_round = !(nearest > 0);
   if (!box.all_round) {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    double rightmost = none, leftmost = -none;
+    glm::dvec2 right{0}, left{0};
+    for (const glm::dvec2& way : ways_m) {
+      const double beside = cross(nearest_m, way) / glm::dot(nearest_m, way);
+      if (beside < rightmost) {
+        rightmost = beside;
+        right = way;
+      }
+      if (beside > leftmost) {
+        leftmost = beside;
+        left = way;
+      }
+    }
     box.from = glm::normalize(right);
     box.to = glm::normalize(left);
   }
-  return may_see(box, lowest_m, highest_m, std::max(0.0, nearest_m), std::sqrt(farthest2));
+  return may_see(box, lowest_m, highest_m, nearest, std::sqrt(farthest2));
 }
 
 bool Outlook::may_see(const glm::dvec3 (&corners_m)[3]) const {
   const glm::dvec3 a = corners_m[0] - apex_m_, b = corners_m[1] - apex_m_, c = corners_m[2] - apex_m_;
-  return may_see(std::array{glm::dvec2(a), glm::dvec2(b), glm::dvec2(c)}, std::min({a.z, b.z, c.z}),
-                 std::max({a.z, b.z, c.z}));
+  const std::array ways{glm::dvec2(a), glm::dvec2(b), glm::dvec2(c)};
+  return may_see(ways, nearest_of(ways), std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z}));
+}
+
+bool Outlook::may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_m) const {
+  const glm::dvec3 lo = lowest_m - apex_m_, hi = highest_m - apex_m_;
+  return may_see(std::array{glm::dvec2(lo), glm::dvec2(hi.x, lo.y), glm::dvec2(hi), glm::dvec2(lo.x, hi.y)},
+                 glm::clamp(glm::dvec2(0), glm::dvec2(lo), glm::dvec2(hi)), lo.z, hi.z);
 }
 
 std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tree,
@@ -165,10 +190,7 @@ std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tre
   std::vector<FacetId> near, seen;
   tree.query(
       [&](const GridPoint& lowest, const GridPoint& highest) {
-        const glm::dvec3 lo = grid.to_metres(lowest) - apex_m_, hi = grid.to_metres(highest) - apex_m_;
-        return may_see(
-            std::array{glm::dvec2(lo), glm::dvec2(hi.x, lo.y), glm::dvec2(hi), glm::dvec2(lo.x, hi.y)}, lo.z,
-            hi.z);
+        return may_see_box(grid.to_metres(lowest), grid.to_metres(highest));
       },
       near);
   for (const FacetId f : near) {

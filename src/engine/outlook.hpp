@@ -24,6 +24,8 @@ class Outlook {
   /// False only if no image of a point of the ball is in the tubes' reach. What is true for a ball is true
   /// for every ball that holds it.
   bool may_see(const glm::dvec3& centre_m, double radius_m) const;
+  /// The same for the points of a box.
+  bool may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_m) const;
   /// The same for the points of a triangle.
   bool may_see(const glm::dvec3 (&corners_m)[3]) const;
   /// The facets of a mesh that may be seen, by increasing id.
@@ -44,8 +46,10 @@ class Outlook {
     double farthest_m(double way_m) const;
   };
   void trace_flattest(Side& side, bool down, double launch_sine);
-  /// Points between heights above the apex, in the convex hull of places in plan from it.
-  bool may_see(std::span<const glm::dvec2> ways_m, double lowest_m, double highest_m) const;
+  /// Points between heights above the apex, in the convex hull of places in plan from it, the nearest point
+  /// of that known; 0 where it holds the apex.
+  bool may_see(std::span<const glm::dvec2> ways_m, glm::dvec2 nearest_m, double lowest_m,
+               double highest_m) const;
   /// Points in a range of heights above the apex and of distances from its vertical, in the azimuths of
   /// `box`, whose elevations are set.
   bool may_see(DirectionBox& box, double lowest_m, double highest_m, double nearest_m,

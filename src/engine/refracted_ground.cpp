@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <stdexcept>
@@ -97,8 +98,6 @@ class Images {
   template <class ImageOf>
   bool cuts(const glm::dvec3& a, const glm::dvec3& b, const ImageOf& image_of) const {
     const double length = glm::distance(a, b);
-    if (!(length > settings_.shortest_edge_m)) return false;
-    if (outlook_ != nullptr && !outlook_->may_see((a + b) / 2.0, 2 * length)) return false;
     const Image &from = image_of(a), &to = image_of(b);
     if (from.seen() && to.seen() && surely_whole(a, b, from, to)) return false;
     const Image& middle = image_of((a + b) / 2.0);
@@ -106,6 +105,26 @@ class Images {
     // would not end.
     if (!from.regular() || !to.regular() || !middle.regular()) return length > settings_.shadow_edge_m;
     return !is_fine(length, gap_m(a, b, from, to, &middle), from, to, middle);
+  }
+
+  /// Whether what lies about an edge is asked for: the ball of EdgeRule about it, and of that, where only one
+  /// facet may be cut by it, what lies in that facet's box.
+  bool concerns(const glm::dvec3& a, const glm::dvec3& b, const FacetMesh& base, FacetId facet,
+                const WorldGrid& grid, bool inside) const {
+    const double length = glm::distance(a, b);
+    if (!(length > settings_.shortest_edge_m)) return false;
+    if (outlook_ == nullptr) return true;
+    const glm::dvec3 middle = (a + b) / 2.0;
+    if (!outlook_->may_see(middle, 2 * length)) return false;
+    if (!inside) return true;
+    glm::dvec3 lowest = grid.to_metres(base.vertices[base.facets[facet][0]]), highest = lowest;
+    for (std::size_t k = 1; k < 3; ++k) {
+      const glm::dvec3 corner = grid.to_metres(base.vertices[base.facets[facet][k]]);
+      lowest = glm::min(lowest, corner);
+      highest = glm::max(highest, corner);
+    }
+    return outlook_->may_see_box(glm::max(lowest, middle - 2 * length),
+                                 glm::min(highest, middle + 2 * length));
   }
 
   bool may_see(const glm::dvec3 (&corners_m)[3]) const {
@@ -131,7 +150,8 @@ class Images {
 /// Asks Images for a refinement, each image made once.
 class GapRule final : public EdgeRule {
  public:
-  explicit GapRule(const Images& images) : images_(images) {}
+  GapRule(const Images& images, const FacetMesh& base, const WorldGrid& grid)
+      : images_(images), base_(base), grid_(grid) {}
   bool cuts(const BasePoint& a, const BasePoint& b) const override {
     // Where images jump, as the first ray to arrive does, cutting need not end beside a long edge that is
     // fine: there it ends here.
@@ -139,6 +159,9 @@ class GapRule final : public EdgeRule {
     for (const BasePoint* p : {&a, &b})
       for (const double weight : p->weight)
         if (std::floor(weight * most_parts) != weight * most_parts) return false;
+    bool inside = true;  // not on an edge of the base, where two facets have to agree
+    for (std::size_t k = 0; k < 3; ++k) inside = inside && (a.weight[k] != 0 || b.weight[k] != 0);
+    if (!images_.concerns(a.at_m, b.at_m, base_, a.facet, grid_, inside)) return false;
     return images_.cuts(a.at_m, b.at_m, [this](const glm::dvec3& p) -> const Image& { return of(p); });
   }
   const Image& of(const glm::dvec3& point_m) const {
@@ -149,6 +172,8 @@ class GapRule final : public EdgeRule {
 
  private:
   const Images& images_;
+  const FacetMesh& base_;
+  const WorldGrid& grid_;
   mutable tbb::concurrent_unordered_map<glm::dvec3, Image, PlaceHash> known_;
 };
 
@@ -199,7 +224,7 @@ FineFacets refined(const FacetMesh& base, std::span<const FacetId> facets, const
   std::vector<FacetId> to_cut;
   FineFacets fine = unrefined(base, facets, grid, images, to_cut);
   if (to_cut.empty()) return fine;
-  const GapRule rule(images);
+  const GapRule rule(images, base, grid);
   RefinedMesh cut = refine(
       base, to_cut, grid, rule, [](const BasePoint& p) { return p.at_m; }, limits);
   // Both parts in the order of the base facets; the vertices that they share are welded.
