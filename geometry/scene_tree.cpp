@@ -131,6 +131,25 @@ void SceneTree::query(GridPoint apex, std::span<const Fan> fans, double reach,
   query_sides(apex, fans, reach, 0, out);
 }
 
+void SceneTree::query(const std::function<bool(const GridPoint&, const GridPoint&)>& may_meet,
+                      std::vector<FacetId>& out) const {
+  if (nodes_.empty()) return;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t index = stack[--depth];
+    const Node& node = nodes_[index];
+    if (!may_meet(node.box.lo, node.box.hi)) continue;
+    if (node.count == 0) {
+      stack[depth++] = node.link;
+      stack[depth++] = index + 1;
+    } else {
+      out.insert(out.end(), order_.begin() + node.link, order_.begin() + node.link + node.count);
+    }
+  }
+}
+
 template <class Side>
 void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double reach, double margin,
                             std::vector<FacetId>& out) const {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -53,6 +54,11 @@ class SceneTree {
              std::vector<FacetId>& out) const;
   /// The same with fans: no facet is missing whose box truly meets one half-space of each.
   void query(GridPoint apex, std::span<const Fan> fans, double reach, std::vector<FacetId>& out) const;
+
+  /// Appends every facet, but for those in boxes that `may_meet` refuses: it is asked of boxes within boxes,
+  /// down to those of a few facets.
+  void query(const std::function<bool(const GridPoint& lowest, const GridPoint& highest)>& may_meet,
+             std::vector<FacetId>& out) const;
 
   /// Null if there are none.
   const HeightSheets* sheets() const { return sheets_.get(); }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <stdexcept>
@@ -95,10 +96,9 @@ class Images {
   }
 
   template <class ImageOf>
-  bool cuts(const glm::dvec3& a, const glm::dvec3& b, const Image& from, const Image& to,
-            const ImageOf& image_of) const {
+  bool cuts(const glm::dvec3& a, const glm::dvec3& b, const ImageOf& image_of) const {
     const double length = glm::distance(a, b);
-    if (!(length > settings_.shortest_edge_m) || !may_see((a + b) / 2.0, 2 * length)) return false;
+    const Image &from = image_of(a), &to = image_of(b);
     if (from.seen() && to.seen() && surely_whole(a, b, from, to)) return false;
     const Image& middle = image_of((a + b) / 2.0);
     // Shadows and caustics are cut evenly, in and beside them: a border narrowed down between long edges
@@ -107,8 +107,28 @@ class Images {
     return !is_fine(length, gap_m(a, b, from, to, &middle), from, to, middle);
   }
 
-  bool may_see(const glm::dvec3& centre_m, double radius_m) const {
-    return outlook_ == nullptr || outlook_->may_see(centre_m, radius_m);
+  /// Whether what lies about an edge is asked for: the ball of EdgeRule about it, and of that, where only one
+  /// facet may be cut by it, what lies in that facet's box.
+  bool concerns(const glm::dvec3& a, const glm::dvec3& b, const FacetMesh& base, FacetId facet,
+                const WorldGrid& grid, bool inside) const {
+    const double length = glm::distance(a, b);
+    if (!(length > settings_.shortest_edge_m)) return false;
+    if (outlook_ == nullptr) return true;
+    const glm::dvec3 middle = (a + b) / 2.0;
+    if (!outlook_->may_see(middle, 2 * length)) return false;
+    if (!inside) return true;
+    glm::dvec3 lowest = grid.to_metres(base.vertices[base.facets[facet][0]]), highest = lowest;
+    for (std::size_t k = 1; k < 3; ++k) {
+      const glm::dvec3 corner = grid.to_metres(base.vertices[base.facets[facet][k]]);
+      lowest = glm::min(lowest, corner);
+      highest = glm::max(highest, corner);
+    }
+    return outlook_->may_see_box(glm::max(lowest, middle - 2 * length),
+                                 glm::min(highest, middle + 2 * length));
+  }
+
+  bool may_see(const glm::dvec3 (&corners_m)[3]) const {
+    return outlook_ == nullptr || outlook_->may_see(corners_m);
   }
 
  private:
@@ -130,7 +150,8 @@ class Images {
 /// Asks Images for a refinement, each image made once.
 class GapRule final : public EdgeRule {
  public:
-  explicit GapRule(const Images& images) : images_(images) {}
+  GapRule(const Images& images, const FacetMesh& base, const WorldGrid& grid)
+      : images_(images), base_(base), grid_(grid) {}
   bool cuts(const BasePoint& a, const BasePoint& b) const override {
     // Where images jump, as the first ray to arrive does, cutting need not end beside a long edge that is
     // fine: there it ends here.
@@ -138,8 +159,10 @@ class GapRule final : public EdgeRule {
     for (const BasePoint* p : {&a, &b})
       for (const double weight : p->weight)
         if (std::floor(weight * most_parts) != weight * most_parts) return false;
-    return images_.cuts(a.at_m, b.at_m, of(a.at_m), of(b.at_m),
-                        [this](const glm::dvec3& p) -> const Image& { return of(p); });
+    bool inside = true;  // not on an edge of the base, where two facets have to agree
+    for (std::size_t k = 0; k < 3; ++k) inside = inside && (a.weight[k] != 0 || b.weight[k] != 0);
+    if (!images_.concerns(a.at_m, b.at_m, base_, a.facet, grid_, inside)) return false;
+    return images_.cuts(a.at_m, b.at_m, [this](const glm::dvec3& p) -> const Image& { return of(p); });
   }
   const Image& of(const glm::dvec3& point_m) const {
     const auto known = known_.find(point_m);
@@ -149,6 +172,8 @@ class GapRule final : public EdgeRule {
 
  private:
   const Images& images_;
+  const FacetMesh& base_;
+  const WorldGrid& grid_;
   mutable tbb::concurrent_unordered_map<glm::dvec3, Image, PlaceHash> known_;
 };
 
@@ -199,7 +224,7 @@ FineFacets refined(const FacetMesh& base, std::span<const FacetId> facets, const
   std::vector<FacetId> to_cut;
   FineFacets fine = unrefined(base, facets, grid, images, to_cut);
   if (to_cut.empty()) return fine;
-  const GapRule rule(images);
+  const GapRule rule(images, base, grid);
   RefinedMesh cut = refine(
       base, to_cut, grid, rule, [](const BasePoint& p) { return p.at_m; }, limits);
   // Both parts in the order of the base facets; the vertices that they share are welded.
@@ -293,17 +318,15 @@ ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets
       if (!unclear && image.eigenrays != 1)
         unclear = unclear_place(fine.mesh.parent[f], at_m, image, straightening.apex_m());
     };
+    for (int i = 0; i < 3; ++i) corners[i] = fine.at_m[from.facets[f][i]];
+    if (!images.may_see(corners)) continue;  // a part of a large facet
     for (int i = 0; i < 3; ++i) {
       const VertexId v = from.facets[f][i];
-      corners[i] = fine.at_m[v];
       seen[i] = grid.to_metres(mesh.vertices[v]) - straightening.apex_m();
       returns[i] = fine.image[v].returned;
       note(corners[i], fine.image[v]);
     }
     const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-    const double radius = std::max({glm::distance(corners[0], centre), glm::distance(corners[1], centre),
-                                    glm::distance(corners[2], centre)});
-    if (!images.may_see(centre, radius)) continue;  // a part of a large facet
     if (kept && !regular) note(centre, images.make(centre));
     if (unclear) ground.unclear.push_back(*unclear);
     ground.facets_of_several += kept && several;
@@ -360,32 +383,6 @@ double ApparentGround::area_ratio(FacetId facet, const WorldGrid& grid) const {
   }
   const double apparent = glm::length(normal_of(seen));
   return apparent > 0 ? glm::length(normal_of(lies)) / apparent : 0;
-}
-
-Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening)
-    : sector_(tubes, grid_unit_m), apex_m_(straightening.apex_m()) {
-  const std::vector<ProfilePoint>& points = straightening.water().profile.points();
-  const auto [slowest, fastest] = std::ranges::minmax(points, {}, &ProfilePoint::sound_speed_m_s);
-  turn_rad_ = 2 * std::acos(slowest.sound_speed_m_s / fastest.sound_speed_m_s);
-  stretch_ = straightening.reference_speed_m_s() / fastest.sound_speed_m_s;
-}
-
-bool Outlook::may_see(const glm::dvec3& centre_m, double radius_m) const {
-  return sector_.may_meet_turned(centre_m - apex_m_, radius_m, turn_rad_, stretch_);
-}
-
-std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tree,
-                                     const WorldGrid& grid) const {
-  std::vector<FacetId> seen;
-  for (const FacetId f : sector_.facets_turned(tree, turn_rad_, stretch_)) {
-    const auto& [a, b, c] = mesh.facets[f];
-    const glm::dvec3 p = grid.to_metres(mesh.vertices[a]), q = grid.to_metres(mesh.vertices[b]),
-                     r = grid.to_metres(mesh.vertices[c]), centre = (p + q + r) / 3.0;
-    const double radius =
-        std::max({glm::distance(p, centre), glm::distance(q, centre), glm::distance(r, centre)});
-    if (may_see(centre, radius)) seen.push_back(f);
-  }
-  return seen;
 }
 
 }  // namespace tubefoot

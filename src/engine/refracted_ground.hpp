@@ -7,9 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/sector.hpp"
+#include "engine/outlook.hpp"
 #include "geometry/edge_refinement.hpp"
-#include "geometry/scene_tree.hpp"
 #include "medium/straightening.hpp"
 #include "seabed/scattering_law.hpp"
 
@@ -56,23 +55,6 @@ struct ApparentGround {
   glm::dvec3 true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const;
   /// True area of a facet over its apparent one.
   double area_ratio(FacetId facet, const WorldGrid& grid) const;
-};
-
-/// Where tubes may look through refracting water: launch directions lie no farther from straight ones than
-/// twice the grazing angle at the slowest depth of a ray that is level at the fastest, and in the same
-/// vertical plane.
-class Outlook {
- public:
-  Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening);
-  /// False only if no image of a point of the ball is in the tubes' reach.
-  bool may_see(const glm::dvec3& centre_m, double radius_m) const;
-  /// The facets of a mesh that may be seen, by increasing id.
-  std::vector<FacetId> facets(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid) const;
-
- private:
-  Sector sector_;
-  glm::dvec3 apex_m_;
-  double turn_rad_ = 0, stretch_ = 1;
 };
 
 /// Straightens `facets` of `base` for one apex. `reference_absorption_db_per_m` is what the echo law will

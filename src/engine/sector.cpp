@@ -54,7 +54,7 @@ void Sector::add(const TubeSet& tubes, std::size_t first, std::size_t end) {
     rays.push_back(unit_ray(tubes.rays[name]));
     sum += rays.back();
   }
-  Pyramid pyramid{glm::normalize(sum), 0, {}, {}};
+  Pyramid pyramid{glm::normalize(sum), 0, {}, 1, -1};
   for (const glm::dvec3& ray : rays)
     pyramid.spread_rad = std::max(pyramid.spread_rad, angle(pyramid.axis, ray));
   // The sides of the rays' convex hull: planes through two of them that have none outside. Leaving one out
@@ -77,7 +77,16 @@ void Sector::add(const TubeSet& tubes, std::size_t first, std::size_t end) {
                                      [&](const glm::dvec3& n) { return glm::distance(n, normal) < 1e-7; });
       if (!known) pyramid.inward.push_back(normal);
     }
-  pyramid.rays = std::move(rays);
+  // Steep sides first: most places are beside them.
+  std::ranges::sort(pyramid.inward, {}, [](const glm::dvec3& n) { return std::abs(n.z); });
+  // Between rays below the horizon directions are lower still, between those above it they may be higher, by
+  // as much as the middle of an arc is over its ends.
+  const double shortest = std::cos(std::min(pyramid.spread_rad, glm::half_pi<double>()));
+  for (const glm::dvec3& u : rays) {
+    const double far = shortest > 1e-6 ? u.z / shortest : std::copysign(1.0, u.z);
+    pyramid.lowest_sine = std::max(-1.0, std::min({pyramid.lowest_sine, u.z, far}) - 4 * slack);
+    pyramid.highest_sine = std::min(1.0, std::max({pyramid.highest_sine, u.z, far}) + 4 * slack);
+  }
   pyramids_.push_back(std::move(pyramid));
 }
 
@@ -109,52 +118,33 @@ std::vector<FacetId> Sector::facets(const SceneTree& tree, double margin_m) cons
   return all;
 }
 
-// Turned by s in its vertical plane, a direction u becomes u cos s + e sin s, with e straight across it.
-bool Sector::may_meet_turned(glm::dvec3 place_m, double radius_m, double turn_rad, double stretch) const {
-  const double range = glm::length(place_m), across = std::hypot(place_m.x, place_m.y);
-  if (stretch * (range - radius_m) > reach_ * unit_m_) return false;
-  if (across <= 2 * radius_m) return true;  // around the vertical, where e turns fast
-  const glm::dvec3 e{-place_m.z * place_m.x / across, -place_m.z * place_m.y / across, across};
-  const double sine = std::sin(turn_rad), cosine = std::cos(turn_rad);
-  // Turned points part by as much more as they come farther from the vertical.
-  const double margin = radius_m * (1 + std::abs(place_m.z) / (across - radius_m) * sine) + 4 * slack * range;
+// With the best azimuth, what is left is a sinusoid of the elevation, largest at an end or where it is level.
+double DirectionBox::farthest_along(const glm::dvec3& n) const {
+  const auto left_of = [](glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x >= 0; };
+  const glm::dvec2 level{n.x, n.y};
+  const double across = all_round || (left_of(from, level) && left_of(level, to))
+                            ? std::sqrt(glm::dot(level, level))
+                            : std::max(glm::dot(level, from), glm::dot(level, to));
+  if (n.z * low_cosine > across * low_sine && n.z * high_cosine < across * high_sine)
+    return std::sqrt(across * across + n.z * n.z);
+  return std::max(across * low_cosine + n.z * low_sine, across * high_cosine + n.z * high_sine);
+}
+
+bool Sector::may_meet(const DirectionBox& box) const {
   return std::any_of(pyramids_.begin(), pyramids_.end(), [&](const Pyramid& p) {
-    return std::all_of(p.inward.begin(), p.inward.end(), [&](const glm::dvec3& n) {
-      const double along = glm::dot(n, place_m), beside = std::abs(glm::dot(n, e));
-      // At most as far inside as that: as far as the best turn leads, or else the largest.
-      if (along * sine >= beside * cosine) return true;
-      const double inside = along * cosine + beside * sine;
-      return inside >= -margin;
-    });
+    if (box.low_sine > p.highest_sine || box.high_sine < p.lowest_sine) return false;
+    return std::all_of(p.inward.begin(), p.inward.end(),
+                       [&](const glm::dvec3& n) { return box.farthest_along(n) >= -4 * slack; });
   });
 }
 
-std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_rad, double stretch) const {
-  std::vector<FacetId> all;
-  const double reach = reach_ / stretch;
+std::pair<double, double> Sector::elevation_sines() const {
+  double lowest = 1, highest = -1;
   for (const Pyramid& p : pyramids_) {
-    // How far turning moves a direction of the pyramid across a side: sides that it hardly crosses, such as
-    // those of an upright fan, are kept.
-    constexpr double most_crossing = 0.2;
-    std::vector<SceneTree::HalfSpace> sides;
-    double margin = 0;
-    for (const glm::dvec3& n : p.inward) {
-      double crossing = 0;
-      for (const glm::dvec3& u : p.rays) {
-        const double across = std::hypot(u.x, u.y);
-        crossing = std::max(crossing, across > 0 ? std::abs(n.z - u.z * glm::dot(n, u)) / across : 1.0);
-      }
-      // Twice: what lies between the rays.
-      const double moved = 2 * crossing * std::sin(turn_rad);
-      if (crossing > most_crossing || turn_rad > glm::half_pi<double>()) continue;
-      sides.push_back({n.x, n.y, n.z});
-      margin = std::max(margin, moved);
-    }
-    tree.query(apex_, sides, reach + 1, margin * reach + 4 * slack * reach + 1, all);
+    lowest = std::min(lowest, p.lowest_sine);
+    highest = std::max(highest, p.highest_sine);
   }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
+  return {lowest, highest};
 }
 
 }  // namespace tubefoot

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <span>
 #include <stdexcept>
+#include <tuple>
 
 namespace tubefoot {
 namespace {
@@ -44,7 +45,7 @@ struct EigenrayFinder::Order {
 struct EigenrayFinder::Way {
   std::span<const Piece> whole;
   Piece part;
-  double fastest;
+  double fastest, mean_speed;
 
   std::size_t size() const { return whole.size() + 1; }
   const Piece& operator[](std::size_t i) const { return i < whole.size() ? whole[i] : part; }
@@ -62,9 +63,13 @@ EigenrayFinder::EigenrayFinder(const WaterColumn& water, double source_depth_m,
   const std::vector<ProfilePoint>& points = water.profile.points();
   up_ = pieces_up(source_m_, points.front().depth_m);
   down_ = pieces(source_m_, points.back().depth_m);
-  for (auto [way, fastest] : {std::pair(&up_, &fastest_up_), std::pair(&down_, &fastest_down_)}) {
-    double c = source_speed_;
-    for (const Piece& piece : *way) fastest->push_back(c = std::max(c, piece.c2));
+  for (auto [way, fastest, crossed] :
+       {std::tuple(&up_, &fastest_up_, &crossed_up_), std::tuple(&down_, &fastest_down_, &crossed_down_)}) {
+    double c = source_speed_, sum = 0;
+    for (const Piece& piece : *way) {
+      fastest->push_back(c = std::max(c, piece.c2));
+      crossed->push_back(sum += piece.dz_m * (piece.c1 + piece.c2) / 2);
+    }
   }
   double slowest = source_speed_, fastest = source_speed_;
   for (const ProfilePoint& p : points) {
@@ -72,6 +77,78 @@ EigenrayFinder::EigenrayFinder(const WaterColumn& water, double source_depth_m,
     fastest = std::max(fastest, p.sound_speed_m_s);
   }
   steepest_turning_ = std::sqrt((fastest - slowest) * (fastest + slowest)) / slowest;
+  // Outermost layers are even: nothing turns in them.
+  const double shallowest = std::max(options_.surface_m, points.front().depth_m);
+  const double deepest = std::min(options_.deepest_turn_m, points.back().depth_m);
+  const std::vector<Piece> above = pieces_up(source_m_, shallowest), below = pieces(source_m_, deepest);
+  launched_up_ = coming_back(above, below);
+  launched_down_ = coming_back(below, above);
+}
+
+// Rays that turn where the speed lies between a and b cross every layer less steeply than the one that turns
+// at b, and get at least to where the speed is a.
+EigenrayFinder::ComingBack EigenrayFinder::coming_back(const std::vector<Piece>& away,
+                                                       const std::vector<Piece>& on) const {
+  constexpr int speeds = 32, depths = 32;
+  constexpr double none = std::numeric_limits<double>::infinity(), rounding = 1 - 1e-9;
+  ComingBack result;
+  result.fastest = source_speed_;
+  for (const Piece& piece : away) result.fastest = std::max(result.fastest, piece.c2);
+  double way_m = 0;
+  for (const Piece& piece : on) way_m += piece.dz_m;
+  result.least_m.assign(way_m > 0 ? depths : 1, none);
+  if (way_m > 0) result.step_m = way_m / depths;
+  if (!(result.fastest > source_speed_)) return result;
+  const auto note = [&](double m, double range_m) {
+    double& least = result.least_m[static_cast<std::size_t>(m)];
+    least = std::min(least, range_m * rounding);
+  };
+  for (int i = 0; i < speeds; ++i) {
+    const auto speed = [&](int k) { return source_speed_ + (result.fastest - source_speed_) * k / speeds; };
+    const double a = speed(i);
+    const SnellRay steep{speed(i + 1), 0, 1};
+    const auto range_over = [&steep](double dz_m, double c1, double c2) {
+      return steep.p() * arc_reach(dz_m, c1, c2, steep.sine_at(c1), steep.sine_at(c2));
+    };
+    double range_m = 0;
+    for (const Piece& piece : away) {
+      if (piece.c2 <= a) {
+        range_m += 2 * range_over(piece.dz_m, piece.c1, piece.c2);
+        continue;
+      }
+      if (piece.c1 < a)
+        range_m += 2 * range_over(piece.dz_m * (a - piece.c1) / (piece.c2 - piece.c1), piece.c1, a);
+      break;
+    }
+    note(0, range_m);
+    double from_m = 0;  // of the piece
+    int next = 1;
+    for (const Piece& piece : on) {
+      if (!(piece.c2 < steep.sound_speed_m_s)) break;  // none of these gets through
+      for (; next < int(result.least_m.size()) && next * result.step_m <= from_m + piece.dz_m; ++next) {
+        const double dz_m = next * result.step_m - from_m;
+        note(next,
+             range_m + range_over(dz_m, piece.c1, piece.c1 + (piece.c2 - piece.c1) * dz_m / piece.dz_m));
+      }
+      range_m += range_over(piece.dz_m, piece.c1, piece.c2);
+      from_m += piece.dz_m;
+    }
+    // In a layer that only some get through, as little as at its beginning.
+    for (; next < int(result.least_m.size()); ++next) note(next, range_m);
+  }
+  return result;
+}
+
+bool EigenrayFinder::may_turn_towards(double depth_m, double range_m) const {
+  // A ray that turns is nowhere steeper than one that is horizontal at the fastest place of all.
+  if (options_.most_turns < 1 || !(range_m > 0) ||
+      steeper_than_turning(std::abs(depth_m - source_m_), range_m))
+    return false;
+  const bool below = depth_m >= source_m_;
+  const ComingBack &back = below ? launched_up_ : launched_down_,
+                   &beyond = below ? launched_down_ : launched_up_;
+  return options_.most_turns > 1 || range_m >= back.least_at(std::abs(depth_m - source_m_)) ||
+         beyond.fastest > std::max(source_speed_, water_.profile.at(depth_m));
 }
 
 EigenrayFinder::Way EigenrayFinder::way_to(double depth_m) const {
@@ -87,6 +164,8 @@ EigenrayFinder::Way EigenrayFinder::way_to(double depth_m) const {
   way.whole = std::span(pieces).first(whole);
   way.part = {std::abs(depth_m - from_m), way.whole.back().c2, c, up ? -g : g, layer};
   way.fastest = std::max((up ? fastest_up_ : fastest_down_)[whole - 1], c);
+  way.mean_speed = ((up ? crossed_up_ : crossed_down_)[whole - 1] + way.part.dz_m * (way.part.c1 + c) / 2) /
+                   std::abs(depth_m - source_m_);
   return way;
 }
 
@@ -204,10 +283,9 @@ std::optional<Eigenray> EigenrayFinder::through_layers(double depth_m, double ra
     const double w = 1 / std::sqrt(1 + q * q);
     return SnellRay{fastest, w, q * w};
   };
-  // Any start will do: one step from the right of the root leads to its left. Here a straight ray in water of
-  // the two ends' mean speed.
-  const double flat =
-      2 * fastest / (source_speed_ + way.part.c2) * range_m / std::hypot(range_m, depth_m - source_m_);
+  // Any start will do: one step from the right of the root leads to its left. Here the ray whose angle where
+  // the speed is the mean one is that of the straight line.
+  const double flat = fastest / way.mean_speed * range_m / std::hypot(range_m, depth_m - source_m_);
   double q = flat < 1 ? flat / std::sqrt((1 - flat) * (1 + flat)) : 0;
   bool range_checked = false;
   for (int step = 0; range_m > 0 && step < 200; ++step) {
@@ -256,9 +334,15 @@ void EigenrayFinder::add_turn(const SnellRay& ray, const std::vector<Piece>& way
   for (const Piece& piece : way) {
     const double sine2 = ray.sine2_at(piece.c2);
     if (sine2 <= 0 && piece.gradient_per_s > 0) {
-      const RaySums turn = turning_arc(s1, s1, p, piece.gradient_per_s);
-      sums = sums + times * turn;
-      sums.absorption_db += times * water_.absorption_in(piece.layer) * turn.length_m;
+      if (times_too) {
+        const RaySums turn = turning_arc(s1, s1, p, piece.gradient_per_s);
+        sums = sums + times * turn;
+        sums.absorption_db += times * water_.absorption_in(piece.layer) * turn.length_m;
+      } else {
+        const double reach = 2 * s1 / (p * p * piece.gradient_per_s);
+        sums.reach += times * reach;
+        sums.dx_dp -= times * arc_dx_dp(reach, s1, s1);
+      }
       return;
     }
     const double s2 = std::sqrt(std::max(0.0, sine2));
@@ -315,9 +399,10 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
     return sums;
   };
   const auto miss = [&](double sine) { return ray_at(sine).p() * sums_at(sine, false).reach - range_m; };
-  const auto slope = [&](double sine) {  // of the range by the sine
-    return -sums_at(sine, false).dx_dp * sine / (a * std::sqrt((1 - sine) * (1 + sine)));
+  const auto slope_of = [a](const RaySums& sums, double sine) {  // of the range by the sine
+    return -sums.dx_dp * sine / (a * std::sqrt((1 - sine) * (1 + sine)));
   };
+  const auto slope = [&](double sine) { return slope_of(sums_at(sine, false), sine); };
   const auto add = [&](double sine) {
     found.push_back(eigenray(ray_at(sine), sums_at(sine, true), depth_m, order.launched_up, order.turns));
   };
@@ -329,10 +414,15 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
   if (shortest > range_m || longest < range_m) return;
   constexpr int kSteps = 16;
   const double top = std::sqrt((b - a) * (b + a)) / b;
-  double lo = top * 1e-9, miss_lo = miss(lo), slope_lo = slope(lo);
+  const auto both = [&](double sine) {
+    const RaySums sums = sums_at(sine, false);
+    return std::pair(ray_at(sine).p() * sums.reach - range_m, slope_of(sums, sine));
+  };
+  double lo = top * 1e-9;
+  auto [miss_lo, slope_lo] = both(lo);
   for (int i = 1; i <= kSteps; ++i) {
     const double hi = i < kSteps ? top * i / kSteps : top * (1 - 1e-15);
-    const double miss_hi = miss(hi), slope_hi = slope(hi);
+    const auto [miss_hi, slope_hi] = both(hi);
     if (slope_lo * slope_hi < 0) {
       const double peak = root_between(slope, lo, hi, slope_lo, slope_hi), miss_peak = miss(peak);
       add_between(lo, peak, miss_lo, miss_peak);
@@ -350,9 +440,7 @@ std::vector<Eigenray> EigenrayFinder::all(double depth_m, double range_m) const 
   const double top_m = std::min(depth_m, source_m_), bottom_m = std::max(depth_m, source_m_);
   std::vector<Eigenray> found;
   if (auto ray = direct(depth_m, range_m)) found.push_back(*ray);
-  // A ray that turns is nowhere steeper than one that is horizontal at the fastest place of all.
-  if (options_.most_turns < 1 || steeper_than_turning(bottom_m - top_m, range_m) || range_m <= 0)
-    return found;
+  if (!may_turn_towards(depth_m, range_m)) return found;
 
   const SoundSpeedProfile& profile = water_.profile;
   Section section;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -54,6 +55,9 @@ class EigenrayFinder {
     return range_m * steepest_turning_ < height_m;
   }
 
+  /// False only if no ray that turns leads to a point, but for an arc within one layer.
+  bool may_turn_towards(double depth_m, double range_m) const;
+
   const WaterColumn& water() const { return water_; }
   double source_depth_m() const { return source_m_; }
   double source_speed_m_s() const { return source_speed_; }
@@ -65,6 +69,18 @@ class EigenrayFinder {
   };
   struct Section;
   struct Order;
+
+  /// Of rays that are launched away from a depth, turn and come back: no range at a depth that lies `way_m`
+  /// on from the source is below this.
+  struct ComingBack {
+    double step_m = 1;
+    std::vector<double> least_m;
+    double fastest = 0;  ///< where such rays could turn
+    double least_at(double way_m) const {
+      return least_m[std::min(least_m.size() - 1, static_cast<std::size_t>(way_m / step_m))];
+    }
+  };
+  ComingBack coming_back(const std::vector<Piece>& away, const std::vector<Piece>& on) const;
 
   struct Way;
   Way way_to(double depth_m) const;
@@ -90,7 +106,9 @@ class EigenrayFinder {
   double source_m_, source_speed_;
   std::vector<Piece> up_, down_;                   // from the source to the ends of the profile
   std::vector<double> fastest_up_, fastest_down_;  // on the way to the end of each of these
-  double steepest_turning_ = 0;                    // tangent of the steepest grazing angle of rays that turn
+  std::vector<double> crossed_up_, crossed_down_;  // integral of speed over depth, likewise
+  ComingBack launched_up_, launched_down_;
+  double steepest_turning_ = 0;  // tangent of the steepest grazing angle of rays that turn
 };
 
 }  // namespace tubefoot

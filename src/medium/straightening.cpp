@@ -17,14 +17,24 @@ Straightening::Straightening(const WaterColumn& water, glm::dvec3 apex_m, double
 std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
   const glm::dvec3 way = point_m - apex_m_;
   const double range = std::hypot(way.x, way.y);
-  const std::vector<Eigenray> rays = finder_.all(depth_m(point_m), range);
-  if (rays.empty()) return std::nullopt;
-  const Eigenray& first = rays.front();
+  const double depth = depth_m(point_m);
+  Eigenray first;
+  std::size_t count = 1;
+  if (finder_.may_turn_towards(depth, range)) {
+    const std::vector<Eigenray> rays = finder_.all(depth, range);
+    if (rays.empty()) return std::nullopt;
+    first = rays.front();
+    count = rays.size();
+  } else {
+    const std::optional<Eigenray> only = finder_.direct(depth, range);
+    if (!only) return std::nullopt;
+    first = *only;
+  }
   const double distance = reference_speed_m_s_ * first.time_s;
   // A vertical ray has no azimuth and needs none.
   const double across = range > 0 ? distance * first.launch_cosine / range : 0;
   return ApparentPoint{apex_m_ + glm::dvec3(across * way.x, across * way.y, -distance * first.launch_sine),
-                       first, static_cast<int>(rays.size())};
+                       first, static_cast<int>(count)};
 }
 
 glm::dvec3 Straightening::arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const {

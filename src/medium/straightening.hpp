@@ -38,6 +38,7 @@ class Straightening {
   glm::dvec3 apex_m() const { return apex_m_; }
   double depth_m(glm::dvec3 point_m) const { return surface_height_m_ - point_m.z; }
   const WaterColumn& water() const { return finder_.water(); }
+  const EigenrayFinder& finder() const { return finder_; }
 
   /// Direction of travel on arrival at a point, unit vector; `ray` as apparent() found it.
   glm::dvec3 arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const;
