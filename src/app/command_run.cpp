@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/advice.hpp"
@@ -168,6 +169,9 @@ int run_command(const RunOptions& options) {
     tolerance = asked_tolerance(*options.tolerance);
     // One dial: the ground is refined no further, and no less, unless the scene says how far.
     if (!description.refinement.tolerance) description.refinement.tolerance = relative_error(*tolerance);
+    // Paths that together return less than a third of it are not worth following, either.
+    description.paths.cutoff_db =
+        std::min(description.paths.cutoff_db, -10 * std::log10(relative_error(*tolerance) / 3));
   }
   if (options.reference) {
     reference_tolerance = bound_asked_for(options.tolerance);

@@ -208,12 +208,13 @@ class PatchPaths {
     return glm::dvec3(double(p.x) - o.x, double(p.y) - o.y, double(p.z) - o.z) * scene_.unit_m;
   }
 
-  /// What a patch scatters along its normal of what comes in: of J / (m^2 sin(grazing)) if Lambert's.
+  /// What a patch scatters along its normal of 1 J that comes in (mu / 1 J if that is Lambert's).
   double scattered_by(GridPoint from, const Patch& patch) const {
-    const double range = glm::length(patch.from_apex_m);
+    const double range = glm::length(patch.from_apex_m), sine = patch.plane_distance_m / range;
+    if (!(sine > 0)) return 0;
     const ScatteringLaw* scattering = scene_.law.law_of(patch.facet);
     double gain = scattering == nullptr ? scene_.law.material_mu[scene_.law.material[patch.facet]] : 1;
-    gain *= scattering_lobe(scattering, patch.plane_distance_m / range) * std::exp(-beta_ * range);
+    gain *= scattering_lobe(scattering, sine) / sine * std::exp(-beta_ * range);
     if (const ReflectivityField* texture = scene_.law.texture(patch.facet))
       gain *= texture->factor(scene_.law.apex_m + from_apex(from) + patch.from_apex_m);
     return gain;
@@ -239,8 +240,8 @@ class PatchPaths {
       source.fan = fan_of_window.empty() ? 0 : fan_of_window[patch.tube];
       source.facet = patch.facet;
       source.normal = patch.normal;
-      source.strength =
-          scattered_by(apex, patch) * patch.area_m2 / (range * range) * image.loss.at(direction);
+      // By its whole solid angle: no patch receives more than is sent there.
+      source.strength = scattered_by(apex, patch) * patch.solid_angle_sr * image.loss.at(direction);
       if (scene_.law.patterns != nullptr)
         source.strength *= scene_.law.patterns->transmit[source.fan].gain(image.to_true * direction);
       source.at = in_front(scene_.mesh, patch.facet, apex, patch.from_apex_m / scene_.unit_m, patch.normal);
@@ -286,14 +287,14 @@ class PatchPaths {
       if (!again || interactions >= scene_.settings.order) continue;
       for (const Patch& patch : patches_of(scene_.mesh, image.windows.apex, seen, scene_.unit_m,
                                            scene_.settings.patch_m, {}, point.axis)) {
-        const double range = glm::length(patch.from_apex_m), sine_in = patch.plane_distance_m / range;
+        const double range = glm::length(patch.from_apex_m);
         const glm::dvec3 direction = patch.from_apex_m / range;
-        const double sine_out = glm::dot(direction, point.axis);
-        if (!(sine_in > 0 && sine_out > 0)) continue;
-        // With the whole projected solid angle, so that no more is received than is sent (pi times what goes
-        // along the normal, if that is Lambert's), however near the patches are.
+        const double sine = glm::dot(direction, point.axis);
+        if (!(sine > 0)) continue;
+        // By the whole projected solid angle: of pi times what Lambert's law sends along the normal no more
+        // arrives anywhere, however near.
         const double gain = scattered_by(image.windows.apex, patch) * image.loss.at(direction) *
-                            scattering_lobe(scattering, sine_out) * patch.projected_sr / (sine_in * sine_out);
+                            scattering_lobe(scattering, sine) / sine * patch.projected_sr;
         if (gain > 0) sent.links.push_back({interactions, patch, image.windows.apex, range, gain});
       }
     }

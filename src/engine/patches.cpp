@@ -34,6 +34,13 @@ std::size_t longest_edge(const Triangle& t, double& length) {
   return longest;
 }
 
+/// From the origin (Van Oosterom & Strackee 1983), which is that far from its plane.
+double solid_angle(const Triangle& t, double area, double plane_distance) {
+  const double a = glm::length(t[0]), b = glm::length(t[1]), c = glm::length(t[2]);
+  return 2 * std::atan2(2 * area * plane_distance, a * b * c + glm::dot(t[0], t[1]) * c +
+                                                       glm::dot(t[1], t[2]) * a + glm::dot(t[2], t[0]) * b);
+}
+
 /// Integral of the cosine to an axis over the solid angle of a triangle: of its edges, as seen from the
 /// origin, half the angle times the cosine between the axis and the normal of the plane through origin and
 /// edge (Lambert 1760).
@@ -123,6 +130,7 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
         patch.tube = piece.transmit_tube;
         patch.from_apex_m += area_m2 * middle;  // the sum, so far
         patch.area_m2 += area_m2;
+        patch.solid_angle_sr += solid_angle(t, area_m2, facet.transmit_distance_m);
         if (axis != glm::dvec3(0)) patch.projected_sr += std::abs(projected_solid_angle(t, axis));
       }
     }

@@ -21,7 +21,8 @@ struct Patch {
   glm::dvec3 normal{0};         ///< unit, to the apex's side
   double plane_distance_m = 0;  ///< of the apex
   double area_m2 = 0;
-  double projected_sr = 0;  ///< if asked for: its solid angle, weighed by the cosine to an axis
+  double solid_angle_sr = 0;  ///< from the apex
+  double projected_sr = 0;    ///< if asked for: its solid angle, weighed by the cosine to an axis
 };
 
 /// All that an apex sees (shared_with_itself()), cut at the middles of longest edges until none is longer
