@@ -150,7 +150,8 @@ void refuse_paths(const Survey& survey, bool reference) {
     const char* trouble = d.run.engine != "tube"         ? "the tube engine: rays are not mirrored"
                           : d.run.arithmetic == "double" ? "an exact arithmetic: fixed, filtered or rational"
                           : pings.sensor->channels() > 1 ? "a sensor with one receiver a fan"
-                          : reference                    ? "a run without --reference: they are not certified"
+                          : reference     ? "a run without --reference: a certified integral has one "
+                                            "apex, a path over mirrors or two scatterings has more"
                           : survey.ground ? "all of the bed in facets: [relief] with mode = \"offline\""
                                           : nullptr;
     if (trouble != nullptr)
