@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
@@ -57,6 +59,9 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
     // One dial: the ground is refined no further, and no less, unless the scene says how far.
     if (!description.refinement.tolerance)
       description.refinement.tolerance = relative_error(*request.tolerance);
+    // Paths that together return less than a third of it are not worth following, either.
+    description.paths.cutoff_db =
+        std::min(description.paths.cutoff_db, -10 * std::log10(relative_error(*request.tolerance) / 3));
   }
   if (options.reference) {
     request.reference_tolerance = bound_asked_for(options.tolerance);

@@ -141,16 +141,13 @@ void refuse_paths(const Survey& survey, bool reference) {
                          "'specular_loss_db' to a material, or 'scatterings = 2'");
       continue;
     }
-    const bool lambert = std::all_of(d.materials.begin(), d.materials.end(),
-                                     [](const MaterialDescription& m) { return m.law == "lambert"; });
     const char* trouble = d.run.engine != "tube"         ? "the tube engine: rays are not mirrored"
                           : d.run.arithmetic == "double" ? "an exact arithmetic: fixed, filtered or rational"
                           : pings.sensor->channels() > 1 ? "a sensor with one receiver a fan"
-                          : reference                    ? "a run without --reference: they are not certified"
+                          : reference     ? "a run without --reference: a certified integral has one "
+                                            "apex, a path over mirrors or two scatterings has more"
                           : survey.ground ? "all of the bed in facets: [relief] with mode = \"offline\""
-                          : d.paths.scatterings > 1 && !lambert
-                              ? "Lambert's law in all materials where they scatter twice"
-                              : nullptr;
+                                          : nullptr;
     if (trouble != nullptr)
       throw InputError(sensor.place,
                        fmt::format("sensor '{}': paths over mirrors need {}", sensor.name, trouble));

@@ -305,9 +305,7 @@ Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams
                              const RangeSamples& samples, const EchoLaw& law, double tolerance,
                              const PathLoss* loss) {
   check(history, beams, law, tolerance);
-  std::vector<double> borders = borders_of(samples);
-  if (loss != nullptr && loss->before_m > 0)
-    for (double& border : borders) border = std::max(border - loss->before_m / 2, 0.0);
+  const std::vector<double> borders = borders_of(samples);
   Echo echo;
   echo.beams = beams.count;
   echo.samples = samples.count;

@@ -47,8 +47,7 @@ constexpr double bistatic_tolerance = 1e-10;
 /// receive pattern in that from the receive apex. The error of each energy is at most about `tolerance` times
 /// what it would be with patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to
 /// about 1e-6, tabulated laws, whose first does, to about 1e-5. With `loss` every element also loses what the
-/// mirrors on its path take, by the directions from the two apexes, which may be images, and its range counts
-/// what was before them (docs/paths.md).
+/// mirrors on its path take, by the directions from the two apexes, which may be images (docs/paths.md).
 Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams& beams,
                              const RangeSamples& samples, const EchoLaw& law,
                              double tolerance = bistatic_tolerance, const PathLoss* loss = nullptr);

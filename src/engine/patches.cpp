@@ -34,12 +34,33 @@ std::size_t longest_edge(const Triangle& t, double& length) {
   return longest;
 }
 
-/// The grid point next to the centre that is in front of the facet.
-GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dvec3 centre,
+/// From the origin (Van Oosterom & Strackee 1983), which is that far from its plane.
+double solid_angle(const Triangle& t, double area, double plane_distance) {
+  const double a = glm::length(t[0]), b = glm::length(t[1]), c = glm::length(t[2]);
+  return 2 * std::atan2(2 * area * plane_distance, a * b * c + glm::dot(t[0], t[1]) * c +
+                                                       glm::dot(t[1], t[2]) * a + glm::dot(t[2], t[0]) * b);
+}
+
+/// Integral of the cosine to an axis over the solid angle of a triangle: of its edges, as seen from the
+/// origin, half the angle times the cosine between the axis and the normal of the plane through origin and
+/// edge (Lambert 1760).
+double projected_solid_angle(const Triangle& t, glm::dvec3 axis) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 &a = t[k], &b = t[(k + 1) % 3], normal = glm::cross(a, b);
+    const double length = glm::length(normal);
+    if (length > 0) sum += std::atan2(length, glm::dot(a, b)) * glm::dot(normal, axis) / length;
+  }
+  return sum / 2;
+}
+
+}  // namespace
+
+GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dvec3 place,
                    glm::dvec3 normal) {
   const MirrorPlane plane = MirrorPlane::of_facet(mesh, facet, apex);
   for (double lift = 0;; lift = lift == 0 ? 1 : 2 * lift) {
-    const glm::dvec3 p = centre + lift * normal;
+    const glm::dvec3 p = place + lift * normal;
     const GridPoint at{apex.x + static_cast<std::int32_t>(std::lround(p.x)),
                        apex.y + static_cast<std::int32_t>(std::lround(p.y)),
                        apex.z + static_cast<std::int32_t>(std::lround(p.z))};
@@ -47,10 +68,9 @@ GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dv
   }
 }
 
-}  // namespace
-
 std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SharedFootprints& seen,
-                              double unit_m, double longest_m, std::span<const std::uint32_t> label_of_tube) {
+                              double unit_m, double longest_m, std::span<const std::uint32_t> label_of_tube,
+                              glm::dvec3 axis) {
   double about = 0;
   for (const SharedPiece& piece : seen.pieces)
     for (std::uint32_t k = 2; k < piece.count; ++k) {
@@ -78,11 +98,12 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
     for (; end != by_facet.end() && (*end)->facet == facet.facet; ++end)
       for (std::uint32_t i = 0; i < (*end)->piece_count; ++i)
         pieces.push_back(seen.pieces[(*end)->first_piece + i]);
-    // Cubes begin at the corner of what is seen of the facet, so that a small one is not cut by them.
     glm::dvec3 corner(std::numeric_limits<double>::infinity());
-    for (const SharedPiece& piece : pieces)
-      for (std::uint32_t k = 0; k < piece.count; ++k)
-        corner = glm::min(corner, seen.corners_m[piece.first + k]);
+    for (const VertexId v : mesh.facets[facet.facet]) {
+      const GridPoint p = mesh.vertices[v];
+      corner = glm::min(
+          corner, glm::dvec3(double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z) * unit_m);
+    }
     gathered.clear();
     for (const SharedPiece& piece : pieces) {
       for (std::uint32_t k = 2; k < piece.count; ++k)
@@ -102,12 +123,15 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
         const double area_m2 = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
         if (!(area_m2 > 0)) continue;
         const glm::dvec3 middle = (t[0] + t[1] + t[2]) / 3.0,
-                         cube = glm::floor((middle - corner) * (2 / longest_m));
+                         cube = glm::floor((middle - corner) * (2 / longest_m) + 1e-3);
         const std::int64_t label = label_of_tube.empty() ? 0 : label_of_tube[piece.transmit_tube];
         Patch& patch = gathered[{label, std::int64_t(cube.x), std::int64_t(cube.y), std::int64_t(cube.z)}];
+        patch.cube = {std::int64_t(cube.x), std::int64_t(cube.y), std::int64_t(cube.z)};
         patch.tube = piece.transmit_tube;
         patch.from_apex_m += area_m2 * middle;  // the sum, so far
         patch.area_m2 += area_m2;
+        patch.solid_angle_sr += solid_angle(t, area_m2, facet.transmit_distance_m);
+        if (axis != glm::dvec3(0)) patch.projected_sr += std::abs(projected_solid_angle(t, axis));
       }
     }
     for (auto& [key, patch] : gathered) {
@@ -115,17 +139,16 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
       patch.from_apex_m /= patch.area_m2;
       patch.normal = facet.plane_normal;
       patch.plane_distance_m = facet.transmit_distance_m;
-      patch.centre = in_front(mesh, facet.facet, apex, patch.from_apex_m / unit_m, patch.normal);
       patches.push_back(patch);
     }
   }
   return patches;
 }
 
-TubeSet front_tubes(const Patch& patch, double reach) {
+TubeSet front_tubes(GridPoint from, glm::dvec3 normal, double reach) {
   constexpr double right_angle = std::numbers::pi / 2, cap = 1e-3;
   constexpr int cells = 2;
-  const glm::dvec3 n = patch.normal;
+  const glm::dvec3 n = normal;
   const glm::dvec3 aside = std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 u = glm::normalize(glm::cross(n, aside));
   AngularGrid grid;
@@ -136,7 +159,7 @@ TubeSet front_tubes(const Patch& patch, double reach) {
   }
   grid.frame = glm::dmat3(n, glm::cross(u, n), u);
   TubeSet tubes;
-  tubes.apex = patch.centre;
+  tubes.apex = from;
   tubes.reach = reach;
   append_tubes(tubes, grid);
   return tubes;

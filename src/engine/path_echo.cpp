@@ -6,13 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
-#include "engine/patches.hpp"
+#include "engine/patch_paths.hpp"
 #include "engine/radial_law.hpp"
 #include "geometry/line_of_sight.hpp"
 #include "geometry/window_tubes.hpp"
@@ -49,10 +48,6 @@ class PathTracer {
         true_receive_(receive),
         one_place_(transmit == receive),
         finder_(mesh, tree, options, settings.mirrors, least_, settings.most_images) {
-    if (settings.scatterings > 1)
-      for (const auto& scattering : law.scattering)
-        if (scattering != nullptr)
-          throw std::invalid_argument("two scatterings on a path need Lambert's law in all materials");
     transmit_ = finder_.images_of(transmit, settings.order, receive.apex);
     if (!one_place_) receive_ = finder_.images_of(receive, settings.order - 1);
     echo_.by_order.resize(std::size_t(settings.order) + 1);
@@ -67,8 +62,9 @@ class PathTracer {
   PathEcho trace() {
     scatter();
     if (settings_.scatterings > 1)
-      for (const Image& image : transmit_)
-        if (int(image.mirrors) + 2 <= settings_.order) scatter_twice(image);
+      add_scattered_paths(
+          {mesh_, unit_m_, finder_, beams_, samples_, law_, settings_, true_apex_, true_receive_.reach},
+          transmit_, receivers(), echo_);
     for (const Image& image : transmit_)
       if (image.mirrors > 0 || (settings_.direct && !one_place_)) arrive(image);
     return std::move(echo_);
@@ -82,7 +78,7 @@ class PathTracer {
       double energy;
     };
     std::vector<Bin> bins;
-    std::size_t pieces = 0, patches = 0;
+    std::size_t pieces = 0;
   };
 
   const std::vector<Image>& receivers() const { return one_place_ ? transmit_ : receive_; }
@@ -146,67 +142,11 @@ class PathTracer {
       if (shared.pieces.empty()) return;
       const std::size_t order = sent.mirrors + heard.mirrors + 1;
       if (one_place_ && !itself)
-        add(parts[k], order, scattered(heard, heard.loss, sent, exchanged(shared)), shared.pieces.size());
+        add(parts[k], order, scattered(heard, sent, exchanged(shared)), shared.pieces.size());
       const std::size_t pieces = shared.pieces.size();
-      add(parts[k], order, scattered(sent, sent.loss, heard, std::move(shared)), pieces);
+      add(parts[k], order, scattered(sent, heard, std::move(shared)), pieces);
     });
     for (const Part& part : parts) take(part);
-  }
-
-  /// What an image of the transmitter sees becomes sources.
-  void scatter_twice(const Image& image) {
-    const std::vector<Patch> patches =
-        patches_of(mesh_, image.windows.apex, shared_with_itself(mesh_, image.look(), unit_m_), unit_m_,
-                   settings_.patch_m, of_windows(image, beams_.fan_of_transmit_tube));
-    std::vector<double> strength;
-    for (const Patch& patch : patches) strength.push_back(strength_of(image, patch));
-    const double least = least_ * std::accumulate(strength.begin(), strength.end(), 0.0);
-    std::vector<Part> parts(patches.size());
-    tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t k) {
-      if (!(strength[k] > least)) return;
-      follow(image, patches[k], strength[k], parts[k]);
-      ++parts[k].patches;
-    });
-    for (const Part& part : parts) take(part);
-  }
-
-  /// What a patch scatters along its normal, J/sr.
-  double strength_of(const Image& image, const Patch& patch) const {
-    const double range = glm::length(patch.from_apex_m), sine = patch.plane_distance_m / range;
-    const glm::dvec3 direction = patch.from_apex_m / range;
-    double sent = image.loss.at(direction);
-    if (law_.patterns != nullptr) {
-      const std::size_t fan =
-          beams_.fan_of_transmit_tube.empty() ? 0 : beams_.fan_of_transmit_tube[image.own_tube[patch.tube]];
-      sent *= law_.patterns->transmit[fan].gain(image.to_true * direction);
-    }
-    if (const ReflectivityField* texture = law_.texture(patch.facet))
-      sent *= texture->factor(law_.apex_m + difference_m(image.windows.apex, true_apex_, unit_m_) +
-                              patch.from_apex_m);
-    return sent * law_.material_mu[law_.material[patch.facet]] * sine * patch.area_m2 *
-           std::exp(-beta_ * range) / (range * range);
-  }
-
-  void follow(const Image& image, const Patch& patch, double strength, Part& part) {
-    const double before = glm::length(patch.from_apex_m);
-    if (before / 2 >= samples_.first_m + samples_.step_m * samples_.count) return;
-    const int mirrors_left = settings_.order - 2 - int(image.mirrors);
-    std::vector<Image> sources = finder_.images_of(front_tubes(patch, true_receive_.reach), mirrors_left);
-    for (Image& source : sources) {
-      source.own_tube.assign(source.own_tube.size(), image.own_tube[patch.tube]);
-      MirrorLoss loss = source.loss;
-      loss.factor *= strength;
-      loss.cosine_axis = glm::transpose(source.to_true) * patch.normal;
-      for (const Image& heard : receivers()) {
-        if (int(source.mirrors + heard.mirrors) > mirrors_left) break;
-        if (!(image.largest * source.largest * heard.largest > least_)) continue;
-        SharedFootprints shared = FootprintSharer(mesh_, source.look(), heard.look(), unit_m_).all();
-        const std::size_t pieces = shared.pieces.size();
-        if (pieces > 0)
-          add(part, image.mirrors + source.mirrors + heard.mirrors + 2,
-              scattered(source, loss, heard, std::move(shared), before), pieces);
-      }
-    }
   }
 
   static void add(Part& part, std::size_t order, const Echo& echo, std::size_t pieces) {
@@ -218,13 +158,9 @@ class PathTracer {
   void take(const Part& part) {
     for (const Part::Bin& bin : part.bins) echo_.by_order[bin.order].energy[bin.bin] += bin.energy;
     echo_.shared_pieces += part.pieces;
-    echo_.patches += part.patches;
   }
 
-  /// `before_m`: from the true transmitter to a source that stands in for it, whose beams are in its
-  /// strength.
-  Echo scattered(const Image& sent, const MirrorLoss& sent_loss, const Image& heard, SharedFootprints shared,
-                 double before_m = 0) const {
+  Echo scattered(const Image& sent, const Image& heard, SharedFootprints shared) const {
     const BistaticHistory history{sent.windows, heard.windows, unit_m_, std::move(shared)};
     const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_receive_tube),
                                      from = of_windows(sent, beams_.fan_of_transmit_tube),
@@ -235,10 +171,8 @@ class PathTracer {
     if (law_.patterns != nullptr) {
       patterns = *law_.patterns;
       // A direction d of an image is M d at the true apex, and M d . axis = d . M^T axis.
-      for (TransmitPattern& transmit : patterns.transmit) {
-        if (before_m > 0) transmit = TransmitPattern();
+      for (TransmitPattern& transmit : patterns.transmit)
         for (Directivity& one : transmit.beams) one.axis = glm::transpose(sent.to_true) * one.axis;
-      }
       for (Directivity& one : patterns.receive) one.axis = glm::transpose(heard.to_true) * one.axis;
       patterns.fan_of_tube = of_windows(heard, law_.patterns->fan_of_tube);
       patterns.beams_of_tube.clear();
@@ -246,13 +180,11 @@ class PathTracer {
         patterns.beams_of_tube.push_back(law_.patterns->beams_of_tube[tube]);
       law.patterns = &patterns;
     }
-    const PathLoss loss{sent_loss, heard.loss, before_m};
-    return integrate_bistatic_echo(history, {beams_.count, beam, from, to}, samples_, law,
-                                   before_m > 0 ? patch_tolerance : bistatic_tolerance, &loss);
+    const PathLoss loss{sent.loss, heard.loss};
+    return integrate_bistatic_echo(history, {beams_.count, beam, from, to}, samples_, law, bistatic_tolerance,
+                                   &loss);
   }
 
-  /// Of what is scattered from a patch, which is a point only to begin with.
-  static constexpr double patch_tolerance = 1e-6;
   /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
   static constexpr double edge_units = 4;
 

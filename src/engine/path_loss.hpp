@@ -7,6 +7,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "seabed/scattering_law.hpp"
+
 namespace tubefoot {
 
 /// What a chain of mirrors leaves of the energy that is sent along it, by the direction (unit vector) in
@@ -21,26 +23,28 @@ struct MirrorLoss {
   /// (2 k sigma)^2.
   double roughness = 0;
 
-  /// Not 0 for a patch that sends what it scatters by Lambert's law: its normal as the image sees it.
-  glm::dvec3 cosine_axis{0};
-
   double at(glm::dvec3 direction) const {
-    double passes = factor;
-    if (cosine_axis != glm::dvec3(0)) passes *= std::max(0.0, glm::dot(direction, cosine_axis));
-    if (rough_normals.empty()) return passes;
+    if (rough_normals.empty()) return factor;
     double exponent = 0;
     for (const glm::dvec3& normal : rough_normals) {
       const double sine = glm::dot(direction, normal);
       exponent += sine * sine;
     }
-    return passes * std::exp(-roughness * exponent);
+    return factor * std::exp(-roughness * exponent);
   }
 };
+
+/// The part of sigma(i, s) = sqrt(sigma(i) sigma(s)) that belongs to one of the two grazing angles:
+/// sqrt(sigma), for Lambert's law (no `law`) the sine, whose mu stands elsewhere.
+inline double scattering_lobe(const ScatteringLaw* law, double sine) {
+  sine = std::min(sine, 1.0);
+  if (!(sine > 0)) return 0;
+  return law == nullptr ? sine : std::sqrt(law->cross_section(sine, std::sqrt(1 - sine * sine)));
+}
 
 /// Of a path: mirrors on the way out and on the way back.
 struct PathLoss {
   MirrorLoss transmit, receive;
-  double before_m = 0;  ///< way that lies before the transmit apex and counts for range
 };
 
 }  // namespace tubefoot

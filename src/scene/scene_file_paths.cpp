@@ -40,7 +40,7 @@ const TomlSection<PathsDescription>& paths_section() {
           .keys({field("order", &P::order, {.ranges = {{.lo = 1, .hi = 8}}}),
                  field("only_order", &P::only_order, {.ranges = {{.lo = 0, .hi = 8}}}),
                  field("cutoff_db", &P::cutoff_db, {.ranges = {{.lo = 0, .hi = 300}}}),
-                 field("scatterings", &P::scatterings, {.ranges = {{.lo = 1, .hi = 2}}}),
+                 field("scatterings", &P::scatterings, {.ranges = {{.lo = 1, .hi = 8}}}),
                  field("patch_m", &P::patch_m, {.ranges = {size}}),
                  field("most_images", &P::most_images, {.ranges = {{.lo = 1, .hi = 10000000}}}),
                  field("direct", &P::direct)})

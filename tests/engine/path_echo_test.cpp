@@ -496,14 +496,16 @@ Setting in_a_sphere(bool bowl) {
 
 // sin sin / r^2 is 1 / (4 a^2) between any two points of a sphere, so what its middle hears of a second
 // scattering is pi mu (the albedo) of the first; by a chord up to c comes the part c^2 / (4 a^2). A bowl,
-// half a sphere, keeps half of it. The radius is taken between that of the facets' corners and that of their
-// middles.
+// half a sphere, keeps half of it; of this one's area the opening is 0.512, and facets light no part of
+// themselves (1 in 64). The radius is taken between that of the facets' corners and that of their middles.
 TEST(PathEcho, ASphereAndABowlHaveASecondEcho) {
   for (const bool bowl : {false, true}) {
     const Setting s = in_a_sphere(bowl);
     const PathEcho paths = s.run();
     const double part = bowl ? 0.5 : 1, a = 1.95, first = part * 4 * pi * 0.2 / (a * a);
-    EXPECT_NEAR(total(paths.by_order[2]), part * pi * 0.2 * first, 0.03 * part * pi * 0.2 * first) << bowl;
+    EXPECT_NEAR(total(paths.by_order[2]), part * pi * 0.2 * first,
+                (bowl ? 0.045 : 0.03) * part * pi * 0.2 * first)
+        << bowl;
     if (bowl) continue;
     double sum = 0;
     for (int k = 0; k < s.samples.count; ++k) {

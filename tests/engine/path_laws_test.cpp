@@ -413,12 +413,6 @@ TEST(PathLaws, TooManyPairsOfImagesAreRefused) {
   }
 }
 
-TEST(PathLaws, TwoScatteringsNeedLambertsLaw) {
-  Setting s = bowl();
-  s.scattering = {std::make_shared<ScatteringLaw>(ScatteringLaw::gsab(hard_bed)), nullptr};
-  EXPECT_THROW(s.run(), std::invalid_argument);
-}
-
 // Larger than any facet: one patch for each that is seen, however many tubes see it.
 TEST(PathLaws, PatchesDoNotDependOnTheTubes) {
   Setting s = bowl();
