@@ -82,8 +82,6 @@ void refuse_refraction(const Survey& survey, bool reference) {
   };
   const auto any = [](const auto& list, const auto& is) { return std::any_of(list.begin(), list.end(), is); };
   if (survey.ground) refuse("relief is then refined once for all shots: give [relief] mode = \"offline\"");
-  if (any(scene.reflectivity, [](const auto& field) { return field != nullptr; }))
-    refuse("micro-texture would be looked up where facets seem to be: leave out [[materials.reflectivity]]");
   if (d.sea_surface || d.paths.direct || d.paths.scatterings > 1 || d.paths.order > 1 ||
       any(scene.material_reflection, [](double r) { return r > 0; }))
     refuse(

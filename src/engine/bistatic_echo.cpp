@@ -130,7 +130,7 @@ class FacetEcho {
     factor_ =
         law_.material_mu[law_.material[facet.facet]] * facet.transmit_distance_m * facet.receive_distance_m;
     texture_ = law_.texture(facet.facet);
-    foot_m_ = law_.apex_m - plane_.distance_m * plane_.normal;
+    lies_ = law_.lying(facet.facet, plane_, frame_);
     smooth_rad_ = scattering_ != nullptr ? resolution_of(*scattering_) : 1;
     cornered_ = scattering_ != nullptr && (scattering_->pieces().size() > 1 || scattering_->is_pointed());
     if (cornered_) smooth_rad_ = std::min(smooth_rad_, 0.1);  // rules of few nodes do not see a corner
@@ -144,7 +144,7 @@ class FacetEcho {
       if (texture_ == nullptr)
         add_part(polygon_);
       else
-        cells_.cut(polygon_, plane_, frame_, law_.apex_m, texture_->cells(), add_part);
+        cells_.cut(polygon_, lies_, texture_->cells(), add_part);
     }
   }
 
@@ -156,7 +156,7 @@ class FacetEcho {
 
   double density(glm::dvec2 p, double rt, double rr) const {
     const double even = even_density(rt, rr);
-    return texture_ == nullptr ? even : even * texture_->factor(foot_m_ + p.x * frame_.u + p.y * frame_.v);
+    return texture_ == nullptr ? even : even * texture_->factor(lies_.foot_m + p.x * lies_.u + p.y * lies_.v);
   }
 
   double even_density(double rt, double rr) const {
@@ -275,7 +275,7 @@ class FacetEcho {
   bool cornered_ = false;
   PlanarPolygon polygon_;
   const ReflectivityField* texture_ = nullptr;
-  glm::dvec3 foot_m_{0};  // of the transmitter, in the local frame
+  LyingPlane lies_;
   TextureCells cells_;
   std::vector<double> sum_;  // all 0 between pieces
 };

@@ -351,6 +351,20 @@ glm::dvec3 ApparentGround::true_place(FacetId facet, glm::dvec3 seen_m, const Wo
          v * (truth[corner[2]] - truth[corner[0]]);
 }
 
+std::vector<FacetMap> ApparentGround::facet_maps(glm::dvec3 apex_m, const WorldGrid& grid) const {
+  std::vector<FacetMap> maps;
+  maps.reserve(refined.mesh.facets.size());
+  for (const auto& corner : refined.mesh.facets) {
+    glm::dvec3 seen[3], lies[3];
+    for (int i = 0; i < 3; ++i) {
+      seen[i] = grid.to_metres(refined.mesh.vertices[corner[i]]) - apex_m;
+      lies[i] = truth[corner[i]];
+    }
+    maps.push_back(facet_map(seen, lies));
+  }
+  return maps;
+}
+
 double ApparentGround::area_ratio(FacetId facet, const WorldGrid& grid) const {
   const auto& corner = refined.mesh.facets[facet];
   glm::dvec3 seen[3], lies[3];
