@@ -52,17 +52,27 @@ FacetChart::FacetChart(const FacetCone& facet) {
   if (n[w] < 0) std::swap(u, v);
 }
 
-PlaneLine PlaneLine::through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
-                             const WideVec& to) {
-  const auto [u, v, w] = chart;
+namespace {
+
+/// The inward normal of the wall from one direction to the next.
+std::array<HugeInt, 3> wall_normal(const WideVec& from, const WideVec& to) {
   const auto product = [](const WideInt& x, const WideInt& y) { return HugeInt(HugeInt(x) * HugeInt(y)); };
-  // The wall's inward normal m. On the plane n . (x - V) = 0 of the facet, times n_w,
-  // m . x = m . V + (m_u - m_w n_u / n_w) (x - V)_u + (m_v - m_w n_v / n_w) (x - V)_v.
   std::array<HugeInt, 3> m;
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     m[k] = product(from[i], to[j]) - product(from[j], to[i]);
   }
+  return m;
+}
+
+}  // namespace
+
+PlaneLine PlaneLine::through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
+                             const WideVec& to) {
+  const auto [u, v, w] = chart;
+  // With the wall's inward normal m: on the plane n . (x - V) = 0 of the facet, times n_w,
+  // m . x = m . V + (m_u - m_w n_u / n_w) (x - V)_u + (m_v - m_w n_v / n_w) (x - V)_v.
+  const std::array<HugeInt, 3> m = wall_normal(from, to);
   const auto n = parts(facet.normal), vertex = parts(facet.point[0]);
   const std::int64_t turn = n[w] < 0 ? -1 : 1;
   const HugeInt nu = huge(turn * n[u]), nv = huge(turn * n[v]), nw = huge(turn * n[w]);
@@ -70,16 +80,41 @@ PlaneLine PlaneLine::through(const FacetCone& facet, const FacetChart& chart, co
   line.a = m[u] * nw - m[w] * nu;
   line.b = m[v] * nw - m[w] * nv;
   line.c = nw * HugeInt(m[0] * huge(vertex[0]) + m[1] * huge(vertex[1]) + m[2] * huge(vertex[2]));
-  if (line.is_none()) return line;
-  const Scaled a = scaled(line.a), b = scaled(line.b), c = scaled(line.c);
+  line.scale();
+  return line;
+}
+
+PlaneLine PlaneLine::through_image(const FacetCone& image, const FacetCone& charted, const FacetChart& chart,
+                                   const WideVec& from, const WideVec& to) {
+  const std::array<HugeInt, 3> m = wall_normal(from, to);
+  // An affine function of the facet: its values at the three vertices say which.
+  std::array<HugeInt, 3> at;
+  std::array<std::int64_t, 3> u{}, v{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto p = parts(image.point[k]), q = parts(charted.point[k]), origin = parts(charted.point[0]);
+    at[k] = m[0] * huge(p[0]) + m[1] * huge(p[1]) + m[2] * huge(p[2]);
+    u[k] = q[std::size_t(chart.u)] - origin[std::size_t(chart.u)];
+    v[k] = q[std::size_t(chart.v)] - origin[std::size_t(chart.v)];
+  }
+  const HugeInt first = at[1] - at[0], second = at[2] - at[0];
+  PlaneLine line;
+  line.a = first * huge(v[2]) - second * huge(v[1]);
+  line.b = second * huge(u[1]) - first * huge(u[2]);
+  line.c = at[0] * (huge(u[1]) * huge(v[2]) - huge(u[2]) * huge(v[1]));
+  line.scale();
+  return line;
+}
+
+void PlaneLine::scale() {
+  if (is_none()) return;
+  const Scaled a_scaled = scaled(a), b_scaled = scaled(b), c_scaled = scaled(c);
   const auto size = [](const Scaled& x) {
     return x.mantissa == 0 ? std::numeric_limits<int>::min() : std::ilogb(x.mantissa) + x.exponent;
   };
-  const int scale = -std::max(size(a), size(b));
-  line.a_near = times_power(a, scale);
-  line.b_near = times_power(b, scale);
-  line.c_near = times_power(c, scale);
-  return line;
+  const int power = -std::max(size(a_scaled), size(b_scaled));
+  a_near = times_power(a_scaled, power);
+  b_near = times_power(b_scaled, power);
+  c_near = times_power(c_scaled, power);
 }
 
 int side(const PlaneLine& p, const PlaneLine& q, const PlaneLine& r) {

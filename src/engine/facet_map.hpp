@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "geometry/measure.hpp"
@@ -32,6 +34,10 @@ struct LyingPlane {
   /// Of one that lies elsewhere.
   LyingPlane(const FacetPlane& plane, const PlaneFrame& frame, const FacetMap& map);
   LyingPlane() = default;
+
+  glm::dvec3 at(glm::dvec2 p) const { return foot_m + p.x * u + p.y * v; }
+  /// Unit vector, of a plane that is told relative to an apex.
+  glm::dvec3 towards(glm::dvec2 p) const { return glm::normalize(at(p)); }
 };
 
 }  // namespace tubefoot

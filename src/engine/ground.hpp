@@ -30,6 +30,8 @@ struct Look {
   const TubeSet* tubes = nullptr;
   double first_m = 0;      ///< slant range where its samples begin
   double sample_m = 0.01;  ///< length of one
+  /// In refracting water: how much higher or lower things are seen, and how many times as far at least.
+  double turn_rad = 0, stretch = 1;
 };
 
 class Ground {

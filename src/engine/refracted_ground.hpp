@@ -69,6 +69,9 @@ class Outlook {
   Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening);
   /// False only if no image of a point of the ball is in the tubes' reach.
   bool may_see(const glm::dvec3& centre_m, double radius_m) const;
+  /// How much higher or lower things may be seen than they are, and how many times as far at least.
+  double turn_rad() const { return turn_rad_; }
+  double stretch() const { return stretch_; }
   /// The facets of a mesh that may be seen, by increasing id.
   std::vector<FacetId> facets(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid) const;
 

@@ -129,9 +129,10 @@ bool Sector::may_meet_turned(glm::dvec3 place_m, double radius_m, double turn_ra
   });
 }
 
-std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_rad, double stretch) const {
+std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_rad, double stretch,
+                                           double margin_m) const {
   std::vector<FacetId> all;
-  const double reach = reach_ / stretch;
+  const double moved_by = margin_m / unit_m_ + 1, reach = reach_ / stretch + moved_by;
   for (const Pyramid& p : pyramids_) {
     // How far turning moves a direction of the pyramid across a side: sides that it hardly crosses, such as
     // those of an upright fan, are kept.
@@ -150,7 +151,7 @@ std::vector<FacetId> Sector::facets_turned(const SceneTree& tree, double turn_ra
       sides.push_back({n.x, n.y, n.z});
       margin = std::max(margin, moved);
     }
-    tree.query(apex_, sides, reach + 1, margin * reach + 4 * slack * reach + 1, all);
+    tree.query(apex_, sides, reach, margin * reach + 4 * slack * reach + moved_by, all);
   }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());

@@ -26,7 +26,8 @@ class Sector {
   /// or lower than they are, and at `stretch` times their distance or more.
   bool may_meet_turned(glm::dvec3 place_m, double radius_m, double turn_rad, double stretch) const;
   /// As facets(), for facets whose points are seen so.
-  std::vector<FacetId> facets_turned(const SceneTree& tree, double turn_rad, double stretch) const;
+  std::vector<FacetId> facets_turned(const SceneTree& tree, double turn_rad, double stretch,
+                                     double margin_m = 0) const;
 
   /// Angle between the rays of the narrowest side of a tube.
   double narrowest_rad() const { return narrowest_rad_; }

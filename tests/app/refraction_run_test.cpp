@@ -370,10 +370,6 @@ TEST(RefractionRun, WhatCannotBeHadIsRefused) {
   const std::string plain = scene_in(gradient(-1));
   refused(plain, "not proven", {"--reference"});
   refused(replaced(plain, "[trajectory]", "[sea_surface]\nheight_m = 20\n[trajectory]"), "mirrors");
-  refused(replaced(plain, "[trajectory]",
-                   "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\n"
-                   "wavelength_m = 0.4\nrms_height_m = 0.02\n[trajectory]"),
-          "offline");
   refused(replaced(plain, "position_m = [0, 0, 10]", "position_m = [0, 0, 21]"), "above the sea surface");
 }
 
