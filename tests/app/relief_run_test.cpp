@@ -121,7 +121,7 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
 TEST(ReliefRun, RefractingWaterSeesTheShotsGround) {
   const TestFolder folder;
   const std::string water =
-      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1600\ngradient_per_s = -20\nprofile_bottom_m = "
+      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1600\ngradient_per_s = -10\nprofile_bottom_m = "
       "12\nsurface_height_m = 8\nabsorption_db_per_km = 100\n";
   for (const std::string apart : {"", "\nreceiver_arm_m = [0, -0.4, 0.2]"}) {
     SCOPED_TRACE(apart);
