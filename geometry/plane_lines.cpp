@@ -52,15 +52,24 @@ FacetChart::FacetChart(const FacetCone& facet) {
   if (n[w] < 0) std::swap(u, v);
 }
 
-PlaneLine PlaneLine::through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
-                             const WideVec& to) {
+namespace {
+
+/// The inward normal of the wall from one direction to the next.
+std::array<HugeInt, 3> wall_normal(const WideVec& from, const WideVec& to) {
   const auto product = [](const WideInt& x, const WideInt& y) { return HugeInt(HugeInt(x) * HugeInt(y)); };
   std::array<HugeInt, 3> m;
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     m[k] = product(from[i], to[j]) - product(from[j], to[i]);
   }
-  return on_plane(facet, chart, m);
+  return m;
+}
+
+}  // namespace
+
+PlaneLine PlaneLine::through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
+                             const WideVec& to) {
+  return on_plane(facet, chart, wall_normal(from, to));
 }
 
 PlaneLine PlaneLine::on_plane(const FacetCone& facet, const FacetChart& chart,
@@ -75,6 +84,23 @@ PlaneLine PlaneLine::on_plane(const FacetCone& facet, const FacetChart& chart,
             nw * HugeInt(m[0] * huge(vertex[0]) + m[1] * huge(vertex[1]) + m[2] * huge(vertex[2])));
 }
 
+PlaneLine PlaneLine::through_image(const FacetCone& image, const FacetCone& charted, const FacetChart& chart,
+                                   const WideVec& from, const WideVec& to) {
+  const std::array<HugeInt, 3> m = wall_normal(from, to);
+  // An affine function of the facet: its values at the three vertices say which.
+  std::array<HugeInt, 3> at;
+  std::array<std::int64_t, 3> u{}, v{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto p = parts(image.point[k]), q = parts(charted.point[k]), origin = parts(charted.point[0]);
+    at[k] = m[0] * huge(p[0]) + m[1] * huge(p[1]) + m[2] * huge(p[2]);
+    u[k] = q[std::size_t(chart.u)] - origin[std::size_t(chart.u)];
+    v[k] = q[std::size_t(chart.v)] - origin[std::size_t(chart.v)];
+  }
+  const HugeInt first = at[1] - at[0], second = at[2] - at[0];
+  return of(first * huge(v[2]) - second * huge(v[1]), second * huge(u[1]) - first * huge(u[2]),
+            at[0] * (huge(u[1]) * huge(v[2]) - huge(u[2]) * huge(v[1])));
+}
+
 PlaneLine PlaneLine::of(HugeInt a_exact, HugeInt b_exact, HugeInt c_exact) {
   PlaneLine line{std::move(a_exact), std::move(b_exact), std::move(c_exact)};
   if (line.is_none()) return line;
@@ -82,10 +108,10 @@ PlaneLine PlaneLine::of(HugeInt a_exact, HugeInt b_exact, HugeInt c_exact) {
   const auto size = [](const Scaled& x) {
     return x.mantissa == 0 ? std::numeric_limits<int>::min() : std::ilogb(x.mantissa) + x.exponent;
   };
-  const int scale = -std::max(size(a), size(b));
-  line.a_near = times_power(a, scale);
-  line.b_near = times_power(b, scale);
-  line.c_near = times_power(c, scale);
+  const int power = -std::max(size(a), size(b));
+  line.a_near = times_power(a, power);
+  line.b_near = times_power(b, power);
+  line.c_near = times_power(c, power);
   return line;
 }
 

@@ -16,7 +16,7 @@ namespace tubefoot {
 
 /// Bits: a corner's direction has at most 314 (two depth planes of 156), a wall through two of them 630, a
 /// line's coefficients 693 and, times the facet's vertex, 727; a determinant of three lines 2117. A corner's
-/// numerators have at most 1488.
+/// numerators have at most 1488. Lines of an image add at most 3 bits each.
 using HugeInt = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
     2304, 2304, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
 
@@ -42,6 +42,10 @@ struct PlaneLine {
                             const std::array<HugeInt, 3>& normal);
   /// Of these coefficients.
   static PlaneLine of(HugeInt a, HugeInt b, HugeInt c);
+  /// The same of a facet that is an image of `charted`, vertex by vertex: where the wall cuts the image, as a
+  /// line of the chart of `charted`. Three bits more.
+  static PlaneLine through_image(const FacetCone& image, const FacetCone& charted, const FacetChart& chart,
+                                 const WideVec& from, const WideVec& to);
   bool is_none() const { return a == 0 && b == 0; }  ///< the two directions were the same
 };
 

@@ -33,8 +33,9 @@ unsigned edges_of(const CornerName& corner, const std::array<VertexId, 3>& verte
 class SeenPiece {
  public:
   SeenPiece(const FacetMesh& mesh, const ApexLook& look, std::uint32_t tube, std::uint32_t piece,
-            const FacetCone& facet, const FacetChart& chart)
+            const FacetCone& facet, const FacetChart& chart, const FacetCone* charted = nullptr)
       : tube_(tube),
+        charted_(charted),
         context_{look.mesh == nullptr ? mesh : *look.mesh, look.tubes.apex, look.seen[tube].rays},
         seen_(&look.seen[tube]),
         piece_(seen_->pieces[piece]),
@@ -85,9 +86,8 @@ class SeenPiece {
     if (!lines_.empty()) return lines_;
     lines_.reserve(piece_.count);
     for (std::uint32_t k = 0; k < piece_.count; ++k)
-      lines_.push_back(
-          PlaneLine::through(*facet_, chart_, wide_direction(context_, corner(k)),
-                             wide_direction(context_, corner(k + 1 == piece_.count ? 0 : k + 1))));
+      lines_.push_back(line_between(wide_direction(context_, corner(k)),
+                                    wide_direction(context_, corner(k + 1 == piece_.count ? 0 : k + 1))));
     return lines_;
   }
   const LinePolygon& polygon() {
@@ -102,9 +102,14 @@ class SeenPiece {
     facet.vertex = vertex_;
     return facet;
   }
+  PlaneLine line_between(const WideVec& from, const WideVec& to) const {
+    return charted_ == nullptr ? PlaneLine::through(*facet_, chart_, from, to)
+                               : PlaneLine::through_image(*facet_, *charted_, chart_, from, to);
+  }
   const CornerName& corner(std::uint32_t k) const { return seen_->corners[piece_.first + k]; }
 
   std::uint32_t tube_;
+  const FacetCone* charted_;  // what the facet is an image of; none: itself
   NameContext context_;
   const TubeVisibility* seen_;
   NamedPiece piece_;
@@ -117,12 +122,6 @@ class SeenPiece {
   std::vector<PlaneLine> lines_;
   LinePolygon polygon_;
 };
-
-bool look_at_same_side(const FacetMesh& mesh, FacetId facet, GridPoint a, GridPoint b) {
-  FacetCone from_a, from_b;
-  return FacetCone::make(mesh, facet, a, from_a) && FacetCone::make(mesh, facet, b, from_b) &&
-         from_a.reversed == from_b.reversed;
-}
 
 }  // namespace
 
@@ -144,6 +143,31 @@ FootprintSharer::FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit
       unit_m_(unit_m),
       transmit_pieces_(pieces_of(transmit)),
       receive_pieces_(pieces_of(receive)) {
+  find_facets();
+}
+
+FootprintSharer::FootprintSharer(const ApexLook& transmit, const ApexLook& receive, double unit_m)
+    : mesh_(*transmit.mesh),
+      images_(true),
+      transmit_(transmit),
+      receive_(receive),
+      unit_m_(unit_m),
+      transmit_pieces_(pieces_of(transmit)),
+      receive_pieces_(pieces_of(receive)) {
+  find_facets();
+}
+
+bool FootprintSharer::make_cones(const Both& both, FacetCone& from_transmitter,
+                                 FacetCone& from_receiver) const {
+  const Seen &sent = transmit_pieces_[both.transmit_first], &heard = receive_pieces_[both.receive_first];
+  const FacetMesh& other = images_ ? *receive_.mesh : mesh_;
+  const FacetId seen = images_ ? transmit_.seen[sent.tube].pieces[sent.piece].facet : both.facet,
+                seen_there = images_ ? receive_.seen[heard.tube].pieces[heard.piece].facet : both.facet;
+  return FacetCone::make(mesh_, seen, transmit_.tubes.apex, from_transmitter) &&
+         FacetCone::make(other, seen_there, receive_.tubes.apex, from_receiver);
+}
+
+void FootprintSharer::find_facets() {
   const auto end_of = [](const std::vector<Seen>& pieces, std::uint32_t first) {
     std::uint32_t end = first;
     while (end < pieces.size() && pieces[end].facet == pieces[first].facet) ++end;
@@ -153,8 +177,13 @@ FootprintSharer::FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit
   while (t < transmit_pieces_.size() && r < receive_pieces_.size()) {
     const FacetId facet = transmit_pieces_[t].facet, other = receive_pieces_[r].facet;
     const std::uint32_t t_end = end_of(transmit_pieces_, t), r_end = end_of(receive_pieces_, r);
-    if (facet == other && look_at_same_side(mesh, facet, transmit.tubes.apex, receive.tubes.apex))
-      facets_.push_back({facet, t, t_end, r, r_end});
+    if (facet == other) {
+      const Both both{facet, t, t_end, r, r_end};
+      FacetCone from_transmitter, from_receiver;
+      if (make_cones(both, from_transmitter, from_receiver) &&
+          from_transmitter.reversed == from_receiver.reversed)
+        facets_.push_back(both);
+    }
     if (facet <= other) t = t_end;
     if (other <= facet) r = r_end;
   }
@@ -168,8 +197,7 @@ glm::dvec3 FootprintSharer::receiver_m() const {
 void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
   const Both& both = facets_[number];
   FacetCone from_transmitter, from_receiver;
-  FacetCone::make(mesh_, both.facet, transmit_.tubes.apex, from_transmitter);
-  FacetCone::make(mesh_, both.facet, receive_.tubes.apex, from_receiver);
+  make_cones(both, from_transmitter, from_receiver);
   const FacetChart chart(from_transmitter);
 
   std::vector<SeenPiece> sent, heard;
@@ -178,7 +206,7 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
                       chart);
   for (std::uint32_t k = both.receive_first; k < both.receive_end; ++k)
     heard.emplace_back(mesh_, receive_, receive_pieces_[k].tube, receive_pieces_[k].piece, from_receiver,
-                       chart);
+                       chart, images_ ? &from_transmitter : nullptr);
 
   const auto first_piece = static_cast<std::uint32_t>(out.pieces.size());
   const glm::dvec3 baseline = receiver_m();
@@ -186,17 +214,18 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
   std::vector<int> sides;
   for (SeenPiece& s : sent)
     for (SeenPiece& h : heard) {
-      if (!s.may_meet(h)) continue;
+      if (!images_ && !s.may_meet(h)) continue;
       SharedPiece piece{s.tube(), h.tube(), static_cast<std::uint32_t>(out.corners_m.size()), 0};
       if (h.is_whole_facet()) {
         for (const glm::dvec3& p : s.points()) out.corners_m.push_back(p * unit_m_);
-      } else if (s.is_whole_facet()) {
+      } else if (s.is_whole_facet() && !images_) {
         for (const glm::dvec3& p : h.points()) out.corners_m.push_back(p * unit_m_ + baseline);
       } else {
-        polygon = s.polygon();
+        const bool others = s.is_whole_facet();
+        polygon = others ? h.polygon() : s.polygon();
         const auto& walls = h.lines();
         // What is seen lies on the facet: its own edges cut nothing off.
-        for (std::uint32_t k = 0; k < walls.size() && !polygon.empty(); ++k)
+        for (std::uint32_t k = 0; k < walls.size() && !polygon.empty() && !others; ++k)
           if (!walls[k].is_none() && !h.on_facet_edge(k)) clip(polygon, walls[k], sides);
         for (std::size_t k = 0; k < polygon.size(); ++k)
           out.corners_m.push_back(meeting_point(from_transmitter, chart,

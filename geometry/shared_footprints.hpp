@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/facet_cone.hpp"
 #include "geometry/footprint.hpp"
 #include "geometry/tube.hpp"
 #include "geometry/visibility.hpp"
@@ -59,6 +60,11 @@ class FootprintSharer {
  public:
   /// The looks and the mesh must outlive it. `unit_m`: metres per grid unit.
   FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive, double unit_m);
+  /// Of looks at two images of the same facets: both have a mesh, and facets of the same origin have the same
+  /// vertices, in the same order, wherever each apex sees them. A point of one lies on the other as it lies
+  /// between the vertices. What is shared is told where the transmitter sees it; `receive_distance_m` is that
+  /// from the receiver's image. As exact as for one mesh.
+  FootprintSharer(const ApexLook& transmit_image, const ApexLook& receive_image, double unit_m);
 
   /// How many facets both look at the same side of; what they see of them may still be apart.
   std::size_t facets() const { return facets_.size(); }
@@ -83,7 +89,11 @@ class FootprintSharer {
   };
   static std::vector<Seen> pieces_of(const ApexLook& look);
 
+  void find_facets();
+  bool make_cones(const Both& both, FacetCone& from_transmitter, FacetCone& from_receiver) const;
+
   const FacetMesh& mesh_;
+  bool images_ = false;
   ApexLook transmit_, receive_;
   double unit_m_;
   std::vector<Seen> transmit_pieces_, receive_pieces_;  ///< by facet, then tube

@@ -32,6 +32,82 @@ Straightening straightening_of(const Survey& survey, const SensorPings& pings, g
   return Straightening(*pings.water, apex_m, surface, options, pings.sound_speed_m_s);
 }
 
+StraighteningSettings settings_of(const Survey& survey, const SharedShots& group, double reach_m) {
+  const WaterDescription& keys = survey.scene.description.water;
+  const double sample = sample_length_m(survey, group);
+  StraighteningSettings settings;
+  settings.gap_m = keys.refraction_gap_m.value_or(sample / 4);
+  settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
+  // Caustics and the borders of shadows take no more edges than a sector is wide.
+  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * survey.scene.grid.unit_m()});
+  settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
+  return settings;
+}
+
+/// What `make` makes for a shot; what it throws, with the scene file's words.
+template <class Make>
+auto made_for(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+              const Make& make) {
+  const WaterDescription& keys = survey.scene.description.water;
+  const std::string& name = survey.sensors[group.sensors.front()].sensor->description().name;
+  try {
+    return make();
+  } catch (const RefinementTooLarge&) {
+    throw InputError(keys.place,
+                     fmt::format("shot {} of ping {} of sensor '{}' needs more than {} facets to be seen "
+                                 "through the water: raise 'refraction_gap_m' or 'refraction_tolerance_db'",
+                                 shot, ping, name, most_a_shot.facets));
+  } catch (const GridRangeError&) {
+    throw InputError(keys.place,
+                     fmt::format("shot {} of ping {} of sensor '{}' sees facets through the water outside "
+                                 "of the scene's grid: shorten its range",
+                                 shot, ping, name));
+  } catch (const std::range_error& error) {
+    throw InputError(keys.place, fmt::format("shot {} of ping {} of sensor '{}' cannot be seen through the "
+                                             "water: {}, or give the terrain smaller facets",
+                                             shot, ping, name, error.what()));
+  }
+}
+
+/// The bed of a shot where it lies: the scene's, or with relief as fine as bent rays need it.
+class LyingBed {
+ public:
+  /// `outlooks`: of each set of tubes.
+  LyingBed(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+           std::span<const TubeSet> tubes, std::span<const Outlook> outlooks)
+      : survey_(survey) {
+    if (!survey.ground) return;
+    std::vector<Look> looks = looks_of(survey, group, ping, shot, tubes);
+    for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
+    relief_ = relief_seen_by(survey, group, ping, shot, looks);
+    tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
+  }
+  const FacetMesh& mesh() const { return tree_ ? relief_.mesh : survey_.scene.mesh; }
+  /// Of any of the outlooks, by increasing id.
+  std::vector<FacetId> facets(std::span<const Outlook> outlooks) const {
+    std::vector<FacetId> all;
+    for (const Outlook& outlook : outlooks) {
+      const std::vector<FacetId> some =
+          outlook.facets(mesh(), tree_ ? *tree_ : *survey_.tree, survey_.scene.grid);
+      all.insert(all.end(), some.begin(), some.end());
+    }
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+  }
+  /// From facets of this bed to the scene's.
+  void name_by_scene(ApparentGround& ground) const {
+    if (!tree_) return;
+    for (FacetId& facet : ground.refined.parent) facet = relief_.parent[facet];
+    for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
+  }
+
+ private:
+  const Survey& survey_;
+  RefinedMesh relief_;
+  std::unique_ptr<SceneTree> tree_;  // of the relief
+};
+
 nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
   return {{"azimuth_deg", place[0]}, {"elevation_deg", place[1]}, {"range_m", place[2]}};
 }
@@ -54,10 +130,11 @@ void put_into_water(Survey& survey) {
   survey.lowest_m = std::numeric_limits<double>::infinity();
   for (const GridPoint& v : scene.mesh.vertices)
     survey.lowest_m = std::min(survey.lowest_m, scene.grid.to_metres(v).z);
+  if (survey.ground) survey.lowest_m -= survey.ground->omitted().largest_height_m();
   const double surface = scene.water->surface_height_m();
   for (SensorPings& pings : survey.sensors) {
     pings.water = std::make_shared<const WaterColumn>(scene.water->column(pings.sensor->frequency_khz()));
-    for (const auto* poses : {&pings.poses, &pings.shot_poses})
+    for (const auto* poses : {&pings.poses, &pings.shot_poses, &pings.receiver_poses})
       for (const Pose& pose : *poses)
         if (!(pose.position_m.z <= surface))
           throw InputError(
@@ -81,19 +158,11 @@ void refuse_refraction(const Survey& survey, bool reference) {
                      fmt::format("the water's profile = \"{}\" refracts, and {}", d.water.profile, what));
   };
   const auto any = [](const auto& list, const auto& is) { return std::any_of(list.begin(), list.end(), is); };
-  if (survey.ground) refuse("relief is then refined once for all shots: give [relief] mode = \"offline\"");
-  if (any(scene.reflectivity, [](const auto& field) { return field != nullptr; }))
-    refuse("micro-texture would be looked up where facets seem to be: leave out [[materials.reflectivity]]");
   if (d.sea_surface || d.paths.direct || d.paths.scatterings > 1 || d.paths.order > 1 ||
       any(scene.material_reflection, [](double r) { return r > 0; }))
     refuse(
         "mirrors and further paths need even water: leave out [sea_surface], [paths] and "
         "'specular_loss_db', or give profile = \"constant\"");
-  for (const SensorPings& pings : survey.sensors)
-    if (pings.sensor->has_receiver_apart())
-      refuse(
-          "what it shows is seen from one place: leave out 'receiver_arm_m', or give profile = "
-          "\"constant\"");
 }
 
 ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
@@ -102,35 +171,44 @@ ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, s
   const SensorPings& pings = survey.sensors[group.sensors.front()];
   const TubeSet tubes = survey.tubes(group, ping, shot);
   const Straightening straightening = straightening_of(survey, pings, scene.grid.to_metres(tubes.apex));
-  const WaterDescription& keys = scene.description.water;
-  const double sample = sample_length_m(survey, group), reach_m = tubes.reach * scene.grid.unit_m();
-  StraighteningSettings settings;
-  settings.gap_m = keys.refraction_gap_m.value_or(sample / 4);
-  settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
-  // Caustics and the borders of shadows take no more edges than a sector is wide.
-  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * scene.grid.unit_m()});
-  settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
   const Outlook outlook(tubes, scene.grid.unit_m(), straightening);
-  const std::vector<FacetId> facets = outlook.facets(scene.mesh, *survey.tree, scene.grid);
-  try {
-    return ShotGround(survey, straighten(scene.mesh, facets, scene.grid, straightening,
-                                         absorption_db_per_m(scene, *pings.sensor), settings, most_a_shot,
-                                         scene.scattering, &outlook));
-  } catch (const RefinementTooLarge&) {
-    throw InputError(keys.place,
-                     fmt::format("shot {} of ping {} of sensor '{}' needs more than {} facets to be seen "
-                                 "through the water: raise 'refraction_gap_m' or 'refraction_tolerance_db'",
-                                 shot, ping, pings.sensor->description().name, most_a_shot.facets));
-  } catch (const GridRangeError&) {
-    throw InputError(keys.place,
-                     fmt::format("shot {} of ping {} of sensor '{}' sees facets through the water outside "
-                                 "of the scene's grid: shorten its range",
-                                 shot, ping, pings.sensor->description().name));
-  } catch (const std::range_error& error) {
-    throw InputError(keys.place, fmt::format("shot {} of ping {} of sensor '{}' cannot be seen through the "
-                                             "water: {}, or give the terrain smaller facets",
-                                             shot, ping, pings.sensor->description().name, error.what()));
-  }
+  const LyingBed bed(survey, group, ping, shot, {&tubes, 1}, {&outlook, 1});
+  const std::vector<FacetId> facets = bed.facets({&outlook, 1});
+  return made_for(survey, group, ping, shot, [&] {
+    ApparentGround ground =
+        straighten(bed.mesh(), facets, scene.grid, straightening, absorption_db_per_m(scene, *pings.sensor),
+                   settings_of(survey, group, tubes.reach * scene.grid.unit_m()), most_a_shot,
+                   scene.scattering, &outlook);
+    bed.name_by_scene(ground);
+    return ShotGround(survey, std::move(ground));
+  });
+}
+
+RefractedPaths refracted_paths_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                                  std::size_t shot, const VisibilityOptions& options) {
+  const Scene& scene = survey.scene;
+  const std::size_t sensor = group.sensors.front();
+  const SensorPings& pings = survey.sensors[sensor];
+  const double unit = scene.grid.unit_m(), absorption = absorption_db_per_m(scene, *pings.sensor);
+  std::array<TubeSet, 2> tubes{survey.tubes(group, ping, shot), survey.receive_tubes(sensor, ping, shot)};
+  const Straightening transmit = straightening_of(survey, pings, scene.grid.to_metres(tubes[0].apex)),
+                      receive = straightening_of(survey, pings, scene.grid.to_metres(tubes[1].apex));
+  const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, transmit), Outlook(tubes[1], unit, receive)};
+  const LyingBed bed(survey, group, ping, shot, tubes, outlooks);
+  // What either may see: what hides from one need not be seen by the other.
+  const std::vector<FacetId> facets = bed.facets(outlooks);
+  return made_for(survey, group, ping, shot, [&] {
+    const double reach_m = std::max(tubes[0].reach, tubes[1].reach) * unit;
+    RefractedPaths paths;
+    paths.pair =
+        straighten_pair(bed.mesh(), facets, scene.grid, transmit, receive, absorption,
+                        settings_of(survey, group, reach_m), most_a_shot, &outlooks[0], &outlooks[1]);
+    bed.name_by_scene(paths.pair.transmit);
+    bed.name_by_scene(paths.pair.receive);
+    paths.history = trace_bistatic(paths.pair, scene.grid, options, std::move(tubes[0]), std::move(tubes[1]),
+                                   transmit, receive, absorption);
+    return paths;
+  });
 }
 
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Survey& survey,

@@ -7,6 +7,7 @@
 
 #include "app/shot_ground.hpp"
 #include "app/simulation.hpp"
+#include "engine/bistatic_echo.hpp"
 
 // Sonars in water that refracts (docs/refraction.md).
 namespace tubefoot {
@@ -23,6 +24,14 @@ void refuse_refraction(const Survey& survey, bool reference);
 /// The facets of a shot where it sees them. Throws InputError where it takes too many.
 ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
                                std::size_t shot);
+
+/// What transmitter and receiver, apart, see together of a shot. Throws as refracted_ground_of().
+struct RefractedPaths {
+  ApparentPair pair;
+  BistaticHistory history;
+};
+RefractedPaths refracted_paths_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                                  std::size_t shot, const VisibilityOptions& options);
 
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Survey& survey,
                 const SharedShots& group, std::size_t ping, std::size_t shot);

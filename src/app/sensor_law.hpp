@@ -15,6 +15,7 @@ struct SensorLaw {
 
   EchoLaw law;
   BeamPatterns patterns;
+  std::vector<FacetMap> facet_maps;
 };
 
 }  // namespace tubefoot

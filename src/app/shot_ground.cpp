@@ -112,32 +112,45 @@ double sample_length_m(const Survey& survey, const SharedShots& group) {
   return shortest;
 }
 
-ShotGround ground_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot) {
-  if (survey.scene.water->refracts()) return refracted_ground_of(survey, group, ping, shot);
-  if (!survey.ground) return ShotGround(survey);
+std::vector<Look> looks_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+                           std::span<const TubeSet> tubes) {
   const std::size_t first = group.sensors.front();
   double nearest = survey.sensors[first].sensor->samples().first_m;
   for (const std::size_t s : group.sensors)
     nearest = std::min(nearest, survey.sensors[s].sensor->samples().first_m);
-  const bool apart = survey.sensors[first].sensor->has_receiver_apart();
-  if (apart)  // half the path is longer than the way from the nearer end by up to half of what lies between
+  if (tubes.size() >
+      1)  // half the path is longer than the way from the nearer end by up to half of what lies between
     nearest = std::max(nearest - glm::distance(survey.sensors[first].shot_pose(ping, shot).position_m,
                                                survey.sensors[first].receiver_pose(ping, shot).position_m) /
                                      2,
                        0.0);
-  const std::array<TubeSet, 2> tubes{survey.tubes(group, ping, shot),
-                                     apart ? survey.receive_tubes(first, ping, shot) : TubeSet{}};
-  const double sample = sample_length_m(survey, group);
-  const std::array<Look, 2> looks{Look{&tubes[0], nearest, sample}, Look{&tubes[1], nearest, sample}};
+  std::vector<Look> looks;
+  for (const TubeSet& set : tubes) looks.push_back({&set, nearest, sample_length_m(survey, group)});
+  return looks;
+}
+
+RefinedMesh relief_seen_by(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+                           std::span<const Look> looks) {
   try {
-    return ShotGround(survey, survey.ground->seen_by(std::span(looks.data(), apart ? 2 : 1), most_a_shot));
+    return survey.ground->seen_by(looks, most_a_shot);
   } catch (const RefinementTooLarge&) {
-    throw InputError(
-        survey.scene.description.refinement.place,
-        fmt::format("shot {} of ping {} of sensor '{}' looks at more than {} facets of its "
-                    "ground: use a larger 'cell_m' or 'tolerance'",
-                    shot, ping, survey.sensors[first].sensor->description().name, most_a_shot.facets));
+    throw InputError(survey.scene.description.refinement.place,
+                     fmt::format("shot {} of ping {} of sensor '{}' looks at more than {} facets of its "
+                                 "ground: use a larger 'cell_m' or 'tolerance'",
+                                 shot, ping, survey.sensors[group.sensors.front()].sensor->description().name,
+                                 most_a_shot.facets));
   }
+}
+
+ShotGround ground_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot) {
+  if (survey.scene.water->refracts()) return refracted_ground_of(survey, group, ping, shot);
+  if (!survey.ground) return ShotGround(survey);
+  const std::size_t first = group.sensors.front();
+  std::vector<TubeSet> tubes{survey.tubes(group, ping, shot)};
+  if (survey.sensors[first].sensor->has_receiver_apart())
+    tubes.push_back(survey.receive_tubes(first, ping, shot));
+  return ShotGround(survey,
+                    relief_seen_by(survey, group, ping, shot, looks_of(survey, group, ping, shot, tubes)));
 }
 
 ShotGround ground_in_line_with(const Survey& survey, glm::dvec3 place_m) {

@@ -48,6 +48,13 @@ class ShotGround {
 /// The ground of a shot of a group, for all its sensors; seen by the receiver too where that is apart.
 /// Throws InputError where it takes too many facets.
 ShotGround ground_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot);
+/// What a shot asks of relief that is refined for it, by its tubes (two sets where the receiver is apart),
+/// which outlive the looks.
+std::vector<Look> looks_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+                           std::span<const TubeSet> tubes);
+/// The relief that a shot sees. Throws InputError where it takes too many facets.
+RefinedMesh relief_seen_by(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+                           std::span<const Look> looks);
 /// The ground above and below a place.
 ShotGround ground_in_line_with(const Survey& survey, glm::dvec3 place_m);
 

@@ -188,11 +188,15 @@ class PingTask {
       }
       for (const std::size_t s : group_.sensors) take_paths(shot, s);
       if (only_order_.value_or(1) != 1) continue;
+      if (survey_.scene.water->refracts() &&
+          survey_.sensors[group_.sensors.front()].sensor->has_receiver_apart()) {
+        take_refracted_paths(shot);
+        continue;
+      }
       const ShotGround ground = ground_of(survey_, group_, ping_, shot);
       if (ground.apparent() != nullptr)
         add_counts(counts_.refraction, *ground.apparent(), survey_, group_, ping_, shot);
-      else if (ground.is_own())
-        counts_.refined_facets += ground.mesh().facets.size();
+      if (survey_.ground) counts_.refined_facets += ground.mesh().facets.size();
       if (survey_.sensors[group_.sensors.front()].sensor->has_receiver_apart()) {
         take_bistatic(ground, shot);
         continue;
@@ -276,14 +280,32 @@ class PingTask {
   void take_bistatic(const ShotGround& ground, std::size_t shot) {
     const Scene& scene = survey_.scene;
     const std::size_t s = group_.sensors.front();
-    const Sensor& sensor = *survey_.sensors[s].sensor;
     const BistaticHistory history =
         trace_bistatic(ground.mesh(), ground.tree(), scene.grid.unit_m(), options_of(scene.description.run),
                        survey_.tubes(group_, ping_, shot), survey_.receive_tubes(s, ping_, shot));
+    take_shared(history, ground.mesh(), shot);
+  }
+
+  void take_refracted_paths(std::size_t shot) {
+    const RefractedPaths paths =
+        refracted_paths_of(survey_, group_, ping_, shot, options_of(survey_.scene.description.run));
+    for (const ApparentGround* ground : {&paths.pair.transmit, &paths.pair.receive})
+      add_counts(counts_.refraction, *ground, survey_, group_, ping_, shot);
+    for (const PairedFacet& facet : paths.history.paired)
+      counts_.refraction.largest_gap_m = std::max(counts_.refraction.largest_gap_m, facet.misfit_m);
+    if (survey_.ground) counts_.refined_facets += paths.pair.mesh.facets.size();
+    take_shared(paths.history, paths.pair.mesh, shot);
+  }
+
+  /// `mesh`: that of the history's facets.
+  void take_shared(const BistaticHistory& history, const FacetMesh& mesh, std::size_t shot) {
+    const std::size_t s = group_.sensors.front();
+    const Sensor& sensor = *survey_.sensors[s].sensor;
     const Clock::time_point start = Clock::now();
     if (survey_.relief.omitted)
-      finer_relief_ += finer_relief(history, ground.mesh(), *survey_.relief.omitted, sensor.samples().step_m);
-    const SensorLaw law(survey_, ground, s, ping_, shot);
+      finer_relief_ += finer_relief(history, mesh, *survey_.relief.omitted, sensor.samples().step_m);
+    SensorLaw law(survey_, ShotGround(survey_), s, ping_, shot);
+    law.law.material = mesh.material;
     const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
     const Echo echo = integrate_bistatic_echo(

@@ -32,6 +32,22 @@ std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, c
   return seen;
 }
 
+void check_exact(const VisibilityOptions& options) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument(
+        "a transmitter and a receiver apart need an exact arithmetic: fixed, filtered or rational");
+}
+
+void share(const FootprintSharer& sharer, SharedFootprints& shared) {
+  std::vector<SharedFootprints> parts(tasks_for(sharer.facets()));
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * facets_per_task, sharer.facets());
+    for (std::size_t k = task * facets_per_task; k < end; ++k) sharer.append(k, parts[task]);
+  });
+  shared.receiver_m = sharer.receiver_m();
+  for (const SharedFootprints& part : parts) append(shared, part);
+}
+
 void check(const BistaticHistory& history, const BistaticBeams& beams, const EchoLaw& law, double tolerance) {
   const auto refuse = [](std::string_view what) { throw std::invalid_argument(std::string(what)); };
   const std::size_t sent = history.transmit.tubes.size(), heard = history.receive.tubes.size();
@@ -50,6 +66,8 @@ void check(const BistaticHistory& history, const BistaticBeams& beams, const Ech
   if (!law.reflectivity.empty() && law.reflectivity.size() != law.material_mu.size())
     refuse(fmt::format("{} materials have a Lambert parameter, but {} a texture or none",
                        law.material_mu.size(), law.reflectivity.size()));
+  if (!history.paired.empty() && history.paired.size() != history.shared.facets.size())
+    refuse("the history's paired facets belong to other facets");
   if (!(tolerance > 0)) refuse(fmt::format("a tolerance must be above 0, not {}", tolerance));
   for (const SharedFacet& facet : history.shared.facets)
     if (facet.facet >= law.material.size() || law.material[facet.facet] >= law.material_mu.size())
@@ -119,36 +137,65 @@ class FacetEcho {
 
   using Part = std::pair<std::size_t, double>;  // bin, energy
 
-  void add(const SharedFacet& facet, std::vector<Part>& parts) {
+  /// `number`: the facet's in the history.
+  void add(std::size_t number, std::vector<Part>& parts) {
     const SharedFootprints& shared = history_.shared;
-    plane_ = {facet.plane_normal, facet.transmit_distance_m};
-    frame_ = PlaneFrame(plane_);
-    receiver_ = {facet.receive_distance_m, frame_.project(shared.receiver_m)};
-    transmit_down_ = -plane_.distance_m * plane_.normal;
-    receive_down_ = -facet.receive_distance_m * plane_.normal;
+    const SharedFacet& facet = shared.facets[number];
+    paired_ = history_.paired.empty() ? nullptr : &history_.paired[number];
     scattering_ = law_.law_of(facet.facet);
-    factor_ =
-        law_.material_mu[law_.material[facet.facet]] * facet.transmit_distance_m * facet.receive_distance_m;
     texture_ = law_.texture(facet.facet);
-    foot_m_ = law_.apex_m - plane_.distance_m * plane_.normal;
+    paired_ == nullptr ? place(facet) : place(facet, *paired_);
     smooth_rad_ = scattering_ != nullptr ? resolution_of(*scattering_) : 1;
     cornered_ = scattering_ != nullptr && (scattering_->pieces().size() > 1 || scattering_->is_pointed());
     if (cornered_) smooth_rad_ = std::min(smooth_rad_, 0.1);  // rules of few nodes do not see a corner
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SharedPiece& piece = shared.pieces[facet.first_piece + k];
       if (!same_fan(piece)) continue;
-      polygon_.assign(std::span(shared.corners_m).subspan(piece.first, piece.count), plane_, frame_);
+      assign(std::span(shared.corners_m).subspan(piece.first, piece.count));
       const auto add_part = [&](const PlanarPolygon& part) {
         law_.patterns == nullptr ? add_plain(part, piece, parts) : add_weighed(part, piece, parts);
       };
       if (texture_ == nullptr)
         add_part(polygon_);
       else
-        cells_.cut(polygon_, plane_, frame_, law_.apex_m, texture_->cells(), add_part);
+        cells_.cut(polygon_, lies_, texture_->cells(), add_part);
     }
   }
 
  private:
+  /// A facet that lies where it is seen.
+  void place(const SharedFacet& facet) {
+    plane_ = {facet.plane_normal, facet.transmit_distance_m};
+    frame_ = PlaneFrame(plane_);
+    receiver_ = {facet.receive_distance_m, frame_.project(history_.shared.receiver_m)};
+    transmit_down_ = -plane_.distance_m * plane_.normal;
+    receive_down_ = -facet.receive_distance_m * plane_.normal;
+    own_ = 1;
+    factor_ =
+        law_.material_mu[law_.material[facet.facet]] * facet.transmit_distance_m * facet.receive_distance_m;
+    if (texture_ != nullptr) lies_ = law_.lying(facet.facet, plane_, frame_);
+  }
+  /// One that both see elsewhere.
+  void place(const SharedFacet& facet, const PairedFacet& paired) {
+    plane_ = {facet.plane_normal, paired.transmit_distance_m};
+    receiver_ = {paired.receive_distance_m, paired.receive_foot_m};
+    own_ = paired_factor(paired, scattering_);
+    factor_ = law_.material_mu[law_.material[facet.facet]] * own_ * paired.transmit_distance_m *
+              paired.receive_distance_m;
+    lies_ = paired.lies;
+  }
+  void assign(std::span<const glm::dvec3> corners_m) {
+    if (paired_ == nullptr) {
+      polygon_.assign(corners_m, plane_, frame_);
+      return;
+    }
+    polygon_.distance = plane_.distance_m;
+    polygon_.first = glm::dvec2(paired_->to_plane.at(corners_m[0]));
+    polygon_.offsets.clear();
+    for (const glm::dvec3& corner : corners_m)
+      polygon_.offsets.emplace_back(glm::dvec2(paired_->to_plane.linear * (corner - corners_m[0])));
+  }
+
   bool same_fan(const SharedPiece& piece) const {
     return beams_.fan_of_transmit_tube.empty() ||
            beams_.fan_of_transmit_tube[piece.transmit_tube] == beams_.fan_of_receive_tube[piece.receive_tube];
@@ -156,12 +203,12 @@ class FacetEcho {
 
   double density(glm::dvec2 p, double rt, double rr) const {
     const double even = even_density(rt, rr);
-    return texture_ == nullptr ? even : even * texture_->factor(foot_m_ + p.x * frame_.u + p.y * frame_.v);
+    return texture_ == nullptr ? even : even * texture_->factor(lies_.foot_m + p.x * lies_.u + p.y * lies_.v);
   }
 
   double even_density(double rt, double rr) const {
     if (scattering_ != nullptr) {
-      const double loss = std::exp(-beta_ * (rt + rr)) / (rt * rt * (rr * rr));
+      const double loss = own_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * (rr * rr));
       return loss * std::sqrt(cross_section(plane_.distance_m, rt) * cross_section(receiver_.distance, rr));
     }
     return factor_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * rt * (rr * rr * rr));
@@ -187,6 +234,7 @@ class FacetEcho {
     glm::dvec3 from_transmitter, from_receiver;
   };
   Directions directions(glm::dvec2 p, double rt, double rr) const {
+    if (paired_ != nullptr) return {paired_->transmit_seen.towards(p), paired_->receive_seen.towards(p)};
     const glm::dvec2 q = p - receiver_.foot;
     return {(transmit_down_ + p.x * frame_.u + p.y * frame_.v) / rt,
             (receive_down_ + q.x * frame_.u + q.y * frame_.v) / rr};
@@ -269,13 +317,14 @@ class FacetEcho {
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
   glm::dvec3 transmit_down_{0}, receive_down_{0};  // from the apexes to the plane
-  double factor_ = 0;
+  const PairedFacet* paired_ = nullptr;
+  double factor_ = 0, own_ = 1;  // of Lambert's law; of any
   const ScatteringLaw* scattering_ = nullptr;
   double smooth_rad_ = 1;
   bool cornered_ = false;
   PlanarPolygon polygon_;
   const ReflectivityField* texture_ = nullptr;
-  glm::dvec3 foot_m_{0};  // of the transmitter, in the local frame
+  LyingPlane lies_;
   TextureCells cells_;
   std::vector<double> sum_;  // all 0 between pieces
 };
@@ -284,20 +333,31 @@ class FacetEcho {
 
 BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                const VisibilityOptions& options, TubeSet transmit, TubeSet receive) {
-  if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument(
-        "a transmitter and a receiver apart need an exact arithmetic: fixed, filtered or rational");
+  check_exact(options);
   BistaticHistory history{std::move(transmit), std::move(receive), grid_unit_m, {}};
   const auto sent = look(mesh, tree, history.transmit, options),
              heard = look(mesh, tree, history.receive, options);
-  const FootprintSharer sharer(mesh, {history.transmit, sent}, {history.receive, heard}, grid_unit_m);
-  std::vector<SharedFootprints> parts(tasks_for(sharer.facets()));
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * facets_per_task, sharer.facets());
-    for (std::size_t k = task * facets_per_task; k < end; ++k) sharer.append(k, parts[task]);
-  });
-  history.shared.receiver_m = sharer.receiver_m();
-  for (const SharedFootprints& part : parts) append(history.shared, part);
+  share(FootprintSharer(mesh, {history.transmit, sent}, {history.receive, heard}, grid_unit_m),
+        history.shared);
+  return history;
+}
+
+BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
+                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
+                               const Straightening& transmit_water, const Straightening& receive_water,
+                               double reference_absorption_db_per_m) {
+  check_exact(options);
+  BistaticHistory history{std::move(transmit), std::move(receive), grid.unit_m(), {}};
+  const FacetMesh &sent_to = pair.transmit.refined.mesh, &heard_from = pair.receive.refined.mesh;
+  const SceneTree sent_tree(sent_to, SceneTree::Sheets::ignored),
+      heard_tree(heard_from, SceneTree::Sheets::ignored);
+  const auto sent = look(sent_to, sent_tree, history.transmit, options),
+             heard = look(heard_from, heard_tree, history.receive, options);
+  share(FootprintSharer({history.transmit, sent, &sent_to, pair.transmit_origin},
+                        {history.receive, heard, &heard_from, pair.receive_origin}, grid.unit_m()),
+        history.shared);
+  history.paired =
+      paired_facets(history.shared, pair, grid, transmit_water, receive_water, reference_absorption_db_per_m);
   return history;
 }
 
@@ -318,7 +378,7 @@ Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     FacetEcho& facet_echo = threads.local();
     const std::size_t end = std::min((task + 1) * facets_per_task, facets.size());
-    for (std::size_t k = task * facets_per_task; k < end; ++k) facet_echo.add(facets[k], parts[task]);
+    for (std::size_t k = task * facets_per_task; k < end; ++k) facet_echo.add(k, parts[task]);
   });
   for (const auto& task : parts)
     for (const auto& [bin, energy] : task) echo.energy[bin] += energy;

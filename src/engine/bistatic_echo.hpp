@@ -5,6 +5,7 @@
 #include <span>
 
 #include "engine/echo.hpp"
+#include "engine/paired_facet.hpp"
 #include "engine/path_loss.hpp"
 #include "geometry/scene_tree.hpp"
 #include "geometry/shared_footprints.hpp"
@@ -19,12 +20,22 @@ struct BistaticHistory {
   TubeSet transmit, receive;
   double grid_unit_m = 1;  ///< metres per grid unit of both
   SharedFootprints shared;
+  /// In refracting water: by shared facet, where else it is seen and lies; empty: in even water.
+  std::vector<PairedFacet> paired{};
 };
 
 /// Exact visibility from both apexes, and the exact intersections on the facets. `options` must name an exact
 /// arithmetic. The result does not depend on the threads.
 BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                const VisibilityOptions& options, TubeSet transmit, TubeSet receive);
+
+/// The same in refracting water, on facets that the two apexes see in different places (trees of the two
+/// apparent meshes). Facets of the history are those of pair.mesh. `transmit` and `receive` are what the pair
+/// was made with; both have the same reference speed.
+BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
+                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
+                               const Straightening& transmit_water, const Straightening& receive_water,
+                               double reference_absorption_db_per_m);
 
 /// Which beams hear what.
 struct BistaticBeams {
@@ -47,7 +58,9 @@ constexpr double bistatic_tolerance = 1e-10;
 /// receive pattern in that from the receive apex. The error of each energy is at most about `tolerance` times
 /// what it would be with patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to
 /// about 1e-6, tabulated laws, whose first does, to about 1e-5. With `loss` every element also loses what the
-/// mirrors on its path take, by the directions from the two apexes, which may be images (docs/paths.md).
+/// mirrors on its path take, by the directions from the two apexes, which may be images (docs/paths.md). With
+/// paired facets, ranges are travel times by the reference speed, patterns are taken in the directions in
+/// which rays leave and arrive, and each facet has paired_factor().
 Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams& beams,
                              const RangeSamples& samples, const EchoLaw& law,
                              double tolerance = bistatic_tolerance, const PathLoss* loss = nullptr);

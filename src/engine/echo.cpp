@@ -55,13 +55,15 @@ class Rows {
 
   const ReflectivityField* texture(FacetId facet) const {
     mu(facet);  // refuses a facet without material
+    if (!law_.facet_map.empty() && facet >= law_.facet_map.size())
+      throw std::invalid_argument(fmt::format("facet {} has no true place, others have", facet));
     return law_.texture(facet);
   }
 
   /// The micro-texture at a place relative to the apex.
   double texture_at(FacetId facet, glm::dvec3 place_m) const {
     const ReflectivityField* field = texture(facet);
-    return field == nullptr ? 1 : field->factor(law_.apex_m + place_m);
+    return field == nullptr ? 1 : field->factor(law_.true_place(facet, place_m));
   }
 
  private:
@@ -147,9 +149,10 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
         integrator.add(polygon, plane, frame, footprint.tube, lambert_or_one, echo.energy, scattering);
         continue;
       }
-      cells.cut(polygon, plane, frame, law.apex_m, texture->cells(), [&](const PlanarPolygon& part) {
+      const LyingPlane lies = law.lying(footprint.facet, plane, frame);
+      cells.cut(polygon, lies, texture->cells(), [&](const PlanarPolygon& part) {
         integrator.add(part, plane, frame, footprint.tube, lambert_or_one, echo.energy, scattering,
-                       {texture, law.apex_m});
+                       {texture, lies});
       });
     }
     if (!taker) continue;

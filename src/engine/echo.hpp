@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/beam_pattern.hpp"
+#include "engine/facet_map.hpp"
 #include "engine/history.hpp"
 #include "seabed/reflectivity_field.hpp"
 #include "seabed/scattering_law.hpp"
@@ -50,6 +51,16 @@ struct EchoLaw {
   /// By facet: what it returns over what the straight law makes of it (apparent facets in refracting water,
   /// medium/straightening.hpp); empty: 1.
   std::span<const double> facet_factor{};
+  /// By facet: where it lies, for textures (apparent facets); empty: where it is seen.
+  std::span<const FacetMap> facet_map{};
+
+  /// Where a place on a facet lies that is seen `from_apex_m`; local frame.
+  glm::dvec3 true_place(FacetId facet, glm::dvec3 from_apex_m) const {
+    return facet_map.empty() ? apex_m + from_apex_m : facet_map[facet].at(from_apex_m);
+  }
+  LyingPlane lying(FacetId facet, const FacetPlane& plane, const PlaneFrame& frame) const {
+    return facet_map.empty() ? LyingPlane(plane, frame, apex_m) : LyingPlane(plane, frame, facet_map[facet]);
+  }
 };
 
 /// How a footprint's energy gets into range samples.

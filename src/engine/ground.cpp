@@ -69,7 +69,10 @@ struct Ground::Seen : Cells {
     const double length = std::sqrt(edge2), lift = ground.omitted_.largest_height_m() + ground.grid_.unit_m();
     for (std::size_t k = 0; k < looks.size(); ++k) {
       const glm::dvec3 from_apex = middle - apexes[k];
-      if (!sectors[k].may_meet(from_apex, 2 * length + lift)) continue;
+      const double radius = 2 * length + lift;
+      if (looks[k].outlook != nullptr ? !looks[k].outlook->may_see(middle, radius)
+                                      : !sectors[k].may_meet(from_apex, radius))
+        continue;
       if (ground.settings_.tolerance <= 0) return true;
       Resolution cell;
       cell.range_m = std::max({glm::length(from_apex) - length - lift, looks[k].first_m, looks[k].sample_m});
@@ -240,8 +243,11 @@ RefinedMesh Ground::everywhere(const RefinementLimits& limits) const {
 RefinedMesh Ground::seen_by(std::span<const Look> looks, const RefinementLimits& limits) const {
   const Seen rule(*this, looks);
   std::vector<FacetId> facets;
-  for (const Sector& sector : rule.sectors) {
-    const std::vector<FacetId> some = sector.facets(tree_, omitted_.largest_height_m() + grid_.unit_m());
+  const double lift = omitted_.largest_height_m() + grid_.unit_m();
+  for (std::size_t k = 0; k < looks.size(); ++k) {
+    const std::vector<FacetId> some = looks[k].outlook != nullptr
+                                          ? looks[k].outlook->facets(base_, tree_, grid_, lift)
+                                          : rule.sectors[k].facets(tree_, lift);
     facets.insert(facets.end(), some.begin(), some.end());
   }
   std::sort(facets.begin(), facets.end());

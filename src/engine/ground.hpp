@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "engine/outlook.hpp"
 #include "engine/relief_error.hpp"
 #include "engine/sector.hpp"
 #include "geometry/edge_refinement.hpp"
@@ -28,8 +29,9 @@ struct GroundSettings {
 /// What a shot asks of the ground.
 struct Look {
   const TubeSet* tubes = nullptr;
-  double first_m = 0;      ///< slant range where its samples begin
-  double sample_m = 0.01;  ///< length of one
+  double first_m = 0;                ///< slant range where its samples begin
+  double sample_m = 0.01;            ///< length of one
+  const Outlook* outlook = nullptr;  ///< where it looks through refracting water; null: straight
 };
 
 class Ground {

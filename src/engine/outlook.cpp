@@ -185,18 +185,22 @@ bool Outlook::may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_
                  glm::clamp(glm::dvec2(0), glm::dvec2(lo), glm::dvec2(hi)), lo.z, hi.z);
 }
 
-std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tree,
-                                     const WorldGrid& grid) const {
+std::vector<FacetId> Outlook::facets(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid,
+                                     double margin_m) const {
   std::vector<FacetId> near, seen;
+  const glm::dvec3 margin(margin_m);
   tree.query(
       [&](const GridPoint& lowest, const GridPoint& highest) {
-        return may_see_box(grid.to_metres(lowest), grid.to_metres(highest));
+        return may_see_box(grid.to_metres(lowest) - margin, grid.to_metres(highest) + margin);
       },
       near);
   for (const FacetId f : near) {
     const auto& [a, b, c] = mesh.facets[f];
-    if (may_see({grid.to_metres(mesh.vertices[a]), grid.to_metres(mesh.vertices[b]),
-                 grid.to_metres(mesh.vertices[c])}))
+    const glm::dvec3 corners[3] = {grid.to_metres(mesh.vertices[a]), grid.to_metres(mesh.vertices[b]),
+                                   grid.to_metres(mesh.vertices[c])};
+    if (margin_m > 0 ? may_see_box(glm::min(corners[0], glm::min(corners[1], corners[2])) - margin,
+                                   glm::max(corners[0], glm::max(corners[1], corners[2])) + margin)
+                     : may_see(corners))
       seen.push_back(f);
   }
   std::ranges::sort(seen);

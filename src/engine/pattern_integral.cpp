@@ -122,7 +122,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   if (law != nullptr) take_law(*law);
   const std::vector<double> corners =
       law != nullptr ? corner_ranges_m(*law, piece_.distance) : std::vector<double>();
-  take_texture(texture, plane, frame);
+  take_texture(texture);
 
   const std::size_t samples = borders_.size() - 1;
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
@@ -199,8 +199,7 @@ void PatternIntegrator::take_axes(const PlanarPolygon& polygon, const FacetPlane
   }
 }
 
-void PatternIntegrator::take_texture(const PlacedTexture& texture, const FacetPlane& plane,
-                                     const PlaneFrame& frame) {
+void PatternIntegrator::take_texture(const PlacedTexture& texture) {
   texture_.field = texture.field;
   if (texture.field == nullptr) return;
   auto known = counts_.find(texture.field);
@@ -209,9 +208,7 @@ void PatternIntegrator::take_texture(const PlacedTexture& texture, const FacetPl
     known = counts_.emplace(texture.field, NodeCount(growth, tolerance_)).first;
   }
   texture_.count = &known->second;
-  texture_.foot = texture.apex_m - plane.distance_m * plane.normal;
-  texture_.u = frame.u;
-  texture_.v = frame.v;
+  texture_.plane = texture.plane;
 }
 
 double PatternIntegrator::s_at(const Crossing& crossing, double t2) const {
@@ -320,7 +317,8 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
     n = std::max(law_nodes_->by_angle.nodes(bent * turned_by, rho),
                  law_nodes_->by_range.nodes(bent * stretched_by, rho));
   }
-  if (texture_.field != nullptr) n = std::max(n, texture_.count->nodes(moved() / 2, rho));
+  if (texture_.field != nullptr)
+    n = std::max(n, texture_.count->nodes(texture_.plane.stretch * moved() / 2, rho));
   for (const Change& change : receiver_->changes) {
     double extent = 0;
     if (change.along_axis && !piece_.full_circle) {
@@ -347,7 +345,9 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
 /// h.
 int PatternIntegrator::nodes_of_arc(double half, double rho, double radius) const {
   const double ellipse = ellipse_of_arc(half);
-  int n = texture_.field != nullptr ? texture_.count->nodes(1.18 * half * rho, ellipse) : 1;
+  int n = texture_.field != nullptr
+              ? texture_.count->nodes(1.18 * half * rho * texture_.plane.stretch, ellipse)
+              : 1;
   for (const Change& change : receiver_->changes) {
     double steep = radius;
     if (change.along_axis) {
@@ -389,8 +389,8 @@ void PatternIntegrator::face(glm::dvec2 ahead, double rho, double radius) {
     axis.aside = radius * glm::dot(axis.plane, turned(ahead));
   }
   if (texture_.field == nullptr) return;
-  texture_.ahead = rho * (ahead.x * texture_.u + ahead.y * texture_.v);
-  texture_.aside = rho * (ahead.x * texture_.v - ahead.y * texture_.u);
+  texture_.ahead = rho * (ahead.x * texture_.plane.u + ahead.y * texture_.plane.v);
+  texture_.aside = rho * (ahead.x * texture_.plane.v - ahead.y * texture_.plane.u);
 }
 
 void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight) {
@@ -431,8 +431,8 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
   }
   if (texture_.field != nullptr)
     for (std::size_t i = 0; i < nodes; ++i)
-      share[i] *=
-          texture_.field->factor(texture_.foot + cosine[i] * texture_.ahead + sine[i] * texture_.aside);
+      share[i] *= texture_.field->factor(texture_.plane.foot_m + cosine[i] * texture_.ahead +
+                                         sine[i] * texture_.aside);
   const auto at = [&](const Axis& axis, std::size_t i) {
     return axis.level + axis.ahead * cosine[i] + axis.aside * sine[i];
   };

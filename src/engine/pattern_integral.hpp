@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/beam_pattern.hpp"
+#include "engine/facet_map.hpp"
 #include "engine/gain_panels.hpp"
 #include "engine/gauss_rules.hpp"
 #include "engine/node_count.hpp"
@@ -20,10 +21,10 @@
 
 namespace tubefoot {
 
-/// Micro-texture and where the apex is in its frame, the local one.
+/// Micro-texture, and where the polygon's plane lies in its frame, the local one.
 struct PlacedTexture {
   const ReflectivityField* field = nullptr;  ///< none: even
-  glm::dvec3 apex_m{0};
+  LyingPlane plane{};
 };
 
 /// Integrates r^-6 e^(-beta r), or a scattering law times r^-4 e^(-beta r), times transmit and receive
@@ -113,8 +114,8 @@ class PatternIntegrator {
   struct Factor {
     const ReflectivityField* field = nullptr;
     const NodeCount* count = nullptr;
-    glm::dvec3 foot{0}, u{0}, v{0};  // of the plane, in the local frame
-    glm::dvec3 ahead{0}, aside{0};   // place = foot + ahead cos + aside sin of the angle from an arc's middle
+    LyingPlane plane;
+    glm::dvec3 ahead{0}, aside{0};  // place = foot + ahead cos + aside sin of the angle from an arc's middle
   };
 
   /// How fast a law changes: with the angle of incidence, and with the logarithm of range.
@@ -123,7 +124,7 @@ class PatternIntegrator {
     NodeCount by_angle, by_range;
   };
 
-  void take_texture(const PlacedTexture& texture, const FacetPlane& plane, const PlaneFrame& frame);
+  void take_texture(const PlacedTexture& texture);
   void face(glm::dvec2 ahead, double rho, double radius);
   Receiver& receiver_of(std::uint32_t tube);
   std::unique_ptr<Receiver> make_receiver(std::uint32_t fan, std::uint32_t first, std::uint32_t end) const;

@@ -202,6 +202,8 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
                            double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+  if (!law.facet_map.empty())
+    throw std::invalid_argument("textures of facets that lie elsewhere than they are seen are not enclosed");
   // How a bin's tolerance is shared out among its parts is a guess, which a bin of very many small parts may
   // prove wrong: then all of them are done again, as much narrower as that bin needs.
   constexpr int most_tries = 3;

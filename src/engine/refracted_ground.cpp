@@ -13,6 +13,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "engine/paired_facet.hpp"
 #include "geometry/weld_table.hpp"
 
 namespace tubefoot {
@@ -285,19 +286,17 @@ double scattered_over(const GrazingSines& sines, const ScatteringLaw* law) {
 
 glm::dvec3 normal_of(const glm::dvec3 (&c)[3]) { return glm::cross(c[1] - c[0], c[2] - c[0]); }
 
-}  // namespace
-
-ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
-                          const Straightening& straightening, double reference_absorption_db_per_m,
-                          const StraighteningSettings& settings, const RefinementLimits& limits,
-                          std::span<const std::shared_ptr<const ScatteringLaw>> laws,
-                          const Outlook* outlook) {
+void check(const StraighteningSettings& settings) {
   if (!(settings.gap_m > 0 && settings.shortest_edge_m > 0 && settings.shadow_edge_m > 0 &&
         settings.tolerance_db > 0))
     throw std::invalid_argument("the lengths and the tolerance of straightening must be above 0");
-  const Images images(straightening, reference_absorption_db_per_m, settings, outlook);
-  FineFacets fine = refined(base, facets, grid, images, limits);
+}
 
+/// What an apex sees of facets that are fine enough. `origin`: by apparent facet, which it is of.
+ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& grid,
+                       const Straightening& straightening, const StraighteningSettings& settings,
+                       std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                       std::vector<FacetId>* origin = nullptr) {
   ApparentGround ground;
   ground.reference_speed_m_s = straightening.reference_speed_m_s();
   FacetMesh& mesh = ground.refined.mesh;
@@ -352,6 +351,7 @@ ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets
     mesh.material.push_back(material);
     mesh.component.push_back(from.component[f]);
     ground.refined.parent.push_back(fine.mesh.parent[f]);
+    if (origin != nullptr) origin->push_back(FacetId(f));
     const ScatteringLaw* law = laws.empty() ? nullptr : laws[material].get();
     ground.facet_factor.push_back(facet_factor(
         corners, seen, returns, [law](const GrazingSines& sines) { return scattered_over(sines, law); }));
@@ -359,6 +359,57 @@ ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets
   ground.truth = std::move(fine.at_m);
   thin_out(ground.unclear);
   return ground;
+}
+
+/// Cuts what either of two rules cuts.
+struct EitherRule final : EdgeRule {
+  EitherRule(const EdgeRule& one, const EdgeRule& other) : first(one), second(other) {}
+  bool cuts(const BasePoint& a, const BasePoint& b) const override {
+    return first.cuts(a, b) || second.cuts(a, b);
+  }
+  const EdgeRule &first, &second;
+};
+
+FineFacets with_images(const RefinedMesh& cut, const WorldGrid& grid, const GapRule& rule) {
+  FineFacets fine{cut, {}, {}};
+  for (const GridPoint& v : cut.mesh.vertices) {
+    fine.at_m.push_back(grid.to_metres(v));
+    fine.image.push_back(rule.of(fine.at_m.back()));
+  }
+  return fine;
+}
+
+}  // namespace
+
+ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                          const Straightening& straightening, double reference_absorption_db_per_m,
+                          const StraighteningSettings& settings, const RefinementLimits& limits,
+                          std::span<const std::shared_ptr<const ScatteringLaw>> laws,
+                          const Outlook* outlook) {
+  check(settings);
+  const Images images(straightening, reference_absorption_db_per_m, settings, outlook);
+  return seen_of(refined(base, facets, grid, images, limits), images, grid, straightening, settings, laws);
+}
+
+ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                             const Straightening& transmit, const Straightening& receive,
+                             double reference_absorption_db_per_m, const StraighteningSettings& settings,
+                             const RefinementLimits& limits, const Outlook* transmit_outlook,
+                             const Outlook* receive_outlook) {
+  check(settings);
+  const Images sent(transmit, reference_absorption_db_per_m, settings, transmit_outlook),
+      heard(receive, reference_absorption_db_per_m, settings, receive_outlook);
+  const GapRule sent_rule(sent), heard_rule(heard);
+  ApparentPair pair;
+  RefinedMesh cut = refine(
+      base, facets, grid, EitherRule(sent_rule, heard_rule), [](const BasePoint& p) { return p.at_m; },
+      limits);
+  pair.transmit =
+      seen_of(with_images(cut, grid, sent_rule), sent, grid, transmit, settings, {}, &pair.transmit_origin);
+  pair.receive =
+      seen_of(with_images(cut, grid, heard_rule), heard, grid, receive, settings, {}, &pair.receive_origin);
+  pair.mesh = std::move(cut.mesh);
+  return pair;
 }
 
 glm::dvec3 ApparentGround::true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const {
@@ -372,6 +423,20 @@ glm::dvec3 ApparentGround::true_place(FacetId facet, glm::dvec3 seen_m, const Wo
                v = glm::dot(n, glm::cross(seen[1] - seen[0], along)) / area2;
   return truth[corner[0]] + u * (truth[corner[1]] - truth[corner[0]]) +
          v * (truth[corner[2]] - truth[corner[0]]);
+}
+
+std::vector<FacetMap> ApparentGround::facet_maps(glm::dvec3 apex_m, const WorldGrid& grid) const {
+  std::vector<FacetMap> maps;
+  maps.reserve(refined.mesh.facets.size());
+  for (const auto& corner : refined.mesh.facets) {
+    glm::dvec3 seen[3], lies[3];
+    for (int i = 0; i < 3; ++i) {
+      seen[i] = grid.to_metres(refined.mesh.vertices[corner[i]]) - apex_m;
+      lies[i] = truth[corner[i]];
+    }
+    maps.push_back(facet_map(seen, lies));
+  }
+  return maps;
 }
 
 double ApparentGround::area_ratio(FacetId facet, const WorldGrid& grid) const {

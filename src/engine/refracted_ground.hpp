@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/facet_map.hpp"
 #include "engine/outlook.hpp"
 #include "geometry/edge_refinement.hpp"
 #include "medium/straightening.hpp"
@@ -53,6 +54,8 @@ struct ApparentGround {
 
   /// Where a point of an apparent facet lies: as it lies between the facet's corners.
   glm::dvec3 true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const;
+  /// By facet, for EchoLaw::facet_map; the apex in the local frame.
+  std::vector<FacetMap> facet_maps(glm::dvec3 apex_m, const WorldGrid& grid) const;
   /// True area of a facet over its apparent one.
   double area_ratio(FacetId facet, const WorldGrid& grid) const;
 };

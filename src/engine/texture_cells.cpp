@@ -31,13 +31,11 @@ void split(const PlanarPolygon& polygon, glm::dvec2 across, double level, Planar
 
 }  // namespace
 
-void TextureCells::cut(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame,
-                       glm::dvec3 apex_m, std::span<const CellPlanes> cells,
+void TextureCells::cut(const PlanarPolygon& polygon, const LyingPlane& plane,
+                       std::span<const CellPlanes> cells,
                        const std::function<void(const PlanarPolygon&)>& take) {
   if (polygon.offsets.size() < 3) return;
   plane_ = plane;
-  frame_ = &frame;
-  apex_m_ = apex_m;
   take_ = &take;
   if (levels_.size() < cells.size()) levels_.resize(cells.size());
   cut(cells, polygon, 0);
@@ -55,9 +53,9 @@ void TextureCells::cut(std::span<const CellPlanes> cells, const PlanarPolygon& p
   }
   // In the polygon's offsets the family is a set of lines: across . offset = k spacing - foot.
   const CellPlanes& planes = cells[level];
-  const glm::dvec2 across{glm::dot(planes.normal, frame_->u), glm::dot(planes.normal, frame_->v)};
-  const double foot = glm::dot(planes.normal, apex_m_ - plane_.distance_m * plane_.normal) - planes.offset_m +
-                      glm::dot(across, polygon.first);
+  const glm::dvec2 across{glm::dot(planes.normal, plane_.u), glm::dot(planes.normal, plane_.v)};
+  const double foot =
+      glm::dot(planes.normal, plane_.foot_m) - planes.offset_m + glm::dot(across, polygon.first);
   double lo = glm::dot(across, polygon.offsets[0]), hi = lo;
   for (const glm::dvec2 offset : polygon.offsets) {
     lo = std::min(lo, glm::dot(across, offset));

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/measure.hpp"
+#include "engine/facet_map.hpp"
 #include "seabed/reflectivity_field.hpp"
 
 namespace tubefoot {
@@ -14,11 +14,11 @@ namespace tubefoot {
 /// part. Neighbouring parts share their corners but for rounding. Holds scratch memory: one per thread.
 class TextureCells {
  public:
-  /// Calls `take` for each part of a convex polygon on `plane` that lies in one cell; the apex is at `apex_m`
-  /// in the local frame. A polygon within one cell is taken as it is. The work is in proportion to the number
-  /// of cells that the polygon meets, the memory to its corners.
-  void cut(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 apex_m,
-           std::span<const CellPlanes> cells, const std::function<void(const PlanarPolygon&)>& take);
+  /// Calls `take` for each part of a convex polygon on a facet that lies in one cell. A polygon within one
+  /// cell is taken as it is. The work is in proportion to the number of cells that the polygon meets, the
+  /// memory to its corners.
+  void cut(const PlanarPolygon& polygon, const LyingPlane& plane, std::span<const CellPlanes> cells,
+           const std::function<void(const PlanarPolygon&)>& take);
 
  private:
   struct Level {
@@ -26,9 +26,7 @@ class TextureCells {
   };
   void cut(std::span<const CellPlanes> cells, const PlanarPolygon& polygon, std::size_t level);
 
-  FacetPlane plane_;
-  const PlaneFrame* frame_ = nullptr;
-  glm::dvec3 apex_m_{0};
+  LyingPlane plane_;
   const std::function<void(const PlanarPolygon&)>* take_ = nullptr;
   std::vector<Level> levels_;  // by family of planes
   PlanarPolygon taken_;

@@ -117,6 +117,48 @@ position_m = [0, 0, 2.4]
   EXPECT_EQ(shut.total(), 0);
 }
 
+// Through water of one gradient, physics sheet 2.2: the rays to a point of the bed in closed form. Points of
+// a fine grid of the bed, each in the sample of its travel times.
+TEST(BistaticRun, RefractingWaterBendsBothWays) {
+  const double h = 5, b = 3, mu = 0.1, g = -10, cs = 1500, cr = cs + g * h;
+  const std::string even = scene("receiver_arm_m = [3, 0, 0]");
+  const auto at = even.find("sound_speed_m_s = 1500");
+  ASSERT_NE(at, std::string::npos);
+  std::string layered = even;
+  layered.replace(at, 22,
+                  "surface_height_m = 10\nprofile = \"gradient\"\nsound_speed_m_s = 1550\n"
+                  "gradient_per_s = -10\nprofile_bottom_m = 12");
+  const Echoes straight = echoes_of(even), bent = echoes_of(layered);
+  std::vector<double> expected(bent.samples);
+  const double cell = 0.005, step = bent.last_m(0) - bent.first_m(0);
+  struct Way {
+    double time_s, sine, tube_m2;
+  };
+  const auto way = [&](double x, double y) {
+    const double along = std::hypot(x, y), chord = std::hypot(along, h);
+    const double time = std::acosh(1 + g * g * chord * chord / (2 * cs * cr)) / -g;
+    return Way{time, std::sin(std::asin(h / chord) - std::atan(g * along / (cs + cr))),
+               std::pow(cr * std::sinh(g * time) / g, 2)};
+  };
+  for (double x = -6 + cell / 2; x < 6; x += cell)
+    for (double y = cell / 2; y < 5; y += cell) {  // and the other half
+      const Way out = way(x - b / 2, y), home = way(x + b / 2, y);
+      const double sample = (cs * (out.time_s + home.time_s) / 2 - bent.first_m(0)) / step;
+      if (sample >= double(expected.size())) continue;
+      expected[std::size_t(sample)] +=
+          2 * mu * out.sine * home.sine * cell * cell * cr * cr / (out.tube_m2 * home.tube_m2 * cs * cs);
+    }
+  double difference = 0, all = 0, far_m = std::hypot(h, b / 2) * 1.08;
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    if (bent.first_m(k) < far_m || bent.last_m(k) > 6.4) continue;
+    EXPECT_NEAR(sum_of_sample(bent, k) / expected[k], 1, 0.03) << k;
+    difference += std::abs(sum_of_sample(straight, k) / expected[k] - 1);
+    all += sum_of_sample(bent, k) / expected[k] - 1;
+  }
+  EXPECT_LT(std::abs(all) / 40, 0.005);  // the grid's cells do not favour a side
+  EXPECT_GT(difference / 40, 0.03);
+}
+
 TEST(BistaticRun, SaysWhatItCannotDo) {
   const TestFolder folder;
   const auto file = folder.write("scene.toml", scene("receiver_arm_m = [1, 0, 0]"));

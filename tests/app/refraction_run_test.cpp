@@ -15,6 +15,7 @@
 #include <numeric>
 
 #include "app/echo_reader.hpp"
+#include "seabed/perlin_reflectivity.hpp"
 
 namespace tubefoot {
 namespace {
@@ -131,6 +132,38 @@ TEST(RefractionRun, RaysSeeTheSameGround) {
   const double g = -0.5;
   const Echoes rays = echoes_of(scene_in(gradient(g)), {"--engine", "ray", "--rays", "200000"});
   EXPECT_LT(errors_of(rays, g, 0).sum, 0.015);  // of the rays' own sampling
+}
+
+// Where the bed lies, up to a metre from where it is seen: a sample's energy over an even bed's is the mean
+// of the texture over its ring.
+TEST(RefractionRun, MicroTextureIsThatOfTheTrueBed) {
+  const double g = -2, cr = c_sonar + g * above_bed_m;
+  const std::string even =
+      scene_in(gradient(g, 0, "refraction_gap_m = 0.002\nrefraction_tolerance_db = 0.02"));
+  const Echoes plain = echoes_of(even),
+               textured = echoes_of(replaced(even, "lambert_db = -27",
+                                             "lambert_db = -27\n[[materials.reflectivity]]\nkind = "
+                                             "\"perlin\"\nwavelength_m = 1.5\noctaves = 1\ndepth = 0.8\nseed = 7\n"));
+  const PerlinReflectivity texture({.wavelength_m = 1.5, .octaves = 1, .depth = 0.8, .seed = 7});
+  double least = 2, most = 0;
+  for (std::size_t k = 0; k < plain.samples; ++k) {
+    if (plain.first_m(k) < 10.5) continue;
+    double mean = 0;
+    constexpr int n = 16;
+    for (int i = 0; i < n; ++i) {
+      const double r = plain.first_m(k) + (i + 0.5) / n * (plain.last_m(k) - plain.first_m(k));
+      const double x = std::sqrt(2 * c_sonar * cr / (g * g) * (std::cosh(g * r / c_sonar) - 1) -
+                                 above_bed_m * above_bed_m);
+      for (int j = 0; j < n; ++j) {
+        const double heading = 37 * degree + fan_rad * ((j + 0.5) / n - 0.5);
+        mean += texture.factor({x * std::sin(heading), x * std::cos(heading), 0}) / n / n;
+      }
+    }
+    EXPECT_NEAR(textured.at(0, 0, k) / plain.at(0, 0, k), mean, 0.01) << k;
+    least = std::min(least, mean);
+    most = std::max(most, mean);
+  }
+  EXPECT_GT(most - least, 0.5);
 }
 
 // The fan ends 85 degrees below the horizontal: when that ray touches the bed is when it starts to return.
@@ -337,13 +370,6 @@ TEST(RefractionRun, WhatCannotBeHadIsRefused) {
   const std::string plain = scene_in(gradient(-1));
   refused(plain, "not proven", {"--reference"});
   refused(replaced(plain, "[trajectory]", "[sea_surface]\nheight_m = 20\n[trajectory]"), "mirrors");
-  refused(replaced(plain, "lambert_db = -27",
-                   "lambert_db = -27\n[[materials.reflectivity]]\nkind = \"perlin\"\n"),
-          "micro-texture");
-  refused(replaced(plain, "[trajectory]",
-                   "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\n"
-                   "wavelength_m = 0.4\nrms_height_m = 0.02\n[trajectory]"),
-          "offline");
   refused(replaced(plain, "position_m = [0, 0, 10]", "position_m = [0, 0, 21]"), "above the sea surface");
 }
 

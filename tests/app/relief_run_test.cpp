@@ -117,6 +117,29 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   EXPECT_THAT(refused(replaced(with_file, "bed.ply", "no.ply")), HasSubstr("tubefoot refine"));
 }
 
+// Refined where bent rays look, with the receiver in the same place and apart.
+TEST(ReliefRun, RefractingWaterSeesTheShotsGround) {
+  const TestFolder folder;
+  const std::string water =
+      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1600\ngradient_per_s = -10\nprofile_bottom_m = "
+      "12\nsurface_height_m = 8\nabsorption_db_per_km = 100\n";
+  for (const std::string apart : {"", "\nreceiver_arm_m = [0, -0.4, 0.2]"}) {
+    SCOPED_TRACE(apart);
+    const auto with = [&](const std::string& text) {
+      return water + replaced(text, "ping_interval_s = 1", "ping_interval_s = 1" + apart);
+    };
+    const Result online = run_scene(folder, "online", with(std::string(scene))),
+                 offline = run_scene(folder, "offline", with(offline_scene()));
+    ASSERT_FALSE(online.energy.empty());
+    EXPECT_EQ(online.energy, offline.energy);
+    EXPECT_GT(online.stats.at("relief").at("facets_made").get<double>(), 1000);
+    EXPECT_EQ(online.stats.at("refraction").at("facets_in_shadow"), 0);
+    EXPECT_NE(run_scene(folder, "even", replaced(scene, "ping_interval_s = 1", "ping_interval_s = 1" + apart))
+                  .energy,
+              online.energy);
+  }
+}
+
 TEST(ReliefRun, AuditAndFootprintsSeeTheShotsGround) {
   const TestFolder folder;
   const auto file = folder.write("scene.toml", replaced(scene, "tolerance = 0", "tolerance = 0.05"));

@@ -225,6 +225,35 @@ TEST(SharedFootprints, AddUpToWhatTheOtherSeesOfAFootprint) {
   EXPECT_GT(partial, 20u);
 }
 
+// A receiver that looks at an image of the mesh, stretched and turned about, from its apex's image along the
+// images of its rays sees what it sees of the mesh.
+TEST(SharedFootprints, OfImagesAreThoseOfTheMesh) {
+  std::size_t shared = 0;
+  for (const std::uint64_t seed : {20265, 20266}) {
+    SCOPED_TRACE(seed);
+    test::Random random(seed);
+    const FacetMesh mesh = test::rough_terrain(random, 12, 20000000, -3000000, 900000);
+    const auto image_of = [](GridPoint p) { return GridPoint{3 * p.z, p.x - p.z, p.y}; };
+    FacetMesh image = mesh;
+    for (GridPoint& v : image.vertices) v = image_of(v);
+    const Look transmit = look(mesh, test::lattice_tubes({-2000000, 0, 0}, -4, -5, 8, 6, 4)),
+               receive = look(mesh, test::lattice_tubes({2500000, 300000, 100000}, -4, -5, 8, 6, 3));
+    TubeSet tubes = receive.tubes;
+    tubes.apex = image_of(tubes.apex);
+    tubes.reach = 1e12;
+    for (GridPoint& ray : tubes.rays) ray = image_of(ray);
+    const Look there = look(image, tubes);
+    const ApexLook sent{transmit.tubes, transmit.seen, &mesh}, heard{there.tubes, there.seen, &image};
+    Parts expected = oracle(mesh, transmit, receive), found = parts_of(FootprintSharer(sent, heard, 1).all());
+    // Into how many convex pieces what is seen falls depends on how it is seen.
+    for (auto& [key, part] : found)
+      if (const auto of = expected.find(key); of != expected.end()) part.pieces = of->second.pieces;
+    expect_equal(found, expected);
+    shared += expected.size();
+  }
+  EXPECT_GT(shared, 100u);
+}
+
 TEST(SharedFootprints, WhatOnlyOneOfThemSeesIsNotShared) {
   // A bed, and a wall between the apexes that reaches above both of them.
   FacetMesh mesh;
