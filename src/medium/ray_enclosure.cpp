@@ -120,6 +120,8 @@ RayEnclosure::RayEnclosure(const Straightening& straightening, const EigenrayOpt
   const auto& points = straightening.water().profile.points();
   const auto [slowest, fastest] = std::ranges::minmax(points, {}, &ProfilePoint::sound_speed_m_s);
   least_stretch_ = reference_speed_ / fastest.sound_speed_m_s * (1 - slack);
+  const double least_ratio = slowest.sound_speed_m_s / fastest.sound_speed_m_s;
+  least_area_ratio_ = least_ratio * least_ratio * (1 - slack);
   most_turn_rad_ = 2 * std::acos(slowest.sound_speed_m_s / fastest.sound_speed_m_s) * (1 + slack) + slack;
 }
 

@@ -40,7 +40,9 @@ class RayEnclosure {
   glm::dvec3 apex_m() const { return straightening_.apex_m(); }
   /// No image is nearer than this times its point.
   double least_stretch() const { return least_stretch_; }
-  /// And none is seen farther than this above or below its point.
+  /// No area per steradian to a point is less than this times that from the point back.
+  double least_area_ratio() const { return least_area_ratio_; }
+  /// No image is seen farther than this above or below its point.
   double most_turn_rad() const { return most_turn_rad_; }
 
  private:
@@ -57,7 +59,7 @@ class RayEnclosure {
   EigenrayOptions options_;
   EigenrayFinder finder_;
   double source_m_, source_speed_, reference_speed_;
-  double least_stretch_ = 1, most_turn_rad_ = 0;
+  double least_stretch_ = 1, least_area_ratio_ = 1, most_turn_rad_ = 0;
 };
 
 }  // namespace tubefoot
