@@ -16,8 +16,8 @@ struct RefractedShot {
   std::vector<RefractedReference> sensors;  ///< as the group's
 };
 
-/// Straightens the ground of a shot ever finer, until every bound that can be is within the tolerance or the ground
-/// has more facets than a reference is worth; at most three times.
+/// Straightens the ground of a shot ever finer, until every bound that can be is within the tolerance or the
+/// ground has more facets than a reference is worth; at most three times.
 RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& group, std::size_t ping,
                                      std::size_t shot, const VisibilityOptions& options, double tolerance);
 

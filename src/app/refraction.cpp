@@ -83,7 +83,8 @@ void refuse_refraction(const Survey& survey, bool reference) {
   const auto any = [](const auto& list, const auto& is) { return std::any_of(list.begin(), list.end(), is); };
   if (reference && any(scene.scattering, [](const auto& law) { return law != nullptr; }))
     throw UsageError(
-        "a reference through water that refracts knows Lambert's law alone: leave out --reference, or 'law' of the "
+        "a reference through water that refracts knows Lambert's law alone: leave out --reference, or 'law' "
+        "of the "
         "materials");
   if (survey.ground) refuse("relief is then refined once for all shots: give [relief] mode = \"offline\"");
   if (any(scene.reflectivity, [](const auto& field) { return field != nullptr; }))
@@ -115,9 +116,8 @@ StraighteningSettings straightening_settings(const Survey& survey, const SharedS
 ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
                                std::size_t shot) {
   const TubeSet tubes = survey.tubes(group, ping, shot);
-  return refracted_ground_of(
-      survey, group, ping, shot,
-      straightening_settings(survey, group, tubes.reach * survey.scene.grid.unit_m()));
+  return refracted_ground_of(survey, group, ping, shot,
+                             straightening_settings(survey, group, tubes.reach * survey.scene.grid.unit_m()));
 }
 
 ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
@@ -223,10 +223,10 @@ std::vector<std::string> refraction_warnings(const Survey& survey, const Simulat
                     "caustic), and energies there are not to be relied on",
                     where, counts.folded));
   if (counts.unbounded > 0)
-    warnings.push_back(
-        fmt::format("{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
-                    "exactly one ray leads may be heard in them, or hide what is",
-                    where, counts.unbounded));
+    warnings.push_back(fmt::format(
+        "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
+        "exactly one ray leads may be heard in them, or hide what is",
+        where, counts.unbounded));
   return warnings;
 }
 

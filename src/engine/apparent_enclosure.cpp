@@ -30,8 +30,8 @@ double farthest_of(const Corners& c) {
   return std::max({glm::length(c[0]), glm::length(c[1]), glm::length(c[2])}) * (1 + slack);
 }
 
-/// A true facet in its base facet's plane, which is what images are of. Refined corners are rounded to the grid and
-/// may lie beside that plane: by `pad_m`, which goes into every place.
+/// A true facet in its base facet's plane, which is what images are of. Refined corners are rounded to the
+/// grid and may lie beside that plane: by `pad_m`, which goes into every place.
 class Flat {
  public:
   Flat(const Corners& base, const Corners& corners, double pad_m) : pad_m_(pad_m) {
@@ -51,13 +51,15 @@ class Flat {
     u /= glm::length(u);
     v = glm::cross(normal, u);
     centre_m = (corners[0] + corners[1] + corners[2]) / 3.0;
-    for (int k = 0; k < 3; ++k) at[k] = {glm::dot(corners[k] - centre_m, u), glm::dot(corners[k] - centre_m, v)};
+    for (int k = 0; k < 3; ++k)
+      at[k] = {glm::dot(corners[k] - centre_m, u), glm::dot(corners[k] - centre_m, v)};
     area_m2 = cross(at[1] - at[0], at[2] - at[0]) / 2;
     height_m = 2 * area_m2 / longest_m;
     valid = height_m > 4 * pad_m;
     margin_m = height_m / 50;
     // The smallest circle that holds it: about its longest side, or through all corners.
-    const double p = glm::length(at[1] - at[0]), q = glm::length(at[2] - at[1]), r = glm::length(at[0] - at[2]);
+    const double p = glm::length(at[1] - at[0]), q = glm::length(at[2] - at[1]),
+                 r = glm::length(at[0] - at[2]);
     const double sum2 = p * p + q * q + r * r;
     radius_m = (sum2 <= 2 * longest_m * longest_m ? longest_m / 2 : p * q * r / (4 * area_m2)) * (1 + slack);
   }
@@ -78,7 +80,9 @@ class Flat {
   double pad_m_;
 };
 
-Interval norm_of(const std::array<Interval, 3>& x) { return root(squared(x[0]) + squared(x[1]) + squared(x[2])); }
+Interval norm_of(const std::array<Interval, 3>& x) {
+  return root(squared(x[0]) + squared(x[1]) + squared(x[2]));
+}
 
 /// Bounds of second derivatives: of the image as a vector, and of its part along `normal`.
 struct Bends {
@@ -117,8 +121,8 @@ class Encloser {
     for (int k = 0; k < 3; ++k) {
       const auto corner = rays_.over(flat.padded(truth[k]), flat.u, flat.v, 0.0, 0.0);
       if (!corner) return facet;
-      const Interval off = norm_of({corner->image[0].v - seen[k].x, corner->image[1].v - seen[k].y,
-                                    corner->image[2].v - seen[k].z});
+      const Interval off = norm_of(
+          {corner->image[0].v - seen[k].x, corner->image[1].v - seen[k].y, corner->image[2].v - seen[k].z});
       off_m = std::max(off_m, off.hi);
     }
     const auto middle = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, 0.0, 0.0);
@@ -138,13 +142,14 @@ class Encloser {
     for (int parts = 2; parts <= 8; parts *= 2) {
       Gathered finer;
       if (!gather(flat, facet.normal, parts, finer)) return facet;
-      const bool enough = finer.bends.across > 0.8 * best.bends.across;
+      const auto slopes = [](const Gathered& all) { return all.level_a.largest() + all.level_b.largest(); };
+      const bool enough = finer.bends.across > 0.8 * best.bends.across && slopes(finer) > 0.8 * slopes(best);
       best = finer;
       if (enough) break;
     }
-    // Of linear interpolation between the corners: at most half the squared radius of the smallest circle around
-    // them times the second derivative (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191); in the margin around
-    // them more by the margin times the error of the slopes.
+    // Of linear interpolation between the corners: at most half the squared radius of the smallest circle
+    // around them times the second derivative (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191); in the
+    // margin around them more by the margin times the error of the slopes.
     const double reach = flat.longest_m + flat.margin_m,
                  beyond = 2 * flat.margin_m * reach * reach / flat.height_m;
     const auto gap = [&](double bend) {
@@ -168,9 +173,9 @@ class Encloser {
         (towards.lo > 0) != (facing > 0))
       return facet;
     const Interval db = middle->absorption_db.v - absorption_ * speed_ * middle->time_s.v;
-    Interval level = log(towards.lo > 0 ? towards : -towards) + 3.0 * log(speed_ * middle->time_s.v) -
-                     log(middle->return_area_m2_per_sr.v) - beta_ * db -
-                     log(outwards(facet.plane_m * (1 - slack), facet.plane_m * (1 + slack)));
+    Interval level = log(towards.lo > 0 ? towards : -towards) +
+                     3.0 * log(speed_ * middle->slowness_s_per_m.v) - log(middle->area_ratio_per_sr.v) -
+                     beta_ * db - log(outwards(facet.plane_m * (1 - slack), facet.plane_m * (1 + slack)));
     Interval change = 0.0;
     for (int k = 0; k < 3; ++k) {
       const Interval own = best.level_a * flat.at[k].x + best.level_b * flat.at[k].y;
@@ -195,10 +200,10 @@ class Encloser {
     const std::array<Interval, 3> centre = flat.padded(flat.centre_m);
     return sine_of(flat, rays, {centre[0], centre[1]}).v;
   }
-  /// Sine of the grazing angle on the true facet, without its sign taken away.
+  /// Sine of the grazing angle on the true facet times the distance: that of the plane, in even water.
   static Jet sine_of(const Flat& flat, const RayJets& rays, const std::array<Jet, 2>& at) {
     const glm::dvec3& n = flat.normal;
-    return rays.arrival_cosine_over_range * (Jet(n.x) * at[0] + Jet(n.y) * at[1]) - Jet(n.z) * rays.arrival_sine;
+    return rays.arrival_across * (Jet(n.x) * at[0] + Jet(n.y) * at[1]) - Jet(n.z) * rays.arrival_down_m;
   }
 
   bool gather(const Flat& flat, const glm::dvec3& normal, int parts, Gathered& all) const {
@@ -223,8 +228,9 @@ class Encloser {
         }
         const Jet sine = sine_of(flat, *rays, at);
         const Jet beyond = rays->absorption_db - Jet(absorption_ * speed_) * rays->time_s;
-        const Interval lost = exp(-(beta_ * rays->absorption_db.v)), area = rays->return_area_m2_per_sr.v;
-        const Interval size(0, sine.v.largest());
+        const Interval lost = exp(-(beta_ * rays->absorption_db.v)), ratio = rays->area_ratio_per_sr.v;
+        const Interval distance = rays->time_s.v / rays->slowness_s_per_m.v, area = ratio * squared(distance);
+        const Interval size(0, (sine.v / distance).largest());
         Gathered own;
         own.bends = bends_of(*rays, normal);
         own.sine = sine.v;
@@ -233,10 +239,11 @@ class Encloser {
         own.per_area = squared(size) * lost / squared(area * rays_.least_area_ratio());
         const auto slope = [&](const Interval& of_sine, const Interval& of_time, const Interval& of_area,
                                const Interval& of_db) {
-          return of_sine / sine.v + 3.0 * (of_time / rays->time_s.v) - of_area / area - beta_ * of_db;
+          return of_sine / sine.v + 3.0 * (of_time / rays->slowness_s_per_m.v) - of_area / ratio -
+                 beta_ * of_db;
         };
-        own.level_a = slope(sine.a, rays->time_s.a, rays->return_area_m2_per_sr.a, beyond.a);
-        own.level_b = slope(sine.b, rays->time_s.b, rays->return_area_m2_per_sr.b, beyond.b);
+        own.level_a = slope(sine.a, rays->slowness_s_per_m.a, rays->area_ratio_per_sr.a, beyond.a);
+        own.level_b = slope(sine.b, rays->slowness_s_per_m.b, rays->area_ratio_per_sr.b, beyond.b);
         if (first) {
           all = own;
           first = false;
@@ -270,7 +277,8 @@ class Encloser {
     const double det = cross(p, q);
     const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];
     const glm::dvec3 along_u = (s * q.y - t * p.y) / det, along_v = (t * p.x - s * q.x) / det;
-    const double a = glm::dot(along_u, along_u), b = glm::dot(along_u, along_v), c = glm::dot(along_v, along_v);
+    const double a = glm::dot(along_u, along_u), b = glm::dot(along_u, along_v),
+                 c = glm::dot(along_v, along_v);
     const double least = (a + c) / 2 - std::sqrt((a - c) * (a - c) / 4 + b * b);
     return 0.9 * std::sqrt(std::max(least, 0.0));  // the image's own slopes differ a little
   }

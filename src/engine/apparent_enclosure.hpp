@@ -18,8 +18,8 @@ struct FacetEnclosure {
     proven,
     /// Seen edge-on, or so flat that its image may fold: only what it returns at most is known.
     loose,
-    /// It is not known that one ray leads to each of its points. Nothing is known but where rays to it may come
-    /// from and how soon.
+    /// It is not known that one ray leads to each of its points. Nothing is known but where rays to it may
+    /// come from and how soon.
     unproven
   };
   State state = State::unproven;

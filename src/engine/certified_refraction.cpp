@@ -33,11 +33,12 @@ void check(const EchoLaw& law) {
     return std::any_of(list.begin(), list.end(), [](const auto& entry) { return entry != nullptr; });
   };
   if (any(law.reflectivity) || any(law.scattering))
-    throw std::invalid_argument("a reference through refracting water knows Lambert's law and even beds alone");
+    throw std::invalid_argument(
+        "a reference through refracting water knows Lambert's law and even beds alone");
 }
 
-/// Samples that are cut `shift_m` before and after each border: number 2 k + 1 is surely of sample k, and 2 k lies
-/// about the border between k - 1 and k.
+/// Samples that are cut `shift_m` before and after each border: number 2 k + 1 is surely of sample k, and 2 k
+/// lies about the border between k - 1 and k.
 std::vector<double> borders_about(std::span<const double> borders, double shift_m) {
   std::vector<double> about;
   for (const double b : borders) {
@@ -81,11 +82,12 @@ class Unknown {
 }  // namespace
 
 RefractedReference certify_refracted_echo(const FacetMesh& apparent, const SceneTree& tree,
-                                          std::span<const FacetId> parent, const ApparentEnclosures& enclosures,
-                                          const RayEnclosure& rays, const History& history,
-                                          const VisibilityOptions& options,
-                                          std::span<const std::uint32_t> beam_of_tube, const RangeSamples& samples,
-                                          const EchoLaw& law, const Echo& ordinary, double tolerance) {
+                                          std::span<const FacetId> parent,
+                                          const ApparentEnclosures& enclosures, const RayEnclosure& rays,
+                                          const History& history, const VisibilityOptions& options,
+                                          std::span<const std::uint32_t> beam_of_tube,
+                                          const RangeSamples& samples, const EchoLaw& law,
+                                          const Echo& ordinary, double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
   check(law);

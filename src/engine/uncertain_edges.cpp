@@ -18,7 +18,9 @@ std::uint64_t key_of(VertexId a, VertexId b) { return std::uint64_t{std::min(a, 
 Polygon clipped(const Polygon& polygon, const glm::dvec3& inward) {
   Polygon kept;
   const double size = glm::length(inward);
-  const auto height = [&](const glm::dvec3& p) { return glm::dot(inward, p) + 1e-12 * size * glm::length(p); };
+  const auto height = [&](const glm::dvec3& p) {
+    return glm::dot(inward, p) + 1e-12 * size * glm::length(p);
+  };
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const glm::dvec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
     const double at_p = height(p), at_q = height(q);
@@ -32,9 +34,10 @@ Polygon clipped(const Polygon& polygon, const glm::dvec3& inward) {
 double solid_angle_of(const Polygon& polygon) {
   double sum = 0;
   for (std::size_t k = 2; k < polygon.size(); ++k) {
-    const glm::dvec3 a = glm::normalize(polygon[0]), b = glm::normalize(polygon[k - 1]), c = glm::normalize(polygon[k]);
-    sum += std::abs(2 * std::atan2(glm::dot(a, glm::cross(b, c)),
-                                   1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a)));
+    const glm::dvec3 a = glm::normalize(polygon[0]), b = glm::normalize(polygon[k - 1]),
+                     c = glm::normalize(polygon[k]);
+    sum += std::abs(
+        2 * std::atan2(glm::dot(a, glm::cross(b, c)), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a)));
   }
   return sum * (1 + 1e-6) + 1e-15;
 }
@@ -49,7 +52,8 @@ std::pair<double, double> ranges_of(const Polygon& polygon, double plane_m) {
     turn = std::max(turn, glm::distance(first, glm::normalize(p)));
   }
   // Between corners that are 2 turn apart at most, a plane's range is no less than theirs times the cosine.
-  return {std::max(plane_m, nearest * (1 - std::min(2 * turn * turn, 1.0))) * (1 - slack), farthest * (1 + slack)};
+  return {std::max(plane_m, nearest * (1 - std::min(2 * turn * turn, 1.0))) * (1 - slack),
+          farthest * (1 + slack)};
 }
 
 /// A cone around a facet as it may be seen.
@@ -62,7 +66,8 @@ Cone cone_of(std::span<const glm::dvec3> corners) {
   for (const glm::dvec3& p : corners) sum += glm::normalize(p);
   Cone cone{glm::normalize(sum), 0};
   for (const glm::dvec3& p : corners)
-    cone.spread_rad = std::max(cone.spread_rad, std::acos(std::clamp(glm::dot(cone.axis, glm::normalize(p)), -1.0, 1.0)));
+    cone.spread_rad =
+        std::max(cone.spread_rad, std::acos(std::clamp(glm::dot(cone.axis, glm::normalize(p)), -1.0, 1.0)));
   cone.spread_rad += 1e-7;
   return cone;
 }
@@ -78,7 +83,8 @@ SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon) {
   const auto vector = [](const std::array<Ball, 3>& v) {
     return glm::dvec3(v[0].middle(), v[1].middle(), v[2].middle());
   };
-  const glm::dvec3 foot = polygon.distance.middle() * vector(polygon.away), u = vector(polygon.u), v = vector(polygon.v);
+  const glm::dvec3 foot = polygon.distance.middle() * vector(polygon.away), u = vector(polygon.u),
+                   v = vector(polygon.v);
   for (const CertifiedPolygon::Point& p : polygon.points)
     seen.corners_m.push_back(foot + p.x.middle() * u + p.y.middle() * v);
   return seen;
@@ -108,7 +114,8 @@ double UncertainEdges::half_width(VertexId a, VertexId b) const {
   const auto found = edges_.find(key_of(a, b));
   double width = 0;
   if (found == edges_.end()) return width;
-  for (FacetId f = 0; f < mesh_.facets.size() && found->second.count > 2; ++f)  // an edge of many facets is rare
+  for (FacetId f = 0; f < mesh_.facets.size() && found->second.count > 2;
+       ++f)  // an edge of many facets is rare
     for (std::size_t k = 0; k < 3; ++k)
       if (key_of(mesh_.facets[f][k], mesh_.facets[f][(k + 1) % 3]) == key_of(a, b))
         width = std::max(width, enclosures_.facets[f].gap_m / enclosures_.facets[f].nearest_m);
@@ -130,7 +137,8 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
     return;
   }
   // In parts, so that what lies behind them is not spread over more samples than it has to be.
-  const int parts = int(std::ceil(std::clamp(length / (8 * half_width_rad), std::max(1.0, 8 * length), 16.0)));
+  const int parts =
+      int(std::ceil(std::clamp(length / (8 * half_width_rad), std::max(1.0, 8 * length), 16.0)));
   const glm::dvec3 across = glm::normalize(glm::cross(start, end));
   for (int i = 0; i < parts; ++i) {
     const glm::dvec3 a = glm::normalize(start + double(i) / parts * (end - start)),
@@ -180,9 +188,10 @@ void UncertainEdges::clash(const SeenPiece& piece, FacetId other, const DoubtSin
   // Ranges to the two planes differ by (N . direction) / (s1 s2), s their grazing angles' sines.
   const glm::dvec3 depth = one.plane_m * two.normal - two.plane_m * one.normal;
   const Cone cone = cone_of(part);
-  if (!(cone.spread_rad < 1.4)) return sink({0, std::numeric_limits<double>::infinity(), one.most + two.most});
-  const double close = off * (1 + 1e-6) / std::cos(cone.spread_rad) +
-                       slack * (one.plane_m + two.plane_m) * 1e-3;
+  if (!(cone.spread_rad < 1.4))
+    return sink({0, std::numeric_limits<double>::infinity(), one.most + two.most});
+  const double close =
+      off * (1 + 1e-6) / std::cos(cone.spread_rad) + slack * (one.plane_m + two.plane_m) * 1e-3;
   part = clipped(part, depth + close * cone.axis);
   part = clipped(part, close * cone.axis - depth);
   if (part.size() < 3) return;
@@ -204,9 +213,11 @@ void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility
     const SeenPiece& piece = pieces[p];
     // What bounds the piece: of the planes that two neighbouring corners share, those through mesh edges.
     for (std::uint32_t k = 0; k < named.count; ++k) {
-      const CornerName &c = seen.corners[named.first + k], &d = seen.corners[named.first + (k + 1) % named.count];
+      const CornerName &c = seen.corners[named.first + k],
+                       &d = seen.corners[named.first + (k + 1) % named.count];
       const auto on = [](const PlaneName& plane, const CornerName& corner) {
-        return corner.point != no_point ? plane.contains(corner.point) : plane == corner.p || plane == corner.q;
+        return corner.point != no_point ? plane.contains(corner.point)
+                                        : plane == corner.p || plane == corner.q;
       };
       std::vector<PlaneName> planes;
       if (c.point != no_point && d.point != no_point)

@@ -10,8 +10,8 @@
 #include "geometry/certified_polygon.hpp"
 #include "geometry/visibility.hpp"
 
-// Directions in which it is not certain which facet is seen, because images are not exactly where apparent facets
-// are; and what they could return. Upper bounds all.
+// Directions in which it is not certain which facet is seen, because images are not exactly where apparent
+// facets are; and what they could return. Upper bounds all.
 namespace tubefoot {
 
 /// Up to `energy_j` more or less than the visible pieces' own, from ranges between these.
@@ -30,7 +30,8 @@ SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon);
 class UncertainEdges {
  public:
   /// All outlive this.
-  UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent, const ApparentEnclosures& enclosures);
+  UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
+                 const ApparentEnclosures& enclosures);
 
   /// Of the pieces of one tube; `nearby`: all facets that may be in it.
   void add_doubts(const NameContext& context, const TubeVisibility& seen, std::span<const SeenPiece> pieces,
@@ -43,8 +44,8 @@ class UncertainEdges {
   };
   bool is_smooth(VertexId a, VertexId b) const;
   double half_width(VertexId a, VertexId b) const;
-  void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad, std::span<const FacetId> nearby,
-             const DoubtSink& sink) const;
+  void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad,
+             std::span<const FacetId> nearby, const DoubtSink& sink) const;
   void clash(const SeenPiece& piece, FacetId other, const DoubtSink& sink) const;
 
   const FacetMesh& mesh_;

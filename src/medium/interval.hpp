@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-// Intervals of doubles, rounded outwards by more than any rounding of the operations that they are made of, and jets
-// of them: a function of two variables over a box with all first and second derivatives enclosed.
+// Intervals of doubles, rounded outwards by more than any rounding of the operations that they are made of,
+// and jets of them: a function of two variables over a box with all first and second derivatives enclosed.
 namespace tubefoot {
 
 struct Interval {
@@ -56,20 +56,23 @@ inline Interval root(const Interval& a) {
   const Interval whole = outwards(std::sqrt(std::max(a.lo, 0.0)), std::sqrt(std::max(a.hi, 0.0)));
   return {std::max(whole.lo, 0.0), whole.hi};
 }
-// The library's functions are within a few units in the last place (glibc's manual, Errors in Math Functions).
+// The library's functions are within a few units in the last place (glibc's manual, Errors in Math
+// Functions).
 constexpr double library_units = 8;
 inline Interval exp(const Interval& a) { return outwards(std::exp(a.lo), std::exp(a.hi), library_units); }
 inline Interval log(const Interval& a) { return outwards(std::log(a.lo), std::log(a.hi), library_units); }
 
-inline Interval hull(const Interval& a, const Interval& b) { return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)}; }
+inline Interval hull(const Interval& a, const Interval& b) {
+  return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)};
+}
 
 /// A function of (a, b) over a box: value, first and second derivatives.
 struct Jet {
   Interval v, a, b, aa, ab, bb;
 
   Jet() = default;
-  Jet(double constant) : v(constant) {}             // NOLINT
-  Jet(const Interval& constant) : v(constant) {}    // NOLINT
+  Jet(double constant) : v(constant) {}           // NOLINT
+  Jet(const Interval& constant) : v(constant) {}  // NOLINT
 };
 
 inline Jet operator-(const Jet& x) {

@@ -95,8 +95,8 @@ struct RayEnclosure::Sums {
   Interval c, gradient, absorption_per_m;
   bool some = false;
 
-  void take(const Interval& dz, const Interval& k, const Interval& over_c, const Interval& absorption_db_per_m,
-            bool only_bounds) {
+  void take(const Interval& dz, const Interval& k, const Interval& over_c,
+            const Interval& absorption_db_per_m, bool only_bounds) {
     const Interval s = sine_at(k, over_c), s3 = power(s, 3), s5 = power(s, 5);
     reach_kk += 0.75 * (power(over_c, 5) / s5) * dz;
     dx_dp_k += 1.5 * (power(over_c, 3) / s5) * dz;
@@ -125,8 +125,8 @@ RayEnclosure::RayEnclosure(const Straightening& straightening, const EigenrayOpt
   most_turn_rad_ = 2 * std::acos(slowest.sound_speed_m_s / fastest.sound_speed_m_s) * (1 + slack) + slack;
 }
 
-/// Rays that turn at a speed from `a` to `b` pass all water slower than `a` more steeply than the one that turns at
-/// `b`, twice beyond both ends.
+/// Rays that turn at a speed from `a` to `b` pass all water slower than `a` more steeply than the one that
+/// turns at `b`, twice beyond both ends.
 bool RayEnclosure::turning_rays_are_longer(const Interval& depth_m, double farthest_m, bool below) const {
   const SoundSpeedProfile& profile = straightening_.water().profile;
   const double end = below ? std::min(options_.deepest_turn_m, profile.points().back().depth_m)
@@ -176,8 +176,8 @@ bool RayEnclosure::only_arc(std::size_t layer) const {
   const SoundSpeedProfile& profile = straightening_.water().profile;
   if (options_.most_turns > 1) return false;
   for (std::size_t other = 0; other < profile.layers(); ++other)
-    if (other != layer && profile.gradient_per_s(other) != 0 && profile.top_m(other) < options_.deepest_turn_m &&
-        profile.bottom_m(other) > options_.surface_m)
+    if (other != layer && profile.gradient_per_s(other) != 0 &&
+        profile.top_m(other) < options_.deepest_turn_m && profile.bottom_m(other) > options_.surface_m)
       return false;
   return true;
 }
@@ -213,10 +213,10 @@ std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& 
   const Jet across = size * Jet(2.0 * cs);
   rays.image = {across * x, across * y, -(size * (along + bent))};
   rays.time_s = d * s / speeds;
-  const Jet chord = d * half;
-  rays.arrival_cosine_over_range = Jet(2.0) * cr / chord;
-  rays.arrival_sine = (along - bent) / chord;
-  rays.return_area_m2_per_sr = Jet(cs) * d2 * (Jet(1.0) + v) / cr;
+  rays.slowness_s_per_m = s / speeds;
+  rays.arrival_across = Jet(2.0) * cr / half;
+  rays.arrival_down_m = (along - bent) / half;
+  rays.area_ratio_per_sr = Jet(cs) * (Jet(1.0) + v) / cr;
   rays.absorption_db = Jet(straightening_.water().absorption_in(layer)) * d *
                        asin_root_ratio(Jet(squared(g)) * m / squared(half));
   return rays;
@@ -236,8 +236,7 @@ RayEnclosure::Sums RayEnclosure::sums_to(double depth_m, const Interval& k) cons
     sums.time += dz * (log1p_over(change / leg.c1) / leg.c1 + w * log1p_over(change * w));
     const Interval chord2 = squared(dz) + k * squared(reach);
     const Interval absorption(water.absorption_in(leg.layer));
-    sums.absorption +=
-        absorption * root(chord2) * asin_root_ratio(0.25 * chord2 * k * squared(leg.gradient));
+    sums.absorption += absorption * root(chord2) * asin_root_ratio(0.25 * chord2 * k * squared(leg.gradient));
     sums.take(dz, k, hull(leg.c1, leg.c2), absorption, false);
   }
   return sums;
@@ -327,9 +326,11 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
   const Jet across = Jet(reference_speed_ * cs) * time / reach, below = Jet(reference_speed_) * time * launch;
   rays.image = {across * x, across * y, down ? -below : below};
   rays.time_s = time;
-  rays.arrival_cosine_over_range = speed / reach;
-  rays.arrival_sine = down ? arrival : -arrival;
-  rays.return_area_m2_per_sr = reach * launch * arrival * dx_dp / squared(speed);
+  const Jet d2 = m + squared(way), d = root(d2), arrival_down = d * arrival;
+  rays.slowness_s_per_m = time / d;
+  rays.arrival_across = d * speed / reach;
+  rays.arrival_down_m = down ? arrival_down : -arrival_down;
+  rays.area_ratio_per_sr = reach * launch * arrival * dx_dp / (squared(speed) * d2);
   rays.absorption_db =
       compose(kj, way, {sums.absorption, sums.absorption_k, sums.absorption_per_m / s, 0.0, 0.0, 0.0});
   return rays;

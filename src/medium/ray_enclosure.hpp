@@ -15,27 +15,33 @@ namespace tubefoot {
 struct RayJets {
   std::array<Jet, 3> image;  ///< apparent point, relative to the apex
   Jet time_s;
-  Jet arrival_cosine_over_range, arrival_sine;
+  /// With d the straight distance of the point, so that what is alike in even water cancels before it is
+  /// enclosed:
+  Jet slowness_s_per_m;  ///< time / d
+  Jet arrival_across;    ///< d cos(arrival) / range
+  Jet arrival_down_m;    ///< d sin(arrival)
   /// Of these two only value and first derivatives are enclosed.
-  Jet return_area_m2_per_sr, absorption_db;
+  Jet area_ratio_per_sr;  ///< area per steradian from the point back / d^2
+  Jet absorption_db;
 };
 
 /// Encloses rays from one apex over patches of planes.
 ///
-/// A patch is enclosed only if it is proven that exactly one ray of those that Straightening follows (without, or
-/// with one turning point) leads to each of its points: through layers the one that rises or falls all the way,
-/// which exists where a bracket of its Snell parameter k = p^2 is verified (horizontal range grows with k), or the
-/// arc within one layer, by its closed form; and rays that turn elsewhere are all longer than the patch's farthest
-/// point. Derivatives through layers follow from the implicit function k R(k, z)^2 = x^2 + y^2, where R = range / p.
+/// A patch is enclosed only if it is proven that exactly one ray of those that Straightening follows
+/// (without, or with one turning point) leads to each of its points: through layers the one that rises or
+/// falls all the way, which exists where a bracket of its Snell parameter k = p^2 is verified (horizontal
+/// range grows with k), or the arc within one layer, by its closed form; and rays that turn elsewhere are all
+/// longer than the patch's farthest point. Derivatives through layers follow from the implicit function k
+/// R(k, z)^2 = x^2 + y^2, where R = range / p.
 class RayEnclosure {
  public:
   /// Refers to the straightening's water. `options`: as its own.
   RayEnclosure(const Straightening& straightening, const EigenrayOptions& options);
 
-  /// Over the points origin + a u + b v, relative to the apex, local frame, for a and b in the intervals. None
-  /// where it is not proven that there is one ray.
-  std::optional<RayJets> over(const std::array<Interval, 3>& origin_m, const glm::dvec3& u, const glm::dvec3& v,
-                              const Interval& a, const Interval& b) const;
+  /// Over the points origin + a u + b v, relative to the apex, local frame, for a and b in the intervals.
+  /// None where it is not proven that there is one ray.
+  std::optional<RayJets> over(const std::array<Interval, 3>& origin_m, const glm::dvec3& u,
+                              const glm::dvec3& v, const Interval& a, const Interval& b) const;
 
   glm::dvec3 apex_m() const { return straightening_.apex_m(); }
   /// No image is nearer than this times its point.

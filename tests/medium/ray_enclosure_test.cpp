@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Enclosures of rays over patches hold what single eigenrays say, in random waters, and their derivatives what
-// differences of those say.
+// Enclosures of rays over patches hold what single eigenrays say, in random waters, and their derivatives
+// what differences of those say.
 #include "medium/ray_enclosure.hpp"
 
 #include <fmt/format.h>
@@ -44,15 +44,18 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
     std::array<Interval, 3> origin;
     glm::dvec3 centre;
     for (int i = 0; i < 3; ++i)
-      origin[i] = centre[i] = (i == 2 ? 30 * unit(random) - 35 : (60 * unit(random) - 30) * (trial % 7 ? 1 : 0.01));
-    const glm::dvec3 u = glm::normalize(glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5));
+      origin[i] = centre[i] =
+          (i == 2 ? 30 * unit(random) - 35 : (60 * unit(random) - 30) * (trial % 7 ? 1 : 0.01));
+    const glm::dvec3 u =
+        glm::normalize(glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5));
     const glm::dvec3 v = glm::normalize(glm::cross(u, glm::dvec3(0.3, 0.5, 0.7)));
     const Interval box(-size, size);
     const auto rays = enclosure.over(origin, u, v, box, box);
     if (!rays) continue;
     const double slack = 1e-11 * glm::length(centre);
     const auto image_at = [&](double a, double b) {
-      return straightening.apparent(straightening.apex_m() + centre + a * u + b * v)->at_m - straightening.apex_m();
+      return straightening.apparent(straightening.apex_m() + centre + a * u + b * v)->at_m -
+             straightening.apex_m();
     };
     ++enclosed[trial % 4 > 0];
     for (int k = 0; k < 4; ++k) {
@@ -64,12 +67,15 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
       const glm::dvec3 arrival = straightening.arrival_direction(at, point->ray);
       for (int i = 0; i < 3; ++i) expect_holds(rays->image[i].v, image_at(a, b)[i], slack, "image");
       expect_holds(rays->time_s.v, point->ray.time_s, 1e-12 * point->ray.time_s, "time");
-      expect_holds(rays->arrival_sine.v, -arrival.z, 1e-11, "arrival");
-      const double range = std::hypot(at.x - 3, at.y + 2);
+      const double range = std::hypot(at.x - 3, at.y + 2),
+                   distance = glm::distance(at, straightening.apex_m());
+      expect_holds(rays->arrival_down_m.v, -arrival.z * distance, 1e-11 * distance, "arrival");
+      expect_holds(rays->slowness_s_per_m.v, point->ray.time_s / distance, 1e-15, "slowness");
       if (range > 1e-3)
-        expect_holds(rays->arrival_cosine_over_range.v, point->ray.arrival_cosine / range, 1e-9 / range, "cosine");
-      const double area = straightening.return_area_m2_per_sr(at, point->ray);
-      expect_holds(rays->return_area_m2_per_sr.v, area, 1e-10 * area, "area");
+        expect_holds(rays->arrival_across.v, point->ray.arrival_cosine / range * distance,
+                     1e-9 / range * distance, "cosine");
+      const double area = straightening.return_area_m2_per_sr(at, point->ray) / (distance * distance);
+      expect_holds(rays->area_ratio_per_sr.v, area, 1e-10 * area, "area");
       expect_holds(rays->absorption_db.v, point->ray.absorption_db, 1e-11, "absorption");
       // Derivatives: the mean of one over a way is a difference.
       const double step = size, second = 4e-16 * glm::length(centre) * 40 / (step * step);
@@ -79,26 +85,29 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
         expect_holds(rays->image[i].a, (forth - back)[i] / (2 * step), second * step, "image by a");
         expect_holds(rays->image[i].aa, (forth + back - 2.0 * mid)[i] / (step * step), second, "by aa");
         expect_holds(rays->image[i].bb, (left + right - 2.0 * mid)[i] / (step * step), second, "by bb");
-        const glm::dvec3 cross = image_at(step, step) - image_at(step, -step) - image_at(-step, step) +
-                                 image_at(-step, -step);
+        const glm::dvec3 cross =
+            image_at(step, step) - image_at(step, -step) - image_at(-step, step) + image_at(-step, -step);
         expect_holds(rays->image[i].ab, cross[i] / (4 * step * step), second, "by ab");
       }
       const auto value_at = [&](double a2, const auto& of) {
         const glm::dvec3 place = straightening.apex_m() + centre + a2 * u;
         return of(place, straightening.apparent(place)->ray);
       };
-      const auto slope = [&](const auto& of) { return (value_at(step, of) - value_at(-step, of)) / (2 * step); };
-      const auto area_of = [&](const glm::dvec3& p, const Eigenray& r) {
-        return straightening.return_area_m2_per_sr(p, r);
+      const auto slope = [&](const auto& of) {
+        return (value_at(step, of) - value_at(-step, of)) / (2 * step);
       };
-      expect_holds(rays->return_area_m2_per_sr.a, slope(area_of), 1e-12 * area / step, "area by a");
+      const auto area_of = [&](const glm::dvec3& p, const Eigenray& r) {
+        const glm::dvec3 way = p - straightening.apex_m();
+        return straightening.return_area_m2_per_sr(p, r) / glm::dot(way, way);
+      };
+      expect_holds(rays->area_ratio_per_sr.a, slope(area_of), 1e-12 * area / step, "area by a");
       const auto db_of = [](const glm::dvec3&, const Eigenray& r) { return r.absorption_db; };
       expect_holds(rays->absorption_db.a, slope(db_of), 1e-13 / step, "absorption by a");
     }
     // Small patches have narrow enclosures.
     if (size < 1e-3) {
       EXPECT_LT(rays->image[2].v.width(), 20 * size);
-      EXPECT_LT(rays->return_area_m2_per_sr.v.width() / rays->return_area_m2_per_sr.v.hi, 300 * size);
+      EXPECT_LT(rays->area_ratio_per_sr.v.width() / rays->area_ratio_per_sr.v.hi, 300 * size);
     }
   }
   EXPECT_GT(enclosed[0], 50);
