@@ -172,28 +172,24 @@ void UncertainEdges::clash(const SeenPiece& piece, FacetId other, const DoubtSin
   Polygon part = piece.corners_m;
   // The other facet, or a little beside it.
   const double beside = two.gap_m / two.nearest_m * 1.02 + 1e-12;
-  const glm::dvec3 middle = glm::normalize(two.seen[0] + two.seen[1] + two.seen[2]);
-  const double turning = glm::dot(glm::cross(two.seen[0], two.seen[1]), two.seen[2]) < 0 ? -1 : 1;
-  const double spread = cone_of(two.seen).spread_rad + beside;
-  if (!(spread < 1.4)) {  // nothing to clip by
+  const Cone whole = cone_of(part);
+  if (!(whole.spread_rad < 1.4 && beside < 0.1)) {  // nothing to clip by
     const auto [nearest, farthest] = ranges_of(part, one.plane_m);
     return sink({nearest - off, farthest + off, (one.most_per_sr + two.most_per_sr) * solid_angle_of(part)});
   }
-  const double lean = beside / std::cos(spread);
+  const double turning = glm::dot(glm::cross(two.seen[0], two.seen[1]), two.seen[2]) < 0 ? -1 : 1;
+  const double lean = beside / std::cos(whole.spread_rad);
   for (std::size_t k = 0; k < 3 && !part.empty(); ++k) {
     const glm::dvec3 edge = glm::cross(two.seen[k], two.seen[(k + 1) % 3]);
-    part = clipped(part, turning * edge / glm::length(edge) + lean * middle);
+    part = clipped(part, turning * edge / glm::length(edge) + lean * whole.axis);
   }
   if (part.size() < 3) return;
   // Ranges to the two planes differ by (N . direction) / (s1 s2), s their grazing angles' sines.
   const glm::dvec3 depth = one.plane_m * two.normal - two.plane_m * one.normal;
-  const Cone cone = cone_of(part);
-  if (!(cone.spread_rad < 1.4))
-    return sink({0, std::numeric_limits<double>::infinity(), one.most + two.most});
   const double close =
-      off * (1 + 1e-6) / std::cos(cone.spread_rad) + slack * (one.plane_m + two.plane_m) * 1e-3;
-  part = clipped(part, depth + close * cone.axis);
-  part = clipped(part, close * cone.axis - depth);
+      off * (1 + 1e-6) / std::cos(whole.spread_rad) + slack * (one.plane_m + two.plane_m) * 1e-3;
+  part = clipped(part, depth + close * whole.axis);
+  part = clipped(part, close * whole.axis - depth);
   if (part.size() < 3) return;
   const auto [nearest, farthest] = ranges_of(part, one.plane_m);
   const double angle_sr = solid_angle_of(part), far = 2 * off + slack;
