@@ -32,6 +32,9 @@ void print_reference(double tolerance, const ReferenceStats& reference, bool ref
   if (reference.bins_over == 0)
     fmt::print("reference: every energy within {:g} of its bin, certified{}\n", tolerance,
                refined ? ", for the facets that relief was refined into" : "");
+  else if (reference.worst_ratio <= 1)  // of the bounds that are finite
+    fmt::print("reference: {} bins have no bound; every other energy within {:g} of its bin, certified\n",
+               reference.bins_over, tolerance);
   else
     fmt::print(
         "reference: {} bins have wider bounds than {:g}; the widest is {:.3g} times what was asked, at "

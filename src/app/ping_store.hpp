@@ -19,6 +19,7 @@ struct StraighteningCounts {
   std::uint64_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
   double largest_gap_m = 0;
   std::array<double, 3> shadow{}, several{};  ///< the first of each
+  std::uint64_t unbounded = 0;                ///< of a reference: bins whose bound is infinite
 };
 
 /// What the simulation of one ping counted. Plain data: it is kept beside the ping's energies.

@@ -25,25 +25,6 @@ std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
           std::asin(std::clamp(direction.z, -1.0, 1.0)) * degrees, range_m};
 }
 
-Straightening straightening_of(const Survey& survey, const SensorPings& pings, glm::dvec3 apex_m) {
-  const double surface = survey.scene.water->surface_height_m();
-  EigenrayOptions options;
-  options.deepest_turn_m = surface - survey.lowest_m;
-  return Straightening(*pings.water, apex_m, surface, options, pings.sound_speed_m_s);
-}
-
-StraighteningSettings settings_of(const Survey& survey, const SharedShots& group, double reach_m) {
-  const WaterDescription& keys = survey.scene.description.water;
-  const double sample = sample_length_m(survey, group);
-  StraighteningSettings settings;
-  settings.gap_m = keys.refraction_gap_m.value_or(sample / 4);
-  settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
-  // Caustics and the borders of shadows take no more edges than a sector is wide.
-  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * survey.scene.grid.unit_m()});
-  settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
-  return settings;
-}
-
 /// What `make` makes for a shot; what it throws, with the scene file's words.
 template <class Make>
 auto made_for(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
@@ -114,6 +95,17 @@ nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
 
 }  // namespace
 
+EigenrayOptions eigenray_options(const Survey& survey) {
+  EigenrayOptions options;
+  options.deepest_turn_m = survey.scene.water->surface_height_m() - survey.lowest_m;
+  return options;
+}
+
+Straightening straightening_of(const Survey& survey, const SensorPings& pings, glm::dvec3 apex_m) {
+  return Straightening(*pings.water, apex_m, survey.scene.water->surface_height_m(), eigenray_options(survey),
+                       pings.sound_speed_m_s);
+}
+
 double sound_speed_at(const Survey& survey, const SensorDescription& sensor, const Trajectory& trajectory) {
   const Scene& scene = survey.scene;
   if (!scene.water->refracts()) return scene.sound_speed_m_s;
@@ -149,15 +141,20 @@ void refuse_refraction(const Survey& survey, bool reference) {
   const Scene& scene = survey.scene;
   if (!scene.water->refracts()) return;
   const SceneDescription& d = scene.description;
-  if (reference)
-    throw UsageError(
-        "no reference through water that refracts: how far flat apparent facets are from the curved ones is "
-        "estimated at the middles of their edges, not proven, so that no bound can include it");
   const auto refuse = [&d](const char* what) {
     throw InputError(d.water.place,
                      fmt::format("the water's profile = \"{}\" refracts, and {}", d.water.profile, what));
   };
   const auto any = [](const auto& list, const auto& is) { return std::any_of(list.begin(), list.end(), is); };
+  const auto refuse_reference = [](const char* what) {
+    throw UsageError(fmt::format("a reference through water that refracts {}", what));
+  };
+  if (reference && any(scene.scattering, [](const auto& law) { return law != nullptr; }))
+    refuse_reference("knows Lambert's law alone: leave out --reference, or 'law' of the materials");
+  if (reference && any(scene.reflectivity, [](const auto& field) { return field != nullptr; }))
+    refuse_reference("knows no micro-texture: leave out --reference, or [[materials.reflectivity]]");
+  if (reference && survey.ground)
+    refuse_reference("needs relief that is refined once for all shots: give [relief] mode = \"offline\"");
   if (d.sea_surface || d.paths.direct || d.paths.scatterings > 1 || d.paths.order > 1 ||
       any(scene.material_reflection, [](double r) { return r > 0; }))
     refuse(
@@ -165,8 +162,27 @@ void refuse_refraction(const Survey& survey, bool reference) {
         "'specular_loss_db', or give profile = \"constant\"");
 }
 
+StraighteningSettings straightening_settings(const Survey& survey, const SharedShots& group, double reach_m) {
+  const WaterDescription& keys = survey.scene.description.water;
+  const double sample = sample_length_m(survey, group);
+  StraighteningSettings settings;
+  settings.gap_m = keys.refraction_gap_m.value_or(sample / 4);
+  settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
+  // Caustics and the borders of shadows take no more edges than a sector is wide.
+  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * survey.scene.grid.unit_m()});
+  settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
+  return settings;
+}
+
 ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
                                std::size_t shot) {
+  const TubeSet tubes = survey.tubes(group, ping, shot);
+  return refracted_ground_of(survey, group, ping, shot,
+                             straightening_settings(survey, group, tubes.reach * survey.scene.grid.unit_m()));
+}
+
+ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                               std::size_t shot, const StraighteningSettings& settings) {
   const Scene& scene = survey.scene;
   const SensorPings& pings = survey.sensors[group.sensors.front()];
   const TubeSet tubes = survey.tubes(group, ping, shot);
@@ -177,8 +193,7 @@ ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, s
   return made_for(survey, group, ping, shot, [&] {
     ApparentGround ground =
         straighten(bed.mesh(), facets, scene.grid, straightening, absorption_db_per_m(scene, *pings.sensor),
-                   settings_of(survey, group, tubes.reach * scene.grid.unit_m()), most_a_shot,
-                   scene.scattering, &outlook);
+                   settings, most_a_shot, scene.scattering, &outlook);
     bed.name_by_scene(ground);
     return ShotGround(survey, std::move(ground));
   });
@@ -200,9 +215,9 @@ RefractedPaths refracted_paths_of(const Survey& survey, const SharedShots& group
   return made_for(survey, group, ping, shot, [&] {
     const double reach_m = std::max(tubes[0].reach, tubes[1].reach) * unit;
     RefractedPaths paths;
-    paths.pair =
-        straighten_pair(bed.mesh(), facets, scene.grid, transmit, receive, absorption,
-                        settings_of(survey, group, reach_m), most_a_shot, &outlooks[0], &outlooks[1]);
+    paths.pair = straighten_pair(bed.mesh(), facets, scene.grid, transmit, receive, absorption,
+                                 straightening_settings(survey, group, reach_m), most_a_shot, &outlooks[0],
+                                 &outlooks[1]);
     bed.name_by_scene(paths.pair.transmit);
     bed.name_by_scene(paths.pair.receive);
     paths.history = trace_bistatic(paths.pair, scene.grid, options, std::move(tubes[0]), std::move(tubes[1]),
@@ -235,6 +250,7 @@ void add_counts(StraighteningCounts& sum, const StraighteningCounts& more) {
   sum.in_shadow += more.in_shadow;
   sum.of_several += more.of_several;
   sum.folded += more.folded;
+  sum.unbounded += more.unbounded;
   sum.largest_gap_m = std::max(sum.largest_gap_m, more.largest_gap_m);
 }
 
@@ -254,6 +270,7 @@ nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationSta
     json["pings_with_shadows"] = stats.shadowed_pings;
     json["first_shadow"] = place_json(counts.shadow);
   }
+  if (counts.unbounded > 0) json["bins_without_bound"] = counts.unbounded;
   if (counts.of_several > 0) json["first_of_several"] = place_json(counts.several);
   return json;
 }
@@ -281,6 +298,11 @@ std::vector<std::string> refraction_warnings(const Survey& survey, const Simulat
         fmt::format("{}: {} apparent facets are turned over: rays cross before them (a "
                     "caustic), and energies there are not to be relied on",
                     where, counts.folded));
+  if (counts.unbounded > 0)
+    warnings.push_back(fmt::format(
+        "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
+        "exactly one ray leads may be heard in them, or hide what is",
+        where, counts.unbounded));
   return warnings;
 }
 

@@ -21,9 +21,16 @@ void put_into_water(Survey& survey);
 /// Throws InputError, or UsageError for a reference, where a scene asks for what refraction cannot do.
 void refuse_refraction(const Survey& survey, bool reference);
 
+EigenrayOptions eigenray_options(const Survey& survey);
+Straightening straightening_of(const Survey& survey, const SensorPings& pings, glm::dvec3 apex_m);
+/// As the scene asks for.
+StraighteningSettings straightening_settings(const Survey& survey, const SharedShots& group, double reach_m);
+
 /// The facets of a shot where it sees them. Throws InputError where it takes too many.
 ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
                                std::size_t shot);
+ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                               std::size_t shot, const StraighteningSettings& settings);
 
 /// What transmitter and receiver, apart, see together of a shot. Throws as refracted_ground_of().
 struct RefractedPaths {

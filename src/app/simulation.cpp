@@ -17,6 +17,7 @@
 #include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
 #include "app/progress.hpp"
+#include "app/refracted_reference.hpp"
 #include "app/refraction.hpp"
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
@@ -188,6 +189,10 @@ class PingTask {
       }
       for (const std::size_t s : group_.sensors) take_paths(shot, s);
       if (only_order_.value_or(1) != 1) continue;
+      if (reference_tolerance_ && survey_.scene.water->refracts()) {
+        take_refracted_reference(shot);
+        continue;
+      }
       if (survey_.scene.water->refracts() &&
           survey_.sensors[group_.sensors.front()].sensor->has_receiver_apart()) {
         take_refracted_paths(shot);
@@ -330,17 +335,40 @@ class PingTask {
       const CertifiedEcho certified =
           certify_echo(ground.mesh(), ground.tree(), history, options_of(scene.description.run),
                        sensor.beam_of_tube(shot), sensor.samples(), law, echo, *reference_tolerance_);
-      add_rows(certified.bound, beams, 1, store_.bound(s, ping_));
+      add_bounds(certified, beams, s);
       echo = certified.echo;
-      PingCounts met;
-      met.bins_over = certified.bins_over;
-      met.worst_ratio = certified.worst_ratio;
-      met.worst_sensor = static_cast<std::uint32_t>(s);
-      met.worst_beam = beams[static_cast<std::size_t>(certified.worst_beam)];
-      met.worst_sample = static_cast<std::uint32_t>(certified.worst_sample);
-      keep_worst(counts_, met);
     }
     add_order(1, echo.energy, beams, s);
+  }
+
+  void add_bounds(const CertifiedEcho& certified, const std::vector<std::uint32_t>& beams, std::size_t s) {
+    add_rows(certified.bound, beams, 1, store_.bound(s, ping_));
+    PingCounts met;
+    met.bins_over = certified.bins_over;
+    met.worst_ratio = certified.worst_ratio;
+    met.worst_sensor = static_cast<std::uint32_t>(s);
+    met.worst_beam = beams[static_cast<std::size_t>(certified.worst_beam)];
+    met.worst_sample = static_cast<std::uint32_t>(certified.worst_sample);
+    keep_worst(counts_, met);
+  }
+
+  /// Through refracting water a reference chooses its own apparent ground.
+  void take_refracted_reference(std::size_t shot) {
+    const RefractedShot found = certify_refracted_shot(
+        survey_, group_, ping_, shot, options_of(survey_.scene.description.run), *reference_tolerance_);
+    add_counts(counts_.refraction, *found.ground.apparent(), survey_, group_, ping_, shot);
+    counts_.candidates += found.candidates;
+    counts_.tubes += found.history.tubes.tubes.size();
+    counts_.footprints += found.history.footprints.footprints.size();
+    counts_.pieces += found.history.footprints.pieces.size();
+    for (std::size_t k = 0; k < group_.sensors.size(); ++k) {
+      const std::size_t s = group_.sensors[k];
+      const std::vector<std::uint32_t>& beams = survey_.sensors[s].sensor->beams_of_shot(shot);
+      const RefractedReference& reference = found.sensors[k];
+      counts_.refraction.unbounded += reference.unbounded;
+      add_bounds(reference.certified, beams, s);
+      add_order(1, reference.certified.echo.energy, beams, s);
+    }
   }
 
   /// `rows`: [channel][beam of the shot][sample]; `all`: of the sensor's beams.

@@ -23,20 +23,6 @@ constexpr double least_allowed = 1e-300;
 /// Of a texture, in one piece: half a minute's work. A piece of more is enclosed by the texture's range.
 constexpr std::size_t most_cells = 1 << 16;
 
-std::vector<double> targets(const Echo& echo, double tolerance) {
-  const auto samples = std::size_t(echo.samples);
-  const double ping_peak =
-      echo.energy.empty() ? 0 : *std::max_element(echo.energy.begin(), echo.energy.end());
-  std::vector<double> target(echo.energy.size());
-  for (std::size_t row = 0; row < target.size(); row += samples) {
-    double floor = reference_floor * reference_floor * ping_peak;
-    for (std::size_t k = 0; k < samples; ++k) floor = std::max(floor, reference_floor * echo.energy[row + k]);
-    for (std::size_t k = 0; k < samples; ++k)
-      target[row + k] = std::max(tolerance * std::max(echo.energy[row + k], floor), least_allowed);
-  }
-  return target;
-}
-
 std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
                                                  std::span<const std::uint32_t> beam_of_tube,
                                                  const EchoLaw& law) {
@@ -83,11 +69,10 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
                            double tolerance, double working,
                            std::span<const std::shared_ptr<const CertifiedTexture>> textures, bool& coarse) {
   const std::vector<double> borders = sample_borders_m(samples);
-  const std::vector<double> target = targets(ordinary, working);
+  const std::vector<double> target = reference_targets(ordinary, working);
   const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
   const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(5);
   const auto row = std::size_t(samples.count);
-
   const TubeSet& tubes = history.tubes;
   std::vector<Bins> by_tube(tubes.tubes.size());
   std::atomic<bool> any_coarse = false;
@@ -167,14 +152,38 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
     certified.echo.energy[bin] = energy;
     certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
   }
+  hold_against(certified, tolerance);
+  return certified;
+}
+
+}  // namespace
+
+std::vector<double> reference_targets(const Echo& echo, double tolerance) {
+  const auto samples = std::size_t(echo.samples);
+  const double ping_peak =
+      echo.energy.empty() ? 0 : *std::max_element(echo.energy.begin(), echo.energy.end());
+  std::vector<double> target(echo.energy.size());
+  for (std::size_t row = 0; row < target.size(); row += samples) {
+    double floor = reference_floor * reference_floor * ping_peak;
+    for (std::size_t k = 0; k < samples; ++k) floor = std::max(floor, reference_floor * echo.energy[row + k]);
+    for (std::size_t k = 0; k < samples; ++k)
+      target[row + k] = std::max(tolerance * std::max(echo.energy[row + k], floor), least_allowed);
+  }
+  return target;
+}
+
+void hold_against(CertifiedEcho& certified, double tolerance) {
   // What surely is there says how narrow a bound has to be.
+  const auto row = std::size_t(certified.echo.samples);
+  certified.bins_over = 0;
+  certified.worst_ratio = 0;
   Echo least = certified.echo;
-  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+  for (std::size_t bin = 0; bin < certified.bound.size(); ++bin) {
     const double sure = least.energy[bin] - certified.bound[bin];
     least.energy[bin] = sure > 0 ? sure : 0;
   }
-  const std::vector<double> asked = targets(least, tolerance * (1 + 1e-6));
-  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+  const std::vector<double> asked = reference_targets(least, tolerance * (1 + 1e-6));
+  for (std::size_t bin = 0; bin < certified.bound.size(); ++bin) {
     const double ratio = certified.bound[bin] / asked[bin];
     certified.bins_over += !(ratio <= 1);
     if (ratio > certified.worst_ratio) {
@@ -183,10 +192,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       certified.worst_sample = int(bin % row);
     }
   }
-  return certified;
 }
-
-}  // namespace
 
 std::optional<std::size_t> material_without_enclosure(
     std::span<const std::shared_ptr<const ReflectivityField>> reflectivity) {

@@ -26,6 +26,11 @@ struct CertifiedEcho {
   int worst_beam = 0, worst_sample = 0;
 };
 
+/// What each energy's bound is to be.
+std::vector<double> reference_targets(const Echo& echo, double tolerance);
+/// Counts the bins whose bound is above that, what surely is there taken for their energy.
+void hold_against(CertifiedEcho& certified, double tolerance);
+
 /// The first material whose micro-texture no reference can enclose: certify_echo() would refuse it. Perlin
 /// noise, maps and products of them can be enclosed.
 std::optional<std::size_t> material_without_enclosure(

@@ -331,6 +331,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
     ground.facets_of_several += kept && several;
     if (!kept) {
       ++ground.facets_in_shadow;
+      ground.left_out_m.push_back({corners[0], corners[1], corners[2]});
       continue;
     }
     for (int i = 0; i < 3; ++i) {

@@ -49,6 +49,8 @@ struct ApparentGround {
   /// Facets whose image is turned over: rays cross before they reach them, and the images of their neighbours
   /// lie on top of theirs.
   std::size_t facets_folded = 0;
+  /// Those that were left out: where their corners lie.
+  std::vector<std::array<glm::dvec3, 3>> left_out_m;
   /// For each base facet: a place of it in a shadow, and one where rays cross, if it has such.
   std::vector<UnclearPlace> unclear;
 
