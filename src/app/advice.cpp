@@ -281,7 +281,7 @@ std::string left_out_by(const RunDescription& run) {
   return "nothing";
 }
 
-std::string options_of(const RunDescription& run) {
+std::string command_options(const RunDescription& run) {
   if (run.engine == "ray")
     return fmt::format("--engine ray --sampling {} --rays-per-beam {}", run.sampling,
                        run.rays_per_beam.value_or(0));

@@ -71,7 +71,7 @@ std::string left_out_by(const RunDescription& run);
 
 /// The options of `tubefoot run` that ask for a setting: "--engine ray --sampling regular --rays-per-beam
 /// 700".
-std::string options_of(const RunDescription& run);
+std::string command_options(const RunDescription& run);
 
 /// A tolerance of the command line; throws UsageError.
 Tolerance asked_tolerance(const std::string& text);

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 Json json_of(const Advice& advice, const Candidate& candidate) {
   Json json{{"engine", candidate.setting.engine}, {"setting", candidate.setting.setting}};
-  json["options"] = options_of(candidate.setting.run);
+  json["options"] = command_options(candidate.setting.run);
   json["left_out"] = left_out_by(candidate.setting.run);
   json["predicted"] = {{"error", candidate.predicted_error}, {"seconds", candidate.predicted_seconds}};
   if (candidate.others)
@@ -82,7 +82,7 @@ void print_advice(const Advice& advice) {
       100 * error_limit_confidence, least_margin);
   fmt::print("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
   fmt::print("left out       {}\n", left_out_by(advice.best().setting.run));
-  fmt::print("options        {}\n", options_of(advice.best().setting.run));
+  fmt::print("options        {}\n", command_options(advice.best().setting.run));
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
       {"value", advice.tolerance.value},
       {"engine", best.setting.engine},
       {"setting", best.setting.setting},
-      {"options", options_of(best.setting.run)},
+      {"options", command_options(best.setting.run)},
       {"error_on_probe_pings", best.probe_error},
       {"seconds_a_probe_ping", best.predicted_seconds},
       {"left_out", left_out_by(best.setting.run)},

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 
 #include "engine/certified_integral.hpp"
@@ -65,8 +66,7 @@ class Unknown {
   /// Range beyond which nothing is known.
   double begins_m(const Sector& tube) const {
     for (const Ball& ball : balls_)
-      if (tube.may_meet_turned(ball.centre_m, ball.radius_m, rays_.most_turn_rad(), rays_.least_stretch()))
-        return ball.nearest_m;
+      if (may_be_seen(ball, tube)) return ball.nearest_m;
     return infinite;
   }
 
@@ -75,6 +75,31 @@ class Unknown {
     glm::dvec3 centre_m{0};
     double radius_m = 0, nearest_m = 0;
   };
+  /// False only if no tube looks where a ray to the ball may be launched: in its vertical plane, up to
+  /// most_turn_rad() higher or lower.
+  bool may_be_seen(const Ball& ball, const Sector& tube) const {
+    const glm::dvec3& way = ball.centre_m;
+    const double range = glm::length(way), across = std::hypot(way.x, way.y);
+    if (!(range > ball.radius_m)) return true;
+    if (rays_.least_stretch() * (range - ball.radius_m) > tube.reach_m() * (1 + slack)) return false;
+    const double level = std::atan2(way.z, across),
+                 apart = std::asin(ball.radius_m / range) + rays_.most_turn_rad() + slack,
+                 low = std::max(level - apart, -upright), high = std::min(level + apart, upright);
+    DirectionBox box;
+    box.low_sine = std::sin(low);
+    box.low_cosine = std::cos(low);
+    box.high_sine = std::sin(high);
+    box.high_cosine = std::cos(high);
+    box.all_round = !(ball.radius_m < across) || level + apart > upright || level - apart < -upright;
+    if (!box.all_round) {
+      const double sine = ball.radius_m / across, cosine = std::sqrt((1 - sine) * (1 + sine));
+      const glm::dvec2 towards = glm::dvec2(way) / across, left(-towards.y, towards.x);
+      box.from = cosine * towards - sine * left;
+      box.to = cosine * towards + sine * left;
+    }
+    return tube.may_meet(box);
+  }
+  static constexpr double upright = std::numbers::pi / 2;
   const RayEnclosure& rays_;
   std::vector<Ball> balls_;
 };

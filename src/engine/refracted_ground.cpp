@@ -400,7 +400,7 @@ ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> fac
   check(settings);
   const Images sent(transmit, reference_absorption_db_per_m, settings, transmit_outlook),
       heard(receive, reference_absorption_db_per_m, settings, receive_outlook);
-  const GapRule sent_rule(sent), heard_rule(heard);
+  const GapRule sent_rule(sent, base, grid), heard_rule(heard, base, grid);
   ApparentPair pair;
   RefinedMesh cut = refine(
       base, facets, grid, EitherRule(sent_rule, heard_rule), [](const BasePoint& p) { return p.at_m; },
