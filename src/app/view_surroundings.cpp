@@ -153,14 +153,16 @@ std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t mos
       continue;
     near.push_back({nearness.distance_m((from + to) / 2.0), FacetId(f)});
   }
-  std::size_t left_out = 0;
-  if (near.size() > most) {
-    left_out = near.size() - most;
-    std::nth_element(near.begin(), near.begin() + std::ptrdiff_t(most), near.end(),
-                     [](const Near& a, const Near& b) {
-                       return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.facet < b.facet;
-                     });
+  const std::size_t met = near.size();
+  if (met > most) {
+    const auto last = near.begin() + std::ptrdiff_t(most);
+    std::nth_element(near.begin(), last, near.end(), [](const Near& a, const Near& b) {
+      return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.facet < b.facet;
+    });
+    // Whole cells, so that the border is not ragged; but for the first.
+    const double limit_m = last->distance_m;
     near.resize(most);
+    if (limit_m > 0) std::erase_if(near, [&](const Near& n) { return n.distance_m >= limit_m; });
   }
   std::unordered_map<VertexId, std::uint32_t> number;
   for (const Near& n : near)
@@ -169,7 +171,7 @@ std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t mos
       if (is_new) view.mesh_vertices_m.push_back(scene.grid.to_metres(mesh.vertices[v]));
       view.mesh_facets.push_back(place->second);
     }
-  return left_out;
+  return met - near.size();
 }
 
 }  // namespace tubefoot

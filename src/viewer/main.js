@@ -51,20 +51,18 @@ function showPing(ping) {
 function reveal() {
   const lit = [...scene.lit];
   if (!lit.length) return;
-  const ball = ballOfFootprints(lit);
-  const place = scene.onCanvas(ball.middle), { clientWidth, clientHeight } = scene.canvas;
+  const place = scene.onCanvas(ballOf(cornersOf(lit)).middle), { clientWidth, clientHeight } = scene.canvas;
   if (!place || place[0] < 0 || place[1] < 0 || place[0] > clientWidth || place[1] > clientHeight) frameLit();
 }
 function frameLit() {
   if (!scene.lit.size) return;
-  const ball = ballOfFootprints([...scene.lit]);
-  orbit.frame({ middle: ball.middle, radius: ball.radius * 2.5 });
+  orbit.frame(cornersOf([...scene.lit]), 3);
 }
 const shownPoints = () => {
   const [first, end] = scene.pings.map((p) => shapes.corner[shapes.piece[firstFootprint[p]]]);
   return arrays.shapePoints.subarray(3 * first, 3 * end);
 };
-function frameAll() { orbit.frame(ballOf(shownPoints())); }
+function frameAll() { orbit.frame(shownPoints()); }
 /// From above and behind the sonar, looking at its footprints.
 function fromSonar() {
   const { middle } = ballOf(shownPoints()), sonar = facts.pings[scene.pings[0]].sensor, way = minus(middle, sonar);
@@ -176,6 +174,4 @@ window.tubefootView = {
   footprintOnCanvas: (f) => scene.onCanvas([...arrays.centroid.subarray(3 * f, 3 * f + 3)]),
   cellOnCanvas: (cell) => picture.onCanvas(cell),
   cellAt: (x, y) => picture.cellAt(x, y),
-  cellColour: (cell) => pictureColour(arrays.cellEnergy[cell]),
-  footprintColour: (f) => scene.scale.table[Math.min(Math.max(Math.floor(scene.scale.level[f] * 256), 0), 255)],
 };

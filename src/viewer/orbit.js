@@ -71,10 +71,21 @@ class Orbit {
     this.distance = Math.min(Math.max(this.distance * factor, this.whole * 1e-5), this.whole * 50);
     this.changed();
   }
-  frame({ middle, radius }) {
-    this.target = middle;
-    const aspect = this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1);
-    this.distance = 0.9 * radius / Math.sin(this.heightRad / 2) / Math.min(aspect, 1);
+  /// Shows places, given as x, y, z one after another, as large as they fit; `spare` times that from farther off.
+  frame(points, spare = 1.1) {
+    const { back, right, up } = this.axes(), { middle } = ballOf(points), tall = Math.tan(this.heightRad / 2) / spare;
+    const wide = tall * this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1);
+    // In units where the view's borders are at 45 degrees: every place bounds the eye from four sides.
+    const most = [-Infinity, -Infinity, -Infinity, -Infinity];
+    const step = 3 * Math.max(1, Math.floor(points.length / 30000));
+    for (let i = 0; i < points.length; i += step) {
+      const p = minus([points[i], points[i + 1], points[i + 2]], middle), depth = dot(p, back);
+      [dot(p, right) / wide, -dot(p, right) / wide, dot(p, up) / tall, -dot(p, up) / tall]
+        .forEach((v, k) => { most[k] = Math.max(most[k], v + depth); });
+    }
+    if (!Number.isFinite(most[0])) most.fill(10);
+    this.target = plus(plus(middle, right, wide * (most[0] - most[1]) / 2), up, tall * (most[2] - most[3]) / 2);
+    this.distance = Math.max((most[0] + most[1]) / 2, (most[2] + most[3]) / 2, 1e-3);
     this.changed();
   }
   matrix() {

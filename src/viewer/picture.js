@@ -55,7 +55,7 @@ const layouts = {
           .map(([b, s]) => at(beamBorders[b], rangeOf(s)));
       },
       axes: facts.kind === "multibeam"
-        ? { across: { title: "across track, m (starboard to the right)" }, up: { title: "below the sonar, m", text: (v, step) => tickText(Math.abs(v), step) } }
+        ? { across: { title: "across track, m (starboard to the right)" }, up: { title: "below the sonar, m", text: (v, step) => tickText(0 - v, step) } }
         : { across: { title: "to starboard, m" }, up: { title: "ahead, m" } },
     };
   },

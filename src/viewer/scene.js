@@ -289,11 +289,11 @@ function outlines(footprints) {
   return new Float32Array(lines);
 }
 
-/// The ball about footprints.
-function ballOfFootprints(footprints) {
+/// Corners of footprints, x, y, z one after another.
+function cornersOf(footprints) {
   const points = [];
   for (const f of footprints)
     for (let c = shapes.corner[shapes.piece[f]]; c < shapes.corner[shapes.piece[f + 1]]; ++c)
       points.push(...arrays.shapePoints.subarray(3 * c, 3 * c + 3));
-  return ballOf(points);
+  return points;
 }

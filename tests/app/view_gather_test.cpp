@@ -59,12 +59,14 @@ const std::string camera = R"(kind = "didson"
 pings = 2
 tilt_deg = 25
 beams = 12
-window_start_m = 3
-window_length_m = 6
-samples = 150
+window_start_m = 5
+window_length_m = 2.5
+samples = 100
 )",
                   camera_with_lobes = camera + R"(transmit_pattern = "line"
+transmit_aperture_m = 0.02
 receive_pattern = "line"
+receive_aperture_m = 0.06
 )",
                   sidescan = R"(kind = "sidescan"
 pings = 5
@@ -112,7 +114,9 @@ TEST_P(Links, AddUpToTheEchoOfARun) {
   for (std::size_t cell = 0; cell < sum.size(); ++cell) {
     const double recorded = run.at(1, cell / run.samples, cell % run.samples);
     EXPECT_NEAR(view.energy_j[cell], recorded, 1e-12 * recorded) << "cell " << cell;
-    if (!view.weak_links_left_out) EXPECT_NEAR(sum[cell], recorded, 1e-12 * recorded) << "cell " << cell;
+    if (!view.weak_links_left_out) {
+      EXPECT_NEAR(sum[cell], recorded, 1e-12 * recorded) << "cell " << cell;
+    }
     EXPECT_LE(sum[cell], recorded * (1 + 1e-9));
     total += recorded;
     left_out += recorded - sum[cell];
@@ -136,7 +140,9 @@ TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
     const std::uint32_t sample = link.cell % view.samples, beam = link.cell / view.samples % view.beams,
                         ping = link.cell / view.samples / view.beams;
     EXPECT_EQ(ping, f.ping);
-    if (!view.weak_links_left_out) EXPECT_EQ(beam, f.beam);
+    if (!view.weak_links_left_out) {
+      EXPECT_EQ(beam, f.beam);
+    }
     EXPECT_GT(f.far_m, view.first_m + sample * view.step_m - 1e-9);
     EXPECT_LT(f.near_m, view.first_m + (sample + 1) * view.step_m + 1e-9);
   }
@@ -153,7 +159,9 @@ TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
   }
   EXPECT_GT(in_reach, 20u);
   // Else the first of these two expectations is empty.
-  if (view.kind == "didson") EXPECT_GT(beyond, 0u);
+  if (view.kind == "didson") {
+    EXPECT_GT(beyond, 0u);
+  }
 }
 
 /// All terms, however small, with patterns too.
@@ -218,7 +226,8 @@ position_m = [0, 0, 2]
 name = "sonar"
 kind = "didson"
 beams = 24
-tilt_deg = 20
+tilt_deg = 22
+vertical_deg = 28
 window_start_m = 1
 window_length_m = 20
 )";
@@ -274,9 +283,10 @@ TEST(ViewedMesh, IsThatAboutTheFootprints) {
   ViewLimits limits;
   limits.mesh_facets = 100;
   const ViewData thin = gather_view(*survey, 0, {}, true, limits);
-  EXPECT_EQ(thin.mesh_facets.size(), 300u);
-  EXPECT_THAT(thin.notes, testing::Contains(testing::HasSubstr(
-                              fmt::format("{} of the facets", view.mesh_facets.size() / 3 - 100))));
+  EXPECT_LE(thin.mesh_facets.size(), 300u);
+  EXPECT_GT(thin.mesh_facets.size(), 0u);
+  EXPECT_THAT(thin.notes, testing::Contains(testing::HasSubstr(fmt::format(
+                              "{} of the facets", (view.mesh_facets.size() - thin.mesh_facets.size()) / 3))));
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A headless Chromium that opens the viewer's pages, clicks in them, and is looked at."""
+import re
 import shutil
-import struct
 import sys
-import zlib
 
 import numpy as np
 
@@ -23,44 +22,6 @@ try:
     from selenium.webdriver.support.ui import Select, WebDriverWait
 except ImportError:
     skip("python3-selenium is not installed")
-
-
-def png_pixels(data):
-    """Rows of red, green, blue of an 8-bit PNG without interlacing, as screenshots are."""
-    at, idat = 8, b""
-    while at < len(data):
-        size, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + size]
-        if kind == b"IHDR":
-            width, height, depth, colour, _, _, interlaced = struct.unpack(">IIBBBBB", body)
-            assert depth == 8 and colour in (2, 6) and not interlaced
-            channels = 3 if colour == 2 else 4
-        elif kind == b"IDAT":
-            idat += body
-        at += 12 + size
-    raw = np.frombuffer(zlib.decompress(idat), np.uint8).reshape(height, 1 + width * channels)
-    out = np.zeros((height, width, channels), np.uint8)
-    previous = np.zeros((width, channels), np.uint8)
-    for y in range(height):
-        kind, line = raw[y, 0], raw[y, 1:].reshape(width, channels).copy()
-        if kind == 2:
-            line += previous
-        elif kind == 1:
-            line = np.cumsum(line, axis=0, dtype=np.uint64).astype(np.uint8)
-        elif kind in (3, 4):
-            for x in range(width):
-                left = line[x - 1].astype(int) if x else np.zeros(channels, int)
-                up = previous[x].astype(int)
-                if kind == 3:
-                    guess = (left + up) // 2
-                else:
-                    corner = previous[x - 1].astype(int) if x else np.zeros(channels, int)
-                    p = left + up - corner
-                    far = np.stack([abs(p - left), abs(p - up), abs(p - corner)])
-                    guess = np.choose(np.argmin(far, axis=0), [left, up, corner])
-                line[x] = (line[x].astype(int) + guess) % 256
-        out[y] = previous = line
-    return out[:, :, :3].astype(int)
 
 
 class Page:
@@ -130,9 +91,22 @@ class Page:
         lit = self.js("return tubefootView.lit")
         return set(lit["footprints"]), set(lit["cells"])
 
-    def colours(self, name):
-        """Of an element, row by row."""
-        return png_pixels(self.element(name).screenshot_as_png)
+    def colours(self, name, places):
+        """What a canvas shows at places, CSS pixels from its upper left corner: red, green, blue."""
+        return np.array(self.js("""
+            const canvas = document.getElementById(arguments[0]), copy = document.createElement("canvas");
+            Object.assign(copy, { width: canvas.width, height: canvas.height });
+            const context = copy.getContext("2d", { willReadFrequently: true });
+            context.drawImage(canvas, 0, 0);
+            const scale = canvas.width / canvas.clientWidth;
+            return arguments[1].map(([x, y]) =>
+                Array.from(context.getImageData(Math.floor(x * scale), Math.floor(y * scale), 1, 1).data).slice(0, 3));
+            """, name, [[float(x), float(y)] for x, y in places])).astype(int)
+
+    def background(self, css):
+        """Brightness, 0 to 255, of what lies behind an element."""
+        colour = self.js("return getComputedStyle(document.querySelector(arguments[0])).backgroundColor", css)
+        return sum(int(c) for c in re.findall(r"\d+", colour)[:3]) / 3
 
     def prefer(self, scheme):
         self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia",
