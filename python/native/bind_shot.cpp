@@ -152,9 +152,7 @@ void bind_history_class(py::module_& module) {
                              [](const py::object& self) {
                                return view_of<std::uint32_t>(
                                    self.cast<const NativeHistory&>().history.footprints.occluders, self);
-                             })
-      .def_property_readonly(
-          "shot", [](const NativeHistory& h) { return std::const_pointer_cast<NativeShot>(h.shot); });
+                             });
 }
 
 }  // namespace

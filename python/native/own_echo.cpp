@@ -13,7 +13,7 @@ namespace py = pybind11;
 
 std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const py::object& function) {
   // Engines are made and let go of by threads that need not hold the interpreter's lock.
-  const py::gil_scoped_acquire lock;
+  const py::gil_scoped_acquire outer;
   const std::shared_ptr<py::object> held(new py::object(function), [](py::object* object) {
     const py::gil_scoped_acquire inner;
     delete object;

@@ -21,12 +21,10 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
   json["scene_hash"] = scene.description.sha256;
   json["version"] = TUBEFOOT_VERSION;
   json["engine"] = engine_name(survey);
-  if (survey.own_engine) {
-    json["settings"] = nullptr;  // it knows them
-  } else if (run.engine == "tube") {
+  if (!survey.own_engine && run.engine == "tube") {
     json["arithmetic"] = run.arithmetic;
     json["binning"] = run.binning;
-  } else {
+  } else if (!survey.own_engine) {
     json["sampling"] = run.sampling;
     if (run.rays_per_beam)
       json["rays_per_beam"] = *run.rays_per_beam;
