@@ -151,7 +151,7 @@ Overlay overlaid(const LinePolygon& place, std::span<const FacetRegion* const> r
 
 /// Where many regions meet a place it is halved first, so that each is held against few cells.
 Overlay overlaid_in_halves(const LinePolygon& place, std::vector<const FacetRegion*> regions, int depth) {
-  constexpr std::size_t few = 48, many = 400;
+  constexpr std::size_t few = 600, many = 2000;
   const ChartBox box = box_of(corners_of(place));
   const bool wide = box.hi.x - box.lo.x > box.hi.y - box.lo.y;
   const double lo = wide ? box.lo.x : box.lo.y, hi = wide ? box.hi.x : box.hi.y;

@@ -418,12 +418,14 @@ TEST(Coverage, NeitherOrderOfPingsNorSplittingOfTubesChangesAnything) {
 TEST(Coverage, ManyPingsOfALargeFacetClose) {
   FacetMesh mesh;
   add_square(mesh, 100000, 0);
+  std::vector<std::int32_t> across;  // enough pieces for the facet to be halved
+  for (std::int32_t x = -3000; x <= 3000; x += 500) across.push_back(x);
   std::vector<CoverageLook> looks;
   for (std::uint32_t ping = 0; ping < 120; ++ping)
-    looks.push_back(look(mesh,
-                         down_tubes({0, static_cast<std::int32_t>(1000 * ping) - 60000, 20000},
-                                    {-3000, -1000, 1000, 3000}, {-100, 100}, 1000),
-                         ping));
+    looks.push_back(look(
+        mesh,
+        down_tubes({0, static_cast<std::int32_t>(1000 * ping) - 60000, 20000}, across, {-100, 100}, 1000),
+        ping));
   // Strips of 4000 every 1000, 120000 wide: four on top of each other but at the ends.
   std::map<std::uint32_t, Q> sum;
   for (const auto& [id, facet] : cover(mesh, looks))
