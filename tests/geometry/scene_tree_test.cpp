@@ -124,6 +124,37 @@ TEST(SceneTree, RespectsTheReach) {
   }
 }
 
+TEST(SceneTree, FindsAllInBoxesThatAreNotRefused) {
+  for (const Scene& scene : stumbling_blocks(5)) {
+    SCOPED_TRACE(scene.name);
+    if (scene.mesh.facets.empty()) continue;
+    const SceneTree tree(scene.mesh);
+    std::vector<FacetId> all, none, some;
+    tree.query([](const GridPoint&, const GridPoint&) { return true; }, all);
+    EXPECT_EQ(all.size(), scene.mesh.facets.size());
+    tree.query([](const GridPoint&, const GridPoint&) { return false; }, none);
+    EXPECT_TRUE(none.empty());
+    // Boxes that reach below a height.
+    const std::int32_t height = scene.mesh.vertices[scene.mesh.facets.front()[0]].x;
+    std::size_t asked = 0;
+    tree.query(
+        [&](const GridPoint& lowest, const GridPoint& highest) {
+          ++asked;
+          EXPECT_LE(lowest.x, highest.x);
+          return lowest.x <= height;
+        },
+        some);
+    std::sort(some.begin(), some.end());
+    EXPECT_EQ(std::adjacent_find(some.begin(), some.end()), some.end());
+    EXPECT_GT(asked, 0u);
+    for (FacetId f = 0; f < scene.mesh.facets.size(); ++f)
+      if (std::ranges::any_of(scene.mesh.facets[f],
+                              [&](VertexId v) { return scene.mesh.vertices[v].x <= height; })) {
+        EXPECT_TRUE(std::binary_search(some.begin(), some.end(), f));
+      }
+  }
+}
+
 TEST(SceneTree, AnEmptyMeshHasNothingToFind) {
   FacetMesh mesh;
   EXPECT_TRUE(query(SceneTree(mesh), {0, 0, 0}, {}).empty());

@@ -314,5 +314,52 @@ TEST(Eigenray, NoRayTurnsOutsideOfTheWater) {
   EXPECT_THROW(EigenrayFinder(water, -1), std::invalid_argument);
 }
 
+// No ray that has turned, followed from the source, is where none may be.
+TEST(Eigenray, RaysThatTurnAreExpectedWhereTheyPass) {
+  std::size_t turned = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 engine(seed);
+    const auto between = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(engine); };
+    std::vector<ProfilePoint> points{{0, between(1450, 1540)}};
+    while (points.size() < 12)
+      points.push_back(
+          {points.back().depth_m + between(0.5, 6), points.back().sound_speed_m_s + between(-8, 8)});
+    const WaterColumn water{SoundSpeedProfile(points), {}};
+    const double source_m = between(0.2, points.back().depth_m - 0.2);
+    const EigenrayFinder finder(water, source_m, {0, points.back().depth_m, 1});
+    const std::size_t layer = water.profile.layer_at(source_m);
+    for (int k = -60; k <= 60; ++k) {
+      int turns = 0;
+      const double steepest = 0.25;
+      for (const RayNode& node : trace_ray(water, source_m, steepest * k * std::abs(k) / 3600,
+                                           {0, points.back().depth_m, 400, 100'000})) {
+        turns += node.turned_at_m.has_value();
+        if (node.event == RayEvent::surface || node.event == RayEvent::bottom || turns > 1) break;
+        const double depth_m = node.state.depth_m;
+        const bool in_its_layer =
+            depth_m >= water.profile.top_m(layer) && depth_m <= water.profile.bottom_m(layer);
+        if (turns == 0 || in_its_layer) continue;
+        ++turned;
+        EXPECT_TRUE(finder.may_turn_towards(depth_m, node.state.range_m))
+            << depth_m << ' ' << node.state.range_m;
+      }
+    }
+  }
+  EXPECT_GT(turned, 10'000u);
+}
+
+TEST(Eigenray, WhereNoneCanTurnNoneIsLookedFor) {
+  // The summer water of a shallow sea: the level ray comes to a depth of 18 m some 70 m away.
+  const WaterColumn water{
+      SoundSpeedProfile({{0, 1527}, {6, 1519}, {8, 1508}, {10, 1499}, {13, 1494}, {35, 1490}}), {}};
+  const EigenrayFinder finder(water, 8, {0, 25, 1});
+  for (double range_m = 1; range_m < 55; range_m += 1) EXPECT_FALSE(finder.may_turn_towards(18, range_m));
+  EXPECT_TRUE(finder.may_turn_towards(18, 400));
+  // Even water turns nothing; a deep channel turns rays on both sides.
+  const WaterColumn even{SoundSpeedProfile(1500), {}};
+  EXPECT_FALSE(EigenrayFinder(even, 8).may_turn_towards(18, 1e5));
+}
+
 }  // namespace
 }  // namespace tubefoot
