@@ -360,6 +360,44 @@ TEST(RefractionRun, CheckAndPatternsKnowTheSpeedAtTheSonar) {
   EXPECT_THAT(outcome.out, HasSubstr("1500.00 m/s where it is first"));
 }
 
+// Whatever the scene's own gap: a reference chooses a finer one.
+TEST(RefractionRun, ReferenceHoldsTheClosedFormWithinTheTolerance) {
+  for (const double g : {-0.5, 0.4}) {
+    SCOPED_TRACE(g);
+    const double absorption = 400, tolerance = 2e-3;
+    const std::string scene = scene_in(gradient(g, absorption));
+    const Kept run(scene, {"--reference", "--tolerance", "2e-3"});
+    ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+    EXPECT_THAT(run.outcome.out, HasSubstr("every energy within 0.002"));
+    EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
+    const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"), ordinary = echoes_of(scene);
+    for (std::size_t k = 0; k < echoes.samples; ++k) {
+      if (echoes.first_m(k) < 10.3) continue;
+      const double truth = ring_energy(g, echoes.first_m(k), echoes.last_m(k), absorption);
+      EXPECT_LE(echoes.energy_bound[k], tolerance * echoes.energy[k] * 1.001) << k;
+      // The tubes' rays are rounded to 2^-30, and so are a fan's walls.
+      EXPECT_LE(std::abs(echoes.energy[k] - truth), echoes.energy_bound[k] + 1e-6 * truth) << k;
+      // 0.1 dB is what the ordinary run promises.
+      EXPECT_LE(std::abs(echoes.energy[k] - ordinary.energy[k]), echoes.energy_bound[k] + 0.0233 * truth)
+          << k;
+    }
+  }
+}
+
+TEST(RefractionRun, ReferenceSaysWhereItHasNoBound) {
+  const Kept run(replaced(scene_in(gradient(10)), "window_length_m = 32", "window_length_m = 62"),
+                 {"--reference", "--tolerance", "1e-2"});
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+  EXPECT_THAT(run.outcome.err, HasSubstr("have no bound"));
+  const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
+  std::size_t infinite = 0;
+  for (const double bound : echoes.energy_bound) infinite += std::isinf(bound);
+  EXPECT_EQ(run.stats.at("refraction").at("bins_without_bound"), infinite);
+  EXPECT_GT(infinite, 0u);
+  EXPECT_LT(infinite, echoes.samples - 10);
+  EXPECT_TRUE(std::isinf(echoes.energy_bound.back()));
+}
+
 TEST(RefractionRun, WhatCannotBeHadIsRefused) {
   const auto refused = [](const std::string& scene, const std::string& words,
                           const std::vector<std::string>& more = {}) {
@@ -368,7 +406,10 @@ TEST(RefractionRun, WhatCannotBeHadIsRefused) {
     EXPECT_THAT(run.outcome.err, HasSubstr(words));
   };
   const std::string plain = scene_in(gradient(-1));
-  refused(plain, "not proven", {"--reference"});
+  refused(replaced(plain, "lambert_db = -27",
+                   "law = \"gsab\"\nspecular_db = -10\nspecular_width_deg = 5\noblique_db = "
+                   "-25\noblique_exponent = 2"),
+          "Lambert's law alone", {"--reference"});
   refused(replaced(plain, "[trajectory]", "[sea_surface]\nheight_m = 20\n[trajectory]"), "mirrors");
   refused(replaced(plain, "position_m = [0, 0, 10]", "position_m = [0, 0, 21]"), "above the sea surface");
 }
