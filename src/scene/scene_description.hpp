@@ -127,9 +127,9 @@ struct PathsDescription {
   SourcePlace place;
   int order = 1;                  ///< most interactions (scattering and reflections) of a path
   std::optional<int> only_order;  ///< leave out all but this one
-  double cutoff_db = 100;         ///< paths that lose more by reflection are not followed
-  int scatterings = 1;            ///< most of them on a path: 1 or 2
-  double patch_m = 1;             ///< largest patch of the first of two
+  double cutoff_db = 100;         ///< paths that lose more are not followed
+  int scatterings = 1;            ///< most of them on a path
+  double patch_m = 1;             ///< longest edge of patches, which all but the last scatter as
   int most_images = 10000;        ///< of one apex
   bool direct = false;            ///< a receiver apart also hears its transmitter straight
 };
