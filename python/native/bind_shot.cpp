@@ -148,11 +148,9 @@ void bind_history_class(py::module_& module) {
                                return view_of<double>(
                                    self.cast<const NativeHistory&>().history.footprints.corners_m, self, 3);
                              })
-      .def_property_readonly("occluder_facets",
-                             [](const py::object& self) {
-                               return view_of<std::uint32_t>(
-                                   self.cast<const NativeHistory&>().history.footprints.occluders, self);
-                             });
+      .def_property_readonly("occluder_facets", [](const py::object& self) {
+        return view_of<std::uint32_t>(self.cast<const NativeHistory&>().history.footprints.occluders, self);
+      });
 }
 
 }  // namespace
