@@ -149,7 +149,7 @@ TEST(RefractedGround, FlatBedUnderOneGradientConvergesToTheClosedForm) {
       }
       before = sum;
     }
-    EXPECT_LT(before, 3e-3);
+    EXPECT_LT(before, 2e-3);
   }
 }
 
