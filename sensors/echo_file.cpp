@@ -290,18 +290,6 @@ void write_recording(EchoGroup& group, const Recording& recording) {
 
 }  // namespace
 
-std::string kind_of(const SensorDescription& sensor) {
-  struct Name {
-    const char* operator()(const DidsonDescription&) const { return "didson"; }
-    const char* operator()(const SidescanDescription&) const { return "sidescan"; }
-    const char* operator()(const MultibeamDescription&) const { return "multibeam"; }
-    const char* operator()(const ImagingDescription&) const { return "imaging"; }
-    const char* operator()(const EchosounderDescription&) const { return "echosounder"; }
-    const char* operator()(const InterferometricDescription&) const { return "interferometric"; }
-  };
-  return std::visit(Name(), sensor.kind);
-}
-
 void write_echoes(const fs::path& path, const std::vector<Recording>& recordings,
                   const Provenance& provenance, std::size_t most_bytes_in_memory) {
   if (recordings.empty()) throw std::invalid_argument("no recording to write into " + path.string());

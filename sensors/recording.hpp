@@ -45,9 +45,6 @@ struct Recording {
 /// says.
 void check(const Recording& recording);
 
-/// "didson", "sidescan" and so on, as scene files have it.
-std::string kind_of(const SensorDescription& sensor);
-
 /// Where a recording comes from; written as global attributes.
 struct Provenance {
   std::string title, scene_hash, engine, arithmetic, version;

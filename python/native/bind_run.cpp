@@ -18,6 +18,7 @@
 #include "run_apart.hpp"
 #include "scene.hpp"
 #include "sensors/pose_angles.hpp"
+#include "sensors/sensor_kind.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;
