@@ -18,20 +18,17 @@ set(CPACK_DEBIAN_PROGRAM_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS fonts-dejavu-core)  # without it pictures have no labels
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS libtubefoot-dev)
-set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "sonar simulator that measures footprints instead of sampling them
- tubefoot computes exactly which part of which facet of a scene every beam of
- a sonar touches first, and integrates the echo over those polygons. It writes
- echoes, pictures, footprints and the files that sidescans, multibeams and
- acoustic cameras write, and measures how far other engines are off.")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "tubefoot computes exactly which part of which facet of a scene every beam
+of a sonar touches first, and integrates the echo over those polygons. It writes
+echoes, pictures, footprints and the files that sidescans, multibeams and
+acoustic cameras write, and measures how far other engines are off.")
 
 # A static library asks the programs that link it for all that it is made of: what packages.txt lists to build with.
 file(STRINGS ${PROJECT_SOURCE_DIR}/packages.txt lines)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/packages.txt)
 set(needed cmake g++ pkg-config)
 foreach(line ${lines})
-  if(line MATCHES "^# tests")
-    break()
-  elseif(line MATCHES "^(lib[^ ]*-dev|nlohmann[^ ]*-dev|zlib[^ ]*-dev)")
+  if(line MATCHES "^((lib|nlohmann|zlib)[^ ]*-dev)" AND NOT line MATCHES "gtest|gmock|benchmark")
     list(APPEND needed ${CMAKE_MATCH_1})
   endif()
 endforeach()
@@ -41,8 +38,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${needed}")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS tubefoot)
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "libraries of the sonar simulator tubefoot, for own sonars and engines
- Static libraries, headers and find_package(tubefoot), with an example that has
- a sonar and an engine of its own.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries, headers and find_package(tubefoot), for sonars and
+engines of one's own: the example has one of each.")
 
 include(CPack)
