@@ -4,6 +4,8 @@
 #   make demo    install what is missing, build, run scenes/wellhead, name the pictures
 #   make python  build the Python module and install it for the current user of /usr/bin/python3: docs/python.md
 #   make test    install what is missing, build, run the tests
+#   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
+#   make package  Debian packages into build/
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
@@ -17,8 +19,8 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test build setup prove bench atlas advise-study refraction-study track-study rays reference format tidy \
-  clean
+.PHONY: demo python test install package build setup prove bench atlas advise-study refraction-study track-study rays \
+  reference format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -39,6 +41,21 @@ python: build
 test: build
 	cmake --build --preset release --parallel $(JOBS)
 	ctest --preset release --parallel $(JOBS)
+
+# Where the program goes, so that its man pages, completion and find_package(tubefoot) are found: below PREFIX. As root
+# into the default, or into a folder of one's own. DESTDIR, if set, comes before it.
+PREFIX := /usr/local
+
+install: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_manual
+	cmake --install build/release --prefix $(abspath $(PREFIX)) >build/install.log || { cat build/install.log; exit 1; }
+	@echo "tubefoot is in $(DESTDIR)$(abspath $(PREFIX))/bin"
+
+package: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_manual
+	@cpack --config build/release/CPackConfig.cmake -B build >build/package.log || { cat build/package.log; exit 1; }
+	@rm -rf build/_CPack_Packages
+	@ls build/*.deb
 
 build: setup
 	@cmake --preset release -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }

@@ -51,6 +51,9 @@ int run_command_line(int argc, char** argv) {
   app.set_version_flag("--version", "tubefoot " TUBEFOOT_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
+  app.footer(
+      "Exit status:\n  0  done\n  1  the run failed\n  2  the input or the command line is wrong\n"
+      "  3  a comparison found more error than was allowed");
   std::function<int()> command;
 
   RunOptions run;

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Debian packages (`make package`, docs/packaging.md): tubefoot, and libtubefoot-dev for programs of one's own. Included
+# last: it wants to know all that is installed.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_CONTACT "tubefoot maintainers <maintainers@tubefoot.invalid>")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_COMPONENTS_ALL program development)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME tubefoot)
+set(CPACK_DEBIAN_PROGRAM_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS fonts-dejavu-core)  # without it pictures have no labels
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS libtubefoot-dev)
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "tubefoot computes exactly which part of which facet of a scene every beam
+of a sonar touches first, and integrates the echo over those polygons. It writes
+echoes, pictures, footprints and the files that sidescans, multibeams and
+acoustic cameras write, and measures how far other engines are off.")
+
+# A static library asks the programs that link it for all that it is made of: what packages.txt lists to build with.
+file(STRINGS ${PROJECT_SOURCE_DIR}/packages.txt lines)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/packages.txt)
+set(needed cmake g++ pkg-config)
+foreach(line ${lines})
+  if(line MATCHES "^((lib|nlohmann|zlib)[^ ]*-dev)" AND NOT line MATCHES "gtest|gmock|benchmark")
+    list(APPEND needed ${CMAKE_MATCH_1})
+  endif()
+endforeach()
+list(JOIN needed ", " needed)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtubefoot-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${needed}")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS tubefoot)
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries, headers and find_package(tubefoot), for sonars and
+engines of one's own: the example has one of each.")
+
+include(CPack)
