@@ -32,6 +32,7 @@ PYTHON_SITE := $(shell /usr/bin/python3 -m site --user-site 2>/dev/null)
 
 python: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_python
+	@test -n "$(PYTHON_SITE)" || { echo "/usr/bin/python3 knows no folder of this user: make python PYTHON_SITE=FOLDER" >&2; exit 1; }
 	@mkdir -p "$(PYTHON_SITE)"
 	@rm -rf "$(PYTHON_SITE)/tubefoot"
 	@cp -r build/release/python/tubefoot "$(PYTHON_SITE)/"

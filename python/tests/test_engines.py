@@ -43,6 +43,7 @@ def test_a_sensor_in_numpy_is_the_built_in_binning(scene):
 
 def test_an_engine_sees_the_scene(scene):
     @tubefoot.engine("middle rays")
+    @np.errstate(all="ignore")  # facets that a ray is parallel to
     def middle_rays(shot):
         """The whole beam at the range of its middle ray, if that hits."""
         energy = np.zeros(shot.energy_shape)
@@ -51,8 +52,7 @@ def test_an_engine_sees_the_scene(scene):
         for tube, beam in zip(shot.tubes, shot.beam_of_tube):
             ray = shot.rays[tube].sum(axis=0)
             ray /= np.linalg.norm(ray)
-            with np.errstate(all="ignore"):
-                ranges = (corners[:, 0] * normal).sum(axis=1) / (normal @ ray)
+            ranges = (corners[:, 0] * normal).sum(axis=1) / (normal @ ray)
             point = ranges[:, None, None] * ray
             sides = [((np.cross(corners[:, (k + 1) % 3] - corners[:, k], point[:, 0] - corners[:, k])) * normal).sum(1)
                      for k in range(3)]
@@ -185,7 +185,8 @@ def test_charts_have_ones_own_engines_beside_the_built_in_ones(folder, scene):
     assert by_engine["nothing"][0]["l1_error"] == 1 and by_engine["nothing"][0]["rays"] == 0
     built_in = by_engine["tubes, centroid"][0]
     own = by_engine["centroids"][0]
-    assert own["l1_error"] == pytest.approx(built_in["l1_error"], rel=1e-6) and 0 < own["l1_error"] < 1
+    assert own["l1_error"] == pytest.approx(built_in["l1_error"], rel=1e-6)
+    assert 0 < own["l1_error"] < 2  # of energy in other samples, in which it misses and is too much
     assert own["seconds"] > 0 and own["setting"] == "Python"
     page = (folder / "chart" / "index.html").read_text()
     table = (folder / "chart" / "chart.csv").read_text()

@@ -87,6 +87,19 @@ def test_an_installed_module_needs_nothing_but_its_folder(tmp_path, folder):
     assert done.stdout.split() == [str(place / "tubefoot/__init__.py"), "5"]
 
 
+@pytest.mark.parametrize("prefix, place", [
+    ("/usr", "usr/lib/python3/dist-packages"),
+    ("/usr/local", f"usr/local/lib/python3.{sys.version_info.minor}/dist-packages"),
+])
+def test_it_is_installed_where_debians_python_looks(tmp_path, prefix, place):
+    subprocess.run(["cmake", "--install", str(BUILD), "--component", "python", "--prefix", prefix], check=True,
+                   capture_output=True, env={**os.environ, "DESTDIR": str(tmp_path)})
+    assert [p.parent for p in tmp_path.rglob("tubefoot/__init__.py")] == [tmp_path / place / "tubefoot"]
+    said = subprocess.run(["/usr/bin/python3", "-I", "-c", "import sys; print(*sys.path, sep='\\n')"], check=True,
+                          capture_output=True, text=True).stdout
+    assert "/" + place in said.splitlines()
+
+
 def test_the_tutorial_runs(tmp_path, monkeypatch):
     text = (SOURCES / "docs/python.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.S)

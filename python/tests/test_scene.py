@@ -2,12 +2,14 @@
 """Scenes from files, from dicts and from arrays; what is wrong with them."""
 
 import pickle
+import tomllib
 
 import numpy as np
 import pytest
 
 import tubefoot
 from conftest import FACETS, VERTICES, equal_energies
+from tubefoot._toml import Text
 
 
 def test_a_scene_of_a_dict_equals_that_of_its_file(scene, folder, keys):
@@ -26,8 +28,17 @@ def test_the_text_of_a_dict_is_a_scene_file(folder, keys):
 
 
 def test_texts_with_all_sorts_of_characters(folder, keys):
-    keys["title"] = 'a "quoted" \\ tab\t line\n é \x7f'
+    keys["title"] = 'a "quoted" \\ title with an \u00e9 and a \U0001f41f'
     assert tubefoot.Scene.from_dict(keys, base=folder).title == keys["title"]
+    keys["title"] = "two\nlines"
+    with pytest.raises(tubefoot.InputError, match="title: 'title' must be one line of text"):
+        tubefoot.Scene.from_dict(keys, base=folder)
+
+
+def test_the_text_is_toml_that_says_what_the_keys_say():
+    keys = {"text": "".join(map(chr, range(1, 0x250))), "": -0.0, "a b.c": [1, [True, "x"], {"n": 1e300}], "empty": [],
+            "none": {}, "tables": [{"deep": {"er": [{"x": 0.1}, {"y": -2**63}]}}, {}], "inf": float("-inf")}
+    assert tomllib.loads(str(Text(keys))) == keys
 
 
 def test_arrays_in_place_of_a_mesh_file(scene, folder, keys):
