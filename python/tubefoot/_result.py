@@ -226,7 +226,7 @@ def run(scene: Scene, *, engine: Union[str, Engine, None] = None, tolerance: Uni
         scene: the scene.
         engine: ``"tube"`` (exact) or ``"ray"`` (sampling), or a function marked by :func:`engine` or :func:`sensor`;
             by default, as the scene says.
-        tolerance: error allowed, relative (``1e-3``) or ``"0.1dB"``: picks engine and settings.
+        tolerance: error allowed, relative (``1e-3``; 1e-6 to 1) or ``"0.1dB"``: picks engine and settings.
         threads: threads to use, 1 to 4096; by default as the scene says, else all cores. Runs at the same time share
             the least that any of them asks for.
         arithmetic: ``"fixed"``, ``"filtered"``, ``"rational"`` or ``"double"``.
