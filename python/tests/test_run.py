@@ -215,6 +215,8 @@ except KeyboardInterrupt:
 @pytest.mark.parametrize("options, text", [
     (dict(engine="tubes"), "engine: tubes not in {tube,ray}"),
     (dict(threads=0), "threads: Value 0 not in range [1 - 4096]"),
+    (dict(engine="ray", rays=1e6), "rays: expected a whole number, not 1000000.0"),
+    (dict(threads="2"), "threads: expected a whole number, not '2'"),
     (dict(rays=10, rays_per_beam=10), "rays excludes rays_per_beam"),
     (dict(output=""), "output: the name of a folder is empty"),
 ])
@@ -222,6 +224,14 @@ def test_wrong_options(scene, options, text):
     with pytest.raises(tubefoot.UsageError, match="") as error:
         tubefoot.run(scene, **options)
     assert str(error.value) == text and isinstance(error.value, ValueError)
+
+
+def test_a_file_name_is_no_scene(folder):
+    for call in (tubefoot.run, tubefoot.reference, tubefoot.chart,
+                 lambda s: tubefoot.footprints(s, "camera"), lambda s: tubefoot.history(s, "camera"),
+                 lambda s: tubefoot.shot(s, "camera")):
+        with pytest.raises(TypeError, match="as tubefoot.load.file. makes them, not (Posix|str)"):
+            call(folder / "scene.toml" if call is not tubefoot.chart else [str(folder)])
 
 
 @pytest.mark.parametrize("arguments, call", [
