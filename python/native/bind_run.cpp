@@ -17,6 +17,7 @@
 #include "result.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
+#include "sensors/angles.hpp"
 #include "sensors/pose_angles.hpp"
 #include "sensors/sensor_kind.hpp"
 
@@ -160,15 +161,14 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
 }
 
 py::dict axes_of(const NativeResult& self, std::size_t sensor) {
-  constexpr double degrees = 57.29577951308232;
   const Recording& r = self.recordings.at(sensor);
   py::dict axes;
   std::vector<double> azimuth, elevation, azimuth_width, elevation_width;
   for (const BeamAxis& beam : r.sensor->beams()) {
-    azimuth.push_back(degrees * beam.azimuth_rad);
-    elevation.push_back(degrees * beam.elevation_rad);
-    azimuth_width.push_back(degrees * beam.azimuth_width_rad);
-    elevation_width.push_back(degrees * beam.elevation_width_rad);
+    azimuth.push_back(degrees(beam.azimuth_rad));
+    elevation.push_back(degrees(beam.elevation_rad));
+    azimuth_width.push_back(degrees(beam.azimuth_width_rad));
+    elevation_width.push_back(degrees(beam.elevation_width_rad));
   }
   axes["beam_azimuth"] = array_of(azimuth);
   axes["beam_elevation"] = array_of(elevation);

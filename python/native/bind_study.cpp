@@ -16,6 +16,7 @@
 #include "result.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
+#include "sensors/angles.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;
@@ -25,7 +26,6 @@ namespace {
 using Echoes = std::variant<std::shared_ptr<NativeResult>, std::string>;
 
 EchoContents contents_of(const NativeResult& result, const std::string& called) {
-  constexpr double degrees = 57.29577951308232;
   EchoContents contents{called, result.provenance, {}};
   for (const Recording& r : result.recordings) {
     SensorEchoes sensor;
@@ -45,8 +45,8 @@ EchoContents contents_of(const NativeResult& result, const std::string& called) 
       sensor.slant_range_bounds_m.push_back(samples.first_m + (k + 1) * samples.step_m);
     }
     for (const BeamAxis& beam : r.sensor->beams()) {
-      sensor.beam_azimuth_deg.push_back(degrees * beam.azimuth_rad);
-      sensor.beam_elevation_deg.push_back(degrees * beam.elevation_rad);
+      sensor.beam_azimuth_deg.push_back(degrees(beam.azimuth_rad));
+      sensor.beam_elevation_deg.push_back(degrees(beam.elevation_rad));
     }
     sensor.ping_time_s = r.ping_time_s;
     contents.sensors.push_back(std::move(sensor));

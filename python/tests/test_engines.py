@@ -206,6 +206,7 @@ def test_a_chart_that_is_stopped_leaves_nothing(folder, scene):
 
 @pytest.mark.parametrize("engines, text", [
     (["tubes"], "engines: tubes not in {tube,ray}"),
+    ("tubes", "engines: tubes not in {tube,ray}"),
     ([], "a chart needs a scene and an engine"),
     ([nothing, nothing], "two engines have one name: nothing, nothing"),
 ])

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import operator
+
 
 class InputError(ValueError):
     """A scene, or a file that it names, is wrong.
@@ -30,6 +32,14 @@ class InputError(ValueError):
 
 class UsageError(ValueError):
     """A function is asked for something that cannot be, with the text of the command line."""
+
+
+def whole(name: str, value: object) -> int:
+    """The number, if it is a whole one."""
+    try:
+        return operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise UsageError(f"{name}: expected a whole number, not {value!r}") from None
 
 
 class SceneWarning(UserWarning):

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Optional, Union
 import numpy as np
 
 from . import _native
+from ._errors import UsageError, whole
 from ._result import Progress
-from ._scene import Scene
+from ._scene import Scene, a_scene
 
 if TYPE_CHECKING:
     import geopandas
@@ -137,17 +138,19 @@ def footprints(scene: Scene, sensor: str, pings: Numbers = 0, beams: Optional[Nu
         InputError: the scene is wrong.
         UsageError: there is no such sensor, ping or beam.
     """
-    with scene._explained():
-        return Footprints(_native.footprints(scene._native, sensor, _text(pings), _text(beams), progress))
+    with a_scene(scene)._explained():
+        chosen = _text("pings", pings), "" if beams is None else _text("beams", beams)
+        return Footprints(_native.footprints(scene._native, sensor, *chosen, progress))
 
 
-def _text(numbers: Optional[Numbers]) -> str:
-    if numbers is None:
-        return ""
+def _text(name: str, numbers: Numbers) -> str:
     if isinstance(numbers, str):
         return numbers
     if isinstance(numbers, range) and numbers.step == 1 and len(numbers) > 0:
         return f"{numbers[0]}:{numbers[-1]}"
     if isinstance(numbers, Iterable):
-        return ",".join(str(int(n)) for n in numbers)
-    return str(int(numbers))
+        text = ",".join(str(whole(name, n)) for n in numbers)
+        if not text:
+            raise UsageError(f"{name}: none of them")
+        return text
+    return str(whole(name, numbers))

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from . import _native
-from ._errors import UsageError
-from ._scene import Scene
+from ._errors import UsageError, whole
+from ._scene import Scene, a_scene
 
 
 class Shot:
@@ -281,17 +281,17 @@ def shot(scene: Scene, sensor: str, ping: int = 0, shot: int = 0) -> Shot:
         InputError: the scene is wrong.
         UsageError: there is no such sensor, ping or shot, or the sensor's receiver is apart.
     """
-    with scene._explained():
+    with a_scene(scene)._explained():
         return Shot(scene._native.shot(sensor, _counted("ping", ping), _counted("shot", shot)))
 
 
 def history(scene: Scene, sensor: str, ping: int = 0, shot: int = 0) -> History:
     """The footprints of one shot, found by the exact engine; as :func:`shot`."""
-    with scene._explained():
+    with a_scene(scene)._explained():
         return Shot(scene._native.shot(sensor, _counted("ping", ping), _counted("shot", shot))).history()
 
 
 def _counted(name: str, number: int) -> int:
-    if number < 0:
+    if whole(name, number) < 0:
         raise UsageError(f"{name} {number}: counted from 0")
-    return number
+    return whole(name, number)

@@ -12,8 +12,8 @@ import numpy as np
 
 from . import _native
 from ._engines import Engine, own_engine
-from ._errors import UsageError
-from ._scene import PathLike, Scene, warn
+from ._errors import UsageError, whole
+from ._scene import PathLike, Scene, a_scene, warn
 
 if TYPE_CHECKING:
     import xarray
@@ -207,9 +207,11 @@ def _checked(options: dict[str, Any]) -> dict[str, Any]:
         if options.get(name) is not None and options[name] not in choices:
             raise UsageError(f"{name}: {options[name]} not in {{{','.join(choices)}}}")
     for name, (least, most) in _RANGES.items():
-        value = options.get(name)
-        if value is not None and not least <= value <= most:
-            raise UsageError(f"{name}: Value {value} not in range [{least} - {most}]")
+        if options.get(name) is None:
+            continue
+        options[name] = whole(name, options[name])
+        if not least <= options[name] <= most:
+            raise UsageError(f"{name}: Value {options[name]} not in range [{least} - {most}]")
     if options.get("rays") is not None and options.get("rays_per_beam") is not None:
         raise UsageError("rays excludes rays_per_beam")
     return options
@@ -226,7 +228,7 @@ def run(scene: Scene, *, engine: Union[str, Engine, None] = None, tolerance: Uni
         scene: the scene.
         engine: ``"tube"`` (exact) or ``"ray"`` (sampling), or a function marked by :func:`engine` or :func:`sensor`;
             by default, as the scene says.
-        tolerance: error allowed, relative (``1e-3``) or ``"0.1dB"``: picks engine and settings.
+        tolerance: error allowed, relative (``1e-3``; 1e-6 to 1) or ``"0.1dB"``: picks engine and settings.
         threads: threads to use, 1 to 4096; by default as the scene says, else all cores. Runs at the same time share
             the least that any of them asks for.
         arithmetic: ``"fixed"``, ``"filtered"``, ``"rational"`` or ``"double"``.
@@ -278,7 +280,7 @@ def reference(scene: Scene, tolerance: float = 1e-9, *, arithmetic: Optional[str
 
 def _run(scene: Scene, options: dict[str, Any], own: Optional[Engine], progress: Optional[Progress]) -> Result:
     _checked(options)
-    with scene._explained():
+    with a_scene(scene)._explained():
         native = _native.run(scene._native, options, own.name if own else None, own.checked if own else None, progress)
     result = Result(native)
     warn(result.warnings)

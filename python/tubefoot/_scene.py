@@ -127,6 +127,13 @@ def load(file: PathLike) -> Scene:
     return Scene(_native.read_scene(os.fspath(file)))
 
 
+def a_scene(scene: Scene) -> Scene:
+    """The scene, if it is one."""
+    if not isinstance(scene, Scene):
+        raise TypeError(f"expected a tubefoot.Scene, as tubefoot.load(file) makes them, not {type(scene).__name__}")
+    return scene
+
+
 @contextmanager
 def _explained(text: Optional[Text], file: str) -> Iterator[None]:
     try:

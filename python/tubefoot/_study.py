@@ -10,9 +10,9 @@ from typing import Any, Optional, Union
 
 from . import _native
 from ._engines import Engine, own_engine
-from ._errors import UsageError
+from ._errors import UsageError, whole
 from ._result import PathLike, Progress, Result
-from ._scene import Scene
+from ._scene import Scene, a_scene
 
 Echoes = Union[Result, PathLike]
 
@@ -36,7 +36,7 @@ def compare(reference: Echoes, candidate: Echoes, *, sensor: Optional[str] = Non
     Raises:
         InputError: a file is wrong, or the two sides do not go together.
     """
-    if worst < 0:
+    if whole("worst", worst) < 0:
         raise UsageError(f"worst: {worst} is no number of bins")
     return json.loads(_native.compare(_native_echoes(reference), _native_echoes(candidate), sensor, worst, any_scene))
 
@@ -45,15 +45,16 @@ def _native_echoes(echoes: Echoes) -> Union[_native.Result, str]:
     return echoes._native if isinstance(echoes, Result) else os.fspath(echoes)
 
 
-def chart(scenes: Union[Scene, Sequence[Scene]], engines: Sequence[Union[str, Engine]] = ("tube", "ray"), *,
+def chart(scenes: Union[Scene, Sequence[Scene]],
+          engines: Union[str, Engine, Sequence[Union[str, Engine]]] = ("tube", "ray"), *,
           output: Optional[PathLike] = None, pings: int = 1, repeats: int = 3, seconds: float = 4,
           progress: Optional[Progress] = None) -> list[dict[str, Any]]:
     """Runs engines on scenes and holds their errors against the time they take, as ``tubefoot chart`` does.
 
     Args:
         scenes: a scene or several; of each, the first pings of the first sensor, on one thread.
-        engines: ``"tube"`` and ``"ray"``, each in all its settings, and functions marked by :func:`engine` or
-            :func:`sensor`.
+        engines: one or several: ``"tube"`` and ``"ray"``, each in all its settings, and functions marked by
+            :func:`engine` or :func:`sensor`.
         output: folder for the page, the table and the diagrams: whole or not at all.
         pings: pings of each scene.
         repeats: runs of each setting; the median of their seconds counts.
@@ -64,10 +65,10 @@ def chart(scenes: Union[Scene, Sequence[Scene]], engines: Sequence[Union[str, En
         One dict a trial: ``scene``, ``engine``, ``setting``, ``l1_error`` (relative), ``rms_db_error`` (dB),
         ``seconds`` (a ping), ``bound`` (of the reference, relative) and ``rays`` (a ping).
     """
-    scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
+    scenes = [scenes] if isinstance(scenes, Scene) else [a_scene(s) for s in scenes]
     builtin: list[str] = []
     own: list[tuple[str, Any]] = []
-    for engine in engines:
+    for engine in [engines] if isinstance(engines, (str, Engine)) else engines:
         mine = own_engine(engine)
         if mine is not None:
             own.append((mine.name, mine.checked))
@@ -80,6 +81,7 @@ def chart(scenes: Union[Scene, Sequence[Scene]], engines: Sequence[Union[str, En
         raise UsageError("a chart needs a scene and an engine")
     if len(set(names)) < len(names):
         raise UsageError(f"two engines have one name: {', '.join(names)}")
+    pings, repeats = whole("pings", pings), whole("repeats", repeats)
     if pings < 1 or repeats < 1 or not seconds > 0:
         raise UsageError("pings and repeats are 1 or more, seconds above 0")
     folder = "" if output is None else os.fspath(output)
