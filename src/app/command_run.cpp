@@ -118,6 +118,7 @@ int run_command(const RunOptions& options) {
   }
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
+  refuse_changed_input(description);
   const Scene& scene = survey->scene;
   std::vector<std::string> warnings = scene.report.warnings;
   print_warnings(warnings, options.quiet);
@@ -130,7 +131,7 @@ int run_command(const RunOptions& options) {
   const auto stop_if_asked = [&partial] {
     if (InterruptGuard::requested()) throw std::runtime_error("interrupted: " + partial.advice());
   };
-  simulate(*survey, *store, options.quiet, reference_tolerance);
+  partial.keep_through([&] { simulate(*survey, *store, options.quiet, reference_tolerance); });
   stop_if_asked();
   const SimulationStats stats = totals(*survey, *store);
   const std::vector<Recording> recordings = recordings_of(*survey, store);
@@ -142,7 +143,7 @@ int run_command(const RunOptions& options) {
   const RunDescription& run = description.run;
   const bool exact = run.engine == "tube";
   std::vector<std::filesystem::path> files;
-  try {
+  partial.keep_through([&] {
     const Clock::time_point write_start = Clock::now();
     std::vector<std::string> file_warnings;
     files = write_result_files(output.staging(), *survey, recordings, reference_tolerance, file_warnings);
@@ -163,11 +164,9 @@ int run_command(const RunOptions& options) {
     json["warnings"] = warnings;
     write_file(output.staging() / "stats.json", json.dump(2) + "\n");
     stop_if_asked();
+    refuse_changed_input(description);
     output.commit();
-  } catch (const std::runtime_error& error) {
-    if (InterruptGuard::requested()) throw;
-    throw std::runtime_error(fmt::format("{}; {}", error.what(), partial.advice()));
-  }
+  });
   partial.remove();
 
   if (!options.quiet)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/output_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -21,6 +22,9 @@ namespace {
 /// Names what tubefoot wrote into a folder, so that only those files are ever replaced.
 constexpr const char* manifest_name = ".tubefoot-files";
 
+/// Where two folders cannot be exchanged, the earlier result lies under this name for a moment.
+constexpr std::string_view earlier_suffix = ".earlier";
+
 /// Everything in a folder, subfolders by name only: tubefoot makes none.
 std::set<std::string> names_in(const fs::path& folder) {
   std::set<std::string> names;
@@ -37,12 +41,16 @@ void remove_leftovers(const fs::path& target) {
   for (const fs::directory_entry& entry : fs::directory_iterator(target.parent_path(), ignored)) {
     const std::string name = entry.path().filename().string(), prefix = staging_prefix(target);
     if (!name.starts_with(prefix)) continue;
-    const std::string digits = name.substr(prefix.size());
+    std::string digits = name.substr(prefix.size());
+    const bool earlier = digits.ends_with(earlier_suffix);
+    if (earlier) digits.resize(digits.size() - earlier_suffix.size());
     if (digits.empty() || digits.find_first_not_of("0123456789") != std::string::npos || digits.size() > 9)
       continue;
     const pid_t process = std::stoi(digits);
-    if (process == getpid() || (kill(process, 0) != 0 && errno == ESRCH))
-      fs::remove_all(entry.path(), ignored);
+    if (process != getpid() && (kill(process, 0) == 0 || errno != ESRCH)) continue;
+    if (earlier && !fs::exists(target))
+      fs::rename(entry.path(), target, ignored);  // it was about to be replaced
+    fs::remove_all(entry.path(), ignored);
   }
 }
 
@@ -108,19 +116,29 @@ void OutputFolder::commit() {
   std::string manifest;
   for (const std::string& name : names_in(staging_)) manifest += name + "\n";
   write_file(staging_ / manifest_name, manifest);
-  const fs::path earlier = staging_.string() + ".earlier";
-  const bool replaces = fs::exists(target_);
-  if (replaces) {
-    refuse_strangers(target_);  // somebody may have put a file there since
-    fs::remove_all(earlier);    // of a process of the same number that was killed here
-    fs::rename(target_, earlier);
-  }
   std::error_code error;
+  const bool replaces = fs::exists(target_);
+  if (replaces) refuse_strangers(target_);  // somebody may have put a file there since
+  // At no moment is there no result, whenever the program may be killed.
+  if (replaces && renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
+    committed_ = true;
+    fs::remove_all(staging_, error);
+    return;
+  }
+  fs::path earlier = staging_;
+  earlier += earlier_suffix;
+  if (replaces) {
+    fs::remove_all(earlier, error);  // of a process of the same number that was killed here
+    fs::rename(target_, earlier, error);
+    if (error)
+      throw std::runtime_error(
+          fmt::format("cannot move the earlier result '{}' aside: {}", target_.string(), error.message()));
+  }
   fs::rename(staging_, target_, error);
   if (error) {
-    if (replaces) fs::rename(earlier, target_);
-    throw std::runtime_error(
-        fmt::format("cannot move the result to '{}': {}", target_.string(), error.message()));
+    const std::string why = error.message();
+    if (replaces) fs::rename(earlier, target_, error);
+    throw std::runtime_error(fmt::format("cannot move the result to '{}': {}", target_.string(), why));
   }
   committed_ = true;
   if (replaces) fs::remove_all(earlier, error);

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/interrupt.hpp"
 #include "app/usage_error.hpp"
 
 namespace tubefoot {
@@ -34,7 +35,7 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
   std::optional<Json> identity;
   try {
     there = summary_of(file_);
-    identity = Json::parse(there.identity);
+    if (there.done > 0) identity = Json::parse(there.identity);
   } catch (const std::runtime_error& error) {
     throw UsageError(
         fmt::format("{}: move it away or delete it; it is in the way of the run's pings", error.what()));
@@ -75,6 +76,22 @@ std::string PartialRun::advice() const {
   if (done == 0) return "nothing was written";
   return fmt::format("{} of {} pings are kept in '{}': run the same command with --resume to go on", done,
                      units_, file_.string());
+}
+
+void PartialRun::keep_through(const std::function<void()>& work) const {
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+    throw std::runtime_error(fmt::format(
+        "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
+        "scene; {}",
+        advice()));
+  } catch (const std::runtime_error& error) {
+    if (InterruptGuard::requested() || dynamic_cast<const InputError*>(&error) != nullptr ||
+        dynamic_cast<const UsageError*>(&error) != nullptr)
+      throw;
+    throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
+  }
 }
 
 void PartialRun::remove() {

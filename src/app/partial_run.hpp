@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -29,6 +30,8 @@ class PartialRun {
   std::shared_ptr<PingStore> open(const StoreLayout& layout, const nlohmann::ordered_json& identity);
   /// What to tell somebody whose run stopped.
   std::string advice() const;
+  /// Does a part of the run; what stops it is told together with advice().
+  void keep_through(const std::function<void()>& work) const;
   /// Takes the file away: the result is complete.
   void remove();
 

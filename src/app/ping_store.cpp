@@ -41,10 +41,13 @@ StoreSummary read_summary(int file, const fs::path& path, Header& header) {
   };
   if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) throw unusable("is not a file of pings");
   const auto size = static_cast<std::uint64_t>(status.st_size);
+  if (size == 0) return {};  // of a run that was killed as it began
   if (pread(file, &header, sizeof header, 0) != sizeof header ||
       std::memcmp(header.magic, Header{}.magic, sizeof header.magic) != 0)
     throw unusable("is not a file of pings of this version");
-  if (header.bytes != size || header.identity_bytes > size - sizeof header) throw unusable("is cut short");
+  const bool begun = header.identity_bytes == size - sizeof header;  // killed before it took its space
+  if ((header.bytes != size && !begun) || header.identity_bytes > size - sizeof header)
+    throw unusable("is cut short");
   StoreSummary summary;
   summary.identity.resize(header.identity_bytes);
   if (pread(file, summary.identity.data(), header.identity_bytes, sizeof header) !=
@@ -83,24 +86,32 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, const std:
     : PingStore(layout, file, identity.size()) {
   file_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (file_ < 0) fail(file, "create the file of pings", errno);
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
-    close(file_);
-    throw UnusableStore(fmt::format("'{}' is in use by another run", file.string()));
-  }
-  const auto abandon = [&](int error) {
-    close(file_);
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0)
+    throw std::runtime_error(
+        fmt::format("another run is writing '{}': choose another -o, or wait", file.string()));
+  const auto abandon = [&](int error) {  // the destructor closes it
     fs::remove(file);
     fail(file, fmt::format("set {:.1f} MB aside for the pings", double(bytes_) / 1e6).c_str(), error);
   };
-  if (ftruncate(file_, 0) != 0) abandon(errno);
-  if (const int error = posix_fallocate(file_, 0, static_cast<off_t>(bytes_)); error != 0) abandon(error);
   Header header;
   header.identity_bytes = identity.size();
   header.units = layout_.units();
   header.bytes = bytes_;
-  map(file_);
-  std::memcpy(data_ + sizeof header, identity.data(), identity.size());
-  std::memcpy(data_, &header, sizeof header);
+  // Killed between any two of these calls, it leaves a file that read_summary() takes for one without pings.
+  std::string head(reinterpret_cast<const char*>(&header), sizeof header);
+  head += identity;
+  if (ftruncate(file_, 0) != 0) abandon(errno);
+  if (const ssize_t put = pwrite(file_, head.data(), head.size(), 0);
+      put != static_cast<ssize_t>(head.size()))
+    abandon(put < 0 ? errno : ENOSPC);
+  if (ftruncate(file_, static_cast<off_t>(bytes_)) != 0) abandon(errno);
+  if (const int error = posix_fallocate(file_, 0, static_cast<off_t>(bytes_)); error != 0) abandon(error);
+  try {
+    map(file_);
+  } catch (...) {
+    fs::remove(file);
+    throw;
+  }
 }
 
 std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs::path& path) {

@@ -98,6 +98,19 @@ Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, 
   return advice;
 }
 
+void refuse_changed_input(const SceneDescription& description) {
+  std::string why = "its scene hash is another";
+  try {
+    if (read_scene_file(description.file).sha256 == description.sha256) return;
+  } catch (const InputError& error) {
+    why = error.what();
+  }
+  throw std::runtime_error(fmt::format(
+      "'{}', or a file that it names, was changed during the run ({}): bring it back before you go "
+      "on, or begin anew",
+      description.file.string(), why));
+}
+
 std::string engine_name(const Survey& survey) {
   return survey.own_engine ? survey.own_engine->name : survey.scene.description.run.engine;
 }

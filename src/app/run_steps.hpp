@@ -26,6 +26,10 @@ RunRequest requested(const RunOptions& options, SceneDescription& description);
 /// Puts the settings into the description that hold a tolerance most cheaply.
 Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet);
 
+/// Throws std::runtime_error if the scene file, or a file that it names, is no longer what was described: its
+/// hash has changed, or it cannot be read.
+void refuse_changed_input(const SceneDescription& description);
+
 /// What computed the energies: the name of an engine of one's own, or of a built-in one.
 std::string engine_name(const Survey& survey);
 

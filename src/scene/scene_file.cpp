@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "scene/file_hash.hpp"
+#include "scene/named_files.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_file_sections.hpp"
 #include "scene/scene_file_words.hpp"
@@ -75,6 +76,23 @@ toml::table parse(std::string_view text, const TomlSource& source) {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
     throw InputError(source.place(error.source()), fmt::format("not valid TOML: {}", error.description()));
+  }
+}
+
+/// Every text in the file that names a file outside of its folder.
+void note_outsiders(const toml::node& node, const TomlSource& source, std::vector<std::string>& notes) {
+  if (const toml::table* table = node.as_table()) {
+    for (const TomlEntry& entry : entries_in_file_order(*table, source))
+      note_outsiders(*entry.node, source, notes);
+  } else if (const toml::array* array = node.as_array()) {
+    for (const toml::node& one : *array) note_outsiders(one, source, notes);
+  } else if (const auto text = node.value<std::string>(); text && node.is_string()) {
+    const fs::path folder = source.file.parent_path(), named = folder / *text;
+    std::error_code ignored;
+    if (!fs::is_regular_file(named, ignored)) return;
+    if (const auto real = place_outside(folder, named))
+      notes.push_back(fmt::format("{}: \"{}\" leaves the scene's folder: it is '{}'",
+                                  to_string(source.place(node.source())), *text, real->string()));
   }
 }
 
@@ -312,6 +330,13 @@ std::vector<SceneKey> scene_file_keys() {
 
 SceneDescription read_scene_file(const fs::path& file) { return read_scene_text(scene_text(file), file); }
 
+std::vector<std::string> names_that_leave_the_folder(const fs::path& file) {
+  const TomlSource source{file, {}};
+  std::vector<std::string> notes;
+  note_outsiders(parse(scene_text(file), source), source, notes);
+  return notes;
+}
+
 SceneDescription read_scene_text(const std::string& text, const fs::path& file) {
   TomlSource source{file, {}};
   toml::table root = parse(text, source);
@@ -337,8 +362,10 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file) 
 
   Sha256 hash;
   hash.update(text);
+  const auto add = [&hash](std::string_view piece) { hash.update(piece); };
   for (const fs::path& named : source.named_files) {
-    for_each_piece(named, {file.string()}, [&hash](std::string_view piece) { hash.update(piece); });
+    for_each_piece(named, {file.string()}, add);
+    for (const fs::path& companion : companions_of(named)) for_each_piece(companion, {file.string()}, add);
   }
   scene.sha256 = hash.hex_digest();
   return scene;

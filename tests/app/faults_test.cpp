@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whatever hits a run: nothing is lost, no half file stands under a final name, and what is said tells what
+// to do. The program is killed, its disk fills up, its memory is limited and its input is changed under it.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <random>
+#include <thread>
+
+#include "app/partial_run.hpp"
+#include "app/program.hpp"
+#include "app/small_scene.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using testing::AllOf;
+using testing::AnyOf;
+using testing::HasSubstr;
+
+struct Faults : testing::Test {
+  TestFolder folder;
+  const fs::path results = folder / "results", partial = folder / "results.partial";
+  Faults() {
+    folder.write("thing.obj", tetrahedron);
+    write_scene(200);
+  }
+  void write_scene(std::size_t pings, const std::string& title = "A tetrahedron") const {
+    std::string scene = replaced(small_scene, "A tetrahedron", title);
+    scene.resize(scene.find("[[sensors]]"));
+    folder.write("scene.toml", scene + fmt::format(R"([[sensors]]
+name = "side"
+kind = "sidescan"
+depression_min_deg = 20
+range_max_m = 10
+samples = 40
+ping_interval_s = 0.001
+pings = {}
+)",
+                                                   pings));
+  }
+  std::vector<std::string> words(const fs::path& output, const std::vector<std::string>& more) const {
+    std::vector<std::string> all{"run", (folder / "scene.toml").string(), "-o", output.string(), "--quiet"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  Outcome run(const fs::path& output, const std::vector<std::string>& more = {},
+              const Surroundings& surroundings = {}) const {
+    return run_program(words(output, more), surroundings);
+  }
+  /// With what a shell can set before it becomes the program: variables, or `ulimit -v N;`.
+  Outcome run_after(const std::string& before, const std::vector<std::string>& more = {}) const {
+    std::string line = before + " exec '" + std::string(TUBEFOOT_PROGRAM) + "'";
+    for (const std::string& word : words(results, more)) line += " '" + word + "'";
+    TestFolder said;
+    const std::string command =
+        fmt::format("( {} ) > '{}' 2> '{}'", line, (said / "out").string(), (said / "err").string());
+    const int status = std::system(command.c_str());
+    Outcome outcome;
+    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+    outcome.out = bytes_of(said / "out");
+    outcome.err = bytes_of(said / "err");
+    return outcome;
+  }
+  std::size_t done() const {
+    try {
+      return fs::exists(partial) ? summary_of(partial).done : 0;
+    } catch (const UnusableStore&) {
+      return 0;
+    }
+  }
+  /// Names and bytes of all files but stats.json, which tells the seconds.
+  static std::map<std::string, std::string> contents(const fs::path& of) {
+    std::map<std::string, std::string> all;
+    for (const std::string& name : names_below(of))
+      if (name != "stats.json") all[name] = bytes_of(of / name);
+    return all;
+  }
+  /// Nothing beside the input and, perhaps, a result and the pings kept for one.
+  void expect_no_litter() const {
+    for (const auto& entry : fs::directory_iterator(folder.path()))
+      EXPECT_THAT(entry.path().filename().string(),
+                  AnyOf("scene.toml", "thing.obj", "results", "results.partial", "whole"));
+  }
+};
+
+// Every resumed run may be killed again, before its first ping, between two, while files are written and
+// while an earlier result is replaced.
+TEST_F(Faults, KilledAtAHundredRandomMomentsItEndsInTheSameBytes) {
+  const unsigned seed = std::random_device{}();
+  SCOPED_TRACE(seed);
+  std::cout << "seed " << seed << '\n';
+  std::mt19937 random(seed);
+  const Clock::time_point start = Clock::now();
+  ASSERT_EQ(run(folder / "whole").exit_code, 0);
+  const double whole_s = std::chrono::duration<double>(Clock::now() - start).count();
+  const auto whole = contents(folder / "whole");
+  std::vector<std::string> arguments{TUBEFOOT_PROGRAM};
+  for (const std::string& word : words(results, {"--resume"})) arguments.push_back(word);
+  std::vector<char*> pointers;
+  for (std::string& word : arguments) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  int killed = 0, ended = 0;
+  while (killed < 100) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      const int nowhere = open("/dev/null", O_RDWR);
+      dup2(nowhere, STDIN_FILENO), dup2(nowhere, STDOUT_FILENO), dup2(nowhere, STDERR_FILENO);
+      execv(pointers[0], pointers.data());
+      _exit(127);
+    }
+    std::this_thread::sleep_for(
+        std::chrono::duration<double>(std::uniform_real_distribution(0.0, 1.2 * whole_s)(random)));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFSIGNALED(status)) {
+      ++killed;
+    } else {
+      ASSERT_EQ(WEXITSTATUS(status), 0) << "a killed run must always be resumable";
+      ++ended;
+    }
+    if (fs::exists(results)) {
+      ASSERT_EQ(contents(results), whole);
+    }
+    ASSERT_FALSE(WIFEXITED(status) && !fs::exists(results));
+    if (fs::exists(results) && random() % 2 == 0) fs::remove_all(results);
+  }
+  const Outcome outcome = run(results, {"--resume"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(contents(results), whole);
+  expect_no_litter();
+  std::cout << ended << " runs ended before they were killed\n";
+}
+
+// A disk that fills up at any call, and one that refuses a single call: an earlier result stays as it is, or
+// the new one is whole.
+TEST_F(Faults, EveryWritingCallMayFail) {
+  write_scene(3);
+  ASSERT_EQ(run(folder / "whole").exit_code, 0);
+  const auto whole = contents(folder / "whole");
+  const std::string scene = bytes_of(folder / "scene.toml");
+  write_scene(3, "An earlier one");
+  ASSERT_EQ(run(results).exit_code, 0);
+  const fs::path earlier = folder / "earlier-results";
+  fs::rename(results, earlier);
+  const auto before = contents(earlier);
+  ASSERT_NE(before, whole);
+  folder.write("scene.toml", scene);
+  const auto shim = [&](long at, bool once) {
+    return fmt::format(
+        "LD_PRELOAD='{}' TUBEFOOT_FAIL_BELOW='{}' TUBEFOOT_FAIL_AT={} TUBEFOOT_FAIL_COUNT='{}' {}",
+        TUBEFOOT_FAILING_CALLS, folder.path().string(), at, (folder / "count").string(),
+        once ? "TUBEFOOT_FAIL_ONCE=1" : "");
+  };
+  fs::copy(earlier, results, fs::copy_options::recursive);
+  const Outcome counting = run_after(shim(-1, false));
+  ASSERT_EQ(counting.exit_code, 0) << counting.err;
+  ASSERT_EQ(contents(results), whole);
+  const long calls = std::stol(bytes_of(folder / "count"));
+  std::cout << calls << " calls\n";
+  ASSERT_GT(calls, 10);
+  int refused = 0;
+  for (const bool once : {false, true})
+    for (long at = 0; at < calls; ++at) {
+      SCOPED_TRACE(fmt::format("call {} of {}{}", at, calls, once ? ", once" : " and all after it"));
+      fs::remove_all(results);
+      fs::remove(partial);
+      fs::copy(earlier, results, fs::copy_options::recursive);
+      const Outcome outcome = run_after(shim(at, once));
+      if (outcome.exit_code == 0) {  // a call that is not needed, or for which there is another way
+        EXPECT_EQ(contents(results), whole);
+        continue;
+      }
+      ++refused;
+      EXPECT_THAT(outcome.exit_code, AnyOf(1, 2)) << outcome.err;
+      EXPECT_THAT(outcome.err, AllOf(HasSubstr(folder.path().string()), HasSubstr("cannot")));
+      EXPECT_THAT(outcome.err, AnyOf(HasSubstr("--resume"), HasSubstr("choose another"),
+                                     HasSubstr("nothing was written"), HasSubstr("MB aside")));
+      EXPECT_EQ(contents(results), before);
+      fs::remove(folder / "count");
+      for (const auto& entry : fs::directory_iterator(folder.path()))
+        EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path();
+      if (at % 4 == 0) {
+        const Outcome again = run(results, {"--resume"});
+        EXPECT_EQ(again.exit_code, 0) << again.err;
+        EXPECT_EQ(contents(results), whole);
+      }
+    }
+  EXPECT_GT(refused, calls / 2);
+}
+
+TEST_F(Faults, OutOfMemoryIsSaidAndLosesNothing) {
+  ASSERT_EQ(run(folder / "whole").exit_code, 0);
+  const auto whole = contents(folder / "whole");
+  int short_of_memory = 0, enough = 0;
+  for (const int megabytes : {200, 300, 400, 500, 600, 700, 800, 1000, 1500, 8000}) {
+    SCOPED_TRACE(megabytes);
+    fs::remove_all(results);
+    const Outcome outcome = run_after(fmt::format("ulimit -v {};", megabytes * 1024), {"--threads", "2"});
+    if (outcome.exit_code == 127) continue;  // too little to load the libraries: nothing of ours was run
+    if (outcome.exit_code == 0) {
+      ++enough;
+      EXPECT_EQ(contents(results), whole);
+      continue;
+    }
+    ++short_of_memory;
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_THAT(outcome.err,
+                AnyOf(HasSubstr("out of memory"), HasSubstr("annot allocate memory"), HasSubstr("memory")));
+    EXPECT_FALSE(fs::exists(results));
+    const Outcome again = run(results, {"--resume"});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(contents(results), whole);
+  }
+  EXPECT_GT(enough, 0);
+}
+
+// The first asks, the second ends it at once, whichever of the two signals it is.
+TEST_F(Faults, InterruptedTwiceItEndsAtOnceAndIsResumable) {
+  write_scene(3000);
+  ASSERT_EQ(run(folder / "whole").exit_code, 0);
+  const auto whole = contents(folder / "whole");
+  for (const int second : {SIGINT, SIGTERM}) {
+    std::vector<std::string> arguments{TUBEFOOT_PROGRAM};
+    for (const std::string& word : words(results, {})) arguments.push_back(word);
+    std::vector<char*> pointers;
+    for (std::string& word : arguments) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      const int nowhere = open("/dev/null", O_RDWR);
+      dup2(nowhere, STDIN_FILENO), dup2(nowhere, STDOUT_FILENO), dup2(nowhere, STDERR_FILENO);
+      execv(pointers[0], pointers.data());
+      _exit(127);
+    }
+    int status = 0;
+    while (done() < 5 && waitpid(child, &status, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    // Both while it stands still: it cannot end of itself in between.
+    kill(child, SIGSTOP);
+    kill(child, SIGINT);
+    kill(child, SIGCONT);
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    kill(child, second);
+    waitpid(child, &status, 0);
+    if (WIFSIGNALED(status)) {
+      EXPECT_EQ(WTERMSIG(status), second);
+    } else {
+      EXPECT_EQ(WEXITSTATUS(status), 1) << "the first was followed before the second came";
+    }
+    EXPECT_FALSE(fs::exists(results));
+    EXPECT_GE(done(), 5u);
+    const Outcome outcome = run(results, {"--resume"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(contents(results), whole);
+    expect_no_litter();
+    fs::remove_all(results);
+  }
+}
+
+TEST_F(Faults, InputThatChangesDuringTheRunIsNoticed) {
+  write_scene(3000);
+  const std::string scene = bytes_of(folder / "scene.toml");
+  ASSERT_EQ(run(folder / "whole").exit_code, 0);
+  const auto whole = contents(folder / "whole");
+  for (const std::string name : {"thing.obj", "scene.toml"}) {
+    SCOPED_TRACE(name);
+    const std::string good = bytes_of(folder / name);
+    for (const std::string& changed : {good + "\n", std::string()}) {
+      Surroundings somebody_edits;
+      somebody_edits.signal = 0;
+      somebody_edits.interrupt_when = [&] {
+        if (done() == 0) return false;
+        folder.write(name, changed);
+        return true;
+      };
+      const Outcome outcome = run(results, {}, somebody_edits);
+      EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+      EXPECT_THAT(outcome.err, AllOf(HasSubstr("was changed during the run"), HasSubstr("--resume"),
+                                     HasSubstr("3000 of 3000 pings are kept")));
+      EXPECT_FALSE(fs::exists(results));
+      EXPECT_EQ(run(results, {"--resume"}).exit_code, 2) << "it is still another";
+      folder.write(name, good);
+      const Outcome again = run(results, {"--resume"});
+      EXPECT_EQ(again.exit_code, 0) << again.err;
+      EXPECT_EQ(contents(results), whole);
+      fs::remove_all(results);
+    }
+  }
+}
+
+// Files that a run which was killed as it began may leave: nothing in them can be lost.
+TEST_F(Faults, FilesWithoutPingsAreBegunAnew) {
+  folder.write("results.partial", "");
+  EXPECT_EQ(run(results).exit_code, 0);
+  EXPECT_FALSE(fs::exists(partial));
+}
+
+}  // namespace
+}  // namespace tubefoot
