@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/commands.hpp"
+#include "app/rank_link.hpp"
 #include "app/usage_error.hpp"
 #include "scene/input_error.hpp"
 
@@ -252,6 +253,8 @@ int run_command_line(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    // Several ranks read the same command: one complains.
+    if (argc > 1 && std::string_view(argv[1]) == "run" && is_later_rank()) return done;
     // --help and --version arrive as errors of code 0.
     return app.exit(error) == 0 ? done : wrong_input;
   }

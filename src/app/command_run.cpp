@@ -10,6 +10,7 @@
 #include "app/output_folder.hpp"
 #include "app/partial_run.hpp"
 #include "app/refraction.hpp"
+#include "app/run_ranks.hpp"
 #include "app/run_statistics.hpp"
 #include "app/run_steps.hpp"
 #include "app/settings.hpp"
@@ -91,18 +92,18 @@ void print_relief(const Survey& survey, const SimulationStats& stats) {
 
 int run_command(const RunOptions& options) {
   const Clock::time_point start = Clock::now();
+  std::unique_ptr<RankLink> link = join_ranks();
+  if (link && link->rank() > 0) return help_run(options, std::move(link));
+  const InterruptGuard interrupt;
+  std::optional<LeadRank> lead;
+  if (link) lead.emplace(std::move(link));
   SceneDescription description = described(options);
   const RunRequest request = requested(options, description);
   const std::optional<double>& reference_tolerance = request.reference_tolerance;
   const std::optional<Tolerance>& tolerance = request.tolerance;
-  const InterruptGuard interrupt;
   OutputFolder output(options.output);
   PartialRun partial(options.output, options.resume);
-  const nlohmann::ordered_json asked{{"version", TUBEFOOT_VERSION},
-                                     {"scene_hash", description.sha256},
-                                     {"run", json_of(description.run)},
-                                     {"reference", reference_tolerance ? *reference_tolerance : 0.0},
-                                     {"tolerance", tolerance ? to_text(*tolerance) : ""}};
+  const nlohmann::ordered_json asked = asked_of(description, request);
   nlohmann::ordered_json identity{{"asked", asked}};
   if (partial.kept()) {
     identity = *partial.kept();
@@ -116,7 +117,12 @@ int run_command(const RunOptions& options) {
     }
     identity["run"] = json_of(description.run);
   }
-  const ThreadLimit limit(description.run.threads);
+  int threads = description.run.threads;
+  if (lead) {
+    lead->start(asked, identity.at("run"));
+    if (threads <= 0) threads = threads_of_rank(lead->local_ranks());
+  }
+  const ThreadLimit limit(threads);
   const auto survey = open_survey(description);
   refuse_changed_input(description);
   const Scene& scene = survey->scene;
@@ -131,7 +137,12 @@ int run_command(const RunOptions& options) {
   const auto stop_if_asked = [&partial] {
     if (InterruptGuard::requested()) throw std::runtime_error("interrupted: " + partial.advice());
   };
-  partial.keep_through([&] { simulate(*survey, *store, options.quiet, reference_tolerance); });
+  partial.keep_through([&] {
+    if (lead)
+      lead->simulate(*survey, *store, options.quiet, reference_tolerance, limit.threads());
+    else
+      simulate(*survey, *store, options.quiet, reference_tolerance);
+  });
   stop_if_asked();
   const SimulationStats stats = totals(*survey, *store);
   const std::vector<Recording> recordings = recordings_of(*survey, store);
@@ -152,6 +163,7 @@ int run_command(const RunOptions& options) {
     nlohmann::ordered_json json = statistics_json(*survey, stats, reference_tolerance);
     if (identity.contains("advice")) json["tolerance"] = identity.at("advice");
     json["threads"] = limit.threads();
+    if (lead) json["ranks"] = lead->ranks();
     if (kept_pings > 0) json["pings_kept_from_before"] = kept_pings;
     json["seconds"] = {{"load", survey->load_seconds},
                        {"tree", survey->tree_seconds},

@@ -38,4 +38,6 @@ InterruptGuard::~InterruptGuard() {
 
 bool InterruptGuard::requested() { return interrupted != 0; }
 
+void InterruptGuard::request() { interrupted = 1; }
+
 }  // namespace tubefoot

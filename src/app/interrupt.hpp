@@ -12,6 +12,8 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
   static bool requested();
+  /// As if the user had asked.
+  static void request();
 };
 
 }  // namespace tubefoot

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
+#include "app/partial_run.hpp"
 #include "app/usage_error.hpp"
 #include "scene/utc.hpp"
 #include "sensors/products.hpp"
@@ -73,6 +75,14 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
       throw UsageError("--reference needs an exact arithmetic: fixed, filtered or rational, not double");
   }
   return request;
+}
+
+nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request) {
+  return {{"version", TUBEFOOT_VERSION},
+          {"scene_hash", description.sha256},
+          {"run", json_of(description.run)},
+          {"reference", request.reference_tolerance.value_or(0.0)},
+          {"tolerance", request.tolerance ? to_text(*request.tolerance) : ""}};
 }
 
 Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {

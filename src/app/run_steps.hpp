@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ struct RunRequest {
 
 /// Lets a run's options override the scene's own. Throws UsageError where they contradict each other.
 RunRequest requested(const RunOptions& options, SceneDescription& description);
+
+/// What makes two runs the same: program, scene and everything it names, settings.
+nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request);
 
 /// Puts the settings into the description that hold a tolerance most cheaply.
 Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet);

@@ -166,12 +166,14 @@ void refuse_paths(const Survey& survey, bool reference) {
 /// Simulates one ping of the sensors that share its shots.
 class PingTask {
  public:
+  /// `slot`: the ping of `store` that it becomes.
   PingTask(const Survey& survey, const SharedShots& group, std::size_t ping, PingStore& store,
-           Binning binning, std::optional<double> reference_tolerance)
+           std::size_t slot, Binning binning, std::optional<double> reference_tolerance)
       : survey_(survey),
         group_(group),
         ping_(ping),
         store_(store),
+        slot_(slot),
         binning_(binning),
         reference_tolerance_(reference_tolerance),
         only_order_(survey.scene.description.paths.only_order) {}
@@ -179,7 +181,7 @@ class PingTask {
   /// `engine` of the scene's own facets; unused where shots have their own ground.
   PingCounts run(const Engine& engine, std::uint64_t label) {
     for (const std::size_t s : group_.sensors)
-      for (const std::span<double> values : {store_.energy(s, ping_), store_.bound(s, ping_)})
+      for (const std::span<double> values : {store_.energy(s, slot_), store_.bound(s, slot_)})
         std::fill(values.begin(), values.end(), 0.0);  // of a ping that was cut off
     const Clock::time_point start = Clock::now();
     for (std::size_t shot = 0; shot < survey_.shots_a_ping(group_); ++shot) {
@@ -278,7 +280,7 @@ class PingTask {
         beams.size() * static_cast<std::size_t>(survey_.sensors[s].sensor->samples().count);
     counts_.energy_of_order[order] +=
         std::accumulate(energy.begin(), energy.begin() + std::ptrdiff_t(cells), 0.0);
-    add_rows(energy, beams, energy.size() / cells, store_.energy(s, ping_));
+    add_rows(energy, beams, energy.size() / cells, store_.energy(s, slot_));
   }
 
   /// A receiver that is apart shares its shots with nobody.
@@ -342,7 +344,7 @@ class PingTask {
   }
 
   void add_bounds(const CertifiedEcho& certified, const std::vector<std::uint32_t>& beams, std::size_t s) {
-    add_rows(certified.bound, beams, 1, store_.bound(s, ping_));
+    add_rows(certified.bound, beams, 1, store_.bound(s, slot_));
     PingCounts met;
     met.bins_over = certified.bins_over;
     met.worst_ratio = certified.worst_ratio;
@@ -388,6 +390,7 @@ class PingTask {
   const SharedShots& group_;
   std::size_t ping_;
   PingStore& store_;
+  std::size_t slot_;
   Binning binning_;
   std::optional<double> reference_tolerance_;
   FinerRelief finer_relief_;
@@ -409,7 +412,15 @@ StoreLayout layout_of(const Survey& survey, bool with_bounds) {
   return layout;
 }
 
-void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<double> reference_tolerance) {
+struct PingSimulation::Parts {
+  ShotGround whole;
+  Engine engine;  ///< of the scene's own facets; empty where shots have their own ground
+  Binning binning;
+  std::vector<std::uint64_t> first_label;  ///< by group
+};
+
+PingSimulation::PingSimulation(const Survey& survey, std::optional<double> reference_tolerance)
+    : survey_(survey), reference_tolerance_(reference_tolerance) {
   for (const SensorPings& pings : survey.sensors)
     if (survey.own_engine && pings.sensor->channels() > 1)
       throw UsageError(fmt::format("'{}' has two receivers, whose phases engine '{}' does not compute",
@@ -425,22 +436,34 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
     throw UsageError(fmt::format("the micro-texture of material '{}' is one that no reference encloses",
                                  survey.scene.description.materials[*material].name));
   refuse_paths(survey, reference_tolerance.has_value());
-  std::size_t left = 0;
-  for (const SharedShots& group : survey.shots) left += survey.pings(group);
-  left -= store.done_units();
-  if (survey.watch) survey.watch->total = left;
-  const ShotGround whole(survey);
+  parts_ = std::make_unique<Parts>(
+      Parts{ShotGround(survey), {}, binning_from_name(survey.scene.description.run.binning), {}});
   const bool own_grounds = survey.ground || survey.scene.water->refracts();
-  const Engine engine = own_grounds ? Engine() : make_engine(survey, whole);
-  const Binning binning = binning_from_name(survey.scene.description.run.binning);
-  Progress progress("pings", left, quiet);
+  if (!own_grounds) parts_->engine = make_engine(survey, parts_->whole);
   std::uint64_t label = 0;
-  for (std::size_t g = 0; g < survey.shots.size(); ++g) {
-    const SharedShots& group = survey.shots[g];
-    tbb::parallel_for(std::size_t{0}, survey.pings(group), [&](std::size_t ping) {
+  for (const SharedShots& group : survey.shots) {
+    parts_->first_label.push_back(label);
+    label += survey.pings(group);
+  }
+}
+
+PingSimulation::~PingSimulation() = default;
+
+PingCounts PingSimulation::run(std::size_t group, std::size_t ping, PingStore& store,
+                               std::size_t slot) const {
+  PingTask task(survey_, survey_.shots[group], ping, store, slot, parts_->binning, reference_tolerance_);
+  return task.run(parts_->engine, parts_->first_label[group] + ping);
+}
+
+void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<double> reference_tolerance) {
+  const PingSimulation simulation(survey, reference_tolerance);
+  const std::size_t left = layout_of(survey, false).units() - store.done_units();
+  if (survey.watch) survey.watch->total = left;
+  Progress progress("pings", left, quiet);
+  for (std::size_t g = 0; g < survey.shots.size(); ++g)
+    tbb::parallel_for(std::size_t{0}, survey.pings(survey.shots[g]), [&](std::size_t ping) {
       if (store.done(g, ping) || InterruptGuard::requested() || (survey.watch && survey.watch->stop)) return;
-      PingTask task(survey, group, ping, store, binning, reference_tolerance);
-      const auto run = [&] { store.finish(g, ping, task.run(engine, label + ping)); };
+      const auto run = [&] { store.finish(g, ping, simulation.run(g, ping, store, ping)); };
       // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
       if (survey.ground)
         tbb::this_task_arena::isolate(run);
@@ -449,8 +472,6 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
       progress.step();
       if (survey.watch) ++survey.watch->pings;
     });
-    label += survey.pings(group);
-  }
 }
 
 SimulationStats totals(const Survey& survey, const PingStore& store) {

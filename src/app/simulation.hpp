@@ -39,10 +39,29 @@ struct SimulationStats {
 /// What has to be kept of a survey's pings; with bounds for a reference.
 StoreLayout layout_of(const Survey& survey, bool with_bounds);
 
-/// Runs all pings of all sensors that `store` has not yet, with the engine that scene.description.run names.
-/// With a tolerance, energies are enclosed (engine/reference.hpp) and the store must keep bounds; that takes
-/// the tube engine and an exact arithmetic. Returns early, with what was finished in the store, when
-/// InterruptGuard says that the user wants to stop.
+/// Simulates pings of a survey one by one, on any thread, with the engine that scene.description.run names.
+/// With a tolerance, energies are enclosed (engine/reference.hpp) and stores must keep bounds; that takes the
+/// tube engine and an exact arithmetic.
+class PingSimulation {
+ public:
+  /// Throws InputError and UsageError for what that engine cannot do. The survey outlives it.
+  PingSimulation(const Survey& survey, std::optional<double> reference_tolerance);
+  ~PingSimulation();
+  PingSimulation(const PingSimulation&) = delete;
+  PingSimulation& operator=(const PingSimulation&) = delete;
+
+  /// Leaves the energies of a group's ping in ping `slot` of a store, for its finish().
+  PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) const;
+
+ private:
+  struct Parts;
+  const Survey& survey_;
+  std::optional<double> reference_tolerance_;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Runs all pings of all sensors that `store` has not yet, as PingSimulation does. Returns early, with
+/// what was finished in the store, when InterruptGuard says that the user wants to stop.
 void simulate(const Survey& survey, PingStore& store, bool quiet,
               std::optional<double> reference_tolerance = {});
 

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "app/interrupt.hpp"
+#include "app/partial_run.hpp"
+#include "app/ping_crew.hpp"
+#include "app/ping_store.hpp"
+#include "app/rank_notes.hpp"
+#include "app/run_ranks.hpp"
+#include "app/run_steps.hpp"
+#include "app/settings.hpp"
+#include "app/simulation.hpp"
+#include "app/usage_error.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+// Then rank 0 is no more.
+constexpr std::chrono::seconds patience_when_interrupted{2};
+
+/// Room for one ping of one group.
+StoreLayout room_for_one(StoreLayout layout, std::size_t group) {
+  for (StoreLayout::Sensor& sensor : layout.sensors) sensor.pings = 0;
+  for (const std::size_t sensor : layout.groups[group].sensors) layout.sensors[sensor].pings = 1;
+  layout.groups = {{layout.groups[group].sensors, 1}};
+  return layout;
+}
+
+class HelpingRank {
+ public:
+  explicit HelpingRank(RankLink& link) : link_(link) {}
+
+  void work(const RunOptions& options) {
+    SceneDescription description = described(options);
+    const RunRequest request = requested(options, description);
+    const Json asked = asked_of(description, request);
+    std::optional<std::string> start;
+    while (!start && !over())
+      if (const auto message = next())
+        start = message->substr(1);
+      else
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (!start) return;
+    const Json told = Json::parse(*start);
+    if (told.at("asked") != asked)
+      throw UsageError(fmt::format(
+          "rank {} on '{}' is asked for another run than rank 0, or reads another scene: all need "
+          "the same command, the same files and the same tubefoot",
+          link_.rank(), link_.host()));
+    description.run = run_of(told.at("run"), description.run);
+    const ThreadLimit limit(description.run.threads > 0 ? description.run.threads
+                                                        : threads_of_rank(link_.local_ranks()));
+    const auto survey = open_survey(description);
+    simulate(*survey, request.reference_tolerance, limit.threads());
+  }
+
+  /// Says the last word, and leaves with rank 0.
+  void leave(const std::string& last) {
+    link_.send(0, last);
+    std::optional<Clock::time_point> asked;
+    while (!stopped_) {
+      next();
+      if (!asked && InterruptGuard::requested()) asked = Clock::now();
+      if (asked && Clock::now() - *asked > patience_when_interrupted) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    link_.leave();
+  }
+
+ private:
+  bool over() const { return stopped_ || InterruptGuard::requested(); }
+
+  /// A message other than the one that says stop.
+  std::optional<std::string> next() {
+    std::optional<RankMessage> message = link_.receive();
+    if (!message) return std::nullopt;
+    if (note_of(message->bytes) != Note::stop) return std::move(message->bytes);
+    stopped_ = true;
+    return std::nullopt;
+  }
+
+  void simulate(const Survey& survey, std::optional<double> reference_tolerance, int threads) {
+    const StoreLayout layout = layout_of(survey, reference_tolerance.has_value());
+    const PingSimulation simulation(survey, reference_tolerance);
+    std::mutex mutex;
+    std::vector<std::string> results;
+    PingCrew crew(threads, [&](const PingUnit& unit) {
+      PingStore room(room_for_one(layout, unit.group));
+      const PingCounts counts = simulation.run(unit.group, unit.ping, room, 0);
+      std::string result = result_note(layout, unit, counts, room, 0);
+      const std::lock_guard lock(mutex);
+      results.push_back(std::move(result));
+    });
+    bool asked = false;
+    for (bool last = false; !last;) {
+      last = crew.finished();  // before the results are looked at
+      while (const auto message = next()) {
+        const std::vector<PingUnit> units = units_in(*message);
+        if (units.empty()) crew.close();
+        crew.add(units);
+        asked = false;
+      }
+      if (over()) crew.stop();
+      std::vector<std::string> finished;
+      {
+        const std::lock_guard lock(mutex);
+        finished.swap(results);
+      }
+      for (const std::string& result : finished) link_.send(0, result);
+      if (const std::size_t wanted = crew.wanted(); wanted > 0 && !asked) {
+        link_.send(0, wanted_note(wanted));
+        asked = true;
+      }
+      if (!last) crew.rest();
+    }
+    crew.join();
+  }
+
+  RankLink& link_;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+int help_run(const RunOptions& options, std::unique_ptr<RankLink> link) {
+  const InterruptGuard interrupt;
+  HelpingRank rank(*link);
+  std::string last;
+  try {
+    rank.work(options);
+    last = note(InterruptGuard::requested() ? Note::interrupted : Note::done);
+  } catch (const std::exception& error) {
+    last = failed_note(error);
+  }
+  rank.leave(last);
+  return 0;
+}
+
+}  // namespace tubefoot
