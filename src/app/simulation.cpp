@@ -9,13 +9,13 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <numeric>
 #include <span>
 #include <stdexcept>
 
 #include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
+#include "app/paths.hpp"
 #include "app/progress.hpp"
 #include "app/refracted_reference.hpp"
 #include "app/refraction.hpp"
@@ -85,82 +85,6 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
   kept.worst_sensor = met.worst_sensor;
   kept.worst_beam = met.worst_beam;
   kept.worst_sample = met.worst_sample;
-}
-
-/// Throws InputError unless sensors with a receiver apart are run as they can be.
-void refuse_bistatic(const Survey& survey, bool reference) {
-  const RunDescription& run = survey.scene.description.run;
-  for (const SensorPings& pings : survey.sensors) {
-    if (!pings.sensor->has_receiver_apart()) continue;
-    const char* trouble =
-        run.engine != "tube"           ? "needs the tube engine: the ray engine has one apex"
-        : run.arithmetic == "double"   ? "needs an exact arithmetic: fixed, filtered or rational"
-        : run.binning != "exact"       ? "needs exact binning"
-        : pings.sensor->channels() > 1 ? "has two receivers on its staff: leave out 'receiver_arm_m'"
-        : reference                    ? "cannot be certified: leave out --reference, or "
-                                         "'receiver_arm_m'"
-                                       : nullptr;
-    if (trouble != nullptr)
-      throw InputError(pings.sensor->description().place,
-                       fmt::format("sensor '{}' has its receiver apart and {}",
-                                   pings.sensor->description().name, trouble));
-  }
-}
-
-/// What has to be followed besides the ordinary echo: nothing in a scene without mirrors.
-std::optional<PathSettings> path_settings(const Scene& scene, double frequency_khz) {
-  const SceneDescription& d = scene.description;
-  const auto& reflection = scene.material_reflection;
-  const bool mirrors =
-      d.sea_surface || std::any_of(reflection.begin(), reflection.end(), [](double r) { return r > 0; });
-  if (!mirrors && !d.paths.direct && d.paths.scatterings == 1) return std::nullopt;
-  PathSettings settings;
-  settings.order = std::min(d.paths.order, std::max(d.paths.only_order.value_or(d.paths.order), 1));
-  settings.most_images = static_cast<std::size_t>(d.paths.most_images);
-  settings.cutoff_db = d.paths.cutoff_db;
-  settings.direct = d.paths.direct;
-  settings.scatterings = d.paths.scatterings;
-  settings.patch_m = d.paths.patch_m;
-  settings.mirrors.reflection = reflection;
-  if (d.sea_surface) {
-    const double wave_number = 2000 * std::numbers::pi * frequency_khz / scene.sound_speed_m_s;
-    settings.mirrors.surface = SeaSurface{scene.surface_height(), std::pow(10, -d.sea_surface->loss_db / 10),
-                                          std::pow(2 * wave_number * d.sea_surface->rms_roughness_m, 2)};
-  }
-  return settings;
-}
-
-/// Throws InputError unless the scene's paths can be followed.
-void refuse_paths(const Survey& survey, bool reference) {
-  const SceneDescription& d = survey.scene.description;
-  for (const SensorPings& pings : survey.sensors) {
-    const SensorDescription& sensor = pings.sensor->description();
-    if (!path_settings(survey.scene, pings.sensor->frequency_khz())) {
-      if (d.paths.order > 1 || d.paths.only_order)
-        throw InputError(d.paths.place,
-                         "paths of several orders need a mirror or a second scattering: add [sea_surface], "
-                         "'specular_loss_db' to a material, or 'scatterings = 2'");
-      continue;
-    }
-    const char* trouble = d.run.engine != "tube"         ? "the tube engine: rays are not mirrored"
-                          : d.run.arithmetic == "double" ? "an exact arithmetic: fixed, filtered or rational"
-                          : pings.sensor->channels() > 1 ? "a sensor with one receiver a fan"
-                          : reference     ? "a run without --reference: a certified integral has one "
-                                            "apex, a path over mirrors or two scatterings has more"
-                          : survey.ground ? "all of the bed in facets: [relief] with mode = \"offline\""
-                                          : nullptr;
-    if (trouble != nullptr)
-      throw InputError(sensor.place,
-                       fmt::format("sensor '{}': paths over mirrors need {}", sensor.name, trouble));
-    if (!d.sea_surface) continue;
-    for (const auto* poses : {&pings.shot_poses, &pings.receiver_poses})
-      for (const Pose& pose : *poses)
-        if (pose.position_m.z >= d.sea_surface->height_m)
-          throw InputError(
-              sensor.place,
-              fmt::format("sensor '{}' is {:.3g} m above the sea surface (at {:.6g} m)", sensor.name,
-                          pose.position_m.z - d.sea_surface->height_m, d.sea_surface->height_m));
-  }
 }
 
 /// Simulates one ping of the sensors that share its shots.

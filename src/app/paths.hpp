@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "app/survey.hpp"
+#include "engine/path_echo.hpp"
+
+// Paths of a run besides the straight one to a facet and back (docs/paths.md, docs/bistatic.md).
+namespace tubefoot {
+
+/// What has to be followed besides the ordinary echo: nothing in a scene without mirrors.
+std::optional<PathSettings> path_settings(const Scene& scene, double frequency_khz);
+
+/// Throws InputError unless sensors with a receiver apart are run as they can be.
+void refuse_bistatic(const Survey& survey, bool reference);
+
+/// Throws InputError unless the scene's paths can be followed.
+void refuse_paths(const Survey& survey, bool reference);
+
+}  // namespace tubefoot
