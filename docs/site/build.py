@@ -214,6 +214,9 @@ def broken_links(folder):
 def main():
     if len(sys.argv) != 2:
         sys.exit("usage: build.py OUTPUT")
+    if not shutil.which("doxygen"):
+        print("Skipped: doxygen is not installed (apt install doxygen)")
+        sys.exit(77)
     site = Site(pathlib.Path(sys.argv[1]).resolve())
     site.write()
     broken = list(broken_links(site.html))
