@@ -14,13 +14,15 @@
 #   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
 #   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
+#   make docs    build the documents as a site: build/docs/html/index.html
+#   make figures  draw the figures of docs/tutorial.md and docs/theory.md anew, from the program's output
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
 .PHONY: demo python test install package build setup prove bench atlas advise-study refraction-study track-study rays \
-  reference format tidy clean
+  reference docs figures format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -104,6 +106,12 @@ rays: build
 
 reference: build
 	tools/reference_pack $(PROGRAM) reference/v1
+
+docs: setup
+	@/usr/bin/python3 docs/site/build.py build/docs
+
+figures: build
+	/usr/bin/python3 docs/figures/draw.py $(PROGRAM) docs/figures
 
 SOURCES = $(shell git ls-files '*.cpp' '*.hpp')
 

@@ -43,6 +43,10 @@ INSTEAD = {
         f"{PROGRAM} coverage scenes/survey/scene.toml --pings 0:1 -o out/coverage"),
     "tubefoot run scenes/wellhead/scene.toml -o reference --reference --tolerance 1e-9": (
         "minutes", "tubefoot run scenes/chart/flat-bed.toml -o reference --reference --tolerance 1e-9"),
+    "tubefoot advise scenes/wellhead/scene.toml --tolerance 0.5dB": (
+        "minutes", "tubefoot advise scenes/chart/flat-bed.toml --tolerance 0.5dB"),
+    "tubefoot run scenes/wellhead/scene.toml -o out --tolerance 0.5dB": (
+        "minutes", "tubefoot run scenes/chart/flat-bed.toml -o out --tolerance 0.5dB"),
     f"{PROGRAM} run scenes/real-grid/sidescan-line.toml -o out/line": (DATA, None),
     "cat scene.toml wreck.obj track.csv | sha256sum": (
         "names files that the reader has", "cat scenes/survey/wrecks.toml scenes/survey/wreck.obj | sha256sum"),
@@ -219,7 +223,7 @@ class Follower:
                     if output is None:
                         comparing = False
                     shown += output or ""
-                    outputs += outputs_of(command) if run else []
+                    outputs += outputs_of(run) if run else []
             elif language == "text" and shown is not None and not before:
                 for path in re.findall(r"^wrote ([\w./-]+)", text, re.M):
                     if not (folder / path).exists():
