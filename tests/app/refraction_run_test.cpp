@@ -141,9 +141,10 @@ TEST(RefractionRun, MicroTextureIsThatOfTheTrueBed) {
   const std::string even =
       scene_in(gradient(g, 0, "refraction_gap_m = 0.002\nrefraction_tolerance_db = 0.02"));
   const Echoes plain = echoes_of(even),
-               textured = echoes_of(replaced(even, "lambert_db = -27",
-                                             "lambert_db = -27\n[[materials.reflectivity]]\nkind = "
-                                             "\"perlin\"\nwavelength_m = 1.5\noctaves = 1\ndepth = 0.8\nseed = 7\n"));
+               textured = echoes_of(
+                   replaced(even, "lambert_db = -27",
+                            "lambert_db = -27\n[[materials.reflectivity]]\nkind = "
+                            "\"perlin\"\nwavelength_m = 1.5\noctaves = 1\ndepth = 0.8\nseed = 7\n"));
   const PerlinReflectivity texture({.wavelength_m = 1.5, .octaves = 1, .depth = 0.8, .seed = 7});
   double least = 2, most = 0;
   for (std::size_t k = 0; k < plain.samples; ++k) {
