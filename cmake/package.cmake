@@ -10,6 +10,12 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_COMPONENTS_ALL program development)
+if(TUBEFOOT_WITH_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+if(TARGET tubefoot_mpi)
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+endif()
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
@@ -28,7 +34,7 @@ file(STRINGS ${PROJECT_SOURCE_DIR}/packages.txt lines)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/packages.txt)
 set(needed cmake g++ pkg-config)
 foreach(line ${lines})
-  if(NOT line MATCHES "gtest|gmock|benchmark" AND line MATCHES "^((lib|nlohmann|zlib)[^ ]*-dev)")
+  if(NOT line MATCHES "gtest|gmock|benchmark|openmpi" AND line MATCHES "^((lib|nlohmann|zlib)[^ ]*-dev)")
     list(APPEND needed ${CMAKE_MATCH_1})
   endif()
 endforeach()
@@ -40,5 +46,21 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${needed}")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS tubefoot)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries, headers and find_package(tubefoot), for sonars and
 engines of one's own: the example has one of each.")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-tubefoot)
+set(CPACK_DEBIAN_PYTHON_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-xarray, python3-geopandas")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "tubefoot's runs, references, footprints and comparisons as NumPy arrays, and
+sonars and engines of one's own as Python functions.")
+
+set(CPACK_DEBIAN_MPI_PACKAGE_NAME tubefoot-mpi)
+set(CPACK_DEBIAN_MPI_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_MPI_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "tubefoot (= ${PROJECT_VERSION}), openmpi-bin")
+set(CPACK_COMPONENT_MPI_DESCRIPTION "What tubefoot loads when mpirun starts it: the pings of a run are dealt to all its
+processes.")
 
 include(CPack)

@@ -57,14 +57,14 @@ LeadRank::LeadRank(std::unique_ptr<RankLink> link)
 LeadRank::~LeadRank() {
   stop_all();
   while (!all_over()) {
-    if (Clock::now() - *stopped_ > (InterruptGuard::requested()
-                                        ? std::chrono::milliseconds(patience_when_interrupted)
-                                        : std::chrono::milliseconds(patience)))
-      return;  // of a rank that died there is nothing to wait for
+    if (Clock::now() - *stopped_ > patience) return;  // of a rank that died there is nothing to wait for
+    // mpirun, being interrupted, lets nobody leave in order, and kills who waits for that: the message about
+    // what is kept comes first.
+    if (InterruptGuard::requested()) return;
     while (const std::optional<RankMessage> message = link_->receive()) note_end(*message);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  link_->leave();
+  if (!InterruptGuard::requested()) link_->leave();
 }
 
 void LeadRank::start(const nlohmann::ordered_json& asked, const nlohmann::ordered_json& run) {

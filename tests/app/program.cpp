@@ -68,7 +68,8 @@ fs::path TestFolder::write(const std::string& name, std::string_view text) const
 }
 
 Outcome run_program(const std::vector<std::string>& arguments, const Surroundings& surroundings) {
-  std::vector<std::string> words{TUBEFOOT_PROGRAM};
+  std::vector<std::string> words = surroundings.before;
+  words.push_back(surroundings.program.empty() ? TUBEFOOT_PROGRAM : surroundings.program);
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());

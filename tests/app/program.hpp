@@ -42,7 +42,9 @@ struct Surroundings {
   bool as_nobody = false;                         ///< gives up root's right to write everywhere
   /// Asked a hundred times a second while the child runs; once it says true, the child gets `signal`.
   std::function<bool()> interrupt_when;
-  int signal = SIGINT;
+  int signal = SIGINT;              ///< 0: none
+  std::vector<std::string> before;  ///< a program, with its arguments, that starts tubefoot
+  std::string program;              ///< in place of tubefoot
 };
 
 Outcome run_program(const std::vector<std::string>& arguments, const Surroundings& surroundings = {});
