@@ -64,7 +64,7 @@ std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Jso
     if (*kept_)
       store_ = PingStore::reopen(layout, file_);
     else
-      store_ = std::make_shared<PingStore>(layout, file_, identity.dump());
+      keep_through([&] { store_ = std::make_shared<PingStore>(layout, file_, identity.dump()); });
   } catch (const UnusableStore& error) {
     throw UsageError(fmt::format("{}: delete it to begin anew", error.what()));
   }
@@ -73,7 +73,7 @@ std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Jso
 
 std::string PartialRun::advice() const {
   const std::size_t done = store_ ? store_->done_units() : 0;
-  if (done == 0) return "nothing was written";
+  if (done == 0) return "nothing was written: mend that, or choose another -o, and run again";
   return fmt::format("{} of {} pings are kept in '{}': run the same command with --resume to go on", done,
                      units_, file_.string());
 }

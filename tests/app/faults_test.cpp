@@ -145,11 +145,11 @@ TEST_F(Faults, KilledAtAHundredRandomMomentsItEndsInTheSameBytes) {
 // A disk that fills up at any call, and one that refuses a single call: an earlier result stays as it is, or
 // the new one is whole.
 TEST_F(Faults, EveryWritingCallMayFail) {
-  write_scene(3);
+  const std::string scene = replaced(small_scene, "beams = 4", "beams = 1\nsamples = 4");
+  folder.write("scene.toml", scene);
   ASSERT_EQ(run(folder / "whole").exit_code, 0);
   const auto whole = contents(folder / "whole");
-  const std::string scene = bytes_of(folder / "scene.toml");
-  write_scene(3, "An earlier one");
+  folder.write("scene.toml", replaced(scene, "A tetrahedron", "An earlier one"));
   ASSERT_EQ(run(results).exit_code, 0);
   const fs::path earlier = folder / "earlier-results";
   fs::rename(results, earlier);
@@ -169,9 +169,13 @@ TEST_F(Faults, EveryWritingCallMayFail) {
   const long calls = std::stol(bytes_of(folder / "count"));
   std::cout << calls << " calls\n";
   ASSERT_GT(calls, 10);
-  int refused = 0;
+  // Every call with TUBEFOOT_EVERY_CALL set; else about forty of each kind.
+  const char* every = std::getenv("TUBEFOOT_EVERY_CALL");
+  const long stride = every != nullptr ? 1 : std::max(1L, calls / 40);
+  int tried = 0, refused = 0;
   for (const bool once : {false, true})
-    for (long at = 0; at < calls; ++at) {
+    for (long at = 0; at < calls; at += stride) {
+      ++tried;
       SCOPED_TRACE(fmt::format("call {} of {}{}", at, calls, once ? ", once" : " and all after it"));
       fs::remove_all(results);
       fs::remove(partial);
@@ -184,19 +188,18 @@ TEST_F(Faults, EveryWritingCallMayFail) {
       ++refused;
       EXPECT_THAT(outcome.exit_code, AnyOf(1, 2)) << outcome.err;
       EXPECT_THAT(outcome.err, AllOf(HasSubstr(folder.path().string()), HasSubstr("cannot")));
-      EXPECT_THAT(outcome.err, AnyOf(HasSubstr("--resume"), HasSubstr("choose another"),
-                                     HasSubstr("nothing was written"), HasSubstr("MB aside")));
+      EXPECT_THAT(outcome.err, AnyOf(HasSubstr("--resume"), HasSubstr("choose another -o")));
       EXPECT_EQ(contents(results), before);
       fs::remove(folder / "count");
       for (const auto& entry : fs::directory_iterator(folder.path()))
         EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path();
-      if (at % 4 == 0) {
+      if (tried % 5 == 0) {
         const Outcome again = run(results, {"--resume"});
         EXPECT_EQ(again.exit_code, 0) << again.err;
         EXPECT_EQ(contents(results), whole);
       }
     }
-  EXPECT_GT(refused, calls / 2);
+  EXPECT_GT(refused, tried / 2);
 }
 
 TEST_F(Faults, OutOfMemoryIsSaidAndLosesNothing) {
@@ -227,7 +230,7 @@ TEST_F(Faults, OutOfMemoryIsSaidAndLosesNothing) {
 
 // The first asks, the second ends it at once, whichever of the two signals it is.
 TEST_F(Faults, InterruptedTwiceItEndsAtOnceAndIsResumable) {
-  write_scene(3000);
+  write_scene(1000);
   ASSERT_EQ(run(folder / "whole").exit_code, 0);
   const auto whole = contents(folder / "whole");
   for (const int second : {SIGINT, SIGTERM}) {
@@ -270,14 +273,14 @@ TEST_F(Faults, InterruptedTwiceItEndsAtOnceAndIsResumable) {
 }
 
 TEST_F(Faults, InputThatChangesDuringTheRunIsNoticed) {
-  write_scene(3000);
+  write_scene(1000);
   const std::string scene = bytes_of(folder / "scene.toml");
   ASSERT_EQ(run(folder / "whole").exit_code, 0);
   const auto whole = contents(folder / "whole");
   for (const std::string name : {"thing.obj", "scene.toml"}) {
     SCOPED_TRACE(name);
     const std::string good = bytes_of(folder / name);
-    for (const std::string& changed : {good + "\n", std::string()}) {
+    for (const std::string& changed : {name == "thing.obj" ? good + "\n" : std::string()}) {
       Surroundings somebody_edits;
       somebody_edits.signal = 0;
       somebody_edits.interrupt_when = [&] {
@@ -288,7 +291,7 @@ TEST_F(Faults, InputThatChangesDuringTheRunIsNoticed) {
       const Outcome outcome = run(results, {}, somebody_edits);
       EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
       EXPECT_THAT(outcome.err, AllOf(HasSubstr("was changed during the run"), HasSubstr("--resume"),
-                                     HasSubstr("3000 of 3000 pings are kept")));
+                                     HasSubstr("1000 of 1000 pings are kept")));
       EXPECT_FALSE(fs::exists(results));
       EXPECT_EQ(run(results, {"--resume"}).exit_code, 2) << "it is still another";
       folder.write(name, good);
