@@ -14,4 +14,7 @@ class InterruptGuard {
   static bool requested();
 };
 
+/// Thrown out of a ping that is left unfinished because somebody wants to stop.
+struct Interrupted {};
+
 }  // namespace tubefoot
