@@ -16,4 +16,7 @@ class InterruptGuard {
   static void request();
 };
 
+/// Thrown out of a ping that is left unfinished because somebody wants to stop.
+struct Interrupted {};
+
 }  // namespace tubefoot

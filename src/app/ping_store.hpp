@@ -20,6 +20,7 @@ struct StraighteningCounts {
   double largest_gap_m = 0;
   std::array<double, 3> shadow{}, several{};  ///< the first of each
   std::uint64_t unbounded = 0;                ///< of a reference: bins whose bound is infinite
+  std::uint64_t at_limit = 0;                 ///< shots that would need a finer ground than is worth it
 };
 
 /// What the simulation of one ping counted. Plain data: it is kept beside the ping's energies.

@@ -14,11 +14,14 @@ struct RefractedShot {
   History history;
   std::size_t candidates = 0;
   std::vector<RefractedReference> sensors;  ///< as the group's
+  bool at_limit = false;  ///< bounds are wider than asked, and a finer ground would have too many facets
 };
 
-/// Straightens the ground of a shot ever finer, until every bound that can be is within the tolerance or the
-/// ground has more facets than a reference is worth; at most three times.
+/// Straightens the ground of a shot ever finer, until all but a hundredth of the bounds that are finite are
+/// within the tolerance, until that helps no more, or until the ground would have more facets than a
+/// reference is worth. `poll` is called all along, and what it throws ends it.
 RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& group, std::size_t ping,
-                                     std::size_t shot, const VisibilityOptions& options, double tolerance);
+                                     std::size_t shot, const VisibilityOptions& options, double tolerance,
+                                     const Poll& poll);
 
 }  // namespace tubefoot

@@ -251,6 +251,7 @@ void add_counts(StraighteningCounts& sum, const StraighteningCounts& more) {
   sum.of_several += more.of_several;
   sum.folded += more.folded;
   sum.unbounded += more.unbounded;
+  sum.at_limit += more.at_limit;
   sum.largest_gap_m = std::max(sum.largest_gap_m, more.largest_gap_m);
 }
 
@@ -271,6 +272,7 @@ nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationSta
     json["first_shadow"] = place_json(counts.shadow);
   }
   if (counts.unbounded > 0) json["bins_without_bound"] = counts.unbounded;
+  if (counts.at_limit > 0) json["shots_at_work_limit"] = counts.at_limit;
   if (counts.of_several > 0) json["first_of_several"] = place_json(counts.several);
   return json;
 }
@@ -303,6 +305,11 @@ std::vector<std::string> refraction_warnings(const Survey& survey, const Simulat
         "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
         "exactly one ray leads may be heard in them, or hide what is",
         where, counts.unbounded));
+  if (counts.at_limit > 0)
+    warnings.push_back(
+        fmt::format("{}: bounds of {} shots are true but wider than asked: narrower ones take more apparent "
+                    "facets than a reference makes; raise --tolerance",
+                    where, counts.at_limit));
   return warnings;
 }
 

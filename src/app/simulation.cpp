@@ -279,8 +279,13 @@ class PingTask {
 
   /// Through refracting water a reference chooses its own apparent ground.
   void take_refracted_reference(std::size_t shot) {
-    const RefractedShot found = certify_refracted_shot(
-        survey_, group_, ping_, shot, options_of(survey_.scene.description.run), *reference_tolerance_);
+    const RefractedShot found =
+        certify_refracted_shot(survey_, group_, ping_, shot, options_of(survey_.scene.description.run),
+                               *reference_tolerance_, [this] {
+                                 if (InterruptGuard::requested() || (survey_.watch && survey_.watch->stop))
+                                   throw Interrupted();
+                               });
+    counts_.refraction.at_limit += found.at_limit;
     add_counts(counts_.refraction, *found.ground.apparent(), survey_, group_, ping_, shot);
     counts_.candidates += found.candidates;
     counts_.tubes += found.history.tubes.tubes.size();
@@ -388,10 +393,14 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
       if (store.done(g, ping) || InterruptGuard::requested() || (survey.watch && survey.watch->stop)) return;
       const auto run = [&] { store.finish(g, ping, simulation.run(g, ping, store, ping)); };
       // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
-      if (survey.ground)
-        tbb::this_task_arena::isolate(run);
-      else
-        run();
+      try {
+        if (survey.ground)
+          tbb::this_task_arena::isolate(run);
+        else
+          run();
+      } catch (const Interrupted&) {
+        return;
+      }
       progress.step();
       if (survey.watch) ++survey.watch->pings;
     });

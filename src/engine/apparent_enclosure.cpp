@@ -116,16 +116,21 @@ class Encloser {
     facet.farthest_m = infinite;
     const Flat flat(base, truth, pad_m);
     if (!flat.valid) return facet;
+    const auto [least, most] = box_of(flat);
+    const double wider = slack * (1 + flat.longest_m);
+    const bool alone =
+        rays_.none_turns_before(flat.padded(flat.centre_m), flat.u, flat.v, {least.x - wider, most.x + wider},
+                                {least.y - wider, most.y + wider});
     // Where corners are seen, and how far their apparent corners are from there.
     double off_m = 0;
     for (int k = 0; k < 3; ++k) {
-      const auto corner = rays_.over(flat.padded(truth[k]), flat.u, flat.v, 0.0, 0.0);
+      const auto corner = rays_.over(flat.padded(truth[k]), flat.u, flat.v, 0.0, 0.0, alone);
       if (!corner) return facet;
       const Interval off = norm_of(
           {corner->image[0].v - seen[k].x, corner->image[1].v - seen[k].y, corner->image[2].v - seen[k].z});
       off_m = std::max(off_m, off.hi);
     }
-    const auto middle = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, 0.0, 0.0);
+    const auto middle = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, 0.0, 0.0, alone);
     if (!middle) return facet;
 
     glm::dvec3 normal = glm::cross(seen[1] - seen[0], seen[2] - seen[0]);
@@ -138,10 +143,10 @@ class Encloser {
 
     // All of it in boxes; in smaller ones while that says more.
     Gathered best;
-    if (!gather(flat, facet.normal, 1, best)) return facet;
+    if (!gather(flat, facet.normal, alone, 1, best)) return facet;
     for (int parts = 2; parts <= 8; parts *= 2) {
       Gathered finer;
-      if (!gather(flat, facet.normal, parts, finer)) return facet;
+      if (!gather(flat, facet.normal, alone, parts, finer)) return facet;
       const auto slopes = [](const Gathered& all) { return all.level_a.largest() + all.level_b.largest(); };
       const bool enough = finer.bends.across > 0.8 * best.bends.across && slopes(finer) > 0.8 * slopes(best);
       best = finer;
@@ -156,6 +161,7 @@ class Encloser {
       return ((flat.radius_m * flat.radius_m / 2 + beyond) * bend + 1.1 * off_m) * (1 + slack);
     };
     facet.gap_m = gap(best.bends.all);
+    if (!std::isfinite(facet.gap_m)) return facet;
     const double across_m = gap(best.bends.across);
     facet.seen = seen;
     facet.nearest_m = std::max(nearest_of(seen) - facet.gap_m, 0.0);
@@ -206,11 +212,15 @@ class Encloser {
     return rays.arrival_across * (Jet(n.x) * at[0] + Jet(n.y) * at[1]) - Jet(n.z) * rays.arrival_down_m;
   }
 
-  bool gather(const Flat& flat, const glm::dvec3& normal, int parts, Gathered& all) const {
+  /// Around a facet and its margin, in its plane.
+  static std::pair<glm::dvec2, glm::dvec2> box_of(const Flat& flat) {
     glm::dvec2 least(infinite), most(-infinite);
     for (const glm::dvec2& p : flat.at) least = glm::min(least, p), most = glm::max(most, p);
-    least -= flat.margin_m;
-    most += flat.margin_m;
+    return {least - flat.margin_m, most + flat.margin_m};
+  }
+
+  bool gather(const Flat& flat, const glm::dvec3& normal, bool alone, int parts, Gathered& all) const {
+    const auto [least, most] = box_of(flat);
     const glm::dvec2 step = (most - least) / double(parts);
     bool first = true;
     for (int i = 0; i < parts; ++i)
@@ -218,7 +228,7 @@ class Encloser {
         const glm::dvec2 from = least + step * glm::dvec2(i, j), to = least + step * glm::dvec2(i + 1, j + 1);
         if (beside(flat, from, to)) continue;
         const Interval a(from.x, to.x), b(from.y, to.y);
-        const auto rays = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, a, b);
+        const auto rays = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, a, b, alone);
         if (!rays) return false;
         std::array<Jet, 2> at;
         for (int k = 0; k < 2; ++k) {
@@ -292,13 +302,14 @@ class Encloser {
 
 ApparentEnclosures enclose(const ApparentGround& ground, const FacetMesh& base, const WorldGrid& grid,
                            const RayEnclosure& rays, double reference_speed_m_s,
-                           std::span<const double> lambert_mu, double absorption_db_per_m) {
+                           std::span<const double> lambert_mu, double absorption_db_per_m, const Poll& poll) {
   const FacetMesh& mesh = ground.refined.mesh;
   const Encloser encloser(rays, reference_speed_m_s, absorption_db_per_m);
   const glm::dvec3 apex = rays.apex_m();
   ApparentEnclosures all;
   all.facets.resize(mesh.facets.size());
   tbb::parallel_for(std::size_t{0}, mesh.facets.size(), [&](std::size_t f) {
+    if (poll) poll();
     Corners parent, truth, seen;
     const auto& whole = base.facets[ground.refined.parent[f]];
     for (std::size_t k = 0; k < 3; ++k) {

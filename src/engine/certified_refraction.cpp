@@ -49,6 +49,47 @@ std::vector<double> borders_about(std::span<const double> borders, double shift_
   return about;
 }
 
+/// Which facets have images that a tube may see.
+class Looked {
+ public:
+  explicit Looked(std::span<const FacetEnclosure> facets) : facets_(facets), balls_(facets.size()) {
+    std::vector<double> gaps;
+    for (FacetId f = 0; f < facets.size(); ++f) {
+      const FacetEnclosure& facet = facets[f];
+      if (facet.state == State::unproven) continue;
+      gaps.push_back(facet.gap_m);
+      const glm::dvec3 centre = (facet.seen[0] + facet.seen[1] + facet.seen[2]) / 3.0;
+      double radius = 0;
+      for (const glm::dvec3& c : facet.seen) radius = std::max(radius, glm::distance(c, centre));
+      balls_[f] = {centre, radius * (1 + slack) + facet.gap_m};
+    }
+    std::ranges::sort(gaps);
+    // The tree is asked for those that move little; the others are looked at one by one.
+    if (!gaps.empty()) usual_gap_m_ = 4 * gaps[gaps.size() / 2], most_gap_m_ = gaps.back();
+    for (FacetId f = 0; f < facets.size(); ++f)
+      if (facets[f].state != State::unproven && facets[f].gap_m > usual_gap_m_) wide_.push_back(f);
+  }
+  double most_gap_m() const { return most_gap_m_; }
+
+  /// By increasing id.
+  std::vector<FacetId> in(const Sector& tube, const SceneTree& tree) const {
+    std::vector<FacetId> seen = tube.facets(tree, usual_gap_m_);
+    seen.insert(seen.end(), wide_.begin(), wide_.end());
+    std::erase_if(seen, [&](FacetId f) {
+      return facets_[f].state == State::unproven || !tube.may_meet(balls_[f].first, balls_[f].second);
+    });
+    std::ranges::sort(seen);
+    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    return seen;
+  }
+
+ private:
+  std::span<const FacetEnclosure> facets_;
+  std::vector<std::pair<glm::dvec3, double>> balls_;  // about each image
+  std::vector<FacetId> wide_;
+  double usual_gap_m_ = 0, most_gap_m_ = 0;
+};
+
 /// Where the facets without a proven ray may be seen in a tube, and how soon.
 class Unknown {
  public:
@@ -59,6 +100,7 @@ class Unknown {
       for (const glm::dvec3& c : facet.seen)
         about.radius_m = std::max(about.radius_m, glm::distance(c, about.centre_m) * (1 + slack));
       about.nearest_m = facet.nearest_m;
+      look_at(about);
       balls_.push_back(about);
     }
     std::ranges::sort(balls_, {}, &Ball::nearest_m);
@@ -74,30 +116,35 @@ class Unknown {
   struct Ball {
     glm::dvec3 centre_m{0};
     double radius_m = 0, nearest_m = 0;
+    DirectionBox launch;  // of rays to it
+    bool anywhere = false;
   };
-  /// False only if no tube looks where a ray to the ball may be launched: in its vertical plane, up to
-  /// most_turn_rad() higher or lower.
-  bool may_be_seen(const Ball& ball, const Sector& tube) const {
+  /// Launched in the ball's vertical plane, up to most_turn_rad() higher or lower.
+  void look_at(Ball& ball) const {
     const glm::dvec3& way = ball.centre_m;
     const double range = glm::length(way), across = std::hypot(way.x, way.y);
-    if (!(range > ball.radius_m)) return true;
-    if (rays_.least_stretch() * (range - ball.radius_m) > tube.reach_m() * (1 + slack)) return false;
+    ball.anywhere = !(range > ball.radius_m);
+    if (ball.anywhere) return;
     const double level = std::atan2(way.z, across),
                  apart = std::asin(ball.radius_m / range) + rays_.most_turn_rad() + slack,
                  low = std::max(level - apart, -upright), high = std::min(level + apart, upright);
-    DirectionBox box;
+    DirectionBox& box = ball.launch;
     box.low_sine = std::sin(low);
     box.low_cosine = std::cos(low);
     box.high_sine = std::sin(high);
     box.high_cosine = std::cos(high);
     box.all_round = !(ball.radius_m < across) || level + apart > upright || level - apart < -upright;
-    if (!box.all_round) {
-      const double sine = ball.radius_m / across, cosine = std::sqrt((1 - sine) * (1 + sine));
-      const glm::dvec2 towards = glm::dvec2(way) / across, left(-towards.y, towards.x);
-      box.from = cosine * towards - sine * left;
-      box.to = cosine * towards + sine * left;
-    }
-    return tube.may_meet(box);
+    if (box.all_round) return;
+    const double sine = ball.radius_m / across, cosine = std::sqrt((1 - sine) * (1 + sine));
+    const glm::dvec2 towards = glm::dvec2(way) / across, left(-towards.y, towards.x);
+    box.from = cosine * towards - sine * left;
+    box.to = cosine * towards + sine * left;
+  }
+  /// False only if no tube looks where a ray to the ball may be launched, or none comes as far.
+  bool may_be_seen(const Ball& ball, const Sector& tube) const {
+    if (ball.anywhere) return true;
+    const double range = glm::length(ball.centre_m) - ball.radius_m;
+    return rays_.least_stretch() * range <= tube.reach_m() * (1 + slack) && tube.may_meet(ball.launch);
   }
   static constexpr double upright = std::numbers::pi / 2;
   const RayEnclosure& rays_;
@@ -112,7 +159,7 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
                                           const RangeSamples& samples, const EchoLaw& law,
-                                          const Echo& ordinary, double tolerance) {
+                                          const Echo& ordinary, double tolerance, const Poll& poll) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
   check(law);
@@ -124,10 +171,8 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
   const Unknown unknown(enclosures.unproven, rays);
   TubeSet tubes = history.tubes;
   // Facets that begin beyond the reach may be seen before it.
-  double most_gap_m = 0;
-  for (const FacetEnclosure& facet : enclosures.facets)
-    if (facet.state != State::unproven) most_gap_m = std::max(most_gap_m, facet.gap_m);
-  tubes.reach += 2 * most_gap_m / history.grid_unit_m;
+  const Looked looked(enclosures.facets);
+  tubes.reach += 2 * looked.most_gap_m() / history.grid_unit_m;
 
   std::vector<Bins> by_tube(tubes.tubes.size());
   struct Buffers {
@@ -136,6 +181,7 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
   };
   tbb::enumerable_thread_specific<Buffers> threads;
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
+    if (poll) poll();
     auto& [visibility, seen] = threads.local();
     see(apparent, tree, tubes, tube, options, visibility, seen);
     const NameContext context{apparent, tubes.apex, seen.rays};
@@ -161,21 +207,16 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
     TubeSet own = tubes;
     own.tubes = {tubes.tubes[tube]};
     const Sector sector(own, history.grid_unit_m);
-    std::vector<FacetId> nearby;
-    for (FacetId f = 0; f < apparent.facets.size(); ++f) {
+    const std::vector<FacetId> nearby = looked.in(sector, tree);
+    for (const FacetId f : nearby) {
       const FacetEnclosure& facet = enclosures.facets[f];
-      if (facet.state == State::unproven) continue;
-      const glm::dvec3 centre = (facet.seen[0] + facet.seen[1] + facet.seen[2]) / 3.0;
-      double radius = 0;
-      for (const glm::dvec3& c : facet.seen) radius = std::max(radius, glm::distance(c, centre));
-      if (!sector.may_meet(centre, radius * (1 + slack) + facet.gap_m)) continue;
-      nearby.push_back(f);
       if (facet.state == State::loose)
         each_bin(facet.nearest_m, facet.farthest_m, [&](Between& bin) { bin.hi += facet.most; });
     }
 
     std::vector<SeenPiece> pieces;
     for (const NamedPiece& piece : seen.pieces) {
+      if (poll) poll();
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
       pieces.push_back(seen_piece(piece, polygon));
       const FacetEnclosure& facet = enclosures.facets[piece.facet];
@@ -244,6 +285,20 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
   CertifiedEcho finite = certified;
   for (double& bound : finite.bound) bound = std::isfinite(bound) ? bound : 0;
   hold_against(finite, tolerance);
+  reference.bins = total.size() - reference.unbounded;
+  reference.bins_over = finite.bins_over;
+  if (finite.bins_over > 0) {
+    std::vector<double> excess;
+    Echo least = finite.echo;
+    for (std::size_t bin = 0; bin < total.size(); ++bin)
+      least.energy[bin] = std::max(least.energy[bin] - finite.bound[bin], 0.0);
+    const std::vector<double> asked = reference_targets(least, tolerance);
+    for (std::size_t bin = 0; bin < total.size(); ++bin)
+      if (finite.bound[bin] > asked[bin]) excess.push_back(finite.bound[bin] / asked[bin]);
+    const auto middle = excess.begin() + std::ssize(excess) / 2;
+    std::nth_element(excess.begin(), middle, excess.end());
+    reference.usual_excess = *middle;
+  }
   hold_against(certified, tolerance);
   certified.worst_ratio = finite.worst_ratio;
   certified.worst_beam = finite.worst_beam;

@@ -13,6 +13,10 @@ struct RefractedReference {
   /// Its worst ratio is that of the bounds that are finite.
   CertifiedEcho certified;
   std::size_t unbounded = 0;  ///< bins that facets without a proven ray could reach: their bound is infinite
+  /// Of the bins with a finite bound: how many there are, how many are wider than asked, and by what factor
+  /// the middle one of those is.
+  std::size_t bins = 0, bins_over = 0;
+  double usual_excess = 0;
 };
 
 /// Encloses the echo of one shot through refracting water: the energy that curved rays bring from the true
@@ -35,6 +39,6 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
                                           const RangeSamples& samples, const EchoLaw& law,
-                                          const Echo& ordinary, double tolerance);
+                                          const Echo& ordinary, double tolerance, const Poll& poll = {});
 
 }  // namespace tubefoot

@@ -56,11 +56,7 @@ std::pair<double, double> ranges_of(const Polygon& polygon, double plane_m) {
           farthest * (1 + slack)};
 }
 
-/// A cone around a facet as it may be seen.
-struct Cone {
-  glm::dvec3 axis;
-  double spread_rad;
-};
+/// Around a facet as it may be seen.
 Cone cone_of(std::span<const glm::dvec3> corners) {
   glm::dvec3 sum(0);
   for (const glm::dvec3& p : corners) sum += glm::normalize(p);
@@ -71,10 +67,15 @@ Cone cone_of(std::span<const glm::dvec3> corners) {
   cone.spread_rad += 1e-7;
   return cone;
 }
+/// A chord is no longer than its angle.
 bool may_meet(const Cone& a, const Cone& b, double beyond_rad) {
-  const double angle = 2 * std::asin(std::min(glm::distance(a.axis, b.axis) / 2, 1.0));
-  return angle <= a.spread_rad + b.spread_rad + beyond_rad;
+  const glm::dvec3 between = a.axis - b.axis;
+  const double apart = a.spread_rad + b.spread_rad + beyond_rad;
+  return glm::dot(between, between) <= apart * apart * (1 + slack);
 }
+
+/// How far from where its apparent facet is an image may be seen.
+double beyond_rad(const FacetEnclosure& facet) { return facet.gap_m / facet.nearest_m * 1.1 + slack; }
 
 }  // namespace
 
@@ -92,13 +93,47 @@ SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon) {
 
 UncertainEdges::UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
                                const ApparentEnclosures& enclosures)
-    : mesh_(apparent), parent_(parent), enclosures_(enclosures) {
-  for (FacetId f = 0; f < mesh_.facets.size(); ++f)
+    : mesh_(apparent), parent_(parent), enclosures_(enclosures), cones_(apparent.facets.size()) {
+  for (FacetId f = 0; f < mesh_.facets.size(); ++f) {
+    const FacetEnclosure& facet = enclosures_.facets[f];
+    if (facet.state == State::proven) cones_[f] = cone_of(facet.seen);
     for (std::size_t k = 0; k < 3; ++k) {
       EdgeOf& edge = edges_[key_of(mesh_.facets[f][k], mesh_.facets[f][(k + 1) % 3])];
       if (edge.count < 2) edge.facet[edge.count] = f;
       ++edge.count;
+      edge.widest_rad = std::max(edge.widest_rad, facet.gap_m / facet.nearest_m);
     }
+  }
+}
+
+UncertainEdges::Nearby UncertainEdges::nearby_of(std::span<const FacetId> facets) const {
+  Nearby nearby;
+  glm::dvec3 least(2), most(-2);
+  for (const FacetId f : facets) {
+    if (enclosures_.facets[f].state != State::proven) continue;
+    nearby.facets.push_back(f);
+    least = glm::min(least, cones_[f].axis);
+    most = glm::max(most, cones_[f].axis);
+    nearby.widest_rad = std::max(nearby.widest_rad, cones_[f].spread_rad + beyond_rad(enclosures_.facets[f]));
+  }
+  const glm::dvec3 size = most - least;
+  for (int i = 1; i < 3; ++i)
+    if (size[i] > size[nearby.coordinate]) nearby.coordinate = i;
+  std::ranges::sort(nearby.facets, {},
+                    [&](FacetId f) { return std::pair(cones_[f].axis[nearby.coordinate], f); });
+  for (const FacetId f : nearby.facets) nearby.place.push_back(cones_[f].axis[nearby.coordinate]);
+  return nearby;
+}
+
+template <class Take>
+void UncertainEdges::each_within(const Nearby& nearby, const Cone& cone, const Take& take) const {
+  const double apart = (cone.spread_rad + nearby.widest_rad) * (1 + slack) + slack,
+               place = cone.axis[nearby.coordinate];
+  const auto first = std::lower_bound(nearby.place.begin(), nearby.place.end(), place - apart);
+  for (auto at = first; at != nearby.place.end() && *at <= place + apart; ++at) {
+    const FacetId f = nearby.facets[std::size_t(at - nearby.place.begin())];
+    if (may_meet(cone, cones_[f], beyond_rad(enclosures_.facets[f]))) take(f);
+  }
 }
 
 /// Inside a base facet that is all seen from the same side: its image goes on across.
@@ -112,27 +147,16 @@ bool UncertainEdges::is_smooth(VertexId a, VertexId b) const {
 
 double UncertainEdges::half_width(VertexId a, VertexId b) const {
   const auto found = edges_.find(key_of(a, b));
-  double width = 0;
-  if (found == edges_.end()) return width;
-  for (FacetId f = 0; f < mesh_.facets.size() && found->second.count > 2;
-       ++f)  // an edge of many facets is rare
-    for (std::size_t k = 0; k < 3; ++k)
-      if (key_of(mesh_.facets[f][k], mesh_.facets[f][(k + 1) % 3]) == key_of(a, b))
-        width = std::max(width, enclosures_.facets[f].gap_m / enclosures_.facets[f].nearest_m);
-  for (int k = 0; k < std::min(found->second.count, 2); ++k) {
-    const FacetEnclosure& facet = enclosures_.facets[found->second.facet[k]];
-    width = std::max(width, facet.gap_m / facet.nearest_m);
-  }
-  return width * 1.01 + 1e-12;
+  return found == edges_.end() ? 0 : found->second.widest_rad * 1.01 + 1e-12;
 }
 
 void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad,
-                           std::span<const FacetId> nearby, const DoubtSink& sink) const {
+                           const Nearby& nearby, const DoubtSink& sink) const {
   const glm::dvec3 start = glm::normalize(from), end = glm::normalize(to);
   const double length = glm::distance(start, end);
   if (!(length > 0) || !(half_width_rad < 0.1)) {
     if (!(half_width_rad < 0.1))
-      for (const FacetId f : nearby)
+      for (const FacetId f : nearby.facets)
         sink({0, std::numeric_limits<double>::infinity(), enclosures_.facets[f].most});
     return;
   }
@@ -148,21 +172,20 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
     // An arc of no more than 1.01 times its chord, and all around it.
     const double angle_sr = (1.01 * half + 2 * w) * 2 * w * 1.01;
     const Cone cone{middle, half + w};
-    for (const FacetId f : nearby) {
+    each_within(nearby, cone, [&](FacetId f) {
       const FacetEnclosure& facet = enclosures_.facets[f];
       const double beyond = facet.gap_m / facet.nearest_m * 1.01, wide = (w + beyond) * 1.02;
-      if (!may_meet(cone, cone_of(facet.seen), beyond)) continue;
       Polygon part(facet.seen.begin(), facet.seen.end());
       const double lean = wide / std::max(glm::dot(middle, a) - wide, 0.1);
       part = clipped(part, across + lean * middle);
       part = clipped(part, lean * middle - across);
       part = clipped(part, glm::cross(across, a) + lean * middle);
       part = clipped(part, glm::cross(b, across) + lean * middle);
-      if (part.empty()) continue;
+      if (part.empty()) return;
       const auto [nearest, farthest] = ranges_of(part, facet.plane_m);
       sink({nearest - facet.shift_m - facet.gap_m, farthest + facet.shift_m + facet.gap_m,
             std::min(facet.most_per_sr * angle_sr, facet.most)});
-    }
+    });
   }
 }
 
@@ -199,11 +222,7 @@ void UncertainEdges::clash(const SeenPiece& piece, FacetId other, const DoubtSin
 void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility& seen,
                                 std::span<const SeenPiece> pieces, std::span<const FacetId> nearby,
                                 const DoubtSink& sink) const {
-  std::vector<FacetId> proven;
-  for (const FacetId f : nearby)
-    if (enclosures_.facets[f].state == State::proven) proven.push_back(f);
-  std::unordered_map<FacetId, Cone> cones;
-  for (const FacetId f : proven) cones.emplace(f, cone_of(enclosures_.facets[f].seen));
+  const Nearby near = nearby_of(nearby);
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const NamedPiece& named = seen.pieces[p];
     const SeenPiece& piece = pieces[p];
@@ -232,19 +251,17 @@ void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility
       for (const PlaneName& plane : planes) {
         // Walls are exact; where facets cross is for clash().
         if (plane.depth || ((plane.a | plane.b) & ray_bit) || is_smooth(plane.a, plane.b)) continue;
-        strip(direction(c), direction(d), half_width(plane.a, plane.b), proven, sink);
+        strip(direction(c), direction(d), half_width(plane.a, plane.b), near, sink);
       }
     }
     if (enclosures_.facets[piece.facet].state != State::proven || piece.corners_m.size() < 3) continue;
-    const Cone cone = cone_of(piece.corners_m);
-    for (const FacetId f : proven) {
-      const FacetEnclosure &one = enclosures_.facets[piece.facet], &two = enclosures_.facets[f];
-      if (parent_[f] == parent_[piece.facet] || two.nearest_m - two.shift_m > one.farthest_m + one.shift_m ||
-          two.farthest_m + two.shift_m < one.nearest_m - one.shift_m ||
-          !may_meet(cone, cones.at(f), two.gap_m / two.nearest_m * 1.1 + 1e-9))
-        continue;
-      clash(piece, f, sink);
-    }
+    const FacetEnclosure& one = enclosures_.facets[piece.facet];
+    each_within(near, cone_of(piece.corners_m), [&](FacetId f) {
+      const FacetEnclosure& two = enclosures_.facets[f];
+      if (parent_[f] != parent_[piece.facet] && two.nearest_m - two.shift_m <= one.farthest_m + one.shift_m &&
+          two.farthest_m + two.shift_m >= one.nearest_m - one.shift_m)
+        clash(piece, f, sink);
+    });
   }
 }
 

@@ -20,6 +20,12 @@ struct Doubt {
 };
 using DoubtSink = std::function<void(const Doubt& doubt)>;
 
+/// Directions about an axis.
+struct Cone {
+  glm::dvec3 axis{0};
+  double spread_rad = 0;
+};
+
 /// A visible piece as doubts need it.
 struct SeenPiece {
   FacetId facet = 0;
@@ -41,17 +47,30 @@ class UncertainEdges {
   struct EdgeOf {
     FacetId facet[2];
     int count = 0;
+    double widest_rad = 0;  ///< of all its facets, how far images may be off
   };
+  /// The proven facets of a tube, in the order of that coordinate of their axes in which they differ most.
+  struct Nearby {
+    std::vector<FacetId> facets;
+    std::vector<double> place;
+    int coordinate = 0;
+    double widest_rad = 0;  ///< spread of any, and how far it may be off
+  };
+  Nearby nearby_of(std::span<const FacetId> facets) const;
+  /// Of `nearby`, those that may be seen within a cone.
+  template <class Take>
+  void each_within(const Nearby& nearby, const Cone& cone, const Take& take) const;
   bool is_smooth(VertexId a, VertexId b) const;
   double half_width(VertexId a, VertexId b) const;
-  void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad,
-             std::span<const FacetId> nearby, const DoubtSink& sink) const;
+  void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad, const Nearby& nearby,
+             const DoubtSink& sink) const;
   void clash(const SeenPiece& piece, FacetId other, const DoubtSink& sink) const;
 
   const FacetMesh& mesh_;
   std::span<const FacetId> parent_;
   const ApparentEnclosures& enclosures_;
   std::unordered_map<std::uint64_t, EdgeOf> edges_;
+  std::vector<Cone> cones_;  // by facet, of those that are proven
 };
 
 }  // namespace tubefoot

@@ -78,9 +78,25 @@ Jet asin_root_ratio(const Jet& w) {
 }
 
 Interval power(const Interval& x, int n) {
-  Interval result = x;
-  for (int i = 1; i < n; ++i) result = result * x;
+  Interval result = 1.0;
+  for (int i = 0; i < n; ++i) result = result * x;
   return result;
+}
+
+/// Integral of c^p / s^q over a depth in which c is linear: what the range of its values says, and the rule
+/// of the middle with its second derivative by c. The latter is narrower by far where s hardly changes.
+Interval integral(int p, int q, const Interval& dz, const Interval& k, const Interval& c1,
+                  const Interval& c2) {
+  const Interval c = hull(c1, c2), s = sine_at(k, c), middle = 0.5 * (c1 + c2);
+  const Interval plain = power(c, p) / power(s, q) * dz;
+  const Interval t = k * squared(c) / squared(s);
+  const Interval second =
+      power(c, p - 2) / power(s, q) *
+      (double(p * (p - 1)) + double(q * (2 * p + 1)) * t + double(q * (q + 2)) * squared(t));
+  const Interval fine =
+      (power(middle, p) / power(sine_at(k, middle), q) + squared(c2 - c1) * second / Interval(24.0)) * dz;
+  if (!plain.is_finite() || !fine.is_finite()) return plain;
+  return {std::max(plain.lo, fine.lo), std::min(plain.hi, fine.hi)};
 }
 
 }  // namespace
@@ -95,13 +111,20 @@ struct RayEnclosure::Sums {
   Interval c, gradient, absorption_per_m;
   bool some = false;
 
+  /// What has no closed form here.
+  void take_derivatives(const Interval& dz, const Interval& k, const Interval& c1, const Interval& c2,
+                        const Interval& absorption_db_per_m) {
+    reach_kk += 0.75 * integral(5, 5, dz, k, c1, c2);
+    dx_dp_k += 1.5 * integral(3, 5, dz, k, c1, c2);
+    absorption_k += 0.5 * integral(2, 3, dz, k, c1, c2) * absorption_db_per_m;
+  }
+  /// All of it, by the range of its values: of water in which the sound speed is anywhere in `over_c`.
   void take(const Interval& dz, const Interval& k, const Interval& over_c,
-            const Interval& absorption_db_per_m, bool only_bounds) {
+            const Interval& absorption_db_per_m) {
     const Interval s = sine_at(k, over_c), s3 = power(s, 3), s5 = power(s, 5);
     reach_kk += 0.75 * (power(over_c, 5) / s5) * dz;
     dx_dp_k += 1.5 * (power(over_c, 3) / s5) * dz;
     absorption_k += 0.5 * (squared(over_c) / s3) * dz * absorption_db_per_m;
-    if (!only_bounds) return;
     reach += over_c / s * dz;
     reach_k += 0.5 * (power(over_c, 3) / s3) * dz;
     dx_dp += over_c / s3 * dz;
@@ -183,7 +206,7 @@ bool RayEnclosure::only_arc(std::size_t layer) const {
 }
 
 std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& x, const Jet& y,
-                                                  const Jet& depth) const {
+                                                  const Jet& depth, bool alone) const {
   const SoundSpeedProfile& profile = straightening_.water().profile;
   const double gradient = profile.gradient_per_s(layer);
   const Interval g = gradient == 0 ? Interval(0.0) : outwards(gradient, gradient, 4);
@@ -196,7 +219,7 @@ std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& 
   if (!d2.v.surely_positive() || !cr.v.surely_positive()) return std::nullopt;
   const bool straight_on = (launch * arrival).surely_positive();
   const double farthest = root(m.v).hi;
-  if (!(only_arc(layer) || (straight_on && no_ray_turns(depth.v, farthest)))) return std::nullopt;
+  if (!(only_arc(layer) || (straight_on && (alone || no_ray_turns(depth.v, farthest))))) return std::nullopt;
   if (!straight_on && gradient != 0) {
     // Depth of the turning point of those rays that have one: the speed there is that at the source over the
     // cosine of the launch angle.
@@ -237,7 +260,7 @@ RayEnclosure::Sums RayEnclosure::sums_to(double depth_m, const Interval& k) cons
     const Interval chord2 = squared(dz) + k * squared(reach);
     const Interval absorption(water.absorption_in(leg.layer));
     sums.absorption += absorption * root(chord2) * asin_root_ratio(0.25 * chord2 * k * squared(leg.gradient));
-    sums.take(dz, k, hull(leg.c1, leg.c2), absorption, false);
+    sums.take_derivatives(dz, k, leg.c1, leg.c2, absorption);
   }
   return sums;
 }
@@ -257,16 +280,17 @@ bool RayEnclosure::extend(Sums& sums, const Interval& k, double from_m, double t
     sums.some = true;
   }
   if (!sums.some) return false;
-  sums.take(Interval(0, std::abs(to_m - from_m) * (1 + slack)), k, sums.c, sums.absorption_per_m, true);
+  sums.take(Interval(0, std::abs(to_m - from_m) * (1 + slack)), k, sums.c, sums.absorption_per_m);
   return true;
 }
 
-std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, const Jet& depth) const {
+std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, const Jet& depth,
+                                                    bool alone) const {
   const bool down = depth.v.lo > source_m_;
   if (!down && !(depth.v.hi < source_m_)) return std::nullopt;
   const double near = down ? depth.v.lo : depth.v.hi, far = down ? depth.v.hi : depth.v.lo;
   const Jet m = squared(x) + squared(y);
-  if (!no_ray_turns(depth.v, root(m.v).hi)) return std::nullopt;
+  if (!alone && !no_ray_turns(depth.v, root(m.v).hi)) return std::nullopt;
   // The bracket of k: it grows with the range and falls with the depth between.
   const auto guess = [&](double depth_m, double range_m) -> std::optional<double> {
     const std::optional<Eigenray> ray = finder_.direct(depth_m, range_m);
@@ -337,7 +361,8 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
 }
 
 std::optional<RayJets> RayEnclosure::over(const std::array<Interval, 3>& origin_m, const glm::dvec3& u,
-                                          const glm::dvec3& v, const Interval& a, const Interval& b) const {
+                                          const glm::dvec3& v, const Interval& a, const Interval& b,
+                                          bool alone) const {
   std::array<Jet, 3> at;
   for (int i = 0; i < 3; ++i) {
     at[i].v = origin_m[i] + a * u[i] + b * v[i];
@@ -351,8 +376,15 @@ std::optional<RayJets> RayEnclosure::over(const std::array<Interval, 3>& origin_
   for (const std::size_t common : {layer, layer + 1})
     if (common < profile.layers() && profile.top_m(common) <= std::min(source_m_, depth.v.lo) &&
         profile.bottom_m(common) >= std::max(source_m_, depth.v.hi))
-      return within_layer(common, at[0], at[1], depth);
-  return through_layers(at[0], at[1], depth);
+      return within_layer(common, at[0], at[1], depth, alone);
+  return through_layers(at[0], at[1], depth, alone);
+}
+
+bool RayEnclosure::none_turns_before(const std::array<Interval, 3>& origin_m, const glm::dvec3& u,
+                                     const glm::dvec3& v, const Interval& a, const Interval& b) const {
+  std::array<Interval, 3> at;
+  for (int i = 0; i < 3; ++i) at[i] = origin_m[i] + a * u[i] + b * v[i];
+  return no_ray_turns(source_m_ - at[2], root(squared(at[0]) + squared(at[1])).hi);
 }
 
 }  // namespace tubefoot

@@ -39,9 +39,15 @@ class RayEnclosure {
   RayEnclosure(const Straightening& straightening, const EigenrayOptions& options);
 
   /// Over the points origin + a u + b v, relative to the apex, local frame, for a and b in the intervals.
-  /// None where it is not proven that there is one ray.
+  /// None where it is not proven that there is one ray. `alone`: none_turns_before() is known of a patch that
+  /// holds this one.
   std::optional<RayJets> over(const std::array<Interval, 3>& origin_m, const glm::dvec3& u,
-                              const glm::dvec3& v, const Interval& a, const Interval& b) const;
+                              const glm::dvec3& v, const Interval& a, const Interval& b,
+                              bool alone = false) const;
+  /// True only if every ray that turns is longer than the patch is far. Costs as much as many patches of one
+  /// already known.
+  bool none_turns_before(const std::array<Interval, 3>& origin_m, const glm::dvec3& u, const glm::dvec3& v,
+                         const Interval& a, const Interval& b) const;
 
   glm::dvec3 apex_m() const { return straightening_.apex_m(); }
   /// No image is nearer than this times its point.
@@ -56,8 +62,9 @@ class RayEnclosure {
   bool no_ray_turns(const Interval& depth_m, double farthest_m) const;
   bool only_arc(std::size_t layer) const;
   bool turning_rays_are_longer(const Interval& depth_m, double farthest_m, bool below) const;
-  std::optional<RayJets> within_layer(std::size_t layer, const Jet& x, const Jet& y, const Jet& depth) const;
-  std::optional<RayJets> through_layers(const Jet& x, const Jet& y, const Jet& depth) const;
+  std::optional<RayJets> within_layer(std::size_t layer, const Jet& x, const Jet& y, const Jet& depth,
+                                      bool alone) const;
+  std::optional<RayJets> through_layers(const Jet& x, const Jet& y, const Jet& depth, bool alone) const;
   Sums sums_to(double depth_m, const Interval& k) const;
   bool extend(Sums& sums, const Interval& k, double from_m, double to_m) const;
 
