@@ -49,6 +49,7 @@ def test_an_output_folder_is_the_commands_byte_by_byte(scene, folder, program):
     (dict(engine="ray", rays_per_beam=50, sampling="random", seed=7),
      ["--engine", "ray", "--rays-per-beam", 50, "--sampling", "random", "--seed", 7]),
     (dict(binning="centroid", threads=1), ["--binning", "centroid", "--threads", 1]),
+    (dict(tolerance="1dB"), ["--tolerance", "1dB"]),
     (dict(arithmetic="rational"), ["--arithmetic", "rational"]),
 ])
 def test_options_are_those_of_the_command(scene, folder, program, options, arguments):
@@ -134,7 +135,6 @@ def test_a_tolerance_picks_the_settings(scene):
     result = tubefoot.run(scene, tolerance="1dB")
     exact = tubefoot.run(scene)
     assert tubefoot.compare(exact, result)["sensors"][0]["rms_db_error"] < 1.5
-    assert 0 < tubefoot.compare(exact, result)["sensors"][0]["l1_error"]
     fine = tubefoot.compare(exact, tubefoot.run(scene, tolerance=1e-6))["sensors"]
     assert [s["l1_error"] <= 1e-6 for s in fine] == [True, True]
 
