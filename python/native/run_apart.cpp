@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run_apart.hpp"
 
+#include <hdf5.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -35,6 +37,9 @@ void run_apart(RunWatch& watch, const py::object& progress, const std::function<
   {
     const py::gil_scoped_release released;
     std::thread worker([&] {
+      // HDF5 tells each thread's errors on stderr by itself; netCDF, which looks for things that may be
+      // missing, hushes it in the thread that used it first, which may be Python's.
+      H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
       try {
         work();
       } catch (...) {
