@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the figures of docs/theory.md and docs/tutorial.md: draw.py PROGRAM FOLDER.
 
-Everything in them is what the program wrote: pictures of runs, and exact corners of `tubefoot footprints -o X.txt`,
-converted to doubles on drawing. The scenes are those of the tutorial, read from its page.
+Everything in them is what the program wrote: pictures of runs, and exact corners of `tubefoot footprints -o
+X.txt`, converted to doubles on drawing. The scenes are those of the tutorial, read from its page.
 """
 import math
 import pathlib

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Builds the documents as a site: build.py OUTPUT writes OUTPUT/html/index.html.
 
-The pages are written for a repository browser. Doxygen wants other links and other names for headings, so it reads
-copies: line by line the same, with links between pages as references, and an anchor on every heading, named as
-repository browsers name it. The tree at the left is docs/index.md: its headings and their lists of links. Afterwards
-every link and picture of the result is looked up; a broken one fails the build, as does any warning.
+The pages are written for a repository browser. Doxygen wants other links and other names for headings, so
+it reads copies: line by line the same, with links between pages as references, and an anchor on every
+heading, named as repository browsers name it. The tree at the left is docs/index.md: its headings and their
+lists of links. Afterwards every link and picture of the result is looked up; a broken one fails the build,
+as does any warning.
 """
 import html.parser
 import os
@@ -53,7 +54,8 @@ def lines_of(page):
             fenced = not fenced
             yield line, True
         else:
-            indented = line.startswith("    ") and (indented or not before.strip()) and not re.match(r"\s+([-*|]|\d+\.) ", line)
+            indented = (line.startswith("    ") and (indented or not before.strip())
+                        and not re.match(r"\s+([-*|]|\d+\.) ", line))
             yield line, fenced or indented
         before = line
 
@@ -147,6 +149,10 @@ class Site:
             elif entry:
                 url = self.target(page, entry[2])
                 rows.append(f'<tab type="user" visible="yes" url={quoteattr(url)} title={quoteattr(entry[1])}/>')
+        entries = re.findall(r"^[-*] \[[^\]]*\]\(([^)]*)\)", page.read_text(), re.M)
+        listed = {(page.parent / entry).resolve() for entry in entries}
+        for left_out in [other for other in self.pages if other not in listed and other != page]:
+            sys.exit(f"{page.relative_to(SOURCES)} does not list {left_out.relative_to(SOURCES)}")
         rows += ["</tab>"] * open_branch
         rows += ['<tab type="usergroup" visible="yes" title="The code">',
                  '<tab type="namespacelist" visible="yes" title="Namespaces"/>',
@@ -165,7 +171,8 @@ class Site:
         inputs = [copies] + [SOURCES / folder for folder in HEADERS]
         settings += "\n".join([
             "INPUT = " + " ".join(f'"{path}"' for path in inputs), f'OUTPUT_DIRECTORY = "{self.output}"',
-            f'FILTER_PATTERNS = "*.hpp=sed -E -f {SOURCES}/docs/site/placeholders.sed"', f'STRIP_FROM_PATH = "{SOURCES}" "{copies}"', f'LAYOUT_FILE = "{self.output}/layout.xml"',
+            f'FILTER_PATTERNS = "*.hpp=sed -E -f {SOURCES}/docs/site/placeholders.sed"',
+            f'STRIP_FROM_PATH = "{SOURCES}" "{copies}"', f'LAYOUT_FILE = "{self.output}/layout.xml"',
             f'HTML_EXTRA_STYLESHEET = "{SOURCES}/docs/site/style.css"', ""])
         (self.output / "Doxyfile").write_text(settings)
         if subprocess.run(["doxygen", str(self.output / "Doxyfile")]).returncode:

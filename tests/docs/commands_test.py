@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs every command of the documents: commands_test.py PROGRAM [PAGE...].
 
-Commands are the lines of ```sh blocks and the indented lines that begin with the program. Each page is followed from top to
-bottom in an empty folder, as a reader would who has the scenes there and the program in build/release: files that it says
-to save are saved, and commands are run as they stand, but for two things that keep this short. Scenes are copies in which
-a sensor of more than three pings has two. And what installs, builds or takes minutes is listed in INSTEAD, with what
-runs in its place.
+Commands are the lines of ```sh blocks and the indented lines that begin with the program. Each page is
+followed from top to bottom in an empty folder, as a reader would who has the scenes there and the program
+in build/release: files that it says to save are saved, and commands are run as they stand, but for two
+things that keep this short. Scenes are copies in which a sensor of more than three pings has two. And what
+installs, builds or takes minutes is listed in INSTEAD, with what runs in its place.
 
-Fails if a command fails, if a file that it names with -o and the like, or that the page says to look at (`out/...`), is
-not there, if output that does not depend on the shortened scenes differs from what the page shows, if an option named
-anywhere on a page does not exist, or a target of make.
+Fails if a command fails, if a file that it names with -o and the like, or that the page says to look at
+(`out/...`), is not there, if output that does not depend on the shortened scenes differs from what the page
+shows, if an option named anywhere on a page does not exist, or a target of make.
 """
 import os
 import pathlib
