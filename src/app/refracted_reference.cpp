@@ -82,7 +82,7 @@ RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& gr
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best);
     // Slivers at a beam's ends are wider than asked with any ground.
-    if (quality.over * 100 <= quality.bins) break;
+    if (quality.over * 200 <= quality.bins) break;
     // Facets grow as the square at most, where it is spreading that they are cut for.
     const double room = std::sqrt(most_facets / std::max(double(best.ground.mesh().facets.size()), 1.0));
     if (room < least_worth || tries == most_tries) {
