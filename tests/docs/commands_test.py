@@ -32,6 +32,14 @@ INSTEAD = {
                   "make -n demo && build/release/tubefoot run scenes/wellhead/scene.toml -o out/wellhead"),
     "make test": (BUILDS, "make -n test"),
     "make python": (BUILDS, "make -n python"),
+    "make install": (BUILDS + "; the tests Install.* install", "make -n install"),
+    "make install PREFIX=$HOME/.local": (BUILDS + "; the tests Install.* install", "make -n install PREFIX=$HOME/.local"),
+    "make package": (BUILDS + "; is the test Package.IsWhole", "make -n package"),
+    "sudo apt install ./build/tubefoot_0.1.0_amd64.deb": ("changes the machine; Package.IsWhole unpacks it", None),
+    "cmake -S examples/own-sonar -B build/own-sonar -DCMAKE_PREFIX_PATH=$HOME/.local": (
+        "is the test Install.ServesAProgramOfOnesOwn", None),
+    "cmake --build build/own-sonar && build/own-sonar/own_sonar": (
+        "is the test Install.ServesAProgramOfOnesOwn", None),
     "make docs": ("is the test Docs.Site", "make -n docs"),
     f"{PROGRAM} chart scenes/chart/*.toml scenes/wellhead/scene.toml -o out/chart": (
         "minutes", f"{PROGRAM} chart scenes/chart/flat-bed.toml -o out/chart --repeats 1 --seconds 0.01"),
