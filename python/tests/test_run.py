@@ -274,7 +274,7 @@ def test_warnings_are_warnings(folder):
     assert result.warnings and result.warnings[0] in str(caught[0].message)
 
 
-def test_nothing_is_said_on_stderr_beside_another_user_of_netcdf(folder):
+def test_hdf5_says_nothing_beside_another_user_of_netcdf(folder):
     script = f"""
 import netCDF4, tubefoot
 netCDF4.Dataset({str(folder / 'other.nc')!r}, "w").close()
@@ -283,4 +283,4 @@ tubefoot.run(scene, output={str(folder / 'first')!r})
 tubefoot.run(scene, output={str(folder / 'second')!r})
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert done.stderr == ""
+    assert "HDF5" not in done.stderr
