@@ -40,7 +40,6 @@ INSTEAD = {
         "is the test Install.ServesAProgramOfOnesOwn", None),
     "cmake --build build/own-sonar && build/own-sonar/own_sonar": (
         "is the test Install.ServesAProgramOfOnesOwn", None),
-    "make docs": ("is the test Docs.Site", "make -n docs"),
     f"{PROGRAM} chart scenes/chart/*.toml scenes/wellhead/scene.toml -o out/chart": (
         "minutes", f"{PROGRAM} chart scenes/chart/flat-bed.toml -o out/chart --repeats 1 --seconds 0.01"),
     "tubefoot chart scenes/chart/*.toml scenes/wellhead/scene.toml -o out/chart": (
