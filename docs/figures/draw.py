@@ -151,8 +151,8 @@ def main():
                            stdout=subprocess.DEVNULL)
         for text, figure in ((scene + box, "tutorial-low.png"), (higher, "tutorial-high.png")):
             tubefoot(text, "run", "-o", scratch / "run")
-            subprocess.run(["oiiotool", scratch / "run/camera-0000.png", "--resize", "500x0", "-d", "uint8", "-o",
-                            folder / figure], check=True)
+            subprocess.run(["oiiotool", scratch / "run/camera-0000.png", "--nosoftwareattrib", "--resize", "500x0",
+                            "-d", "uint8", "-o", folder / figure], check=True)
         tubefoot(high_fan, "footprints", "--sensor", "camera", "-o", scratch / "high.txt")
         closure(Shot(scratch / "high.txt"), folder / "closure.svg")
         tubefoot(few_beams, "footprints", "--sensor", "camera", "-o", scratch / "fan.txt")
