@@ -46,7 +46,14 @@ install(FILES cmake/tubefoot-config.cmake cmake/dependencies.cmake ${PROJECT_BIN
 install(DIRECTORY examples/own-sonar DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libtubefoot-dev/examples
   COMPONENT development)
 
-foreach(package program:tubefoot development:libtubefoot-dev python:python3-tubefoot mpi:tubefoot-mpi)
+set(packages program:tubefoot development:libtubefoot-dev)
+if(TUBEFOOT_WITH_PYTHON)
+  list(APPEND packages python:python3-tubefoot)
+endif()
+if(TUBEFOOT_MPI AND MPI_CXX_FOUND)
+  list(APPEND packages mpi:tubefoot-mpi)
+endif()
+foreach(package ${packages})
   string(REGEX MATCH "(.*):(.*)" package ${package})
   set(folder ${CMAKE_INSTALL_DATADIR}/doc/${CMAKE_MATCH_2})
   install(FILES packaging/copyright ${manual}/changelog.gz DESTINATION ${folder} COMPONENT ${CMAKE_MATCH_1})

@@ -105,7 +105,7 @@ class Scene:
             return self._native.warnings()
 
     def to_toml(self) -> str:
-        """The text of the scene's file; of a scene with arrays, with a placeholder for each."""
+        """The text of the scene's file; of a scene with arrays, with the name of each in its place."""
         if self._text is not None:
             return str(self._text)
         with open(self.file, encoding="utf-8") as file:

@@ -154,8 +154,8 @@ TEST_F(Resume, DamagedPingsAreMeasuredAgain) {
 TEST_F(Resume, RefusesFilesThatAreNoPings) {
   stopped(SIGKILL, 5);
   const std::string good = bytes_of(partial);
-  for (const std::string& bad : {std::string("hello"), good.substr(0, good.size() / 2),
-                                 "x" + good.substr(1), good.substr(0, 20)}) {
+  for (const std::string& bad :
+       {std::string("hello"), good.substr(0, good.size() / 2), "x" + good.substr(1), good.substr(0, 20)}) {
     folder.write("results.partial", bad);
     for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--resume"}}) {
       const Outcome outcome = run(results, more);
