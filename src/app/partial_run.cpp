@@ -73,7 +73,10 @@ std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Jso
 
 std::string PartialRun::advice() const {
   const std::size_t done = store_ ? store_->done_units() : 0;
-  if (done == 0) return "nothing was written: mend that, or choose another -o, and run again";
+  if (done == 0)
+    return InterruptGuard::requested()
+               ? "nothing was written"
+               : "nothing was written: mend that, or choose another -o, and run again";
   return fmt::format("{} of {} pings are kept in '{}': run the same command with --resume to go on", done,
                      units_, file_.string());
 }
