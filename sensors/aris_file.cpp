@@ -112,15 +112,16 @@ ArisWindow aris_window(double start_m, double length_m, int samples, double soun
 
 std::uint8_t aris_amplitude(double level_db) { return amplitude(level_db, aris_full_scale_db); }
 
-ArisFile::ArisFile(std::filesystem::path file, ArisHeader header)
-    : header_((check(header, file.string()), std::move(header))), file_(std::move(file)) {
-  file_.append(file_header().bytes());
+ArisFile::ArisFile(const std::filesystem::path& file, ArisHeader header)
+    : CameraFile(file, {(check(header, file.string()), header.beams), header.samples, header.most_frames}),
+      header_(std::move(header)) {
+  begin();
 }
 
 ByteRecord ArisFile::file_header() const {
   ByteRecord record(file_header_size);
   record.put_u32(0, signature);
-  record.put_u32(4, frames_);
+  record.put_u32(4, frames());
   record.put_u32(8, static_cast<std::uint32_t>(std::max(1.0, std::round(header_.frame_rate_hz))));
   record.put_u32(12, header_.high_frequency ? 1 : 0);
   record.put_u32(16, static_cast<std::uint32_t>(header_.beams));
@@ -129,12 +130,12 @@ ByteRecord ArisFile::file_header() const {
   record.put_f32(32, header_.window.start_m(header_.sound_speed_m_s));
   record.put_f32(36, header_.window.length_m(header_.sound_speed_m_s, header_.samples));
   record.put_u32(44, header_.serial_number);
-  record.put_text(48, 32, date_);
+  record.put_text(48, 32, date());
   record.put_text(80, 256, header_.title);
   // 352 and 356, StartFrame and EndFrame, stay 0: readers would take anything else for a part to be read.
   record.put_u32(372, 1);  // FrameInterval
   record.put_u32(384, static_cast<std::uint32_t>(std::round(header_.sound_speed_m_s)));
-  record.put_u64(424, file_.size());
+  record.put_u64(424, bytes());
   record.put_u32(452, header_.telephoto_lens ? 1 : 0);
   return record;
 }
@@ -144,7 +145,7 @@ ByteRecord ArisFile::frame_header(const CameraFrame& frame) const {
   const CalendarTime time = calendar_time(frame.unix_time_s);
   const auto microseconds = static_cast<std::uint64_t>(std::llround(frame.unix_time_s * 1e6));
   const ArisPingMode mode = aris_ping_mode(header_.beams);
-  record.put_u32(0, frames_);
+  record.put_u32(0, frames());
   record.put_u64(4, microseconds);
   record.put_u32(12, signature);
   record.put_u64(20, microseconds);
@@ -175,25 +176,6 @@ ByteRecord ArisFile::frame_header(const CameraFrame& frame) const {
   record.put_u32(516, 1);  // ReorderedSamples: [sample][beam] already
   record.put_u32(520, static_cast<std::uint32_t>(header_.salinity));
   return record;
-}
-
-void ArisFile::add(const CameraFrame& frame) {
-  const std::string what = fmt::format("{}: frame {}", file_.path().string(), frames_);
-  if (frames_ == header_.most_frames)
-    throw std::invalid_argument(fmt::format("{}: the file takes {} frames at most", what, frames_));
-  check(frame, what, header_.beams, header_.samples);
-  reorder(frame.amplitudes, header_.beams, header_.samples, amplitudes_);
-  file_.append(frame_header(frame).bytes());
-  file_.append(amplitudes_);
-  if (frames_ == 0) date_ = date_text(calendar_time(frame.unix_time_s));
-  ++frames_;
-}
-
-void ArisFile::finish() {
-  if (frames_ == 0)
-    throw std::logic_error(fmt::format("{}: a file without a frame cannot be read", file_.path().string()));
-  file_.overwrite(0, file_header().bytes());
-  file_.close();
 }
 
 }  // namespace tubefoot

@@ -6,10 +6,8 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "sensors/camera_frame.hpp"
-#include "sensors/streamed_file.hpp"
+#include "sensors/camera_file.hpp"
 
 // ARIS files (.aris, "DDF_05"): windows in metres and any number of samples. docs/files-ddf.md.
 namespace tubefoot {
@@ -63,27 +61,15 @@ struct ArisHeader {
 inline constexpr double aris_full_scale_db = 80;
 std::uint8_t aris_amplitude(double level_db);
 
-/// An ARIS file that is written frame by frame; memory for one frame. Without finish() nothing remains.
-/// Throws std::invalid_argument for a header or frame that the format cannot keep (the file stays as it was
-/// before that frame), std::runtime_error naming file and reason if it cannot be written.
-class ArisFile {
+class ArisFile final : public CameraFile {
  public:
-  ArisFile(std::filesystem::path file, ArisHeader header);
-  void add(const CameraFrame& frame);
-  /// Puts the number of frames and bytes into the header and closes the file. Throws std::logic_error without
-  /// a frame: readers take such a file for a broken one.
-  void finish();
-  std::uint32_t frames() const { return frames_; }
+  ArisFile(const std::filesystem::path& file, ArisHeader header);
 
  private:
-  ByteRecord file_header() const;
-  ByteRecord frame_header(const CameraFrame& frame) const;
+  ByteRecord file_header() const override;
+  ByteRecord frame_header(const CameraFrame& frame) const override;
 
   ArisHeader header_;
-  std::uint32_t frames_ = 0;
-  std::string date_{};
-  std::vector<std::uint8_t> amplitudes_{};
-  StreamedFile file_;
 };
 
 }  // namespace tubefoot

@@ -113,15 +113,16 @@ double ddf_sample_rate_hz(double length_m, double sound_speed_m_s) {
 
 std::uint8_t ddf_amplitude(double level_db) { return amplitude(level_db, ddf_full_scale_db); }
 
-DdfFile::DdfFile(std::filesystem::path file, DdfHeader header)
-    : header_((check(header, file.string()), std::move(header))), file_(std::move(file)) {
-  file_.append(file_header().bytes());
+DdfFile::DdfFile(const std::filesystem::path& file, DdfHeader header)
+    : CameraFile(file, {(check(header, file.string()), header.beams), header.samples, header.most_frames}),
+      header_(std::move(header)) {
+  begin();
 }
 
 ByteRecord DdfFile::file_header() const {
   ByteRecord record(file_header_size);
   record.put_u32(0, signature);
-  record.put_u32(4, frames_);
+  record.put_u32(4, frames());
   record.put_u32(8, static_cast<std::uint32_t>(std::max(1.0, std::round(header_.frame_rate_hz))));
   record.put_u32(12, header_.high_resolution ? 1 : 0);
   record.put_u32(16, static_cast<std::uint32_t>(header_.beams));
@@ -130,7 +131,7 @@ ByteRecord DdfFile::file_header() const {
   record.put_u32(32, header_.window.start_code);
   record.put_u32(36, header_.window.length_code);
   record.put_u32(44, header_.serial_number);
-  record.put_text(48, 32, date_);
+  record.put_text(48, 32, date());
   record.put_text(80, 256, header_.title);
   // 352 and 356, StartFrame and EndFrame, stay 0: readers would take anything else for a part to be read.
   record.put_u32(372, 1);  // FrameInterval
@@ -141,7 +142,7 @@ ByteRecord DdfFile::file_header() const {
 ByteRecord DdfFile::frame_header(const CameraFrame& frame) const {
   ByteRecord record(frame_header_size);
   const CalendarTime time = calendar_time(frame.unix_time_s);
-  record.put_u32(0, frames_);
+  record.put_u32(0, frames());
   record.put_u64(4, time.unix_s);
   record.put_u32(12, signature);
   record.put_u32(20, time.year);
@@ -160,25 +161,6 @@ ByteRecord DdfFile::frame_header(const CameraFrame& frame) const {
   record.put_u32(192, header_.config_flags);
   record.put_f32(224, header_.water_temperature_c);
   return record;
-}
-
-void DdfFile::add(const CameraFrame& frame) {
-  const std::string what = fmt::format("{}: frame {}", file_.path().string(), frames_);
-  if (frames_ == header_.most_frames)
-    throw std::invalid_argument(fmt::format("{}: the file takes {} frames at most", what, frames_));
-  check(frame, what, header_.beams, header_.samples);
-  reorder(frame.amplitudes, header_.beams, header_.samples, amplitudes_);
-  file_.append(frame_header(frame).bytes());
-  file_.append(amplitudes_);
-  if (frames_ == 0) date_ = date_text(calendar_time(frame.unix_time_s));
-  ++frames_;
-}
-
-void DdfFile::finish() {
-  if (frames_ == 0)
-    throw std::logic_error(fmt::format("{}: a file without a frame cannot be read", file_.path().string()));
-  file_.overwrite(0, file_header().bytes());
-  file_.close();
 }
 
 }  // namespace tubefoot

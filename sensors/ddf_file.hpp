@@ -5,10 +5,8 @@
 #include <filesystem>
 #include <limits>
 #include <string>
-#include <vector>
 
-#include "sensors/camera_frame.hpp"
-#include "sensors/streamed_file.hpp"
+#include "sensors/camera_file.hpp"
 
 // DIDSON files, version 3 (.ddf, "DDF_03"): docs/files-ddf.md.
 namespace tubefoot {
@@ -69,27 +67,15 @@ double ddf_sample_rate_hz(double length_m, double sound_speed_m_s = 1500);
 inline constexpr double ddf_full_scale_db = 90;
 std::uint8_t ddf_amplitude(double level_db);
 
-/// A DIDSON file that is written frame by frame; memory for one frame. Without finish() nothing remains.
-/// Throws std::invalid_argument for a header or frame that the format cannot keep (the file stays as it was
-/// before that frame), std::runtime_error naming file and reason if it cannot be written.
-class DdfFile {
+class DdfFile final : public CameraFile {
  public:
-  DdfFile(std::filesystem::path file, DdfHeader header);
-  void add(const CameraFrame& frame);
-  /// Puts the number of frames into the header and closes the file. Throws std::logic_error without a frame:
-  /// readers take such a file for a broken one.
-  void finish();
-  std::uint32_t frames() const { return frames_; }
+  DdfFile(const std::filesystem::path& file, DdfHeader header);
 
  private:
-  ByteRecord file_header() const;
-  ByteRecord frame_header(const CameraFrame& frame) const;
+  ByteRecord file_header() const override;
+  ByteRecord frame_header(const CameraFrame& frame) const override;
 
   DdfHeader header_;
-  std::uint32_t frames_ = 0;
-  std::string date_{};
-  std::vector<std::uint8_t> amplitudes_{};
-  StreamedFile file_;
 };
 
 }  // namespace tubefoot

@@ -167,8 +167,8 @@ class Frames {
   std::vector<glm::dvec3> places_;  // longitude, latitude [deg], height; empty: not on Earth
 };
 
-template <class File>
-void write_frames(File file, const Recording& recording, const RunContext& run, double full_scale_db) {
+void write_frames(CameraFile&& file, const Recording& recording, const RunContext& run,
+                  double full_scale_db) {
   const Levels levels(recording, run);
   const Frames frames(recording, run);
   const double top_db = levels.brightest_db();
