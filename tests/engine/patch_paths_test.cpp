@@ -14,40 +14,12 @@
 #include <optional>
 
 #include "engine/path_echo.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "engine/paths_for_tests.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi, unit = 1.0 / (1 << 20);
-
-GridPoint at(glm::dvec3 p) {
-  p /= unit;
-  return {std::int32_t(std::lround(p.x)), std::int32_t(std::lround(p.y)), std::int32_t(std::lround(p.z))};
-}
-
-glm::dvec3 metres(GridPoint p) { return glm::dvec3(p.x, p.y, p.z) * unit; }
-
-double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
-
-void add_triangle(FacetMesh& mesh, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, std::uint16_t material) {
-  const VertexId i = test::add_vertex(mesh, at(a)), j = test::add_vertex(mesh, at(b)),
-                 k = test::add_vertex(mesh, at(c));
-  test::add_facet(mesh, i, j, k);
-  mesh.material.back() = material;
-}
-
-void add_quad(FacetMesh& mesh, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 d,
-              std::uint16_t material) {
-  add_triangle(mesh, a, b, c, material);
-  add_triangle(mesh, a, c, d, material);
-}
-
-std::vector<double> steps(double from_deg, double to_deg, int cells) {
-  std::vector<double> edges;
-  for (int k = 0; k <= cells; ++k) edges.push_back((from_deg + (to_deg - from_deg) * k / cells) * pi / 180);
-  return edges;
-}
+using namespace test;
 
 TubeSet around(glm::dvec3 apex, double from_deg, double to_deg) {
   TubeSet set;

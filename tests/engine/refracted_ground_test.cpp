@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "engine/flat_bed_for_tests.hpp"
 #include "engine/reference.hpp"
 #include "engine/tube_engine.hpp"
 
@@ -27,18 +28,7 @@ struct Site {
 
   explicit Site(double half_width_m = 256, double cell_m = 512) {
     MeshBuilder builder(grid);
-    std::vector<glm::dvec3> points;
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    for (double x = -half_width_m; x < half_width_m; x += cell_m) {
-      for (double y = -half_width_m; y < half_width_m; y += cell_m) {
-        const auto i = std::uint32_t(points.size());
-        for (const glm::dvec2 corner : {glm::dvec2(0, 0), {1, 0}, {1, 1}, {0, 1}})
-          points.emplace_back(x + cell_m * corner.x, y + cell_m * corner.y, -below_m);
-        triangles.push_back({i, i + 1, i + 2});
-        triangles.push_back({i, i + 2, i + 3});
-      }
-    }
-    builder.add(points, triangles, 0, 0);
+    test::add_flat_bed(builder, half_width_m, cell_m, below_m);
     MeshReport report;
     base = builder.finish(report);
   }

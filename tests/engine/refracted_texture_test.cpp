@@ -9,6 +9,7 @@
 #include <random>
 
 #include "engine/echo.hpp"
+#include "engine/flat_bed_for_tests.hpp"
 #include "engine/refracted_ground.hpp"
 #include "engine/tube_engine.hpp"
 #include "seabed/map_reflectivity.hpp"
@@ -24,17 +25,7 @@ const WorldGrid grid{20, glm::dvec3(0)};
 
 FacetMesh flat_bed(double half_m, double cell_m) {
   MeshBuilder builder(grid);
-  std::vector<glm::dvec3> points;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  for (double x = -half_m; x < half_m; x += cell_m)
-    for (double y = -half_m; y < half_m; y += cell_m) {
-      const auto i = std::uint32_t(points.size());
-      for (const glm::dvec2 corner : {glm::dvec2(0, 0), {1, 0}, {1, 1}, {0, 1}})
-        points.emplace_back(x + cell_m * corner.x, y + cell_m * corner.y, -below_m);
-      triangles.push_back({i, i + 1, i + 2});
-      triangles.push_back({i, i + 2, i + 3});
-    }
-  builder.add(points, triangles, 0, 0);
+  test::add_flat_bed(builder, half_m, cell_m, below_m);
   MeshReport report;
   return builder.finish(report);
 }
