@@ -6,6 +6,7 @@
 #   make test    install what is missing, build, run the tests
 #   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
 #   make package  Debian packages into build/
+#   make sanitize  the tests once more under address, undefined-behaviour and thread sanitizers: docs/sanitizers.md
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
@@ -21,7 +22,7 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test install package build setup prove bench atlas advise-study refraction-study track-study rays \
+.PHONY: demo python test install package build setup sanitize prove bench atlas advise-study refraction-study track-study rays \
   reference docs figures format tidy clean
 
 demo: build
@@ -67,6 +68,14 @@ build: setup
 setup:
 	@mkdir -p build
 	@tools/setup
+
+sanitize: setup
+	tools/instrumented_tbb build/tbb-thread
+	@for preset in dev thread; do \
+	  cmake --preset $$preset -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }; \
+	  cmake --build --preset $$preset --parallel $(JOBS) || exit 1; \
+	done
+	ctest --preset dev --parallel $(JOBS); first=$$?; ctest --preset thread --parallel $(JOBS) && exit $$first
 
 PROVE_TUBES := 10000000
 PROVE_SEED := 1
