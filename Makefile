@@ -7,6 +7,7 @@
 #   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
 #   make package  Debian packages into build/
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
+#   make fuzz    damage everything that is read, and the kernel's input, for FUZZ_SECONDS (3600) each: docs/fuzzing.md
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
@@ -21,7 +22,7 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test install package build setup prove bench atlas advise-study refraction-study track-study rays \
+.PHONY: demo python test install package build setup prove fuzz bench atlas advise-study refraction-study track-study rays \
   reference docs figures format tidy clean
 
 demo: build
@@ -76,6 +77,15 @@ prove: build
 	@mkdir -p validation
 	build/release/tubefoot_prove --tubes $(PROVE_TUBES) --seed $(PROVE_SEED) --threads $(JOBS) \
 	  --report validation/prove.md
+
+FUZZ_SECONDS := 3600
+FUZZ_TARGETS := all
+FUZZ_JOBS := 2
+
+fuzz: setup
+	@cmake --preset dev -Wno-dev >build/configure-dev.log 2>&1 || { cat build/configure-dev.log; exit 1; }
+	cmake --build --preset dev --parallel $(JOBS) --target fuzz_targets
+	@fuzz/run build/dev/fuzz --seconds $(FUZZ_SECONDS) --targets $(FUZZ_TARGETS) --jobs $(FUZZ_JOBS)
 
 bench: setup
 	cmake --preset bench -Wno-dev
