@@ -6,7 +6,9 @@
 #   make test    install what is missing, build, run the tests
 #   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
 #   make package  Debian packages into build/
+#   make sanitize  the tests once more under address, undefined-behaviour and thread sanitizers: docs/sanitizers.md
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
+#   make fuzz    damage everything that is read, and the kernel's input, for FUZZ_SECONDS (3600) each: docs/fuzzing.md
 #   make bench   build without assertions and run the benchmarks
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
@@ -21,8 +23,8 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test install package build setup prove bench atlas advise-study refraction-study track-study rays \
-  reference docs figures format tidy clean
+.PHONY: demo python test install package build setup sanitize prove fuzz bench atlas advise-study refraction-study track-study \
+  rays reference docs figures format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -68,6 +70,14 @@ setup:
 	@mkdir -p build
 	@tools/setup
 
+sanitize: setup
+	tools/instrumented_tbb build/tbb-thread
+	@for preset in dev thread; do \
+	  cmake --preset $$preset -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }; \
+	  cmake --build --preset $$preset --parallel $(JOBS) || exit 1; \
+	done
+	ctest --preset dev --parallel $(JOBS); first=$$?; ctest --preset thread --parallel $(JOBS) && exit $$first
+
 PROVE_TUBES := 10000000
 PROVE_SEED := 1
 
@@ -76,6 +86,15 @@ prove: build
 	@mkdir -p validation
 	build/release/tubefoot_prove --tubes $(PROVE_TUBES) --seed $(PROVE_SEED) --threads $(JOBS) \
 	  --report validation/prove.md
+
+FUZZ_SECONDS := 3600
+FUZZ_TARGETS := all
+FUZZ_JOBS := 2
+
+fuzz: setup
+	@cmake --preset dev -Wno-dev >build/configure-dev.log 2>&1 || { cat build/configure-dev.log; exit 1; }
+	cmake --build --preset dev --parallel $(JOBS) --target fuzz_targets
+	@fuzz/run build/dev/fuzz --seconds $(FUZZ_SECONDS) --targets $(FUZZ_TARGETS) --jobs $(FUZZ_JOBS)
 
 bench: setup
 	cmake --preset bench -Wno-dev

@@ -5,9 +5,19 @@ target_compile_options(tubefoot_house INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror
   # A contracted multiply-add would break every floating-point error bound (docs/visibility.md).
   -ffp-contract=off)
+if(TUBEFOOT_SANITIZE STREQUAL "address")
+  # The counters are for the fuzz targets (fuzz/), which steer by them; clang has them, g++ does not.
+  set(sanitizers address,undefined $<$<CXX_COMPILER_ID:Clang>:,fuzzer-no-link>)
+  list(JOIN sanitizers "" sanitizers)
+elseif(TUBEFOOT_SANITIZE STREQUAL "thread")
+  set(sanitizers thread)
+elseif(TUBEFOOT_SANITIZE)
+  message(FATAL_ERROR "TUBEFOOT_SANITIZE is address or thread, not ${TUBEFOOT_SANITIZE}")
+endif()
 if(TUBEFOOT_SANITIZE)
-  target_compile_options(tubefoot_house INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  target_link_options(tubefoot_house INTERFACE -fsanitize=address,undefined)
+  target_compile_definitions(tubefoot_house INTERFACE TUBEFOOT_SANITIZED)  # tests do less: tests/geometry
+  target_compile_options(tubefoot_house INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(tubefoot_house INTERFACE -fsanitize=${sanitizers})
 endif()
 
 # tubefoot_library(NAME [libraries...]): a static library of all sources in the current folder, installed with its

@@ -82,10 +82,11 @@ Looks look(const Survey& survey, const CoverageOptions& options) {
   tbb::parallel_for(std::size_t{0}, all.looks.size(), [&](std::size_t l) {
     if (InterruptGuard::requested()) return;
     CoverageLook& its = all.looks[l];
-    auto& [scratch, seen] = threads.local();
+    auto& [scratch, sees] = threads.local();
+    const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
     its.seen.resize(its.tubes.tubes.size());
     for (const TubeRun& run : runs_of(its.tubes))
-      see_run(scene.mesh, *survey.tree, its.tubes, run, visibility, scratch, seen, [&](std::uint32_t tube) {
+      see_run(scene.mesh, *survey.tree, its.tubes, run, visibility, scratch, sees, [&](std::uint32_t tube) {
         TubeVisibility& kept = its.seen[tube];  // copies are no larger than what they hold
         kept.corners = seen.corners;
         kept.pieces = seen.pieces;

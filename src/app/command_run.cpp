@@ -107,8 +107,7 @@ int run_command(const RunOptions& options) {
   nlohmann::ordered_json identity{{"asked", asked}};
   if (partial.kept()) {
     identity = *partial.kept();
-    refuse_other_request(identity.at("asked"), asked);
-    description.run = run_of(identity.at("run"), description.run);
+    description.run = resumed(identity, asked, description.run);
   } else {
     if (tolerance) {
       const Clock::time_point advice_start = Clock::now();

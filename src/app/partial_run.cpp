@@ -26,6 +26,26 @@ Json json_of_optional(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
+/// Throws UsageError naming the first thing that differs between what a kept run was asked and what this one
+/// is.
+void refuse_other_request(const Json& kept, const Json& asked) {
+  for (const auto& [key, value] : asked.items()) {
+    const Json before = kept.contains(key) ? kept.at(key) : Json();
+    if (before == value) continue;
+    if (key == "scene_hash")
+      throw UsageError(
+          "the scene, or a file that it names, has changed since the run that --resume would go on with: "
+          "bring it "
+          "back, or delete the .partial file to begin anew");
+    if (value.is_object() && before.is_object()) refuse_other_request(before, value);
+    throw UsageError(
+        fmt::format("the run that --resume would go on with had {} = {}, not {}: ask for the same, or delete "
+                    "the .partial file "
+                    "to begin anew",
+                    key, before.dump(), value.dump()));
+  }
+}
+
 }  // namespace
 
 PartialRun::PartialRun(const fs::path& output, bool resume)
@@ -132,21 +152,15 @@ RunDescription run_of(const Json& json, RunDescription otherwise) {
   return run;
 }
 
-void refuse_other_request(const Json& kept, const Json& asked) {
-  for (const auto& [key, value] : asked.items()) {
-    const Json before = kept.contains(key) ? kept.at(key) : Json();
-    if (before == value) continue;
-    if (key == "scene_hash")
-      throw UsageError(
-          "the scene, or a file that it names, has changed since the run that --resume would go on with: "
-          "bring it "
-          "back, or delete the .partial file to begin anew");
-    if (value.is_object() && before.is_object()) refuse_other_request(before, value);
+RunDescription resumed(const Json& kept, const Json& asked, RunDescription otherwise) {
+  try {
+    refuse_other_request(kept.at("asked"), asked);
+    return run_of(kept.at("run"), std::move(otherwise));
+  } catch (const Json::exception& error) {
     throw UsageError(
-        fmt::format("the run that --resume would go on with had {} = {}, not {}: ask for the same, or delete "
-                    "the .partial file "
-                    "to begin anew",
-                    key, before.dump(), value.dump()));
+        fmt::format("what the run that --resume would go on with says of itself is damaged ({}): delete the "
+                    ".partial file to begin anew",
+                    error.what()));
   }
 }
 

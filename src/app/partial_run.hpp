@@ -46,8 +46,9 @@ class PartialRun {
 nlohmann::ordered_json json_of(const RunDescription& run);
 RunDescription run_of(const nlohmann::ordered_json& json, RunDescription otherwise);
 
-/// Throws UsageError naming the first thing that differs between what a kept run was asked and what this one
-/// is.
-void refuse_other_request(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked);
+/// The settings of a kept run, if it was asked what this one is. Throws UsageError naming the first thing that
+/// differs, or saying that what was kept is damaged.
+RunDescription resumed(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked,
+                       RunDescription otherwise);
 
 }  // namespace tubefoot

@@ -186,16 +186,15 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
     see(apparent, tree, tubes, tube, options, visibility, seen);
     const NameContext context{apparent, tubes.apex, seen.rays};
     Bins& bins = by_tube[tube];
-    const auto [first_beam, end_beam] = law.patterns != nullptr
-                                            ? law.patterns->beams_of_tube[tube]
-                                            : std::pair(beam_of_tube[tube], beam_of_tube[tube] + 1);
+    const auto beams = law.patterns != nullptr ? law.patterns->beams_of_tube[tube]
+                                               : std::pair(beam_of_tube[tube], beam_of_tube[tube] + 1);
     const auto each_bin = [&](double nearest_m, double farthest_m, const auto& change) {
       const auto first = std::upper_bound(borders.begin(), borders.end(), nearest_m);
       const auto end = std::upper_bound(borders.begin(), borders.end(), farthest_m);
       const std::size_t from = std::size_t(std::max<std::ptrdiff_t>(first - borders.begin() - 1, 0)),
                         to = std::min(std::size_t(end - borders.begin()), row);
       for (std::size_t k = from; k < to; ++k)
-        for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) change(bins[beam * row + k]);
+        for (std::uint32_t beam = beams.first; beam < beams.second; ++beam) change(bins[beam * row + k]);
     };
     const DoubtSink doubt = [&](const Doubt& d) {
       each_bin(d.nearest_m, d.farthest_m, [&](Between& bin) {

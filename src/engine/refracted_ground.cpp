@@ -270,8 +270,7 @@ void thin_out(std::vector<UnclearPlace>& unclear) {
   const auto same = [](const UnclearPlace& a, const UnclearPlace& b) {
     return a.facet == b.facet && (a.eigenrays > 0) == (b.eigenrays > 0);
   };
-  const auto rest = std::ranges::unique(unclear, same);
-  unclear.erase(rest.begin(), rest.end());
+  unclear.erase(std::unique(unclear.begin(), unclear.end(), same), unclear.end());
 }
 
 double scattered_over(const GrazingSines& sines, const ScatteringLaw* law) {

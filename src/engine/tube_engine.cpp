@@ -34,8 +34,9 @@ History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured)
   std::vector<std::size_t> looked_at(tubes.tubes.size());
   const std::vector<TubeRun> runs = runs_of(tubes);
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
-    auto& [visibility, seen] = scratch_->threads.local();
-    see_run(mesh_, tree_, tubes, runs[run], options_, visibility, seen, [&](std::uint32_t tube) {
+    auto& [visibility, sees] = scratch_->threads.local();
+    const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
+    see_run(mesh_, tree_, tubes, runs[run], options_, visibility, sees, [&](std::uint32_t tube) {
       append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_tube[tube]);
       if (measured) measure(per_tube[tube]);
       looked_at[tube] = seen.candidates;

@@ -148,8 +148,8 @@ std::size_t apply_material_map(ComponentMesh& mesh, const TerrainDescription& te
     segments.push_back({forwards ? border.a : border.b, forwards ? border.b : border.a});
   }
   std::ranges::sort(segments, {}, key);
-  const auto [twice, end] = std::ranges::unique(segments, {}, key);
-  segments.erase(twice, end);
+  const auto same = [&key](const PlanSegment& s, const PlanSegment& t) { return key(s) == key(t); };
+  segments.erase(std::unique(segments.begin(), segments.end(), same), segments.end());
   try {
     PlanCut cut = cut_in_plan(mesh.points_m, mesh.triangles, segments);
     mesh.triangles = std::move(cut.triangles);

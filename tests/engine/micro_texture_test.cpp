@@ -148,7 +148,7 @@ TEST(MicroTexture, RectanglesAgreeWithBruteForce) {
       const History history = history_of(plane, {rectangle(lo, hi)});
       const double even = total(echo_of(history, nullptr));
       const double expected = quadrature(
-          plane, lo, hi, [&](glm::dvec3 p) { return texture->factor(apex + p); }, 200);
+          plane, lo, hi, [&, &field = *texture](glm::dvec3 p) { return field.factor(apex + p); }, 200);
       for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
         const double energy = total(echo_of(history, texture, {.tolerance = tolerance}));
         EXPECT_NEAR(energy / even, expected / even, tolerance + 2e-7)

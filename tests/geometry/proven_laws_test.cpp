@@ -14,7 +14,7 @@ namespace tubefoot::prove {
 namespace {
 
 // Sanitizers make rationals some fifty times slower.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef TUBEFOOT_SANITIZED
 constexpr std::uint64_t one_in = 32;
 #else
 constexpr std::uint64_t one_in = 1;

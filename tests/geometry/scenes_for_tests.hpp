@@ -19,7 +19,7 @@ using Random = std::mt19937_64;
 
 /// Sanitizers make rationals some fifty times slower: with them, one in so many of the seeds (and of the
 /// cases that a test expects at least) has to do.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef TUBEFOOT_SANITIZED
 constexpr std::uint64_t one_in = 8;
 #else
 constexpr std::uint64_t one_in = 1;

@@ -117,7 +117,6 @@ using BothArithmetics = testing::Types<FixedArithmetic, FilteredArithmetic>;
 TYPED_TEST_SUITE(TiersOf, BothArithmetics);
 
 TYPED_TEST(TiersOf, TheFirstDecidesEverythingInGeneralPosition) {
-  Tiers sum;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Scene scene = generic(seed);

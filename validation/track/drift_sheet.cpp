@@ -11,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::size_t shown = 8, in_a_row = 4;
+constexpr std::size_t frames_shown = 8, in_a_row = 4;
 constexpr double pixel_m = 0.005, ahead_m = 4.0;  // of the squares' middles
 constexpr int side = 300, gap = 12, head = 84, label = 30;
 constexpr double swing = 0.2;  // of the flattened energies, from dark to bright
@@ -66,13 +66,13 @@ void ring(Canvas& canvas, double x, double y, double radius) {
 
 Canvas draw_drift(const Recording& recording, const std::vector<std::vector<double>>& frames, double bed_m,
                   const std::string& font) {
-  if (frames.size() < shown) throw std::invalid_argument("a sheet of drift takes eight frames");
+  if (frames.size() < frames_shown) throw std::invalid_argument("a sheet of drift takes eight frames");
   std::vector<PixelMap> maps;
-  for (std::size_t ping = 0; ping < shown; ++ping)
+  for (std::size_t ping = 0; ping < frames_shown; ++ping)
     maps.push_back(ground_picture(recording, ping, frames[ping], {bed_m, pixel_m}));
   const glm::dvec3 place_m = place_seen(recording.ping_pose[0], brightest(maps[0]), bed_m);
 
-  constexpr int rows = static_cast<int>(shown / in_a_row), columns = static_cast<int>(in_a_row);
+  constexpr int rows = static_cast<int>(frames_shown / in_a_row), columns = static_cast<int>(in_a_row);
   Canvas canvas(columns * (side + gap) + gap, head + rows * (side + label) + gap, palette.background, font);
   canvas.text(gap, 26, "eight frames in a row, seen from above", title_size, palette.ink);
   canvas.text(
@@ -81,7 +81,7 @@ Canvas draw_drift(const Recording& recording, const std::vector<std::vector<doub
                   side * pixel_m),
       label_size, palette.faint_ink);
   std::vector<Spot> way;
-  for (std::size_t ping = 0; ping < shown; ++ping) {
+  for (std::size_t ping = 0; ping < frames_shown; ++ping) {
     const int x0 = gap + static_cast<int>(ping % in_a_row) * (side + gap),
               y0 = head + static_cast<int>(ping / in_a_row) * (side + label);
     for (int y = 0; y < side; ++y)
