@@ -58,7 +58,7 @@ void scattering(const Path& file) {
   const auto laws = load_scattering(scene, warnings);
   for (const double sine : {1e-6, 0.5, 1.0})
     if (!(laws.at(0)->cross_section(sine, std::sqrt(1 - sine * sine)) >= 0)) finding("no cross-section");
-  for (const std::string& warning : warnings) check_message(warning);
+  for (const std::string& warning : warnings) check_message(shown(warning));
 }
 
 }  // namespace

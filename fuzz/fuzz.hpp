@@ -80,7 +80,7 @@ inline std::filesystem::path scratch_file(std::string_view name, std::string_vie
 
 /// What a refusal must be: a message of a few lines, not the input's own bytes.
 inline void check_message(const std::string& message) {
-  constexpr std::size_t longest = 8192;
+  constexpr std::size_t longest = 20000;  // 4000 characters, at worst all of them as \x1b
   if (message.empty()) finding("an error without a word");
   if (message.size() > longest) finding("a message of " + std::to_string(message.size()) + " characters");
   for (const char c : message)

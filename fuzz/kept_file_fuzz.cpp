@@ -21,7 +21,9 @@ StoreLayout layout() {
   return made;
 }
 
-nlohmann::ordered_json request() { return {{"scene_hash", "0123"}, {"run", json_of(RunDescription())}}; }
+nlohmann::ordered_json asked() { return {{"scene_hash", "0123"}, {"reference", nullptr}}; }
+
+nlohmann::ordered_json identity() { return {{"asked", asked()}, {"run", json_of(RunDescription())}}; }
 
 /// A file of pings as the program writes it, with some pings done, or of another layout or identity.
 std::string good_store(std::uint32_t kind) {

@@ -37,7 +37,7 @@ void terrain(const std::filesystem::path& file, std::uint8_t options, Bytes& byt
       if (corner >= mesh.points_m.size()) finding("a corner out of range");
   for (const glm::dvec3& p : mesh.points_m)
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) finding("a point at no place");
-  for (const std::string& warning : mesh.warnings) check_message(warning);
+  for (const std::string& warning : mesh.warnings) check_message(shown(warning));
 }
 
 void relief(const std::filesystem::path& file, std::uint8_t options) {
@@ -49,7 +49,7 @@ void relief(const std::filesystem::path& file, std::uint8_t options) {
       read_relief_map(described, (options & 16) != 0 ? frame_on_earth() : LocalFrame(), warnings);
   for (const glm::dvec3 place : {glm::dvec3(0), glm::dvec3(3, 4, 0), glm::dvec3(-1e4, 7e3, -5)})
     if (!std::isfinite(field->height_m(place))) finding("relief without a height");
-  for (const std::string& warning : warnings) check_message(warning);
+  for (const std::string& warning : warnings) check_message(shown(warning));
 }
 
 void micro_texture(const std::filesystem::path& file, std::uint8_t options) {
@@ -68,7 +68,7 @@ void micro_texture(const std::filesystem::path& file, std::uint8_t options) {
       load_reflectivity(material, (options & 16) != 0 ? frame_on_earth() : LocalFrame(), warnings);
   for (const glm::dvec3 place : {glm::dvec3(0), glm::dvec3(3, 4, 0), glm::dvec3(-1e4, 7e3, -5)})
     if (!(field->factor(place) >= 0)) finding("micro-texture without a factor");
-  for (const std::string& warning : warnings) check_message(warning);
+  for (const std::string& warning : warnings) check_message(shown(warning));
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ void open(const SceneDescription& description) {
       if (!std::isfinite(pose.position_m.x + pose.position_m.y + pose.position_m.z) ||
           !(std::abs(glm::length(pose.attitude) - 1) < 1e-6))
         finding("a pose that is none");
-  for (const std::string& warning : survey->scene.report.warnings) check_message(warning);
+  for (const std::string& warning : survey->scene.report.warnings) check_message(shown(warning));
 }
 
 }  // namespace
