@@ -67,6 +67,7 @@ void scattering(const Path& file) {
 /// A byte for the kind of table, then the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   const std::uint32_t kind = bytes.below(6);
   const auto file = fuzz::scratch_file("t.csv", bytes.rest());

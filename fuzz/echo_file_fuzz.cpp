@@ -184,6 +184,7 @@ void read(const std::filesystem::path& file) {
 /// A byte: 0 to 1 the file follows, else what is to be in it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   std::filesystem::path file = fuzz::scratch_folder() / "echoes.nc";
   if (bytes.below(8) < 2)

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <sys/time.h>
+
 #include <algorithm>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -52,6 +55,30 @@ class Bytes {
   std::fprintf(stderr, "finding: %s\n", what.c_str());
   std::abort();
 }
+
+/// Processor time of all threads that an input may take while one of these lives. (libFuzzer's own limit
+/// counts by the clock, which says little on a machine that is busy otherwise.)
+class TimeLimit {
+ public:
+  TimeLimit() {
+    static const bool ready = [] {
+      std::signal(SIGPROF, [](int) { std::abort(); });  // libFuzzer reports where
+      return true;
+    }();
+    static_cast<void>(ready);
+    set(10);
+  }
+  ~TimeLimit() { set(0); }
+  TimeLimit(const TimeLimit&) = delete;
+  TimeLimit& operator=(const TimeLimit&) = delete;
+
+ private:
+  static void set(int seconds) {
+    itimerval limit{};
+    limit.it_value.tv_sec = seconds;
+    setitimer(ITIMER_PROF, &limit, nullptr);
+  }
+};
 
 /// A folder of this process, in memory where there is /dev/shm; removed at the end.
 inline const std::filesystem::path& scratch_folder() {

@@ -112,7 +112,7 @@ struct Bed {
     return read_scene_text(R"([[materials]]
 name = "sand"
 [[materials.relief]]
-kind = "fractal"
+kind = "fbm"
 tile_m = 8
 resolution_m = 0.5
 rms_height_m = 0.1
@@ -152,6 +152,7 @@ void refined_bed(Bytes& bytes) {
 /// A byte for the kind of file, one or two for what is made of a good one, then the damage or the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   if (bytes.below(2) == 0)
     fuzz::pings(bytes);

@@ -48,6 +48,7 @@ void build(const ComponentMesh& mesh) {
 /// A byte for the format, then the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   constexpr std::array names{"m.obj", "m.ply", "m.stl", "m.off"};
   const auto file = fuzz::scratch_file(names[bytes.below(names.size())], bytes.rest());

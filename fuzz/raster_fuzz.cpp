@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rasters, as terrain, relief and micro-texture. GDAL itself is not under test: docs/fuzzing.md.
+#include <cpl_error.h>
+
 #include <array>
 #include <cmath>
 #include <optional>
@@ -74,9 +76,18 @@ void micro_texture(const std::filesystem::path& file, std::uint8_t options) {
 }  // namespace
 }  // namespace tubefoot::fuzz
 
+/// What GDAL has to say belongs into our messages, not on the terminal.
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  CPLSetErrorHandler([](CPLErr severity, CPLErrorNum, const char* text) {
+    if (severity >= CE_Warning) tubefoot::fuzz::finding(std::string("GDAL speaks past the program: ") + text);
+  });
+  return 0;
+}
+
 /// A byte each for the format, the use and its options, four for a window, then the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   constexpr std::array names{"r.asc", "r.tif", "r.nc", "r.png"};
   const char* const name = names[bytes.below(names.size())];

@@ -264,13 +264,13 @@ int run_command_line(int argc, char** argv) {
     fmt::print(stderr, "{}\n", error.what());
     return wrong_input;
   } catch (const UsageError& error) {
-    fmt::print(stderr, "tubefoot: {}\n", shown(error.what()));
+    fmt::print(stderr, "tubefoot: {}\n", error.what());
     return wrong_input;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "tubefoot: out of memory: use a window, a coarser decimation or a smaller scene\n");
     return failed;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "tubefoot: {}\n", shown(error.what()));
+    fmt::print(stderr, "tubefoot: {}\n", error.what());
     return failed;
   }
 }
