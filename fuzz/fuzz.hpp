@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <sys/time.h>
+
 #include <algorithm>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -53,6 +56,30 @@ class Bytes {
   std::abort();
 }
 
+/// Processor time of all threads that an input may take while one of these lives. (libFuzzer's own limit
+/// counts by the clock, which says little on a machine that is busy otherwise.)
+class TimeLimit {
+ public:
+  TimeLimit() {
+    static const bool ready = [] {
+      std::signal(SIGPROF, [](int) { std::abort(); });  // libFuzzer reports where
+      return true;
+    }();
+    static_cast<void>(ready);
+    set(10);
+  }
+  ~TimeLimit() { set(0); }
+  TimeLimit(const TimeLimit&) = delete;
+  TimeLimit& operator=(const TimeLimit&) = delete;
+
+ private:
+  static void set(int seconds) {
+    itimerval limit{};
+    limit.it_value.tv_sec = seconds;
+    setitimer(ITIMER_PROF, &limit, nullptr);
+  }
+};
+
 /// A folder of this process, in memory where there is /dev/shm; removed at the end.
 inline const std::filesystem::path& scratch_folder() {
   static const std::filesystem::path folder = [] {
@@ -80,7 +107,7 @@ inline std::filesystem::path scratch_file(std::string_view name, std::string_vie
 
 /// What a refusal must be: a message of a few lines, not the input's own bytes.
 inline void check_message(const std::string& message) {
-  constexpr std::size_t longest = 8192;
+  constexpr std::size_t longest = 20000;  // 4000 characters, at worst all of them as \x1b
   if (message.empty()) finding("an error without a word");
   if (message.size() > longest) finding("a message of " + std::to_string(message.size()) + " characters");
   for (const char c : message)

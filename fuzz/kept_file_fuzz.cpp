@@ -21,7 +21,9 @@ StoreLayout layout() {
   return made;
 }
 
-nlohmann::ordered_json request() { return {{"scene_hash", "0123"}, {"run", json_of(RunDescription())}}; }
+nlohmann::ordered_json asked() { return {{"scene_hash", "0123"}, {"reference", nullptr}}; }
+
+nlohmann::ordered_json identity() { return {{"asked", asked()}, {"run", json_of(RunDescription())}}; }
 
 /// A file of pings as the program writes it, with some pings done, or of another layout or identity.
 std::string good_store(std::uint32_t kind) {
@@ -110,7 +112,7 @@ struct Bed {
     return read_scene_text(R"([[materials]]
 name = "sand"
 [[materials.relief]]
-kind = "fractal"
+kind = "fbm"
 tile_m = 8
 resolution_m = 0.5
 rms_height_m = 0.1
@@ -150,6 +152,7 @@ void refined_bed(Bytes& bytes) {
 /// A byte for the kind of file, one or two for what is made of a good one, then the damage or the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   if (bytes.below(2) == 0)
     fuzz::pings(bytes);

@@ -222,6 +222,7 @@ void check(const Case& made) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   const fuzz::Case made = fuzz::case_of(bytes);
   if (made.mesh.facets.empty() || !fuzz::is_pyramid(made.tubes.rays)) return 0;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Material maps: rasters of classes and polygons, draped over a small bed. GDAL itself is not under test.
+#include <cpl_error.h>
+
 #include <array>
 #include <cmath>
 
@@ -59,10 +61,19 @@ PolygonMaterialMap polygons(const std::filesystem::path& file, std::uint8_t opti
 }  // namespace
 }  // namespace tubefoot::fuzz
 
+/// What GDAL has to say belongs into our messages, not on the terminal.
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  CPLSetErrorHandler([](CPLErr severity, CPLErrorNum, const char* text) {
+    if (severity >= CE_Warning) tubefoot::fuzz::finding(std::string("GDAL speaks past the program: ") + text);
+  });
+  return 0;
+}
+
 /// A byte each for the format and its options, then the file; of a Shapefile, the lengths of .shp and .shx in
 /// two bytes each, then .shp, .shx and .dbf.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   constexpr std::array names{"m.geojson", "m.shp", "m.gpkg", "m.asc", "m.tif", "m.png"};
   const std::uint32_t format = bytes.below(names.size());

@@ -23,7 +23,7 @@ void check(const ComponentMesh& mesh) {
   if (std::find(used.begin(), used.end(), 0) != used.end()) finding("a point that no facet uses");
   for (const glm::dvec3& p : mesh.points_m)
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) finding("a point at no place");
-  for (const std::string& warning : mesh.warnings) check_message(warning);
+  for (const std::string& warning : mesh.warnings) check_message(shown(warning));
 }
 
 /// On the grid, as load_scene() takes it.
@@ -48,6 +48,7 @@ void build(const ComponentMesh& mesh) {
 /// A byte for the format, then the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   constexpr std::array names{"m.obj", "m.ply", "m.stl", "m.off"};
   const auto file = fuzz::scratch_file(names[bytes.below(names.size())], bytes.rest());

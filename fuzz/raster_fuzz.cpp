@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rasters, as terrain, relief and micro-texture. GDAL itself is not under test: docs/fuzzing.md.
+#include <cpl_error.h>
+
 #include <array>
 #include <cmath>
 #include <optional>
@@ -37,7 +39,7 @@ void terrain(const std::filesystem::path& file, std::uint8_t options, Bytes& byt
       if (corner >= mesh.points_m.size()) finding("a corner out of range");
   for (const glm::dvec3& p : mesh.points_m)
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) finding("a point at no place");
-  for (const std::string& warning : mesh.warnings) check_message(warning);
+  for (const std::string& warning : mesh.warnings) check_message(shown(warning));
 }
 
 void relief(const std::filesystem::path& file, std::uint8_t options) {
@@ -49,7 +51,7 @@ void relief(const std::filesystem::path& file, std::uint8_t options) {
       read_relief_map(described, (options & 16) != 0 ? frame_on_earth() : LocalFrame(), warnings);
   for (const glm::dvec3 place : {glm::dvec3(0), glm::dvec3(3, 4, 0), glm::dvec3(-1e4, 7e3, -5)})
     if (!std::isfinite(field->height_m(place))) finding("relief without a height");
-  for (const std::string& warning : warnings) check_message(warning);
+  for (const std::string& warning : warnings) check_message(shown(warning));
 }
 
 void micro_texture(const std::filesystem::path& file, std::uint8_t options) {
@@ -68,15 +70,24 @@ void micro_texture(const std::filesystem::path& file, std::uint8_t options) {
       load_reflectivity(material, (options & 16) != 0 ? frame_on_earth() : LocalFrame(), warnings);
   for (const glm::dvec3 place : {glm::dvec3(0), glm::dvec3(3, 4, 0), glm::dvec3(-1e4, 7e3, -5)})
     if (!(field->factor(place) >= 0)) finding("micro-texture without a factor");
-  for (const std::string& warning : warnings) check_message(warning);
+  for (const std::string& warning : warnings) check_message(shown(warning));
 }
 
 }  // namespace
 }  // namespace tubefoot::fuzz
 
+/// What GDAL has to say belongs into our messages, not on the terminal.
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  CPLSetErrorHandler([](CPLErr severity, CPLErrorNum, const char* text) {
+    if (severity >= CE_Warning) tubefoot::fuzz::finding(std::string("GDAL speaks past the program: ") + text);
+  });
+  return 0;
+}
+
 /// A byte each for the format, the use and its options, four for a window, then the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
   constexpr std::array names{"r.asc", "r.tif", "r.nc", "r.png"};
   const char* const name = names[bytes.below(names.size())];

@@ -39,7 +39,7 @@ double cells(double width, double length, double cell) {
   return cell > 0 ? (width / cell + 1) * (length / cell + 1) : 2;
 }
 
-constexpr double most_cells = 2e4;
+constexpr double most_cells = 3000;
 
 bool is_modest(const TerrainDescription& terrain) {
   double width = 20, length = 20, all = 0;
@@ -63,7 +63,7 @@ bool is_modest(const ObjectDescription& object) {
   if (const auto* cylinder = std::get_if<CylinderPrimitive>(&object.kind)) radius = cylinder->radius_m;
   if (const auto* cone = std::get_if<ConePrimitive>(&object.kind))
     radius = std::max(cone->radius_m, cone->top_radius_m);
-  return radius * scale <= 1e3 * object.chord_error_m;
+  return radius * scale <= 200 * object.chord_error_m;
 }
 
 bool is_modest(const SensorDescription& sensor) {
@@ -103,7 +103,7 @@ void open(const SceneDescription& description) {
       if (!std::isfinite(pose.position_m.x + pose.position_m.y + pose.position_m.z) ||
           !(std::abs(glm::length(pose.attitude) - 1) < 1e-6))
         finding("a pose that is none");
-  for (const std::string& warning : survey->scene.report.warnings) check_message(warning);
+  for (const std::string& warning : survey->scene.report.warnings) check_message(shown(warning));
 }
 
 }  // namespace
@@ -117,6 +117,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 /// The text of a scene file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
+  const fuzz::TimeLimit limit;
   const auto file = fuzz::scratch_file("scene.toml", fuzz::Bytes(data, size).rest());
   fuzz::may_refuse([&] {
     const SceneDescription description = read_scene_file(file);

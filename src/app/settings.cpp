@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "app/usage_error.hpp"
+#include "scene/input_error.hpp"
 
 namespace tubefoot {
 namespace {
@@ -95,7 +96,7 @@ VisibilityOptions options_of(const RunDescription& run) {
 
 void print_warnings(const std::vector<std::string>& warnings, bool quiet) {
   if (quiet) return;
-  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", shown(warning));
 }
 
 }  // namespace tubefoot

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "scene/raster_messages.hpp"
+#include "scene/raster_netcdf_size.hpp"
 
 namespace tubefoot {
 
@@ -11,6 +12,7 @@ GDALDatasetUniquePtr open_material_map(const SourcePlace& place, unsigned flags,
                                        const char* expected) {
   GDALAllRegister();
   const GdalMessages messages;
+  refuse_short_netcdf(place);
   GDALDatasetUniquePtr dataset(
       GDALDataset::Open(place.file.c_str(), flags | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
   if (dataset == nullptr)

@@ -48,6 +48,7 @@ class PolygonReader {
 
   MaterialMap read() {
     constexpr std::array<const char*, 4> drivers{"GPKG", "GeoJSON", "ESRI Shapefile", nullptr};
+    const GdalMessages unheeded;  // of all that follows, until the dataset is closed
     const GDALDatasetUniquePtr dataset =
         open_material_map(place_, GDAL_OF_VECTOR, drivers.data(), "GeoPackage, GeoJSON or Shapefile");
     const GdalMessages messages;

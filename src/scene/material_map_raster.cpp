@@ -173,6 +173,7 @@ class Corners {
 MaterialMap raster_material_map(const RasterMaterialMap& map, const MaterialMapSetting& setting) {
   const SourcePlace place{map.file.string(), 0, 0};
   constexpr std::array<const char*, 6> drivers{"GTiff", "AAIGrid", "netCDF", "BAG", "PNG", nullptr};
+  const GdalMessages unheeded;  // of all that follows, until the dataset is closed
   const GDALDatasetUniquePtr dataset = open_material_map(place, GDAL_OF_RASTER, drivers.data(),
                                                          "GeoTIFF, ESRI ASCII grid, netCDF, BAG or PNG");
   const Corners corners(*dataset, map, setting, place);

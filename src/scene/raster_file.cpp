@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <mutex>
-#include <system_error>
 
 #include "scene/raster_netcdf_size.hpp"
 
@@ -13,6 +12,7 @@ namespace tubefoot {
 RasterFile::RasterFile(const std::filesystem::path& file) : place_{file.string(), 0, 0} {
   static std::once_flag registered;
   std::call_once(registered, [] { GDALAllRegister(); });
+  refuse_short_netcdf(place_);
   const char* const drivers[] = {"GTiff", "BAG", "AAIGrid", "netCDF", nullptr};
   dataset_.reset(GDALDataset::Open(place_.file.c_str(),
                                    GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
@@ -20,11 +20,6 @@ RasterFile::RasterFile(const std::filesystem::path& file) : place_{file.string()
     fail(
         "cannot be read as GeoTIFF, BAG, ESRI ASCII grid or netCDF: it is empty, cut off, corrupt or of "
         "another format (gdal_translate converts many)");
-  }
-  std::error_code error;
-  if (const auto needed = netcdf_classic_size(file);
-      needed && std::filesystem::file_size(file, error) < *needed) {
-    fail("is cut off: its netCDF header describes more data than the file holds");
   }
   if (dataset_->GetRasterCount() == 0) {
     fail(

@@ -108,4 +108,12 @@ std::optional<std::uint64_t> netcdf_classic_size(const std::filesystem::path& fi
   return Header(in, magic[3]).file_size();
 }
 
+void refuse_short_netcdf(const SourcePlace& place) {
+  std::error_code error;
+  if (const auto needed = netcdf_classic_size(place.file);
+      needed && std::filesystem::file_size(place.file, error) < *needed)
+    throw InputError(place,
+                     "is cut off or damaged: its netCDF header describes more data than the file holds");
+}
+
 }  // namespace tubefoot

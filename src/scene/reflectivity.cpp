@@ -11,6 +11,7 @@
 #include <mutex>
 
 #include "scene/raster_messages.hpp"
+#include "scene/raster_netcdf_size.hpp"
 #include "seabed/layered_reflectivity.hpp"
 #include "seabed/map_reflectivity.hpp"
 #include "seabed/perlin_reflectivity.hpp"
@@ -26,6 +27,7 @@ class MapReader {
       : keys_(keys), frame_(frame), place_{keys.file.string(), 0, 0} {
     static std::once_flag registered;
     std::call_once(registered, [] { GDALAllRegister(); });
+    refuse_short_netcdf(place_);
     const char* const drivers[] = {"GTiff", "AAIGrid", "BAG", "netCDF", "PNG", nullptr};
     dataset_.reset(GDALDataset::Open(place_.file.c_str(),
                                      GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
