@@ -60,11 +60,11 @@ bool Gathering::gather(const FacetMesh& mesh, const SceneTree& tree, const TubeS
                                              SceneTree::Fan(walls_[2]), SceneTree::Fan(walls_[3])};
     tree.query(tubes.apex, fans, tubes.reach, candidates_);
     if (candidates_.size() > most_facets) return false;
-    if (sheets && !sheets->look_over(mesh, tree, tubes.apex, fans, sheets_)) return false;
+    if (sheets && !sheets->look_over(mesh, tree, tubes.apex, fans, tubes.reach, sheets_)) return false;
   } else {
     const std::array<SceneTree::HalfSpace, 4> walls{walls_[0][0], walls_[1][0], walls_[2][0], walls_[3][0]};
     tree.query(tubes.apex, walls, tubes.reach, candidates_);
-    if (sheets) sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), walls, sheets_);
+    if (sheets) sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), walls, tubes.reach, sheets_);
   }
   // The tree's order is the standard library's business; ours must not depend on it.
   std::sort(candidates_.begin(), candidates_.end());

@@ -7,21 +7,25 @@
 #include <system_error>
 
 #include "scene/raster_netcdf_size.hpp"
+#include "scene/vrt_sources.hpp"
 
 namespace tubefoot {
 
 RasterFile::RasterFile(const std::filesystem::path& file) : place_{file.string(), 0, 0} {
   static std::once_flag registered;
   std::call_once(registered, [] { GDALAllRegister(); });
-  const char* const drivers[] = {"GTiff", "BAG", "AAIGrid", "netCDF", nullptr};
+  std::error_code error;
+  for (const std::filesystem::path& source : vrt_sources(file))
+    if (!std::filesystem::is_regular_file(source, error))
+      fail(fmt::format("is a virtual raster of '{}', which is no file", source.string()));
+  const char* const drivers[] = {"GTiff", "BAG", "AAIGrid", "netCDF", "VRT", nullptr};
   dataset_.reset(GDALDataset::Open(place_.file.c_str(),
                                    GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
   if (dataset_ == nullptr) {
     fail(
-        "cannot be read as GeoTIFF, BAG, ESRI ASCII grid or netCDF: it is empty, cut off, corrupt or of "
+        "cannot be read as GeoTIFF, BAG, ESRI ASCII grid, netCDF or VRT: it is empty, cut off, corrupt or of "
         "another format (gdal_translate converts many)");
   }
-  std::error_code error;
   if (const auto needed = netcdf_classic_size(file);
       needed && std::filesystem::file_size(file, error) < *needed) {
     fail("is cut off: its netCDF header describes more data than the file holds");
