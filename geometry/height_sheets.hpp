@@ -37,7 +37,8 @@ class HeightSheets {
 
   /// Fills view.from_above with 1 for each sheet of which it is certain that every ray of a tube from the
   /// apex meets it, if at all within `reach`, first from above. `rays` and `half_spaces` are the tube's, in
-  /// its order; `tree` is that of the sheets' mesh. What is beyond the reach changes nothing.
+  /// its order; `tree` is that of the sheets' mesh. What is beyond the reach changes nothing, and nothing is
+  /// said of facets that are not wholly within it.
   void look(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
             const std::array<GridPoint, 4>& rays, std::span<const SceneTree::HalfSpace> half_spaces,
             double reach, View& view) const;
