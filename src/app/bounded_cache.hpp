@@ -83,8 +83,8 @@ class BoundedCache {
     bytes_ += loaded.bytes;
     ++loads_;
     loaded.value.reset();
-    forget_oldest(number);
     most_held_ = std::max(most_held_, bytes_);
+    forget_oldest(number);
   }
 
   void forget_oldest(std::size_t but) {

@@ -89,7 +89,10 @@ void RasterFile::read_row(int row, int column, int columns, double* values, unsi
 void RasterFile::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,
                           void* out) const {
   if (band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr) != CE_None) {
-    fail(fmt::format("row {} cannot be read: the file is cut off or corrupt", row));
+    // GDAL's last word names the file, which may be one of many in a virtual raster.
+    const auto& told = messages_.failures();
+    fail(fmt::format("row {} cannot be read: the file is cut off or corrupt{}", row,
+                     told.size() > 1 ? ": " + told.back() : ""));
   }
 }
 
