@@ -33,6 +33,17 @@ std::array<GridPoint, 4> rays_of(const TubeSet& tubes, std::uint32_t tube) {
   return {tubes.rays[t[0]], tubes.rays[t[1]], tubes.rays[t[2]], tubes.rays[t[3]]};
 }
 
+/// Whether all of a facet is, so that a ray that meets it has met nothing beyond the reach before.
+bool within_reach(const FacetMesh& mesh, FacetId facet, const TubeSet& tubes) {
+  const double reach2 = tubes.reach * tubes.reach;
+  return std::ranges::all_of(mesh.facets[facet], [&](VertexId v) {
+    const GridPoint p = mesh.vertices[v];
+    const double x = double(p.x) - tubes.apex.x, y = double(p.y) - tubes.apex.y,
+                 z = double(p.z) - tubes.apex.z;
+    return x * x + y * y + z * z <= reach2;
+  });
+}
+
 }  // namespace
 
 Gathering::Wall::Wall(const Vec64& n) {
@@ -60,11 +71,11 @@ bool Gathering::gather(const FacetMesh& mesh, const SceneTree& tree, const TubeS
                                              SceneTree::Fan(walls_[2]), SceneTree::Fan(walls_[3])};
     tree.query(tubes.apex, fans, tubes.reach, candidates_);
     if (candidates_.size() > most_facets) return false;
-    if (sheets && !sheets->look_over(mesh, tree, tubes.apex, fans, sheets_)) return false;
+    if (sheets && !sheets->look_over(mesh, tree, tubes.apex, fans, tubes.reach, sheets_)) return false;
   } else {
     const std::array<SceneTree::HalfSpace, 4> walls{walls_[0][0], walls_[1][0], walls_[2][0], walls_[3][0]};
     tree.query(tubes.apex, walls, tubes.reach, candidates_);
-    if (sheets) sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), walls, sheets_);
+    if (sheets) sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), walls, tubes.reach, sheets_);
   }
   // The tree's order is the standard library's business; ours must not depend on it.
   std::sort(candidates_.begin(), candidates_.end());
@@ -74,7 +85,8 @@ bool Gathering::gather(const FacetMesh& mesh, const SceneTree& tree, const TubeS
   RangedFacet facet;
   for (const FacetId id : candidates_) {
     const bool subtends = FacetCone::make(mesh, id, tubes.apex, facet.cone);
-    if (sheets && sheets->surely_hidden(id, subtends ? &facet.cone : nullptr, sheets_)) {
+    if (sheets && sheets->surely_hidden(id, subtends ? &facet.cone : nullptr, sheets_) &&
+        within_reach(mesh, id, tubes)) {
       hidden_.push_back(id);
     } else if (subtends) {
       facet.measure_ranges();

@@ -286,12 +286,12 @@ HeightSheets::~HeightSheets() = default;
 
 void HeightSheets::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
                         const std::array<GridPoint, 4>& rays,
-                        std::span<const SceneTree::HalfSpace> half_spaces, View& view) const {
+                        std::span<const SceneTree::HalfSpace> half_spaces, double reach, View& view) const {
   view.from_above.assign(turn_.size(), 1);
   if (turn_.empty()) return;
   // Rays come in below a border edge only through the curtain that hangs from it, from its outer side.
   view.found.clear();
-  curtain_tree_->query(apex, half_spaces, std::numeric_limits<double>::infinity(), view.found);
+  curtain_tree_->query(apex, half_spaces, reach, view.found);
   for (const FacetId curtain : view.found) {
     const auto& v = curtains_.facets[curtain];
     std::uint8_t& from_above = view.from_above[curtains_.component[curtain]];
@@ -303,10 +303,10 @@ void HeightSheets::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint 
 }
 
 bool HeightSheets::look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
-                             std::span<const SceneTree::Fan> walls, View& view) const {
+                             std::span<const SceneTree::Fan> walls, double reach, View& view) const {
   view.from_above.assign(turn_.size(), 1);
   view.found.clear();
-  curtain_tree_->query(apex, walls, std::numeric_limits<double>::infinity(), view.found);
+  curtain_tree_->query(apex, walls, reach, view.found);
   for (const FacetId curtain : view.found) {
     const auto& v = curtains_.facets[curtain];
     if (turn(plan(curtains_.vertices[v[0]]), plan(curtains_.vertices[v[1]]), plan(apex)) <= 0) return false;

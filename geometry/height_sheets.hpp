@@ -36,16 +36,17 @@ class HeightSheets {
   };
 
   /// Fills view.from_above with 1 for each sheet of which it is certain that every ray of a tube from the
-  /// apex meets it, if at all, first from above. `rays` and `half_spaces` are the tube's, in its order;
-  /// `tree` is that of the sheets' mesh.
+  /// apex meets it, if at all within `reach`, first from above. `rays` and `half_spaces` are the tube's, in
+  /// its order; `tree` is that of the sheets' mesh. What is beyond the reach changes nothing, and nothing is
+  /// said of facets that are not wholly within it.
   void look(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
             const std::array<GridPoint, 4>& rays, std::span<const SceneTree::HalfSpace> half_spaces,
-            View& view) const;
+            double reach, View& view) const;
 
   /// The same for several tubes at once, `walls` being all of theirs: false if they may differ in what they
   /// see from above.
   bool look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
-                 std::span<const SceneTree::Fan> walls, View& view) const;
+                 std::span<const SceneTree::Fan> walls, double reach, View& view) const;
 
   /// True for a facet that nobody sees in that view: of a sheet seen from above, it turns its lower side (or
   /// its edge) to the apex. `cone`: the facet's, null if it subtends nothing. Exact.

@@ -78,6 +78,7 @@ std::vector<std::string> names_of(const std::vector<T>& described) {
 
 std::shared_ptr<const Survey> NativeScene::survey() {
   const std::scoped_lock lock(mutex_);
+  refuse_tiles(description_, "looking into a scene");
   if (!survey_) survey_ = open_survey(description_);
   return survey_;
 }

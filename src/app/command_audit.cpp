@@ -19,6 +19,7 @@ namespace tubefoot {
 int audit_command(const AuditOptions& options) {
   SceneDescription description = described(options);
   const ThreadLimit limit(description.run.threads);
+  refuse_tiles(description, "an audit, whose hash names the facets,");
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const Scene& scene = survey->scene;

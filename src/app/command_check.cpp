@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "app/commands.hpp"
 #include "app/refraction.hpp"
@@ -11,6 +12,7 @@
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/survey.hpp"
+#include "app/tiles_in_view.hpp"
 #include "engine/echo.hpp"
 #include "engine/tube_engine.hpp"
 
@@ -46,12 +48,34 @@ void print_materials(const Scene& scene) {
     ++facets[scene.mesh.material[f]];
     area_m2[scene.mesh.material[f]] += glm::length(glm::cross(u, v)) / 2;
   }
+  for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
+    if (!scene.tiled[i].tiles) continue;
+    facets[scene.tiled[i].material] += scene.report.components[i].facets;
+    area_m2[scene.tiled[i].material] = std::numeric_limits<double>::quiet_NaN();
+  }
   fmt::print("\n{:<24} {:>10} {:>14}\n", "material", "facets", "area (m2)");
   for (std::size_t m = 0; m < facets.size(); ++m)
-    fmt::print("{:<24} {:>10} {:>14.6g}\n", scene.description.materials[m].name, facets[m], area_m2[m]);
+    fmt::print("{:<24} {:>10} {:>14}\n", scene.description.materials[m].name, facets[m],
+               std::isnan(area_m2[m]) ? "-" : fmt::format("{:.6g}", area_m2[m]));
   for (const ComponentReport& c : scene.report.components)
     if (c.cut_facets > 0)
       fmt::print("{}: {} facets are cut along the borders of its material map\n", c.name, c.cut_facets);
+}
+
+/// Of a scene that holds but a part of its facets at a time.
+void print_tiles(const Scene& scene) {
+  std::size_t facets = 0;
+  for (const ComponentReport& c : scene.report.components) facets += c.facets;
+  fmt::print("\nfacets         {}; those of", facets);
+  const char* comma = "";
+  for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
+    if (!scene.tiled[i].tiles) continue;
+    const TerrainTiles& tiles = *scene.tiled[i].tiles;
+    fmt::print("{} '{}' in {} x {} tiles of {} x {} cells", comma, scene.report.components[i].name,
+               tiles.columns(), tiles.rows(), TerrainTiles::cells_a_side, TerrainTiles::cells_a_side);
+    comma = ",";
+  }
+  fmt::print(", read where pings look (area: not measured)\n");
 }
 
 /// Measures a few pings of each group of sensors, spread over their track, and extrapolates.
@@ -63,24 +87,26 @@ void print_cost(const Survey& survey, int threads) {
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.pings(group), probes = std::min<std::size_t>(pings, 3);
     std::size_t candidates = 0, footprints = 0;
-    const auto start = std::chrono::steady_clock::now();
+    double taken = 0;
     for (std::size_t k = 0; k < probes; ++k) {
       const std::size_t ping = (2 * k + 1) * pings / (2 * probes);
+      const std::shared_ptr<const Survey> around = survey_around(survey, group, ping);
+      const auto start = std::chrono::steady_clock::now();
       for (std::size_t shot = 0; shot < survey.shots_a_ping(group); ++shot) {
-        const ShotGround ground = ground_of(survey, group, ping, shot);
+        const ShotGround ground = ground_of(*around, group, ping, shot);
         const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), options);
         const History history = engine.trace(survey.tubes(group, ping, shot), &candidates);
         footprints += history.footprints.footprints.size();
         for (const std::size_t s : group.sensors) {
           const Sensor& sensor = *survey.sensors[s].sensor;
-          const SensorLaw law(survey, ground, s, ping, shot);
+          const SensorLaw law(*around, ground, s, ping, shot);
           integrate_echo(history, sensor.beam_of_tube(shot),
                          static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law.law);
         }
       }
+      taken += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
-    const double per_ping = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() /
-                            static_cast<double>(probes);
+    const double per_ping = taken / static_cast<double>(probes);
     std::string names;
     for (const std::size_t s : group.sensors)
       names += (names.empty() ? "" : ", ") + survey.sensors[s].sensor->description().name;
@@ -112,28 +138,35 @@ int check_command(const CommonOptions& options) {
   print_materials(scene);
   std::size_t refused = 0;
   for (const ComponentReport& c : scene.report.components) refused += c.kept_outside_halfedge;
-  fmt::print(
-      "\nfacets         {} ({} degenerate, {} duplicate, {} that no half-edge mesh takes; all take part)\n",
-      scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
-      refused);
+  if (survey->is_tiled())
+    print_tiles(scene);
+  else
+    fmt::print(
+        "\nfacets         {} ({} degenerate, {} duplicate, {} that no half-edge mesh takes; all take part)\n",
+        scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
+        refused);
   if (survey->relief.cell_m > 0)
     fmt::print("relief         {}, cells of {}: {} facets of {} unrefined ones\n",
-               description.refinement.mode, length_text(survey->relief.cell_m), survey->relief.uniform_facets,
+               description.refinement.mode, length_text(survey->relief.cell_m),
+               survey->is_tiled() ? "not counted" : std::to_string(survey->relief.uniform_facets),
                survey->relief.base_facets);
-  fmt::print("vertices       {}\n", scene.mesh.vertices.size());
+  if (!survey->is_tiled()) fmt::print("vertices       {}\n", scene.mesh.vertices.size());
   fmt::print("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
-  fmt::print("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
+  if (!survey->is_tiled()) fmt::print("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
   if (scene.water->refracts())
     fmt::print("water          refracts: profile \"{}\" of {} points\n", description.water.profile,
                scene.water->profile().points().size());
   else
     fmt::print("water          {:.2f} m/s\n", scene.sound_speed_m_s);
-  fmt::print("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->load_seconds,
-             survey->tree_seconds,
-             (static_cast<double>(survey->tree->bytes()) +
-              static_cast<double>(scene.mesh.vertices.size() * sizeof(GridPoint)) +
-              static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
-                 static_cast<double>(scene.mesh.facets.size()));
+  if (survey->is_tiled())
+    fmt::print("loading        {:.2f} s to look at all tiles once\n\n", survey->load_seconds);
+  else
+    fmt::print("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->load_seconds,
+               survey->tree_seconds,
+               (static_cast<double>(survey->tree->bytes()) +
+                static_cast<double>(scene.mesh.vertices.size() * sizeof(GridPoint)) +
+                static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
+                   static_cast<double>(scene.mesh.facets.size()));
 
   for (const SensorPings& pings : survey->sensors) {
     const Sensor& sensor = *pings.sensor;

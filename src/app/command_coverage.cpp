@@ -180,6 +180,7 @@ int coverage_command(const CoverageOptions& options) {
     throw UsageError(fmt::format("'{}': the picture is a .png", options.picture->string()));
   const SceneDescription description = described(options);
   const ThreadLimit limit(description.run.threads);
+  refuse_tiles(description, "coverage");
   const auto survey = open_survey(description);
   const Scene& scene = survey->scene;
   print_warnings(scene.report.warnings, options.quiet);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -12,6 +14,7 @@
 #include "app/refraction.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
+#include "app/tiles_in_view.hpp"
 #include "app/usage_error.hpp"
 
 namespace tubefoot {
@@ -44,7 +47,8 @@ class Files {
   std::size_t add(std::size_t ping, std::size_t shot, std::span<const std::uint32_t> beams) {
     const std::size_t pieces = exact_ ? exact_->add(ping, shot, beams) : 0;
     if (!columns_) return pieces;
-    const FootprintTable table = footprint_table(survey_, sensor_, ping, shot, beams);
+    const FootprintTable table = survey_.is_tiled() ? table_by_tiles(ping, shot, beams)
+                                                    : footprint_table(survey_, sensor_, ping, shot, beams);
     columns_->add(table);
     return table.rows();
   }
@@ -55,6 +59,28 @@ class Files {
     if (columns_place_) columns_place_->commit();
     if (exact_place_) exact_place_->commit();
   }
+  /// Facets are named as in all of the scene.
+  FootprintTable table_by_tiles(std::size_t ping, std::size_t shot, std::span<const std::uint32_t> beams) {
+    if (!part_ || part_ping_ != ping) {
+      const auto group = std::find_if(survey_.shots.begin(), survey_.shots.end(), [&](const SharedShots& g) {
+        return std::find(g.sensors.begin(), g.sensors.end(), sensor_) != g.sensors.end();
+      });
+      const TileChoice tiles = TilesInView(survey_).of(*group, ping);
+      part_ = survey_with_tiles(survey_, tiles);
+      part_ping_ = ping;
+      numbers_ = facet_numbers(survey_.scene, tiles);
+    }
+    FootprintTable table = footprint_table(*part_, sensor_, ping, shot, beams);
+    const auto rename = [&](std::vector<FacetId>& facets) {
+      for (FacetId& facet : facets) facet = static_cast<FacetId>(numbers_[facet]);
+    };
+    rename(table.base_facet);
+    if (survey_.ground || survey_.scene.water->refracts()) return table;  // facets of its own
+    rename(table.facet);
+    rename(table.occluders);
+    return table;
+  }
+
   const char* counted() const { return columns_ ? "footprints" : "pieces"; }
 
  private:
@@ -63,6 +89,9 @@ class Files {
   std::optional<FileBeside> columns_place_, exact_place_;  // outlive what writes there
   std::unique_ptr<FootprintFile> columns_;
   std::optional<RationalsFile> exact_;
+  std::unique_ptr<const Survey> part_;  ///< with the tiles of one ping
+  std::size_t part_ping_ = 0;
+  std::vector<std::uint64_t> numbers_;
 };
 
 }  // namespace
@@ -73,6 +102,13 @@ int footprints_command(const FootprintOptions& options) {
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   refuse_refraction(*survey, false);
+  if (options.rationals || options.output.extension() == ".txt")
+    refuse_tiles(description, "a file of exact corners");
+  std::uint64_t facets = 0;
+  for (const ComponentReport& component : survey->scene.report.components) facets += component.facets;
+  if (facets > std::numeric_limits<FacetId>::max())
+    throw UsageError(
+        fmt::format("the files of footprints cannot name {} facets: give the terrain a window", facets));
   print_warnings(survey->scene.report.warnings, options.quiet);
   const std::size_t index = survey->sensor_named(options.sensor);
   const SensorPings& pings = survey->sensors[index];

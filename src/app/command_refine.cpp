@@ -14,6 +14,7 @@ int refine_command(const RefineOptions& options) {
   if (std::filesystem::is_directory(options.output))
     throw UsageError(fmt::format("'{}' is a folder: name a file with -o", options.output.string()));
   const ThreadLimit limit(description.run.threads);
+  refuse_tiles(description, "refine");
   const Scene scene = load_scene(description);
   print_warnings(scene.report.warnings, options.quiet);
   const std::unique_ptr<Ground> ground = relief_ground(scene);

@@ -76,7 +76,9 @@ void print_tolerance(const nlohmann::ordered_json& advice) {
 }
 
 void print_relief(const Survey& survey, const SimulationStats& stats) {
-  if (survey.ground)
+  if (survey.is_tiled())
+    fmt::print("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
+  else if (survey.ground)
     fmt::print("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n",
                stats.refined_facets, stats.pings, survey.relief.uniform_facets, survey.relief.cell_m);
   else

@@ -112,6 +112,7 @@ int view_command(const ViewOptions& options) {
   const SceneDescription description = of_run ? described_by(*record, options) : described(options);
   const ThreadLimit limit(description.run.threads);
   const InterruptGuard interrupt;
+  refuse_tiles(description, "a view");
   const auto survey = open_survey(description);
   refuse_refraction(*survey, false);
   print_warnings(survey->scene.report.warnings, options.quiet);

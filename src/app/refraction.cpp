@@ -122,6 +122,10 @@ void put_into_water(Survey& survey) {
   survey.lowest_m = std::numeric_limits<double>::infinity();
   for (const GridPoint& v : scene.mesh.vertices)
     survey.lowest_m = std::min(survey.lowest_m, scene.grid.to_metres(v).z);
+  for (const TiledTerrain& terrain : scene.tiled)
+    if (terrain.tiles)
+      survey.lowest_m =
+          std::min(survey.lowest_m, scene.grid.to_metres(scene.grid.snap(terrain.tiles->lo_m())).z);
   if (survey.ground) survey.lowest_m -= survey.ground->omitted().largest_height_m();
   const double surface = scene.water->surface_height_m();
   for (SensorPings& pings : survey.sensors) {

@@ -50,7 +50,7 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
     if (survey.ground) relief["tolerance"] = survey.ground->settings().tolerance;
     relief["base_facets"] = survey.relief.base_facets;
     relief["facets_made"] = survey.ground ? stats.refined_facets : scene.mesh.facets.size();
-    relief["uniform_facets"] = survey.relief.uniform_facets;
+    if (!survey.is_tiled()) relief["uniform_facets"] = survey.relief.uniform_facets;
     relief["change_by_finer_relief"] = {
         {"of", "a facet's energy, relative; mean over the worst ping, weighed by energy"},
         {"is", "first-order estimates from what the relief's own statistics leave out: no proven bounds"},
@@ -58,7 +58,17 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
         {"largest", stats.finer_relief_largest}};
   }
   if (scene.water->refracts()) json["refraction"] = refraction_json(survey, stats);
-  json["facets"] = scene.mesh.facets.size();
+  if (survey.is_tiled()) {
+    std::size_t facets = 0;
+    for (const ComponentReport& component : scene.report.components) facets += component.facets;
+    json["facets"] = facets;
+    const TerrainUse& use = *survey.terrain_use;
+    json["terrain_by_tiles"] = {{"regions", use.regions.load()},
+                                {"loads", use.loads.load()},
+                                {"most_held_mb", static_cast<double>(use.most_bytes) / 1e6}};
+  } else {
+    json["facets"] = scene.mesh.facets.size();
+  }
   json["pings"] = stats.pings;
   json["tubes"] = stats.tubes;
   json["candidates"] = stats.candidates;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "app/refined_bed_file.hpp"
@@ -18,6 +19,12 @@ constexpr RefinementLimits most_offline{100'000'000}, most_a_shot{20'000'000};
 
 bool has_relief(const Scene& scene) {
   return std::any_of(scene.relief.begin(), scene.relief.end(), [](const auto& r) { return r != nullptr; });
+}
+
+std::size_t facets_of(const Scene& scene) {
+  std::size_t sum = 0;
+  for (const ComponentReport& component : scene.report.components) sum += component.facets;
+  return sum;
 }
 
 double cell_of(const Scene& scene) {
@@ -43,6 +50,8 @@ void check_cell(const Scene& scene, double cell_m) {
                            scene.grid.to_metres(scene.mesh.vertices[f[(k + 1) % 3]]);
       longest2 = std::max(longest2, glm::dot(d, d));
     }
+  for (const TiledTerrain& terrain : scene.tiled)
+    if (terrain.tiles) longest2 = std::max(longest2, std::pow(terrain.tiles->longest_edge_m(), 2));
   // Neighbours of different size take a few halvings more.
   const double finest = std::sqrt(longest2) / std::exp2(deepest_refinement - 4);
   if (cell_m < finest)
@@ -91,8 +100,8 @@ void lay_relief(Survey& survey) {
   const RefinementDescription& keys = scene.description.refinement;
   std::unique_ptr<Ground> ground = relief_ground(scene);
   survey.relief.cell_m = ground->settings().cell_m;
-  survey.relief.base_facets = scene.mesh.facets.size();
-  survey.relief.uniform_facets = ground->uniform_count();
+  survey.relief.base_facets = facets_of(scene);
+  if (!survey.is_tiled()) survey.relief.uniform_facets = ground->uniform_count();
   survey.relief.omitted = std::make_shared<const OmittedRelief>(ground->omitted());
   if (keys.mode == "online") {
     survey.ground = std::move(ground);

@@ -4,20 +4,24 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <numeric>
 #include <span>
 #include <stdexcept>
 
+#include "app/bounded_cache.hpp"
 #include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
 #include "app/paths.hpp"
 #include "app/progress.hpp"
 #include "app/refracted_reference.hpp"
 #include "app/refraction.hpp"
+#include "app/region_plan.hpp"
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
@@ -340,11 +344,76 @@ StoreLayout layout_of(const Survey& survey, bool with_bounds) {
   return layout;
 }
 
+namespace {
+
+/// The pings of a survey whose terrain is read by tiles, each simulated in a survey that has those it needs.
+class RegionalSimulation {
+ public:
+  RegionalSimulation(const Survey& survey, std::optional<double> reference_tolerance)
+      : survey_(survey),
+        plan_(survey, std::min(most_facets, cache_bytes(survey) / (4 * bytes_a_facet))),
+        cache_(cache_bytes(survey), [this, reference_tolerance](std::size_t region) {
+          return load(region, reference_tolerance);
+        }) {
+    survey.terrain_use->regions = plan_.regions().size();
+  }
+
+  PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) {
+    const std::size_t number = plan_.of(group, ping);
+    const std::shared_ptr<const Region> region = cache_.get(number);
+    // Who has a region's first ping loads the next one while others work.
+    if (plan_.regions()[number].first_ping == ping && number + 1 < plan_.regions().size() &&
+        tbb::this_task_arena::max_concurrency() > 1) {
+      try {
+        cache_.get(number + 1);
+      } catch (const InputError&) {
+        // Its own pings will tell.
+      }
+    }
+    survey_.terrain_use->loads = cache_.loads();
+    survey_.terrain_use->most_bytes = cache_.most_bytes_held();
+    return region->simulation->run(group, ping, store, slot);
+  }
+
+ private:
+  struct Region {
+    std::unique_ptr<const Survey> survey;
+    std::unique_ptr<const PingSimulation> simulation;
+  };
+  /// Deep trees and long waits cost more than what neighbouring regions load twice.
+  static constexpr std::size_t most_facets = 1 << 20, bytes_a_facet = 64;
+
+  static std::size_t cache_bytes(const Survey& survey) {
+    return static_cast<std::size_t>(survey.scene.description.run.terrain_cache_mb) * 1'000'000;
+  }
+
+  BoundedCache<Region>::Loaded load(std::size_t number, std::optional<double> reference_tolerance) const {
+    // Who waits for a part of this must not begin a ping meanwhile, which could wait for this in turn.
+    return tbb::this_task_arena::isolate([&] {
+      Region region;
+      region.survey = survey_with_tiles(survey_, plan_.regions()[number].tiles);
+      region.simulation = std::make_unique<const PingSimulation>(*region.survey, reference_tolerance);
+      const FacetMesh& mesh = region.survey->scene.mesh;
+      std::size_t bytes =
+          mesh.vertices.size() * sizeof(GridPoint) + mesh.facets.size() * 16 + region.survey->tree->bytes();
+      if (region.survey->ground) bytes += region.survey->tree->bytes() + mesh.vertices.size() * 32;
+      return BoundedCache<Region>::Loaded{std::make_shared<const Region>(std::move(region)), bytes};
+    });
+  }
+
+  const Survey& survey_;
+  const RegionPlan plan_;
+  BoundedCache<Region> cache_;
+};
+
+}  // namespace
+
 struct PingSimulation::Parts {
   ShotGround whole;
   Engine engine;  ///< of the scene's own facets; empty where shots have their own ground
   Binning binning;
-  std::vector<std::uint64_t> first_label;  ///< by group
+  std::vector<std::uint64_t> first_label;          ///< by group
+  std::unique_ptr<RegionalSimulation> by_regions;  ///< where terrain is read by tiles; else null
 };
 
 PingSimulation::PingSimulation(const Survey& survey, std::optional<double> reference_tolerance)
@@ -365,7 +434,12 @@ PingSimulation::PingSimulation(const Survey& survey, std::optional<double> refer
                                  survey.scene.description.materials[*material].name));
   refuse_paths(survey, reference_tolerance.has_value());
   parts_ = std::make_unique<Parts>(
-      Parts{ShotGround(survey), {}, binning_from_name(survey.scene.description.run.binning), {}});
+      Parts{ShotGround(survey), {}, binning_from_name(survey.scene.description.run.binning), {}, {}});
+  if (survey.is_tiled()) {
+    if (survey.own_engine) refuse_tiles(survey.scene.description, "an engine of one's own");
+    parts_->by_regions = std::make_unique<RegionalSimulation>(survey, reference_tolerance);
+    return;
+  }
   const bool own_grounds = survey.ground || survey.scene.water->refracts();
   if (!own_grounds) parts_->engine = make_engine(survey, parts_->whole);
   std::uint64_t label = 0;
@@ -379,6 +453,7 @@ PingSimulation::~PingSimulation() = default;
 
 PingCounts PingSimulation::run(std::size_t group, std::size_t ping, PingStore& store,
                                std::size_t slot) const {
+  if (parts_->by_regions) return parts_->by_regions->run(group, ping, store, slot);
   PingTask task(survey_, survey_.shots[group], ping, store, slot, parts_->binning, reference_tolerance_);
   return task.run(parts_->engine, parts_->first_label[group] + ping);
 }
@@ -388,22 +463,38 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
   const std::size_t left = layout_of(survey, false).units() - store.done_units();
   if (survey.watch) survey.watch->total = left;
   Progress progress("pings", left, quiet);
-  for (std::size_t g = 0; g < survey.shots.size(); ++g)
-    tbb::parallel_for(std::size_t{0}, survey.pings(survey.shots[g]), [&](std::size_t ping) {
-      if (store.done(g, ping) || InterruptGuard::requested() || (survey.watch && survey.watch->stop)) return;
-      const auto run = [&] { store.finish(g, ping, simulation.run(g, ping, store, ping)); };
-      // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
-      try {
-        if (survey.ground)
-          tbb::this_task_arena::isolate(run);
-        else
-          run();
-      } catch (const Interrupted&) {
-        return;
-      }
-      progress.step();
-      if (survey.watch) ++survey.watch->pings;
-    });
+  const auto take = [&](std::size_t g, std::size_t ping) {
+    if (store.done(g, ping) || InterruptGuard::requested() || (survey.watch && survey.watch->stop)) return;
+    const auto run = [&] { store.finish(g, ping, simulation.run(g, ping, store, ping)); };
+    // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
+    try {
+      if (survey.ground || survey.is_tiled())
+        tbb::this_task_arena::isolate(run);
+      else
+        run();
+    } catch (const Interrupted&) {
+      return;
+    }
+    progress.step();
+    if (survey.watch) ++survey.watch->pings;
+  };
+  for (std::size_t g = 0; g < survey.shots.size(); ++g) {
+    const std::size_t pings = survey.pings(survey.shots[g]);
+    if (!survey.is_tiled()) {
+      tbb::parallel_for(std::size_t{0}, pings, [&](std::size_t ping) { take(g, ping); });
+      continue;
+    }
+    // One after the other, so that all threads are in few regions at a time.
+    std::atomic<std::size_t> next{0};
+    tbb::parallel_for(
+        0, tbb::this_task_arena::max_concurrency(),
+        [&](int) {
+          for (std::size_t ping = next++; ping < pings && !tbb::is_current_task_group_canceling();
+               ping = next++)
+            take(g, ping);
+        },
+        tbb::simple_partitioner());
+  }
 }
 
 SimulationStats totals(const Survey& survey, const PingStore& store) {

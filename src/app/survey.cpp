@@ -9,10 +9,12 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include "app/refraction.hpp"
 #include "app/shot_ground.hpp"
+#include "app/tiles_in_view.hpp"
 #include "app/usage_error.hpp"
 #include "geometry/mirror.hpp"
 #include "geometry/vertical_line.hpp"
@@ -77,15 +79,47 @@ void place_shots(SensorPings& pings, const Trajectory& trajectory) {
   }
 }
 
+/// A scene with some tiles, and what shots ask of its facets.
+std::unique_ptr<Survey> loaded_with(const Survey& survey, const TileChoice& choice) {
+  auto part = std::make_unique<Survey>(with_tiles(survey.scene, choice));
+  part->relief = survey.relief;
+  if (survey.ground) part->ground = relief_ground(part->scene);
+  return part;
+}
+
+/// The facets above and below one place after the other.
+class Patch {
+ public:
+  explicit Patch(const Survey& survey) : survey_(survey) {
+    if (survey.is_tiled()) tiles_.emplace(survey);
+  }
+  const Survey& in_line_with(glm::dvec3 place_m) {
+    if (!tiles_) return survey_;
+    TileChoice choice = tiles_->below(place_m);
+    if (!part_ || choice != choice_) {
+      choice_ = std::move(choice);
+      part_ = loaded_with(survey_, choice_);
+      part_->tree = std::make_unique<SceneTree>(part_->scene.mesh, SceneTree::Sheets::ignored);
+    }
+    return *part_;
+  }
+
+ private:
+  const Survey& survey_;
+  std::optional<TilesInView> tiles_;
+  TileChoice choice_;
+  std::unique_ptr<Survey> part_;
+};
+
 /// Looks straight up and down from a place of a sensor's transmitter or receiver (`what`). One under the
 /// terrain is a mistake in the scene; one inside an object may be in its own housing. Returns the altitude
 /// over the terrain, not a number where there is none.
-double check_place(Survey& survey, const SensorPings& pings, std::size_t ping, glm::dvec3 at_m,
+double check_place(Survey& survey, Patch& patch, const SensorPings& pings, std::size_t ping, glm::dvec3 at_m,
                    const std::string& what, std::set<std::uint16_t>& inside) {
   Scene& scene = survey.scene;
   double altitude_m = std::numeric_limits<double>::quiet_NaN();
   const SourcePlace& place = pings.sensor->description().place;
-  const ShotGround ground = ground_in_line_with(survey, at_m);
+  const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
   for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), ground.tree(), scene.grid.snap(at_m))) {
     const std::string& name = scene.report.components[c.component].name;
     if (c.component < scene.description.terrains.size()) {
@@ -107,16 +141,17 @@ double check_place(Survey& survey, const SensorPings& pings, std::size_t ping, g
 }
 
 void check_places(Survey& survey) {
+  Patch patch(survey);
   for (SensorPings& pings : survey.sensors) {
     const Sensor& sensor = *pings.sensor;
     std::set<std::uint16_t> inside, receiver_inside;
     const std::string what = fmt::format("sensor '{}'", sensor.description().name);
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
       pings.altitudes_m.push_back(
-          check_place(survey, pings, ping, pings.poses[ping].position_m, what, inside));
+          check_place(survey, patch, pings, ping, pings.poses[ping].position_m, what, inside));
       if (sensor.has_receiver_apart())
-        check_place(survey, pings, ping, pings.receiver_pose(ping, 0).position_m, "the receiver of " + what,
-                    receiver_inside);
+        check_place(survey, patch, pings, ping, pings.receiver_pose(ping, 0).position_m,
+                    "the receiver of " + what, receiver_inside);
     }
   }
 }
@@ -178,9 +213,30 @@ std::size_t Survey::sensor_named(const std::string& name) const {
   throw UsageError(fmt::format("the scene has no sensor '{}'; it has {}", name, names));
 }
 
+std::unique_ptr<Survey> survey_with_tiles(const Survey& survey, const TileChoice& choice) {
+  auto part = loaded_with(survey, choice);
+  part->tree = std::make_unique<SceneTree>(part->scene.mesh);
+  part->lowest_m = survey.lowest_m;
+  part->sensors = survey.sensors;
+  part->shots = survey.shots;
+  part->watch = survey.watch;
+  cut_at_surface(*part);
+  return part;
+}
+
+void refuse_tiles(const SceneDescription& description, const std::string& what) {
+  for (const TerrainDescription& terrain : description.terrains)
+    if (is_read_by_tiles(terrain, description))
+      throw UsageError(
+          fmt::format("{} needs all facets at once, but '{}' is read by tiles: give it a window, or load = "
+                      "\"whole\"",
+                      what, terrain.name));
+}
+
 std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
   const auto load_start = std::chrono::steady_clock::now();
   auto survey = std::make_unique<Survey>(load_scene(description));
+  if (survey->is_tiled()) survey->terrain_use = std::make_shared<TerrainUse>();
   survey->load_seconds = seconds_since(load_start);
   lay_relief(*survey);
   const auto tree_start = std::chrono::steady_clock::now();

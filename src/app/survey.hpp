@@ -8,6 +8,7 @@
 #include "geometry/scene_tree.hpp"
 #include "medium/water_column.hpp"
 #include "scene/scene.hpp"
+#include "scene/tiled_scene.hpp"
 #include "sensors/sensor.hpp"
 
 namespace tubefoot {
@@ -19,7 +20,7 @@ class RayScene;
 
 /// All pings of one sensor: times and poses of the sensor itself.
 struct SensorPings {
-  std::unique_ptr<Sensor> sensor;
+  std::shared_ptr<const Sensor> sensor;  ///< never null
   std::vector<double> times_s;
   std::vector<Pose> poses;           ///< at the pings' times
   std::vector<Pose> shot_poses;      ///< [ping][shot], each at its own time
@@ -57,7 +58,14 @@ struct RunWatch {
   std::atomic<std::size_t> pings{0}, total{0};  ///< finished, and to do
 };
 
-/// A loaded scene, its tree, and who pings where.
+/// What was loaded of terrain that is read by tiles.
+struct TerrainUse {
+  std::atomic<std::size_t> regions{0}, loads{0};  ///< regions that pings are grouped into; loaded, also again
+  std::atomic<std::size_t> most_bytes{0};         ///< held at a time
+};
+
+/// A loaded scene, its tree, and who pings where. Where terrain is read by tiles (scene.tiled), the scene's
+/// mesh has all but that; survey_with_tiles() makes surveys that have some of it.
 struct Survey : std::enable_shared_from_this<Survey> {
   explicit Survey(Scene loaded);
   ~Survey();
@@ -75,6 +83,9 @@ struct Survey : std::enable_shared_from_this<Survey> {
   double load_seconds = 0, tree_seconds = 0;
   std::shared_ptr<const OwnEngine> own_engine;  ///< computes echoes in place of a built-in one; else null
   std::shared_ptr<RunWatch> watch;              ///< may be null
+  std::shared_ptr<TerrainUse> terrain_use;      ///< null without tiles
+
+  bool is_tiled() const { return !scene.tiled.empty(); }
 
   /// Tubes of a shot of ping `ping` of a group, with the largest reach of its sensors.
   TubeSet tubes(const SharedShots& group, std::size_t ping, std::size_t shot) const;
@@ -92,6 +103,13 @@ struct Survey : std::enable_shared_from_this<Survey> {
 /// business. Throws InputError: also where a sensor lies below the seabed. Adds warnings to the scene's
 /// report.
 std::unique_ptr<Survey> open_survey(const SceneDescription& description);
+
+/// A survey of the same pings whose mesh has some tiles, too. The given one need not outlive it. Throws
+/// InputError for a raster that can no longer be read.
+std::unique_ptr<Survey> survey_with_tiles(const Survey& survey, const TileChoice& choice);
+
+/// Throws UsageError if a scene has terrain that is read by tiles, which `what` cannot do with.
+void refuse_tiles(const SceneDescription& description, const std::string& what);
 
 /// dB per metre, one way, for a sensor's frequency in the scene's water.
 double absorption_db_per_m(const Scene& scene, const Sensor& sensor);

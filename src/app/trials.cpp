@@ -116,7 +116,8 @@ TrialScene::Choice first_pings(std::size_t count) {
 
 TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
                        std::optional<double> reference_tolerance)
-    : name_(scene_name(scene.file)), survey_(open_survey(scene)) {
+    : name_(scene_name(scene.file)),
+      survey_((refuse_tiles(scene, "a trial of settings"), open_survey(scene))) {
   const std::vector<TrialPings> chosen = choice(*survey_);
   double all = 0;
   for (const TrialPings& c : chosen) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string>
 
+#include "scene/vrt_sources.hpp"
+
 namespace tubefoot {
 
 namespace fs = std::filesystem;
@@ -21,6 +23,10 @@ std::vector<fs::path> companions_of(const fs::path& file) {
       if (extension != file.extension()) add(fs::path(file).replace_extension(extension));
   }
   for (const char* after : {".aux.xml", ".msk", "-wal"}) add(fs::path(file) += after);
+  for (const fs::path& source : vrt_sources(file)) {
+    add(source);
+    for (const char* after : {".aux.xml", ".msk"}) add(fs::path(source) += after);
+  }
   return found;
 }
 

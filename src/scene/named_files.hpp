@@ -9,8 +9,8 @@
 namespace tubefoot {
 
 /// Files beside `file` that a reader takes in with it and that are there: a Shapefile's attributes, a
-/// raster's world file, projection, mask and metadata, a GeoPackage's write-ahead log. Always in the same
-/// order.
+/// raster's world file, projection, mask and metadata, the rasters that a virtual raster is put together
+/// from, a GeoPackage's write-ahead log. Always in the same order. Throws InputError as vrt_sources() does.
 std::vector<std::filesystem::path> companions_of(const std::filesystem::path& file);
 
 /// Where `file` really is, links followed, if that is not in `folder` or below it.

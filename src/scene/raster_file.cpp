@@ -4,8 +4,10 @@
 #include <fmt/core.h>
 
 #include <mutex>
+#include <system_error>
 
 #include "scene/raster_netcdf_size.hpp"
+#include "scene/vrt_sources.hpp"
 
 namespace tubefoot {
 
@@ -13,12 +15,18 @@ RasterFile::RasterFile(const std::filesystem::path& file) : place_{file.string()
   static std::once_flag registered;
   std::call_once(registered, [] { GDALAllRegister(); });
   refuse_short_netcdf(place_);
-  const char* const drivers[] = {"GTiff", "BAG", "AAIGrid", "netCDF", nullptr};
+  for (const std::filesystem::path& source : vrt_sources(file)) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(source, error))
+      fail(fmt::format("is a virtual raster of '{}', which is no file", source.string()));
+    refuse_short_netcdf({source.string(), 0, 0});
+  }
+  const char* const drivers[] = {"GTiff", "BAG", "AAIGrid", "netCDF", "VRT", nullptr};
   dataset_.reset(GDALDataset::Open(place_.file.c_str(),
                                    GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
   if (dataset_ == nullptr) {
     fail(
-        "cannot be read as GeoTIFF, BAG, ESRI ASCII grid or netCDF: it is empty, cut off, corrupt or of "
+        "cannot be read as GeoTIFF, BAG, ESRI ASCII grid, netCDF or VRT: it is empty, cut off, corrupt or of "
         "another format (gdal_translate converts many)");
   }
   if (dataset_->GetRasterCount() == 0) {
@@ -80,7 +88,10 @@ void RasterFile::read_row(int row, int column, int columns, double* values, unsi
 void RasterFile::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,
                           void* out) const {
   if (band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr) != CE_None) {
-    fail(fmt::format("row {} cannot be read: the file is cut off or corrupt", row));
+    // GDAL's last word names the file, which may be one of many in a virtual raster.
+    const auto& told = messages_.failures();
+    fail(fmt::format("row {} cannot be read: the file is cut off or corrupt{}", row,
+                     told.size() > 1 ? ": " + told.back() : ""));
   }
 }
 

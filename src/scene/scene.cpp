@@ -169,7 +169,8 @@ WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>&
 void warn_about(Scene& scene) {
   const MeshReport& mesh = scene.report.mesh;
   std::vector<std::string>& warnings = scene.report.warnings;
-  if (scene.mesh.facets.empty()) warnings.push_back("the scene has no facet: nothing will echo");
+  if (scene.mesh.facets.empty() && scene.tiled.empty())
+    warnings.push_back("the scene has no facet: nothing will echo");
   if (mesh.degenerate_facets > 0) {
     warnings.push_back(fmt::format("{} facets have no area on the grid: they are kept, but show nothing",
                                    mesh.degenerate_facets));
@@ -189,13 +190,19 @@ void warn_about(Scene& scene) {
       warnings.push_back(fmt::format(
           "{} facets reach above the sea surface: they end there, and what is above is not heard", above));
     }
+    for (std::size_t i = 0; i < scene.tiled.size(); ++i)
+      if (scene.tiled[i].tiles && scene.tiled[i].tiles->hi_m().z > surface->height_m)
+        warnings.push_back(
+            fmt::format("'{}' reaches above the sea surface: it ends there, and what is above is not heard",
+                        scene.report.components[i].name));
   }
   constexpr double kCoarse_m = 1e-3;
   if (scene.grid.unit_m() > kCoarse_m && !scene.description.run.grid_exponent) {
     warnings.push_back(
         fmt::format("the scene is so large that its grid has a unit of {:.3g} m; vertices moved by up to "
                     "{:.3g} m",
-                    scene.grid.unit_m(), mesh.largest_snap_m));
+                    scene.grid.unit_m(),
+                    scene.tiled.empty() ? mesh.largest_snap_m : std::sqrt(0.75) * scene.grid.unit_m()));
   }
 }
 
@@ -244,6 +251,7 @@ class Loader {
                 .water = {},
                 .trajectories = std::move(trajectories),
                 .sensor_trajectory = std::move(sensor_trajectory),
+                .tiled = tiled_,
                 .report = {}};
     for (const MaterialDescription& m : description_.materials) {
       scene.material_mu.push_back(std::pow(10.0, m.lambert_db / 10));
@@ -263,11 +271,23 @@ class Loader {
  private:
   void load_components() {
     std::vector<ComponentMesh> terrains;  // objects may stand on them
-    for (const TerrainDescription& t : description_.terrains) terrains.push_back(terrain_mesh(t, frame_));
+    for (const TerrainDescription& t : description_.terrains) {
+      if (!named_at(t.place, [&] { return is_read_by_tiles(t, description_); })) {
+        terrains.push_back(terrain_mesh(t, frame_));
+        continue;
+      }
+      tiled_.resize(description_.terrains.size() + description_.objects.size());
+      tiled_[terrains.size()].tiles = named_at(t.place, [&] {
+        return std::make_shared<const TerrainTiles>(std::get<RasterTerrain>(t.kind), frame_);
+      });
+      terrains.emplace_back();
+    }
     std::vector<ComponentMesh> objects;
     for (const ObjectDescription& object : description_.objects) {
       objects.push_back(object_mesh(object));
-      place_object(objects.back(), object, frame_.value_or(LocalFrame()), terrains);
+      place_object(objects.back(), object, frame_.value_or(LocalFrame()), [&](double east_m, double north_m) {
+        return highest_m(object, terrains, east_m, north_m);
+      });
     }
     for (std::size_t i = 0; i < terrains.size(); ++i) {
       const TerrainDescription& t = description_.terrains[i];
@@ -277,6 +297,7 @@ class Loader {
       add_component(std::move(terrains[i]), t.name, t.material, t.material_place, t.place, false);
       report_.components.back().facets_in_file = facets;
       report_.components.back().cut_facets = cut;
+      if (is_tiled(i)) report_tiles(tiled_[i], components_.back().material);
     }
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const ObjectDescription& o = description_.objects[i];
@@ -301,13 +322,42 @@ class Loader {
     components_.push_back({std::move(mesh), static_cast<std::uint16_t>(index), is_file});
   }
 
+  /// Of all terrains at a place.
+  std::optional<double> highest_m(const ObjectDescription& object, std::span<const ComponentMesh> terrains,
+                                  double east_m, double north_m) const {
+    std::vector<ComponentMesh> patches;
+    for (const TiledTerrain& terrain : tiled_) {
+      if (!terrain.tiles) continue;
+      const auto near = terrain.tiles->at(east_m, north_m);
+      patches.push_back(named_at(object.place, [&] { return terrain.tiles->read(near); }));
+    }
+    const auto whole = terrain_height_m(terrains, east_m, north_m),
+               tiled = terrain_height_m(patches, east_m, north_m);
+    return whole && tiled ? std::max(whole, tiled) : whole ? whole : tiled;
+  }
+
+  /// Of the component that was added last.
+  void report_tiles(TiledTerrain& terrain, std::uint16_t material) {
+    terrain.material = material;
+    const TerrainTiles& tiles = *terrain.tiles;
+    ComponentReport& report = report_.components.back();
+    report.facets_in_file = tiles.facets();
+    report.hole_cells = tiles.hole_cells();
+    report.lo_m = tiles.lo_m();
+    report.hi_m = tiles.hi_m();
+    parts_.back().box = {report.lo_m, report.hi_m};
+    report_.warnings.insert(report_.warnings.end(), tiles.warnings().begin(), tiles.warnings().end());
+  }
+
+  bool is_tiled(std::size_t component) const { return !tiled_.empty() && tiled_[component].tiles; }
+
   /// Displaced facets have to fit the grid, too.
   void make_room_for(const std::vector<std::shared_ptr<const ElevationField>>& relief) {
     double largest_m = 0;
     for (const auto& field : relief)
       if (field) largest_m = std::max(largest_m, field->largest_m());
     for (std::size_t i = 0; i < components_.size(); ++i) {
-      if (components_[i].mesh.points_m.empty()) continue;
+      if (components_[i].mesh.points_m.empty() && !is_tiled(i)) continue;
       parts_[i].box.lo -= largest_m;
       parts_[i].box.hi += largest_m;
     }
@@ -342,7 +392,7 @@ class Loader {
       while (last < scene.mesh.facets.size() && scene.mesh.component[last] == i) ++last;
       std::ranges::copy(components_[i].facet_materials, scene.mesh.material.begin() + first);
       ComponentReport& report = report_.components[i];
-      report.facets = last - first;
+      report.facets = is_tiled(i) ? report.facets_in_file : last - first;
       if (components_[i].is_file)
         report.kept_outside_halfedge = facets_outside_halfedge(scene.mesh, first, last);
       first = last;
@@ -353,6 +403,7 @@ class Loader {
   std::optional<LocalFrame> frame_;  // unset: the first raster settles it
   std::vector<Part> parts_;
   std::vector<LoadedComponent> components_;
+  std::vector<TiledTerrain> tiled_;
   SceneReport report_;
 };
 

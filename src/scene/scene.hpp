@@ -10,6 +10,7 @@
 #include "scene/georeference.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_water.hpp"
+#include "scene/terrain_tiles.hpp"
 #include "scene/trajectory.hpp"
 #include "seabed/elevation_field.hpp"
 #include "seabed/reflectivity_field.hpp"
@@ -34,6 +35,12 @@ struct SceneReport {
   std::vector<std::string> warnings;
 };
 
+/// A terrain that is read by tiles.
+struct TiledTerrain {
+  std::shared_ptr<const TerrainTiles> tiles;  ///< null: a component that is in the scene's mesh
+  std::uint16_t material = 0;
+};
+
 /// Everything a run needs, loaded and immutable.
 struct Scene {
   SceneDescription description;
@@ -49,6 +56,7 @@ struct Scene {
   double sound_speed_m_s = 1500;               ///< of even water; else at the depth that [water] names
   std::vector<Trajectory> trajectories;        ///< as in the description
   std::vector<std::size_t> sensor_trajectory;  ///< per sensor: index of its trajectory
+  std::vector<TiledTerrain> tiled;             ///< by component; empty: the mesh holds all of the scene
   SceneReport report;
 
   /// Of the sea surface, which there must be, in grid units.

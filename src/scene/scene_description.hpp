@@ -160,6 +160,7 @@ struct RasterTerrain {
   std::optional<std::array<int, 4>> window;  ///< column, row, columns, rows (from the north-west corner)
   int decimate = 1;                          ///< keep every n-th row and column
   bool depth_positive_down = false;          ///< values are depths, not heights
+  std::string load = "auto";                 ///< auto | whole | tiles (docs/big-terrain.md)
 };
 
 /// What a material map calls a material, and what the scene calls it.
@@ -402,6 +403,7 @@ struct RunDescription {
   std::uint64_t seed = 1;
   std::optional<int> grid_exponent;  ///< unit 2^-k m
   int threads = 0;                   ///< 0: all cores
+  int terrain_cache_mb = 512;        ///< of terrain that is read by tiles
 };
 
 struct SceneDescription {

@@ -11,6 +11,7 @@
 #include "scene/scene_file_sections.hpp"
 #include "scene/scene_file_words.hpp"
 #include "scene/sensor_presets.hpp"
+#include "scene/vrt_sources.hpp"
 
 namespace tubefoot {
 namespace {
@@ -90,9 +91,13 @@ void note_outsiders(const toml::node& node, const TomlSource& source, std::vecto
     const fs::path folder = source.file.parent_path(), named = folder / *text;
     std::error_code ignored;
     if (!fs::is_regular_file(named, ignored)) return;
-    if (const auto real = place_outside(folder, named))
-      notes.push_back(fmt::format("{}: \"{}\" leaves the scene's folder: it is '{}'",
-                                  to_string(source.place(node.source())), *text, real->string()));
+    const auto note = [&](const fs::path& of) {
+      if (const auto real = place_outside(folder, of))
+        notes.push_back(fmt::format("{}: \"{}\" leaves the scene's folder: it is '{}'",
+                                    to_string(source.place(node.source())), *text, real->string()));
+    };
+    note(named);
+    for (const fs::path& part : vrt_sources(named)) note(part);
   }
 }
 

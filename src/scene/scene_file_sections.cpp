@@ -147,7 +147,8 @@ const TomlSection<TerrainDescription>& terrain_section() {
               {field("file", &Raster::file, {.required = true}),
                field("window", &Raster::window, {.ranges = {index, index, count_of_two, count_of_two}}),
                field("decimate", &Raster::decimate, {.ranges = {{.lo = 1, .hi = 10000}}}),
-               field("depth_positive_down", &Raster::depth_positive_down)})
+               field("depth_positive_down", &Raster::depth_positive_down),
+               field("load", &Raster::load, {.choices = {"auto", "whole", "tiles"}})})
           .check(check_terrain);
   return section;
 }
@@ -226,7 +227,8 @@ const TomlSection<RunDescription>& run_section() {
                field("rays_per_beam", &R::rays_per_beam, {.ranges = {{.lo = 1, .hi = 1e10}}}),
                field("seed", &R::seed, {.ranges = {not_negative}}),
                field("grid_exponent", &R::grid_exponent, {.ranges = {{.lo = 0, .hi = 30}}}),
-               field("threads", &R::threads, {.ranges = {{.lo = 0, .hi = 1024}}})})
+               field("threads", &R::threads, {.ranges = {{.lo = 0, .hi = 1024}}}),
+               field("terrain_cache_mb", &R::terrain_cache_mb, {.ranges = {{.lo = 0, .hi = 1e6}}})})
           .check(check_run);
   return section;
 }

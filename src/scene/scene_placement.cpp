@@ -58,7 +58,7 @@ std::optional<double> terrain_height_m(std::span<const ComponentMesh> terrains, 
 }
 
 void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
-                  std::span<const ComponentMesh> terrains) {
+                  const std::function<std::optional<double>(double, double)>& height_m) {
   const glm::dvec3 position = position_of(object, frame);
   const glm::dquat attitude = attitude_from_angles(
       glm::radians(object.heading_deg), glm::radians(object.pitch_deg), glm::radians(object.roll_deg));
@@ -70,7 +70,7 @@ void place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
     lowest = std::min(lowest, p.z);
   }
   if (object.on_terrain_m) {
-    const auto ground = terrain_height_m(terrains, position.x, position.y);
+    const auto ground = height_m(position.x, position.y);
     if (!ground) {
       throw InputError(object.place,
                        fmt::format("on_terrain_m: there is no terrain below the object's position ({:.3f} m "

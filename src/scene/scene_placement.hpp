@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -15,9 +16,9 @@ std::optional<double> terrain_height_m(std::span<const ComponentMesh> terrains, 
                                        double north_m);
 
 /// Puts an object where its description says: turns y up, scales along east, north and up, turns by roll,
-/// pitch and heading, moves to its position, and sets it on the terrain if asked to. Throws InputError at the
-/// object's place.
+/// pitch and heading, moves to its position, and sets it on the terrain, of which `height_m` tells the height
+/// at a place east and north, if asked to. Throws InputError at the object's place.
 void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
-                  std::span<const ComponentMesh> terrains);
+                  const std::function<std::optional<double>(double, double)>& height_m);
 
 }  // namespace tubefoot

@@ -258,6 +258,23 @@ TEST(HeightSheets, AHoleInViewLetsItsUndersideBeSeen) {
   EXPECT_LT(expect_same(holed, beside, all), all);
 }
 
+// Else a part of a terrain, in memory, would be looked at otherwise than in the whole.
+TEST(HeightSheets, AHoleBeyondTheReachChangesNothing) {
+  Random random(6);
+  const FacetMesh mesh = terrain(random, 16);
+  FacetMesh holed = mesh;
+  holed.facets.erase(holed.facets.begin() + 2 * (16 * 9 + 8), holed.facets.begin() + 2 * (16 * 9 + 8) + 2);
+  holed.material.pop_back();
+  holed.component.pop_back();
+  TubeSet tubes = forward_tubes({0, -width / 8, 0}, 1, 1, 30, 40, 25);
+  std::size_t all = 0;
+  EXPECT_EQ(expect_same(holed, tubes, all), all) << "within it, it is in view";
+  tubes.reach = width / 6;
+  const std::size_t left = expect_same(mesh, tubes, all);
+  EXPECT_LT(left, all);
+  EXPECT_EQ(expect_same(holed, tubes, all), left);
+}
+
 TEST(HeightSheets, FewFacetsAndVerticalOnesAreNone) {
   FacetMesh mesh;
   add_plate(mesh, 1000, 8, 100, false);

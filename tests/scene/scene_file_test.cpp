@@ -96,6 +96,7 @@ file = "../grids/chart.tif"
 window = [10, 20, 300, 400]
 decimate = 3
 depth_positive_down = true
+load = "whole"
 
 [terrain.material_map]
 kind = "patches"
@@ -283,6 +284,7 @@ rays_per_ping = 5000
 seed = 99
 grid_exponent = 16
 threads = 3
+terrain_cache_mb = 700
 
 [relief]
 mode = "offline"
@@ -375,6 +377,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_THAT(raster.window, Optional(ElementsAre(10, 20, 300, 400)));
   EXPECT_EQ(raster.decimate, 3);
   EXPECT_TRUE(raster.depth_positive_down);
+  EXPECT_EQ(raster.load, "whole");
 
   const auto& classes = std::get<RasterMaterialMap>(scene.terrains[0].material_map.value().kind);
   EXPECT_TRUE(std::filesystem::equivalent(classes.file, folder.outside.path() / "grids/classes.tif"));
@@ -525,6 +528,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.run.seed, 99u);
   EXPECT_EQ(scene.run.grid_exponent, 16);
   EXPECT_EQ(scene.run.threads, 3);
+  EXPECT_EQ(scene.run.terrain_cache_mb, 700);
 }
 
 TEST(SceneFile, RaysMayBeCountedByBeam) {
