@@ -27,6 +27,8 @@ struct Header {
 };
 
 constexpr std::size_t alignment = 4096;
+// Linux maps a page that is read together with those about it, in windows of this size (fault_around_bytes).
+constexpr std::size_t window = 65536;
 constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
 
 [[noreturn]] void fail(const fs::path& file, const char* task, int error) {
@@ -211,9 +213,9 @@ void PingStore::release(std::size_t sensor, std::size_t ping) {
     const std::span<double> values = part(sensor, ping, which);
     if (values.empty()) continue;
     // Pages that neighbours share go, too, or a long line would keep one a ping: the mapping is a file's, so
-    // what a neighbour has written there is kept and comes back when it is touched.
-    const std::size_t begin =
-        (reinterpret_cast<unsigned char*>(values.data()) - data_) / alignment * alignment;
+    // what a neighbour has written there is kept and comes back when it is touched. So do the pages before
+    // them in their window: reading this ping brought them back.
+    const std::size_t begin = (reinterpret_cast<unsigned char*>(values.data()) - data_) / window * window;
     const std::size_t end = aligned(reinterpret_cast<unsigned char*>(values.data() + values.size()) - data_);
     madvise(data_ + begin, end - begin, MADV_DONTNEED);
   }
