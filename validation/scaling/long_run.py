@@ -89,14 +89,16 @@ def main():
         times = [row[0] for row in run.rows]
         lines = {"anonymous": (times, [row[1] for row in run.rows], {"line"}),
                  "pages of files": (times, [row[2] for row in run.rows], {"line"}),
-                 "files are written from here on": ([run.writing] * 2, [0, max(r[1] + r[2] for r in run.rows)],
+                 "files are written from here on": ([run.writing] * 2, [0, max(max(row[1:]) for row in run.rows)],
                                                     {"line", "dashes", "thin"})}
+        highest = 1.4 * max(max(peak) for peak in peaks[sonar])
         panels.append(plot.panel(f"{sonar}, {most} pings: {run.store_mb:.0f} MB of energies", "seconds", "memory, MB",
-                                 lines, limits=(0, None, 0, None)))
+                                 lines, limits=(0, None, 0, highest)))
         panels.append(plot.panel(f"{sonar}: largest memory against pings", "pings", "memory, MB", {
             name: (counts, [peak[column] for peak in peaks[sonar]])
-            for name, column in (("anonymous, simulation", 0), ("anonymous, writing", 2), ("pages of files", 1))},
-            log=(True, False), limits=(None, None, 0, None)))
+            for name, column in (("anonymous, simulation", 0), ("anonymous, writing", 2),
+                                 ("pages of files, simulation", 1), ("pages of files, writing", 3))},
+            log=(True, False), limits=(None, None, 0, highest)))
     plot.sheet(figure, panels)
 
 

@@ -23,6 +23,7 @@ class Axis:
     """From values to pixels."""
     def __init__(self, values, log, first, last, low=None, high=None):
         self.log, self.first, self.last = log, first, last
+        self.whole = all(v is None or float(v).is_integer() for v in values)
         values = [v for v in values if v is not None and (v > 0 or not log)]
         self.low, self.high = (min(values) if low is None else low), (max(values) if high is None else high)
         if log:
@@ -45,6 +46,7 @@ class Axis:
                     break
             return found
         step = 10**math.floor(math.log10((self.high - self.low) / 4))
+        step = max(1, step) if self.whole else step
         step = next(s * step for s in (1, 2, 2.5, 5, 10) if (self.high - self.low) / (s * step) <= 6)
         first = math.ceil(self.low / step - 1e-9)
         return [round(k * step, 12) for k in range(first, math.floor(self.high / step + 1e-9) + 1)]
@@ -74,7 +76,9 @@ def panel(title, x_words, y_words, lines, log=(False, False), limits=(None, None
                 f'fill="none" stroke="{INK}"/>')
     longest = max((len(name) for name in curves), default=0) * 6.1 + 34
     legend_x = LEFT + 8 if corner.endswith("left") else width - RIGHT - longest
-    legend_y = height - BOTTOM - 15 * len(curves) + 3 if corner.startswith("low") else TOP + 15
+    legend_y = height - BOTTOM - 15 * len(curves) + 3 if corner.startswith("low") else TOP + 18
+    legend = [f'<rect x="{legend_x - 4}" y="{legend_y - 13}" width="{longest}" height="{15 * len(curves) + 4}" '
+              'fill="white" fill-opacity="0.8"/>']
     for k, (name, (xs, ys, style)) in enumerate(curves.items()):
         colour = COLOURS[k % len(COLOURS)]
         at = [(x.place(a), y.place(b)) for a, b in zip(xs, ys) if b is not None and (b > 0 or not log[1])]
@@ -86,11 +90,11 @@ def panel(title, x_words, y_words, lines, log=(False, False), limits=(None, None
             rows += [f'<circle cx="{a:.1f}" cy="{b:.1f}" r="2.8" fill="{colour}"/>' for a, b in at]
         row = legend_y + 15 * k
         if "line" in style:
-            rows.append(f'<line x1="{legend_x}" x2="{legend_x + 20}" y1="{row - 4}" y2="{row - 4}" {stroke}/>')
+            legend.append(f'<line x1="{legend_x}" x2="{legend_x + 20}" y1="{row - 4}" y2="{row - 4}" {stroke}/>')
         if "points" in style:
-            rows.append(f'<circle cx="{legend_x + 10}" cy="{row - 4}" r="2.8" fill="{colour}"/>')
-        rows.append(f'<text x="{legend_x + 26}" y="{row}">{escape(name)}</text>')
-    return "\n".join(rows), size
+            legend.append(f'<circle cx="{legend_x + 10}" cy="{row - 4}" r="2.8" fill="{colour}"/>')
+        legend.append(f'<text x="{legend_x + 26}" y="{row}">{escape(name)}</text>')
+    return "\n".join(rows + legend), size
 
 
 def sheet(path, panels, columns=2):
