@@ -160,7 +160,7 @@ class Dealing:
 def predict(seconds, ranks, threads, costs):
     """Where the seconds of a run go. They add up to its `total`."""
     dealing = Dealing(seconds, ranks, threads, costs)
-    unhindered = Dealing(seconds, ranks, threads, costs.free_lead()).end
+    unhindered = Dealing(seconds, ranks, threads, costs.free_lead()).end if ranks > 1 else dealing.end
     shared = float(seconds.sum()) / (ranks * threads)
     parts = {"launch and load": costs.launch + costs.load, "pings": shared, "waiting and tail": unhindered - shared,
              "rank 0": dealing.end - unhindered, "writing": costs.write * len(seconds)}

@@ -57,7 +57,7 @@ def cost_part(measured, figures):
 
 
 def costs_of(row, lead, ranks, cluster):
-    message, byte = lead
+    message, byte = lead["message"], lead["byte"]
     link = 1 / LINK_BYTES_S if cluster else 0
     settings = row["settings"]
     launch = max(0.0, settings["2 ranks, 1 thread each"]["wall"] - settings["2 ranks, 1 thread each"]["total"])
@@ -94,8 +94,9 @@ def scene_predictions(row, lead):
         now = predict(seconds, ranks, 1, costs)
         before = now["parts"]["launch and load"]
         beside = before + max(now["simulation"], costs.write * PINGS)
-        costs.result = lead[0]
-        own = before + Dealing(seconds, ranks, 1, costs).end + costs.write * PINGS / ranks
+        costs.result = lead["message"]
+        own = before + costs.write * PINGS / ranks
+        own += Dealing(seconds, ranks, 1, costs).end if ranks > 1 else now["simulation"]
         found.append((ranks, now, beside, own))
     return found
 
@@ -121,7 +122,7 @@ def dealing_part(found, lead, figures):
             limit = max(others, key=others.get) if ranks > 1 else "-"
             rows.append([name, ranks, number(now["total"], 4), number(alone / now["total"]), number(alone / now["total"] / ranks, 2),
                          *(number(max(0.0, round(seconds, 2))) for seconds in parts.values()), f"{100 * now['lead_busy']:.0f} %",
-                         limit, number(alone / beside / ranks, 2), number(alone / own / ranks, 2)])
+                         limit, *(number(alone / other / ranks, 2) if ranks > 1 else "-" for other in (beside, own))])
     text.append(table(["scene", "ranks", "total, s", "speed-up", "efficiency", *(f"{key}, s" for key in cases[0][1]["parts"]),
                        "rank 0 busy", "most is lost to", "efficiency, files beside the pings",
                        "efficiency, ranks keep and write their own"], rows))
@@ -130,14 +131,14 @@ def dealing_part(found, lead, figures):
     panels.append(plot.panel("Seconds of pings, over their mean", "share of pings below", "over the mean", share))
     for title, which in (("Predicted efficiency", None), ("..., files beside the pings", 2), ("..., ranks keep and write their own", 3)):
         panels.append(plot.panel(title, "ranks", "efficiency", {
-            name: (RANKS, [cases[0][1]["total"] / case[0] / (case[1]["total"] if which is None else case[which]) for case in cases])
+            name: (RANKS, [1, *(cases[0][1]["total"] / case[0] / (case[which] if which else case[1]["total"]) for case in cases[1:])])
             for name, cases in predicted.items()}, log=(True, False), limits=(None, None, 0, 1.05), corner="lowleft"))
     plot.sheet(figures / "scaling-dealing.svg", panels)
     return "\n".join(text)
 
 
 def page(measured, figures):
-    points, lead = measured["lead"]
+    lead = measured["lead"]
     return "\n".join([
         "# What pings cost, and how runs scale: measured", "",
         "Written by `make scaling`; [docs/scaling.md](../docs/scaling.md) says what it means. Load average of the machine as the",
@@ -149,9 +150,11 @@ def page(measured, figures):
         "time of one rank over twice that of two. Processor seconds are of the whole run, all ranks.", "",
         check_part(measured["ranks"], lead),
         "## Rank 0", "",
-        "Processor seconds of rank 0's main thread, waiting for messages included, over the pings that it got from others:", "",
-        table(["bytes of a ping", "us a ping"], [[size, number(1e6 * seconds)] for size, seconds in points]),
-        f"Fitted: {1e6 * lead[0]:.0f} us a message and {1e9 * lead[1]:.2f} ns a byte.", "",
+        "Its main thread while pings come in: it takes them, answers requests, and sleeps a millisecond when there is nothing.", "",
+        table(["bytes of a ping", "pings from others", "sleeps", "processor s"],
+              [[run["bytes"], number(run["results"]), number(run["sleeps"]), number(run["seconds"])] for run in lead["runs"]]),
+        f"That is best explained by {1e6 * lead['message']:.0f} us a ping, {1e9 * lead['byte']:.2f} ns a byte and "
+        f"{1e6 * lead['sleep']:.0f} us a sleep.", "",
         f"## {PINGS} pings dealt", "",
         f"A thread a rank. Pings: blocks of {BLOCK} neighbours drawn from the measured ones (seed {SEED}). Assumed, not measured: a",
         f"link of {LINK_BYTES_S / 1e9:g} GB/s to rank 0, {DISK_BYTES_S / 1e9:g} GB/s of a shared disk while all ranks load.", "",

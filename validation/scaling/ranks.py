@@ -11,8 +11,9 @@ import numpy
 
 from runs import SCENES, Run, with_pings
 
-# Cheap pings of 2 x `samples` energies: two facets. What rank 0 does for them is most of what is done.
-CHEAP = """
+# Pings of 2 x `samples` energies: cheap ones, of two facets, for which what rank 0 does is most of what is done;
+# or dear ones, while which it mostly sleeps and looks for messages.
+LINE = """
 [water]
 sound_speed_m_s = 1500
 [[materials]]
@@ -21,6 +22,7 @@ name = "bed"
 kind = "flat"
 width_m = 200
 length_m = 200
+cell_m = {cell}
 [trajectory]
 kind = "line"
 start_m = [0, -80, 10]
@@ -32,7 +34,10 @@ pings = {pings}
 ping_interval_s = {interval}
 samples = {samples}
 range_max_m = 80
+along_track_deg = {along}
 """
+CHEAP_PINGS = {"cell": 0, "along": 0.5}
+DEAR_PINGS = {"cell": 1, "along": 40}
 LEAD_RANKS = 5  # most results come from others; rank 0's own wake it less often
 HEAD = 8 + 1 + 16 + 304  # of a result's message: length, letter, PingUnit, PingCounts (src/app/rank_notes.cpp)
 
@@ -96,8 +101,8 @@ def input_bytes(scene):
 
 
 class MainThread(threading.Thread):
-    """Watches the processor time of a rank's main thread, which only sees to messages while pings are
-    simulated: from when the store has its size until files are being written."""
+    """Watches the main thread of rank 0, which only sees to messages while pings are simulated: processor seconds
+    and sleeps from when the store has its size until files are being written."""
     def __init__(self, folder):
         super().__init__(daemon=True)
         self.folder, self.over, self.begin, self.end = folder, False, None, None
@@ -116,30 +121,32 @@ class MainThread(threading.Thread):
         process = None
         while process is None and not self.over:
             process = self.rank_0()
-        schedule = pathlib.Path(f"/proc/{process}/task/{process}/schedstat")
+        thread = pathlib.Path(f"/proc/{process}/task/{process}")
         while not self.over:
             try:
-                seconds = int(schedule.read_text().split()[0]) / 1e9
+                seconds = int((thread / "schedstat").read_text().split()[0]) / 1e9
+                sleeps = int(re.search(r"^voluntary_ctxt_switches:\s*(\d+)", (thread / "status").read_text(), re.M)[1])
             except OSError:
                 return  # it has ended
             if any(self.folder.glob(".run.partial-*/echoes.nc")):
                 return
             if (self.folder / "run.partial").exists():
-                self.begin, self.end = (seconds if self.begin is None else self.begin), seconds
+                self.end = numpy.array([seconds, sleeps])
+                self.begin = self.end if self.begin is None else self.begin
             time.sleep(0.002)
 
 
-def lead_seconds(program, folder, samples, pings):
-    """(bytes of a result, results, seconds of rank 0's main thread) of a run on LEAD_RANKS ranks."""
+def lead_run(program, folder, samples, pings, kind):
+    """A run on LEAD_RANKS ranks: bytes of a result, results, seconds and sleeps of rank 0's main thread."""
     with tempfile.TemporaryDirectory(prefix="tubefoot-lead-", dir=folder) as scratch:
         scratch = pathlib.Path(scratch)
-        scene = scratch / "cheap.toml"
-        scene.write_text(CHEAP.format(pings=pings, interval=150 / pings, samples=samples))
+        scene = scratch / "line.toml"
+        scene.write_text(LINE.format(pings=pings, interval=150 / pings, samples=samples, **kind))
         watch = MainThread(scratch)
         watch.start()
         # Open MPI counts the bytes that ranks send each other.
-        subprocess.run(["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-n",
-                        str(LEAD_RANKS), "--mca", "pml_monitoring_enable", "1", "--mca", "pml_monitoring_enable_output", "3",
+        subprocess.run(["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-n", str(LEAD_RANKS),
+                        "--mca", "pml_monitoring_enable", "1", "--mca", "pml_monitoring_enable_output", "3",
                         "--mca", "pml_monitoring_filename", str(scratch / "sent"),
                         str(program), "run", str(scene), "-o", str(scratch / "run"), "--threads", "1", "--quiet"],
                        check=True, capture_output=True)
@@ -148,15 +155,20 @@ def lead_seconds(program, folder, samples, pings):
         sent = sum(int(re.search(rf"^E\t{rank}\t0\t(\d+) bytes", (scratch / f"sent.{rank}.prof").read_text(), re.M)[1])
                    for rank in range(1, LEAD_RANKS))
     size = HEAD + 2 * samples * 8
-    return size, sent / size, watch.end - watch.begin
+    seconds, sleeps = (float(v) for v in watch.end - watch.begin)
+    return {"bytes": size, "results": sent / size, "seconds": seconds, "sleeps": sleeps}
 
 
 def lead_cost(program, folder, rounds, quick=False):
-    """([(bytes, seconds a result)...], (seconds a message, seconds a byte)): least of rounds, and a straight line."""
-    found = []
-    for samples, pings in ((64, 6000), (1024, 4000), (8192, 1500), (65536, 300)):
-        tries = [lead_seconds(program, folder, samples, pings // (5 if quick else 1)) for _ in range(rounds)]
-        found.append((tries[0][0], min(seconds / results for _, results, seconds in tries)))
-        print(f"a result of {found[-1][0]} bytes: {1e6 * found[-1][1]:.0f} us of rank 0", flush=True)
-    a, b = numpy.polyfit(*zip(*((1 / s, t / s) for s, t in found)), 1)  # least squares of relative size
-    return found, (float(a), float(b))
+    """{"runs": [...], "message", "byte", "sleep": seconds each}: what best explains the cheapest runs' seconds."""
+    runs = []
+    for samples, pings, kind in ((64, 500, DEAR_PINGS), (64, 6000, CHEAP_PINGS), (1024, 4000, CHEAP_PINGS),
+                                 (8192, 1500, CHEAP_PINGS), (65536, 300, CHEAP_PINGS)):
+        tries = [lead_run(program, folder, samples, pings // (5 if quick else 1), kind) for _ in range(rounds)]
+        runs.append(min(tries, key=lambda run: run["seconds"] / run["results"]))
+        print("rank 0:", runs[-1], flush=True)
+    # Least squares of relative errors.
+    rows = numpy.array([[r["results"], r["results"] * r["bytes"], r["sleeps"]] for r in runs])
+    seconds = numpy.array([r["seconds"] for r in runs])
+    found = numpy.linalg.lstsq(rows / seconds[:, None], numpy.ones(len(runs)), rcond=None)[0]
+    return {"runs": runs, **dict(zip(("message", "byte", "sleep"), map(float, found)))}
