@@ -15,6 +15,8 @@
 #   make rays    hold rays in layered water against published ones: validation/rays.md
 #   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
 #   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
+#   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, docs/scaling.md (half an hour)
+#   make long-run  memory of 10 000 pings of a sidescan and a multibeam: docs/figures/long-run.svg (minutes)
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
 #   make docs    build the documents as a site: build/docs/html/index.html
 #   make figures  draw the figures of docs/tutorial.md and docs/theory.md anew, from the program's output
@@ -24,7 +26,7 @@ JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
 .PHONY: demo python test install package build setup sanitize prove fuzz bench atlas advise-study refraction-study track-study \
-  rays reference docs figures format tidy clean
+  rays scaling long-run reference docs figures format tidy clean
 
 demo: build
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -122,6 +124,17 @@ track-study: build
 rays: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_rays
 	build/release/tubefoot_rays validation/rays.md
+
+SCALING_ROUNDS := 3
+
+scaling: build
+	@rm -f build/scaling.json
+	/usr/bin/python3 validation/scaling/study.py $(PROGRAM) validation/scaling.md docs/figures build/scaling.json --rounds $(SCALING_ROUNDS)
+
+LONG_RUN_PINGS := 10000
+
+long-run: build
+	/usr/bin/python3 validation/scaling/long_run.py $(PROGRAM) docs/figures/long-run.svg $(LONG_RUN_PINGS)
 
 reference: build
 	tools/reference_pack $(PROGRAM) reference/v1

@@ -9,6 +9,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -27,6 +28,9 @@ struct Header {
 };
 
 constexpr std::size_t alignment = 4096;
+// Linux maps a page that is read together with those about it, in windows of addresses of this size
+// (fault_around_bytes).
+constexpr std::size_t window = 65536;
 constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
 
 [[noreturn]] void fail(const fs::path& file, const char* task, int error) {
@@ -210,12 +214,14 @@ void PingStore::release(std::size_t sensor, std::size_t ping) {
   for (const int which : {0, 1}) {
     const std::span<double> values = part(sensor, ping, which);
     if (values.empty()) continue;
-    // Pages that neighbours share go, too, or a long line would keep one a ping: the mapping is a file's, so
-    // what a neighbour has written there is kept and comes back when it is touched.
-    const std::size_t begin =
-        (reinterpret_cast<unsigned char*>(values.data()) - data_) / alignment * alignment;
-    const std::size_t end = aligned(reinterpret_cast<unsigned char*>(values.data() + values.size()) - data_);
-    madvise(data_ + begin, end - begin, MADV_DONTNEED);
+    // Pages that neighbours share go, too, or a long line would keep one a ping, and so do the others in
+    // their windows, which reading this ping brought back: the mapping is a file's, so what a neighbour has
+    // written there is kept and comes back when it is touched.
+    const auto address = [](const void* place) { return reinterpret_cast<std::uintptr_t>(place); };
+    const std::uintptr_t begin = std::max(address(data_), address(values.data()) / window * window);
+    const std::uintptr_t end = std::min(
+        address(data_ + bytes_), (address(values.data() + values.size()) + window - 1) / window * window);
+    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
   }
 }
 

@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <numeric>
+#include <sstream>
+#include <string>
 
 #include "app/program.hpp"
 
@@ -75,6 +78,42 @@ TEST(PingStore, IsTakenUpAgainPingByPing) {
   EXPECT_EQ(again->counts(0, 3).footprints, 17u);
   EXPECT_EQ(again->energy(0, 3)[2], 5);
   EXPECT_EQ(again->bound(1, 3)[0], 1003);
+}
+
+/// Memory that a mapping of a file takes, in KB, as the system counts it.
+std::size_t mapped_kb(const std::filesystem::path& file) {
+  std::ifstream maps("/proc/self/smaps");
+  std::size_t kb = 0;
+  bool ours = false;
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find(" r") != std::string::npos && line.find('/') != std::string::npos)
+      ours = line.ends_with(std::filesystem::canonical(file).string());
+    else if (line.starts_with("Rss:") && ours)
+      kb += std::stoul(line.substr(4));
+  }
+  return kb;
+}
+
+TEST(PingStore, HoldsNoMorePagesThanThePingsAtHand) {
+  TestFolder folder;
+  StoreLayout line;
+  line.sensors = {{1000, 2000}};  // 16 MB, four pages a ping, the last ones shared with the next
+  line.groups = {{{0}, 1000}};
+  PingStore store(line, folder / "pings", "me");
+  for (std::size_t p = 0; p < 1000; ++p) {
+    fill(store, 0, p);
+    store.finish(0, p, {});
+  }
+  const std::size_t finished = mapped_kb(folder / "pings");
+  EXPECT_GT(finished, 0u);  // the counts of pings, at least
+  EXPECT_LT(finished, 1000u);
+  double sum = 0;
+  for (std::size_t p = 0; p < 1000; ++p) {
+    for (const double value : store.energy(0, p)) sum += value;
+    store.release(0, p);
+  }
+  EXPECT_EQ(sum, 1000 * (1999.0 * 2000 / 2) + 2000 * (999.0 * 1000 / 2));
+  EXPECT_LT(mapped_kb(folder / "pings"), 1000u);
 }
 
 }  // namespace

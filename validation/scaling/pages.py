@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The page of what was measured and predicted, and its figures."""
+import concurrent.futures
+
+import numpy
+
+import plot
+from cost import exponent
+from dealing import Costs, Dealing, correlation, predict, resampled
+
+PINGS, RANKS, BLOCK, SEED = 100000, (1, 10, 100, 1000), 20, 1
+# Of a cluster: what no machine by itself tells.
+LINK_BYTES_S, DISK_BYTES_S = 1.25e9, 1e9
+
+SERIES = {  # name: (title, x axis, row -> x, what a second's worth is counted in)
+    "seen": ("Footprints seen", "footprints a ping", lambda row: row["footprints"]),
+    "outside": ("Facets outside the fan", "facets of the scene", lambda row: row["facets"]),
+    "hidden": ("Facets in the fan, hidden", "hidden facets", lambda row: row["value"]),
+    "beams": ("Beams in the same fan", "beams", lambda row: row["value"]),
+    "samples": ("Range samples", "samples", lambda row: row["value"]),
+    "orders": ("Order of paths (shallow water)", "order", lambda row: row["value"]),
+}
+
+
+def table(head, rows):
+    return "\n".join(["| " + " | ".join(head) + " |", "|" + "---|" * len(head),
+                      *("| " + " | ".join(map(str, row)) + " |" for row in rows)]) + "\n"
+
+
+def number(value, digits=3):
+    if value == 0 or abs(value) >= 1000:
+        return f"{value:.0f}"
+    return f"{float(f'{value:.{digits}g}'):g}"
+
+
+def cost_part(measured, figures):
+    panels, text, summary = [], [], []
+    for name, (title, words, x_of) in SERIES.items():
+        rows = measured[name]
+        x, seconds = [x_of(row) for row in rows], [row["seconds"] for row in rows]
+        milli = {"ping": seconds, "visibility": [r["visibility"] for r in rows], "echo": [r["echo"] for r in rows]}
+        panels.append(plot.panel(title, words, "ms a ping", {key: (x, [1000 * s for s in found]) for key, found in milli.items()},
+                                 log=(name != "orders", True),
+                                 limits=(None, None, None, 3000 * max(seconds))))
+        orders = name == "orders"  # of which a power law says nothing
+        summary.append([title, f"{number(x[0])} to {number(x[-1])}", f"{number(1000 * seconds[0])} to {number(1000 * seconds[-1])}",
+                        "-" if orders else number(exponent(x[:3], seconds[:3]), 2),
+                        "-" if orders else number(exponent(x, seconds), 2),
+                        number(1e6 * (seconds[-1] - seconds[-2]) / (x[-1] - x[-2]))])
+        text += [f"### {title}\n", table(
+            [words, "facets of the scene", "footprints", "images", "visibility, ms", "echo, ms", "ping, ms"],
+            [[number(a), row["facets"], f"{row['footprints']:.0f}", f"{row['images']:.0f}", number(1000 * row["visibility"]),
+              number(1000 * row["echo"]), number(1000 * row["seconds"])] for a, row in zip(x, rows)])]
+    plot.sheet(figures / "scaling-cost.svg", panels)
+    return "\n".join([table(["varied", "over", "ms a ping", "exponent of the first three", "of the last three",
+                             "us for one more, at the end"], summary), *text])
+
+
+def costs_of(row, lead, ranks, cluster):
+    message, byte = lead["message"], lead["byte"]
+    link = 1 / LINK_BYTES_S if cluster else 0
+    settings = row["settings"]
+    launch = max(0.0, settings["2 ranks, 1 thread each"]["wall"] - settings["2 ranks, 1 thread each"]["total"])
+    return Costs(load=row["load"] + (row["scene_bytes"] * ranks / DISK_BYTES_S if cluster else 0),
+                 result=message + row["store_bytes"] * (byte + link), request=message, write=row["write"],
+                 launch=launch if ranks > 1 else 0)
+
+
+def worked(row):
+    return numpy.array(row["pings"]) + max(0.0, row["besides"])
+
+
+def check_part(found, lead):
+    rows = []
+    for name, row in found.items():
+        one, two = (row["settings"][s] for s in ("1 process, 1 thread", "2 ranks, 1 thread each"))
+        threads = row["settings"]["1 process, 2 threads"]
+        predicted = [Dealing(worked(row), ranks, 1, costs_of(row, lead, ranks, False)).end for ranks in (1, 2)]
+        rows.append([name, len(row["pings"]), number(one["simulation"]), number(predicted[0]), number(two["simulation"]),
+                     number(predicted[1]), number(one["simulation"] / 2 / two["simulation"], 2),
+                     number(one["simulation"] / 2 / threads["simulation"], 2),
+                     number(predicted[0] / 2 / predicted[1], 2), number(one["total"] / 2 / two["total"], 2),
+                     number(one["processor"]), number(two["processor"])])
+    return table(["scene", "pings", "1 rank, s", "predicted", "2 ranks, s", "predicted", "efficiency", "of 2 threads",
+                  "predicted", "of the whole run", "processor s, 1 rank", "2 ranks"], rows)
+
+
+def scene_predictions(row, lead):
+    """[(ranks, as it is, files beside the simulation, ranks keep and write their own)]."""
+    seconds = resampled(worked(row), PINGS, BLOCK, SEED)
+    found = []
+    for ranks in RANKS:
+        costs = costs_of(row, lead, ranks, True)
+        now = predict(seconds, ranks, 1, costs)
+        before = now["parts"]["launch and load"]
+        beside = before + max(now["simulation"], costs.write * PINGS)
+        costs.result = lead["message"]
+        own = before + costs.write * PINGS / ranks
+        own += Dealing(seconds, ranks, 1, costs).end if ranks > 1 else now["simulation"]
+        found.append((ranks, now, beside, own))
+    return found
+
+
+def dealing_part(found, lead, figures):
+    shape = []
+    for name, row in found.items():
+        pings = numpy.array(row["pings"])
+        shape.append([name, len(pings), number(1000 * pings.mean()), number(pings.std() / pings.mean(), 2),
+                      number(pings.max() / pings.mean(), 2), number(correlation(pings), 2),
+                      number(row["store_bytes"] / 1000), number(1e6 * costs_of(row, lead, 2, True).result),
+                      number(row["load"]), number(1000 * row["write"])])
+    text = [table(["scene", "pings", "mean, ms", "deviation / mean", "largest / mean", "correlation of neighbours", "kB a ping",
+                   "us of rank 0 a ping", "load, s", "writing, ms a ping"], shape)]
+    with concurrent.futures.ProcessPoolExecutor(2) as pool:
+        predicted = dict(zip(found, pool.map(scene_predictions, found.values(), [lead] * len(found))))
+    rows, panels = [], []
+    for name, cases in predicted.items():
+        alone = cases[0][1]["total"]
+        for ranks, now, beside, own in cases:
+            parts = now["parts"]
+            others = {key: seconds for key, seconds in parts.items() if key != "pings"}
+            limit = max(others, key=others.get) if ranks > 1 else "-"
+            rows.append([name, ranks, number(now["total"], 4), number(alone / now["total"]), number(alone / now["total"] / ranks, 2),
+                         *(number(max(0.0, round(seconds, 2))) for seconds in parts.values()), f"{100 * now['lead_busy']:.0f} %",
+                         limit, *(number(alone / other / ranks, 2) if ranks > 1 else "-" for other in (beside, own))])
+    text.append(table(["scene", "ranks", "total, s", "speed-up", "efficiency", *(f"{key}, s" for key in cases[0][1]["parts"]),
+                       "rank 0 busy", "most is lost to", "efficiency, files beside the pings",
+                       "efficiency, ranks keep and write their own"], rows))
+    share = {name: (numpy.arange(len(row["pings"])) / (len(row["pings"]) - 1),
+                    numpy.sort(row["pings"]) / numpy.mean(row["pings"]), {"line"}) for name, row in found.items()}
+    panels.append(plot.panel("Seconds of pings, over their mean", "share of pings below", "over the mean", share))
+    for title, which in (("Predicted efficiency", None), ("..., files beside the pings", 2), ("..., ranks keep and write their own", 3)):
+        panels.append(plot.panel(title, "ranks", "efficiency", {
+            name: (RANKS, [1, *(cases[0][1]["total"] / case[0] / (case[which] if which else case[1]["total"]) for case in cases[1:])])
+            for name, cases in predicted.items()}, log=(True, False), limits=(None, None, 0, 1.05), corner="lowleft"))
+    plot.sheet(figures / "scaling-dealing.svg", panels)
+    return "\n".join(text)
+
+
+def page(measured, figures):
+    lead = measured["lead"]
+    return "\n".join([
+        "# What pings cost, and how runs scale: measured", "",
+        "Written by `make scaling`; [docs/scaling.md](../docs/scaling.md) says what it means. Load average of the machine as the",
+        f"measurements began and ended: {measured['load_average'][0]:.1f} and {measured['load_average'][1]:.1f}, on "
+        f"{measured['cores']} cores. Seconds of pings are the least of {measured['rounds']} interleaved rounds.", "",
+        "## A ping", "", cost_part(measured["cost"], figures),
+        "## One and two ranks", "",
+        "Seconds of the simulation, least of the rounds, and what the simulation of the dealing says of them. Efficiency is the",
+        "time of one rank over twice that of two. Processor seconds are of the whole run, all ranks.", "",
+        check_part(measured["ranks"], lead),
+        "## Rank 0", "",
+        "Its main thread while pings come in: it takes them, answers requests, and sleeps a millisecond when there is nothing.", "",
+        table(["bytes of a ping", "pings from others", "sleeps", "processor s"],
+              [[run["bytes"], number(run["results"]), number(run["sleeps"]), number(run["seconds"])] for run in lead["runs"]]),
+        f"That is best explained by {1e6 * lead['message']:.0f} us a ping, {1e9 * lead['byte']:.2f} ns a byte and "
+        f"{1e6 * lead['sleep']:.0f} us a sleep.", "",
+        f"## {PINGS} pings dealt", "",
+        f"A thread a rank. Pings: blocks of {BLOCK} neighbours drawn from the measured ones (seed {SEED}). Assumed, not measured: a",
+        f"link of {LINK_BYTES_S / 1e9:g} GB/s to rank 0, {DISK_BYTES_S / 1e9:g} GB/s of a shared disk while all ranks load.", "",
+        dealing_part(measured["ranks"], lead, figures)]) + "\n"

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs on one and two ranks, and what rank 0 spends on each ping that another one computed."""
+import pathlib
+import re
+import subprocess
+import tempfile
+import threading
+import time
+
+import numpy
+
+from runs import SCENES, Run, with_pings
+
+# Pings of 2 x `samples` energies: cheap ones, of two facets, for which what rank 0 does is most of what is done;
+# or dear ones, while which it mostly sleeps and looks for messages.
+LINE = """
+[water]
+sound_speed_m_s = 1500
+[[materials]]
+name = "bed"
+[[terrain]]
+kind = "flat"
+width_m = 200
+length_m = 200
+cell_m = {cell}
+[trajectory]
+kind = "line"
+start_m = [0, -80, 10]
+end_m = [0, 80, 10]
+[[sensors]]
+name = "sidescan"
+kind = "sidescan"
+pings = {pings}
+ping_interval_s = {interval}
+samples = {samples}
+range_max_m = 80
+along_track_deg = {along}
+"""
+CHEAP_PINGS = {"cell": 0, "along": 0.5}
+DEAR_PINGS = {"cell": 1, "along": 40}
+LEAD_RANKS = 5  # most results come from others; rank 0's own wake it less often
+HEAD = 8 + 1 + 16 + 304  # of a result's message: length, letter, PingUnit, PingCounts (src/app/rank_notes.cpp)
+
+
+def camera(folder, pings):
+    """The camera of the well head alone, on the same way in `pings` pings."""
+    path = with_pings("wellhead/scene.toml", pings, folder)
+    text = path.read_text().split('[[sensors]]\nname = "sidescan"')[0]
+    path.write_text(re.sub(r"ping_interval_s = .*", f"ping_interval_s = {20 / pings:g}", text))
+    return path
+
+
+def scenes(folder, quick=False):
+    """{name: scene file}: a sidescan's line, a multibeam's (over the real grid if that is there), a camera's
+    way, and a line with multiples of surface and bed."""
+    few = 5 if quick else 1
+    real = (SCENES / "../../shared/data/jd211.bag").exists()
+    found = {"sidescan": with_pings("survey/scene.toml", 500 // few, folder)}
+    (folder / "bed").mkdir()
+    found["multibeam"] = with_pings(f"multibeam/{'real-grid' if real else 'scene'}.toml", 300 // few, folder / "bed")
+    (folder / "camera").mkdir()
+    found["camera"] = camera(folder / "camera", 200 // few)
+    found["paths"] = with_pings("paths/shallow-water.toml", 40 // few, folder)
+    return found
+
+
+def least(runs, of):
+    return min(of(run) for run in runs)
+
+
+def measure(program, folder, rounds, quick=False):
+    """{scene: {...}}: least seconds of interleaved rounds by one process with a thread, one with two, two ranks
+    with one each; and of each ping, the least of all rounds of the one with a thread."""
+    found = {}
+    settings = {"1 process, 1 thread": (None, "1"), "1 process, 2 threads": (None, "2"), "2 ranks, 1 thread each": (2, "1")}
+    for name, scene in scenes(folder, quick).items():
+        runs = {setting: [] for setting in settings}
+        for _ in range(rounds):
+            for setting, (ranks, threads) in settings.items():
+                runs[setting].append(Run(program, scene, ["--threads", threads], ranks))
+        alone = runs["1 process, 1 thread"]
+        row = found[name] = {"settings": {}, "scene_bytes": input_bytes(scene)}
+        for setting, done in runs.items():
+            row["settings"][setting] = {
+                "simulation": least(done, lambda r: r.seconds["simulation"]), "total": least(done, lambda r: r.seconds["total"]),
+                "wall": least(done, lambda r: r.wall), "processor": least(done, lambda r: r.processor)}
+        row["pings"] = numpy.min([run.pings.sum(axis=1) for run in alone], axis=0)
+        row["load"] = least(alone, lambda r: r.seconds["load"] + r.seconds["tree"])
+        row["write"] = least(alone, lambda r: r.seconds["write"]) / len(row["pings"])
+        # Beside the pings themselves: touching the store's pages, sums, warnings.
+        row["besides"] = least(alone, lambda r: r.seconds["simulation"] - r.pings.sum()) / len(row["pings"])
+        row["store_bytes"] = alone[0].store_bytes / len(row["pings"])
+        row["file_bytes"] = alone[0].file_bytes / len(row["pings"])
+        print(f"{name}: {len(row['pings'])} pings measured", flush=True)
+    return found
+
+
+def input_bytes(scene):
+    files = [scene, *(pathlib.Path(f) for f in re.findall(r'file = "([^"]+)"', scene.read_text()))]
+    return sum((scene.parent / file).stat().st_size for file in files)
+
+
+class MainThread(threading.Thread):
+    """Watches the main thread of rank 0, which only sees to messages while pings are simulated: processor seconds
+    and sleeps from when the store has its size until files are being written."""
+    def __init__(self, folder):
+        super().__init__(daemon=True)
+        self.folder, self.over, self.begin, self.end = folder, False, None, None
+
+    def rank_0(self):
+        for environment in pathlib.Path("/proc").glob("[0-9]*/environ"):
+            try:
+                if (b"OMPI_COMM_WORLD_RANK=0\0" in environment.read_bytes()
+                        and str(self.folder).encode() in environment.with_name("cmdline").read_bytes()):
+                    return environment.parent.name
+            except OSError:
+                pass  # a process that has ended, or another user's
+        return None
+
+    def run(self):
+        process = None
+        while process is None and not self.over:
+            process = self.rank_0()
+        thread = pathlib.Path(f"/proc/{process}/task/{process}")
+        while not self.over:
+            try:
+                seconds = int((thread / "schedstat").read_text().split()[0]) / 1e9
+                sleeps = int(re.search(r"^voluntary_ctxt_switches:\s*(\d+)", (thread / "status").read_text(), re.M)[1])
+            except OSError:
+                return  # it has ended
+            if any(self.folder.glob(".run.partial-*/echoes.nc")):
+                return
+            if (self.folder / "run.partial").exists():
+                self.end = numpy.array([seconds, sleeps])
+                self.begin = self.end if self.begin is None else self.begin
+            time.sleep(0.002)
+
+
+def lead_run(program, folder, samples, pings, kind):
+    """A run on LEAD_RANKS ranks: bytes of a result, results, seconds and sleeps of rank 0's main thread."""
+    with tempfile.TemporaryDirectory(prefix="tubefoot-lead-", dir=folder) as scratch:
+        scratch = pathlib.Path(scratch)
+        scene = scratch / "line.toml"
+        scene.write_text(LINE.format(pings=pings, interval=150 / pings, samples=samples, **kind))
+        watch = MainThread(scratch)
+        watch.start()
+        # Open MPI counts the bytes that ranks send each other.
+        subprocess.run(["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-n", str(LEAD_RANKS),
+                        "--mca", "pml_monitoring_enable", "1", "--mca", "pml_monitoring_enable_output", "3",
+                        "--mca", "pml_monitoring_filename", str(scratch / "sent"),
+                        str(program), "run", str(scene), "-o", str(scratch / "run"), "--threads", "1", "--quiet"],
+                       check=True, capture_output=True)
+        watch.over = True
+        watch.join()
+        sent = sum(int(re.search(rf"^E\t{rank}\t0\t(\d+) bytes", (scratch / f"sent.{rank}.prof").read_text(), re.M)[1])
+                   for rank in range(1, LEAD_RANKS))
+    size = HEAD + 2 * samples * 8
+    seconds, sleeps = (float(v) for v in watch.end - watch.begin)
+    return {"bytes": size, "results": sent / size, "seconds": seconds, "sleeps": sleeps}
+
+
+def lead_cost(program, folder, rounds, quick=False):
+    """{"runs": [...], "message", "byte", "sleep": seconds each}: what best explains the cheapest runs' seconds."""
+    runs = []
+    for samples, pings, kind in ((64, 500, DEAR_PINGS), (64, 6000, CHEAP_PINGS), (1024, 4000, CHEAP_PINGS),
+                                 (8192, 1500, CHEAP_PINGS), (65536, 300, CHEAP_PINGS)):
+        tries = [lead_run(program, folder, samples, pings // (5 if quick else 1), kind) for _ in range(rounds)]
+        runs.append(min(tries, key=lambda run: run["seconds"] / run["results"]))
+        print("rank 0:", runs[-1], flush=True)
+    # Least squares of relative errors.
+    rows = numpy.array([[r["results"], r["results"] * r["bytes"], r["sleeps"]] for r in runs])
+    seconds = numpy.array([r["seconds"] for r in runs])
+    found = numpy.linalg.lstsq(rows / seconds[:, None], numpy.ones(len(runs)), rcond=None)[0]
+    return {"runs": runs, **dict(zip(("message", "byte", "sleep"), map(float, found)))}

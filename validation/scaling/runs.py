@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the program and reads what its runs cost."""
+import json
+import pathlib
+import re
+import resource
+import subprocess
+import tempfile
+import time
+
+import numpy
+
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
+# src/app/ping_store.hpp: a unit is a checksum and PingCounts; the seconds stand behind five counts.
+UNIT_BYTES, SECONDS_AT, PAGE = 312, 48, 4096
+
+
+def with_pings(scene, pings, folder):
+    """A copy of a shipped scene, named files included, in which every sensor has `pings` pings."""
+    text = (SCENES / scene).read_text()
+    text = re.sub(r"^pings = \d+", f"pings = {pings}", text, flags=re.M)
+    text = re.sub(r'^(file|profile_file) = "([^"]+)"', lambda m: f'{m[1]} = "{((SCENES / scene).parent / m[2]).resolve()}"',
+                  text, flags=re.M)
+    path = folder / pathlib.Path(scene).name
+    path.write_text(text)
+    return path
+
+
+def ping_seconds(store, stats):
+    """Visibility and echo seconds, [ping][2], of all pings of a store: they are kept with each ping's energies."""
+    data = store.read_bytes()
+    if data[:16] != b"tubefoot pings 2":
+        raise RuntimeError(f"{store}: not the store that this script reads (src/app/ping_store.cpp)")
+    identity, units = (int.from_bytes(data[k:k + 8], "little") for k in (16, 24))
+    first = -(-(40 + identity) // PAGE) * PAGE
+    rows = numpy.frombuffer(data, numpy.uint8, units * UNIT_BYTES, first).reshape(units, UNIT_BYTES)
+    seconds = rows[:, SECONDS_AT:SECONDS_AT + 16].copy().view(numpy.float64)
+    told = [stats["seconds"][k] for k in ("visibility_of_all_pings", "echo_of_all_pings")]
+    if not numpy.allclose(seconds.sum(axis=0), told, rtol=1e-6):
+        raise RuntimeError(f"{store}: the pings' seconds do not add up to those of stats.json; "
+                           "has PingCounts changed (src/app/ping_store.hpp)?")
+    return seconds
+
+
+class Run:
+    """One run: stats.json, the seconds of each ping, and the processor seconds of all its processes."""
+    def __init__(self, program, scene, options=(), ranks=None):
+        with tempfile.TemporaryDirectory(prefix="tubefoot-scaling-") as scratch:
+            out = pathlib.Path(scratch) / "run"
+            # The run fills this file, which is empty as that of a run that did not begin, and takes its name
+            # away at the end; the second name keeps it.
+            partial, kept = out.with_name("run.partial"), out.with_name("kept")
+            partial.touch()
+            kept.hardlink_to(partial)
+            start = [] if ranks is None else ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none",
+                                              "-n", str(ranks)]
+            before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+            done = subprocess.run([*start, str(program), "run", str(scene), "-o", str(out), "--quiet", *options],
+                                  capture_output=True, text=True)
+            self.wall = time.monotonic() - begin
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            if done.returncode:
+                raise RuntimeError(f"{scene}: exit code {done.returncode}\n{done.stderr}")
+            self.processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            self.stats = json.loads((out / "stats.json").read_text())
+            self.seconds = self.stats["seconds"]
+            self.pings = ping_seconds(kept, self.stats)
+            self.store_bytes = kept.stat().st_size
+            self.file_bytes = sum(file.stat().st_size for file in out.iterdir())
