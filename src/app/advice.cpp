@@ -137,7 +137,8 @@ class RayLadder {
                                           nearest * bad.samples, good.samples / nearest);
         const double rays = std::round(samples / beams_);
         if (rays * beams_ <= bad.samples || rays * beams_ >= good.samples) break;
-        (step(rays) ? good : bad) = ladder_.back();
+        const bool holds = step(rays);  // before the rung that it adds is named
+        (holds ? good : bad) = ladder_.back();
       }
     }
     Candidate candidate;
