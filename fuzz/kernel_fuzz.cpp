@@ -144,16 +144,27 @@ Case case_of(Bytes& bytes) {
 
 using Pieces = std::vector<Cone>;
 
+bool is_flat(const Cone& cone) {
+  for (std::size_t k = 2; k < cone.size(); ++k)
+    if (scalar_product(cone[0], vector_product(cone[k - 1], cone[k])) != 0) return false;
+  return true;
+}
+
 /// What lies outside of a convex cone, given by its walls.
 Pieces without(const Pieces& pieces, const std::vector<V3>& walls) {
   Pieces rest;
-  for (Cone piece : pieces)
+  for (const Cone& piece : pieces) {
+    Cone inside = piece;
+    Pieces parts;
     for (const V3& wall : walls) {
-      Cone outside = clipped(piece, times(-1, wall));
-      if (outside.size() > 2) rest.push_back(std::move(outside));
-      piece = clipped(piece, wall);
-      if (piece.size() < 3) break;
+      Cone outside = clipped(inside, times(-1, wall));
+      if (!is_flat(outside)) parts.push_back(std::move(outside));
+      inside = clipped(inside, wall);
+      if (is_flat(inside)) break;
     }
+    if (is_flat(inside)) parts = {piece};  // they do not meet: no need to cut
+    rest.insert(rest.end(), parts.begin(), parts.end());
+  }
   return rest;
 }
 

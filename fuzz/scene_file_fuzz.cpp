@@ -28,7 +28,7 @@ void write_companions() {
   scratch_file("pattern.csv", "angle_deg,level_db\n0,0\n10,-3\n60,-40\n");
   scratch_file("speed.csv", "depth_m,sound_speed_m_s\n0,1500\n10,1490\n50,1485\n");
   scratch_file("cast.csv", "depth_m,temperature_c,salinity_psu\n0,12,34\n10,10,34.5\n50,8,35\n");
-  scratch_file("law.csv", "grazing_deg,strength_db\n10,-30\n45,-25\n90,-10\n");
+  scratch_file("law.csv", "10,-30\n45,-25\n90,-10\n");
   scratch_file(
       "map.geojson",
       R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{"material":"sand"},)"

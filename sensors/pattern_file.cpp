@@ -62,7 +62,9 @@ PatternTable read_pattern_file(const std::filesystem::path& file) {
       throw InputError(place, fmt::format("angle_deg is {}, expected -180 to 180", angle));
     if (std::abs(level) > 1000)
       throw InputError(place, fmt::format("level_db is {}, expected -1000 to 1000", level));
-    if (!angle_deg.empty() && !(angle > angle_deg.back()))
+    // Nearer to each other, angles in radians may be equal and a slope between them is no number.
+    constexpr double least_step_deg = 1e-9;
+    if (!angle_deg.empty() && !(angle - angle_deg.back() >= least_step_deg))
       throw InputError(place, fmt::format("angle_deg is {} after {}, expected angles that increase", angle,
                                           angle_deg.back()));
     if (angle_deg.size() == most_rows)

@@ -53,12 +53,17 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
   if (!fs::exists(file_)) return;
   StoreSummary there;
   std::optional<Json> identity;
+  const auto in_the_way = [](const std::string& what) {
+    return UsageError(
+        fmt::format("{}: move it away or delete it; it is in the way of the run's pings", what));
+  };
   try {
     there = summary_of(file_);
     if (there.done > 0) identity = Json::parse(there.identity);
+  } catch (const Json::exception&) {
+    throw in_the_way(fmt::format("'{}' is damaged", file_.string()));
   } catch (const std::runtime_error& error) {
-    throw UsageError(
-        fmt::format("{}: move it away or delete it; it is in the way of the run's pings", error.what()));
+    throw in_the_way(error.what());
   }
   if (there.in_use)
     throw UsageError(fmt::format("another run is writing '{}': choose another -o, or wait", file_.string()));

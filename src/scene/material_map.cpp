@@ -57,7 +57,8 @@ std::size_t MaterialMap::row(double y) const {
   const std::size_t rows = first_.size() - 1;
   if (!(hi_y_ > lo_y_)) return 0;
   const double part = (y - lo_y_) / (hi_y_ - lo_y_) * static_cast<double>(rows);
-  return std::min(static_cast<std::size_t>(std::max(part, 0.0)), rows - 1);
+  // In this order: borders that reach over more than a double holds make it no number.
+  return static_cast<std::size_t>(std::min(std::max(0.0, part), static_cast<double>(rows - 1)));
 }
 
 std::uint16_t MaterialMap::at(glm::dvec2 place_m) const {

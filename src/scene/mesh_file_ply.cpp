@@ -170,8 +170,10 @@ class PlyReader {
 
   std::int64_t list_length(const Property& property) {
     const double length = value(property.count, property.name);
-    if (length < 0)
-      throw InputError(place(), fmt::format("the length of {} is {}, negative", property.name, length));
+    // As text, it need not keep to its type.
+    if (!(length >= 0 && length <= std::numeric_limits<std::uint32_t>::max()))
+      throw InputError(place(),
+                       fmt::format("the length of {} is {}, expected 0 to 2^32 - 1", property.name, length));
     return static_cast<std::int64_t>(length);
   }
 

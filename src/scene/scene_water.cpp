@@ -42,7 +42,8 @@ void check(const CsvRow& row, std::size_t column, std::string_view name, double 
 
 void check_depth(const CsvRow& row, bool first, double depth_before_m) {
   check(row, 0, "depth_m", -100, 12000);
-  if (!first && !(row.values[0] > depth_before_m))
+  constexpr double least_step_m = 1e-6;  // nearer to each other, a gradient between them is no number
+  if (!first && !(row.values[0] - depth_before_m >= least_step_m))
     throw InputError(row.places[0], fmt::format("depth_m is {} after {}, expected depths that increase",
                                                 row.values[0], depth_before_m));
 }

@@ -10,12 +10,16 @@
 #include <string_view>
 
 #include "scene/csv_file.hpp"
+#include "scene/scene_file_ranges.hpp"
 
 namespace tubefoot {
 namespace {
 
 constexpr std::array<std::string_view, 7> kColumns = {"time_s",      "east_m",    "north_m", "up_m",
                                                       "heading_deg", "pitch_deg", "roll_deg"};
+
+// Years that have times to the microsecond in a double; the coordinates of scene files; any number of turns.
+constexpr std::array<double, 7> kLargest = {1e10, far_m, far_m, far_m, 1e6, 1e6, 1e6};
 
 glm::dvec3 vec(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
 
@@ -60,6 +64,10 @@ Trajectory read_waypoints(const std::filesystem::path& file) {
   std::vector<Trajectory::Sample> samples;
   read_csv(file, kColumns, [&](const CsvRow& row) {
     const auto& v = row.values;
+    for (std::size_t k = 0; k < kColumns.size(); ++k)
+      if (!(std::abs(v[k]) <= kLargest[k]))
+        throw InputError(row.places[k], fmt::format("{} is {}, expected {:g} to {:g}", kColumns[k], v[k],
+                                                    -kLargest[k], kLargest[k]));
     if (!samples.empty() && !(v[0] > samples.back().time_s)) {
       throw InputError(row.places[0], fmt::format("time_s is {} after {}, expected times that increase", v[0],
                                                   samples.back().time_s));
