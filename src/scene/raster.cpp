@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/limits.hpp"
+#include "scene/memory_at_hand.hpp"
 #include "scene/raster_file.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double kMostCells = 50e6;
 
 struct Window {
   int column = 0, row = 0, columns = 0, rows = 0;  // in the file
@@ -87,10 +87,13 @@ class RasterReader {
           "{} x {} cells are left, expected at least 2 x 2: facets lie between the cells' centres",
           w.kept_columns(), w.kept_rows()));
     }
-    if (static_cast<double>(w.kept_columns()) * w.kept_rows() > kMostCells) {
+    if (static_cast<double>(w.kept_columns()) * w.kept_rows() > limits::cells) {
       file_.fail(fmt::format("{} x {} cells are more than {:.3g}: give a window or decimate",
-                             w.kept_columns(), w.kept_rows(), kMostCells));
+                             w.kept_columns(), w.kept_rows(), limits::cells));
     }
+    require_memory(2 * bytes_a_facet * w.kept_columns() * w.kept_rows(), file_.place(),
+                   fmt::format("facets between {} x {} cells", w.kept_columns(), w.kept_rows()),
+                   "give a window or decimate");
     return w;
   }
 
