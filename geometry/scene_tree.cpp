@@ -44,6 +44,21 @@ struct Reach {
   }
 };
 
+/// Moves the facets [begin, end) that are no copies (the same three vertices) of one with a lower id to the
+/// front, and returns their end.
+std::uint32_t drop_copies(const FacetMesh& mesh, std::vector<FacetId>& order, std::uint32_t begin,
+                          std::uint32_t end) {
+  const auto key = [&mesh](FacetId f) {
+    std::array<VertexId, 3> vertices = mesh.facets[f];
+    std::sort(vertices.begin(), vertices.end());
+    return vertices;
+  };
+  const auto first = order.begin() + begin, last = order.begin() + end;
+  std::sort(first, last, [&](FacetId f, FacetId g) { return std::pair(key(f), f) < std::pair(key(g), g); });
+  const auto distinct = std::unique(first, last, [&](FacetId f, FacetId g) { return key(f) == key(g); });
+  return static_cast<std::uint32_t>(distinct - order.begin());
+}
+
 }  // namespace
 
 SceneTree::Fan::Fan(std::span<const HalfSpace> half_spaces)
@@ -94,6 +109,13 @@ SceneTree::SceneTree(const FacetMesh& mesh, Sheets sheets) : mesh_(&mesh), order
     int axis = 0;
     for (int a = 1; a < 3; ++a)
       if (hi[a] - lo[a] > hi[axis] - lo[axis]) axis = a;
+    // No cut parts facets on one spot, and each would be held against each: of copies, the one that is seen
+    // is enough.
+    if (hi[axis] == lo[axis])
+      if (const std::uint32_t distinct = drop_copies(mesh, order_, begin, end); distinct < end) {
+        nodes_.pop_back();
+        return self(self, begin, distinct);
+      }
     const std::uint32_t middle = begin + (end - begin) / 2;
     std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                      [&](FacetId f, FacetId g) { return centre[f][axis] < centre[g][axis]; });

@@ -17,7 +17,7 @@ class HeightSheets;
 /// Bounding-box tree over the facets of a mesh, asked for the facets that may meet a pyramid of planes
 /// through an apex, within a reach. 32 bytes a node, eight facets a leaf. (CGAL's AABB_tree holds points and
 /// boxes in double and answers one facet at a time; this one needs a third of its memory:
-/// docs/visibility.md.)
+/// docs/visibility.md.) Of many copies of a facet it may hold only the first, which wins their ties.
 class SceneTree {
  public:
   enum class Sheets { proven, ignored };

@@ -188,7 +188,7 @@ class VisibilitySolver {
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t half_edge = 3 * gathered_[f] + k;
         std::uint32_t others = 0, mate = half_edge;
-        for (std::uint32_t h = rings.next(half_edge); h != half_edge; h = rings.next(h))
+        for (std::uint32_t h = rings.next(half_edge); h != half_edge && others < 2; h = rings.next(h))
           if (place_[h / 3] != absent) {
             ++others;
             mate = h;

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "scene/csv_file.hpp"
 #include "sensors/angles.hpp"
 
 namespace tubefoot {
@@ -40,8 +41,7 @@ PatternTable read_pattern_file(const std::filesystem::path& file) {
   if (!in) throw InputError(place, "cannot be opened: check the path and the permissions");
   bool headed = false;
   std::vector<double> angle_deg, level_db;
-  for (std::string line; std::getline(in, line);) {
-    ++place.line;
+  for (std::string line; ++place.line, next_line(in, line, place);) {
     std::string_view text = line;
     if (place.line == 1 && text.starts_with("\xEF\xBB\xBF"))
       text.remove_prefix(3);  // spreadsheets' UTF-8 mark

@@ -10,6 +10,7 @@
 
 #include "app/refined_bed_file.hpp"
 #include "app/refraction.hpp"
+#include "scene/memory_at_hand.hpp"
 
 namespace tubefoot {
 namespace {
@@ -87,6 +88,9 @@ RefinedMesh refined_bed(const Scene& scene, const Ground& ground) {
                                   ground.settings().cell_m, count, most_offline.facets));
   };
   if (count > most_offline.facets) throw too_many();
+  require_memory(bytes_a_facet * static_cast<double>(count), scene.description.refinement.place,
+                 fmt::format("a bed in cells of {:.3g} m and its {} facets", ground.settings().cell_m, count),
+                 "use mode = \"online\", a larger 'cell_m' or a smaller terrain");
   try {
     return ground.everywhere(most_offline);
   } catch (const RefinementTooLarge&) {

@@ -18,6 +18,7 @@
 #include "app/usage_error.hpp"
 #include "geometry/mirror.hpp"
 #include "geometry/vertical_line.hpp"
+#include "scene/memory_at_hand.hpp"
 #include "sensors/sidescan.hpp"
 
 namespace tubefoot {
@@ -247,6 +248,11 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
     const Trajectory& trajectory = survey->scene.trajectories[survey->scene.sensor_trajectory[s]];
     pings.sound_speed_m_s = sound_speed_at(*survey, description.sensors[s], trajectory);
     pings.sensor = make_sensor(in_water(description.sensors[s], pings.sound_speed_m_s));
+    const double shots = static_cast<double>(pings.sensor->shots()) * description.sensors[s].pings;
+    require_memory(shots * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
+                       description.sensors[s].pings * (sizeof(Pose) + 2.0 * sizeof(double)),
+                   description.sensors[s].place, fmt::format("the poses of {:.3g} shots", shots),
+                   "ask for fewer pings, in several scenes");
     pings.times_s = pings.sensor->ping_times_s();
     place_shots(pings, trajectory);
     survey->sensors.push_back(std::move(pings));

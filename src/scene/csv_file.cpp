@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/limits.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -52,8 +54,7 @@ class CsvReader {
     std::ifstream in(place_.file);
     if (!in) throw InputError(place_, "cannot be opened: check the path and the permissions");
     std::size_t rows = 0;
-    for (std::string line; std::getline(in, line);) {
-      ++place_.line;
+    for (std::string line; ++place_.line, next_line(in, line, place_);) {
       std::string_view text = line;
       if (place_.line == 1 && text.starts_with("\xEF\xBB\xBF"))
         text.remove_prefix(3);  // spreadsheets' UTF-8 mark
@@ -62,8 +63,9 @@ class CsvReader {
       if (header_size_ == 0) {
         read_header(fields);
       } else {
+        if (++rows > limits::table_rows)
+          throw InputError(place_, fmt::format("more than {} rows: thin out the table", limits::table_rows));
         read_row(fields, take);
-        ++rows;
       }
     }
     if (in.bad()) throw InputError(place_, "cannot be read to its end");
@@ -110,6 +112,18 @@ class CsvReader {
 };
 
 }  // namespace
+
+bool next_line(std::istream& in, std::string& line, const SourcePlace& place) {
+  line.clear();
+  for (char c; in.get(c);) {
+    if (c == '\n') return true;
+    if (line.size() == limits::line_bytes)
+      throw InputError(place, fmt::format("the line is longer than {} bytes, expected a table of text",
+                                          limits::line_bytes));
+    line += c;
+  }
+  return !line.empty();
+}
 
 std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                      const std::function<void(const CsvRow&)>& take) {

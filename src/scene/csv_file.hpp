@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <istream>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "scene/input_error.hpp"
@@ -15,6 +17,10 @@ struct CsvRow {
   std::span<const double> values;
   std::span<const SourcePlace> places;  ///< of each value
 };
+
+/// The next line of a text, as std::getline() gives it. Throws InputError at `place` (the line's) for one
+/// longer than limits::line_bytes, before it is read: such a file is no table.
+bool next_line(std::istream& in, std::string& line, const SourcePlace& place);
 
 /// Reads numbers from a CSV file: a header line that names `columns`, in any order (further columns are
 /// ignored), then rows, each handed to `take`. Blank lines and lines that start with # are skipped. Returns

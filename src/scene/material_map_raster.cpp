@@ -6,14 +6,14 @@
 #include <map>
 #include <set>
 
+#include "scene/limits.hpp"
 #include "scene/material_map_gdal.hpp"
 #include "scene/material_map_sources.hpp"
+#include "scene/raster_block.hpp"
 #include "scene/raster_messages.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double most_cells = 50e6;
 
 /// Regions of a raster's cells, row by row from the north-west; kNone where the default material lies.
 struct Classes {
@@ -33,10 +33,11 @@ Classes read_classes(GDALDataset& dataset, const RasterMaterialMap& map, const M
   Classes classes{dataset.GetRasterXSize(), dataset.GetRasterYSize(), {}};
   if (dataset.GetRasterCount() == 0)
     throw InputError(place, "holds no single raster: extract one with gdal_translate");
-  if (static_cast<double>(classes.columns) * classes.rows > most_cells)
+  if (static_cast<double>(classes.columns) * classes.rows > limits::cells)
     throw InputError(place, fmt::format("{} x {} cells are more than {:.3g}: cut it to the terrain with "
                                         "gdal_translate",
-                                        classes.columns, classes.rows, most_cells));
+                                        classes.columns, classes.rows, limits::cells));
+  if (const auto problem = too_large_block(dataset)) throw InputError(place, *problem);
   std::map<double, std::uint16_t> region_of;
   for (const MaterialClass& c : map.classes) {
     const std::uint16_t material = material_named(c.material, setting.materials, c.place, "");

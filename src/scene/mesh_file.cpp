@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "scene/input_error.hpp"
+#include "scene/memory_at_hand.hpp"
 #include "scene/mesh_file_polygons.hpp"
 
 namespace tubefoot {
@@ -22,6 +23,9 @@ std::string read_whole(const std::filesystem::path& file) {
   const auto size = std::filesystem::file_size(file, error);
   std::ifstream in(file, std::ios::binary);
   if (error || !in) throw InputError(place, "cannot be opened: check the permissions");
+  // The text, and what is made of it.
+  require_memory(3 * static_cast<double>(size), place, fmt::format("its {} bytes", size),
+                 "give a coarser mesh, or one cut to the scene");
   std::string content(size, '\0');
   in.read(content.data(), static_cast<std::streamsize>(size));
   if (in.gcount() != static_cast<std::streamsize>(size)) throw InputError(place, "cannot be read to its end");

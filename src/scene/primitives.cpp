@@ -8,10 +8,11 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "scene/limits.hpp"
+#include "scene/memory_at_hand.hpp"
+
 namespace tubefoot {
 namespace {
-
-constexpr double kMostFacets = 20e6;
 
 void check_size(double size_m, const char* what, const SourcePlace& place) {
   if (!(size_m > 0) || !std::isfinite(size_m)) {
@@ -20,12 +21,14 @@ void check_size(double size_m, const char* what, const SourcePlace& place) {
 }
 
 void check_facets(double facets, double chord_error_m, const SourcePlace& place) {
-  if (!(facets <= kMostFacets)) {
+  if (!(facets <= limits::primitive_facets)) {
     throw InputError(
         place, fmt::format("a chord error of {} m would need {:.3g} facets, at most {:.3g} are made: give a "
                            "larger chord_error_m",
-                           chord_error_m, facets, kMostFacets));
+                           chord_error_m, facets, limits::primitive_facets));
   }
+  require_memory(bytes_a_facet * facets, place, fmt::format("{:.3g} facets", facets),
+                 "give a larger chord_error_m");
 }
 
 // Sides of the regular polygon in a circle whose sagitta radius (1 - cos(pi / n)) keeps the chord error.

@@ -3,24 +3,24 @@
 
 #include <fmt/core.h>
 
+#include "scene/limits.hpp"
+#include "scene/memory_at_hand.hpp"
 #include "scene/raster_reader.hpp"
 
 namespace tubefoot {
-namespace {
-
-constexpr double kMostCells = 50e6;
-
-}  // namespace
 
 ComponentMesh read_raster(const RasterTerrain& terrain, std::optional<LocalFrame>& frame) {
   RasterReader reader(terrain);
   const RasterWindow& window = reader.window();
-  if (window.cells() > kMostCells) {
+  if (window.cells() > limits::cells) {
     reader.file().fail(
         fmt::format("{} x {} cells are more than {:.3g}: give a window or decimate, or load = "
                     "\"tiles\"",
-                    window.kept_columns(), window.kept_rows(), kMostCells));
+                    window.kept_columns(), window.kept_rows(), limits::cells));
   }
+  require_memory(2 * bytes_a_facet * window.cells(), reader.file().place(),
+                 fmt::format("facets between {} x {} cells", window.kept_columns(), window.kept_rows()),
+                 "give a window or decimate, or load = \"tiles\"");
   ComponentMesh mesh;
   mesh.warnings = reader.settle(frame);
   const auto columns = static_cast<std::size_t>(window.kept_columns());

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <system_error>
 
+#include "scene/raster_block.hpp"
 #include "scene/raster_netcdf_size.hpp"
 #include "scene/vrt_sources.hpp"
 
@@ -34,6 +35,7 @@ RasterFile::RasterFile(const std::filesystem::path& file) : place_{file.string()
         "holds no single raster but perhaps several variables: extract one with gdal_translate "
         "(gdalinfo lists their names)");
   }
+  if (const auto problem = too_large_block(*dataset_)) fail(*problem);
 }
 
 std::string RasterFile::crs() const {

@@ -10,6 +10,8 @@
 #include <limits>
 #include <mutex>
 
+#include "scene/limits.hpp"
+#include "scene/raster_block.hpp"
 #include "scene/raster_messages.hpp"
 #include "scene/raster_netcdf_size.hpp"
 #include "seabed/layered_reflectivity.hpp"
@@ -18,8 +20,6 @@
 
 namespace tubefoot {
 namespace {
-
-constexpr double most_pixels = 50e6;
 
 class MapReader {
  public:
@@ -35,9 +35,10 @@ class MapReader {
       fail("cannot be read as GeoTIFF, ESRI ASCII grid, BAG, netCDF or PNG");
     columns_ = dataset_->GetRasterXSize();
     rows_ = dataset_->GetRasterYSize();
-    if (double(columns_) * rows_ > most_pixels)
+    if (double(columns_) * rows_ > limits::cells)
       fail(fmt::format("{} x {} pixels are more than {:.3g}: cut or shrink it with gdal_translate", columns_,
-                       rows_, most_pixels));
+                       rows_, limits::cells));
+    if (const auto problem = too_large_block(*dataset_)) fail(*problem);
   }
 
   std::shared_ptr<const ReflectivityField> read() {

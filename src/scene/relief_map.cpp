@@ -10,13 +10,12 @@
 #include <glm/vec2.hpp>
 #include <utility>
 
+#include "scene/limits.hpp"
 #include "scene/raster_file.hpp"
 #include "seabed/map_surface.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double kMostCells = 50e6;
 
 // Where the centres of a raster's cells lie in the local frame. Cells count from the north-west, from 0.
 class CellPlaces {
@@ -58,9 +57,9 @@ std::vector<double> read_heights(const RasterFile& raster, double scale) {
   const int columns = raster.columns(), rows = raster.rows();
   if (columns < 2 || rows < 2)
     raster.fail(fmt::format("has {} x {} cells, expected at least 2 x 2", columns, rows));
-  if (static_cast<double>(columns) * rows > kMostCells)
+  if (static_cast<double>(columns) * rows > limits::cells)
     raster.fail(fmt::format("{} x {} cells are more than {:.3g}: cut or thin it with gdal_translate", columns,
-                            rows, kMostCells));
+                            rows, limits::cells));
   const RasterFile::Metres metres = raster.metres();
   std::vector<double> heights(static_cast<std::size_t>(columns) * rows);
   std::vector<unsigned char> has_data(columns);
@@ -127,7 +126,7 @@ HeightMap resampled(const RasterFile& raster, const CellPlaces& places, const st
   for (const glm::dvec2& p : places(border_cells(columns, rows))) lo = glm::min(lo, p), hi = glm::max(hi, p);
   const double spacing = std::min(glm::length(steps.column), glm::length(steps.row));
   const double wide = std::ceil((hi.x - lo.x) / spacing) + 1, high = std::ceil((hi.y - lo.y) / spacing) + 1;
-  if (!(wide * high <= kMostCells))
+  if (!(wide * high <= limits::cells))
     raster.fail(fmt::format("would have {:.3g} x {:.3g} nodes in the scene's frame: project it with gdalwarp",
                             wide, high));
   HeightMap map{static_cast<std::size_t>(wide),

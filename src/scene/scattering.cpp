@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "scene/csv_file.hpp"
 #include "seabed/sediment.hpp"
 
 namespace tubefoot {
@@ -38,8 +39,7 @@ Table read_table(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw InputError(place, "cannot be opened: check the path and the permissions");
   Table table;
-  for (std::string line; std::getline(in, line);) {
-    ++place.line;
+  for (std::string line; ++place.line, next_line(in, line, place);) {
     const std::string_view text = trimmed(line);
     if (text.empty() || text.starts_with('#')) continue;
     std::array<double, 2> row{};

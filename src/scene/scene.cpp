@@ -12,6 +12,7 @@
 
 #include "scene/georeference.hpp"
 #include "scene/material_map.hpp"
+#include "scene/memory_at_hand.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/named_files.hpp"
 #include "scene/primitives.hpp"
@@ -378,6 +379,13 @@ class Loader {
   }
 
   void build_mesh(Scene& scene) {
+    double facets = 0;
+    for (const LoadedComponent& c : components_) facets += static_cast<double>(c.mesh.triangles.size());
+    // What they are read into is already taken.
+    constexpr double bytes_as_read = 24;
+    require_memory((bytes_a_facet - bytes_as_read) * facets, {description_.file.string(), 0, 0},
+                   fmt::format("the scene's {:.3g} facets", facets),
+                   "give fewer or coarser terrains and objects");
     MeshBuilder builder(scene.grid);
     for (std::size_t i = 0; i < components_.size(); ++i) {
       LoadedComponent& c = components_[i];

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "scene/file_hash.hpp"
+#include "scene/limits.hpp"
 #include "scene/named_files.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_file_sections.hpp"
@@ -17,8 +18,6 @@ namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t largest_scene_file = std::size_t{16} << 20;
 
 /// A file's bytes in pieces, to `use`; throws InputError at `place` when reading fails midway.
 template <class Use>
@@ -44,9 +43,9 @@ std::string scene_text(const fs::path& file) {
   std::string text;
   for_each_piece(file, place, [&](std::string_view piece) {
     text += piece;
-    if (text.size() > largest_scene_file) {
-      throw InputError(
-          place, fmt::format("larger than {} bytes, expected a scene file (TOML text)", largest_scene_file));
+    if (text.size() > limits::scene_file_bytes) {
+      throw InputError(place, fmt::format("larger than {} bytes, expected a scene file (TOML text)",
+                                          limits::scene_file_bytes));
     }
   });
   return text;
@@ -91,13 +90,15 @@ void note_outsiders(const toml::node& node, const TomlSource& source, std::vecto
     const fs::path folder = source.file.parent_path(), named = folder / *text;
     std::error_code ignored;
     if (!fs::is_regular_file(named, ignored)) return;
-    const auto note = [&](const fs::path& of) {
-      if (const auto real = place_outside(folder, of))
-        notes.push_back(fmt::format("{}: \"{}\" leaves the scene's folder: it is '{}'",
-                                    to_string(source.place(node.source())), *text, real->string()));
-    };
-    note(named);
-    for (const fs::path& part : vrt_sources(named)) note(part);
+    if (const auto real = place_outside(folder, named))
+      notes.push_back(fmt::format("{}: \"{}\" leaves the scene's folder: it is '{}'",
+                                  to_string(source.place(node.source())), *text, real->string()));
+    for (const fs::path& companion : companions_of(named))
+      if (const auto real = place_outside(folder, companion); real && !place_outside(folder, named))
+        notes.push_back(fmt::format(
+            "{}: '{}', which is read along with \"{}\", leaves the scene's folder: it "
+            "is '{}'",
+            to_string(source.place(node.source())), companion.filename().string(), *text, real->string()));
   }
 }
 

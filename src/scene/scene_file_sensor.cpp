@@ -2,6 +2,7 @@
 // The [[sensors]] section of a scene file.
 #include <algorithm>
 
+#include "scene/limits.hpp"
 #include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_sections.hpp"
 #include "scene/scene_file_words.hpp"
@@ -107,7 +108,32 @@ void check_staff(const InterferometricDescription& sensor, const TomlTable& tabl
                                  sensor.baseline_m, sensor.range_min_m));
 }
 
+/// A ping's energies are held whole, and all poses of a sensor.
+void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
+  const std::int64_t cells = std::visit(
+      [](const auto& kind) {
+        std::int64_t beams = 2;
+        if constexpr (requires { kind.beams; }) beams = kind.beams;
+        return beams * kind.samples;
+      },
+      sensor.kind);
+  if (cells > limits::ping_cells)
+    throw InputError(
+        place_of_pair(table, "beams", "samples"),
+        fmt::format("'beams' and 'samples' make {} range samples a ping, at most {} are taken: lower "
+                    "one of the two, or share the beams among several sensors",
+                    cells, limits::ping_cells));
+  const auto* camera = std::get_if<DidsonDescription>(&sensor.kind);
+  const std::int64_t shots = std::int64_t{sensor.pings} * (camera != nullptr ? camera->cycles : 1);
+  if (shots > limits::sensor_shots)
+    throw InputError(table.place_of("pings"),
+                     fmt::format("'pings' and 'cycles' make {} shots, at most {} are taken: ask for fewer "
+                                 "pings, in several scenes",
+                                 shots, limits::sensor_shots));
+}
+
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
+  check_amounts(sensor, table);
   check_pattern(sensor.transmit, "transmit", table);
   check_pattern(sensor.receive, "receive", table);
   check_signal(sensor.signal, table);

@@ -7,10 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "scene/limits.hpp"
+#include "scene/memory_at_hand.hpp"
+
 namespace tubefoot {
 namespace {
-
-constexpr double kMostCells = 50e6;
 
 void check_positive(double value, const char* what, const SourcePlace& place) {
   if (!(value > 0) || !std::isfinite(value)) {
@@ -31,12 +32,15 @@ ComponentMesh grid_facets(double width_m, double length_m, const std::array<doub
   check_positive(length_m, "length_m", place);
   check_positive(cell_m, "cell_m", place);
   const double columns = cells_along(width_m, cell_m), rows = cells_along(length_m, cell_m);
-  if (!(columns * rows <= kMostCells)) {
+  if (!(columns * rows <= limits::cells)) {
     throw InputError(
         place, fmt::format("the terrain would have {:.3g} cells, at most {:.3g} are made: give a larger "
                            "cell_m or a smaller extent",
-                           columns * rows, kMostCells));
+                           columns * rows, limits::cells));
   }
+  require_memory(2 * bytes_a_facet * columns * rows, place,
+                 fmt::format("the terrain's {:.3g} cells", columns * rows),
+                 "give a larger cell_m or a smaller extent");
   const auto nx = static_cast<std::uint32_t>(columns), ny = static_cast<std::uint32_t>(rows);
   ComponentMesh mesh;
   mesh.points_m.reserve((std::size_t{nx} + 1) * (std::size_t{ny} + 1));

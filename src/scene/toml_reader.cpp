@@ -7,6 +7,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "scene/limits.hpp"
+#include "scene/named_files.hpp"
 #include "scene/scene_file_words.hpp"
 
 namespace tubefoot {
@@ -180,6 +182,16 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source,
     throw InputError(place,
                      fmt::format("'{}': '{}' is a {}, expected a regular file", key.name, value.string(),
                                  status.type() == fs::file_type::directory ? "folder" : "special file"));
+  }
+  if (fs::file_size(value, error) > limits::named_file_bytes && !error) {
+    throw InputError(place, fmt::format("'{}': '{}' has more than {} GiB: cut it to what the scene needs",
+                                        key.name, value.string(), limits::named_file_bytes >> 30));
+  }
+  if (const auto special = special_companion(value)) {
+    throw InputError(place,
+                     fmt::format("'{}': '{}', which is read along with '{}', is a special file: move it "
+                                 "away",
+                                 key.name, special->string(), value.string()));
   }
   if (!std::ifstream(value, std::ios::binary)) {
     throw InputError(place, fmt::format("'{}': the file '{}' cannot be read: check its permissions", key.name,

@@ -208,5 +208,25 @@ TEST(SceneTree, BeyondTheReachNothingIsSeenAndNothingHides) {
   EXPECT_EQ(facets_seen({0, 150, 0}, 40), (std::pair{false, false}));
 }
 
+// Three facets with one centroid, each a thousand times over: nothing parts them.
+TEST(SceneTree, HoldsTheFirstOfManyCopies) {
+  FacetMesh mesh;
+  mesh.vertices = {{-30, 100, -30}, {60, 100, -30}, {-30, 100, 60}, {30, 100, 30}, {-60, 100, 30},
+                   {30, 100, -60},  {-30, 70, -30}, {60, 100, -30}, {-30, 130, 60}};
+  for (int k = 0; k < 1000; ++k) {
+    // The order of the vertices, and so the side, does not matter.
+    if (k % 2 == 0)
+      mesh.facets.insert(mesh.facets.end(), {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}});
+    else
+      mesh.facets.insert(mesh.facets.end(), {{2, 1, 0}, {5, 3, 4}, {8, 7, 6}});
+  }
+  mesh.material.assign(mesh.facets.size(), 0);
+  mesh.component.assign(mesh.facets.size(), 0);
+  const SceneTree tree(mesh);
+  const TubeSet tubes = lattice_tubes({0, 0, 0}, -1, -1, 2, 2, 1);
+  EXPECT_EQ(query(tree, {0, 0, 0}, walls_of(tubes, 0)), (std::vector<FacetId>{0, 1, 2}));
+  EXPECT_LT(tree.bytes(), 100'000u);
+}
+
 }  // namespace
 }  // namespace tubefoot

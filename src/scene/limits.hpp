@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+// The most that input is given, whatever it asks for. docs/limits.md has them with their reasons, and a test
+// keeps the two in step. What stays below may still not fit a machine: memory_at_hand().
+namespace tubefoot::limits {
+
+inline constexpr std::size_t scene_file_bytes = std::size_t{8} << 20;
+/// Of any file that a scene names: its bytes are hashed before anything else.
+inline constexpr std::uintmax_t named_file_bytes = std::uintmax_t{64} << 30;
+/// Of a line of a text table.
+inline constexpr std::size_t line_bytes = std::size_t{1} << 20;
+/// Of a table of poses or sound speeds.
+inline constexpr std::size_t table_rows = 10'000'000;
+/// Of a terrain, or read of a raster.
+inline constexpr double cells = 50e6;
+/// Of one primitive.
+inline constexpr double primitive_facets = 20e6;
+/// Of a raster as it is stored: any row takes whole blocks.
+inline constexpr std::int64_t block_bytes = std::int64_t{1} << 29;
+/// Beams times range samples of one ping.
+inline constexpr std::int64_t ping_cells = std::int64_t{1} << 26;
+/// Pings of a sensor, times the shots of each.
+inline constexpr std::int64_t sensor_shots = 100'000'000;
+
+}  // namespace tubefoot::limits

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/memory_at_hand.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The least of the limits of the process's control group (version 2) and those around it; infinite where
+/// there is none.
+double control_group_limit() {
+  double least = std::numeric_limits<double>::infinity();
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::/")) continue;
+    const fs::path root = "/sys/fs/cgroup";
+    for (fs::path group = fs::path(line.substr(4)).lexically_normal();; group = group.parent_path()) {
+      std::ifstream file(root / group / "memory.max");
+      if (double bytes = 0; file >> bytes) least = std::min(least, bytes);  // "max" is no number
+      if (group.empty() || group == group.parent_path()) break;
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+double memory_at_hand() {
+  const double page = static_cast<double>(sysconf(_SC_PAGESIZE));
+  double address_pages = 0, resident_pages = 0;
+  std::ifstream("/proc/self/statm") >> address_pages >> resident_pages;
+  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * page;
+  double at_hand = std::min(machine, control_group_limit()) - resident_pages * page;
+  if (rlimit limit{}; getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+    at_hand = std::min(at_hand, static_cast<double>(limit.rlim_cur) - address_pages * page);
+  return std::max(at_hand, 0.0);
+}
+
+void require_memory(double bytes, const SourcePlace& place, const std::string& what,
+                    const std::string& remedy) {
+  const double at_hand = memory_at_hand();
+  if (bytes <= at_hand) return;
+  throw InputError(place, fmt::format("{} need {:.3g} GB of memory, {:.3g} GB are at hand: {}", what,
+                                      bytes / 1e9, at_hand / 1e9, remedy));
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/raster_block.hpp"
+
+#include <fmt/format.h>
+
+#include "scene/limits.hpp"
+
+namespace tubefoot {
+
+std::optional<std::string> too_large_block(GDALDataset& dataset) {
+  if (dataset.GetRasterCount() == 0) return std::nullopt;
+  GDALRasterBand& band = *dataset.GetRasterBand(1);
+  for (GDALRasterBand* part : {&band, band.GetMaskBand()}) {
+    int columns = 0, rows = 0;
+    part->GetBlockSize(&columns, &rows);
+    const std::int64_t bytes = std::int64_t{columns} * GDALGetDataTypeSizeBytes(part->GetRasterDataType());
+    if (rows > 0 && bytes > limits::block_bytes / rows)
+      return fmt::format(
+          "is stored in blocks of {} x {} cells, which are more than {} MB each: rewrite it with "
+          "gdal_translate "
+          "-co TILED=YES",
+          columns, rows, limits::block_bytes >> 20);
+  }
+  return std::nullopt;
+}
+
+}  // namespace tubefoot
