@@ -59,8 +59,8 @@ def scenes(folder, quick=False):
     (folder / "bed").mkdir()
     found["multibeam"] = with_pings(f"multibeam/{'real-grid' if real else 'scene'}.toml", 300 // few, folder / "bed")
     (folder / "camera").mkdir()
-    found["camera"] = camera(folder / "camera", 200 // few)
-    found["paths"] = with_pings("paths/shallow-water.toml", 40 // few, folder)
+    found["camera"] = camera(folder / "camera", 60 // few)
+    found["paths"] = with_pings("paths/shallow-water.toml", 30 // few, folder)
     return found
 
 
