@@ -129,12 +129,12 @@ SCALING_ROUNDS := 3
 
 scaling: build
 	@rm -f build/scaling.json
-	/usr/bin/python3 validation/scaling/study.py $(PROGRAM) validation/scaling.md docs/figures build/scaling.json --rounds $(SCALING_ROUNDS)
+	/usr/bin/python3 -B validation/scaling/study.py $(PROGRAM) validation/scaling.md docs/figures build/scaling.json --rounds $(SCALING_ROUNDS)
 
 LONG_RUN_PINGS := 10000
 
 long-run: build
-	/usr/bin/python3 validation/scaling/long_run.py $(PROGRAM) docs/figures/long-run.svg $(LONG_RUN_PINGS)
+	/usr/bin/python3 -B validation/scaling/long_run.py $(PROGRAM) docs/figures/long-run.svg $(LONG_RUN_PINGS)
 
 reference: build
 	tools/reference_pack $(PROGRAM) reference/v1

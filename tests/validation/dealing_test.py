@@ -44,9 +44,9 @@ class DealingLaws(unittest.TestCase):
         self.assertLessEqual(by_others, 1.1 * len(self.seconds))
 
     def test_parts_add_up(self):
-        costs = Costs(load=3, result=1e-4, request=5e-5, write=0.001, launch=1)
+        costs = Costs(load=3, result=1e-4, request=5e-5, write=0.001, finish=2, launch=1)
         found = predict(self.seconds, 10, 1, costs)
-        self.assertAlmostEqual(found["total"], 4 + Dealing(self.seconds, 10, 1, costs).end + 3, places=6)
+        self.assertAlmostEqual(found["total"], 4 + Dealing(self.seconds, 10, 1, costs).end + 3 + 2, places=6)
         self.assertAlmostEqual(found["parts"]["pings"], self.seconds.sum() / 10, places=9)
 
     def test_drawn_pings_are_the_measured_ones_and_stay_beside_their_neighbours(self):

@@ -17,6 +17,7 @@ class Costs:
     result: float = 0    # of rank 0's time, for a ping that another rank computed
     request: float = 0   # of rank 0's time, for a request and its answer
     write: float = 0     # of files, a ping, after the last
+    finish: float = 0    # of files, whatever the pings
     launch: float = 0    # of processes
 
     def free_lead(self):
@@ -163,6 +164,6 @@ def predict(seconds, ranks, threads, costs):
     unhindered = Dealing(seconds, ranks, threads, costs.free_lead()).end if ranks > 1 else dealing.end
     shared = float(seconds.sum()) / (ranks * threads)
     parts = {"launch and load": costs.launch + costs.load, "pings": shared, "waiting and tail": unhindered - shared,
-             "rank 0": dealing.end - unhindered, "writing": costs.write * len(seconds)}
+             "rank 0": dealing.end - unhindered, "writing": costs.write * len(seconds) + costs.finish}
     return {"parts": parts, "total": sum(parts.values()), "simulation": dealing.end,
             "lead_busy": dealing.lead_busy / dealing.end}

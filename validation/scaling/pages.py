@@ -63,6 +63,7 @@ def costs_of(row, lead, ranks, cluster):
     launch = max(0.0, settings["2 ranks, 1 thread each"]["wall"] - settings["2 ranks, 1 thread each"]["total"])
     return Costs(load=row["load"] + (row["scene_bytes"] * ranks / DISK_BYTES_S if cluster else 0),
                  result=message + row["store_bytes"] * (byte + link), request=message, write=row["write"],
+                 finish=row["write_fixed"],
                  launch=launch if ranks > 1 else 0)
 
 
@@ -93,9 +94,9 @@ def scene_predictions(row, lead):
         costs = costs_of(row, lead, ranks, True)
         now = predict(seconds, ranks, 1, costs)
         before = now["parts"]["launch and load"]
-        beside = before + max(now["simulation"], costs.write * PINGS)
+        beside = before + max(now["simulation"], costs.write * PINGS) + costs.finish
         costs.result = lead["message"]
-        own = before + costs.write * PINGS / ranks
+        own = before + costs.write * PINGS / ranks + costs.finish
         own += Dealing(seconds, ranks, 1, costs).end if ranks > 1 else now["simulation"]
         found.append((ranks, now, beside, own))
     return found
@@ -144,6 +145,9 @@ def page(measured, figures):
         "Written by `make scaling`; [docs/scaling.md](../docs/scaling.md) says what it means. Load average of the machine as the",
         f"measurements began and ended: {measured['load_average'][0]:.1f} and {measured['load_average'][1]:.1f}, on "
         f"{measured['cores']} cores. Seconds of pings are the least of {measured['rounds']} interleaved rounds.", "",
+        *(["**The machine was busier than it has cores**: seconds of two ranks, of rank 0, of writing and of dealt pings are too",
+           "large, and unevenly so. Run it again when the machine is quiet.", ""]
+          if max(measured["load_average"]) > measured["cores"] + 1 else []),
         "## A ping", "", cost_part(measured["cost"], figures),
         "## One and two ranks", "",
         "Seconds of the simulation, least of the rounds, and what the simulation of the dealing says of them. Efficiency is the",

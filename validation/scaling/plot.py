@@ -52,6 +52,18 @@ class Axis:
         return [round(k * step, 12) for k in range(first, math.floor(self.high / step + 1e-9) + 1)]
 
 
+def drawn(points):
+    """What is left of a line's points when no more can be seen: of each pixel across, the lowest and highest."""
+    columns = {}
+    for point in points:
+        columns.setdefault(round(point[0]), []).append(point)
+    kept = []
+    for column in columns.values():
+        ends = {id(p): p for p in (column[0], min(column, key=lambda p: p[1]), max(column, key=lambda p: p[1]), column[-1])}
+        kept += sorted(ends.values(), key=column.index)
+    return kept
+
+
 def panel(title, x_words, y_words, lines, log=(False, False), limits=(None, None, None, None), size=(430, 300),
           corner="left"):
     """(SVG of one chart, its size). `lines`: {name: ([x...], [y...]) or ([x...], [y...], style)}; a style is a
@@ -85,7 +97,7 @@ def panel(title, x_words, y_words, lines, log=(False, False), limits=(None, None
         thick, dashes = (1 if "thin" in style else 1.8), ("5,4" if "dashes" in style else "")
         stroke = f'stroke="{colour}" stroke-width="{thick}" stroke-dasharray="{dashes}"'
         if "line" in style:
-            rows.append(f'<polyline points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in at)}" fill="none" {stroke}/>')
+            rows.append(f'<polyline points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in drawn(at))}" fill="none" {stroke}/>')
         if "points" in style:
             rows += [f'<circle cx="{a:.1f}" cy="{b:.1f}" r="2.8" fill="{colour}"/>' for a, b in at]
         row = legend_y + 15 * k

@@ -59,8 +59,8 @@ def scenes(folder, quick=False):
     (folder / "bed").mkdir()
     found["multibeam"] = with_pings(f"multibeam/{'real-grid' if real else 'scene'}.toml", 300 // few, folder / "bed")
     (folder / "camera").mkdir()
-    found["camera"] = camera(folder / "camera", 200 // few)
-    found["paths"] = with_pings("paths/shallow-water.toml", 40 // few, folder)
+    found["camera"] = camera(folder / "camera", 60 // few)
+    found["paths"] = with_pings("paths/shallow-water.toml", 30 // few, folder)
     return found
 
 
@@ -79,6 +79,7 @@ def measure(program, folder, rounds, quick=False):
             for setting, (ranks, threads) in settings.items():
                 runs[setting].append(Run(program, scene, ["--threads", threads], ranks))
         alone = runs["1 process, 1 thread"]
+        short = [Run(program, shortened(scene), ["--threads", "1"]) for _ in range(rounds)]
         row = found[name] = {"settings": {}, "scene_bytes": input_bytes(scene)}
         for setting, done in runs.items():
             row["settings"][setting] = {
@@ -86,13 +87,23 @@ def measure(program, folder, rounds, quick=False):
                 "wall": least(done, lambda r: r.wall), "processor": least(done, lambda r: r.processor)}
         row["pings"] = numpy.min([run.pings.sum(axis=1) for run in alone], axis=0)
         row["load"] = least(alone, lambda r: r.seconds["load"] + r.seconds["tree"])
-        row["write"] = least(alone, lambda r: r.seconds["write"]) / len(row["pings"])
+        # What grows with pings, and what does not (pictures of a largest size, headers).
+        whole, part = (least(done, lambda r: r.seconds["write"]) for done in (alone, short))
+        row["write"] = max(0.0, (whole - part) / (len(row["pings"]) - len(short[0].pings)))
+        row["write_fixed"] = max(0.0, whole - row["write"] * len(row["pings"]))
         # Beside the pings themselves: touching the store's pages, sums, warnings.
         row["besides"] = least(alone, lambda r: r.seconds["simulation"] - r.pings.sum()) / len(row["pings"])
         row["store_bytes"] = alone[0].store_bytes / len(row["pings"])
         row["file_bytes"] = alone[0].file_bytes / len(row["pings"])
         print(f"{name}: {len(row['pings'])} pings measured", flush=True)
     return found
+
+
+def shortened(scene):
+    """A copy beside the scene, of a third of its pings."""
+    path = scene.with_name("short-" + scene.name)
+    path.write_text(re.sub(r"^pings = (\d+)", lambda m: f"pings = {int(m[1]) // 3}", scene.read_text(), flags=re.M))
+    return path
 
 
 def input_bytes(scene):
