@@ -99,7 +99,11 @@ void LeadRank::simulate(const Survey& survey, PingStore& store, bool quiet,
     progress.step();
   });
   while (!crew.finished() || !all_over()) {
-    while (const std::optional<RankMessage> message = link_->receive()) {
+    // A few at a time: its own threads, and who wants to stop, have their turn however many ranks there are.
+    int received = 0;
+    for (; received < ranks(); ++received) {
+      const std::optional<RankMessage> message = link_->receive();
+      if (!message) break;
       const Note kind = note_of(message->bytes);
       if (kind == Note::wanted && !stopped_)
         link_->send(message->from, pings_note(deal.next(count_in(message->bytes), ranks())));
@@ -117,7 +121,7 @@ void LeadRank::simulate(const Survey& survey, PingStore& store, bool quiet,
       crew.add(units);
     }
     if (stopped_ && Clock::now() - *stopped_ > patience_when_interrupted) break;
-    crew.rest();
+    if (received < ranks()) crew.rest();
   }
   crew.join();
   if (failure_) rethrow(*failure_);
