@@ -214,13 +214,12 @@ void PingStore::release(std::size_t sensor, std::size_t ping) {
   for (const int which : {0, 1}) {
     const std::span<double> values = part(sensor, ping, which);
     if (values.empty()) continue;
-    // Pages that neighbours share go, too, or a long line would keep one a ping, and so do the others in
-    // their windows, which reading this ping brought back: the mapping is a file's, so what a neighbour has
-    // written there is kept and comes back when it is touched.
+    // Pages that neighbours share go, too, or a long line would keep one a ping: the mapping is a file's, so
+    // what a neighbour has written there is kept and comes back when it is touched. So do the pages before
+    // them in their window: reading this ping brought them back.
     const auto address = [](const void* place) { return reinterpret_cast<std::uintptr_t>(place); };
     const std::uintptr_t begin = std::max(address(data_), address(values.data()) / window * window);
-    const std::uintptr_t end = std::min(
-        address(data_ + bytes_), (address(values.data() + values.size()) + window - 1) / window * window);
+    const std::uintptr_t end = aligned(address(values.data() + values.size()));
     madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
   }
 }
