@@ -160,10 +160,14 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
 
   const int part_rows = (cell_rows_ + side * tiles_a_part - 1) / (side * tiles_a_part),
             part_columns = (cell_columns_ + side * tiles_a_part - 1) / (side * tiles_a_part);
+  // Each square takes some 40 MB.
+  tbb::task_arena arena(std::min(tbb::this_task_arena::max_concurrency(), 8));
   for (int part_row = 0; part_row < part_rows; ++part_row) {
     std::vector<Part> parts(static_cast<std::size_t>(part_columns));
-    tbb::parallel_for(0, part_columns, [&](int column) {
-      parts[static_cast<std::size_t>(column)] = survey_part(part_row, column);
+    arena.execute([&] {
+      tbb::parallel_for(0, part_columns, [&](int column) {
+        parts[static_cast<std::size_t>(column)] = survey_part(part_row, column);
+      });
     });
     for (const Part& part : parts) {
       for (std::uint32_t r = 0; r < part.rows; ++r)
