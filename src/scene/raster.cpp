@@ -178,6 +178,12 @@ ComponentMesh read_raster(const RasterTerrain& terrain, std::optional<LocalFrame
         "has a coordinate reference system, but a raster before it has none: add a [georeference] and "
         "the other raster's CRS with gdal_edit.py -a_srs EPSG:...");
   }
+  for (const glm::dvec3& p : heights.points)
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      throw InputError(
+          place, fmt::format("has a cell with data at ({:g}, {:g}, {:g}): check its geotransform, scale and "
+                             "offset with gdalinfo",
+                             p.x, p.y, p.z));
   ComponentMesh mesh = facets_between(std::move(heights));
   if (mesh.triangles.empty()) {
     throw InputError(

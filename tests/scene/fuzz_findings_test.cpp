@@ -127,6 +127,19 @@ std::size_t cut_by_map(const MaterialMapDescription& map) {
   return apply_material_map(mesh, terrain, materials, LocalFrame());
 }
 
+TEST(FuzzFindings, CellsAtNoPlaceAreRefused) {
+  const auto read = [](const std::filesystem::path& file) {
+    RasterTerrain terrain;
+    terrain.file = file;
+    std::optional<LocalFrame> frame;
+    read_raster(terrain, frame);
+  };
+  const std::string head = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n", cells = "1 1\n1 1\n";
+  EXPECT_THAT(refusal("r.asc", head + "cellsize 1e308\n" + cells, read),
+              HasSubstr("r.asc: has a cell with data at ("));
+  EXPECT_THAT(refusal("r.asc", head + "cellsize 1e3\n" + cells, read), IsEmpty());
+}
+
 TEST(FuzzFindings, ClassicNetcdfIsMeasuredBeforeItsLibraryBelievesIt) {
   const auto measured = HasSubstr("r.nc: is cut off or damaged: its netCDF header");
   EXPECT_THAT(refusal("r.nc", greedy_netcdf(),
