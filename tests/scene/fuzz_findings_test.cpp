@@ -8,6 +8,7 @@
 #include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/raster.hpp"
+#include "scene/relief_map.hpp"
 #include "scene/scene_file_folder.hpp"
 #include "scene/scene_water.hpp"
 #include "scene/terrain.hpp"
@@ -138,6 +139,21 @@ TEST(FuzzFindings, CellsAtNoPlaceAreRefused) {
   EXPECT_THAT(refusal("r.asc", head + "cellsize 1e308\n" + cells, read),
               HasSubstr("r.asc: has a cell with data at ("));
   EXPECT_THAT(refusal("r.asc", head + "cellsize 1e3\n" + cells, read), IsEmpty());
+}
+
+TEST(FuzzFindings, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemory) {
+  const auto read = [](const std::filesystem::path& file) {
+    MapReliefDescription map;
+    map.file = file;
+    std::vector<std::string> warnings;
+    read_relief_map(map, LocalFrame(), warnings);
+  };
+  const std::string head = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n", cells = "1 1\n1 1\n";
+  EXPECT_THAT(refusal("r.asc", head + "dx 1e-6\ndy 1e4\n" + cells, read),
+              HasSubstr("r.asc: its cells are 1e-06 m by 10000 m over 20000 m, expected"));
+  EXPECT_THAT(refusal("r.asc", head + "cellsize 1e-140\n" + cells, read),
+              HasSubstr("r.asc: its cells are 1e-140 m"));
+  EXPECT_THAT(refusal("r.asc", head + "dx 1\ndy 1000\n" + cells, read), IsEmpty());
 }
 
 TEST(FuzzFindings, ClassicNetcdfIsMeasuredBeforeItsLibraryBelievesIt) {
