@@ -92,6 +92,12 @@ std::vector<std::string> RasterReader::settle(std::optional<LocalFrame>& frame) 
 
 void RasterReader::carry(std::span<glm::dvec3> points, const LocalFrame& frame) const {
   if (frame.is_georeferenced()) frame.carry(points, crs_, file_.place());
+  for (const glm::dvec3& p : points)
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      file_.fail(
+          fmt::format("has a cell with data at ({:g}, {:g}, {:g}): check its geotransform, scale and offset "
+                      "with gdalinfo",
+                      p.x, p.y, p.z));
 }
 
 std::vector<std::string> RasterReader::warnings() const {

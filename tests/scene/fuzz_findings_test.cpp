@@ -8,6 +8,7 @@
 #include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/raster.hpp"
+#include "scene/relief_map.hpp"
 #include "scene/scene_file_folder.hpp"
 #include "scene/scene_water.hpp"
 #include "scene/terrain.hpp"
@@ -127,6 +128,34 @@ std::size_t cut_by_map(const MaterialMapDescription& map) {
   return apply_material_map(mesh, terrain, materials, LocalFrame());
 }
 
+TEST(FuzzFindings, CellsAtNoPlaceAreRefused) {
+  const auto read = [](const std::filesystem::path& file) {
+    RasterTerrain terrain;
+    terrain.file = file;
+    std::optional<LocalFrame> frame;
+    read_raster(terrain, frame);
+  };
+  const std::string head = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n", cells = "1 1\n1 1\n";
+  EXPECT_THAT(refusal("r.asc", head + "cellsize 1e308\n" + cells, read),
+              HasSubstr("r.asc: has a cell with data at ("));
+  EXPECT_THAT(refusal("r.asc", head + "cellsize 1e3\n" + cells, read), IsEmpty());
+}
+
+TEST(FuzzFindings, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemory) {
+  const auto read = [](const std::filesystem::path& file) {
+    MapReliefDescription map;
+    map.file = file;
+    std::vector<std::string> warnings;
+    read_relief_map(map, LocalFrame(), warnings);
+  };
+  const std::string head = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n", cells = "1 1\n1 1\n";
+  EXPECT_THAT(refusal("r.asc", head + "dx 1e-6\ndy 1e4\n" + cells, read),
+              HasSubstr("r.asc: its cells are 1e-06 m by 10000 m over 20000 m, expected"));
+  EXPECT_THAT(refusal("r.asc", head + "cellsize 1e-140\n" + cells, read),
+              HasSubstr("r.asc: its cells are 1e-140 m"));
+  EXPECT_THAT(refusal("r.asc", head + "dx 1\ndy 1000\n" + cells, read), IsEmpty());
+}
+
 TEST(FuzzFindings, ClassicNetcdfIsMeasuredBeforeItsLibraryBelievesIt) {
   const auto measured = HasSubstr("r.nc: is cut off or damaged: its netCDF header");
   EXPECT_THAT(refusal("r.nc", greedy_netcdf(),
@@ -160,8 +189,8 @@ TEST(FuzzFindings, BordersThatReachOverMoreThanADoubleHoldsAreRefused) {
               HasSubstr("scene.toml:2:1: the map's border at"));
 }
 
-/// A GeoTIFF of one pixel whose geokeys point at what is not there: GDAL warns of it each time that it is
-/// read.
+/// A GeoTIFF of one pixel, 2 m wide, whose geokeys point at what is not there: GDAL warns when it is asked
+/// for the CRS.
 std::string tiff_with_broken_geokeys() {
   const auto entry = [](unsigned tag, unsigned type, unsigned count, unsigned value) {
     std::string bytes;
@@ -170,14 +199,16 @@ std::string tiff_with_broken_geokeys() {
       for (int k = 0; k < 4; ++k) bytes += char(four >> 8 * k & 255);
     return bytes;
   };
-  constexpr unsigned entries = 10, after = 8 + 2 + 12 * entries + 4;
+  constexpr unsigned entries = 12, keys = 8 + 2 + 12 * entries + 4, scale = keys + 16, tie = scale + 24;
   std::string tiff = "II*\0\x08\0\0\0"s + char(entries) + '\0';
   tiff += entry(256, 4, 1, 1) + entry(257, 4, 1, 1) + entry(258, 3, 1, 8) + entry(259, 3, 1, 1) +
-          entry(262, 3, 1, 1) + entry(273, 4, 1, after + 16) + entry(277, 3, 1, 1) + entry(278, 4, 1, 1) +
-          entry(279, 4, 1, 1) + entry(34735, 3, 8, after);
-  tiff += "\0\0\0\0"s;  // no further directory
-  tiff +=
-      "\1\0\1\0\0\0\1\0"s + "\x02\x04\xb1\x87\x09\0\x05\0"s;  // one key: a citation in text that is missing
+          entry(262, 3, 1, 1) + entry(273, 4, 1, tie + 48) + entry(277, 3, 1, 1) + entry(278, 4, 1, 1) +
+          entry(279, 4, 1, 1) + entry(33550, 12, 3, scale) + entry(33922, 12, 6, tie) +
+          entry(34735, 3, 8, keys);
+  tiff += "\0\0\0\0"s;                                      // no further directory
+  tiff += "\1\0\1\0\0\0\1\0\x02\x04\xb1\x87\x09\0\x05\0"s;  // one key: a citation in text that is missing
+  for (const double value : {2.0, 2.0, 0.0, 0.0, 0.0, 0.0, -3.0, 3.0, 0.0})
+    tiff.append(reinterpret_cast<const char*>(&value), sizeof value);
   return tiff + '\1';
 }
 
@@ -188,8 +219,6 @@ TEST(FuzzFindings, NothingIsPrintedWhileADamagedMaterialMapIsRead) {
                         RasterMaterialMap map;
                         map.file = file;
                         map.classes = {{"1", "sand", {}}};
-                        map.origin_m = {-3, -3};
-                        map.cell_m = 2;
                         EXPECT_GT(cut_by_map({{}, map}), 0u);
                       }),
               IsEmpty());
