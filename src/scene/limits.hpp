@@ -17,6 +17,8 @@ inline constexpr std::size_t line_bytes = std::size_t{1} << 20;
 inline constexpr std::size_t table_rows = 10'000'000;
 /// Of a terrain, or read of a raster.
 inline constexpr double cells = 50e6;
+/// Of a raster that is read by tiles: two facets each have numbers of 32 bits.
+inline constexpr double tiled_cells = 2e9;
 /// Of one primitive.
 inline constexpr double primitive_facets = 20e6;
 /// Of a raster as it is stored: any row takes whole blocks.

@@ -11,6 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "scene/limits.hpp"
 #include "scene/raster_reader.hpp"
 
 namespace tubefoot {
@@ -151,9 +152,9 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
   cell_rows_ = reader.window().kept_rows() - 1;
   tile_columns_ = tiles_of(cell_columns_);
   tile_rows_ = tiles_of(cell_rows_);
-  if (static_cast<double>(tile_columns_) * static_cast<double>(tile_rows_) > 1e7)
-    reader.file().fail(fmt::format("{} x {} cells are too many even for tiles: give a window or decimate",
-                                   cell_columns_ + 1, cell_rows_ + 1));
+  if (reader.window().cells() > limits::tiled_cells)
+    reader.file().fail(fmt::format("{} x {} cells are more than {:.3g}: give a window or decimate",
+                                   cell_columns_ + 1, cell_rows_ + 1, limits::tiled_cells));
   tiles_.resize(tile_columns_ * tile_rows_);
   // 128 at most in a row of a tile, so that a byte holds their number.
   row_facets_.resize(static_cast<std::size_t>(cell_rows_) * tile_columns_);

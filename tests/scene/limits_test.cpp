@@ -33,6 +33,7 @@ TEST(Limits, AreThoseOfTheirPage) {
   row("a line of a table (track, profile, pattern, law)", limits::line_bytes, " bytes");
   row("rows of a track or a profile", limits::table_rows);
   row("cells of a terrain, or read of a raster", static_cast<std::int64_t>(limits::cells));
+  row("cells of a raster that is read by tiles", static_cast<std::int64_t>(limits::tiled_cells));
   row("a block (strip, tile, chunk) of a raster", limits::block_bytes, " bytes");
   row("facets of one primitive", static_cast<std::int64_t>(limits::primitive_facets));
   row("nodes of a relief's tile, along a side", kMostNodes);
