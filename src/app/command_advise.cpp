@@ -7,6 +7,7 @@
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
 #include "app/output_folder.hpp"
+#include "app/replaced_file.hpp"
 #include "app/settings.hpp"
 #include "app/usage_error.hpp"
 #include "study/ping_spread.hpp"
@@ -106,7 +107,7 @@ int advise_command(const AdviseOptions& options) {
   }
   print_advice(advice);
   if (options.json) {
-    write_file(*options.json, json);
+    replace_file(*options.json, [&json](const std::filesystem::path& file) { write_file(file, json); });
     fmt::print("wrote {}\n", *options.json);
   }
   return 0;

@@ -8,8 +8,9 @@
 #include "app/commands.hpp"
 #include "app/comparison.hpp"
 #include "app/echo_pairs.hpp"
+#include "app/output_folder.hpp"
+#include "app/replaced_file.hpp"
 #include "app/usage_error.hpp"
-#include "sensors/checked_file.hpp"
 #include "sensors/comparison_picture.hpp"
 
 namespace tubefoot {
@@ -155,7 +156,7 @@ int compare_command(const CompareOptions& options) {
     return held ? within : beyond;
   }
   if (options.json)
-    write_file(*options.json, {reinterpret_cast<const unsigned char*>(json.data()), json.size()});
+    replace_file(*options.json, [&json](const std::filesystem::path& file) { write_file(file, json); });
 
   fmt::print("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(),
              made_by(reference.provenance), candidate.file.string(), made_by(candidate.provenance));

@@ -15,6 +15,7 @@
 #include "app/interrupt.hpp"
 #include "app/output_folder.hpp"
 #include "app/progress.hpp"
+#include "app/replaced_file.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/usage_error.hpp"
@@ -228,20 +229,8 @@ int coverage_command(const CoverageOptions& options) {
   const std::string title = fmt::format(
       "{}: {}, {} ping{}", description.title.empty() ? "coverage" : description.title,
       options.sensor.value_or("all sensors"), looks.pings.size(), looks.pings.size() == 1 ? "" : "s");
-  // Beside its place first: an earlier file is not lost to a failed run.
-  const auto replace = [](const fs::path& file, const auto& write) {
-    fs::path partial = file;
-    partial.replace_filename(".partial-" + file.filename().string());
-    try {
-      write(partial);
-      fs::rename(partial, file);
-    } catch (...) {
-      std::error_code ignored;
-      fs::remove(partial, ignored);
-      throw;
-    }
-  };
-  if (options.picture) replace(*options.picture, [&](const fs::path& file) { picture->write(file, title); });
+  if (options.picture)
+    replace_file(*options.picture, [&](const fs::path& file) { picture->write(file, title); });
   if (folder) {
     layers->write(staged->staging() / "coverage.gpkg");
     write_file(staged->staging() / "facets.csv", tables.facets());
@@ -249,7 +238,7 @@ int coverage_command(const CoverageOptions& options) {
     if (totals.facets > 0) picture->write(staged->staging() / "coverage.png", title);
     staged->commit();
   } else {
-    replace(options.output, [&](const fs::path& file) {
+    replace_file(options.output, [&](const fs::path& file) {
       if (package)
         layers->write(file);
       else

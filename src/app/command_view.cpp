@@ -10,6 +10,7 @@
 #include "app/interrupt.hpp"
 #include "app/output_folder.hpp"
 #include "app/refraction.hpp"
+#include "app/replaced_file.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/usage_error.hpp"
@@ -130,17 +131,7 @@ int view_command(const ViewOptions& options) {
   if (record) take_recorded(options.scene, *record, view);
   const std::string page = view_page(view);
 
-  // Beside its place until it is complete: an earlier page is not lost to a full disk.
-  fs::path partial = options.output;
-  partial.replace_filename(".partial-" + options.output.filename().string());
-  try {
-    write_file(partial, page);
-    fs::rename(partial, options.output);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    throw;
-  }
+  replace_file(options.output, [&page](const fs::path& file) { write_file(file, page); });
   if (!options.quiet)
     for (const std::string& note : view.notes) fmt::print("note: {}\n", note);
   fmt::print("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB)\n", options.output.string(),

@@ -23,9 +23,13 @@ namespace fs = std::filesystem;
 /// The start of a file. What follows: the identity's text, the units, each sensor's energies and bounds,
 /// every part at a multiple of `alignment`.
 struct Header {
-  char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '2'};
-  std::uint64_t identity_bytes = 0, units = 0, bytes = 0;
+  char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '3'};
+  std::uint64_t identity_bytes = 0, identity_checksum = 0, units = 0, bytes = 0;
 };
+
+std::uint64_t checksum_of(const std::string& text) {
+  return crc32_z(crc32(0, nullptr, 0), reinterpret_cast<const unsigned char*>(text.data()), text.size());
+}
 
 constexpr std::size_t alignment = 4096;
 // Linux maps a page that is read together with those about it, in windows of addresses of this size
@@ -57,6 +61,7 @@ StoreSummary read_summary(int file, const fs::path& path, Header& header) {
   if (pread(file, summary.identity.data(), header.identity_bytes, sizeof header) !=
       static_cast<ssize_t>(header.identity_bytes))
     throw unusable("cannot be read");
+  if (checksum_of(summary.identity) != header.identity_checksum) throw unusable("is damaged");
   summary.units = header.units;
   return summary;
 }
@@ -77,6 +82,14 @@ PingStore::PingStore(const StoreLayout& layout, fs::path path, std::size_t ident
     unit += group.pings;
   }
   bytes_ = aligned(first_unit_byte_ + unit * sizeof(Unit));
+  // A scene of many large sensors may ask for more than a number of bytes tells.
+  double asked = 0;
+  for (const StoreLayout::Sensor& sensor : layout_.sensors)
+    asked += static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells) * sizeof(double);
+  if (constexpr double most = 0x1p60; asked > most)
+    throw std::runtime_error(
+        fmt::format("{}: the pings' energies would take {:.3g} GB: ask for fewer pings, in several scenes",
+                    path_.string(), asked / 1e9));
   for (const StoreLayout::Sensor& sensor : layout_.sensors) {
     first_byte_.push_back(bytes_);
     for (int blocks = layout_.with_bounds ? 2 : 1; blocks > 0; --blocks)
@@ -99,8 +112,13 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, const std:
   };
   Header header;
   header.identity_bytes = identity.size();
+  header.identity_checksum = checksum_of(identity);
   header.units = layout_.units();
   header.bytes = bytes_;
+  // Not every file system refuses at once: some fill the disk first.
+  std::error_code unknown;
+  if (const fs::space_info disk = fs::space(file, unknown); !unknown && disk.available < bytes_)
+    abandon(ENOSPC);
   // Killed between any two of these calls, it leaves a file that read_summary() takes for one without pings.
   std::string head(reinterpret_cast<const char*>(&header), sizeof header);
   head += identity;

@@ -41,6 +41,14 @@ struct Pipe {
     setrlimit(RLIMIT_FSIZE, &limit);
     std::signal(SIGXFSZ, SIG_IGN);  // write() then fails with EFBIG
   }
+  if (surroundings.largest_memory_bytes) {
+    const rlimit limit{*surroundings.largest_memory_bytes, *surroundings.largest_memory_bytes};
+    setrlimit(RLIMIT_AS, &limit);
+  }
+  if (surroundings.stack_bytes) {
+    const rlimit limit{*surroundings.stack_bytes, *surroundings.stack_bytes};
+    setrlimit(RLIMIT_STACK, &limit);
+  }
   if (surroundings.as_nobody && geteuid() == 0 &&
       (setgroups(0, nullptr) != 0 || setgid(nobody) != 0 || setuid(nobody) != 0))
     _exit(126);
@@ -104,7 +112,9 @@ Outcome run_program(const std::vector<std::string>& arguments, const Surrounding
     }
   }
   int status = 0;
-  waitpid(child, &status, 0);
+  rusage used{};
+  wait4(child, &status, 0, &used);
+  outcome.peak_memory_mb = static_cast<double>(used.ru_maxrss) / 1024;
   if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
   return outcome;

@@ -34,11 +34,14 @@ struct Outcome {
   int exit_code = -1;  ///< -1 if a signal ended it
   int signal = 0;      ///< the signal that ended it; SIGALRM: it took longer than two minutes
   std::string out, err;
+  double peak_memory_mb = 0;  ///< resident
 };
 
 /// What the child process lives with.
 struct Surroundings {
   std::optional<std::size_t> largest_file_bytes;  ///< writing beyond fails, as on a full disk
+  std::optional<std::size_t> largest_memory_bytes;  ///< address space: `ulimit -v`
+  std::optional<std::size_t> stack_bytes;           ///< `ulimit -s`
   bool as_nobody = false;                         ///< gives up root's right to write everywhere
   /// Asked a hundred times a second while the child runs; once it says true, the child gets `signal`.
   std::function<bool()> interrupt_when;

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Names in a scene file that lead elsewhere, and files that are none: told, or refused, never waited for.
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "app/hostile.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string naming(const std::string& file) { return replaced(small_scene, "thing.obj", file); }
+
+constexpr std::string_view grid = "ncols 2\nnrows 2\nxllcorner -5\nyllcorner -5\ncellsize 10\n0 0\n0 0\n";
+
+std::string with_raster(const std::string& file = "grid.asc") {
+  return replaced(small_scene, "kind = \"flat\"\nwidth_m = 20\nlength_m = 30",
+                  "kind = \"raster\"\nfile = \"" + file + "\"");
+}
+
+TEST_F(Hostile, NamesThatAreNoFiles) {
+  const std::string place = "scene.toml:11:8: 'file'";
+  mkfifo((folder / "pipe.obj").c_str(), 0600);
+  expect_refused(naming("pipe.obj"), {place, "is a special file, expected a regular file"});
+  expect_refused(naming("/dev/zero"), {place, "is a special file"});
+  fs::create_symlink("/dev/zero", folder / "zero.obj");
+  expect_refused(naming("zero.obj"), {place, "is a special file"});
+  expect_refused(naming("thing.obj\\u0000.txt"), {place, "control characters"});
+  expect_refused(naming(std::string(1'000'000, 'x')), {place, "cannot look at '", "xxx ..."});
+}
+
+TEST_F(Hostile, SceneFilesThatAreNoFiles) {
+  mkfifo((folder / "pipe.toml").c_str(), 0600);
+  for (const std::string& name : {(folder / "pipe.toml").string(), std::string("/dev/zero")}) {
+    const Outcome outcome = run({"check", name});
+    expect_harmless(outcome);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("not a regular file, expected a scene file"));
+  }
+}
+
+// Readers of rasters and maps open what lies beside a file, unasked.
+TEST_F(Hostile, PipesBesideAFile) {
+  folder.write("grid.asc", grid);
+  for (const char* name : {"grid.PRJ", "grid.asc.aux.xml", "grid.aux"}) {
+    SCOPED_TRACE(name);
+    mkfifo((folder / name).c_str(), 0600);
+    expect_refused(with_raster(),
+                   {"scene.toml:6:8: 'file': ", name, "grid.asc', is a special file: move it away"});
+    fs::remove(folder / name);
+  }
+  fs::create_directory(folder / "grid.prj");
+  EXPECT_EQ(check(with_raster()).exit_code, 0);
+}
+
+TEST_F(Hostile, NamesThatLeaveTheFolderAreTold) {
+  TestFolder elsewhere;
+  elsewhere.write("other.obj", tetrahedron);
+  elsewhere.write("grid.prj", "LOCAL_CS[\"none\"]");
+  folder.write("grid.asc", grid);
+  fs::create_symlink(elsewhere / "other.obj", folder / "linked.obj");
+  fs::create_symlink(elsewhere / "grid.prj", folder / "grid.prj");
+  const fs::path up = fs::path("..") / elsewhere.path().filename() / "other.obj";
+  std::string scene = with_raster();
+  for (const std::string& file : {up.string(), (elsewhere / "other.obj").string(), std::string("linked.obj")})
+    scene += fmt::format("[[objects]]\nname = \"to {}\"\nshape = \"mesh\"\nfile = \"{}\"\n", file, file);
+  const Outcome outcome = check(scene);
+  expect_harmless(outcome);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string real = fs::canonical(elsewhere / "other.obj").string();
+  for (const std::string& file : {up.string(), (elsewhere / "other.obj").string(), std::string("linked.obj")})
+    EXPECT_THAT(outcome.err,
+                HasSubstr(fmt::format("\"{}\" leaves the scene's folder: it is '{}'", file, real)));
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("scene.toml:6:8: 'grid.prj', which is read along with \"grid.asc\", leaves"),
+                    Not(HasSubstr("\"thing.obj\" leaves"))));
+}
+
+// What a message quotes is the input's: a terminal must not obey it.
+TEST_F(Hostile, MessagesHoldNoControlCharacters) {
+  folder.write("track.csv",
+               "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n\x1b[2J\x07,0,0,0,0,0,0\n");
+  const Outcome outcome = check(replaced(small_scene, "kind = \"fixed\"\nposition_m = [0, 0, 2]",
+                                         "kind = \"waypoints\"\nfile = \"track.csv\""));
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("track.csv:2"), HasSubstr("?[2J?"), Not(HasSubstr("\x1b"))));
+}
+
+}  // namespace
+}  // namespace tubefoot
