@@ -198,11 +198,11 @@ void check_spacing(const RasterFile& raster, const HeightMap& map) {
   const double shortest = std::min(map.spacing_x_m, map.spacing_y_m),
                longest = std::max(static_cast<double>(map.columns) * map.spacing_x_m,
                                   static_cast<double>(map.rows) * map.spacing_y_m);
-  if (!(shortest >= least_m && longest <= kMostCells * shortest))
+  if (!(shortest >= least_m && longest <= limits::cells * shortest))
     raster.fail(fmt::format(
         "its cells are {:g} m by {:g} m over {:g} m, expected at least {:g} m and no more than {:.3g} of "
         "the shorter sides over all of it: resample it with gdalwarp -tr, or mend its georeference",
-        map.spacing_x_m, map.spacing_y_m, longest, least_m, kMostCells));
+        map.spacing_x_m, map.spacing_y_m, longest, least_m, limits::cells));
 }
 
 }  // namespace
