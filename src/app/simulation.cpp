@@ -2,6 +2,7 @@
 #include "app/simulation.hpp"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
@@ -363,7 +364,7 @@ class RegionalSimulation {
     const std::shared_ptr<const Region> region = cache_.get(number);
     // Who has a region's first ping loads the next one while others work.
     if (plan_.regions()[number].first_ping == ping && number + 1 < plan_.regions().size() &&
-        tbb::this_task_arena::max_concurrency() > 1) {
+        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) > 1) {
       try {
         cache_.get(number + 1);
       } catch (const InputError&) {

@@ -600,8 +600,8 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   EXPECT_EQ(to_string(scene.materials[1].place), file + ":29:1");
   EXPECT_EQ(to_string(scene.terrains[0].place), file + ":33:1");
   EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":36:12");
-  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":92:12");
-  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":158:14");
+  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":93:12");
+  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":159:14");
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {
