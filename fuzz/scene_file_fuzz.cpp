@@ -82,8 +82,7 @@ bool is_modest(const MaterialDescription& material) {
   return true;
 }
 
-/// Of a size that loads at once, sanitizers and all. What larger ones may ask for is bounded by
-/// docs/limits.md.
+/// Of a size that loads at once, sanitizers and all.
 bool is_modest(const SceneDescription& scene) {
   const auto all = [](const auto& list) {
     return list.size() <= 8 && std::ranges::all_of(list, [](const auto& one) { return is_modest(one); });

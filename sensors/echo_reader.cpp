@@ -227,8 +227,13 @@ class EchoGroupInput {
   void check_written(const char* name, int variable, const Words& dimensions,
                      const std::vector<std::size_t>& shape, const std::vector<double>& values) const {
     double fill = NC_FILL_DOUBLE;
-    const int status = nc_get_att_double(id_, variable, "_FillValue", &fill);
-    if (status != NC_ENOTATT) file_.check(status, fmt::format("read '{}{}:_FillValue'", prefix_, name));
+    std::size_t length = 0;
+    if (const int status = nc_inq_attlen(id_, variable, "_FillValue", &length); status != NC_ENOTATT) {
+      const std::string task = fmt::format("read '{}{}:_FillValue'", prefix_, name);
+      file_.check(status, task);
+      if (length != 1) fail(name, fmt::format("has {} values in attribute _FillValue, expected one", length));
+      file_.check(nc_get_att_double(id_, variable, "_FillValue", &fill), task);
+    }
     if (fill == 0) return;  // then it is meant as a value
     const auto unwritten = std::find(values.begin(), values.end(), fill);
     if (unwritten == values.end()) return;

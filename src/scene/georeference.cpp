@@ -22,7 +22,9 @@ constexpr const char* kWgs84 = "EPSG:4326";
 OGRSpatialReference crs_from(const std::string& text, const SourcePlace& place) {
   const GdalMessages messages;
   OGRSpatialReference crs;
-  if (crs.SetFromUserInput(text.c_str()) != OGRERR_NONE) {
+  // A scene that comes from somebody else must not make GDAL open files or addresses on the network.
+  if (crs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
+      OGRERR_NONE) {
     throw InputError(place,
                      fmt::format("'{}' is no coordinate reference system that is known{}: expected one like "
                                  "EPSG:32632",

@@ -35,6 +35,8 @@ INSTEAD = {
     "make install": (BUILDS + "; the tests Install.* install", "make -n install"),
     "make install PREFIX=$HOME/.local": (BUILDS + "; the tests Install.* install", "make -n install PREFIX=$HOME/.local"),
     "make package": (BUILDS + "; is the test Package.IsWhole", "make -n package"),
+    "make fuzz": ("hours, by another compiler", "make -n fuzz"),
+    "make fuzz FUZZ_SECONDS=60 FUZZ_TARGETS=mesh,csv": ("minutes, by another compiler", "make -n fuzz FUZZ_SECONDS=60"),
     "sudo apt install ./build/tubefoot_0.1.0_amd64.deb": ("changes the machine; Package.IsWhole unpacks it", None),
     "cmake -S examples/own-sonar -B build/own-sonar -DCMAKE_PREFIX_PATH=$HOME/.local": (
         "is the test Install.ServesAProgramOfOnesOwn", None),

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "scene/georeference.hpp"
 #include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/raster.hpp"
@@ -223,6 +224,27 @@ TEST(FuzzFindings, NothingIsPrintedWhileADamagedMaterialMapIsRead) {
                       }),
               IsEmpty());
   EXPECT_THAT(testing::internal::GetCapturedStderr(), IsEmpty());
+}
+
+// ---- Coordinate reference systems
+
+// GDAL takes the name of a file, or an address, for what is in it.
+TEST(FuzzFindings, CoordinateReferenceSystemIsNoNameOfAFile) {
+  const SceneFolder folder;
+  const auto file = folder.write("crs.txt", "EPSG:32632");
+  const SourcePlace place{"scene.toml", 2, 1};
+  const auto refused = [&](const std::string& crs) {
+    try {
+      LocalFrame::projected(crs, 0, 0, 0, place);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refused("EPSG:32632"), IsEmpty());
+  EXPECT_THAT(refused(file.string()), HasSubstr("is no coordinate reference system that is known"));
+  EXPECT_THAT(refused("http://localhost:1/crs"),
+              HasSubstr("is no coordinate reference system that is known"));
 }
 
 }  // namespace
