@@ -190,19 +190,18 @@ HeightMap placed(const RasterFile& raster, std::vector<double> heights, const Lo
           std::move(heights)};
 }
 
-// What is left out of a map is told by its spectrum, a wave at a time: as many as the shortest spacing goes
-// into the longest side. They must not be more than a map may have cells, however long and thin the cells
-// are.
+// What is left out of a map is told by its spectrum, a wave at a time: as many as the shorter side of a cell
+// goes into the longer side of the map. However long and thin the cells are, these must not take minutes.
 void check_spacing(const RasterFile& raster, const HeightMap& map) {
-  constexpr double least_m = 1e-6;
+  constexpr double least_m = 1e-6, most_waves = 1e6;
   const double shortest = std::min(map.spacing_x_m, map.spacing_y_m),
                longest = std::max(static_cast<double>(map.columns) * map.spacing_x_m,
                                   static_cast<double>(map.rows) * map.spacing_y_m);
-  if (!(shortest >= least_m && longest <= limits::cells * shortest))
+  if (!(shortest >= least_m && longest <= most_waves * shortest))
     raster.fail(fmt::format(
         "its cells are {:g} m by {:g} m over {:g} m, expected at least {:g} m and no more than {:.3g} of "
         "the shorter sides over all of it: resample it with gdalwarp -tr, or mend its georeference",
-        map.spacing_x_m, map.spacing_y_m, longest, least_m, limits::cells));
+        map.spacing_x_m, map.spacing_y_m, longest, least_m, most_waves));
 }
 
 }  // namespace

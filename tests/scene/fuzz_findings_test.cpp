@@ -142,7 +142,7 @@ TEST(FuzzFindings, CellsAtNoPlaceAreRefused) {
   EXPECT_THAT(refusal("r.asc", head + "cellsize 1e3\n" + cells, read), IsEmpty());
 }
 
-TEST(FuzzFindings, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemory) {
+TEST(FuzzFindings, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemoryAndTime) {
   const auto read = [](const std::filesystem::path& file) {
     MapReliefDescription map;
     map.file = file;
@@ -152,6 +152,8 @@ TEST(FuzzFindings, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemory) {
   const std::string head = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n", cells = "1 1\n1 1\n";
   EXPECT_THAT(refusal("r.asc", head + "dx 1e-6\ndy 1e4\n" + cells, read),
               HasSubstr("r.asc: its cells are 1e-06 m by 10000 m over 20000 m, expected"));
+  EXPECT_THAT(refusal("r.asc", head + "dx 1e-3\ndy 1e3\n" + cells, read),
+              HasSubstr("no more than 1e+06 of the shorter sides"));
   EXPECT_THAT(refusal("r.asc", head + "cellsize 1e-140\n" + cells, read),
               HasSubstr("r.asc: its cells are 1e-140 m"));
   EXPECT_THAT(refusal("r.asc", head + "dx 1\ndy 1000\n" + cells, read), IsEmpty());
