@@ -19,7 +19,7 @@ struct SourcePlace {
 std::string to_string(const SourcePlace& place);
 
 /// Text that may hold what a stranger wrote, for a terminal or a log: control characters but line ends and
-/// tabs as \x1b, and of more than a few thousand characters the beginning and the end.
+/// tabs as `\x1b`, and of more than a few thousand characters the beginning and the end.
 std::string shown(std::string_view text);
 
 /// The input is wrong: the program exits with 2 and prints "place: what was expected, what to do".
