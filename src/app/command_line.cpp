@@ -21,15 +21,6 @@ namespace {
 
 constexpr int done = 0, failed = 1, wrong_input = 2;
 
-/// A message quotes what it complains of, and that may be of any length and hold what a terminal obeys.
-std::string printable(std::string_view message) {
-  constexpr std::size_t longest = 4000;
-  std::string text(message.substr(0, longest));
-  for (char& c : text)
-    if ((c >= 0 && c < ' ' && c != '\n') || c == '\x7f') c = '?';
-  return message.size() > longest ? text + " ..." : text;
-}
-
 /// CLI11's own range checks let NaN through, as it is neither too small nor too large.
 CLI::Validator finite_number(double least, bool above) {
   return CLI::Validator(
@@ -270,16 +261,16 @@ int run_command_line(int argc, char** argv) {
   try {
     return command();
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", printable(error.what()));
+    fmt::print(stderr, "{}\n", error.what());
     return wrong_input;
   } catch (const UsageError& error) {
-    fmt::print(stderr, "tubefoot: {}\n", printable(error.what()));
+    fmt::print(stderr, "tubefoot: {}\n", shown(error.what()));
     return wrong_input;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "tubefoot: out of memory: use a window, a coarser decimation or a smaller scene\n");
     return failed;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "tubefoot: {}\n", printable(error.what()));
+    fmt::print(stderr, "tubefoot: {}\n", shown(error.what()));
     return failed;
   }
 }

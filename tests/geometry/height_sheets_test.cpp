@@ -263,13 +263,13 @@ TEST(HeightSheets, AHoleBeyondTheReachChangesNothing) {
   Random random(6);
   const FacetMesh mesh = terrain(random, 16);
   FacetMesh holed = mesh;
-  holed.facets.erase(holed.facets.begin() + 2 * (16 * 9 + 8), holed.facets.begin() + 2 * (16 * 9 + 8) + 2);
+  holed.facets.erase(holed.facets.begin() + 2 * (16 * 14 + 8), holed.facets.begin() + 2 * (16 * 14 + 8) + 2);
   holed.material.pop_back();
   holed.component.pop_back();
-  TubeSet tubes = forward_tubes({0, -width / 8, 0}, 1, 1, 30, 40, 25);
+  TubeSet tubes = forward_tubes({0, -3 * (width / 8), 0}, 1, 1, 30, 20, 20);
   std::size_t all = 0;
   EXPECT_EQ(expect_same(holed, tubes, all), all) << "within it, it is in view";
-  tubes.reach = width / 6;
+  tubes.reach = 0.7 * width;  // the bed is in view from half a width on, the hole is four fifths away
   const std::size_t left = expect_same(mesh, tubes, all);
   EXPECT_LT(left, all);
   EXPECT_EQ(expect_same(holed, tubes, all), left);

@@ -684,8 +684,9 @@ TEST(SceneFile, RangesIncludeTheirEndsUnlessTheySayOtherwise) {
   const SceneFolder folder;
   const auto camera = [](std::string_view keys) { return std::string(smallest_scene) + std::string(keys); };
   EXPECT_EQ(
-      folder.error_of(camera("beams = 4096\nsamples = 65536\nvertical_deg = 170\nhorizontal_deg = 179.9")),
+      folder.error_of(camera("beams = 4096\nsamples = 16384\nvertical_deg = 170\nhorizontal_deg = 179.9")),
       "");
+  EXPECT_EQ(folder.error_of(camera("beams = 1024\nsamples = 65536")), "");
   EXPECT_EQ(folder.error_of(camera("beams = 1\nsamples = 1\npings = 10000000\ntilt_deg = -90")), "");
   EXPECT_EQ(folder.error_of(camera("[water]\nsalinity_psu = 0\nsound_speed_m_s = 1300\n")), "");
   EXPECT_EQ(folder.error_of(camera("[water]\nsalinity_psu = 25\ndepth_m = 8000\ntemperature_c = -2\n")), "");
