@@ -29,10 +29,10 @@ def with_pings(scene, pings, folder):
 def ping_seconds(store, stats):
     """Visibility and echo seconds, [ping][2], of all pings of a store: they are kept with each ping's energies."""
     data = store.read_bytes()
-    if data[:16] != b"tubefoot pings 2":
+    if data[:16] != b"tubefoot pings 3":
         raise RuntimeError(f"{store}: not the store that this script reads (src/app/ping_store.cpp)")
-    identity, units = (int.from_bytes(data[k:k + 8], "little") for k in (16, 24))
-    first = -(-(40 + identity) // PAGE) * PAGE
+    identity, units = (int.from_bytes(data[k:k + 8], "little") for k in (16, 32))
+    first = -(-(48 + identity) // PAGE) * PAGE
     rows = numpy.frombuffer(data, numpy.uint8, units * UNIT_BYTES, first).reshape(units, UNIT_BYTES)
     seconds = rows[:, SECONDS_AT:SECONDS_AT + 16].copy().view(numpy.float64)
     told = [stats["seconds"][k] for k in ("visibility_of_all_pings", "echo_of_all_pings")]
