@@ -15,7 +15,7 @@
 #   make rays    hold rays in layered water against published ones: validation/rays.md
 #   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
 #   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
-#   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, docs/scaling.md (half an hour)
+#   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, docs/scaling.md (a quarter of an hour)
 #   make long-run  memory of 10 000 pings of a sidescan and a multibeam: docs/figures/long-run.svg (minutes)
 #   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
 #   make docs    build the documents as a site: build/docs/html/index.html
