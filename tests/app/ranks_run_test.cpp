@@ -58,6 +58,10 @@ struct Ranks : testing::Test {
   void SetUp() override {
     if (!fs::exists(TUBEFOOT_MPIRUN) || !fs::exists(TUBEFOOT_MPI_LIBRARY))
       GTEST_SKIP() << "Open MPI is not installed: libopenmpi-dev, openmpi-bin";
+    write_scene(pings);
+    folder.write("thing.obj", tetrahedron);
+  }
+  void write_scene(std::size_t sidescan_pings) const {
     std::string scene(small_scene);
     folder.write("scene.toml", scene + R"(pings = 3
 [[sensors]]
@@ -67,9 +71,8 @@ depression_min_deg = 20
 range_max_m = 10
 samples = 40
 ping_interval_s = 0.001
-pings = )" + std::to_string(pings) +
+pings = )" + std::to_string(sidescan_pings) +
                                    "\n");
-    folder.write("thing.obj", tetrahedron);
   }
   std::vector<std::string> command(const fs::path& output, const std::vector<std::string>& more) const {
     std::vector<std::string> words{
@@ -181,6 +184,7 @@ TEST_F(Ranks, KeepWhatWasFinishedWhenOneDies) {
 }
 
 TEST_F(Ranks, StopWhenAskedAndSayHowToGoOn) {
+  write_scene(20 * pings);  // more than are done before mpirun passes the signal on
   for (const bool one_rank_only : {false, true}) {
     SCOPED_TRACE(one_rank_only);
     Surroundings surroundings;
@@ -194,7 +198,7 @@ TEST_F(Ranks, StopWhenAskedAndSayHowToGoOn) {
     };
     const Outcome outcome = on_ranks(2, results, {}, surroundings);
     EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 1503 pings are kept in"),
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 30003 pings are kept in"),
                                    HasSubstr("--resume")));
     EXPECT_EQ(names_below(folder.path()),
               (std::set<std::string>{"scene.toml", "thing.obj", "results.partial"}));
