@@ -46,8 +46,8 @@ class PartialRun {
 nlohmann::ordered_json json_of(const RunDescription& run);
 RunDescription run_of(const nlohmann::ordered_json& json, RunDescription otherwise);
 
-/// The settings of a kept run, if it was asked what this one is. Throws UsageError naming the first thing that
-/// differs, or saying that what was kept is damaged.
+/// The settings of a kept run, if it was asked what this one is. Throws UsageError naming the first thing
+/// that differs, or saying that what was kept is damaged.
 RunDescription resumed(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked,
                        RunDescription otherwise);
 

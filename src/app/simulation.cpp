@@ -2,7 +2,6 @@
 #include "app/simulation.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
@@ -15,14 +14,13 @@
 #include <span>
 #include <stdexcept>
 
-#include "app/bounded_cache.hpp"
 #include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
 #include "app/paths.hpp"
 #include "app/progress.hpp"
 #include "app/refracted_reference.hpp"
 #include "app/refraction.hpp"
-#include "app/region_plan.hpp"
+#include "app/regional_simulation.hpp"
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
@@ -344,70 +342,6 @@ StoreLayout layout_of(const Survey& survey, bool with_bounds) {
   for (const SharedShots& group : survey.shots) layout.groups.push_back({group.sensors, survey.pings(group)});
   return layout;
 }
-
-namespace {
-
-/// The pings of a survey whose terrain is read by tiles, each simulated in a survey that has those it needs.
-class RegionalSimulation {
- public:
-  RegionalSimulation(const Survey& survey, std::optional<double> reference_tolerance)
-      : survey_(survey),
-        plan_(survey, std::min(most_facets, cache_bytes(survey) / (4 * bytes_a_facet))),
-        cache_(cache_bytes(survey), [this, reference_tolerance](std::size_t region) {
-          return load(region, reference_tolerance);
-        }) {
-    survey.terrain_use->regions = plan_.regions().size();
-  }
-
-  PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) {
-    const std::size_t number = plan_.of(group, ping);
-    const std::shared_ptr<const Region> region = cache_.get(number);
-    // Who has a region's first ping loads the next one while others work.
-    if (plan_.regions()[number].first_ping == ping && number + 1 < plan_.regions().size() &&
-        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) > 1) {
-      try {
-        cache_.get(number + 1);
-      } catch (const InputError&) {
-        // Its own pings will tell.
-      }
-    }
-    survey_.terrain_use->loads = cache_.loads();
-    survey_.terrain_use->most_bytes = cache_.most_bytes_held();
-    return region->simulation->run(group, ping, store, slot);
-  }
-
- private:
-  struct Region {
-    std::unique_ptr<const Survey> survey;
-    std::unique_ptr<const PingSimulation> simulation;
-  };
-  /// Deep trees and long waits cost more than what neighbouring regions load twice.
-  static constexpr std::size_t most_facets = 1 << 20, bytes_a_facet = 64;
-
-  static std::size_t cache_bytes(const Survey& survey) {
-    return static_cast<std::size_t>(survey.scene.description.run.terrain_cache_mb) * 1'000'000;
-  }
-
-  BoundedCache<Region>::Loaded load(std::size_t number, std::optional<double> reference_tolerance) const {
-    // Who waits for a part of this must not begin a ping meanwhile, which could wait for this in turn.
-    return tbb::this_task_arena::isolate([&] {
-      Region region;
-      region.survey = survey_with_tiles(survey_, plan_.regions()[number].tiles);
-      region.simulation = std::make_unique<const PingSimulation>(*region.survey, reference_tolerance);
-      const FacetMesh& mesh = region.survey->scene.mesh;
-      std::size_t bytes =
-          mesh.vertices.size() * sizeof(GridPoint) + mesh.facets.size() * 16 + region.survey->tree->bytes();
-      if (region.survey->ground) bytes += region.survey->tree->bytes() + mesh.vertices.size() * 32;
-      return BoundedCache<Region>::Loaded{std::make_shared<const Region>(std::move(region)), bytes};
-    });
-  }
-
-  const Survey& survey_;
-  const RegionPlan plan_;
-  BoundedCache<Region> cache_;
-};
-
-}  // namespace
 
 struct PingSimulation::Parts {
   ShotGround whole;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #ifndef __clang__
-// g++ 12 takes an empty placeholder inside OpenMesh's headers for an uninitialised value when sanitizers are
+// g++ 12 takes an empty object inside OpenMesh's headers for an uninitialised value when sanitizers are
 // on.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif

@@ -39,10 +39,10 @@ struct Outcome {
 
 /// What the child process lives with.
 struct Surroundings {
-  std::optional<std::size_t> largest_file_bytes;  ///< writing beyond fails, as on a full disk
+  std::optional<std::size_t> largest_file_bytes;    ///< writing beyond fails, as on a full disk
   std::optional<std::size_t> largest_memory_bytes;  ///< address space: `ulimit -v`
   std::optional<std::size_t> stack_bytes;           ///< `ulimit -s`
-  bool as_nobody = false;                         ///< gives up root's right to write everywhere
+  bool as_nobody = false;                           ///< gives up root's right to write everywhere
   /// Asked a hundred times a second while the child runs; once it says true, the child gets `signal`.
   std::function<bool()> interrupt_when;
   int signal = SIGINT;              ///< 0: none

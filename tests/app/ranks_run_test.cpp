@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "app/mpirun.hpp"
 #include "app/ping_store.hpp"
 #include "app/program.hpp"
 #include "app/small_scene.hpp"
@@ -86,19 +87,7 @@ pings = )" + std::to_string(sidescan_pings) +
   Outcome on_ranks(int ranks, const fs::path& output, const std::vector<std::string>& more = {},
                    const Surroundings& given = {}) const {
     Surroundings surroundings = given;
-    surroundings.before = {TUBEFOOT_MPIRUN,
-                           "--allow-run-as-root",
-                           "--oversubscribe",
-                           "--bind-to",
-                           "none",
-                           "--mca",
-                           "btl",
-                           "self,vader",
-                           "--mca",
-                           "oob_tcp_if_include",
-                           "lo",
-                           "-n",
-                           std::to_string(ranks)};
+    surroundings.before = mpirun(ranks);
     return run_program(command(output, more), surroundings);
   }
   std::size_t done() const {

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <memory>
 
+#include "app/mpirun.hpp"
 #include "app/ping_store.hpp"
 #include "app/program.hpp"
 #include "app/region_plan.hpp"
@@ -410,19 +411,7 @@ TEST(TiledTerrainFiles, RanksWriteWhatOneProcessWrites) {
     return bytes_of(folder / name / "echoes.nc");
   };
   Surroundings ranks;
-  ranks.before = {TUBEFOOT_MPIRUN,
-                  "--allow-run-as-root",
-                  "--oversubscribe",
-                  "--bind-to",
-                  "none",
-                  "--mca",
-                  "btl",
-                  "self,vader",
-                  "--mca",
-                  "oob_tcp_if_include",
-                  "lo",
-                  "-n",
-                  "2"};
+  ranks.before = mpirun(2);
   const std::string alone = run("alone", {});
   EXPECT_GT(alone.size(), 1000u);
   EXPECT_TRUE(alone == run("ranks", ranks));
