@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Material maps: rasters of classes and polygons, draped over a small bed. GDAL itself is not under test.
-#include <cpl_error.h>
-
 #include <array>
 #include <cmath>
 
 #include "fuzz.hpp"
+#include "gdal_is_quiet.hpp"
 #include "scene/material_map.hpp"
 #include "scene/terrain.hpp"
 
@@ -60,14 +59,6 @@ PolygonMaterialMap polygons(const std::filesystem::path& file, std::uint8_t opti
 
 }  // namespace
 }  // namespace tubefoot::fuzz
-
-/// What GDAL has to say belongs into our messages, not on the terminal.
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  CPLSetErrorHandler([](CPLErr severity, CPLErrorNum, const char* text) {
-    if (severity >= CE_Warning) tubefoot::fuzz::finding(std::string("GDAL speaks past the program: ") + text);
-  });
-  return 0;
-}
 
 /// A byte each for the format and its options, then the file; of a Shapefile, the lengths of .shp and .shx in
 /// two bytes each, then .shp, .shx and .dbf.

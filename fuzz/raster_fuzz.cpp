@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rasters, as terrain, relief and micro-texture. GDAL itself is not under test: docs/fuzzing.md.
-#include <cpl_error.h>
-
 #include <array>
 #include <cmath>
 #include <optional>
 
 #include "fuzz.hpp"
+#include "gdal_is_quiet.hpp"
 #include "scene/raster.hpp"
 #include "scene/reflectivity.hpp"
 #include "scene/relief_map.hpp"
@@ -75,14 +74,6 @@ void micro_texture(const std::filesystem::path& file, std::uint8_t options) {
 
 }  // namespace
 }  // namespace tubefoot::fuzz
-
-/// What GDAL has to say belongs into our messages, not on the terminal.
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  CPLSetErrorHandler([](CPLErr severity, CPLErrorNum, const char* text) {
-    if (severity >= CE_Warning) tubefoot::fuzz::finding(std::string("GDAL speaks past the program: ") + text);
-  });
-  return 0;
-}
 
 /// A byte each for the format, the use and its options, four for a window, then the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
