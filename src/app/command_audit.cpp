@@ -8,6 +8,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/survey.hpp"
@@ -66,9 +67,9 @@ int audit_command(const AuditOptions& options) {
       hash += audit.hash;
       if (audit.closes) continue;
       if (++failures <= 10)
-        fmt::print(stderr, "sensor '{}', ping {}, shot {}, tube {}: off by {:.3e} of the tube\n",
-                   survey->sensors[shots[k].group->sensors.front()].sensor->description().name, shots[k].ping,
-                   shots[k].shot, tube, audit.defect);
+        say("sensor '{}', ping {}, shot {}, tube {}: off by {:.3e} of the tube\n",
+            survey->sensors[shots[k].group->sensors.front()].sensor->description().name, shots[k].ping,
+            shots[k].shot, tube, audit.defect);
       worst = std::max(worst, std::abs(audit.defect));
     }
     progress.step();

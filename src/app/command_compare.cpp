@@ -10,6 +10,7 @@
 #include "app/echo_pairs.hpp"
 #include "app/output_folder.hpp"
 #include "app/replaced_file.hpp"
+#include "app/say.hpp"
 #include "app/usage_error.hpp"
 #include "sensors/comparison_picture.hpp"
 
@@ -96,7 +97,8 @@ void write_picture(const fs::path& file, const std::vector<SensorErrors>& sensor
   const std::vector<std::string> subtitle{
       fmt::format("reference: {}, {}", reference.file.string(), made_by(reference.provenance)),
       fmt::format("candidate: {}, {}", candidate.file.string(), made_by(candidate.provenance))};
-  draw_comparison(drawn, subtitle, label_font()).write_png(file, "tubefoot compare");
+  const Canvas picture = draw_comparison(drawn, subtitle, label_font());
+  replace_file(file, [&](const fs::path& partial) { picture.write_png(partial, "tubefoot compare"); });
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {
@@ -138,9 +140,8 @@ int compare_command(const CompareOptions& options) {
 
   if (options.png) {
     if (label_font().empty())
-      fmt::print(stderr,
-                 "warning: the picture has no labels: no font was found (on Debian, install "
-                 "fonts-dejavu-core)\n");
+      say("warning: the picture has no labels: no font was found (on Debian, install "
+          "fonts-dejavu-core)\n");
     write_picture(*options.png, sensors, reference, candidate);
   }
   std::string json;

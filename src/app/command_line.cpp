@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/command_line.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "app/commands.hpp"
 #include "app/rank_link.hpp"
+#include "app/say.hpp"
 #include "app/usage_error.hpp"
 #include "scene/input_error.hpp"
 
@@ -45,9 +50,13 @@ void add_common(CLI::App& command, CommonOptions& options) {
   command.add_flag("--quiet", options.quiet, "print results and errors only");
 }
 
-}  // namespace
+/// Where a standard stream is closed, the first file that is opened would take its number, and its words.
+void hold_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0 && errno == EBADF && open("/dev/null", O_RDONLY) < 0) return;
+}
 
-int run_command_line(int argc, char** argv) {
+int obeyed(int argc, char** argv) {
   CLI::App app{"tubefoot: a sonar simulator that measures footprints instead of sampling them.", "tubefoot"};
   app.set_version_flag("--version", "tubefoot " TUBEFOOT_VERSION);
   app.require_subcommand(1);
@@ -246,8 +255,7 @@ int run_command_line(int argc, char** argv) {
     for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
     const std::string last = names.back();
     names.pop_back();
-    fmt::print(stderr, "tubefoot: there is no command '{}': {} or {}\n", argv[1], fmt::join(names, ", "),
-               last);
+    say("tubefoot: there is no command '{}': {} or {}\n", argv[1], fmt::join(names, ", "), last);
     return wrong_input;
   }
   try {
@@ -261,18 +269,31 @@ int run_command_line(int argc, char** argv) {
   try {
     return command();
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    say("{}\n", error.what());
     return wrong_input;
   } catch (const UsageError& error) {
-    fmt::print(stderr, "tubefoot: {}\n", shown(error.what()));
+    say("tubefoot: {}\n", shown(error.what()));
     return wrong_input;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "tubefoot: out of memory: use a window, a coarser decimation or a smaller scene\n");
+    say("tubefoot: out of memory: use a window, a coarser decimation or a smaller scene\n");
     return failed;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "tubefoot: {}\n", shown(error.what()));
+    // What is wrong with stdout is said once, at the end.
+    if (std::ferror(stdout) == 0) say("tubefoot: {}\n", shown(error.what()));
     return failed;
   }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  hold_closed_streams();
+  const int code = obeyed(argc, argv);
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  const std::string why = errno != 0 ? fmt::format(": {}", std::strerror(errno)) : "";
+  say("tubefoot: cannot write to standard output{}\n", why);
+  return code == done ? failed : code;
 }
 
 }  // namespace tubefoot

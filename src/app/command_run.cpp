@@ -13,6 +13,7 @@
 #include "app/run_ranks.hpp"
 #include "app/run_statistics.hpp"
 #include "app/run_steps.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
@@ -134,7 +135,7 @@ int run_command(const RunOptions& options) {
   const std::shared_ptr<PingStore> store =
       partial.open(layout_of(*survey, reference_tolerance.has_value()), identity);
   const std::size_t kept_pings = store->done_units();
-  if (kept_pings > 0 && !options.quiet) fmt::print(stderr, "going on after {} finished pings\n", kept_pings);
+  if (kept_pings > 0 && !options.quiet) say("going on after {} finished pings\n", kept_pings);
   const auto stop_if_asked = [&partial] {
     if (InterruptGuard::requested()) throw std::runtime_error("interrupted: " + partial.advice());
   };

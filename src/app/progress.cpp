@@ -6,6 +6,8 @@
 
 #include <cstdio>
 
+#include "app/say.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -30,7 +32,7 @@ Progress::Progress(std::string what, std::size_t total, bool quiet)
 }
 
 Progress::~Progress() {
-  if (!quiet_ && terminal_) fmt::print(stderr, "\r\033[K");
+  if (!quiet_ && terminal_) say("\r\033[K");
 }
 
 void Progress::step() {
@@ -57,11 +59,11 @@ void Progress::draw(std::size_t finished, double seconds) const {
   if (terminal_) {
     constexpr int width = 30;
     const int full = static_cast<int>(fraction * width);
-    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}{}", what_, std::string(full, '#'),
-               std::string(width - full, '.'), finished, total_, left);
+    say("\r\033[K{} [{}{}] {}/{}{}", what_, std::string(full, '#'), std::string(width - full, '.'), finished,
+        total_, left);
     std::fflush(stderr);
   } else {
-    fmt::print(stderr, "{} {}/{}{}\n", what_, finished, total_, left);
+    say("{} {}/{}{}\n", what_, finished, total_, left);
   }
 }
 

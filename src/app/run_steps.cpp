@@ -11,6 +11,7 @@
 #include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
 #include "app/partial_run.hpp"
+#include "app/say.hpp"
 #include "app/usage_error.hpp"
 #include "scene/utc.hpp"
 #include "sensors/products.hpp"
@@ -103,8 +104,7 @@ Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, 
   run.sampling = chosen.sampling;
   run.rays_per_beam = chosen.rays_per_beam;
   if (!quiet)
-    fmt::print("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine,
-               advice.best().setting.setting);
+    say("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine, advice.best().setting.setting);
   return advice;
 }
 

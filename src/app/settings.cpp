@@ -8,6 +8,7 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "app/say.hpp"
 #include "app/usage_error.hpp"
 #include "scene/input_error.hpp"
 
@@ -96,7 +97,7 @@ VisibilityOptions options_of(const RunDescription& run) {
 
 void print_warnings(const std::vector<std::string>& warnings, bool quiet) {
   if (quiet) return;
-  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", shown(warning));
+  for (const std::string& warning : warnings) say("warning: {}\n", shown(warning));
 }
 
 }  // namespace tubefoot
