@@ -27,7 +27,7 @@ inline FacetPlane flat_bed(double height) { return {glm::dvec3(0, 0, 1), height}
 
 inline FacetPlane random_plane(std::mt19937_64& random, double distance) {
   std::normal_distribution<double> gauss;
-  return {glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random))), distance};
+  return {glm::normalize(glm::dvec3{gauss(random), gauss(random), gauss(random)}), distance};
 }
 
 /// A convex polygon: points of an ellipse, in increasing angle.
