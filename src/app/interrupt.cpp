@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <string_view>
@@ -10,11 +11,13 @@
 namespace tubefoot {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+/// Set in a signal handler, read by every thread.
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 /// The first time asks; the second time, by whichever signal, ends the program where it stands.
 void note(int) {
-  interrupted = 1;
+  interrupted = true;
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
   constexpr std::string_view hint = "\nstopping after the pings under way; once more: stopping at once\n";
@@ -26,7 +29,7 @@ void note(int) {
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-  interrupted = 0;
+  interrupted = false;
   std::signal(SIGINT, note);
   std::signal(SIGTERM, note);
 }
@@ -36,8 +39,8 @@ InterruptGuard::~InterruptGuard() {
   std::signal(SIGTERM, SIG_DFL);
 }
 
-bool InterruptGuard::requested() { return interrupted != 0; }
+bool InterruptGuard::requested() { return interrupted; }
 
-void InterruptGuard::request() { interrupted = 1; }
+void InterruptGuard::request() { interrupted = true; }
 
 }  // namespace tubefoot

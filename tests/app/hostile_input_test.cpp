@@ -79,9 +79,11 @@ TEST_F(Hostile, RastersThatAnnounceMoreThanTheyHold) {
                  {"scene.toml:4:1: ", "100000 x 100000 cells are more than 2e+09", "decimate"});
   expect_refused(with_raster("load = \"whole\""),
                  {"scene.toml:4:1: ", "100000 x 100000 cells are more than 5e+07", "decimate"});
+#ifndef TUBEFOOT_SANITIZED  // which leave memory without a limit
   folder.write("grid.tif", sparse_tiff(7000, 7000, 100));
   expect_refused(with_raster("load = \"whole\""),
                  {"facets between 7000 x 7000 cells need 7.84 GB of memory", "decimate"});
+#endif
   // Of which only a corner is asked for.
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 100'000));
   expect_refused(with_raster("window = [0, 0, 10, 10]"),
@@ -149,6 +151,9 @@ TEST_F(Hostile, NumbersInASceneFile) {
 
 // Each fits; all of them together do not.
 TEST_F(Hostile, SumsOfWhatFits) {
+#ifdef TUBEFOOT_SANITIZED
+  GTEST_SKIP() << "sanitizers set aside terabytes of addresses, so there is no limit to exceed";
+#endif
   std::string scene(small_scene);
   for (int k = 0; k < 12; ++k)
     scene += fmt::format(
