@@ -86,7 +86,8 @@ std::size_t mapped_kb(const std::filesystem::path& file) {
   std::size_t kb = 0;
   bool ours = false;
   for (std::string line; std::getline(maps, line);) {
-    if (line.find(" r") != std::string::npos && line.find('/') != std::string::npos)
+    const bool a_mapping = std::isupper(static_cast<unsigned char>(line.front())) == 0;  // its figures follow
+    if (a_mapping)
       ours = line.ends_with(std::filesystem::canonical(file).string());
     else if (line.starts_with("Rss:") && ours)
       kb += std::stoul(line.substr(4));
