@@ -39,7 +39,7 @@ glm::dvec3 vector_of(GridPoint p) { return {p.x, p.y, p.z}; }
 /// nothing.
 class Rays {
  public:
-  Rays(const FacetMesh& mesh, GridPoint apex) : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
+  Rays(const FacetMesh& mesh, GridPoint apex) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     FacetCone cone;
     for (FacetId f = 0; f < mesh.facets.size(); ++f)
