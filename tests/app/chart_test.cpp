@@ -89,7 +89,7 @@ struct Chart : testing::Test {
     folder = std::make_unique<TestFolder>();
     folder->write("step.toml", scene);
     outcome = run_program({"chart", (*folder / "step.toml").string(), "-o", (*folder / "out").string(),
-                           "--seconds", "20", "--repeats", "1", "--quiet"});
+                           "--seconds", "1000", "--repeats", "1", "--quiet"});
     if (outcome.exit_code != 0) return;
     std::istringstream csv(bytes_of(*folder / "out" / "chart.csv"));
     std::getline(csv, header);

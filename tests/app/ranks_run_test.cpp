@@ -228,10 +228,9 @@ TEST_F(Ranks, RefuseToMixScenes) {
                             "/$scene.toml -o " + results.string() + "\n");
   fs::permissions(folder / "start", fs::perms(0755));
   Surroundings surroundings;
-  surroundings.program = TUBEFOOT_MPIRUN;
-  const Outcome outcome = run_program({"--allow-run-as-root", "--oversubscribe", "--mca", "btl", "self,vader",
-                                       "-n", "2", (folder / "start").string()},
-                                      surroundings);
+  surroundings.before = mpirun(2);
+  surroundings.program = (folder / "start").string();
+  const Outcome outcome = run_program({}, surroundings);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
   EXPECT_EQ(times(outcome.err, "rank 1 on "), 1) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("reads another scene"));
