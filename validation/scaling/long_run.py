@@ -91,7 +91,7 @@ def main():
                  "pages of files": (times, [row[2] for row in run.rows], {"line"}),
                  "files are written from here on": ([run.writing] * 2, [0, max(max(row[1:]) for row in run.rows)],
                                                     {"line", "dashes", "thin"})}
-        highest = 1.4 * max(max(peak) for peak in peaks[sonar])
+        highest = 1.9 * max(max(peak) for peak in peaks[sonar])
         panels.append(plot.panel(f"{sonar}, {most} pings: {run.store_mb:.0f} MB of energies", "seconds", "memory, MB",
                                  lines, limits=(0, None, 0, highest)))
         panels.append(plot.panel(f"{sonar}: largest memory against pings", "pings", "memory, MB", {
