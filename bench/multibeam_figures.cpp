@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "app/simulation.hpp"
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "sensors/products.hpp"
 
 namespace tubefoot {

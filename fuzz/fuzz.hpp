@@ -15,7 +15,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 
 // What all targets share (docs/fuzzing.md).
 namespace tubefoot::fuzz {

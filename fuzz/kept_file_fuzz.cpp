@@ -7,7 +7,7 @@
 
 #include "app/partial_run.hpp"
 #include "app/refined_bed_file.hpp"
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 #include "fuzz.hpp"
 
 namespace tubefoot::fuzz {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "files/streamed_file.hpp"
 #include "sensors/camera_frame.hpp"
-#include "sensors/streamed_file.hpp"
 
 namespace tubefoot {
 

@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "files/checked_file.hpp"
 #include "scene/raster_messages.hpp"
-#include "sensors/checked_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,11 +10,11 @@
 #include <optional>
 #include <stdexcept>
 
+#include "files/checked_file.hpp"
+#include "files/reserved_space.hpp"
 #include "sensors/angles.hpp"
-#include "sensors/checked_file.hpp"
 #include "sensors/pose_angles.hpp"
 #include "sensors/recording.hpp"
-#include "sensors/reserved_space.hpp"
 #include "sensors/sensor_kind.hpp"
 
 namespace tubefoot {

@@ -13,7 +13,7 @@
 #include <span>
 #include <string_view>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "scene/raster_netcdf_size.hpp"
 
 namespace tubefoot {

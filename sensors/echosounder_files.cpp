@@ -7,9 +7,9 @@
 #include <iterator>
 #include <limits>
 
+#include "files/checked_file.hpp"
 #include "sensors/bottom_detection.hpp"
 #include "sensors/canvas.hpp"
-#include "sensors/checked_file.hpp"
 #include "sensors/echogram.hpp"
 #include "sensors/image_file.hpp"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "files/streamed_file.hpp"
 #include "sensors/packet_bytes.hpp"
-#include "sensors/streamed_file.hpp"
 
 namespace tubefoot {
 

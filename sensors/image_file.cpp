@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "sensors/checked_file.hpp"
+#include "files/checked_file.hpp"
 
 namespace tubefoot {
 

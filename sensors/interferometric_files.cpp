@@ -5,11 +5,11 @@
 
 #include <iterator>
 
+#include "files/streamed_file.hpp"
 #include "sensors/angles.hpp"
 #include "sensors/image_file.hpp"
 #include "sensors/interferometric_soundings.hpp"
 #include "sensors/phase_picture.hpp"
-#include "sensors/streamed_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "sensors/reserved_space.hpp"
+#include "files/reserved_space.hpp"
 
 namespace tubefoot {
 

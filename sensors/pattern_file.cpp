@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "scene/csv_file.hpp"
+#include "files/csv_file.hpp"
 #include "sensors/angles.hpp"
 
 namespace tubefoot {

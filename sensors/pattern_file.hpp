@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/beam_pattern.hpp"
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 
 namespace tubefoot {
 

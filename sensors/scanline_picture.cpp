@@ -7,7 +7,7 @@
 #include <exception>
 #include <stdexcept>
 
-#include "sensors/streamed_file.hpp"
+#include "files/streamed_file.hpp"
 
 namespace tubefoot {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/sidescan.hpp"
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "sensors/angles.hpp"
 
 namespace tubefoot {

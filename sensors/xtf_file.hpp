@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "files/streamed_file.hpp"
 #include "sensors/packet_bytes.hpp"
 #include "sensors/reson_8101.hpp"
-#include "sensors/streamed_file.hpp"
 
 namespace tubefoot {
 

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "app/output_folder.hpp"
 #include "app/refraction.hpp"
 #include "app/run_statistics.hpp"
 #include "app/run_steps.hpp"
@@ -13,6 +12,7 @@
 #include "app/simulation.hpp"
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "files/output_folder.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
 #include "run_apart.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "bindings.hpp"
+#include "files/file_hash.hpp"
 #include "scene.hpp"
-#include "scene/file_hash.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;

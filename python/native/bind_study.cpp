@@ -7,11 +7,11 @@
 
 #include "app/chart_folder.hpp"
 #include "app/comparison.hpp"
-#include "app/output_folder.hpp"
 #include "app/settings.hpp"
 #include "app/trials.hpp"
-#include "app/usage_error.hpp"
 #include "bindings.hpp"
+#include "files/output_folder.hpp"
+#include "files/usage_error.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
 #include "run_apart.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/pybind11.h>
 
-#include "app/usage_error.hpp"
 #include "bindings.hpp"
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace py = pybind11;
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "app/usage_error.hpp"
 #include "engine/tube_engine.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot::python {
 namespace {

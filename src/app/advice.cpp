@@ -11,7 +11,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/settings.hpp"
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "app/output_folder.hpp"
+#include "files/output_folder.hpp"
 #include "study/chart_page.hpp"
 #include "study/svg_png.hpp"
 

@@ -6,10 +6,10 @@
 #include "app/advice.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
-#include "app/output_folder.hpp"
-#include "app/replaced_file.hpp"
 #include "app/settings.hpp"
-#include "app/usage_error.hpp"
+#include "files/output_folder.hpp"
+#include "files/replaced_file.hpp"
+#include "files/usage_error.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {

@@ -12,8 +12,8 @@
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "app/survey.hpp"
-#include "app/usage_error.hpp"
 #include "engine/tube_engine.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 

@@ -6,11 +6,11 @@
 #include "app/chart_folder.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
-#include "app/output_folder.hpp"
 #include "app/progress.hpp"
 #include "app/settings.hpp"
 #include "app/trials.hpp"
-#include "app/usage_error.hpp"
+#include "files/output_folder.hpp"
+#include "files/usage_error.hpp"
 #include "study/chart_page.hpp"
 
 namespace tubefoot {

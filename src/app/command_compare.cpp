@@ -8,10 +8,10 @@
 #include "app/commands.hpp"
 #include "app/comparison.hpp"
 #include "app/echo_pairs.hpp"
-#include "app/output_folder.hpp"
-#include "app/replaced_file.hpp"
 #include "app/say.hpp"
-#include "app/usage_error.hpp"
+#include "files/output_folder.hpp"
+#include "files/replaced_file.hpp"
+#include "files/usage_error.hpp"
 #include "sensors/comparison_picture.hpp"
 
 namespace tubefoot {

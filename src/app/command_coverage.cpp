@@ -13,13 +13,13 @@
 #include "app/coverage_file.hpp"
 #include "app/coverage_picture.hpp"
 #include "app/interrupt.hpp"
-#include "app/output_folder.hpp"
 #include "app/progress.hpp"
-#include "app/replaced_file.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
-#include "app/usage_error.hpp"
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
+#include "files/output_folder.hpp"
+#include "files/replaced_file.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

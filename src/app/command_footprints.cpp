@@ -15,7 +15,7 @@
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/tiles_in_view.hpp"
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace fs = std::filesystem;

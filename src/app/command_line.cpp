@@ -18,8 +18,8 @@
 #include "app/commands.hpp"
 #include "app/rank_link.hpp"
 #include "app/say.hpp"
-#include "app/usage_error.hpp"
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

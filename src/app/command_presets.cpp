@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 #include "scene/sensor_presets.hpp"
 
 namespace tubefoot {

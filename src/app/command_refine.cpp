@@ -5,7 +5,7 @@
 #include "app/refined_bed_file.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 

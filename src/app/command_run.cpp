@@ -7,7 +7,6 @@
 #include "app/advice.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
-#include "app/output_folder.hpp"
 #include "app/partial_run.hpp"
 #include "app/refraction.hpp"
 #include "app/run_ranks.hpp"
@@ -17,7 +16,8 @@
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
-#include "app/usage_error.hpp"
+#include "files/output_folder.hpp"
+#include "files/usage_error.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {

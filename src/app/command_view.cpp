@@ -8,14 +8,14 @@
 
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
-#include "app/output_folder.hpp"
 #include "app/refraction.hpp"
-#include "app/replaced_file.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
-#include "app/usage_error.hpp"
 #include "app/view_gather.hpp"
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
+#include "files/output_folder.hpp"
+#include "files/replaced_file.hpp"
+#include "files/usage_error.hpp"
 #include "sensors/echo_reader.hpp"
 #include "viewer/page.hpp"
 

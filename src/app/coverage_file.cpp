@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "app/output_folder.hpp"
+#include "files/output_folder.hpp"
 #include "scene/raster_messages.hpp"
 
 namespace tubefoot {

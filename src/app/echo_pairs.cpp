@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/usage_error.hpp"
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

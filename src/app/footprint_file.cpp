@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace fs = std::filesystem;

@@ -6,8 +6,8 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
-#include "app/spool.hpp"
-#include "sensors/streamed_file.hpp"
+#include "files/spool.hpp"
+#include "files/streamed_file.hpp"
 
 namespace tubefoot {
 namespace {

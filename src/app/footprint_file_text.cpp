@@ -6,7 +6,7 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
-#include "sensors/streamed_file.hpp"
+#include "files/streamed_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,10 +10,10 @@
 #include "app/footprint_table.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
-#include "app/usage_error.hpp"
+#include "files/streamed_file.hpp"
+#include "files/usage_error.hpp"
 #include "geometry/exact_direction.hpp"
 #include "geometry/facet_cone.hpp"
-#include "sensors/streamed_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/interrupt.hpp"
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

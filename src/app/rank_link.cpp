@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

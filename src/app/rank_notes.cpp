@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "app/usage_error.hpp"
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

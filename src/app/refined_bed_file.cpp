@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "scene/file_hash.hpp"
+#include "files/file_hash.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 #include "scene/scene_water.hpp"
 #include "sensors/sidescan.hpp"
 

@@ -15,7 +15,7 @@
 #include "app/run_steps.hpp"
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

@@ -12,8 +12,8 @@
 #include "app/own_engine.hpp"
 #include "app/partial_run.hpp"
 #include "app/say.hpp"
-#include "app/usage_error.hpp"
-#include "scene/utc.hpp"
+#include "files/usage_error.hpp"
+#include "files/utc.hpp"
 #include "sensors/products.hpp"
 
 namespace tubefoot {

@@ -10,7 +10,7 @@
 
 #include "app/refined_bed_file.hpp"
 #include "app/refraction.hpp"
-#include "scene/memory_at_hand.hpp"
+#include "files/memory_at_hand.hpp"
 
 namespace tubefoot {
 namespace {

@@ -24,13 +24,13 @@
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
-#include "app/usage_error.hpp"
 #include "engine/bistatic_echo.hpp"
 #include "engine/echo.hpp"
 #include "engine/path_echo.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/reference.hpp"
 #include "engine/tube_engine.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

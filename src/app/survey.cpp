@@ -15,10 +15,10 @@
 #include "app/refraction.hpp"
 #include "app/shot_ground.hpp"
 #include "app/tiles_in_view.hpp"
-#include "app/usage_error.hpp"
+#include "files/memory_at_hand.hpp"
+#include "files/usage_error.hpp"
 #include "geometry/mirror.hpp"
 #include "geometry/vertical_line.hpp"
-#include "scene/memory_at_hand.hpp"
 #include "sensors/sidescan.hpp"
 
 namespace tubefoot {

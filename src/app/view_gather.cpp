@@ -11,10 +11,10 @@
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/sensor_law.hpp"
-#include "app/usage_error.hpp"
 #include "app/view_surroundings.hpp"
 #include "engine/contributions.hpp"
 #include "engine/tube_engine.hpp"
+#include "files/usage_error.hpp"
 #include "sensors/sensor_kind.hpp"
 
 namespace tubefoot {

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 #include "scene/material_map_gdal.hpp"
 #include "scene/material_map_sources.hpp"
 #include "scene/raster_block.hpp"

@@ -7,8 +7,8 @@
 #include <cctype>
 #include <fstream>
 
-#include "scene/input_error.hpp"
-#include "scene/memory_at_hand.hpp"
+#include "files/input_error.hpp"
+#include "files/memory_at_hand.hpp"
 #include "scene/mesh_file_polygons.hpp"
 
 namespace tubefoot {

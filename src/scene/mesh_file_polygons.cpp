@@ -8,7 +8,7 @@
 #include <limits>
 #include <span>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 
 namespace tubefoot {
 namespace {

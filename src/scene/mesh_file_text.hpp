@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 
 namespace tubefoot {
 

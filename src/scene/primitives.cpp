@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "scene/limits.hpp"
-#include "scene/memory_at_hand.hpp"
+#include "files/limits.hpp"
+#include "files/memory_at_hand.hpp"
 
 namespace tubefoot {
 namespace {

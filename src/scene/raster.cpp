@@ -3,8 +3,8 @@
 
 #include <fmt/core.h>
 
-#include "scene/limits.hpp"
-#include "scene/memory_at_hand.hpp"
+#include "files/limits.hpp"
+#include "files/memory_at_hand.hpp"
 #include "scene/raster_reader.hpp"
 
 namespace tubefoot {

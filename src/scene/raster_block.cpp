@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 
 namespace tubefoot {
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "scene/raster_messages.hpp"
 
 namespace tubefoot {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 
 namespace tubefoot {
 

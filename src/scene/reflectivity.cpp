@@ -10,7 +10,7 @@
 #include <limits>
 #include <mutex>
 
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 #include "scene/raster_block.hpp"
 #include "scene/raster_messages.hpp"
 #include "scene/raster_netcdf_size.hpp"

@@ -10,7 +10,7 @@
 #include <glm/vec2.hpp>
 #include <utility>
 
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 #include "scene/raster_file.hpp"
 #include "seabed/map_surface.hpp"
 

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "scene/csv_file.hpp"
+#include "files/csv_file.hpp"
 #include "seabed/sediment.hpp"
 
 namespace tubefoot {

@@ -10,9 +10,9 @@
 #include <limits>
 #include <utility>
 
+#include "files/memory_at_hand.hpp"
 #include "scene/georeference.hpp"
 #include "scene/material_map.hpp"
-#include "scene/memory_at_hand.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/named_files.hpp"
 #include "scene/primitives.hpp"

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "scene/scene_component.hpp"
 
 // What a scene file says, key by key, in the file's own units (degrees, metres, kHz). Nothing is loaded yet.

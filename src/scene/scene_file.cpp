@@ -5,8 +5,8 @@
 #include <map>
 #include <system_error>
 
-#include "scene/file_hash.hpp"
-#include "scene/limits.hpp"
+#include "files/file_hash.hpp"
+#include "files/limits.hpp"
 #include "scene/named_files.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_file_sections.hpp"

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "files/utc.hpp"
 #include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_scattering.hpp"
 #include "scene/scene_file_words.hpp"
-#include "scene/utc.hpp"
 
 namespace tubefoot {
 namespace {

@@ -2,7 +2,7 @@
 // The [[sensors]] section of a scene file.
 #include <algorithm>
 
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 #include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_sections.hpp"
 #include "scene/scene_file_words.hpp"

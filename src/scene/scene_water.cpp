@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "files/csv_file.hpp"
 #include "medium/absorption.hpp"
 #include "medium/sound_speed.hpp"
-#include "scene/csv_file.hpp"
 
 namespace tubefoot {
 namespace {

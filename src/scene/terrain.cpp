@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/limits.hpp"
-#include "scene/memory_at_hand.hpp"
+#include "files/limits.hpp"
+#include "files/memory_at_hand.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,7 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 #include "scene/raster_reader.hpp"
 
 namespace tubefoot {

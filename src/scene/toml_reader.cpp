@@ -7,7 +7,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 #include "scene/named_files.hpp"
 #include "scene/scene_file_words.hpp"
 

@@ -18,7 +18,7 @@
 #include <variant>
 #include <vector>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "scene/scene_file_keys.hpp"
 
 // A section of a scene file as a table of keys: each key knows its struct member, its type, unit, default and

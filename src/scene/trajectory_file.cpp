@@ -9,7 +9,7 @@
 #include <glm/trigonometric.hpp>
 #include <string_view>
 
-#include "scene/csv_file.hpp"
+#include "files/csv_file.hpp"
 #include "scene/scene_file_ranges.hpp"
 
 namespace tubefoot {

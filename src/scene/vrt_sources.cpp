@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "scene/raster_messages.hpp"
 
 namespace tubefoot {

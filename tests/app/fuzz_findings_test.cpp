@@ -7,7 +7,7 @@
 
 #include "app/partial_run.hpp"
 #include "app/program.hpp"
-#include "app/usage_error.hpp"
+#include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {

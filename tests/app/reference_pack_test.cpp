@@ -13,7 +13,7 @@
 #include <numbers>
 
 #include "app/program.hpp"
-#include "scene/file_hash.hpp"
+#include "files/file_hash.hpp"
 #include "scene/scene_description.hpp"
 #include "sensors/echo_reader.hpp"
 

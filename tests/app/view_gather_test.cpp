@@ -16,9 +16,9 @@
 #include "app/program.hpp"
 #include "app/sensor_law.hpp"
 #include "app/shot_ground.hpp"
-#include "app/usage_error.hpp"
 #include "engine/contributions.hpp"
 #include "engine/tube_engine.hpp"
+#include "files/usage_error.hpp"
 #include "scene/scene_description.hpp"
 
 namespace tubefoot {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,9 +12,9 @@
 #include <iterator>
 #include <sstream>
 
-#include "scene/csv_file.hpp"
+#include "files/csv_file.hpp"
+#include "files/memory_at_hand.hpp"
 #include "scene/material_map.hpp"
-#include "scene/memory_at_hand.hpp"
 #include "seabed/spectral_relief.hpp"
 
 namespace tubefoot {

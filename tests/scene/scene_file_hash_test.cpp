@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "scene/file_hash.hpp"
+#include "files/file_hash.hpp"
 #include "scene_file_folder.hpp"
 
 namespace tubefoot {

@@ -12,7 +12,7 @@
 #include <random>
 #include <tuple>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "scene/raster.hpp"
 #include "scene/scene_file_folder.hpp"
 #include "scene/vrt_sources.hpp"

@@ -9,10 +9,10 @@
 #include <fstream>
 #include <functional>
 
+#include "files/streamed_file.hpp"
 #include "sensors/aris_file.hpp"
 #include "sensors/camera_file_reader.hpp"
 #include "sensors/ddf_file.hpp"
-#include "sensors/streamed_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <limits>
 
+#include "files/input_error.hpp"
 #include "foreign_echoes.hpp"
 #include "samples.hpp"
-#include "scene/input_error.hpp"
 
 namespace tubefoot {
 namespace {

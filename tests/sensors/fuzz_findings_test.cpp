@@ -6,7 +6,7 @@
 #include <array>
 #include <fstream>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 #include "scene/scene_file_folder.hpp"
 #include "sensors/echo_reader.hpp"
 #include "sensors/foreign_echoes.hpp"

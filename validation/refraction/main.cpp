@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "app/simulation.hpp"
-#include "scene/utc.hpp"
+#include "files/utc.hpp"
 #include "sensors/multibeam_soundings.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"

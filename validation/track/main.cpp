@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "app/simulation.hpp"
-#include "scene/utc.hpp"
+#include "files/utc.hpp"
 #include "sensors/products.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"

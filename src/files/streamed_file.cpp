@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/streamed_file.hpp"
+#include "files/streamed_file.hpp"
 
 #include <fmt/format.h>
 

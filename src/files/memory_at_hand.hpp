@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 
 namespace tubefoot {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/reserved_space.hpp"
+#include "files/reserved_space.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/checked_file.hpp"
+#include "files/checked_file.hpp"
 
 #include <fmt/format.h>
 

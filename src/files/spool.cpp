@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/spool.hpp"
+#include "files/spool.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/memory_at_hand.hpp"
+#include "files/memory_at_hand.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

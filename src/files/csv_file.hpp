@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 
 namespace tubefoot {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/replaced_file.hpp"
+#include "files/replaced_file.hpp"
 
 #include <stdexcept>
 #include <string>

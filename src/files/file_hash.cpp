@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/file_hash.hpp"
+#include "files/file_hash.hpp"
 
 #include <fmt/format.h>
 

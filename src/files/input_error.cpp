@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/input_error.hpp"
+#include "files/input_error.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/utc.hpp"
+#include "files/utc.hpp"
 
 #include <charconv>
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/csv_file.hpp"
+#include "files/csv_file.hpp"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/limits.hpp"
+#include "files/limits.hpp"
 
 namespace tubefoot {
 namespace {
