@@ -7,8 +7,8 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "app/survey.hpp"
+#include "files/companions.hpp"
 #include "fuzz.hpp"
-#include "scene/named_files.hpp"
 #include "scene/scene_description.hpp"
 
 namespace tubefoot::fuzz {

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "files/checked_file.hpp"
-#include "scene/raster_messages.hpp"
+#include "files/gdal_messages.hpp"
 
 namespace tubefoot {
 namespace {

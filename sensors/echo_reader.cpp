@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <netcdf.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +12,12 @@
 #include <span>
 #include <string_view>
 
-#include "files/input_error.hpp"
-#include "scene/raster_netcdf_size.hpp"
+#include "files/file_format.hpp"
+#include "files/hdf5_file.hpp"
+#include "files/inlet.hpp"
+#include "files/limits.hpp"
+#include "files/memory_at_hand.hpp"
+#include "files/netcdf_size.hpp"
 
 namespace tubefoot {
 namespace {
@@ -33,14 +36,21 @@ class NetcdfInput {
   explicit NetcdfInput(const fs::path& path) : path_(path) {
     std::error_code error;
     if (!fs::exists(path, error)) fail("there is no such file");
-    // Also keeps netCDF from taking a name for an address on the network.
-    if (!fs::is_regular_file(path, error)) fail("not a regular file: name an echo file (echoes.nc)");
-    bytes_ = fs::file_size(path);
-    const auto classic = netcdf_classic_size(path);
-    if (classic && *classic > bytes_)
-      fail(fmt::format("the file is cut off: its header describes more than its {} bytes; write it again",
-                       bytes_));
-    const int status = nc_open(path.c_str(), NC_NOWRITE, &id_);
+    const InputFile input(path);
+    bytes_ = input.size();
+    const FileFormat format = format_of(path);
+    if (format == FileFormat::netcdf_classic) {
+      if (const auto needed = netcdf_classic_size(path); needed && *needed > bytes_)
+        fail(fmt::format("the file is cut off: its header describes more than its {} bytes; write it again",
+                         bytes_));
+    } else if (is_hdf5(format)) {
+      refuse_hdf5_references(path);
+    } else {
+      fail("cannot be read as netCDF: no netCDF file, or one that is cut off or damaged; write it again");
+    }
+    // By a name that netCDF takes for nothing but a file, whatever the file is called.
+    const std::string name = fmt::format("/proc/self/fd/{}", input.descriptor());
+    const int status = nc_open(name.c_str(), NC_NOWRITE, &id_);
     if (status == NC_ENOTNC || status == NC_EHDFERR)
       fail("cannot be read as netCDF: no netCDF file, or one that is cut off or damaged; write it again");
     check(status, "open the file");
@@ -53,6 +63,7 @@ class NetcdfInput {
 
   int id() const { return id_; }
   std::uintmax_t bytes() const { return bytes_; }
+  const fs::path& path() const { return path_; }
 
   [[noreturn]] void fail(const std::string& message) const { throw InputError({path_.string()}, message); }
   void check(int status, const std::string& task) const {
@@ -81,6 +92,15 @@ class EchoGroupInput {
       : file_(file), id_(id), prefix_(std::move(prefix)) {}
 
   bool has(const char* variable) const { return find(variable).has_value(); }
+
+  /// Memory that the values of a variable take, as far as its dimensions tell; 0 where it is missing.
+  double bytes_of(const char* name) const {
+    const auto variable = find(name);
+    double bytes = variable ? sizeof(double) : 0;
+    if (variable)
+      for (const std::size_t length : shape_of(*variable)) bytes *= static_cast<double>(length);
+    return bytes;
+  }
 
   /// A text attribute of the group; empty where it is missing.
   std::string text(const char* attribute) const { return text(NC_GLOBAL, attribute).value_or(""); }
@@ -215,12 +235,23 @@ class EchoGroupInput {
       fail(name, fmt::format("claims to have {} values, more than the file's {} bytes can hold: write all of "
                              "it, with deflate or uncompressed",
                              fmt::join(shape, " x "), file_.bytes()));
-    const auto memory = static_cast<std::uintmax_t>(sysconf(_SC_PHYS_PAGES)) *
-                        static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
-    if (*count > memory / sizeof(double))
-      fail(name, fmt::format("has {} values, more than this machine's memory holds: write fewer pings a file",
-                             fmt::join(shape, " x ")));
+    check_chunk(name, variable, type_bytes);
     return static_cast<std::size_t>(*count);
+  }
+
+  /// One piece of a variable that is stored in pieces is in memory whole, however little of it is wanted.
+  void check_chunk(const char* name, int variable, std::size_t type_bytes) const {
+    int storage = NC_CONTIGUOUS, dimensions = 0;
+    file_.check(nc_inq_varndims(id_, variable, &dimensions), "count dimensions");
+    std::vector<std::size_t> chunk(static_cast<std::size_t>(std::max(dimensions, 1)), 0);
+    file_.check(nc_inq_var_chunking(id_, variable, &storage, chunk.data()), "look at a variable's chunks");
+    if (storage != NC_CHUNKED) return;
+    const auto values = product(chunk);
+    if (!values || *values > static_cast<std::uintmax_t>(limits::block_bytes) / type_bytes)
+      fail(name,
+           fmt::format("is stored in chunks of {} values, more than {} MB each: write it in smaller ones, "
+                       "one a ping",
+                       fmt::join(chunk, " x "), limits::block_bytes >> 20));
   }
 
   /// netCDF gives values that nobody wrote a value of their own.
@@ -323,6 +354,16 @@ SensorEchoes read_sensor(const EchoGroupInput& group, const std::string& default
   return echoes;
 }
 
+/// Before anything is read: whether there is memory for all of it.
+void require_memory_for(const NetcdfInput& file, const std::vector<EchoGroupInput>& groups) {
+  double bytes = 0;
+  for (const EchoGroupInput& group : groups)
+    for (const char* name : {"energy", "energy_bound", "slant_range", "slant_range_bounds", "beam_azimuth",
+                             "beam_elevation", "ping_time"})
+      bytes += group.bytes_of(name);
+  require_memory(bytes, {file.path().string()}, "its values", "write fewer pings or sensors a file");
+}
+
 std::vector<int> groups_of(const NetcdfInput& file) {
   int count = 0;
   file.check(nc_inq_grps(file.id(), &count, nullptr), "count groups");
@@ -341,16 +382,24 @@ EchoContents read_echo_file(const fs::path& path) {
   contents.provenance = {root.text("title"), root.text("scene_hash"), root.text("engine"),
                          root.text("arithmetic"), root.text("version")};
   if (root.has("energy")) {
+    require_memory_for(file, {root});
     contents.sensors.push_back(read_sensor(root, "sensor"));
     return contents;
   }
+  std::vector<EchoGroupInput> groups;
+  std::vector<std::string> names;
   for (const int id : groups_of(file)) {
     char name[NC_MAX_NAME + 1] = {};
     file.check(nc_inq_grpname(id, name), "name a group");
     const EchoGroupInput group(file, id, std::string(name) + "/");
     if (!group.has("energy")) continue;  // a stranger may keep other things beside
-    contents.sensors.push_back(read_sensor(group, name));
-    for (std::size_t k = 0; k + 1 < contents.sensors.size(); ++k)
+    groups.push_back(group);
+    names.emplace_back(name);
+  }
+  require_memory_for(file, groups);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    contents.sensors.push_back(read_sensor(groups[g], names[g]));
+    for (std::size_t k = 0; k < g; ++k)
       if (contents.sensors[k].name == contents.sensors.back().name)
         file.fail(
             fmt::format("two groups have sensor_name '{}': give each its own", contents.sensors[k].name));

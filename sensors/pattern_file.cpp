@@ -5,10 +5,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string_view>
 
 #include "files/csv_file.hpp"
+#include "files/inlet.hpp"
 #include "sensors/angles.hpp"
 
 namespace tubefoot {
@@ -37,8 +37,8 @@ double number(std::string_view text, const char* name, const SourcePlace& place)
 PatternTable read_pattern_file(const std::filesystem::path& file) {
   constexpr std::size_t most_rows = 1000000;
   SourcePlace place{file.string(), 0, 0};
-  std::ifstream in(file);
-  if (!in) throw InputError(place, "cannot be opened: check the path and the permissions");
+  InputFile input(file);
+  std::istream& in = input.stream();
   bool headed = false;
   std::vector<double> angle_deg, level_db;
   for (std::string line; ++place.line, next_line(in, line, place);) {

@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "scene/raster_messages.hpp"
+#include "files/gdal_messages.hpp"
 
 namespace tubefoot {
 

@@ -124,7 +124,9 @@ void bind_scene(py::module_& module) {
       });
   module.def(
       "read_scene",
-      [](const std::string& file) { return std::make_shared<NativeScene>(read_scene_file(file)); },
+      [](const std::string& file, bool confined) {
+        return std::make_shared<NativeScene>(read_scene_file(file, confined));
+      },
       py::call_guard<py::gil_scoped_release>());
   module.def("parse_scene", &parse_scene);
 }

@@ -118,13 +118,17 @@ class Scene:
         return _explained(self._text, self.file)
 
 
-def load(file: PathLike) -> Scene:
+def load(file: PathLike, *, confined: bool = False) -> Scene:
     """The scene of a scene file (TOML, docs/scene-file.md).
+
+    Args:
+        confined: read nothing that lies outside of the file's folder, links followed; otherwise such files are read and
+            told in ``Scene.warnings``.
 
     Raises:
         InputError: the file is missing or wrong; ``file``, ``line`` and ``column`` say where.
     """
-    return Scene(_native.read_scene(os.fspath(file)))
+    return Scene(_native.read_scene(os.fspath(file), confined))
 
 
 def a_scene(scene: Scene) -> Scene:

@@ -93,7 +93,7 @@ int advise_command(const AdviseOptions& options) {
   if (options.json && *options.json != "-" &&
       (options.json->empty() || std::filesystem::is_directory(*options.json)))
     throw UsageError(fmt::format("--json '{}' is no file to write: name one, or - to print", *options.json));
-  const SceneDescription scene = read_scene_file(options.scene);
+  const SceneDescription scene = read_scene_file(options.scene, options.confined);
   const InterruptGuard interrupt;
   AdviceOptions asked;
   asked.pings = options.pings;

@@ -34,7 +34,8 @@ int chart_command(const ChartOptions& options) {
   std::vector<Trial> trials;
   Progress progress("settings", options.scenes.size() * builtin_settings(1).size(), options.quiet);
   for (const std::filesystem::path& file : options.scenes) {
-    TrialScene scene(read_scene_file(file), first_pings(options.pings), chart_reference_tolerance);
+    TrialScene scene(read_scene_file(file, options.confined), first_pings(options.pings),
+                     chart_reference_tolerance);
     if (!names.insert(scene.name()).second)
       throw UsageError(
           fmt::format("two scenes are called '{}': the chart could not tell them apart", scene.name()));

@@ -38,6 +38,14 @@ CLI::Validator finite_number(double least, bool above) {
       "NUMBER");
 }
 
+/// Of every command that reads a scene.
+template <class Options>
+void add_scene_flags(CLI::App& command, Options& options) {
+  command.add_flag("--confined", options.confined,
+                   "read nothing that lies outside of the scene file's folder, links followed");
+  command.add_flag("--quiet", options.quiet, "print results and errors only");
+}
+
 void add_common(CLI::App& command, CommonOptions& options) {
   command.add_option("SCENE", options.scene, "scene file (docs/scene-file.md)")->required();
   command
@@ -47,7 +55,7 @@ void add_common(CLI::App& command, CommonOptions& options) {
   command
       .add_option("--threads", options.threads, "threads to use; default: as the scene says, else all cores")
       ->check(CLI::Range(1, 4096));
-  command.add_flag("--quiet", options.quiet, "print results and errors only");
+  add_scene_flags(command, options);
 }
 
 /// Where a standard stream is closed, the first file that is opened would take its number, and its words.
@@ -170,7 +178,7 @@ int obeyed(int argc, char** argv) {
   view_app
       ->add_option("--threads", view.threads, "threads to use; default: as the scene says, else all cores")
       ->check(CLI::Range(1, 4096));
-  view_app->add_flag("--quiet", view.quiet, "print results and errors only");
+  add_scene_flags(*view_app, view);
   view_app->footer("Example:\n  tubefoot view out/wellhead -o wellhead.html --sensor camera");
   view_app->callback([&] { command = [&] { return view_command(view); }; });
 
@@ -181,7 +189,7 @@ int obeyed(int argc, char** argv) {
   refine_app->add_option("-o,--output", refine.output, "PLY file to write")->required();
   refine_app->add_option("--threads", refine.threads, "number of threads (default: all cores)")
       ->check(CLI::Range(0, 1024));
-  refine_app->add_flag("--quiet", refine.quiet, "print results and errors only");
+  add_scene_flags(*refine_app, refine);
   refine_app->footer("Example:\n  tubefoot refine scenes/sand/ripples.toml -o ripples.ply");
   refine_app->callback([&] { command = [&] { return refine_command(refine); }; });
 
@@ -221,7 +229,7 @@ int obeyed(int argc, char** argv) {
       ->add_option("--seconds", chart.seconds_per_trial,
                    "leave out settings that would take longer than this for one run (default: 4)")
       ->check(finite_number(0, true));
-  chart_app->add_flag("--quiet", chart.quiet, "print results and errors only");
+  add_scene_flags(*chart_app, chart);
   chart_app->footer("Example:\n  tubefoot chart scenes/chart/*.toml -o out/chart");
   chart_app->callback([&] { command = [&] { return chart_command(chart); }; });
 
@@ -238,7 +246,7 @@ int obeyed(int argc, char** argv) {
                    "pings of each sensor to predict from, and as many others to measure (default: 8)")
       ->check(CLI::Range(2, 1000000));
   advise_app->add_option("--json", advise.json, "write all figures into this file; -: print them instead");
-  advise_app->add_flag("--quiet", advise.quiet, "print results and errors only");
+  add_scene_flags(*advise_app, advise);
   advise_app->footer("Example:\n  tubefoot advise scenes/wellhead/scene.toml --tolerance 0.5dB");
   advise_app->callback([&] { command = [&] { return advise_command(advise); }; });
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
@@ -12,6 +11,7 @@
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/view_gather.hpp"
+#include "files/inlet.hpp"
 #include "files/input_error.hpp"
 #include "files/output_folder.hpp"
 #include "files/replaced_file.hpp"
@@ -30,13 +30,14 @@ struct RunRecord {
 };
 
 RunRecord read_record(const fs::path& folder) {
+  constexpr std::uintmax_t most_bytes = 64 << 20;
   const fs::path file = folder / "stats.json";
-  std::ifstream stream(file);
-  if (!stream)
+  if (!fs::exists(file))
     throw UsageError(fmt::format(
         "'{}' has no stats.json: name a folder that 'tubefoot run' wrote, or a scene file", folder.string()));
   try {
-    const auto json = nlohmann::json::parse(stream);
+    const auto json = nlohmann::json::parse(
+        read_whole(file, {file.string(), 0, 0}, most_bytes, "what 'tubefoot run' writes"));
     return {json.at("scene").get<std::string>(), json.at("scene_hash").get<std::string>(),
             json.at("engine").get<std::string>(), json.value("arithmetic", ""), json.value("binning", "")};
   } catch (const nlohmann::json::exception& error) {

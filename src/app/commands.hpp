@@ -14,6 +14,7 @@ struct CommonOptions {
   std::filesystem::path scene;
   std::optional<std::string> arithmetic;
   std::optional<int> threads;
+  bool confined = false;  ///< nothing outside of the scene file's folder is read
   bool quiet = false;
 };
 
@@ -87,6 +88,7 @@ struct ChartOptions {
   std::size_t pings = 1;
   int repeats = 3;
   double seconds_per_trial = 4;
+  bool confined = false;
   bool quiet = false;
 };
 
@@ -94,6 +96,7 @@ struct AdviseOptions {
   std::filesystem::path scene;
   std::string tolerance;
   std::size_t pings = 8;
+  bool confined = false;
   std::optional<std::string> json;  ///< file, or "-" for stdout
   bool quiet = false;
 };

@@ -11,8 +11,8 @@
 #include <glm/geometric.hpp>
 #include <map>
 
+#include "files/gdal_messages.hpp"
 #include "files/output_folder.hpp"
-#include "scene/raster_messages.hpp"
 
 namespace tubefoot {
 namespace {

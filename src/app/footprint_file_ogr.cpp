@@ -8,7 +8,7 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
-#include "scene/raster_messages.hpp"
+#include "files/gdal_messages.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "files/file_hash.hpp"
+#include "files/inlet.hpp"
 
 namespace tubefoot {
 namespace {
@@ -45,7 +46,7 @@ std::string header(const std::string& hash, std::size_t vertices, std::size_t fa
 /// Bytes that come in large pieces.
 class Reader {
  public:
-  Reader(std::ifstream& stream, std::size_t record) : stream_(stream), record_(record) {}
+  Reader(std::istream& stream, std::size_t record) : stream_(stream), record_(record) {}
   /// Null at the end of what the file holds.
   const char* next() {
     if (at_ == buffer_.size()) {
@@ -62,7 +63,7 @@ class Reader {
   std::size_t left = 0;
 
  private:
-  std::ifstream& stream_;
+  std::istream& stream_;
   std::size_t record_, at_ = 0;
   std::string buffer_;
 };
@@ -150,8 +151,10 @@ RefinedMesh read_refined_bed(const std::filesystem::path& file, const SourcePlac
     return InputError(place, fmt::format("'{}' {}: make it with 'tubefoot refine {} -o {}'", file.string(),
                                          why, scene.description.file.string(), file.string()));
   };
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw refused(fmt::format("cannot be read ({})", std::strerror(errno)));
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw refused("is not there");
+  InputFile input(file, place);
+  std::istream& stream = input.stream();
   std::string head;
   std::size_t vertices = 0, facets = 0;
   const auto number_after = [&](std::string_view words) {

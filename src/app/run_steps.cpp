@@ -111,7 +111,7 @@ Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, 
 void refuse_changed_input(const SceneDescription& description) {
   std::string why = "its scene hash is another";
   try {
-    if (read_scene_file(description.file).sha256 == description.sha256) return;
+    if (read_scene_file(description.file, description.confined).sha256 == description.sha256) return;
   } catch (const InputError& error) {
     why = error.what();
   }

@@ -77,7 +77,7 @@ std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t b
 }
 
 SceneDescription described(const CommonOptions& options) {
-  SceneDescription description = read_scene_file(options.scene);
+  SceneDescription description = read_scene_file(options.scene, options.confined);
   if (options.arithmetic) description.run.arithmetic = *options.arithmetic;
   if (options.threads) description.run.threads = *options.threads;
   return description;

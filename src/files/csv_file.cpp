@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <vector>
 
+#include "files/inlet.hpp"
 #include "files/limits.hpp"
 
 namespace tubefoot {
@@ -51,8 +51,8 @@ class CsvReader {
       : place_{file.string(), 0, 0}, columns_(columns) {}
 
   std::size_t read(const std::function<void(const CsvRow&)>& take) {
-    std::ifstream in(place_.file);
-    if (!in) throw InputError(place_, "cannot be opened: check the path and the permissions");
+    InputFile input(place_.file, place_);
+    std::istream& in = input.stream();
     std::size_t rows = 0;
     for (std::string line; ++place_.line, next_line(in, line, place_);) {
       std::string_view text = line;

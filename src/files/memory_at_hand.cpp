@@ -15,16 +15,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The least of the limits of the process's control group (version 2) and those around it; infinite where
-/// there is none.
+/// The least of the limits of the process's control group and those around it, of version 2 or of version 1,
+/// where memory has a tree of its own; infinite where there is none.
 double control_group_limit() {
   double least = std::numeric_limits<double>::infinity();
   std::ifstream groups("/proc/self/cgroup");
-  for (std::string line; std::getline(groups, line);) {
-    if (!line.starts_with("0::/")) continue;
-    const fs::path root = "/sys/fs/cgroup";
-    for (fs::path group = fs::path(line.substr(4)).lexically_normal();; group = group.parent_path()) {
-      std::ifstream file(root / group / "memory.max");
+  for (std::string line; std::getline(groups, line);) {  // "number:controllers:/group"
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == line.npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const bool of_all = controllers == ",,";
+    if (!of_all && controllers.find(",memory,") == controllers.npos) continue;
+    const fs::path root = of_all ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory";
+    for (fs::path group = fs::path(line.substr(second + 2)).lexically_normal();;
+         group = group.parent_path()) {
+      std::ifstream file(root / group / (of_all ? "memory.max" : "memory.limit_in_bytes"));
       if (double bytes = 0; file >> bytes) least = std::min(least, bytes);  // "max" is no number
       if (group.empty() || group == group.parent_path()) break;
     }

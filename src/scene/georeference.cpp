@@ -6,20 +6,42 @@
 
 #include <GeographicLib/LocalCartesian.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <memory>
+#include <string_view>
 #include <vector>
 
-#include "scene/raster_messages.hpp"
+#include "files/gdal_messages.hpp"
 
 namespace tubefoot {
 namespace {
 
 constexpr const char* kWgs84 = "EPSG:4326";
 
+// PROJ takes a CRS apart by itself, and opens the files of corrections that one names, wherever they lie:
+// what they do to a scene would be in no hash.
+void refuse_files_in(const std::string& crs, const SourcePlace& place) {
+  std::string text;
+  for (const char c : crs)
+    if (!std::isspace(static_cast<unsigned char>(c)))
+      text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const std::string_view word : {"grids=", "init=", "file=", "catalog=", "parameterfile"})
+    for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
+      const std::string_view value = std::string_view(text).substr(at + word.size());
+      if (word == "grids=" && value.starts_with("@null")) continue;  // none
+      if (word == "init=" && value.starts_with("epsg:")) continue;
+      throw InputError(place,
+                       fmt::format("the coordinate reference system '{}' names a file ('{}'): expected one "
+                                   "without, like EPSG:32632",
+                                   crs.substr(0, 200), word));
+    }
+}
+
 // A CRS with x = east or longitude, y = north or latitude, whatever order its authority prescribes, without
 // a vertical part: heights are not touched.
 OGRSpatialReference crs_from(const std::string& text, const SourcePlace& place) {
+  refuse_files_in(text, place);
   const GdalMessages messages;
   OGRSpatialReference crs;
   // A scene that comes from somebody else must not make GDAL open files or addresses on the network.

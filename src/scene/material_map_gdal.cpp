@@ -3,24 +3,7 @@
 
 #include <fmt/core.h>
 
-#include "scene/raster_messages.hpp"
-#include "scene/raster_netcdf_size.hpp"
-
 namespace tubefoot {
-
-GDALDatasetUniquePtr open_material_map(const SourcePlace& place, unsigned flags, const char* const* drivers,
-                                       const char* expected) {
-  GDALAllRegister();
-  const GdalMessages messages;
-  refuse_short_netcdf(place);
-  GDALDatasetUniquePtr dataset(
-      GDALDataset::Open(place.file.c_str(), flags | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
-  if (dataset == nullptr)
-    throw InputError(place, fmt::format("cannot be read as {}: it is empty, cut off, corrupt or of another "
-                                        "format{}",
-                                        expected, messages.in_brackets()));
-  return dataset;
-}
 
 std::string crs_text(const OGRSpatialReference* crs) {
   if (crs == nullptr || crs->IsEmpty() || crs->IsLocal()) return {};

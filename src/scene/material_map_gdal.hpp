@@ -11,11 +11,6 @@
 
 namespace tubefoot {
 
-/// Opens a dataset with one of the drivers (a list that ends in nullptr). Throws InputError that says
-/// `expected`.
-GDALDatasetUniquePtr open_material_map(const SourcePlace& place, unsigned flags, const char* const* drivers,
-                                       const char* expected);
-
 /// A CRS as WKT; empty for none, and for one that only says that coordinates are local.
 std::string crs_text(const OGRSpatialReference* crs);
 

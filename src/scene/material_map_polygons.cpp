@@ -7,9 +7,9 @@
 #include <memory>
 #include <set>
 
+#include "files/gdal_input.hpp"
 #include "scene/material_map_gdal.hpp"
 #include "scene/material_map_sources.hpp"
-#include "scene/raster_messages.hpp"
 #include "scene/scene_file_words.hpp"
 
 namespace tubefoot {
@@ -47,12 +47,9 @@ class PolygonReader {
       : map_(map), setting_(setting), place_{map.file.string(), 0, 0} {}
 
   MaterialMap read() {
-    constexpr std::array<const char*, 4> drivers{"GPKG", "GeoJSON", "ESRI Shapefile", nullptr};
-    const GdalMessages unheeded;  // of all that follows, until the dataset is closed
-    const GDALDatasetUniquePtr dataset =
-        open_material_map(place_, GDAL_OF_VECTOR, drivers.data(), "GeoPackage, GeoJSON or Shapefile");
+    const GdalInput input(map_.file, {FileFormat::geopackage, FileFormat::geojson, FileFormat::shapefile});
     const GdalMessages messages;
-    OGRLayer& layer = layer_of(*dataset, map_, place_);
+    OGRLayer& layer = layer_of(input.dataset(), map_, place_);
     const int attribute = attribute_of(layer, map_, place_);
     layer.ResetReading();
     while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) add(*feature, attribute);

@@ -6,11 +6,10 @@
 #include <map>
 #include <set>
 
+#include "files/gdal_input.hpp"
 #include "files/limits.hpp"
 #include "scene/material_map_gdal.hpp"
 #include "scene/material_map_sources.hpp"
-#include "scene/raster_block.hpp"
-#include "scene/raster_messages.hpp"
 
 namespace tubefoot {
 namespace {
@@ -28,8 +27,9 @@ struct Classes {
   }
 };
 
-Classes read_classes(GDALDataset& dataset, const RasterMaterialMap& map, const MaterialMapSetting& setting,
+Classes read_classes(const GdalInput& input, const RasterMaterialMap& map, const MaterialMapSetting& setting,
                      const SourcePlace& place) {
+  GDALDataset& dataset = input.dataset();
   Classes classes{dataset.GetRasterXSize(), dataset.GetRasterYSize(), {}};
   if (dataset.GetRasterCount() == 0)
     throw InputError(place, "holds no single raster: extract one with gdal_translate");
@@ -37,25 +37,19 @@ Classes read_classes(GDALDataset& dataset, const RasterMaterialMap& map, const M
     throw InputError(place, fmt::format("{} x {} cells are more than {:.3g}: cut it to the terrain with "
                                         "gdal_translate",
                                         classes.columns, classes.rows, limits::cells));
-  if (const auto problem = too_large_block(dataset)) throw InputError(place, *problem);
   std::map<double, std::uint16_t> region_of;
   for (const MaterialClass& c : map.classes) {
     const std::uint16_t material = material_named(c.material, setting.materials, c.place, "");
     region_of[std::stod(c.value)] = material == setting.default_material ? Classes::kNone : material;
   }
-  const GdalMessages messages;
   GDALRasterBand& band = *dataset.GetRasterBand(1);
   const auto columns = static_cast<std::size_t>(classes.columns);
   std::vector<double> values(columns);
   std::vector<unsigned char> has_data(columns);
   std::set<double> unknown;
   for (int row = 0; row < classes.rows; ++row) {
-    if (band.RasterIO(GF_Read, 0, row, classes.columns, 1, values.data(), classes.columns, 1, GDT_Float64, 0,
-                      0, nullptr) != CE_None ||
-        band.GetMaskBand()->RasterIO(GF_Read, 0, row, classes.columns, 1, has_data.data(), classes.columns, 1,
-                                     GDT_Byte, 0, 0, nullptr) != CE_None)
-      throw InputError(place, fmt::format("row {} cannot be read: the file is cut off or corrupt{}", row,
-                                          messages.in_brackets()));
+    input.read_row(band, row, 0, classes.columns, GDT_Float64, values.data());
+    input.read_row(*band.GetMaskBand(), row, 0, classes.columns, GDT_Byte, has_data.data());
     for (std::size_t i = 0; i < columns; ++i) {
       std::uint16_t region = Classes::kNone;
       if (has_data[i] != 0 && !std::isnan(values[i])) {
@@ -173,12 +167,10 @@ class Corners {
 
 MaterialMap raster_material_map(const RasterMaterialMap& map, const MaterialMapSetting& setting) {
   const SourcePlace place{map.file.string(), 0, 0};
-  constexpr std::array<const char*, 6> drivers{"GTiff", "AAIGrid", "netCDF", "BAG", "PNG", nullptr};
-  const GdalMessages unheeded;  // of all that follows, until the dataset is closed
-  const GDALDatasetUniquePtr dataset = open_material_map(place, GDAL_OF_RASTER, drivers.data(),
-                                                         "GeoTIFF, ESRI ASCII grid, netCDF, BAG or PNG");
-  const Corners corners(*dataset, map, setting, place);
-  const Classes classes = read_classes(*dataset, map, setting, place);
+  const GdalInput input(map.file, {FileFormat::geotiff, FileFormat::ascii_grid, FileFormat::netcdf4,
+                                   FileFormat::netcdf_classic, FileFormat::bag, FileFormat::png});
+  const Corners corners(input.dataset(), map, setting, place);
+  const Classes classes = read_classes(input, map, setting, place);
   const std::vector<Run> runs =
       runs_between(classes, corners.stay_straight(classes.columns, classes.rows), place);
   std::vector<glm::dvec3> ends;

@@ -5,30 +5,21 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 
-#include "files/input_error.hpp"
+#include "files/inlet.hpp"
 #include "files/memory_at_hand.hpp"
 #include "scene/mesh_file_polygons.hpp"
 
 namespace tubefoot {
 namespace {
 
-std::string read_whole(const std::filesystem::path& file) {
+std::string mesh_text(const std::filesystem::path& file) {
   const SourcePlace place{file.string(), 0, 0};
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
-    throw InputError(place, "is no readable file, expected a mesh: check the path");
-  }
-  const auto size = std::filesystem::file_size(file, error);
-  std::ifstream in(file, std::ios::binary);
-  if (error || !in) throw InputError(place, "cannot be opened: check the permissions");
+  const InputFile input(file);
   // The text, and what is made of it.
-  require_memory(3 * static_cast<double>(size), place, fmt::format("its {} bytes", size),
+  require_memory(3 * static_cast<double>(input.size()), place, fmt::format("its {} bytes", input.size()),
                  "give a coarser mesh, or one cut to the scene");
-  std::string content(size, '\0');
-  in.read(content.data(), static_cast<std::streamsize>(size));
-  if (in.gcount() != static_cast<std::streamsize>(size)) throw InputError(place, "cannot be read to its end");
+  std::string content = read_whole(file, place, input.size(), "a mesh that nobody is writing to");
   if (content.find_first_not_of(" \t\r\n") == content.npos)
     throw InputError(place, "is empty, expected a mesh");
   return content;
@@ -51,7 +42,7 @@ ComponentMesh read_mesh_file(const std::filesystem::path& file) {
         {name, 0, 0},
         fmt::format("'{}' is no mesh format that is read: expected .obj, .ply, .stl or .off", extension));
   }
-  PolygonSoup soup = parse(read_whole(file), name);
+  PolygonSoup soup = parse(mesh_text(file), name);
   return triangulate(std::move(soup), name);
 }
 

@@ -7,21 +7,21 @@
 #include <filesystem>
 #include <string>
 
+#include "files/gdal_input.hpp"
 #include "files/input_error.hpp"
-#include "scene/raster_messages.hpp"
 
 namespace tubefoot {
 
-/// Band 1 of a raster of heights, opened: GeoTIFF, BAG, ESRI ASCII grid or netCDF. While it lives, GDAL's
-/// messages on this thread go to messages(). All errors are InputErrors at the file, with GDAL's own words.
+/// Band 1 of a raster of heights, opened: GeoTIFF, BAG, ESRI ASCII grid, netCDF or VRT. As GdalInput, for the
+/// thread that made it.
 class RasterFile {
  public:
   explicit RasterFile(const std::filesystem::path& file);
 
-  const SourcePlace& place() const { return place_; }
-  const GdalMessages& messages() const { return messages_; }
-  int columns() const { return dataset_->GetRasterXSize(); }
-  int rows() const { return dataset_->GetRasterYSize(); }
+  const SourcePlace& place() const { return input_.place(); }
+  const GdalMessages& messages() const { return input_.messages(); }
+  int columns() const { return input_.dataset().GetRasterXSize(); }
+  int rows() const { return input_.dataset().GetRasterYSize(); }
   /// As WKT; empty for none.
   std::string crs() const;
   /// Of a north-up raster. Throws where there is none, or it is rotated or upside down.
@@ -35,14 +35,10 @@ class RasterFile {
   /// Part of a row: its values, and which of them are data (not 0).
   void read_row(int row, int column, int columns, double* values, unsigned char* has_data) const;
 
-  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void fail(const std::string& message) const { input_.fail(message); }
 
  private:
-  void read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type, void* out) const;
-
-  SourcePlace place_;
-  GdalMessages messages_;
-  GDALDatasetUniquePtr dataset_;
+  GdalInput input_;
 };
 
 }  // namespace tubefoot

@@ -2,18 +2,14 @@
 #include "scene/reflectivity.hpp"
 
 #include <fmt/format.h>
-#include <gdal_priv.h>
 
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <mutex>
 
+#include "files/gdal_input.hpp"
 #include "files/limits.hpp"
-#include "scene/raster_block.hpp"
-#include "scene/raster_messages.hpp"
-#include "scene/raster_netcdf_size.hpp"
 #include "seabed/layered_reflectivity.hpp"
 #include "seabed/map_reflectivity.hpp"
 #include "seabed/perlin_reflectivity.hpp"
@@ -24,21 +20,17 @@ namespace {
 class MapReader {
  public:
   MapReader(const MapReflectivityKeys& keys, const LocalFrame& frame)
-      : keys_(keys), frame_(frame), place_{keys.file.string(), 0, 0} {
-    static std::once_flag registered;
-    std::call_once(registered, [] { GDALAllRegister(); });
-    refuse_short_netcdf(place_);
-    const char* const drivers[] = {"GTiff", "AAIGrid", "BAG", "netCDF", "PNG", nullptr};
-    dataset_.reset(GDALDataset::Open(place_.file.c_str(),
-                                     GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers));
-    if (dataset_ == nullptr || dataset_->GetRasterCount() == 0)
-      fail("cannot be read as GeoTIFF, ESRI ASCII grid, BAG, netCDF or PNG");
-    columns_ = dataset_->GetRasterXSize();
-    rows_ = dataset_->GetRasterYSize();
+      : keys_(keys),
+        frame_(frame),
+        input_(keys.file, {FileFormat::geotiff, FileFormat::ascii_grid, FileFormat::bag, FileFormat::netcdf4,
+                           FileFormat::netcdf_classic, FileFormat::png}) {
+    if (input_.dataset().GetRasterCount() == 0)
+      fail("holds no single raster: extract one with gdal_translate");
+    columns_ = input_.dataset().GetRasterXSize();
+    rows_ = input_.dataset().GetRasterYSize();
     if (double(columns_) * rows_ > limits::cells)
       fail(fmt::format("{} x {} pixels are more than {:.3g}: cut or shrink it with gdal_translate", columns_,
                        rows_, limits::cells));
-    if (const auto problem = too_large_block(*dataset_)) fail(*problem);
   }
 
   std::shared_ptr<const ReflectivityField> read() {
@@ -51,28 +43,22 @@ class MapReader {
     }
   }
 
-  const GdalMessages& messages() const { return messages_; }
-  const SourcePlace& place() const { return place_; }
+  const GdalMessages& messages() const { return input_.messages(); }
+  const SourcePlace& place() const { return input_.place(); }
 
  private:
-  [[noreturn]] void fail(const std::string& message) const {
-    throw InputError(place_, message + messages_.in_brackets());
-  }
+  [[noreturn]] void fail(const std::string& message) const { input_.fail(message); }
 
   std::vector<float> values() {
-    GDALRasterBand& band = *dataset_->GetRasterBand(1);
+    GDALRasterBand& band = *input_.dataset().GetRasterBand(1);
     const double scale = band.GetScale() == 0 ? 1 : band.GetScale(), offset = band.GetOffset();
     std::vector<float> values;
     values.reserve(std::size_t(columns_) * std::size_t(rows_));
     std::vector<double> row(static_cast<std::size_t>(columns_));
     std::vector<unsigned char> has_data(row.size());
     for (int j = 0; j < rows_; ++j) {
-      const auto get = [&](GDALRasterBand& from, GDALDataType type, void* out) {
-        if (from.RasterIO(GF_Read, 0, j, columns_, 1, out, columns_, 1, type, 0, 0, nullptr) != CE_None)
-          fail(fmt::format("row {} cannot be read: the file is cut off or corrupt", j));
-      };
-      get(band, GDT_Float64, row.data());
-      get(*band.GetMaskBand(), GDT_Byte, has_data.data());
+      input_.read_row(band, j, 0, columns_, GDT_Float64, row.data());
+      input_.read_row(*band.GetMaskBand(), j, 0, columns_, GDT_Byte, has_data.data());
       for (std::size_t i = 0; i < row.size(); ++i) {
         const double value = row[i] * scale + offset;
         values.push_back(has_data[i] == 0 || std::isnan(value) ? std::numeric_limits<float>::quiet_NaN()
@@ -91,11 +77,11 @@ class MapReader {
 
   MapReflectivity::Placing placed() const {
     std::array<double, 6> g{};
-    if (dataset_->GetGeoTransform(g.data()) != CE_None)
+    if (input_.dataset().GetGeoTransform(g.data()) != CE_None)
       fail(
           "has no geotransform, so its pixels have no size and place: give 'tile_m', or add one with "
           "gdal_edit.py -a_ullr");
-    const OGRSpatialReference* known = dataset_->GetSpatialRef();
+    const OGRSpatialReference* known = input_.dataset().GetSpatialRef();
     const bool with_crs = known != nullptr && !known->IsEmpty() && !known->IsLocal();
     if (with_crs && !frame_.is_georeferenced())
       fail("has a coordinate reference system, but the scene has none: add [georeference], or give 'tile_m'");
@@ -109,7 +95,7 @@ class MapReader {
     for (const double row : {0.0, h / 2, h})
       for (const double column : {0.0, w / 2, w})
         points.emplace_back(g[0] + column * g[1] + row * g[2], g[3] + column * g[4] + row * g[5], 0);
-    if (with_crs) frame_.carry(points, dataset_->GetProjectionRef(), place_);
+    if (with_crs) frame_.carry(points, input_.dataset().GetProjectionRef(), place());
     const auto plan = [&](std::size_t k) { return glm::dvec2(points[k]); };
     const glm::dvec2 column = (plan(5) - plan(3)) / w, row = (plan(7) - plan(1)) / h;
     const glm::dvec2 corner = plan(4) - w / 2 * column - h / 2 * row;
@@ -127,9 +113,7 @@ class MapReader {
 
   const MapReflectivityKeys& keys_;
   const LocalFrame& frame_;
-  SourcePlace place_;
-  GdalMessages messages_;
-  GDALDatasetUniquePtr dataset_;
+  GdalInput input_;
   int columns_ = 0, rows_ = 0;
 };
 

@@ -6,12 +6,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <stdexcept>
 #include <string_view>
 
 #include "files/csv_file.hpp"
+#include "files/inlet.hpp"
 #include "seabed/sediment.hpp"
 
 namespace tubefoot {
@@ -36,8 +36,8 @@ struct Table {
 /// Rows "grazing angle in degrees, level in dB"; blank lines and those from # on are left out.
 Table read_table(const std::filesystem::path& file) {
   SourcePlace place{file.string(), 0, 0};
-  std::ifstream in(file);
-  if (!in) throw InputError(place, "cannot be opened: check the path and the permissions");
+  InputFile input(file);
+  std::istream& in = input.stream();
   Table table;
   for (std::string line; ++place.line, next_line(in, line, place);) {
     const std::string_view text = trimmed(line);

@@ -14,7 +14,6 @@
 #include "scene/georeference.hpp"
 #include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"
-#include "scene/named_files.hpp"
 #include "scene/primitives.hpp"
 #include "scene/raster.hpp"
 #include "scene/reflectivity.hpp"
@@ -221,9 +220,7 @@ class Loader {
           {description_.file.string(), 0, 0},
           fmt::format("more than {} materials or more than {} terrains and objects", kMost, kMost));
     }
-    // A description may be of a text that is in no file.
-    if (std::error_code ignored; std::filesystem::is_regular_file(description_.file, ignored))
-      report_.warnings = names_that_leave_the_folder(description_.file);
+    report_.warnings = description_.outside;
     load_components();
     std::vector<Trajectory> trajectories;
     for (const TrajectoryDescription& t : description_.trajectories)

@@ -409,6 +409,12 @@ struct RunDescription {
 struct SceneDescription {
   std::filesystem::path file;
   std::string sha256;  ///< of the scene file's text and of every file it names, in order: the scene hash
+  /// What that hash is of, the scene file first, then every file that it names, with those that are read
+  /// along.
+  std::vector<std::filesystem::path> inputs;
+  /// Those of them that lie outside of its folder, as messages; refused if it is `confined`.
+  std::vector<std::string> outside;
+  bool confined = false;
   std::string title;
   std::optional<GeoreferenceDescription> georeference;
   WaterDescription water;
@@ -424,10 +430,12 @@ struct SceneDescription {
 };
 
 /// Reads and checks a scene file: keys, types, ranges, names that refer to each other, files that must exist.
-/// Throws InputError "scene.toml:12:5: ..." that says what was expected.
-SceneDescription read_scene_file(const std::filesystem::path& file);
+/// Throws InputError "scene.toml:12:5: ..." that says what was expected. `confined`: what lies outside of the
+/// scene file's folder, links followed, is refused; else it is noted.
+SceneDescription read_scene_file(const std::filesystem::path& file, bool confined = false);
 /// The same from a text, as if it stood in `file`: relative paths start from that one's folder, and messages
 /// name it. It need not exist.
-SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& file);
+SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& file,
+                                 bool confined = false);
 
 }  // namespace tubefoot

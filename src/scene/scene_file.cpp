@@ -1,35 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <system_error>
 
+#include "files/companions.hpp"
 #include "files/file_hash.hpp"
+#include "files/inlet.hpp"
 #include "files/limits.hpp"
-#include "scene/named_files.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_file_sections.hpp"
 #include "scene/scene_file_words.hpp"
 #include "scene/sensor_presets.hpp"
-#include "scene/vrt_sources.hpp"
 
 namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A file's bytes in pieces, to `use`; throws InputError at `place` when reading fails midway.
-template <class Use>
-void for_each_piece(const fs::path& file, const SourcePlace& place, const Use& use) {
-  std::ifstream in(file, std::ios::binary);
-  std::string piece(std::size_t{1} << 20, '\0');
-  while (in) {
-    in.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-    use(std::string_view(piece).substr(0, static_cast<std::size_t>(in.gcount())));
-  }
-  if (!in.eof()) throw InputError(place, fmt::format("reading '{}' failed", file.string()));
-}
 
 std::string scene_text(const fs::path& file) {
   const SourcePlace place{file.string()};
@@ -37,18 +24,7 @@ std::string scene_text(const fs::path& file) {
   const fs::file_status status = fs::status(file, error);
   if (status.type() == fs::file_type::not_found) throw InputError(place, "there is no such scene file");
   if (status.type() == fs::file_type::none) throw InputError(place, "cannot look at it: " + error.message());
-  if (status.type() != fs::file_type::regular) {
-    throw InputError(place, "not a regular file, expected a scene file (TOML text)");
-  }
-  std::string text;
-  for_each_piece(file, place, [&](std::string_view piece) {
-    text += piece;
-    if (text.size() > limits::scene_file_bytes) {
-      throw InputError(place, fmt::format("larger than {} bytes, expected a scene file (TOML text)",
-                                          limits::scene_file_bytes));
-    }
-  });
-  return text;
+  return read_whole(file, place, limits::scene_file_bytes, "a scene file (TOML text)");
 }
 
 /// toml++ nests a table for every dot of a key and overflows the stack somewhere above 20000 of them; inside
@@ -79,28 +55,60 @@ toml::table parse(std::string_view text, const TomlSource& source) {
   }
 }
 
-/// Every text in the file that names a file outside of its folder.
-void note_outsiders(const toml::node& node, const TomlSource& source, std::vector<std::string>& notes) {
-  if (const toml::table* table = node.as_table()) {
-    for (const TomlEntry& entry : entries_in_file_order(*table, source))
-      note_outsiders(*entry.node, source, notes);
-  } else if (const toml::array* array = node.as_array()) {
-    for (const toml::node& one : *array) note_outsiders(one, source, notes);
-  } else if (const auto text = node.value<std::string>(); text && node.is_string()) {
-    const fs::path folder = source.file.parent_path(), named = folder / *text;
-    std::error_code ignored;
-    if (!fs::is_regular_file(named, ignored)) return;
-    if (const auto real = place_outside(folder, named))
-      notes.push_back(fmt::format("{}: \"{}\" leaves the scene's folder: it is '{}'",
-                                  to_string(source.place(node.source())), *text, real->string()));
-    for (const fs::path& companion : companions_of(named))
-      if (const auto real = place_outside(folder, companion); real && !place_outside(folder, named))
-        notes.push_back(fmt::format(
-            "{}: '{}', which is read along with \"{}\", leaves the scene's folder: it "
-            "is '{}'",
-            to_string(source.place(node.source())), companion.filename().string(), *text, real->string()));
+/// Takes the scene hash, and notes every file that it is of: what the scene is made of, and nothing else is
+/// read.
+class Inputs {
+ public:
+  Inputs(SceneDescription& scene, const std::string& text)
+      : scene_(scene), folder_(scene.file.parent_path()) {
+    hash_.update(text);
+    // A description may be of a text that is in no file.
+    if (std::error_code ignored; fs::is_regular_file(scene.file, ignored)) scene.inputs.push_back(scene.file);
   }
-}
+
+  void add(const TomlSource::NamedFile& named) {
+    refuse_or_note(named.file, named.place, fmt::format("\"{}\"", named.name));
+    take(named.file, named.place);
+    const auto admit = [&](const fs::path& companion) {
+      refuse_or_note(
+          companion, named.place,
+          fmt::format("'{}', which is read along with \"{}\",", companion.filename().string(), named.name));
+    };
+    try {
+      for (const fs::path& companion : companions_of(named.file, admit)) {
+        // It counts with its name: the same bytes under another are read otherwise.
+        hash_.update(fmt::format("\n{}\n", companion.filename().string()));
+        take(companion, named.place);
+      }
+    } catch (const InputError& error) {
+      if (error.place.file == named.place.file) throw;
+      throw InputError(named.place, error.what());
+    }
+  }
+
+  std::string hash() const { return hash_.hex_digest(); }
+
+ private:
+  /// Of what lies outside of the scene's folder.
+  void refuse_or_note(const fs::path& file, const SourcePlace& place, const std::string& who) {
+    const auto real = place_outside(folder_, file);
+    if (!real) return;
+    const std::string what = fmt::format("{} leaves the scene's folder: it is '{}'", who, real->string());
+    if (scene_.confined)
+      throw InputError(place,
+                       what + ", and --confined reads nothing outside: copy it there, or leave it out");
+    scene_.outside.push_back(fmt::format("{}: {}", to_string(place), what));
+  }
+
+  void take(const fs::path& file, const SourcePlace& place) {
+    InputFile(file, place).for_each_piece([this](std::string_view piece) { hash_.update(piece); });
+    scene_.inputs.push_back(file);
+  }
+
+  SceneDescription& scene_;
+  fs::path folder_;
+  Sha256 hash_;
+};
 
 /// Adds the keys of a sensor's preset that the sensor does not give itself. A pattern that it gives replaces
 /// all that the preset says of that pattern.
@@ -334,16 +342,11 @@ std::vector<SceneKey> scene_file_keys() {
   return keys;
 }
 
-SceneDescription read_scene_file(const fs::path& file) { return read_scene_text(scene_text(file), file); }
-
-std::vector<std::string> names_that_leave_the_folder(const fs::path& file) {
-  const TomlSource source{file, {}};
-  std::vector<std::string> notes;
-  note_outsiders(parse(scene_text(file), source), source, notes);
-  return notes;
+SceneDescription read_scene_file(const fs::path& file, bool confined) {
+  return read_scene_text(scene_text(file), file, confined);
 }
 
-SceneDescription read_scene_text(const std::string& text, const fs::path& file) {
+SceneDescription read_scene_text(const std::string& text, const fs::path& file, bool confined) {
   TomlSource source{file, {}};
   toml::table root = parse(text, source);
   apply_presets(root, source);
@@ -366,14 +369,13 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file) 
   if (auto& bed = scene.refinement.file) bed = (file.parent_path() / *bed).string();
   scene.run = only(all.run, file);
 
-  Sha256 hash;
-  hash.update(text);
-  const auto add = [&hash](std::string_view piece) { hash.update(piece); };
-  for (const fs::path& named : source.named_files) {
-    for_each_piece(named, {file.string()}, add);
-    for (const fs::path& companion : companions_of(named)) for_each_piece(companion, {file.string()}, add);
-  }
-  scene.sha256 = hash.hex_digest();
+  scene.confined = confined;
+  Inputs inputs(scene, text);
+  for (const TomlSource::NamedFile& named : source.named_files) inputs.add(named);
+  // `tubefoot refine` may be about to write it.
+  if (std::error_code ignored; scene.refinement.file && fs::exists(*scene.refinement.file, ignored))
+    inputs.add({*scene.refinement.file, *scene.refinement.file, scene.refinement.file_place});
+  scene.sha256 = inputs.hash();
   return scene;
 }
 

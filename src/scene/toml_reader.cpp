@@ -8,7 +8,6 @@
 #include <system_error>
 
 #include "files/limits.hpp"
-#include "scene/named_files.hpp"
 #include "scene/scene_file_words.hpp"
 
 namespace tubefoot {
@@ -187,17 +186,7 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source,
     throw InputError(place, fmt::format("'{}': '{}' has more than {} GiB: cut it to what the scene needs",
                                         key.name, value.string(), limits::named_file_bytes >> 30));
   }
-  if (const auto special = special_companion(value)) {
-    throw InputError(place,
-                     fmt::format("'{}': '{}', which is read along with '{}', is a special file: move it "
-                                 "away",
-                                 key.name, special->string(), value.string()));
-  }
-  if (!std::ifstream(value, std::ios::binary)) {
-    throw InputError(place, fmt::format("'{}': the file '{}' cannot be read: check its permissions", key.name,
-                                        value.string()));
-  }
-  source.named_files.push_back(value);
+  source.named_files.push_back({value, name, place});
 }
 
 const toml::array& array_of_length(const toml::node& node, const TomlKey& key, const TomlSource& source,

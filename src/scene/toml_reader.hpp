@@ -56,8 +56,14 @@ struct TomlKey : SceneKey, KeyRule {
 
 /// The file being read.
 struct TomlSource {
-  std::filesystem::path file;                      ///< as the user gave it
-  std::vector<std::filesystem::path> named_files;  ///< met so far, resolved against the scene file's folder
+  /// A name of a file in the text, resolved against the scene file's folder.
+  struct NamedFile {
+    std::filesystem::path file;
+    std::string name;  ///< as it stands there
+    SourcePlace place;
+  };
+  std::filesystem::path file;          ///< as the user gave it
+  std::vector<NamedFile> named_files;  ///< met so far
 
   SourcePlace place(const toml::source_region& region) const;
 };

@@ -40,20 +40,22 @@ TEST_F(Hostile, SceneFilesThatAreNoFiles) {
     const Outcome outcome = run({"check", name});
     expect_harmless(outcome);
     EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("not a regular file, expected a scene file"));
+    EXPECT_THAT(outcome.err, HasSubstr("is not a regular file but a special file, expected a scene file"));
   }
 }
 
 // Readers of rasters and maps open what lies beside a file, unasked.
 TEST_F(Hostile, PipesBesideAFile) {
   folder.write("grid.asc", grid);
-  for (const char* name : {"grid.PRJ", "grid.asc.aux.xml", "grid.aux"}) {
+  for (const char* name : {"grid.PRJ", "grid.asc.aux.xml", "grid.asc.msk"}) {
     SCOPED_TRACE(name);
     mkfifo((folder / name).c_str(), 0600);
     expect_refused(with_raster(),
-                   {"scene.toml:6:8: 'file': ", name, "grid.asc', is a special file: move it away"});
+                   {"scene.toml:6:8: ", name,
+                    ": is a special file, and would be read along with 'grid.asc': move it away"});
     fs::remove(folder / name);
   }
+  mkfifo((folder / "grid.aux").c_str(), 0600);  // of no format that is read: not opened
   fs::create_directory(folder / "grid.prj");
   EXPECT_EQ(check(with_raster()).exit_code, 0);
 }

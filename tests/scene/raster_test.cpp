@@ -9,8 +9,8 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 
+#include "files/netcdf_size.hpp"
 #include "geometry/world_grid.hpp"
-#include "scene/raster_netcdf_size.hpp"
 #include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {

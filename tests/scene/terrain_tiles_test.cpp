@@ -13,9 +13,9 @@
 #include <tuple>
 
 #include "files/input_error.hpp"
+#include "files/vrt_file.hpp"
 #include "scene/raster.hpp"
 #include "scene/scene_file_folder.hpp"
-#include "scene/vrt_sources.hpp"
 
 namespace tubefoot {
 namespace {

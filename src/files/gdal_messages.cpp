@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/raster_messages.hpp"
+#include "files/gdal_messages.hpp"
 
 #include <cpl_error.h>
 #include <dlfcn.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/raster_block.hpp"
+#include "files/raster_block.hpp"
 
 #include <fmt/format.h>
 

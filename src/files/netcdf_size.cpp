@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/raster_netcdf_size.hpp"
+#include "files/netcdf_size.hpp"
 
 #include <algorithm>
-#include <fstream>
+#include <istream>
 #include <limits>
 #include <vector>
+
+#include "files/inlet.hpp"
 
 // The layout follows "NetCDF Classic Format Specification" (Unidata): big-endian; counts and lengths have 32
 // bits (64 in CDF-5), offsets 32 (64 in CDF-2 and 5); names and values are padded to 4 bytes.
@@ -100,7 +102,8 @@ class Header {
 }  // namespace
 
 std::optional<std::uint64_t> netcdf_classic_size(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  InputFile input(file);
+  std::istream& in = input.stream();
   char magic[4] = {};
   in.read(magic, sizeof magic);
   if (!in || magic[0] != 'C' || magic[1] != 'D' || magic[2] != 'F') return std::nullopt;

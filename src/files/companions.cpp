@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/companions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include "files/file_format.hpp"
+#include "files/geopackage_file.hpp"
+#include "files/hdf5_file.hpp"
+#include "files/input_error.hpp"
+#include "files/netcdf_size.hpp"
+#include "files/vrt_file.hpp"
+
+namespace tubefoot {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int deepest_vrt = 8;
+/// Rasters that one virtual raster asks for, those counted again that it asks for in several ways.
+constexpr std::size_t most_sources = 1'000'000;
+
+class Companions {
+ public:
+  using Admit = std::function<void(const fs::path&)>;
+  Companions(const fs::path& file, const Admit& admit)
+      : file_(fs::absolute(file).lexically_normal()), admit_(admit) {}
+
+  std::vector<fs::path> find() {
+    add_of(file_, 0);
+    return std::move(found_);
+  }
+
+ private:
+  /// Adds what goes with `file`; returns how many rasters it asks for.
+  std::size_t add_of(const fs::path& file, int depth) {
+    const FileFormat format = format_of(file);
+    const SourcePlace place{file.string(), 0, 0};
+    switch (format) {
+      case FileFormat::other:
+      case FileFormat::geojson:
+        return 1;
+      case FileFormat::geopackage:
+        refuse_geopackage_surprises(file);
+        return 1;
+      case FileFormat::shapefile:
+        for (const char* extension : {".shx", ".dbf", ".prj", ".cpg"}) add_with_extension(file, extension);
+        return 1;
+      case FileFormat::bag:
+      case FileFormat::netcdf4:
+        refuse_hdf5_references(file);
+        break;
+      case FileFormat::netcdf_classic:
+        refuse_short_netcdf(place);
+        break;
+      case FileFormat::ascii_grid:
+        add_with_extension(file, ".prj");
+        break;
+      case FileFormat::geotiff:
+      case FileFormat::png:
+        add_world_files(file);
+        break;
+      case FileFormat::vrt:
+        return add_sources(file, depth);
+    }
+    add(fs::path(file) += ".aux.xml");
+    const fs::path mask = fs::path(file) += ".msk";
+    if (add(mask) && format_of(mask) != FileFormat::geotiff)
+      throw InputError({mask.string(), 0, 0}, "is no GeoTIFF, as a mask beside a raster is: move it away");
+    return 1;
+  }
+
+  std::size_t add_sources(const fs::path& vrt, int depth) {
+    const auto fail = [&](const std::string& what) { throw InputError({vrt.string(), 0, 0}, what); };
+    if (depth == deepest_vrt)
+      fail(fmt::format("is a virtual raster within {} others: name its own sources", deepest_vrt));
+    std::size_t rasters = 0;
+    for (const fs::path& source : vrt_sources(vrt)) {
+      std::error_code ignored;
+      if (!fs::is_regular_file(source, ignored))
+        fail(fmt::format("is a virtual raster of '{}', which is no file", source.string()));
+      add(source);
+      switch (format_of(source)) {
+        case FileFormat::other:
+        case FileFormat::geopackage:
+        case FileFormat::geojson:
+        case FileFormat::shapefile:
+          fail(fmt::format(
+              "is a virtual raster of '{}', which is no GeoTIFF, BAG, ESRI ASCII grid, netCDF, PNG "
+              "or VRT",
+              source.string()));
+        default:
+          break;
+      }
+      rasters += add_of(source, depth + 1);
+      if (rasters > most_sources)
+        fail(fmt::format("is a virtual raster of more than {} rasters: make it of fewer", most_sources));
+    }
+    return std::max<std::size_t>(rasters, 1);
+  }
+
+  /// As GDAL names them: with the first and the last letter of the extension and a w, with all of it and a w,
+  /// and wld.
+  void add_world_files(const fs::path& file) {
+    const std::string extension = file.extension().string();
+    if (extension.size() > 2) {
+      add_with_extension(file, std::string{'.', extension[1], extension.back(), 'w'});
+      add_with_extension(file, extension + 'w');
+    }
+    add_with_extension(file, ".wld");
+  }
+
+  /// In place of the file's own, in small and in capital letters.
+  void add_with_extension(const fs::path& file, const std::string& extension) {
+    std::string small = extension, large = extension;
+    std::ranges::transform(small, small.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    std::ranges::transform(large, large.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+    add(fs::path(file).replace_extension(small));
+    add(fs::path(file).replace_extension(large));
+  }
+
+  /// If it is there. What is no ordinary file is refused, not passed over: its reader would meet it.
+  bool add(const fs::path& path) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path, ignored);
+    if (!fs::exists(status) || status.type() == fs::file_type::directory) return false;
+    if (status.type() != fs::file_type::regular)
+      throw InputError({path.string(), 0, 0},
+                       fmt::format("is a special file, and would be read along with '{}': move it away",
+                                   file_.filename().string()));
+    if (path == file_ || std::ranges::find(found_, path) != found_.end()) return true;
+    if (admit_) admit_(path);
+    found_.push_back(path);
+    return true;
+  }
+
+  fs::path file_;
+  const Admit& admit_;
+  std::vector<fs::path> found_;
+};
+
+}  // namespace
+
+std::vector<fs::path> companions_of(const fs::path& file, const std::function<void(const fs::path&)>& admit) {
+  return Companions(file, admit).find();
+}
+
+std::optional<fs::path> place_outside(const fs::path& folder, const fs::path& file) {
+  std::error_code error;
+  const fs::path inside = fs::weakly_canonical(fs::absolute(folder.empty() ? "." : folder), error);
+  const fs::path real = fs::weakly_canonical(fs::absolute(file), error);
+  if (std::ranges::mismatch(inside, real).in1 == inside.end()) return std::nullopt;
+  return real;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/file_format.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+
+#include "files/inlet.hpp"
+
+namespace tubefoot {
+namespace {
+
+// GDAL looks for a virtual raster's root in the first 1024 bytes, HDF5 for its signature behind a block of
+// the user's of 512 bytes, 1024 and so on: only the first of these is taken for HDF5 here, and the rest for
+// nothing.
+constexpr std::size_t looked_at = 4096;
+using namespace std::string_view_literals;
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return result;
+}
+
+FileFormat by_signature(std::string_view head, const std::filesystem::path& file) {
+  const auto begins = [head](std::string_view with) { return head.starts_with(with); };
+  if (begins("II*\0"sv) || begins("MM\0*"sv) || begins("II+\0"sv) || begins("MM\0+"sv))
+    return FileFormat::geotiff;
+  if (begins("\x89HDF\r\n\x1a\n"sv))
+    return lower(file.extension().string()) == ".bag" ? FileFormat::bag : FileFormat::netcdf4;
+  if (begins("CDF\1"sv) || begins("CDF\2"sv) || begins("CDF\5"sv)) return FileFormat::netcdf_classic;
+  if (begins("\x89PNG\r\n\x1a\n"sv)) return FileFormat::png;
+  if (begins("SQLite format 3\0"sv)) return FileFormat::geopackage;
+  if (begins("\0\0\x27\x0a"sv)) return FileFormat::shapefile;
+  return FileFormat::other;
+}
+
+FileFormat by_words(const std::string& head) {
+  const std::size_t first = head.find_first_not_of(" \t\r\n");
+  if (first == head.npos) return FileFormat::other;
+  const std::string_view text = std::string_view(head).substr(first);
+  constexpr std::array keys{"ncols"sv,     "nrows"sv, "xllcorner"sv, "yllcorner"sv, "xllcenter"sv,
+                            "yllcenter"sv, "dx"sv,    "dy"sv,        "cellsize"sv};
+  for (const std::string_view key : keys)
+    if (text.starts_with(key) && text.size() > key.size() && std::isspace(text[key.size()]))
+      return FileFormat::ascii_grid;
+  if (text.starts_with('{') || text.starts_with("\xef\xbb\xbf{")) return FileFormat::geojson;
+  return FileFormat::other;
+}
+
+}  // namespace
+
+FileFormat format_of(const std::filesystem::path& file) {
+  const std::string head = InputFile(file).head(looked_at), words = lower(head);
+  FileFormat format = by_signature(head, file);
+  if (format == FileFormat::other) format = by_words(words);
+  if (words.find("<vrtdataset") == words.npos) return format;
+  if (format != FileFormat::other)
+    throw InputError({file.string(), 0, 0},
+                     "begins as two formats at once, of which one is a virtual raster (VRT): write it anew");
+  return FileFormat::vrt;
+}
+
+std::string_view name_of(FileFormat format) {
+  switch (format) {
+    case FileFormat::geotiff:
+      return "GeoTIFF";
+    case FileFormat::bag:
+      return "BAG";
+    case FileFormat::netcdf4:
+    case FileFormat::netcdf_classic:
+      return "netCDF";
+    case FileFormat::ascii_grid:
+      return "ESRI ASCII grid";
+    case FileFormat::png:
+      return "PNG";
+    case FileFormat::vrt:
+      return "VRT";
+    case FileFormat::geopackage:
+      return "GeoPackage";
+    case FileFormat::geojson:
+      return "GeoJSON";
+    case FileFormat::shapefile:
+      return "Shapefile";
+    case FileFormat::other:
+      break;
+  }
+  return "another format";
+}
+
+const char* gdal_driver_of(FileFormat format) {
+  switch (format) {
+    case FileFormat::geotiff:
+      return "GTiff";
+    case FileFormat::bag:
+      return "BAG";
+    case FileFormat::netcdf4:
+    case FileFormat::netcdf_classic:
+      return "netCDF";
+    case FileFormat::ascii_grid:
+      return "AAIGrid";
+    case FileFormat::png:
+      return "PNG";
+    case FileFormat::vrt:
+      return "VRT";
+    case FileFormat::geopackage:
+      return "GPKG";
+    case FileFormat::geojson:
+      return "GeoJSON";
+    case FileFormat::shapefile:
+      return "ESRI Shapefile";
+    case FileFormat::other:
+      break;
+  }
+  return nullptr;
+}
+
+bool is_hdf5(FileFormat format) { return format == FileFormat::bag || format == FileFormat::netcdf4; }
+
+}  // namespace tubefoot

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace tubefoot {
+
+/// While one lives, GDAL opens on this thread the files that it was given and the tables that it came with,
+/// to read them, and nothing else: whatever a file says, no other file, no archive, no address on a network
+/// is there. What a program around this library does with GDAL outside of it stays as it is.
+///
+/// Libraries under GDAL that open files themselves (netCDF, SQLite) get names that GdalInput has looked at
+/// before.
+class GdalDoor {
+ public:
+  explicit GdalDoor(std::vector<std::filesystem::path> admitted);
+  ~GdalDoor();
+  GdalDoor(const GdalDoor&) = delete;
+  GdalDoor& operator=(const GdalDoor&) = delete;
+};
+
+/// Registers the few drivers of GDAL that are used here: for the formats of FileFormat, and to write GeoTIFF,
+/// GeoPackage and GeoJSON. Not GDALAllRegister(): what is not there cannot be talked into anything.
+void register_gdal_drivers();
+
+}  // namespace tubefoot
