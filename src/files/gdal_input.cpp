@@ -47,12 +47,11 @@ GDALDatasetUniquePtr opened(const fs::path& file, FileFormat format) {
 GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> expected)
     : place_{file.string(), 0, 0}, door_(with_companions(file)) {
   const FileFormat format = format_of(file);
-  const std::string formats = list_of(expected);
   if (std::ranges::find(expected, format) == expected.end())
-    fail(fmt::format("is {}, expected {} (gdal_translate and ogr2ogr convert many)",
+    fail(fmt::format("cannot be read as {}: it is {} (gdal_translate and ogr2ogr convert many)",
+                     list_of(expected),
                      format == FileFormat::other ? "empty, cut off or of another format"
-                                                 : fmt::format("a {}", name_of(format)),
-                     formats));
+                                                 : fmt::format("a {}", name_of(format))));
   dataset_ = opened(file, format);
   if (dataset_ == nullptr)
     fail(fmt::format("cannot be read as {}: it is cut off or corrupt", name_of(format)));

@@ -32,7 +32,7 @@ InputFile::InputFile(fs::path file, const SourcePlace& place, std::string_view e
   struct stat status {};
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     close(descriptor);
-    throw InputError(place_, fmt::format("{}is not a regular file but {}, expected {}", name,
+    throw InputError(place_, fmt::format("{}is {}, expected {}", name,
                                          S_ISDIR(status.st_mode) ? "a folder" : "a special file", expected));
   }
   size_ = static_cast<std::uintmax_t>(status.st_size);

@@ -136,7 +136,9 @@ class VrtReader {
     if (text.empty()) fail(name, "names a source without a name");
     // As GDAL reads the attribute: a number other than 0.
     const bool relative = std::atoi(CPLGetXMLValue(node, "relativeToVRT", "0")) != 0;
-    if (text.starts_with("/vsi") || text.find("://") != text.npos || text.find('"') != text.npos ||
+    if (text.find("/vsi") != text.npos)
+      fail(name, fmt::format("reads '{}' through a virtual file system: fetch or unpack it first", text));
+    if (text.find("://") != text.npos || text.find('"') != text.npos ||
         (!relative && !fs::path(text).is_absolute()))
       fail(name, fmt::format(
                      "names the source '{}', which is neither an absolute name of a file nor one relative to "

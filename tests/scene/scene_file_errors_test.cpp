@@ -352,7 +352,7 @@ TEST(SceneFileErrors, TheSceneFileItselfMustBeReadable) {
     return "";
   };
   EXPECT_EQ(error_of("no/such/scene.toml"), "no/such/scene.toml: there is no such scene file");
-  EXPECT_THAT(error_of(folder.path()), HasSubstr(": not a regular file"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr(": is a folder, expected a scene file"));
   EXPECT_EQ(error_of(""), ": there is no such scene file");
   EXPECT_THAT(error_of(std::string(5000, 'x')), HasSubstr(": cannot look at it: "));
   EXPECT_THAT(error_of(folder.write("large.toml", std::string((16 << 20) + 1, '#'))),

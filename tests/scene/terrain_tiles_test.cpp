@@ -12,6 +12,7 @@
 #include <random>
 #include <tuple>
 
+#include "files/companions.hpp"
 #include "files/input_error.hpp"
 #include "files/vrt_file.hpp"
 #include "scene/raster.hpp"
@@ -162,10 +163,12 @@ TEST(VrtSources, AreFoundThroughVirtualRastersAndEachOnce) {
   const SceneFolder folder;
   const auto outer = folder.write("outer.vrt", vrt_of("inner.tif") + "<!-- -->"),
              inner = folder.write("inner.tif", vrt_of("bed.asc"));  // told by its content, as GDAL does
-  EXPECT_THAT(vrt_sources(outer), ElementsAre(inner, folder.path() / "bed.asc"));
-  EXPECT_THAT(vrt_sources(folder.write("bed.asc", "ncols 2\n")), IsEmpty());
+  const auto bed = folder.write("bed.asc", "ncols 2\n");
+  EXPECT_THAT(companions_of(outer), ElementsAre(inner, bed));
+  EXPECT_THAT(companions_of(bed), IsEmpty());
   const auto own = folder.write("own.vrt", vrt_of("own.vrt"));
   EXPECT_THAT(vrt_sources(own), ElementsAre(own));
+  EXPECT_THAT([&] { companions_of(own); }, ThrowsMessage<InputError>(HasSubstr("within 8 others")));
   EXPECT_THAT(vrt_sources(folder.write("far.vrt", vrt_of("/elsewhere/bed.tif", 0))),
               ElementsAre("/elsewhere/bed.tif"));
 }
