@@ -36,7 +36,7 @@ class NetcdfInput {
   explicit NetcdfInput(const fs::path& path) : path_(path) {
     std::error_code error;
     if (!fs::exists(path, error)) fail("there is no such file");
-    const InputFile input(path);
+    const InputFile input(path, {path.string()}, "an echo file (echoes.nc)");
     bytes_ = input.size();
     const FileFormat format = format_of(path);
     if (format == FileFormat::netcdf_classic) {
@@ -93,13 +93,12 @@ class EchoGroupInput {
 
   bool has(const char* variable) const { return find(variable).has_value(); }
 
-  /// Memory that the values of a variable take, as far as its dimensions tell; 0 where it is missing.
+  /// Memory that the values of a variable take, as its dimensions tell; 0 where it is missing. Throws unless
+  /// the file can hold as many.
   double bytes_of(const char* name) const {
     const auto variable = find(name);
-    double bytes = variable ? sizeof(double) : 0;
-    if (variable)
-      for (const std::size_t length : shape_of(*variable)) bytes *= static_cast<double>(length);
-    return bytes;
+    if (!variable) return 0;
+    return sizeof(double) * static_cast<double>(claimed_count(name, *variable, shape_of(*variable)));
   }
 
   /// A text attribute of the group; empty where it is missing.
@@ -220,34 +219,44 @@ class EchoGroupInput {
       fail(name, fmt::format("has unit '{}', expected '{}': convert the values", *unit, expected.front()));
   }
 
-  /// Number of values, if the file and the machine can hold as many.
+  /// Number of values that there are to read.
   std::size_t checked_count(const char* name, int variable, const std::vector<std::size_t>& shape) const {
-    const auto count = product(shape);
-    if (count == 0u)
+    const std::size_t count = claimed_count(name, variable, shape);
+    if (count == 0)
       fail(name, fmt::format("is empty ({}): there is nothing to read", fmt::join(shape, " x ")));
+    check_chunk(name, variable);
+    return count;
+  }
+
+  std::size_t bytes_of_type(int variable) const {
     nc_type type = 0;
-    std::size_t type_bytes = 0;
+    std::size_t bytes = 0;
     file_.check(nc_inq_vartype(id_, variable, &type), "find a variable's type");
-    file_.check(nc_inq_type(id_, type, nullptr, &type_bytes), "find a type's size");
+    file_.check(nc_inq_type(id_, type, nullptr, &bytes), "find a type's size");
+    return bytes;
+  }
+
+  /// Number of values, if the file can hold as many.
+  std::size_t claimed_count(const char* name, int variable, const std::vector<std::size_t>& shape) const {
+    const auto count = product(shape);
     // Deflate makes nothing smaller than this, and what was never written is refused anyhow.
     constexpr std::uintmax_t densest = 1032;
-    if (!count || *count / densest > file_.bytes() / type_bytes)
+    if (!count || *count / densest > file_.bytes() / bytes_of_type(variable))
       fail(name, fmt::format("claims to have {} values, more than the file's {} bytes can hold: write all of "
                              "it, with deflate or uncompressed",
                              fmt::join(shape, " x "), file_.bytes()));
-    check_chunk(name, variable, type_bytes);
     return static_cast<std::size_t>(*count);
   }
 
   /// One piece of a variable that is stored in pieces is in memory whole, however little of it is wanted.
-  void check_chunk(const char* name, int variable, std::size_t type_bytes) const {
+  void check_chunk(const char* name, int variable) const {
     int storage = NC_CONTIGUOUS, dimensions = 0;
     file_.check(nc_inq_varndims(id_, variable, &dimensions), "count dimensions");
     std::vector<std::size_t> chunk(static_cast<std::size_t>(std::max(dimensions, 1)), 0);
     file_.check(nc_inq_var_chunking(id_, variable, &storage, chunk.data()), "look at a variable's chunks");
     if (storage != NC_CHUNKED) return;
     const auto values = product(chunk);
-    if (!values || *values > static_cast<std::uintmax_t>(limits::block_bytes) / type_bytes)
+    if (!values || *values > static_cast<std::uintmax_t>(limits::block_bytes) / bytes_of_type(variable))
       fail(name,
            fmt::format("is stored in chunks of {} values, more than {} MB each: write it in smaller ones, "
                        "one a ping",

@@ -249,7 +249,7 @@ TEST_F(EchoReader, FilesThatAreNone) {
   }
   std::filesystem::remove(file);
   std::filesystem::create_directory(file);
-  EXPECT_THAT(refusal_of_file(), HasSubstr("not a regular file"));
+  EXPECT_THAT(refusal_of_file(), HasSubstr("is a folder, expected an echo file"));
 }
 
 TEST_F(EchoReader, FilesCutOffAnywhereAreRefused) {
