@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tubefoot
-from conftest import FACETS, VERTICES, equal_energies
+from conftest import FACETS, SCENE, TETRAHEDRON, VERTICES, equal_energies
 from tubefoot._toml import Text
 
 
@@ -160,3 +160,31 @@ def test_a_file_that_is_not_there(folder, program):
         tubefoot.load(folder / "none.toml")
     assert str(error.value) == said
     assert (error.value.line, error.value.column, error.value.key) == (0, 0, "")
+
+
+def test_a_confined_scene_reads_nothing_outside_of_its_folder(folder, keys, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "other.obj"
+    elsewhere.write_text(TETRAHEDRON)
+    inside, outside = folder / "inside.toml", folder / "outside.toml"
+    inside.write_text(SCENE)
+    outside.write_text(SCENE.replace("thing.obj", str(elsewhere)))
+    assert tubefoot.load(inside, confined=True).hash == tubefoot.load(inside).hash
+    assert any("leaves the scene's folder" in warning for warning in tubefoot.load(outside).warnings)
+    with pytest.raises(tubefoot.InputError, match="leaves the scene's folder"):
+        tubefoot.load(outside, confined=True)
+
+
+def test_gdal_of_the_program_around_it_stays_as_it_is(folder):
+    gdal = pytest.importorskip("osgeo.gdal")
+    gdal.UseExceptions()
+    (folder / "grid.asc").write_text("ncols 3\nnrows 3\nxllcorner -15\nyllcorner -15\ncellsize 10\n" + "0 0 0\n" * 3)
+    flat = next(line for line in SCENE.splitlines() if line == 'kind = "flat"')
+    scene = SCENE.replace(flat, 'kind = "raster"\nfile = "grid.asc"', 1)
+    scene = "\n".join(line for line in scene.splitlines() if not line.startswith(("width_m", "length_m")))
+    (folder / "raster.toml").write_text(scene)
+    assert tubefoot.load(folder / "raster.toml").pings("camera") == 3
+    other = str(folder / "other.tif")
+    gdal.Translate(other, str(folder / "grid.asc"))
+    gdal.FileFromMemBuffer("/vsimem/zip/one.tif", open(other, "rb").read())
+    assert gdal.Open(other).RasterXSize == gdal.Open("/vsimem/zip/one.tif").RasterXSize == 3
+    assert "other.tif" in gdal.ReadDir(str(folder))

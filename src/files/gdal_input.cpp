@@ -5,21 +5,18 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
+#include <mutex>
 #include <vector>
 
 #include "files/companions.hpp"
+#include "files/inlet.hpp"
 #include "files/raster_block.hpp"
 
 namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<fs::path> with_companions(const fs::path& file) {
-  std::vector<fs::path> files = companions_of(file);
-  files.push_back(file);
-  return files;
-}
 
 /// "GeoTIFF, BAG or VRT"
 std::string list_of(std::initializer_list<FileFormat> formats) {
@@ -42,6 +39,55 @@ GDALDatasetUniquePtr opened(const fs::path& file, FileFormat format) {
                         drivers.data(), format == FileFormat::geopackage ? unlocked.data() : nullptr));
 }
 
+/// Throws InputError for a virtual raster with a source that cannot be read, or is stored in blocks that are
+/// too large: its own blocks say nothing of theirs.
+void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions) {
+  const GdalMessages messages;
+  const GdalDoor door(companions);
+  const auto fail = [&](const std::string& what) {
+    throw InputError({vrt.string(), 0, 0}, what + messages.in_brackets());
+  };
+  for (const fs::path& part : companions) {
+    const FileFormat format = format_of(part);
+    if (format == FileFormat::vrt || format == FileFormat::other) continue;
+    const GDALDatasetUniquePtr source = opened(part, format);
+    if (source == nullptr)
+      fail(fmt::format("is a virtual raster of '{}', which cannot be read as {}", part.string(),
+                       name_of(format)));
+    if (const auto problem = too_large_block(*source))
+      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), *problem));
+  }
+}
+
+/// `file` and what is read along with it. A virtual raster may have thousands of sources and is opened for
+/// each tile of a terrain: of the last ones that were met it is remembered.
+std::vector<fs::path> with_companions(const fs::path& file) {
+  struct Met {
+    fs::path file;
+    FileState state;
+    std::vector<fs::path> admitted;
+  };
+  constexpr std::size_t most_met = 16;
+  static std::mutex mutex;
+  static std::deque<Met> met;
+  const auto state = state_of(file);
+  {
+    const std::lock_guard lock(mutex);
+    for (const Met& one : met)
+      if (state && one.file == file && one.state == *state) return one.admitted;
+  }
+  std::vector<fs::path> admitted = companions_of(file);
+  const bool virtual_raster = format_of(file) == FileFormat::vrt;
+  if (virtual_raster) check_sources(file, admitted);
+  admitted.push_back(file);
+  if (virtual_raster && state) {
+    const std::lock_guard lock(mutex);
+    met.push_back({file, *state, admitted});
+    if (met.size() > most_met) met.pop_front();
+  }
+  return admitted;
+}
+
 }  // namespace
 
 GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> expected)
@@ -56,18 +102,6 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   if (dataset_ == nullptr)
     fail(fmt::format("cannot be read as {}: it is cut off or corrupt", name_of(format)));
   if (const auto problem = too_large_block(*dataset_)) fail(*problem);
-  if (format != FileFormat::vrt) return;
-  // A virtual raster's own blocks say nothing of those that its sources are stored in.
-  for (const fs::path& part : companions_of(file)) {
-    const FileFormat of_part = format_of(part);
-    if (of_part == FileFormat::vrt || of_part == FileFormat::other) continue;
-    const GDALDatasetUniquePtr source = opened(part, of_part);
-    if (source == nullptr)
-      fail(fmt::format("is a virtual raster of '{}', which cannot be read as {}", part.string(),
-                       name_of(of_part)));
-    if (const auto problem = too_large_block(*source))
-      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), *problem));
-  }
 }
 
 void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,

@@ -3,14 +3,12 @@
 
 #include <fmt/format.h>
 #include <hdf5.h>
-#include <sys/stat.h>
 
 #include <mutex>
 #include <set>
 #include <string>
-#include <tuple>
 
-#include "files/input_error.hpp"
+#include "files/inlet.hpp"
 
 namespace tubefoot {
 namespace {
@@ -92,17 +90,15 @@ std::string references_of(const fs::path& path) {
 }  // namespace
 
 void refuse_hdf5_references(const fs::path& file) {
-  struct stat status {};
-  if (stat(file.c_str(), &status) != 0) return;  // opening it says why
+  const auto state = state_of(file);
+  if (!state) return;  // opening it says why
   static std::mutex mutex;
-  static std::set<std::tuple<dev_t, ino_t, off_t, time_t, long>> passed;
-  const std::tuple place(status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec,
-                         status.st_mtim.tv_nsec);
+  static std::set<FileState> passed;
   const std::lock_guard lock(mutex);
-  if (passed.contains(place)) return;
+  if (passed.contains(*state)) return;
   if (const std::string what = references_of(file); !what.empty())
     throw InputError({file.string(), 0, 0}, what);
-  passed.insert(place);
+  passed.insert(*state);
 }
 
 }  // namespace tubefoot

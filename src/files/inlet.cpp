@@ -63,6 +63,13 @@ void InputFile::for_each_piece(const std::function<void(std::string_view)>& use)
   if (!stream_->eof()) throw InputError(place_, fmt::format("reading '{}' failed midway", path_.string()));
 }
 
+std::optional<FileState> state_of(const fs::path& file) {
+  struct stat status {};
+  if (stat(file.c_str(), &status) != 0) return std::nullopt;
+  return FileState{static_cast<std::int64_t>(status.st_dev), static_cast<std::int64_t>(status.st_ino),
+                   status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+}
+
 std::string read_whole(const fs::path& file, const SourcePlace& place, std::uintmax_t most,
                        std::string_view expected) {
   InputFile input(file, place, expected);

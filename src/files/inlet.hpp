@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <istream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -48,6 +50,12 @@ class InputFile {
   std::unique_ptr<Buffer> buffer_;
   std::unique_ptr<std::istream> stream_;
 };
+
+/// Which bytes a name stands for, as far as the file system tells: place on the disk, size, time of the last
+/// change.
+using FileState = std::array<std::int64_t, 5>;
+/// Nothing for a name without a file.
+std::optional<FileState> state_of(const std::filesystem::path& file);
 
 /// All of a file that has at most `most` bytes. Throws InputError at `place` for a larger one, saying that
 /// `expected` is: "a scene file (TOML text)".
