@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One door for each thing: outside of src/files nothing opens, writes, moves or removes files by itself
+// (docs/limits.md).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Lines of a file that match, but for comments: "src/app/run.cpp:12: ...".
+std::vector<std::string> lines_with(const fs::path& file, const std::regex& pattern) {
+  std::vector<std::string> found;
+  std::ifstream in(file);
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    const std::string code = line.substr(0, line.find("//"));
+    if (!std::regex_search(code, pattern)) continue;
+    found.push_back(fs::relative(file, TUBEFOOT_SOURCE_DIR).string() + ":" + std::to_string(number) + ": " +
+                    line);
+  }
+  return found;
+}
+
+/// In all code of the program and the Python module but src/files and the files named.
+std::vector<std::string> outside_of_the_doors(const std::string& pattern,
+                                              const std::vector<std::string>& allowed = {}) {
+  std::vector<std::string> found;
+  const std::regex words(pattern);
+  for (const char* folder : {"geometry", "sensors", "src", "python/native"})
+    for (const fs::directory_entry& entry :
+         fs::recursive_directory_iterator(fs::path(TUBEFOOT_SOURCE_DIR) / folder)) {
+      const std::string name = fs::relative(entry.path(), TUBEFOOT_SOURCE_DIR).string();
+      const std::string extension = entry.path().extension().string();
+      if ((extension != ".cpp" && extension != ".hpp") || name.starts_with("src/files/")) continue;
+      if (std::find(allowed.begin(), allowed.end(), name) != allowed.end()) continue;
+      for (std::string& line : lines_with(entry.path(), words)) found.push_back(std::move(line));
+    }
+  return found;
+}
+
+using testing::IsEmpty;
+
+TEST(Doors, FilesAreReadThroughTheInlet) {
+  EXPECT_THAT(
+      outside_of_the_doors(R"(\bifstream\b|\bfstream\b|\bfopen\s*\(|\bfreopen\s*\(|H5Fopen|sqlite3_open)"),
+      IsEmpty());
+  EXPECT_THAT(
+      outside_of_the_doors(R"(\bnc_open\s*\()", {"sensors/echo_reader.cpp", "sensors/netcdf_stream.cpp"}),
+      IsEmpty());
+  EXPECT_THAT(
+      outside_of_the_doors(R"(GDALDataset::Open|\bGDALOpen|\bOGROpen|GDALAllRegister|ImageInput::open)"),
+      IsEmpty());
+  EXPECT_THAT(outside_of_the_doors(R"(parse_file\s*\(|CPLParseXMLFile|VSIFOpen)"), IsEmpty());
+}
+
+TEST(Doors, FilesAreWrittenThroughTheOutlet) {
+  EXPECT_THAT(outside_of_the_doors(R"(\bofstream\b|\bmkstemp|\bmkdtemp|\btmpfile\s*\()"), IsEmpty());
+  EXPECT_THAT(
+      outside_of_the_doors(
+          R"((fs::|filesystem::|std::|::)(rename|copy_file|create_directory|create_directories)\s*\()"),
+      IsEmpty());
+  EXPECT_THAT(outside_of_the_doors(
+                  R"((^|[^\w.>])(rename|renameat|renameat2|unlink|unlinkat|link|symlink|mkdir)\s*\()"),
+              IsEmpty());
+}
+
+}  // namespace
