@@ -54,7 +54,8 @@ void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions)
     if (source == nullptr)
       fail(fmt::format("is a virtual raster of '{}', which cannot be read as {}", part.string(),
                        name_of(format)));
-    if (const auto problem = too_large_block(*source))
+    if (source->GetRasterCount() == 0) continue;
+    if (const auto problem = too_large_block(*source->GetRasterBand(1)))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), *problem));
   }
 }
@@ -101,11 +102,11 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   dataset_ = opened(file, format);
   if (dataset_ == nullptr)
     fail(fmt::format("cannot be read as {}: it is cut off or corrupt", name_of(format)));
-  if (const auto problem = too_large_block(*dataset_)) fail(*problem);
 }
 
 void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,
                          void* out) const {
+  if (const auto problem = too_large_block(band)) fail(*problem);
   if (band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr) == CE_None)
     return;
   // GDAL's last word names the file, which may be one of many in a virtual raster.

@@ -76,7 +76,7 @@ std::string references_of(const fs::path& path) {
   // to.
   H5PLset_loading_state(0);
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (file < 0) return "cannot be read as HDF5: it is cut off or damaged";
+  if (file < 0) return "cannot be read as netCDF-4 or BAG (HDF5): it is cut off or damaged";
   Finding finding;
   if (H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_link, &finding) < 0 ||
       (finding.what.empty() &&

@@ -60,7 +60,7 @@ TEST_F(BadInput, SceneFileThatIsNone) {
                                          8));
   expect_refused("scene.toml:1:1: not valid TOML");
   fs::create_directory(folder / "folder.toml");
-  expect_refused("folder.toml: not a regular file", "folder.toml");
+  expect_refused("folder.toml: is a folder, expected a scene file", "folder.toml");
 }
 
 TEST_F(BadInput, MisspeltKeyIsPlacedAndCorrected) {
