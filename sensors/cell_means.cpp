@@ -70,8 +70,7 @@ void write_cells(const std::filesystem::path& file, const CellMeans& cells, cons
                  const char* band_name, const char* unit) {
   const GdalMessages messages;
   const auto require = [&](bool good, const std::string& reason) {
-    if (!good)
-      throw std::runtime_error(fmt::format("{}: {}{}", file.string(), reason, messages.in_brackets()));
+    if (!good) throw write_error(file, reason + messages.in_brackets());
   };
   require(!cells.empty(), "there is nothing to write: no value fell into any cell");
   const CellMeans::Extent& extent = cells.extent();

@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "files/output_folder.hpp"
+#include "files/checked_file.hpp"
 #include "scene/raster_messages.hpp"
 
 namespace tubefoot {
@@ -242,7 +242,7 @@ void CoverageFile::write(const std::filesystem::path& file) {
   vsi_l_offset size = 0;
   const GByte* bytes = VSIGetMemFileBuffer(s.memory_file.c_str(), &size, FALSE);
   s.require(bytes != nullptr, "finish");
-  write_file(file, {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size)});
+  write_file(file, {bytes, static_cast<std::size_t>(size)});
 }
 
 CoverageTables::CoverageTables(const Scene& scene) : scene_(scene) {

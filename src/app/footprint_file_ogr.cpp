@@ -8,6 +8,7 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
+#include "files/checked_file.hpp"
 #include "scene/raster_messages.hpp"
 
 namespace tubefoot {
@@ -96,9 +97,7 @@ class GeoPackage : public FootprintFile {
   static constexpr std::size_t rows_a_transaction = 100000;
 
   void require(bool good, const char* what) const {
-    if (!good)
-      throw std::runtime_error(
-          fmt::format("cannot {} '{}'{}", what, file_.string(), messages_.in_brackets()));
+    if (!good) throw write_error(file_, fmt::format("cannot {} the file{}", what, messages_.in_brackets()));
   }
   void field(const char* name, OGRFieldType type) const {
     OGRFieldDefn definition(name, type);

@@ -409,6 +409,7 @@ struct RunDescription {
 struct SceneDescription {
   std::filesystem::path file;
   std::string sha256;  ///< of the scene file's text and of every file it names, in order: the scene hash
+  std::vector<std::filesystem::path> inputs;  ///< what was hashed: the scene file first
   std::string title;
   std::optional<GeoreferenceDescription> georeference;
   WaterDescription water;

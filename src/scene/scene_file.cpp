@@ -369,10 +369,12 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file) 
   Sha256 hash;
   hash.update(text);
   const auto add = [&hash](std::string_view piece) { hash.update(piece); };
+  scene.inputs = {file};
   for (const fs::path& named : source.named_files) {
-    for_each_piece(named, {file.string()}, add);
-    for (const fs::path& companion : companions_of(named)) for_each_piece(companion, {file.string()}, add);
+    scene.inputs.push_back(named);
+    std::ranges::copy(companions_of(named), std::back_inserter(scene.inputs));
   }
+  for (std::size_t k = 1; k < scene.inputs.size(); ++k) for_each_piece(scene.inputs[k], {file.string()}, add);
   scene.sha256 = hash.hex_digest();
   return scene;
 }
