@@ -12,6 +12,7 @@
 #include <string>
 
 #include "files/checked_file.hpp"
+#include "files/gdal_door.hpp"
 #include "files/gdal_messages.hpp"
 
 namespace tubefoot {
@@ -70,8 +71,7 @@ void write_cells(const std::filesystem::path& file, const CellMeans& cells, cons
                  const char* band_name, const char* unit) {
   const GdalMessages messages;
   const auto require = [&](bool good, const std::string& reason) {
-    if (!good)
-      throw std::runtime_error(fmt::format("{}: {}{}", file.string(), reason, messages.in_brackets()));
+    if (!good) throw write_error(file, reason + messages.in_brackets());
   };
   require(!cells.empty(), "there is nothing to write: no value fell into any cell");
   const CellMeans::Extent& extent = cells.extent();
@@ -82,7 +82,7 @@ void write_cells(const std::filesystem::path& file, const CellMeans& cells, cons
                       extent.rows(), cells.cell_m()));
 
   // Encoded in memory, where it is smaller than the cells themselves, and written by write_file.
-  GDALAllRegister();
+  register_gdal_drivers();
   struct MemoryFile {
     std::string name;
     ~MemoryFile() { VSIUnlink(name.c_str()); }

@@ -69,8 +69,7 @@ class EchoFile {
   }
 
   void check(int status, const std::string& task) const {
-    if (status != NC_NOERR)
-      throw std::runtime_error(fmt::format("{}: cannot {}: {}", path_.string(), task, nc_strerror(status)));
+    if (status != NC_NOERR) throw write_error(path_, fmt::format("cannot {}: {}", task, nc_strerror(status)));
   }
 
  private:
@@ -78,8 +77,7 @@ class EchoFile {
     nc_abort(id_);
     space_.reset();
     if (in_memory_) return;
-    std::error_code ignored;
-    fs::remove(path_, ignored);
+    discard_file(path_);
   }
 
   fs::path path_;

@@ -90,7 +90,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
         "the pictures of '{}' have no labels: no font was found (on Debian, install fonts-dejavu-core)",
         stem));
   const std::vector<fs::path> files{stem + ".csv", stem + ".png", stem + ".exr"};
-  write_file(folder / files[0], {reinterpret_cast<const unsigned char*>(csv.data()), csv.size()});
+  write_file(folder / files[0], csv);
   draw_echogram(recording, received, bottoms, font).write_png(folder / files[1], stem);
   write_exr_of(folder / files[2], recording, energies);
   return files;

@@ -2,9 +2,7 @@
 #include "sensors/image_file.hpp"
 
 #include <OpenImageIO/filesystem.h>
-#include <fmt/format.h>
 
-#include <stdexcept>
 #include <string>
 
 #include "files/checked_file.hpp"
@@ -13,7 +11,7 @@ namespace tubefoot {
 
 void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec, const float* pixels) {
   const auto fail = [&](const std::string& reason) {
-    throw std::runtime_error(fmt::format("{}: cannot encode the picture: {}", file.string(), reason));
+    throw write_error(file, "cannot encode the picture: " + reason);
   };
   auto output = OIIO::ImageOutput::create(file.filename().string());
   if (!output) fail(OIIO::geterror());

@@ -16,15 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void append(StreamedFile& file, const std::string& text) {
-  file.append({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
 void write_soundings(const fs::path& path, const Recording& recording, const InterferometricNoise& noise) {
   StreamedFile file(path);
-  append(file,
-         "ping,time_s,side,sample,range_m,energy_j,phase_rad,coherence,angle_deg,angle_sigma_deg,"
-         "depth_m,depth_sigma_m,east_m,north_m,up_m\n");
+  file.append(
+      "ping,time_s,side,sample,range_m,energy_j,phase_rad,coherence,angle_deg,angle_sigma_deg,"
+      "depth_m,depth_sigma_m,east_m,north_m,up_m\n");
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
     std::string lines;
     for (const InterferometricSounding& s : interferometric_soundings(recording, ping, noise))
@@ -35,7 +31,7 @@ void write_soundings(const fs::path& path, const Recording& recording, const Int
                      s.range_m, s.energy_j, s.phase_rad, s.coherence, degrees(s.estimate.angle_rad),
                      degrees(s.estimate.angle_sigma_rad), s.estimate.depth_m, s.estimate.depth_sigma_m,
                      s.position_m.x, s.position_m.y, s.position_m.z);
-    append(file, lines);
+    file.append(lines);
     recording.let_go(ping);
   }
   file.close();

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <system_error>
+
+#include "files/checked_file.hpp"
 
 namespace tubefoot {
 
@@ -30,20 +30,17 @@ void leave_out_type_times() {
 }  // namespace
 
 NetcdfStream::NetcdfStream(fs::path file) : file_(std::move(file)) {
-  partial_ = file_;
-  partial_.replace_filename(file_.stem().string() + ".partial" + file_.extension().string());
   // Reserved twice: creating a file gives back what it had.
   try {
-    space_ = std::make_unique<ReservedSpace>(partial_);
+    space_ = std::make_unique<ReservedSpace>(file_);
     space_->reserve(margin_bytes);
-    check(nc_create(partial_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "create the file");
+    check(nc_create(file_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "create the file");
     open_ = true;
     leave_out_type_times();
     space_->reserve(margin_bytes);
   } catch (...) {
     if (open_) nc_close(id_);
-    std::error_code ignored;
-    if (space_) fs::remove(partial_, ignored);
+    if (space_) discard_file(file_);
     throw;
   }
 }
@@ -51,13 +48,11 @@ NetcdfStream::NetcdfStream(fs::path file) : file_(std::move(file)) {
 NetcdfStream::~NetcdfStream() {
   if (open_) nc_close(id_);
   space_.reset();
-  std::error_code ignored;
-  fs::remove(partial_, ignored);
+  if (!finished_) discard_file(file_);
 }
 
 void NetcdfStream::check(int status, const std::string& task) const {
-  if (status != NC_NOERR)
-    throw std::runtime_error(fmt::format("{}: cannot {}: {}", file_.string(), task, nc_strerror(status)));
+  if (status != NC_NOERR) throw write_error(file_, fmt::format("cannot {}: {}", task, nc_strerror(status)));
 }
 
 void NetcdfStream::flush() { check(nc_sync(id_), "write the file"); }
@@ -66,7 +61,7 @@ void NetcdfStream::reopen() {
   space_->reserve(margin_bytes);
   open_ = false;
   check(nc_close(id_), "write the file");
-  check(nc_open(partial_.c_str(), NC_WRITE, &id_), "open the file again");
+  check(nc_open(file_.c_str(), NC_WRITE, &id_), "open the file again");
   open_ = true;
 }
 
@@ -81,11 +76,7 @@ void NetcdfStream::finish() {
   open_ = false;
   check(nc_close(id_), "complete the file");
   space_.reset();
-  std::error_code failure;
-  fs::rename(partial_, file_, failure);
-  if (failure)
-    throw std::runtime_error(
-        fmt::format("{}: cannot give the file its name: {}", file_.string(), failure.message()));
+  finished_ = true;
 }
 
 void NetcdfGroup::check(int status, const char* task, const char* name) const {

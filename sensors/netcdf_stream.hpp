@@ -15,8 +15,7 @@
 
 namespace tubefoot {
 
-/// A netCDF-4 file that grows on the disk under a provisional name ("line.partial.nc" for "line.nc") and gets
-/// its own at finish(). All space is reserved before HDF5 writes into it (ReservedSpace).
+/// A netCDF-4 file that grows on the disk. All space is reserved before HDF5 writes into it (ReservedSpace).
 class NetcdfStream {
  public:
   /// Space for what defines a file and for what HDF5 keeps of it in memory until it is closed.
@@ -38,16 +37,16 @@ class NetcdfStream {
   void reopen();
   /// The id of a group by its full name.
   int group(const std::string& path) const;
-  /// Closes the file and moves it to its name.
+  /// Closes the file.
   void finish();
   /// Throws std::runtime_error unless `status` is NC_NOERR.
   void check(int status, const std::string& task) const;
 
  private:
-  std::filesystem::path file_, partial_;
+  std::filesystem::path file_;
   std::unique_ptr<ReservedSpace> space_;
   int id_ = 0;
-  bool open_ = false;
+  bool open_ = false, finished_ = false;
 };
 
 /// What a variable is: all of a row of a convention's tables.

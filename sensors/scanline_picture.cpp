@@ -7,6 +7,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "files/checked_file.hpp"
 #include "files/streamed_file.hpp"
 
 namespace tubefoot {
@@ -53,9 +54,7 @@ ScanlinePicture::ScanlinePicture(const std::filesystem::path& file, int width, i
   spec_.height = spec_.full_height = height;
   const std::string name = file.filename().string();
   output_ = OIIO::ImageOutput::create(name);
-  if (!output_)
-    throw std::runtime_error(
-        fmt::format("{}: cannot encode the picture: {}", file.string(), OIIO::geterror()));
+  if (!output_) throw write_error(file, "cannot encode the picture: " + OIIO::geterror());
   output_->set_ioproxy(stream_.get());
   check(output_->open(name, spec_));
 }
@@ -65,8 +64,7 @@ ScanlinePicture::~ScanlinePicture() = default;
 void ScanlinePicture::check(bool done) {
   const std::string reason = output_->geterror();  // taken in any case: OpenImageIO prints what nobody takes
   stream_->rethrow();
-  if (!done)
-    throw std::runtime_error(fmt::format("{}: cannot encode the picture: {}", path_.string(), reason));
+  if (!done) throw write_error(path_, "cannot encode the picture: " + reason);
 }
 
 void ScanlinePicture::add_row(const void* values) {

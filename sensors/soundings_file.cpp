@@ -6,15 +6,14 @@
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <iterator>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
+#include "files/checked_file.hpp"
+#include "files/gdal_door.hpp"
 #include "files/gdal_messages.hpp"
+#include "files/streamed_file.hpp"
 
 namespace tubefoot {
 
@@ -22,12 +21,9 @@ namespace fs = std::filesystem;
 
 class SoundingsFile::Writer {
  public:
-  Writer(fs::path file, const LocalFrame& frame) : file_(std::move(file)), partial_(file_), frame_(frame) {
-    partial_.replace_filename(file_.stem().string() + ".partial" + file_.extension().string());
-  }
+  Writer(fs::path file, const LocalFrame& frame) : file_(std::move(file)), frame_(frame) {}
   virtual ~Writer() {
-    std::error_code ignored;
-    fs::remove(partial_, ignored);
+    if (!finished_) discard_file(file_);
   }
 
   void add(std::span<const Sounding> soundings) {
@@ -38,19 +34,13 @@ class SoundingsFile::Writer {
   void finish() {
     write_waiting();
     close();
-    std::error_code failure;
-    fs::rename(partial_, file_, failure);
-    if (failure) fail("give the file its name: " + failure.message());
+    finished_ = true;
   }
 
  protected:
   virtual void write(const std::vector<Sounding>& soundings, const std::vector<glm::dvec3>& on_earth) = 0;
   virtual void close() = 0;
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw std::runtime_error(fmt::format("{}: cannot {}", file_.string(), reason));
-  }
-
-  fs::path file_, partial_;
+  fs::path file_;
   LocalFrame frame_;
 
  private:
@@ -66,6 +56,7 @@ class SoundingsFile::Writer {
   }
 
   std::vector<Sounding> waiting_;
+  bool finished_ = false;
 };
 
 namespace {
@@ -78,18 +69,13 @@ glm::dvec3 on_map(const LocalFrame& frame, const LocalFrame::Map& map, glm::dvec
 
 class CsvWriter : public SoundingsFile::Writer {
  public:
-  CsvWriter(const fs::path& file, const LocalFrame& frame) : Writer(file, frame) {
-    stream_ = std::fopen(partial_.c_str(), "wb");
-    if (!stream_) fail(std::string("write the file: ") + std::strerror(errno));
+  CsvWriter(const fs::path& file, const LocalFrame& frame) : Writer(file, frame), stream_(file) {
     text_ = "ping,beam,time_s,east_m,north_m,up_m,";
     if (frame_.is_georeferenced()) text_ += "longitude_deg_east,latitude_deg_north,height_m_up_positive,";
     text_ +=
         "two_way_travel_time_s,slant_range_m,beam_angle_deg_starboard_positive,amplitude,quality_0_to_1,"
         "method\n";
     put();
-  }
-  ~CsvWriter() override {
-    if (stream_) std::fclose(stream_);
   }
 
  private:
@@ -107,16 +93,12 @@ class CsvWriter : public SoundingsFile::Writer {
     put();
   }
   void put() {
-    if (std::fwrite(text_.data(), 1, text_.size(), stream_) != text_.size() || std::fflush(stream_) != 0)
-      fail(std::string("write the file: ") + std::strerror(errno));
+    stream_.append(text_);
     text_.clear();
   }
-  void close() override {
-    std::FILE* stream = std::exchange(stream_, nullptr);
-    if (std::fclose(stream) != 0) fail(std::string("write the file: ") + std::strerror(errno));
-  }
+  void close() override { stream_.close(); }
 
-  std::FILE* stream_ = nullptr;
+  StreamedFile stream_;
   std::string text_;
 };
 
@@ -140,12 +122,11 @@ class GeoPackageWriter : public SoundingsFile::Writer {
   GeoPackageWriter(const fs::path& file, const LocalFrame& frame) : Writer(file, frame), map_(frame.map()) {
     const GdalMessages messages;
     const FixedDate date;
-    GDALAllRegister();
-    std::error_code ignored;
-    fs::remove(partial_, ignored);  // of a killed run
+    register_gdal_drivers();
+    discard_file(file_);  // GDAL writes over none
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
     require(driver != nullptr, messages, "find the GeoPackage driver of GDAL");
-    dataset_.reset(driver->Create(partial_.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+    dataset_.reset(driver->Create(file_.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
     require(dataset_ != nullptr, messages, "create the file");
     OGRSpatialReference crs;
     const OGRErr known = !frame.is_georeferenced() ? crs.importFromWkt(local_crs)
@@ -170,7 +151,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
 
  private:
   void require(bool good, const GdalMessages& messages, const char* task) const {
-    if (!good) fail(task + messages.in_brackets());
+    if (!good) throw write_error(file_, fmt::format("cannot {}{}", task, messages.in_brackets()));
   }
   void field(const char* name, OGRFieldType type) {
     OGRFieldDefn definition(name, type);

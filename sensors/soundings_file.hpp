@@ -13,8 +13,7 @@ namespace tubefoot {
 /// A file of soundings (docs/soundings.md), the ending chooses: .csv (text, units and signs in the header
 /// line) or .gpkg (GeoPackage, layer "soundings" of 3-D points in the scene's CRS: the projected one;
 /// longitude and latitude on WGS 84 for a tangent frame; local metres without georeference). Written in
-/// batches; the file bears a provisional name ("line.partial.csv") until finish(), and is taken away without
-/// it.
+/// batches; the file is taken away without finish().
 class SoundingsFile {
  public:
   /// Throws std::invalid_argument for another ending, std::runtime_error naming the file.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "app/json_text.hpp"
 #include "app/refraction.hpp"
 #include "app/run_statistics.hpp"
 #include "app/run_steps.hpp"
@@ -12,7 +13,8 @@
 #include "app/simulation.hpp"
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "files/output_folder.hpp"
+#include "files/checked_file.hpp"
+#include "files/outlet.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
 #include "run_apart.hpp"
@@ -45,7 +47,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   if (options.threads) description.run.threads = *options.threads;
   const RunRequest request = requested(options, description);
   std::optional<OutputFolder> output;
-  if (!options.output.empty()) output.emplace(options.output);
+  if (!options.output.empty()) output.emplace(options.output, inputs_of(description));
   if (request.tolerance) pick_settings(description, *request.tolerance, true);
   stop_if_asked(*watch);
   const ThreadLimit limit(description.run.threads);
@@ -79,7 +81,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   json["seconds"]["total"] = seconds_since(start);
   json["peak_memory_mb"] = peak_memory_mb();
   json["warnings"] = result->warnings;
-  result->statistics = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  result->statistics = text_of(json);
   if (output) {
     write_file(output->staging() / "stats.json", result->statistics + "\n");
     stop_if_asked(*watch);

@@ -7,10 +7,11 @@
 
 #include "app/chart_folder.hpp"
 #include "app/comparison.hpp"
+#include "app/json_text.hpp"
 #include "app/settings.hpp"
 #include "app/trials.hpp"
 #include "bindings.hpp"
-#include "files/output_folder.hpp"
+#include "files/outlet.hpp"
 #include "files/usage_error.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
@@ -86,8 +87,13 @@ std::vector<EngineSetting> settings_of(const std::vector<std::string>& builtin, 
 }
 
 std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
+  Inputs inputs;
+  for (const auto& scene : request.scenes) {
+    const Inputs its = inputs_of(scene->description());
+    inputs.insert(inputs.end(), its.begin(), its.end());
+  }
   std::optional<OutputFolder> output;
-  if (!request.output.empty()) output.emplace(request.output);
+  if (!request.output.empty()) output.emplace(request.output, inputs);
   const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
   watch.total = request.scenes.size() * (settings_of(request.builtin, 1).size() + request.own.size());
   const auto step = [&watch] {

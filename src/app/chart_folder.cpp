@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "files/output_folder.hpp"
+#include "files/checked_file.hpp"
 #include "study/chart_page.hpp"
 #include "study/svg_png.hpp"
 

@@ -6,10 +6,9 @@
 #include "app/advice.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
+#include "app/json_text.hpp"
 #include "app/settings.hpp"
-#include "files/output_folder.hpp"
-#include "files/replaced_file.hpp"
-#include "files/usage_error.hpp"
+#include "files/checked_file.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {
@@ -90,24 +89,24 @@ void print_advice(const Advice& advice) {
 
 int advise_command(const AdviseOptions& options) {
   const Tolerance tolerance = asked_tolerance(options.tolerance);
-  if (options.json && *options.json != "-" &&
-      (options.json->empty() || std::filesystem::is_directory(*options.json)))
-    throw UsageError(fmt::format("--json '{}' is no file to write: name one, or - to print", *options.json));
   const SceneDescription scene = read_scene_file(options.scene, options.confined);
+  std::optional<OutputFile> output;
+  if (options.json && *options.json != "-") output.emplace(*options.json, inputs_of(scene));
   const InterruptGuard interrupt;
   AdviceOptions asked;
   asked.pings = options.pings;
   asked.seed = scene.run.seed;
   asked.quiet = options.quiet;
   const Advice advice = advise(scene, tolerance, asked);
-  const std::string json = json_of(advice, scene).dump(2) + "\n";
+  const std::string json = text_of(json_of(advice, scene)) + "\n";
   if (options.json == "-") {
     fmt::print("{}", json);
     return 0;
   }
   print_advice(advice);
-  if (options.json) {
-    replace_file(*options.json, [&json](const std::filesystem::path& file) { write_file(file, json); });
+  if (output) {
+    write_file(output->path(), json);
+    output->commit();
     fmt::print("wrote {}\n", *options.json);
   }
   return 0;

@@ -9,7 +9,7 @@
 #include "app/progress.hpp"
 #include "app/settings.hpp"
 #include "app/trials.hpp"
-#include "files/output_folder.hpp"
+#include "files/outlet.hpp"
 #include "files/usage_error.hpp"
 #include "study/chart_page.hpp"
 
@@ -29,13 +29,19 @@ void print_verdict(const SceneVerdict& v) {
 int chart_command(const ChartOptions& options) {
   std::set<std::string> names;
   const InterruptGuard interrupt;
-  OutputFolder output(options.output);
+  std::vector<SceneDescription> scenes;
+  Inputs inputs;
+  for (const std::filesystem::path& file : options.scenes) {
+    scenes.push_back(read_scene_file(file, options.confined));
+    const Inputs its = inputs_of(scenes.back());
+    inputs.insert(inputs.end(), its.begin(), its.end());
+  }
+  OutputFolder output(options.output, inputs);
   const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
   std::vector<Trial> trials;
   Progress progress("settings", options.scenes.size() * builtin_settings(1).size(), options.quiet);
-  for (const std::filesystem::path& file : options.scenes) {
-    TrialScene scene(read_scene_file(file, options.confined), first_pings(options.pings),
-                     chart_reference_tolerance);
+  for (const SceneDescription& description : scenes) {
+    TrialScene scene(description, first_pings(options.pings), chart_reference_tolerance);
     if (!names.insert(scene.name()).second)
       throw UsageError(
           fmt::format("two scenes are called '{}': the chart could not tell them apart", scene.name()));

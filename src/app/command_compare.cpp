@@ -8,9 +8,10 @@
 #include "app/commands.hpp"
 #include "app/comparison.hpp"
 #include "app/echo_pairs.hpp"
+#include "app/json_text.hpp"
 #include "app/say.hpp"
-#include "files/output_folder.hpp"
-#include "files/replaced_file.hpp"
+#include "files/checked_file.hpp"
+#include "files/outlet.hpp"
 #include "files/usage_error.hpp"
 #include "sensors/comparison_picture.hpp"
 
@@ -98,36 +99,28 @@ void write_picture(const fs::path& file, const std::vector<SensorErrors>& sensor
       fmt::format("reference: {}, {}", reference.file.string(), made_by(reference.provenance)),
       fmt::format("candidate: {}, {}", candidate.file.string(), made_by(candidate.provenance))};
   const Canvas picture = draw_comparison(drawn, subtitle, label_font());
-  replace_file(file, [&](const fs::path& partial) { picture.write_png(partial, "tubefoot compare"); });
+  picture.write_png(file, "tubefoot compare");
 }
 
-bool same_file(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
-}
+struct Outputs {
+  std::optional<OutputFile> json, png;
 
-void check_outputs(const CompareOptions& options) {
-  std::vector<fs::path> outputs;
-  if (options.json && *options.json != "-") outputs.emplace_back(*options.json);
-  if (options.png) outputs.push_back(*options.png);
-  for (const fs::path& output : outputs) {
-    if (output.empty() || fs::is_directory(output))
-      throw UsageError(fmt::format("'{}' is no file to write: name one", output.string()));
-    for (const fs::path& input : {options.reference, options.candidate})
-      if (same_file(output, input))
-        throw UsageError(fmt::format("'{}' is an input: write to another file", output.string()));
+  explicit Outputs(const CompareOptions& options) {
+    const Inputs inputs{options.reference, options.candidate};
+    const bool to_file = options.json && *options.json != "-";
+    if (to_file) json.emplace(*options.json, inputs);
+    if (options.png) png.emplace(*options.png, inputs);
+    if (to_file && options.png && same_file(*options.json, *options.png))
+      throw UsageError("--json and --png name the same file");
+    if (options.png && options.png->extension() != ".png")
+      throw UsageError(fmt::format("'{}': a picture is written as .png", options.png->string()));
   }
-  if (outputs.size() == 2 && same_file(outputs[0], outputs[1]))
-    throw UsageError("--json and --png name the same file");
-  if (options.png && options.png->extension() != ".png")
-    throw UsageError(fmt::format("'{}': a picture is written as .png", options.png->string()));
-}
+};
 
 }  // namespace
 
 int compare_command(const CompareOptions& options) {
-  check_outputs(options);
+  Outputs outputs(options);
   const EchoContents reference = read_echo_file(options.reference),
                      candidate = read_echo_file(options.candidate);
   const EchoPairs pairs = pair_echoes(reference, candidate, options.sensor, options.any_scene);
@@ -142,7 +135,8 @@ int compare_command(const CompareOptions& options) {
     if (label_font().empty())
       say("warning: the picture has no labels: no font was found (on Debian, install "
           "fonts-dejavu-core)\n");
-    write_picture(*options.png, sensors, reference, candidate);
+    write_picture(outputs.png->path(), sensors, reference, candidate);
+    outputs.png->commit();
   }
   std::string json;
   if (options.json) {
@@ -156,8 +150,10 @@ int compare_command(const CompareOptions& options) {
     fmt::print("{}", json);
     return held ? within : beyond;
   }
-  if (options.json)
-    replace_file(*options.json, [&json](const std::filesystem::path& file) { write_file(file, json); });
+  if (options.json) {
+    write_file(outputs.json->path(), json);
+    outputs.json->commit();
+  }
 
   fmt::print("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(),
              made_by(reference.provenance), candidate.file.string(), made_by(candidate.provenance));

@@ -16,9 +16,9 @@
 #include "app/progress.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
+#include "files/checked_file.hpp"
 #include "files/input_error.hpp"
-#include "files/output_folder.hpp"
-#include "files/replaced_file.hpp"
+#include "files/outlet.hpp"
 #include "files/usage_error.hpp"
 
 namespace tubefoot {
@@ -175,11 +175,17 @@ int coverage_command(const CoverageOptions& options) {
   if (folder && !ending.empty() && !fs::is_directory(options.output))
     throw UsageError(fmt::format("'{}': the ending chooses the format: .gpkg, .csv, or none for a folder",
                                  options.output.string()));
-  if (!folder && fs::is_directory(options.output))
-    throw UsageError(fmt::format("'{}' is a folder: name a file with -o", options.output.string()));
   if (options.picture && options.picture->extension() != ".png")
     throw UsageError(fmt::format("'{}': the picture is a .png", options.picture->string()));
   const SceneDescription description = described(options);
+  const Inputs inputs = inputs_of(description);
+  std::optional<OutputFolder> staged;
+  std::optional<OutputFile> file, picture_file;
+  if (options.picture) picture_file.emplace(*options.picture, inputs);
+  if (folder)
+    staged.emplace(options.output, inputs);
+  else
+    file.emplace(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
   refuse_tiles(description, "coverage");
   const auto survey = open_survey(description);
@@ -188,8 +194,6 @@ int coverage_command(const CoverageOptions& options) {
   refuse_what_has_no_coverage(*survey);
   if (options.sensor) survey->sensor_named(*options.sensor);
 
-  std::optional<OutputFolder> staged;
-  if (folder) staged.emplace(options.output);
   const InterruptGuard interrupt;
   const Looks looks = look(*survey, options);
   const Coverage coverage(scene.mesh, *survey->tree, looks.looks);
@@ -229,8 +233,10 @@ int coverage_command(const CoverageOptions& options) {
   const std::string title = fmt::format(
       "{}: {}, {} ping{}", description.title.empty() ? "coverage" : description.title,
       options.sensor.value_or("all sensors"), looks.pings.size(), looks.pings.size() == 1 ? "" : "s");
-  if (options.picture)
-    replace_file(*options.picture, [&](const fs::path& file) { picture->write(file, title); });
+  if (picture_file) {
+    picture->write(picture_file->path(), title);
+    picture_file->commit();
+  }
   if (folder) {
     layers->write(staged->staging() / "coverage.gpkg");
     write_file(staged->staging() / "facets.csv", tables.facets());
@@ -238,12 +244,11 @@ int coverage_command(const CoverageOptions& options) {
     if (totals.facets > 0) picture->write(staged->staging() / "coverage.png", title);
     staged->commit();
   } else {
-    replace_file(options.output, [&](const fs::path& file) {
-      if (package)
-        layers->write(file);
-      else
-        write_file(file, tables.facets());
-    });
+    if (package)
+      layers->write(file->path());
+    else
+      write_file(file->path(), tables.facets());
+    file->commit();
   }
   totals.print(scene.mesh.facets.size(), looks.pings.size());
   fmt::print("wrote {}\n", options.output.string());

@@ -15,32 +15,37 @@
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/tiles_in_view.hpp"
+#include "files/outlet.hpp"
 #include "files/usage_error.hpp"
 
 namespace tubefoot {
-namespace fs = std::filesystem;
 namespace {
 
-/// The file of columns, if one was asked for, and that of exact corners.
-class Files {
- public:
-  Files(const FootprintOptions& options, const Survey& survey, std::size_t sensor)
-      : survey_(survey), sensor_(sensor) {
+/// The places of the file of columns, if one was asked for, and of that of exact corners.
+struct Places {
+  std::optional<OutputFile> columns, exact;
+
+  Places(const FootprintOptions& options, const Inputs& inputs) {
     const bool only_exact = options.output.extension() == ".txt";
     if (only_exact && options.rationals)
       throw UsageError("-o with the ending .txt writes what --rationals does: leave one of them out");
-    if (options.rationals && fs::weakly_canonical(*options.rationals) == fs::weakly_canonical(options.output))
+    if (options.rationals && same_file(*options.rationals, options.output))
       throw UsageError("-o and --rationals name the same file");
-    if (!only_exact) {
-      const FootprintFileMaker make = footprint_file_maker(options.output);
-      columns_place_.emplace(options.output);
+    if (!only_exact) columns.emplace(options.output, inputs);
+    if (only_exact || options.rationals)
+      exact.emplace(only_exact ? options.output : *options.rationals, inputs);
+  }
+};
+
+/// The files in them.
+class Files {
+ public:
+  Files(Places& places, FootprintFileMaker make, const Survey& survey, std::size_t sensor)
+      : survey_(survey), sensor_(sensor), places_(places) {
+    if (places.columns)
       columns_ =
-          make(columns_place_->path(), {survey.scene, survey.sensors[sensor].sensor->description().name});
-    }
-    if (only_exact || options.rationals) {
-      exact_place_.emplace(only_exact ? options.output : *options.rationals);
-      exact_.emplace(exact_place_->path(), survey, sensor);
-    }
+          make(places.columns->path(), {survey.scene, survey.sensors[sensor].sensor->description().name});
+    if (places.exact) exact_.emplace(places.exact->path(), survey, sensor);
   }
 
   /// Footprints written; without columns, pieces.
@@ -56,8 +61,8 @@ class Files {
   void close() {
     if (columns_) columns_->close();
     if (exact_) exact_->close();
-    if (columns_place_) columns_place_->commit();
-    if (exact_place_) exact_place_->commit();
+    if (places_.columns) places_.columns->commit();
+    if (places_.exact) places_.exact->commit();
   }
   /// Facets are named as in all of the scene.
   FootprintTable table_by_tiles(std::size_t ping, std::size_t shot, std::span<const std::uint32_t> beams) {
@@ -86,7 +91,7 @@ class Files {
  private:
   const Survey& survey_;
   std::size_t sensor_;
-  std::optional<FileBeside> columns_place_, exact_place_;  // outlive what writes there
+  Places& places_;
   std::unique_ptr<FootprintFile> columns_;
   std::optional<RationalsFile> exact_;
   std::unique_ptr<const Survey> part_;  ///< with the tiles of one ping
@@ -97,8 +102,10 @@ class Files {
 }  // namespace
 
 int footprints_command(const FootprintOptions& options) {
-  if (options.output.extension() != ".txt") footprint_file_maker(options.output);  // before any work
+  const FootprintFileMaker make =
+      options.output.extension() == ".txt" ? nullptr : footprint_file_maker(options.output);
   const SceneDescription description = described(options);
+  Places places(options, inputs_of(description));
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   refuse_refraction(*survey, false);
@@ -120,7 +127,7 @@ int footprints_command(const FootprintOptions& options) {
                    options.quiet);
 
   const InterruptGuard interrupt;
-  Files files(options, *survey, index);
+  Files files(places, make, *survey, index);
   std::size_t count = 0;
   Progress progress("pings", static_cast<std::size_t>(range.last - range.first + 1), options.quiet);
   for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);

@@ -5,21 +5,21 @@
 #include "app/refined_bed_file.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
-#include "files/usage_error.hpp"
+#include "files/outlet.hpp"
 
 namespace tubefoot {
 
 int refine_command(const RefineOptions& options) {
   const SceneDescription description = described(options);
-  if (std::filesystem::is_directory(options.output))
-    throw UsageError(fmt::format("'{}' is a folder: name a file with -o", options.output.string()));
+  OutputFile output(options.output, description.inputs);  // the bed that the scene names is what it is to be
   const ThreadLimit limit(description.run.threads);
   refuse_tiles(description, "refine");
   const Scene scene = load_scene(description);
   print_warnings(scene.report.warnings, options.quiet);
   const std::unique_ptr<Ground> ground = relief_ground(scene);
   const RefinedMesh bed = refined_bed(scene, *ground);
-  write_refined_bed(options.output, bed, scene, *ground);
+  write_refined_bed(output.path(), bed, scene, *ground);
+  output.commit();
   fmt::print("wrote {} ({} facets of {})\n", options.output.string(), bed.mesh.facets.size(),
              scene.mesh.facets.size());
   return 0;

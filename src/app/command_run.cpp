@@ -7,6 +7,7 @@
 #include "app/advice.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
+#include "app/json_text.hpp"
 #include "app/partial_run.hpp"
 #include "app/refraction.hpp"
 #include "app/run_ranks.hpp"
@@ -16,7 +17,8 @@
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
-#include "files/output_folder.hpp"
+#include "files/checked_file.hpp"
+#include "files/outlet.hpp"
 #include "files/usage_error.hpp"
 #include "study/ping_spread.hpp"
 
@@ -104,7 +106,7 @@ int run_command(const RunOptions& options) {
   const RunRequest request = requested(options, description);
   const std::optional<double>& reference_tolerance = request.reference_tolerance;
   const std::optional<Tolerance>& tolerance = request.tolerance;
-  OutputFolder output(options.output);
+  OutputFolder output(options.output, inputs_of(description));
   PartialRun partial(options.output, options.resume);
   const nlohmann::ordered_json asked = asked_of(description, request);
   nlohmann::ordered_json identity{{"asked", asked}};
@@ -176,7 +178,7 @@ int run_command(const RunOptions& options) {
                        {"total", seconds_since(start)}};
     json["peak_memory_mb"] = peak_memory_mb();
     json["warnings"] = warnings;
-    write_file(output.staging() / "stats.json", json.dump(2) + "\n");
+    write_file(output.staging() / "stats.json", text_of(json) + "\n");
     stop_if_asked();
     refuse_changed_input(description);
     output.commit();

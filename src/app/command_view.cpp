@@ -11,10 +11,10 @@
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/view_gather.hpp"
+#include "files/checked_file.hpp"
 #include "files/inlet.hpp"
 #include "files/input_error.hpp"
-#include "files/output_folder.hpp"
-#include "files/replaced_file.hpp"
+#include "files/outlet.hpp"
 #include "files/usage_error.hpp"
 #include "sensors/echo_reader.hpp"
 #include "viewer/page.hpp"
@@ -104,14 +104,16 @@ bool has_other_paths(const Scene& scene) {
 }  // namespace
 
 int view_command(const ViewOptions& options) {
-  if (fs::is_directory(options.output))
-    throw UsageError(fmt::format("'{}' is a folder: name a file with -o", options.output.string()));
   const bool of_run = fs::is_directory(options.scene);
   if (!of_run && options.moved_scene)
     throw UsageError("--scene says where the scene of a result folder is now: leave it out for a scene file");
   std::optional<RunRecord> record;
   if (of_run) record = read_record(options.scene);
   const SceneDescription description = of_run ? described_by(*record, options) : described(options);
+  Inputs inputs = inputs_of(description);
+  if (of_run)
+    for (const char* name : {"stats.json", "echoes.nc", list_name}) inputs.push_back(options.scene / name);
+  OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
   const InterruptGuard interrupt;
   refuse_tiles(description, "a view");
@@ -132,7 +134,8 @@ int view_command(const ViewOptions& options) {
   if (record) take_recorded(options.scene, *record, view);
   const std::string page = view_page(view);
 
-  replace_file(options.output, [&page](const fs::path& file) { write_file(file, page); });
+  write_file(output.path(), page);
+  output.commit();
   if (!options.quiet)
     for (const std::string& note : view.notes) fmt::print("note: {}\n", note);
   fmt::print("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB)\n", options.output.string(),

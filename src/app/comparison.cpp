@@ -97,8 +97,4 @@ nlohmann::ordered_json comparison_json(const EchoContents& reference, const Echo
   return all;
 }
 
-std::string text_of(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace);
-}
-
 }  // namespace tubefoot

@@ -23,7 +23,4 @@ std::vector<SensorErrors> errors_of(const EchoPairs& pairs, std::size_t worst);
 nlohmann::ordered_json comparison_json(const EchoContents& reference, const EchoContents& candidate,
                                        const EchoPairs& pairs, const std::vector<SensorErrors>& sensors);
 
-/// As text; a stranger's attributes need not be UTF-8.
-std::string text_of(const nlohmann::ordered_json& json);
-
 }  // namespace tubefoot

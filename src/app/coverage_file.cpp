@@ -11,6 +11,8 @@
 #include <glm/geometric.hpp>
 #include <map>
 
+#include "files/checked_file.hpp"
+#include "files/gdal_door.hpp"
 #include "files/gdal_messages.hpp"
 #include "files/output_folder.hpp"
 
@@ -141,7 +143,7 @@ struct CoverageFile::State {
 };
 
 CoverageFile::CoverageFile(const Scene& scene) : state_(std::make_unique<State>(scene)) {
-  GDALAllRegister();
+  register_gdal_drivers();
   State& s = *state_;
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
   s.require(driver != nullptr, "find the GeoPackage driver of GDAL for");
@@ -242,7 +244,7 @@ void CoverageFile::write(const std::filesystem::path& file) {
   vsi_l_offset size = 0;
   const GByte* bytes = VSIGetMemFileBuffer(s.memory_file.c_str(), &size, FALSE);
   s.require(bytes != nullptr, "finish");
-  write_file(file, {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size)});
+  write_file(file, {bytes, static_cast<std::size_t>(size)});
 }
 
 CoverageTables::CoverageTables(const Scene& scene) : scene_(scene) {

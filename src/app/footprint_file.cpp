@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <system_error>
 #include <utility>
 
 #include "files/usage_error.hpp"
@@ -29,29 +28,6 @@ FootprintFileMaker footprint_file_maker(const fs::path& file) {
   throw UsageError(fmt::format(
       "'{}': the ending chooses the format: .gpkg, .geojson, .csv, .vtp, .obj, .ply, .nc or .txt (exact)",
       file.string()));
-}
-
-FileBeside::FileBeside(fs::path target) : target_(std::move(target)) {
-  if (fs::is_directory(target_))
-    throw UsageError(fmt::format("'{}' is a folder: name a file with -o", target_.string()));
-  partial_ = target_;
-  partial_.replace_filename(".partial-" + target_.filename().string());
-  remove();
-}
-
-FileBeside::~FileBeside() { remove(); }
-
-void FileBeside::remove() const {
-  std::error_code ignored;
-  fs::remove(partial_, ignored);
-  fs::remove(partial_.string() + "-journal", ignored);  // of a GeoPackage that was not closed
-}
-
-void FileBeside::commit() {
-  std::error_code failure;
-  fs::rename(partial_, target_, failure);
-  if (failure)
-    throw std::runtime_error(fmt::format("cannot write '{}': {}", target_.string(), failure.message()));
 }
 
 }  // namespace tubefoot

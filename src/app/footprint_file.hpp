@@ -47,21 +47,4 @@ std::unique_ptr<FootprintFile> ply_file(const std::filesystem::path&, const Foot
 /// netCDF-4 with CF's polygons and contiguous ragged arrays.
 std::unique_ptr<FootprintFile> netcdf_footprint_file(const std::filesystem::path&, const FootprintSource&);
 
-/// A place for a file until it is complete: beside its own, where nothing is touched before.
-class FileBeside {
- public:
-  /// Throws UsageError if the target is a folder.
-  explicit FileBeside(std::filesystem::path target);
-  ~FileBeside();
-  FileBeside(const FileBeside&) = delete;
-  FileBeside& operator=(const FileBeside&) = delete;
-  const std::filesystem::path& path() const { return partial_; }
-  /// Moves it to its own place. Throws std::runtime_error.
-  void commit();
-
- private:
-  void remove() const;
-  std::filesystem::path target_, partial_;
-};
-
 }  // namespace tubefoot

@@ -6,6 +6,7 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
+#include "files/checked_file.hpp"
 #include "files/spool.hpp"
 #include "files/streamed_file.hpp"
 
@@ -14,10 +15,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "PLY is written as the machine has its numbers");
 
-void append(StreamedFile& file, std::span<const char> bytes) {
-  file.append({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-}
-
 class Obj : public FootprintFile {
  public:
   Obj(const std::filesystem::path& file, const FootprintSource& source) : file_(file), source_(source) {
@@ -25,7 +22,7 @@ class Obj : public FootprintFile {
         "# tubefoot footprints of sensor {}: metres east, north and up of the scene's own origin\n# columns:",
         as_word(source.sensor));
     for (const FootprintColumn& column : footprint_columns()) head += fmt::format(" {}", column.name);
-    append(file_, head + "\n");
+    file_.append(head + "\n");
   }
 
   void add(const FootprintTable& table) override {
@@ -43,7 +40,7 @@ class Obj : public FootprintFile {
         }
         text += face + "\n";
       }
-      append(file_, text);
+      file_.append(text);
     }
   }
   void close() override { file_.close(); }
@@ -61,10 +58,9 @@ class Ply : public FootprintFile {
 
   void add(const FootprintTable& table) override {
     if (count_.vertices + table.corners_m.size() > most_vertices)
-      throw std::runtime_error(
-          fmt::format("'{}' would have more than {} corners, which PLY cannot number: "
-                      "write fewer pings, or another format",
-                      file_.path().string(), most_vertices));
+      throw write_error(file_.path(), fmt::format("it would have more than {} corners, which PLY cannot "
+                                                  "number: write fewer pings, or another format",
+                                                  most_vertices));
     for (const glm::dvec3& corner : table.corners_m) vertices_.put(corner);
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const std::vector<double> shares = area_shares(table, row);
@@ -104,9 +100,9 @@ class Ply : public FootprintFile {
       head += fmt::format("property {} {}\n",
                           std::holds_alternative<FootprintColumn::Reals>(column.values) ? "double" : "uint",
                           column.name);
-    append(file_, head + "end_header\n");
+    file_.append(head + "end_header\n");
     for (Spool* spool : {&vertices_, &faces_})
-      spool->replay([&](std::span<const char> bytes) { append(file_, bytes); });
+      spool->replay([&](std::span<const char> bytes) { file_.append({bytes.data(), bytes.size()}); });
     file_.close();
   }
 

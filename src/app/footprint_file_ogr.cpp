@@ -8,6 +8,8 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
+#include "files/checked_file.hpp"
+#include "files/gdal_door.hpp"
 #include "files/gdal_messages.hpp"
 
 namespace tubefoot {
@@ -23,7 +25,7 @@ class GeoPackage : public FootprintFile {
  public:
   GeoPackage(const std::filesystem::path& file, const FootprintSource& source)
       : file_(file), source_(source), place_(source.scene) {
-    GDALAllRegister();
+    register_gdal_drivers();
     // Equal tables give equal bytes: the time of writing is none of theirs.
     CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z");
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
@@ -96,9 +98,7 @@ class GeoPackage : public FootprintFile {
   static constexpr std::size_t rows_a_transaction = 100000;
 
   void require(bool good, const char* what) const {
-    if (!good)
-      throw std::runtime_error(
-          fmt::format("cannot {} '{}'{}", what, file_.string(), messages_.in_brackets()));
+    if (!good) throw write_error(file_, fmt::format("cannot {} the file{}", what, messages_.in_brackets()));
   }
   void field(const char* name, OGRFieldType type) const {
     OGRFieldDefn definition(name, type);

@@ -11,10 +11,6 @@
 namespace tubefoot {
 namespace {
 
-void append(StreamedFile& file, const std::string& text) {
-  file.append({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
 std::string number(const FootprintTable& table, const FootprintColumn& column, std::size_t row) {
   return std::visit([&](auto values) { return fmt::format("{}", (table.*values)[row]); }, column.values);
 }
@@ -43,7 +39,7 @@ class Csv : public FootprintFile {
       : file_(file), source_(source), place_(source.scene) {
     std::string head = "WKT";
     for (const FootprintColumn& column : footprint_columns()) head += fmt::format(",{}", column.name);
-    append(file_, head + ",component,material,pieces,occluders\n");
+    file_.append(head + ",component,material,pieces,occluders\n");
   }
 
   void add(const FootprintTable& table) override {
@@ -64,7 +60,7 @@ class Csv : public FootprintFile {
       line += fmt::format(",{},{},{},{}\n", csv_text(component_name(source_.scene, table, row)),
                           csv_text(material_name(source_.scene, table, row)), table.pieces_of(row),
                           occluder_list(table, row));
-      append(file_, line);
+      file_.append(line);
     }
   }
   void close() override { file_.close(); }
@@ -85,7 +81,7 @@ class GeoJson : public FootprintFile {
                         on_earth_ ? "longitude and latitude in degrees on WGS 84, height in metres"
                                   : "metres east, north and up of the scene's own origin",
                         text(source.sensor));
-    append(file_, head);
+    file_.append(head);
   }
 
   void add(const FootprintTable& table) override {
@@ -109,11 +105,11 @@ class GeoJson : public FootprintFile {
                 ring(own, [](const glm::dvec3& p) { return fmt::format("[{},{},{}]", p.x, p.y, p.z); }) +
                 "]]";
       }
-      append(file_, line + "]}}");
+      file_.append(line + "]}}");
     }
   }
   void close() override {
-    append(file_, "\n]}\n");
+    file_.append("\n]}\n");
     file_.close();
   }
 

@@ -16,10 +16,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file says LittleEndian");
 
-void append(StreamedFile& file, const std::string& text) {
-  file.append({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
 /// Writes bytes as base64 (RFC 4648) that come in portions.
 class Base64 {
  public:
@@ -30,7 +26,7 @@ class Base64 {
       group_ = group_ << 8 | static_cast<unsigned char>(byte);
       if (++held_ == 3) put(4);
     }
-    append(file_, text_);
+    file_.append(text_);
     text_.clear();
   }
   void finish() {
@@ -39,7 +35,7 @@ class Base64 {
       put(4 - missing);
       text_.append(static_cast<std::size_t>(missing), '=');
     }
-    append(file_, text_);
+    file_.append(text_);
     text_.clear();
   }
   static std::uint64_t length(std::uint64_t bytes) { return (bytes + 2) / 3 * 4; }
@@ -130,7 +126,7 @@ class Vtp : public FootprintFile {
         "<Points>\n{}</Points>\n<Polys>\n{}</Polys>\n<CellData>\n{}</CellData>\n</Piece>\n</PolyData>\n"
         "<AppendedData encoding=\"base64\">\n_",
         corner_count_, piece_count_, points, polys, cells);
-    append(file_, head);
+    file_.append(head);
     for (Array& array : arrays_) {
       Base64 text(file_);
       const std::uint64_t size = array.bytes.size();
@@ -138,7 +134,7 @@ class Vtp : public FootprintFile {
       array.bytes.replay([&](std::span<const char> bytes) { text.add(bytes); });
       text.finish();
     }
-    append(file_, "\n</AppendedData>\n</VTKFile>\n");
+    file_.append("\n</AppendedData>\n</VTKFile>\n");
     file_.close();
   }
 

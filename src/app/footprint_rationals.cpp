@@ -71,9 +71,7 @@ struct RationalsFile::State {
   std::size_t sensor;
   tbb::enumerable_thread_specific<VisibilityScratch> threads;
 
-  void write(const std::string& lines) {
-    file.append({reinterpret_cast<const std::uint8_t*>(lines.data()), lines.size()});
-  }
+  void write(const std::string& lines) { file.append(lines); }
 };
 
 RationalsFile::RationalsFile(const std::filesystem::path& file, const Survey& survey, std::size_t sensor) {

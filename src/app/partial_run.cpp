@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/interrupt.hpp"
+#include "files/durable.hpp"
 #include "files/usage_error.hpp"
 
 namespace tubefoot {
@@ -50,7 +51,6 @@ void refuse_other_request(const Json& kept, const Json& asked) {
 
 PartialRun::PartialRun(const fs::path& output, bool resume)
     : file_(partial_of(output)), kept_(std::make_unique<std::optional<Json>>()) {
-  if (!fs::exists(file_)) return;
   StoreSummary there;
   std::optional<Json> identity;
   const auto in_the_way = [](const std::string& what) {
@@ -58,15 +58,17 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
         fmt::format("{}: move it away or delete it; it is in the way of the run's pings", what));
   };
   try {
-    there = summary_of(file_);
+    taken_ = take_ping_file(file_, false);
+    if (!taken_) return;
+    there = summary_of(file_, taken_);
     if (there.done > 0) identity = Json::parse(there.identity);
   } catch (const Json::exception&) {
     throw in_the_way(fmt::format("'{}' is damaged", file_.string()));
-  } catch (const std::runtime_error& error) {
+  } catch (const StoreInUse& error) {
+    throw UsageError(error.what());
+  } catch (const UnusableStore& error) {
     throw in_the_way(error.what());
   }
-  if (there.in_use)
-    throw UsageError(fmt::format("another run is writing '{}': choose another -o, or wait", file_.string()));
   if (there.done == 0) return;
   if (!resume)
     throw UsageError(
@@ -87,9 +89,14 @@ std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Jso
   units_ = layout.units();
   try {
     if (*kept_)
-      store_ = PingStore::reopen(layout, file_);
+      store_ = PingStore::reopen(layout, file_, std::move(taken_));
     else
-      keep_through([&] { store_ = std::make_shared<PingStore>(layout, file_, identity.dump()); });
+      keep_through([&] {
+        if (!taken_) taken_ = take_ping_file(file_, true);
+        store_ = std::make_shared<PingStore>(layout, file_, std::move(taken_), identity.dump());
+      });
+  } catch (const StoreInUse& error) {
+    throw UsageError(error.what());
   } catch (const UnusableStore& error) {
     throw UsageError(fmt::format("{}: delete it to begin anew", error.what()));
   }
@@ -102,8 +109,14 @@ std::string PartialRun::advice() const {
     return InterruptGuard::requested()
                ? "nothing was written"
                : "nothing was written: mend that, or choose another -o, and run again";
-  return fmt::format("{} of {} pings are kept in '{}': run the same command with --resume to go on", done,
-                     units_, file_.string());
+  std::string unsure;
+  try {
+    store_->sync();
+  } catch (const std::runtime_error& error) {
+    unsure = fmt::format(" (not on the disk yet: {})", error.what());
+  }
+  return fmt::format("{} of {} pings are kept in '{}'{}: run the same command with --resume to go on", done,
+                     units_, file_.string(), unsure);
 }
 
 void PartialRun::keep_through(const std::function<void()>& work) const {
@@ -116,15 +129,20 @@ void PartialRun::keep_through(const std::function<void()>& work) const {
         advice()));
   } catch (const std::runtime_error& error) {
     if (InterruptGuard::requested() || dynamic_cast<const InputError*>(&error) != nullptr ||
-        dynamic_cast<const UsageError*>(&error) != nullptr)
+        dynamic_cast<const UsageError*>(&error) != nullptr ||
+        dynamic_cast<const UnusableStore*>(&error) != nullptr)
       throw;
     throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
   }
 }
 
 void PartialRun::remove() {
+  fs::remove(file_);  // before others can have its lock
   store_.reset();
-  fs::remove(file_);
+  try {
+    sync_names_in(file_.parent_path());  // or it would stand beside the result again after a power cut
+  } catch (const std::runtime_error&) {  // which is no harm
+  }
 }
 
 Json json_of(const RunDescription& run) {

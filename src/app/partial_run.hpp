@@ -28,7 +28,7 @@ class PartialRun {
   const std::optional<nlohmann::ordered_json>& kept() const;
   /// Goes on with the file or makes a new one.
   std::shared_ptr<PingStore> open(const StoreLayout& layout, const nlohmann::ordered_json& identity);
-  /// What to tell somebody whose run stopped.
+  /// What to tell somebody whose run stopped. What it says is kept is on the disk.
   std::string advice() const;
   /// Does a part of the run; what stops it is told together with advice().
   void keep_through(const std::function<void()>& work) const;
@@ -37,6 +37,7 @@ class PartialRun {
 
  private:
   std::filesystem::path file_;
+  Descriptor taken_;  ///< the file that was there, until open(): no other run gets it
   std::unique_ptr<const std::optional<nlohmann::ordered_json>> kept_;
   std::shared_ptr<PingStore> store_;
   std::size_t units_ = 0;

@@ -3,17 +3,19 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <numeric>
+#include <system_error>
+
+#include "files/durable.hpp"
+#include "files/staging.hpp"
 
 namespace tubefoot {
 namespace {
@@ -42,7 +44,8 @@ constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1
 }
 
 /// Reads the header and the identity; checks what can be checked without the scene.
-StoreSummary read_summary(int file, const fs::path& path, Header& header) {
+StoreSummary read_summary(const Descriptor& opened, const fs::path& path, Header& header) {
+  const int file = opened.number();
   struct stat status {};
   const auto unusable = [&](const char* why) {
     return UnusableStore(fmt::format("'{}' {}", path.string(), why));
@@ -66,7 +69,52 @@ StoreSummary read_summary(int file, const fs::path& path, Header& header) {
   return summary;
 }
 
+/// Whose a file is that this process makes in a folder: not always its own, on disks of a server.
+uid_t owner_of_new_files(const fs::path& beside) {
+  const Staging probe(beside, 0700);
+  struct stat status {};
+  return lstat(probe.path().c_str(), &status) == 0 ? status.st_uid : geteuid();
+}
+
+/// Throws UnusableStore unless it may be written: what is planted under the name of a run's pings would lead
+/// it to write over another file, or give it pings that others can change under it.
+void require_own(const Descriptor& file, const fs::path& path) {
+  struct stat status {};
+  const char* foreign =
+      fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode) ? "is not a file of pings"
+      : status.st_nlink > 1                                          ? "has a second name elsewhere"
+      : status.st_uid != geteuid() && status.st_uid != owner_of_new_files(path) ? "belongs to somebody else"
+                                                                                : nullptr;
+  if (foreign != nullptr) throw UnusableStore(fmt::format("'{}' {}", path.string(), foreign));
+}
+
 }  // namespace
+
+StoreInUse::StoreInUse(const fs::path& file)
+    : UnusableStore(fmt::format("another run is writing '{}': choose another -o, or wait", file.string())) {}
+
+Descriptor take_ping_file(const fs::path& path, bool make) {
+  constexpr int most_trials = 10;  // another run may just be giving the file up
+  for (int trial = 0; trial < most_trials; ++trial) {
+    Descriptor file = open_own(path, O_RDWR | (make ? O_CREAT | O_EXCL : 0));
+    if (!file) {
+      if (make && errno == EEXIST) throw StoreInUse(path);
+      if (make) fail(path, "create the file of pings", errno);
+      if (errno == ENOENT) return file;
+      throw UnusableStore(fmt::format("'{}' cannot be opened as a file of pings ({})", path.string(),
+                                      errno == ELOOP ? "it is a link" : std::strerror(errno)));
+    }
+    require_own(file, path);
+    try {
+      if (!take_lock(file)) throw StoreInUse(path);
+    } catch (const std::system_error& error) {
+      if (make) fs::remove(path);
+      fail(path, "lock the file of pings", error.code().value());
+    }
+    if (is_still_at(path, file)) return file;
+  }
+  throw StoreInUse(path);
+}
 
 std::size_t StoreLayout::units() const {
   std::size_t all = 0;
@@ -97,15 +145,21 @@ PingStore::PingStore(const StoreLayout& layout, fs::path path, std::size_t ident
   }
 }
 
-PingStore::PingStore(const StoreLayout& layout) : PingStore(layout, fs::path(), 0) { map(-1); }
+PingStore::PingStore(const StoreLayout& layout) : PingStore(layout, fs::path(), 0) { map(); }
 
 PingStore::PingStore(const StoreLayout& layout, const fs::path& file, const std::string& identity)
+    : PingStore(
+          layout, file,
+          [&file] {
+            Descriptor there = take_ping_file(file, false);
+            return there ? std::move(there) : take_ping_file(file, true);
+          }(),
+          identity) {}
+
+PingStore::PingStore(const StoreLayout& layout, const fs::path& file, Descriptor taken,
+                     const std::string& identity)
     : PingStore(layout, file, identity.size()) {
-  file_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (file_ < 0) fail(file, "create the file of pings", errno);
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0)
-    throw std::runtime_error(
-        fmt::format("another run is writing '{}': choose another -o, or wait", file.string()));
+  file_ = std::move(taken);
   const auto abandon = [&](int error) {  // the destructor closes it
     fs::remove(file);
     fail(file, fmt::format("set {:.1f} MB aside for the pings", double(bytes_) / 1e6).c_str(), error);
@@ -122,14 +176,17 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, const std:
   // Killed between any two of these calls, it leaves a file that read_summary() takes for one without pings.
   std::string head(reinterpret_cast<const char*>(&header), sizeof header);
   head += identity;
-  if (ftruncate(file_, 0) != 0) abandon(errno);
-  if (const ssize_t put = pwrite(file_, head.data(), head.size(), 0);
+  if (ftruncate(file_.number(), 0) != 0) abandon(errno);
+  if (const ssize_t put = pwrite(file_.number(), head.data(), head.size(), 0);
       put != static_cast<ssize_t>(head.size()))
     abandon(put < 0 ? errno : ENOSPC);
-  if (ftruncate(file_, static_cast<off_t>(bytes_)) != 0) abandon(errno);
-  if (const int error = posix_fallocate(file_, 0, static_cast<off_t>(bytes_)); error != 0) abandon(error);
+  if (ftruncate(file_.number(), static_cast<off_t>(bytes_)) != 0) abandon(errno);
+  if (const int error = posix_fallocate(file_.number(), 0, static_cast<off_t>(bytes_)); error != 0)
+    abandon(error);
   try {
-    map(file_);
+    map();
+    sync();
+    sync_names_in(fs::absolute(file).parent_path());
   } catch (...) {
     fs::remove(file);
     throw;
@@ -137,23 +194,20 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, const std:
 }
 
 std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs::path& path) {
-  const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (file < 0) throw UnusableStore(fmt::format("'{}': {}", path.string(), std::strerror(errno)));
-  std::unique_ptr<PingStore> store;
-  try {
-    Header header;
-    const StoreSummary summary = read_summary(file, path, header);
-    store.reset(new PingStore(layout, path, summary.identity.size()));
-    if (header.units != layout.units() || header.bytes != store->bytes_)
-      throw UnusableStore(fmt::format("'{}' holds other pings than this run makes", path.string()));
-    if (flock(file, LOCK_EX | LOCK_NB) != 0)
-      throw UnusableStore(fmt::format("'{}' is in use by another run", path.string()));
-  } catch (...) {
-    close(file);
-    throw;
-  }
-  store->file_ = file;
-  store->map(file);
+  Descriptor there = take_ping_file(path, false);
+  if (!there) throw UnusableStore(fmt::format("'{}': there is no such file", path.string()));
+  return reopen(layout, path, std::move(there));
+}
+
+std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs::path& path,
+                                             Descriptor taken) {
+  Header header;
+  const StoreSummary summary = read_summary(taken, path, header);
+  std::unique_ptr<PingStore> store(new PingStore(layout, path, summary.identity.size()));
+  if (header.units != layout.units() || header.bytes != store->bytes_)
+    throw UnusableStore(fmt::format("'{}' holds other pings than this run makes", path.string()));
+  store->file_ = std::move(taken);
+  store->map();
   for (std::size_t group = 0; group < layout.groups.size(); ++group)
     for (std::size_t ping = 0; ping < layout.groups[group].pings; ++ping) {
       Unit& unit = store->unit(group, ping);
@@ -170,12 +224,11 @@ std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs
 
 PingStore::~PingStore() {
   if (data_ != nullptr) munmap(data_, bytes_);
-  if (file_ >= 0) close(file_);
 }
 
-void PingStore::map(int file) {
-  const int flags = file < 0 ? MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE : MAP_SHARED;
-  void* data = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, flags, file, 0);
+void PingStore::map() {
+  const int flags = file_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
+  void* data = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, flags, file_.number(), 0);
   if (data == MAP_FAILED) fail(path_.empty() ? "memory" : path_, "map the pings", errno);
   data_ = static_cast<unsigned char*>(data);
 }
@@ -225,10 +278,26 @@ void PingStore::finish(std::size_t group, std::size_t ping, const PingCounts& co
   // A killed program's pages reach the file in any order: only the sum makes a ping count.
   std::atomic_ref(finished.checksum).store(checksum(group, ping), std::memory_order_release);
   for (const std::size_t sensor : layout_.groups[group].sensors) release(sensor, ping);
+  // One thread at a time, and no ping waits for it: which of its pages are on the disk already does not
+  // matter.
+  constexpr std::chrono::seconds between_syncs{5};
+  const auto now = std::chrono::steady_clock::now();
+  if (auto due = next_sync_.load();
+      now >= due && next_sync_.compare_exchange_strong(due, now + between_syncs))
+    sync();
+}
+
+void PingStore::sync() const {
+  if (!file_) return;
+  int status = 0;
+  do {
+    status = fdatasync(file_.number());  // of a mapped file its pages, too
+  } while (status != 0 && errno == EINTR);
+  if (status != 0) fail(path_, "bring the pings to the disk", errno);
 }
 
 void PingStore::release(std::size_t sensor, std::size_t ping) {
-  if (file_ < 0) return;
+  if (!file_) return;
   for (const int which : {0, 1}) {
     const std::span<double> values = part(sensor, ping, which);
     if (values.empty()) continue;
@@ -243,19 +312,19 @@ void PingStore::release(std::size_t sensor, std::size_t ping) {
 }
 
 StoreSummary summary_of(const fs::path& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) throw UnusableStore(fmt::format("'{}': {}", path.string(), std::strerror(errno)));
-  struct Closer {
-    int file;
-    ~Closer() { close(file); }
-  } const closer{file};
+  const Descriptor file = open_own(path, O_RDONLY);
+  if (!file) throw UnusableStore(fmt::format("'{}': {}", path.string(), std::strerror(errno)));
+  return summary_of(path, file);
+}
+
+StoreSummary summary_of(const fs::path& path, const Descriptor& file) {
   Header header;
   StoreSummary summary = read_summary(file, path, header);
-  summary.in_use = flock(file, LOCK_EX | LOCK_NB) != 0;
+  summary.in_use = is_locked_by_another(file);
   const std::size_t first = aligned(sizeof header + summary.identity.size());
   for (std::size_t unit = 0; unit < summary.units; ++unit) {
     std::uint64_t checksum = 0;
-    if (pread(file, &checksum, sizeof checksum,
+    if (pread(file.number(), &checksum, sizeof checksum,
               static_cast<off_t>(first + unit * (sizeof checksum + sizeof(PingCounts)))) != sizeof checksum)
       break;
     summary.done += checksum != 0;

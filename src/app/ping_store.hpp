@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -10,6 +12,8 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "files/descriptor.hpp"
 
 namespace tubefoot {
 
@@ -61,6 +65,15 @@ struct StoreLayout {
 struct UnusableStore : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+/// One that another run has.
+struct StoreInUse : UnusableStore {
+  explicit StoreInUse(const std::filesystem::path& file);
+};
+
+/// Opens a file of pings, or makes it where there must be none yet, so that no other run gets it while it is
+/// open. No descriptor if there is none and none is made. Throws UnusableStore for what is not a run's own
+/// file (a link, a file with a second name or of somebody else), and std::runtime_error naming the file.
+Descriptor take_ping_file(const std::filesystem::path& file, bool make);
 
 /// The energies of a run, ping by ping in any order, each sensor's in one block [ping][beam][sample]: in
 /// memory, or in a file that survives the program. The file is as large as it will ever be from the start, so
@@ -73,16 +86,22 @@ class PingStore {
   /// A new file in place of any that is there. `identity` says what the pings belong to. Throws
   /// std::runtime_error naming the file and the reason, such as a full disk.
   PingStore(const StoreLayout& layout, const std::filesystem::path& file, const std::string& identity);
+  /// The same in a file that was taken.
+  PingStore(const StoreLayout& layout, const std::filesystem::path& file, Descriptor taken,
+            const std::string& identity);
   /// Goes on with a file. Pings that were cut off while they were written count as not done. Throws
   /// UnusableStore for a file of another layout, one that is cut short, in use, or no such file at all.
   static std::unique_ptr<PingStore> reopen(const StoreLayout& layout, const std::filesystem::path& file);
+  static std::unique_ptr<PingStore> reopen(const StoreLayout& layout, const std::filesystem::path& file,
+                                           Descriptor taken);
   ~PingStore();
   PingStore(const PingStore&) = delete;
   PingStore& operator=(const PingStore&) = delete;
 
   bool done(std::size_t group, std::size_t ping) const { return unit(group, ping).checksum != 0; }
   std::size_t done_units() const;
-  /// Marks a ping of a group as done. Others may write other pings meanwhile.
+  /// Marks a ping of a group as done. Others may write other pings meanwhile. Now and then it brings what is
+  /// done to the disk: throws std::runtime_error where that fails.
   void finish(std::size_t group, std::size_t ping, const PingCounts& counts);
   const PingCounts& counts(std::size_t group, std::size_t ping) const { return unit(group, ping).counts; }
 
@@ -93,14 +112,15 @@ class PingStore {
   std::span<double> bound(std::size_t sensor, std::size_t ping) { return part(sensor, ping, 1); }
   /// Lets go of the memory of a ping that lies in a file. Its values come back when they are read.
   void release(std::size_t sensor, std::size_t ping);
+  /// Brings all of a file to the disk. Throws std::runtime_error naming it.
+  void sync() const;
 
  private:
   struct Unit {
     std::uint64_t checksum = 0;  ///< 0: not done
     PingCounts counts;
   };
-  void lay_out();
-  void map(int file);
+  void map();
   Unit& unit(std::size_t group, std::size_t ping) const;
   std::uint64_t checksum(std::size_t group, std::size_t ping);
   std::span<double> block(std::size_t sensor, int which);
@@ -115,7 +135,8 @@ class PingStore {
   std::vector<std::size_t> first_byte_;  ///< by sensor: of its energies; its bounds follow
   std::size_t bytes_ = 0;
   unsigned char* data_ = nullptr;
-  int file_ = -1;
+  Descriptor file_;
+  std::atomic<std::chrono::steady_clock::time_point> next_sync_;
 };
 
 /// What a file of pings says of itself, without going on with it.
@@ -126,5 +147,6 @@ struct StoreSummary {
 };
 /// Throws UnusableStore.
 StoreSummary summary_of(const std::filesystem::path& file);
+StoreSummary summary_of(const std::filesystem::path& name, const Descriptor& file);
 
 }  // namespace tubefoot

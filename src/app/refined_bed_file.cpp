@@ -11,6 +11,7 @@
 
 #include "files/file_hash.hpp"
 #include "files/inlet.hpp"
+#include "files/streamed_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -104,25 +105,11 @@ std::string bed_hash(const Scene& scene, const Ground& ground) {
 
 void write_refined_bed(const std::filesystem::path& file, const RefinedMesh& bed, const Scene& scene,
                        const Ground& ground) {
-  std::filesystem::path partial = file;
-  partial.replace_filename(".partial-" + file.filename().string());
-  struct Remover {
-    const std::filesystem::path& file;
-    ~Remover() {
-      std::error_code ignored;
-      std::filesystem::remove(file, ignored);
-    }
-  } remover{partial};
-  const auto failed = [&file] {
-    return std::runtime_error(fmt::format("cannot write '{}': {}", file.string(), std::strerror(errno)));
-  };
-  std::ofstream stream(partial, std::ios::binary);
-  if (!stream) throw failed();
-  stream << header(bed_hash(scene, ground), bed.mesh.vertices.size(), bed.mesh.facets.size());
-  std::string bytes;
+  StreamedFile stream(file);
+  std::string bytes = header(bed_hash(scene, ground), bed.mesh.vertices.size(), bed.mesh.facets.size());
   const auto flush = [&](std::size_t above) {
     if (bytes.size() <= above) return;
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    stream.append(bytes);
     bytes.clear();
   };
   constexpr std::size_t piece = 1 << 20;
@@ -141,8 +128,6 @@ void write_refined_bed(const std::filesystem::path& file, const RefinedMesh& bed
   }
   flush(0);
   stream.close();
-  if (!stream) throw failed();
-  std::filesystem::rename(partial, file);
 }
 
 RefinedMesh read_refined_bed(const std::filesystem::path& file, const SourcePlace& place, const Scene& scene,

@@ -83,6 +83,12 @@ SceneDescription described(const CommonOptions& options) {
   return description;
 }
 
+Inputs inputs_of(const SceneDescription& description) {
+  Inputs inputs = description.inputs;
+  if (description.refinement.file) inputs.emplace_back(*description.refinement.file);
+  return inputs;
+}
+
 ThreadLimit::ThreadLimit(int threads)
     : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
       control_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_)) {}

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/commands.hpp"
+#include "files/outlet.hpp"
 #include "geometry/visibility.hpp"
 #include "scene/scene_description.hpp"
 
@@ -16,6 +17,9 @@ namespace tubefoot {
 
 /// Reads the scene file and lets the command line's options override its [run] section.
 SceneDescription described(const CommonOptions& options);
+
+/// Every file that the scene names, and its own: what no command may write over.
+Inputs inputs_of(const SceneDescription& description);
 
 /// How a run sees: its arithmetic and what goes with it.
 VisibilityOptions options_of(const RunDescription& run);

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "app/interrupt.hpp"
+#include "app/json_text.hpp"
 #include "app/simulation.hpp"
 #include "compare/echo_errors.hpp"
 #include "engine/ground.hpp"
@@ -56,7 +57,8 @@ std::vector<double> ranges_m(const RangeSamples& samples) {
 
 std::string scene_name(const std::filesystem::path& scene) {
   const std::string stem = scene.stem().string();
-  return stem == "scene" ? std::filesystem::absolute(scene).parent_path().filename().string() : stem;
+  return text_of_name(stem == "scene" ? std::filesystem::absolute(scene).parent_path().filename().string()
+                                      : stem);
 }
 
 }  // namespace

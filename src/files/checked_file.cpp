@@ -3,28 +3,36 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <stdexcept>
+
+#include "files/staging.hpp"
+#include "files/streamed_file.hpp"
 
 namespace tubefoot {
 
-void write_file(const std::filesystem::path& file, std::span<const unsigned char> bytes) {
-  const auto fail = [&](int cause) {
-    throw std::runtime_error(
-        fmt::format("{}: cannot write the file: {}", file.string(), std::strerror(cause)));
-  };
-  std::FILE* stream = std::fopen(file.c_str(), "wb");
-  if (!stream) fail(errno);
-  int cause = 0;
-  if (std::fwrite(bytes.data(), 1, bytes.size(), stream) != bytes.size()) cause = errno;
-  if (std::fclose(stream) != 0 && cause == 0) cause = errno;
-  if (cause == 0) return;
+namespace fs = std::filesystem;
+
+std::runtime_error write_error(const fs::path& file, const std::string& what) {
+  return std::runtime_error(fmt::format("{}: {}", final_name(file).string(), what));
+}
+
+std::runtime_error write_error(const fs::path& file, int cause) {
+  return write_error(file, std::string("cannot write the file: ") + std::strerror(cause));
+}
+
+void write_file(const fs::path& file, std::span<const unsigned char> bytes) {
+  StreamedFile stream(file);
+  stream.append(bytes);
+  stream.close();
+}
+
+void write_file(const fs::path& file, std::string_view text) {
+  write_file(file, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+}
+
+void discard_file(const fs::path& file) {
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(file, ignored))
-    std::filesystem::remove(file, ignored);  // never a device
-  fail(cause);
+  if (fs::is_regular_file(fs::symlink_status(file, ignored))) fs::remove(file, ignored);
 }
 
 }  // namespace tubefoot

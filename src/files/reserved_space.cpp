@@ -2,28 +2,19 @@
 #include "files/reserved_space.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
-#include <stdexcept>
+
+#include "files/checked_file.hpp"
 
 namespace tubefoot {
-namespace {
-
-[[noreturn]] void fail(const std::filesystem::path& file, int cause) {
-  throw std::runtime_error(fmt::format("{}: cannot write the file: {}", file.string(), std::strerror(cause)));
-}
-
-}  // namespace
-
 ReservedSpace::ReservedSpace(const std::filesystem::path& file) : file_(file) {
   descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail(file, errno);
+  if (descriptor_ < 0) throw write_error(file, errno);
 }
 
 ReservedSpace::~ReservedSpace() {
@@ -35,20 +26,20 @@ ReservedSpace::~ReservedSpace() {
 
 void ReservedSpace::reserve(std::uintmax_t bytes) {
   struct stat now {};
-  if (fstat(descriptor_, &now) != 0) fail(file_, errno);
+  if (fstat(descriptor_, &now) != 0) throw write_error(file_, errno);
   const std::uintmax_t wanted = static_cast<std::uintmax_t>(now.st_size) + bytes;
   rlimit limit{};  // some file systems reserve beyond it
   if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && wanted > limit.rlim_cur)
-    fail(file_, EFBIG);
+    throw write_error(file_, EFBIG);
   int status = 0;
   do {
     status = fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(wanted));
   } while (status != 0 && errno == EINTR);
   if (status == 0) return;
-  if (errno != EOPNOTSUPP && errno != ENOSYS) fail(file_, errno);
+  if (errno != EOPNOTSUPP && errno != ENOSYS) throw write_error(file_, errno);
   struct statvfs disk {};
-  if (fstatvfs(descriptor_, &disk) != 0) fail(file_, errno);
-  if (static_cast<std::uintmax_t>(disk.f_bavail) * disk.f_frsize < bytes) fail(file_, ENOSPC);
+  if (fstatvfs(descriptor_, &disk) != 0) throw write_error(file_, errno);
+  if (static_cast<std::uintmax_t>(disk.f_bavail) * disk.f_frsize < bytes) throw write_error(file_, ENOSPC);
 }
 
 }  // namespace tubefoot

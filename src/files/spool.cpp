@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/spool.hpp"
 
-#include <fmt/format.h>
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
-#include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "files/checked_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -28,9 +28,7 @@ Spool::Spool(Spool&& other) noexcept
       file_(std::exchange(other.file_, nullptr)),
       on_disk_(std::exchange(other.on_disk_, 0)) {}
 
-void Spool::fail() const {
-  throw std::runtime_error(fmt::format("cannot write '{}': {}", beside_.string(), std::strerror(errno)));
-}
+void Spool::fail() const { throw write_error(beside_, errno); }
 
 void Spool::add(const void* bytes, std::size_t count) {
   memory_.append(static_cast<const char*>(bytes), count);
@@ -40,7 +38,7 @@ void Spool::add(const void* bytes, std::size_t count) {
 void Spool::flush() {
   if (file_ == nullptr) {
     std::string name = beside_.string() + ".XXXXXX";
-    const int descriptor = mkstemp(name.data());
+    const int descriptor = mkostemp(name.data(), O_CLOEXEC);
     if (descriptor < 0) fail();
     unlink(name.c_str());
     file_ = fdopen(descriptor, "w+b");

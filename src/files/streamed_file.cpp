@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
+
+#include "files/checked_file.hpp"
 
 namespace tubefoot {
 
@@ -20,6 +21,10 @@ StreamedFile::~StreamedFile() { discard(); }
 void StreamedFile::append(std::span<const std::uint8_t> bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), open_stream()) != bytes.size()) fail(errno);
   size_ += bytes.size();
+}
+
+void StreamedFile::append(std::string_view text) {
+  append({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
 void StreamedFile::overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
@@ -36,7 +41,7 @@ void StreamedFile::close() {
   stream_ = nullptr;
   if (std::fclose(stream) == 0) return;
   const int cause = errno;
-  remove_file();
+  discard_file(path_);
   fail(cause);
 }
 
@@ -48,20 +53,14 @@ std::FILE* StreamedFile::open_stream() const {
 
 void StreamedFile::fail(int cause) {
   discard();
-  throw std::runtime_error(
-      fmt::format("{}: cannot write the file: {}", path_.string(), std::strerror(cause)));
+  throw write_error(path_, cause);
 }
 
 void StreamedFile::discard() {
   if (!stream_) return;
   std::fclose(stream_);
   stream_ = nullptr;
-  remove_file();
-}
-
-void StreamedFile::remove_file() {
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(path_, ignored)) std::filesystem::remove(path_, ignored);
+  discard_file(path_);
 }
 
 }  // namespace tubefoot

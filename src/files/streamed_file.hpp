@@ -5,15 +5,15 @@
 #include <cstdio>
 #include <filesystem>
 #include <span>
+#include <string_view>
 
 namespace tubefoot {
 
 /// A file that is written piece by piece and counts as written only when close() has returned; until then it
 /// is taken away again on destruction. (write_file of checked_file.hpp is for results that fit in memory.)
 ///
-/// What the system refuses throws std::runtime_error with the file's name and the system's reason, and the
-/// file is taken away at once (never a device); what is asked of it afterwards, or after close(), throws
-/// std::logic_error.
+/// What the system refuses throws write_error(), and the file is taken away at once (never a device); what is
+/// asked of it afterwards, or after close(), throws std::logic_error.
 class StreamedFile {
  public:
   explicit StreamedFile(std::filesystem::path file);
@@ -26,6 +26,7 @@ class StreamedFile {
   std::uint64_t size() const { return size_; }
 
   void append(std::span<const std::uint8_t> bytes);
+  void append(std::string_view text);
   /// Writes over bytes that are there already, from `offset` on; append() goes on at the end.
   void overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   /// The file is complete, and all of it was taken by the system.
@@ -35,7 +36,6 @@ class StreamedFile {
   std::FILE* open_stream() const;
   [[noreturn]] void fail(int cause);
   void discard();
-  void remove_file();
 
   std::filesystem::path path_;
   std::FILE* stream_ = nullptr;

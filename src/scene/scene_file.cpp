@@ -57,9 +57,9 @@ toml::table parse(std::string_view text, const TomlSource& source) {
 
 /// Takes the scene hash, and notes every file that it is of: what the scene is made of, and nothing else is
 /// read.
-class Inputs {
+class InputHash {
  public:
-  Inputs(SceneDescription& scene, const std::string& text)
+  InputHash(SceneDescription& scene, const std::string& text)
       : scene_(scene), folder_(scene.file.parent_path()) {
     hash_.update(text);
     // A description may be of a text that is in no file.
@@ -370,7 +370,7 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file, 
   scene.run = only(all.run, file);
 
   scene.confined = confined;
-  Inputs inputs(scene, text);
+  InputHash inputs(scene, text);
   for (const TomlSource::NamedFile& named : source.named_files) inputs.add(named);
   // `tubefoot refine` may be about to write it.
   if (std::error_code ignored; scene.refinement.file && fs::exists(*scene.refinement.file, ignored))

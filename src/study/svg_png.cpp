@@ -2,18 +2,18 @@
 #include "study/svg_png.hpp"
 
 #include <cairo.h>
-#include <fmt/format.h>
 #include <librsvg/rsvg.h>
 
 #include <cmath>
 #include <memory>
-#include <stdexcept>
+
+#include "files/checked_file.hpp"
 
 namespace tubefoot {
 
 void write_png_of_svg(const std::string& svg, const std::filesystem::path& file, double scale) {
   const auto fail = [&](const std::string& why) {
-    throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(), why));
+    throw write_error(file, "cannot draw the picture: " + why);
   };
   GError* error = nullptr;
   const std::unique_ptr<RsvgHandle, void (*)(gpointer)> handle(
@@ -36,9 +36,15 @@ void write_png_of_svg(const std::string& svg, const std::filesystem::path& file,
   cairo_scale(cairo.get(), scale, scale);
   const RsvgRectangle viewport{0, 0, width, height};
   if (!rsvg_handle_render_document(handle.get(), cairo.get(), &viewport, &error)) fail(message());
-  if (const cairo_status_t status = cairo_surface_write_to_png(surface.get(), file.c_str());
+  std::string bytes;
+  const auto take = [](void* to, const unsigned char* data, unsigned int count) {
+    static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(data), count);
+    return CAIRO_STATUS_SUCCESS;
+  };
+  if (const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), take, &bytes);
       status != CAIRO_STATUS_SUCCESS)
     fail(cairo_status_to_string(status));
+  write_file(file, bytes);
 }
 
 }  // namespace tubefoot

@@ -77,6 +77,7 @@ int posix_fallocate64(int fd, off64_t at, off64_t size) {
   return fails(here_fd(fd)) ? ENOSPC : REAL(posix_fallocate64)(fd, at, size);
 }
 int fsync(int fd) { return fails(here_fd(fd)) ? -1 : REAL(fsync)(fd); }
+int fdatasync(int fd) { return fails(here_fd(fd)) ? -1 : REAL(fdatasync)(fd); }
 int mkdir(const char* path, mode_t mode) { return fails(here(path)) ? -1 : REAL(mkdir)(path, mode); }
 int rename(const char* from, const char* to) { return fails(here(to)) ? -1 : REAL(rename)(from, to); }
 int renameat2(int a, const char* from, int b, const char* to, unsigned flags) {

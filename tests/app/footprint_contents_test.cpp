@@ -439,11 +439,10 @@ TEST(FootprintFileBytes, OfAnInterruptedCommandAreTakenAway) {
                              "cell_m = 1", "cell_m = 0.2"));
   for (const char* ending : {".gpkg", ".vtp", ".nc"}) {
     SCOPED_TRACE(ending);
-    const std::string partial = ".partial-camera" + std::string(ending);
     Surroundings impatient;
     impatient.interrupt_when = [&] {
       for (const std::string& name : names_below(folder.path()))
-        if (name.starts_with(".partial-")) return true;
+        if (name.starts_with(".camera") && name.ends_with(ending)) return true;
       return false;
     };
     const Outcome outcome = run_program({"footprints", scene.string(), "--sensor", "camera", "--ping", ":",

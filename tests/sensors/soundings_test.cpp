@@ -147,13 +147,12 @@ TEST(SoundingsFile, EqualRunsGiveEqualFiles) {
   }
 }
 
-TEST(SoundingsFile, AppearsOnlyWhole) {
+TEST(SoundingsFile, IsTakenAwayUnlessItIsFinished) {
   for (const char* name : {"a.csv", "a.gpkg"}) {
     const samples::TemporaryFolder folder;
     {
       SoundingsFile out(folder / name, LocalFrame());
       out.add(std::vector<Sounding>(10));
-      EXPECT_FALSE(std::filesystem::exists(folder / name));
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name;
   }

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/staging.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <random>
+#include <system_error>
+#include <vector>
+
+#include "files/checked_file.hpp"
+#include "files/durable.hpp"
+#include "files/usage_error.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view mark = ".tubefoot-", letters = "abcdefghijklmnopqrstuvwxyz0123456789";
+constexpr std::size_t random_letters = 8;
+
+std::string random_word() {
+  std::random_device random;
+  std::string word;
+  for (std::size_t k = 0; k < random_letters; ++k) word += letters[random() % letters.size()];
+  return word;
+}
+
+/// What a staging folder's name is for: "out" of ".out.tubefoot-xxxxxxxx"; empty if it is none's name.
+std::string_view target_of(std::string_view name) {
+  const std::size_t tail = mark.size() + random_letters;
+  if (name.size() < tail + 2 || name.front() != '.') return {};
+  const std::string_view end = name.substr(name.size() - tail);
+  if (!end.starts_with(mark) || end.find_first_not_of(letters, mark.size()) != std::string_view::npos)
+    return {};
+  return name.substr(1, name.size() - tail - 1);
+}
+
+/// Whether nobody is making this folder any more. `lock` then keeps it so.
+bool is_dead(const fs::path& folder, Descriptor& lock) {
+  lock = open_own(folder / list_name, O_RDWR);
+  try {
+    return lock && take_lock(lock);
+  } catch (const std::system_error&) {
+    return false;
+  }
+}
+
+/// Takes a folder away, its list last: what is stopped in between is still known for what it is.
+void remove_folder(const fs::path& folder) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename() != list_name) fs::remove_all(entry.path(), ignored);
+  fs::remove_all(folder, ignored);
+}
+
+/// Takes away what killed runs left beside the target, or brings an earlier result back that one had moved
+/// aside.
+void clear_leftovers(const fs::path& target) {
+  std::error_code ignored;
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(target.parent_path(), ignored)) {
+    std::string name = entry.path().filename().string();
+    if (name.ends_with(earlier_suffix)) name.resize(name.size() - std::strlen(earlier_suffix));
+    if (target_of(name) == target.filename().string() && fs::is_directory(entry.symlink_status(ignored)))
+      folders.push_back(entry.path());
+  }
+  for (const fs::path& folder : folders) {
+    Descriptor lock, of_maker;
+    if (folder.extension() == earlier_suffix) {
+      const fs::path staged = fs::path(folder).replace_extension();
+      if (fs::exists(staged, ignored) && !is_dead(staged, of_maker)) continue;
+      if (!fs::exists(target, ignored)) {
+        fs::rename(folder, target, ignored);
+        continue;
+      }
+    }
+    if (is_dead(folder, lock))
+      remove_folder(folder);
+    else if (lock)
+      continue;
+    lock.close();                 // a file that is open stays in a folder of NFS, under another name
+    fs::remove(folder, ignored);  // if it is empty: of one that was killed before it made its list
+  }
+}
+
+}  // namespace
+
+Staging::Staging(const fs::path& target, mode_t mode) : target_(target) {
+  const std::string folder = target.parent_path().string();
+  const auto refused = [&](const std::string& why) {
+    if (list_) remove_folder(path_);
+    return UsageError(fmt::format("'{}': {}: choose another -o", target.string(), why));
+  };
+  // Somebody who clears leftovers may take a folder that has no list yet: then another name is tried.
+  constexpr int most_trials = 100;
+  bool made = false;
+  for (int trial = 0; trial < most_trials && !made; ++trial) {
+    path_ = target.parent_path() / fmt::format(".{}{}{}", target.filename().string(), mark, random_word());
+    if (mkdir(path_.c_str(), mode) != 0) {
+      if (errno == EEXIST) continue;
+      throw refused(fmt::format("cannot write into '{}': {}", folder, std::strerror(errno)));
+    }
+    list_ = open_own(path_ / list_name, O_RDWR | O_CREAT | O_EXCL);
+    if (!list_ && errno != ENOENT) {
+      const int cause = errno;
+      rmdir(path_.c_str());
+      throw refused(fmt::format("cannot write into '{}': {}", folder, std::strerror(cause)));
+    }
+    try {
+      made = list_ && take_lock(list_) && is_still_at(path_ / list_name, list_);
+    } catch (const std::system_error& error) {
+      throw refused(fmt::format("files in '{}' cannot be locked: {}", folder, error.code().message()));
+    }
+  }
+  if (!made) throw refused(fmt::format("cannot write into '{}': no name is free", folder));
+  clear_leftovers(target);
+}
+
+Staging::~Staging() {
+  // In either case, what is here is ours, or what was replaced. Else it is what could not be brought back.
+  const bool ours = is_still_at(path_ / list_name, list_) || is_still_at(target_ / list_name, list_);
+  list_.close();
+  if (ours) remove_folder(path_);
+}
+
+void Staging::write_list() const {
+  std::string list;
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_))
+    if (entry.path().filename() != list_name) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  for (const std::string& name : names) list += name + "\n";
+  // Through the lock's own descriptor: a file that is begun anew and fails would take the lock with it.
+  errno = ENOSPC;
+  if (pwrite(list_.number(), list.data(), list.size(), 0) != static_cast<ssize_t>(list.size()))
+    throw write_error(path_ / list_name, errno);
+}
+
+fs::path final_name(const fs::path& file) {
+  const std::string name = file.parent_path().filename().string();
+  const std::string_view target = target_of(name);
+  if (target.empty()) return file;
+  const fs::path its = file.parent_path().parent_path() / target;
+  return file.filename() == target ? its : its / file.filename();
+}
+
+}  // namespace tubefoot
