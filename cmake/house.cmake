@@ -26,7 +26,7 @@ function(tubefoot_library name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp)
   add_library(${name} STATIC ${sources})
-  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:tubefoot_house> ${ARGN})
+  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:tubefoot_house> ${ARGN} tubefoot_mathematics)
   target_include_directories(${name} PUBLIC
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR};${PROJECT_SOURCE_DIR}/src>" $<INSTALL_INTERFACE:include/tubefoot>)
   set_property(GLOBAL APPEND PROPERTY TUBEFOOT_LIBRARIES ${name})

@@ -11,7 +11,9 @@ namespace tubefoot {
 
 int refine_command(const RefineOptions& options) {
   const SceneDescription description = described(options);
-  OutputFile output(options.output, description.inputs);  // the bed that the scene names is what it is to be
+  Inputs inputs = description.inputs;
+  if (description.refinement.file) std::erase(inputs, *description.refinement.file);  // this is how it is made
+  OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
   refuse_tiles(description, "refine");
   const Scene scene = load_scene(description);

@@ -96,9 +96,9 @@ void PingCrew::join() {
   if (error_) std::rethrow_exception(error_);
 }
 
-void PingCrew::rest() {
+void PingCrew::rest(std::chrono::microseconds longest) {
   std::unique_lock lock(mutex_);
-  done_.wait_for(lock, std::chrono::milliseconds(1), [this] { return news_; });
+  done_.wait_for(lock, longest, [this] { return news_; });
   news_ = false;
 }
 

@@ -44,8 +44,8 @@ class PingCrew {
   bool failed() const { return failed_; }
   /// Waits for the pings that were begun; throws what one of them threw.
   void join();
-  /// Sleeps until a ping is finished, at most a millisecond.
-  void rest();
+  /// Sleeps until a ping is finished, no longer than `longest`.
+  void rest(std::chrono::microseconds longest);
 
  private:
   std::optional<PingUnit> take();

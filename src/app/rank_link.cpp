@@ -17,6 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// MPI counts in int: longer messages go in portions.
+constexpr std::size_t most_at_once = std::size_t{1} << 30;
+
 std::optional<int> number_in(const char* variable) {
   const char* text = std::getenv(variable);
   if (text == nullptr || *text == '\0') return std::nullopt;
@@ -45,9 +48,9 @@ std::unique_ptr<RankLink> join_ranks() {
                                 (folder / TUBEFOOT_MPI_FOLDER / "libtubefoot_mpi.so").lexically_normal()}) {
     // Global, for the parts that Open MPI loads in turn.
     if (void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_GLOBAL)) {
-      using Join = RankLink* (*)();
-      if (const auto join = reinterpret_cast<Join>(dlsym(library, "tubefoot_join_ranks")))
-        return std::unique_ptr<RankLink>(join());
+      using Join = RankLink* (*)(std::size_t);
+      if (const auto join = reinterpret_cast<Join>(dlsym(library, "tubefoot_link_ranks")))
+        return std::unique_ptr<RankLink>(join(most_at_once));
     }
     const char* error = dlerror();
     if (why.empty() || fs::exists(place, ignored))

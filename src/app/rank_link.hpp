@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace tubefoot {
 
@@ -15,8 +16,9 @@ struct RankMessage {
 };
 
 /// Messages between the processes ("ranks") that mpirun or srun started as one. Used by one thread. Messages
-/// from one rank to another arrive whole and in order. A library of its own (src/mpi) makes it, so that the
-/// program itself needs no MPI.
+/// from one rank to another arrive whole and in order. Nothing but leave() waits for another rank: bytes
+/// move, both ways, while receive() is called. A library of its own (src/mpi) makes it, so that the program
+/// itself needs no MPI.
 class RankLink {
  public:
   virtual ~RankLink() = default;
@@ -26,10 +28,18 @@ class RankLink {
   virtual int local_ranks() const = 0;
   /// The machine.
   virtual std::string host() const = 0;
-  virtual void send(int to, std::string_view bytes) = 0;
+  /// Keeps the message until it has left.
+  virtual void send(int to, std::string bytes) = 0;
   /// A message that has arrived; nothing if there is none yet.
   virtual std::optional<RankMessage> receive() = 0;
-  /// Waits until all ranks leave, and ends the link. Without it MPI takes the end of the program for a fault.
+  /// Bytes of messages that have not left.
+  virtual std::size_t unsent() const = 0;
+  /// Whether a message is on its way out or in: then receive() should be called again soon.
+  virtual bool moving() const = 0;
+  /// How long to rest before receive() is called again.
+  std::chrono::microseconds pause() const { return std::chrono::microseconds(moving() ? 50 : 1000); }
+  /// Waits until all messages have left and all ranks leave, and ends the link. Messages to this rank must
+  /// have been received. Without it MPI takes the end of the program for a fault.
   virtual void leave() = 0;
 };
 

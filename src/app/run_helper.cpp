@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <vector>
 
 #include "app/interrupt.hpp"
+#include "app/outbox.hpp"
 #include "app/partial_run.hpp"
 #include "app/ping_crew.hpp"
 #include "app/ping_store.hpp"
@@ -25,6 +25,15 @@ using Json = nlohmann::ordered_json;
 
 // Then rank 0 is no more.
 constexpr std::chrono::seconds patience_when_interrupted{2};
+
+// Of results that wait for rank 0.
+constexpr std::size_t most_unsent = std::size_t{64} << 20;
+
+/// However it ends, the crew's threads do not wait for room: the crew waits for them.
+struct OpenedAtExit {
+  Outbox& outbox;
+  ~OpenedAtExit() { outbox.open(); }
+};
 
 /// Room for one ping of one group.
 StoreLayout room_for_one(StoreLayout layout, std::size_t group) {
@@ -47,7 +56,7 @@ class HelpingRank {
       if (const auto message = next())
         start = message->substr(1);
       else
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        std::this_thread::sleep_for(link_.pause());
     if (!start) return;
     const Json told = Json::parse(*start);
     if (told.at("asked") != asked)
@@ -70,7 +79,7 @@ class HelpingRank {
       next();
       if (!asked && InterruptGuard::requested()) asked = Clock::now();
       if (asked && Clock::now() - *asked > patience_when_interrupted) return;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::this_thread::sleep_for(link_.pause());
     }
     link_.leave();
   }
@@ -90,15 +99,13 @@ class HelpingRank {
   void simulate(const Survey& survey, std::optional<double> reference_tolerance, int threads) {
     const StoreLayout layout = layout_of(survey, reference_tolerance.has_value());
     const PingSimulation simulation(survey, reference_tolerance);
-    std::mutex mutex;
-    std::vector<std::string> results;
+    Outbox outbox(most_unsent);
     PingCrew crew(threads, [&](const PingUnit& unit) {
       PingStore room(room_for_one(layout, unit.group));
       const PingCounts counts = simulation.run(unit.group, unit.ping, room, 0);
-      std::string result = result_note(layout, unit, counts, room, 0);
-      const std::lock_guard lock(mutex);
-      results.push_back(std::move(result));
+      outbox.put(result_note(layout, unit, counts, room, 0));
     });
+    const OpenedAtExit opened{outbox};
     bool asked = false;
     for (bool last = false; !last;) {
       last = crew.finished();  // before the results are looked at
@@ -108,18 +115,16 @@ class HelpingRank {
         crew.add(units);
         asked = false;
       }
-      if (over()) crew.stop();
-      std::vector<std::string> finished;
-      {
-        const std::lock_guard lock(mutex);
-        finished.swap(results);
+      if (over()) {
+        crew.stop();
+        outbox.open();
       }
-      for (const std::string& result : finished) link_.send(0, result);
+      for (std::string& result : outbox.take(link_.unsent())) link_.send(0, std::move(result));
       if (const std::size_t wanted = crew.wanted(); wanted > 0 && !asked) {
         link_.send(0, wanted_note(wanted));
         asked = true;
       }
-      if (!last) crew.rest();
+      if (!last) crew.rest(link_.pause());
     }
     crew.join();
   }

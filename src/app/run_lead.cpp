@@ -62,7 +62,7 @@ LeadRank::~LeadRank() {
     // what is kept comes first.
     if (InterruptGuard::requested()) return;
     while (const std::optional<RankMessage> message = link_->receive()) note_end(*message);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(link_->pause());
   }
   if (!InterruptGuard::requested()) link_->leave();
 }
@@ -121,7 +121,7 @@ void LeadRank::simulate(const Survey& survey, PingStore& store, bool quiet,
       crew.add(units);
     }
     if (stopped_ && Clock::now() - *stopped_ > patience_when_interrupted) break;
-    if (received < ranks()) crew.rest();
+    if (received < ranks()) crew.rest(link_->pause());
   }
   crew.join();
   if (failure_) rethrow(*failure_);

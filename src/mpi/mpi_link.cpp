@@ -2,21 +2,29 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "app/rank_link.hpp"
 
 namespace tubefoot {
 namespace {
 
-// MPI counts in int: longer messages go in portions.
-constexpr std::size_t most_at_once = std::size_t{1} << 30;
-constexpr int start_tag = 1, portion_tag = 2;
+// Of a message's portions: whether it goes on.
+constexpr int last_tag = 1, more_tag = 2;
 
+/// A message that is leaving, in portions.
+struct Outgoing {
+  std::string bytes;
+  std::size_t portions_left = 0;
+};
+
+/// Sends and receives without waiting: what waits for a rank that waits in turn would wait for ever.
 class MpiLink : public RankLink {
  public:
-  MpiLink() {
+  explicit MpiLink(std::size_t most_at_once) : most_at_once_(most_at_once) {
     int provided = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
@@ -36,52 +44,99 @@ class MpiLink : public RankLink {
     return std::string(name, static_cast<std::size_t>(length));
   }
 
-  void send(int to, std::string_view bytes) override {
-    // The first portion takes the length with it.
-    const std::uint64_t length = bytes.size();
-    const std::size_t first = std::min(bytes.size(), most_at_once);
-    std::string start(sizeof length + first, '\0');
-    std::memcpy(start.data(), &length, sizeof length);
-    std::memcpy(start.data() + sizeof length, bytes.data(), first);
-    MPI_Send(start.data(), static_cast<int>(start.size()), MPI_BYTE, to, start_tag, MPI_COMM_WORLD);
-    for (std::size_t sent = first; sent < bytes.size();) {
-      const std::size_t portion = std::min(bytes.size() - sent, most_at_once);
-      MPI_Send(bytes.data() + sent, static_cast<int>(portion), MPI_BYTE, to, portion_tag, MPI_COMM_WORLD);
+  void send(int to, std::string bytes) override {
+    unsent_ += bytes.size();
+    const auto message = std::make_shared<Outgoing>(Outgoing{std::move(bytes)});
+    std::size_t sent = 0;
+    do {
+      const std::size_t portion = std::min(message->bytes.size() - sent, most_at_once_);
+      const bool last = sent + portion == message->bytes.size();
+      requests_.emplace_back();
+      leaving_.push_back(message);
+      ++message->portions_left;
+      MPI_Isend(message->bytes.data() + sent, static_cast<int>(portion), MPI_BYTE, to,
+                last ? last_tag : more_tag, MPI_COMM_WORLD, &requests_.back());
       sent += portion;
-    }
+    } while (sent < message->bytes.size());
   }
 
   std::optional<RankMessage> receive() override {
-    int there = 0, count = 0;
-    MPI_Status status;
-    MPI_Iprobe(MPI_ANY_SOURCE, start_tag, MPI_COMM_WORLD, &there, &status);
-    if (!there) return std::nullopt;
-    MPI_Get_count(&status, MPI_BYTE, &count);
-    std::string start(static_cast<std::size_t>(count), '\0');
-    MPI_Recv(start.data(), count, MPI_BYTE, status.MPI_SOURCE, start_tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-    std::uint64_t length = 0;
-    std::memcpy(&length, start.data(), sizeof length);
-    RankMessage message{status.MPI_SOURCE, start.substr(sizeof length)};
-    std::size_t received = message.bytes.size();
-    message.bytes.resize(length);
-    while (received < length) {
-      const std::size_t portion = std::min(length - received, most_at_once);
-      MPI_Recv(message.bytes.data() + received, static_cast<int>(portion), MPI_BYTE, message.from,
-               portion_tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-      received += portion;
+    see_off();
+    while (true) {
+      if (!portion_under_way_ && !begin_portion()) return std::nullopt;
+      int arrived = 0;
+      MPI_Test(&incoming_request_, &arrived, MPI_STATUS_IGNORE);
+      if (!arrived) return std::nullopt;
+      portion_under_way_ = false;
+      if (more_to_come_) continue;
+      RankMessage message = std::move(*incoming_);
+      incoming_.reset();
+      return message;
     }
-    return message;
   }
 
-  void leave() override { MPI_Finalize(); }
+  std::size_t unsent() const override { return unsent_; }
+  bool moving() const override { return !requests_.empty() || incoming_; }
+
+  void leave() override {
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+    MPI_Finalize();
+  }
 
  private:
+  /// Lets go of what has left.
+  void see_off() {
+    if (requests_.empty()) return;
+    int count = 0;
+    gone_.resize(requests_.size());
+    MPI_Testsome(static_cast<int>(requests_.size()), requests_.data(), &count, gone_.data(),
+                 MPI_STATUSES_IGNORE);
+    if (count <= 0) return;
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < requests_.size(); ++k)
+      if (requests_[k] != MPI_REQUEST_NULL) {
+        requests_[kept] = requests_[k];
+        leaving_[kept++] = std::move(leaving_[k]);
+      } else if (--leaving_[k]->portions_left == 0) {
+        unsent_ -= leaving_[k]->bytes.size();
+      }
+    requests_.resize(kept);
+    leaving_.resize(kept);
+  }
+
+  /// The next portion of the message that is arriving, or the first of another, if it is there.
+  bool begin_portion() {
+    MPI_Message portion;
+    MPI_Status status;
+    int there = 0, count = 0;
+    MPI_Improbe(incoming_ ? incoming_->from : MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &portion,
+                &status);
+    if (!there) return false;
+    if (!incoming_) incoming_ = RankMessage{status.MPI_SOURCE, {}};
+    MPI_Get_count(&status, MPI_BYTE, &count);
+    const std::size_t before = incoming_->bytes.size();
+    incoming_->bytes.resize(before + static_cast<std::size_t>(count));
+    MPI_Imrecv(incoming_->bytes.data() + before, count, MPI_BYTE, &portion, &incoming_request_);
+    portion_under_way_ = true;
+    more_to_come_ = status.MPI_TAG == more_tag;
+    return true;
+  }
+
+  const std::size_t most_at_once_;
   int rank_ = 0, ranks_ = 1, local_ranks_ = 1;
+  std::vector<MPI_Request> requests_;               ///< of what is leaving
+  std::vector<std::shared_ptr<Outgoing>> leaving_;  ///< by request
+  std::vector<int> gone_;
+  std::size_t unsent_ = 0;
+  std::optional<RankMessage> incoming_;  ///< one at a time; the others wait with MPI
+  MPI_Request incoming_request_ = MPI_REQUEST_NULL;
+  bool portion_under_way_ = false, more_to_come_ = false;
 };
 
 }  // namespace
 }  // namespace tubefoot
 
-extern "C" __attribute__((visibility("default"))) tubefoot::RankLink* tubefoot_join_ranks() {
-  return new tubefoot::MpiLink();
+extern "C" __attribute__((visibility("default"))) tubefoot::RankLink* tubefoot_link_ranks(
+    std::size_t most_at_once) {
+  return new tubefoot::MpiLink(most_at_once);
 }

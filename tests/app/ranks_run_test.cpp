@@ -56,6 +56,7 @@ int rank_of(pid_t process) {
 struct Ranks : testing::Test {
   TestFolder folder;
   const fs::path results = folder / "results", partial = folder / "results.partial";
+  Sending sending = Sending::as_usual;
 
   void SetUp() override {
     if (!fs::exists(TUBEFOOT_MPIRUN) || !fs::exists(TUBEFOOT_MPI_LIBRARY))
@@ -88,7 +89,7 @@ pings = )" + std::to_string(sidescan_pings) +
   Outcome on_ranks(int ranks, const fs::path& output, const std::vector<std::string>& more = {},
                    const Surroundings& given = {}) const {
     Surroundings surroundings = given;
-    surroundings.before = mpirun(ranks);
+    surroundings.before = mpirun(ranks, sending);
     return run_program(command(output, more), surroundings);
   }
   std::size_t done() const {
@@ -128,6 +129,19 @@ TEST_F(Ranks, MakeTheBytesOfOneProcess) {
     EXPECT_EQ(stats.value("ranks", 1), ranks);
   }
   EXPECT_FALSE(fs::exists(partial));
+}
+
+// Rank 0 deals while the others send results: nobody may wait for who waits.
+TEST_F(Ranks, MakeTheBytesOfOneProcessWhereEverySendWaitsForItsReceiver) {
+  const fs::path whole = folder / "whole";
+  ASSERT_EQ(alone(whole).exit_code, 0);
+  sending = Sending::nothing_ahead;
+  for (const int ranks : {2, 3}) {
+    SCOPED_TRACE(ranks);
+    const Outcome outcome = on_ranks(ranks, results);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.signal << outcome.err;
+    expect_same(whole, results);
+  }
 }
 
 TEST_F(Ranks, Sample) {
@@ -187,6 +201,7 @@ TEST_F(Ranks, StopWhenAskedAndSayHowToGoOn) {
   write_scene(20 * pings);  // more than are done before mpirun passes the signal on
   for (const bool one_rank_only : {false, true}) {
     SCOPED_TRACE(one_rank_only);
+    sending = one_rank_only ? Sending::nothing_ahead : Sending::as_usual;
     Surroundings surroundings;
     surroundings.signal = one_rank_only ? 0 : SIGINT;  // to mpirun, as from the keyboard
     surroundings.interrupt_when = [&] {
@@ -215,6 +230,7 @@ TEST_F(Ranks, ReportErrorsOnceAndAsOneProcessDoes) {
     EXPECT_THAT(one.err, HasSubstr(text));
   };
   complaint("--engine", {"--engine", "magic"});
+  sending = Sending::nothing_ahead;
   complaint("needs --engine tube", {"--reference", "--engine", "ray"});
   fs::remove(folder / "thing.obj");
   complaint("thing.obj");
