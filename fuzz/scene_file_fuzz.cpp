@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "app/survey.hpp"
+#include "files/shown.hpp"
 #include "fuzz.hpp"
 #include "scene/named_files.hpp"
 #include "scene/scene_description.hpp"

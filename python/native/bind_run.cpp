@@ -13,6 +13,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "files/output_folder.hpp"
+#include "geometry/stop.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
 #include "run_apart.hpp"
@@ -32,10 +33,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void stop_if_asked(const RunWatch& watch) {
-  if (watch.stop) throw std::runtime_error("interrupted: nothing was written");
-}
-
 /// What `tubefoot run` does, into memory and, if asked to, into a folder.
 std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOptions& options,
                                       const std::shared_ptr<const OwnEngine>& own,
@@ -47,7 +44,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   std::optional<OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
   if (request.tolerance) pick_settings(description, *request.tolerance, true);
-  stop_if_asked(*watch);
+  stop_if_wanted();
   const ThreadLimit limit(description.run.threads);
 
   auto result = std::make_shared<NativeResult>();
@@ -56,11 +53,11 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   survey.own_engine = own;
   survey.watch = watch;
   result->warnings = survey.scene.report.warnings;
-  stop_if_asked(*watch);
+  stop_if_wanted();
   const Clock::time_point simulation_start = Clock::now();
   result->store = std::make_shared<PingStore>(layout_of(survey, request.reference_tolerance.has_value()));
   simulate(survey, *result->store, true, request.reference_tolerance);
-  stop_if_asked(*watch);
+  stop_if_wanted();
   const SimulationStats stats = totals(survey, *result->store);
   result->recordings = recordings_of(survey, result->store);
   for (const std::string& warning : refraction_warnings(survey, stats)) result->warnings.push_back(warning);
@@ -82,7 +79,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   result->statistics = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   if (output) {
     write_file(output->staging() / "stats.json", result->statistics + "\n");
-    stop_if_asked(*watch);
+    stop_if_wanted();
     output->commit();
   }
   survey.own_engine.reset();  // a result needs no function

@@ -5,7 +5,7 @@
 
 #include "app/advice.hpp"
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "files/output_folder.hpp"
 #include "files/replaced_file.hpp"
@@ -54,36 +54,36 @@ Json json_of(const Advice& advice, const SceneDescription& scene) {
 void print_advice(const Advice& advice) {
   const ErrorMeasure measure = advice.tolerance.measure;
   for (const LookedAt& s : advice.sensors) {
-    fmt::print("predicted on   {}\n", pings_text(s.sensor, s.probes, s.pings));
+    tell("predicted on   {}\n", pings_text(s.sensor, s.probes, s.pings));
     if (s.others_are_probes)
-      fmt::print("measured on    {}: there are no others, so only the rays' seed is new\n",
-                 pings_text(s.sensor, s.others, s.pings));
+      tell("measured on    {}: there are no others, so only the rays' seed is new\n",
+           pings_text(s.sensor, s.others, s.pings));
     else
-      fmt::print("measured on    {}\n", pings_text(s.sensor, s.others, s.pings));
+      tell("measured on    {}\n", pings_text(s.sensor, s.others, s.pings));
   }
   for (const std::string& name : advice.silent)
-    fmt::print("note           {} hears nothing on these pings: nothing but exact cuts was tried\n", name);
-  fmt::print("\n{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "predicted", "seconds", "measured", "seconds",
-             "within");
-  fmt::print("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "a ping", "error", "a ping",
-             to_text(advice.tolerance));
+    tell("note           {} hears nothing on these pings: nothing but exact cuts was tried\n", name);
+  tell("\n{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "predicted", "seconds", "measured", "seconds",
+       "within");
+  tell("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "a ping", "error", "a ping",
+       to_text(advice.tolerance));
   for (const Candidate& c : advice.candidates) {
-    fmt::print("{:<44} {:>10} {:>10.3g} ", fmt::format("{}, {}", c.setting.engine, c.setting.setting),
-               error_text(measure, c.predicted_error), c.predicted_seconds);
+    tell("{:<44} {:>10} {:>10.3g} ", fmt::format("{}, {}", c.setting.engine, c.setting.setting),
+         error_text(measure, c.predicted_error), c.predicted_seconds);
     if (c.others)
-      fmt::print("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)),
-                 c.others->seconds, advice.holds(c) ? "yes" : "no");
+      tell("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)), c.others->seconds,
+           advice.holds(c) ? "yes" : "no");
     else
-      fmt::print("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
+      tell("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
   }
-  fmt::print(
+  tell(
       "\nPredicted: {:g} % confidence limit from the spread of the probe pings, at least {:g} times their "
       "error. "
       "Seconds on one thread, loading not counted.\n",
       100 * error_limit_confidence, least_margin);
-  fmt::print("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
-  fmt::print("left out       {}\n", left_out_by(advice.best().setting.run));
-  fmt::print("options        {}\n", command_options(advice.best().setting.run));
+  tell("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
+  tell("left out       {}\n", left_out_by(advice.best().setting.run));
+  tell("options        {}\n", command_options(advice.best().setting.run));
 }
 
 }  // namespace
@@ -94,7 +94,6 @@ int advise_command(const AdviseOptions& options) {
       (options.json->empty() || std::filesystem::is_directory(*options.json)))
     throw UsageError(fmt::format("--json '{}' is no file to write: name one, or - to print", *options.json));
   const SceneDescription scene = read_scene_file(options.scene);
-  const InterruptGuard interrupt;
   AdviceOptions asked;
   asked.pings = options.pings;
   asked.seed = scene.run.seed;
@@ -102,13 +101,13 @@ int advise_command(const AdviseOptions& options) {
   const Advice advice = advise(scene, tolerance, asked);
   const std::string json = json_of(advice, scene).dump(2) + "\n";
   if (options.json == "-") {
-    fmt::print("{}", json);
+    tell("{}", json);
     return 0;
   }
   print_advice(advice);
   if (options.json) {
     replace_file(*options.json, [&json](const std::filesystem::path& file) { write_file(file, json); });
-    fmt::print("wrote {}\n", *options.json);
+    tell("wrote {}\n", *options.json);
   }
   return 0;
 }

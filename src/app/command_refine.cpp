@@ -3,6 +3,7 @@
 
 #include "app/commands.hpp"
 #include "app/refined_bed_file.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "files/usage_error.hpp"
@@ -20,8 +21,8 @@ int refine_command(const RefineOptions& options) {
   const std::unique_ptr<Ground> ground = relief_ground(scene);
   const RefinedMesh bed = refined_bed(scene, *ground);
   write_refined_bed(options.output, bed, scene, *ground);
-  fmt::print("wrote {} ({} facets of {})\n", options.output.string(), bed.mesh.facets.size(),
-             scene.mesh.facets.size());
+  tell("wrote {} ({} facets of {})\n", options.output.string(), bed.mesh.facets.size(),
+       scene.mesh.facets.size());
   return 0;
 }
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
 #include "app/refraction.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/view_gather.hpp"
@@ -112,7 +112,6 @@ int view_command(const ViewOptions& options) {
   if (of_run) record = read_record(options.scene);
   const SceneDescription description = of_run ? described_by(*record, options) : described(options);
   const ThreadLimit limit(description.run.threads);
-  const InterruptGuard interrupt;
   refuse_tiles(description, "a view");
   const auto survey = open_survey(description);
   refuse_refraction(*survey, false);
@@ -133,10 +132,10 @@ int view_command(const ViewOptions& options) {
 
   replace_file(options.output, [&page](const fs::path& file) { write_file(file, page); });
   if (!options.quiet)
-    for (const std::string& note : view.notes) fmt::print("note: {}\n", note);
-  fmt::print("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB)\n", options.output.string(),
-             view.sensor, view.pings.size(), view.pings.size() == 1 ? "ping" : "pings",
-             view.footprints.size(), static_cast<double>(page.size()) / 1e6);
+    for (const std::string& note : view.notes) tell("note: {}\n", note);
+  tell("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB)\n", options.output.string(), view.sensor,
+       view.pings.size(), view.pings.size() == 1 ? "ping" : "pings", view.footprints.size(),
+       static_cast<double>(page.size()) / 1e6);
   return 0;
 }
 

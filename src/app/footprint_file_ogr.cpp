@@ -8,6 +8,7 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
+#include "geometry/stop.hpp"
 #include "scene/raster_messages.hpp"
 
 namespace tubefoot {
@@ -58,6 +59,7 @@ class GeoPackage : public FootprintFile {
 
   void add(const FootprintTable& table) override {
     for (std::size_t row = 0; row < table.rows(); ++row) {
+      stop_if_wanted();
       OGRFeature feature(layer_->GetLayerDefn());
       int f = 0;
       for (const FootprintColumn& column : footprint_columns()) {

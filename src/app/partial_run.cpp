@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/interrupt.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -74,6 +74,8 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
                     "it, or delete it to begin anew",
                     file_.string(), there.done, there.units));
   kept_ = std::make_unique<std::optional<Json>>(std::move(identity));
+  units_ = there.units;
+  kept_done_ = there.done;
 }
 
 PartialRun::~PartialRun() {
@@ -97,29 +99,30 @@ std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Jso
 }
 
 std::string PartialRun::advice() const {
-  const std::size_t done = store_ ? store_->done_units() : 0;
+  const std::size_t done = store_ ? store_->done_units() : kept_done_;
   if (done == 0)
-    return InterruptGuard::requested()
-               ? "nothing was written"
-               : "nothing was written: mend that, or choose another -o, and run again";
+    return stop_wanted() ? "nothing was written"
+                         : "nothing was written: mend that, or choose another -o, and run again";
   return fmt::format("{} of {} pings are kept in '{}': run the same command with --resume to go on", done,
                      units_, file_.string());
 }
 
 void PartialRun::keep_through(const std::function<void()>& work) const {
-  try {
-    work();
-  } catch (const std::bad_alloc&) {
-    throw std::runtime_error(fmt::format(
-        "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
-        "scene; {}",
-        advice()));
-  } catch (const std::runtime_error& error) {
-    if (InterruptGuard::requested() || dynamic_cast<const InputError*>(&error) != nullptr ||
-        dynamic_cast<const UsageError*>(&error) != nullptr)
-      throw;
-    throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
-  }
+  unless_interrupted([&] {
+    try {
+      work();
+    } catch (const std::bad_alloc&) {
+      throw std::runtime_error(fmt::format(
+          "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
+          "scene; {}",
+          advice()));
+    } catch (const std::runtime_error& error) {
+      if (dynamic_cast<const InputError*>(&error) != nullptr ||
+          dynamic_cast<const UsageError*>(&error) != nullptr)
+        throw;
+      throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
+    }
+  });
 }
 
 void PartialRun::remove() {

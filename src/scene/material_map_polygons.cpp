@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "geometry/stop.hpp"
 #include "scene/material_map_gdal.hpp"
 #include "scene/material_map_sources.hpp"
 #include "scene/raster_messages.hpp"
@@ -55,7 +56,10 @@ class PolygonReader {
     OGRLayer& layer = layer_of(*dataset, map_, place_);
     const int attribute = attribute_of(layer, map_, place_);
     layer.ResetReading();
-    while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) add(*feature, attribute);
+    while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) {
+      stop_if_wanted();
+      add(*feature, attribute);
+    }
     if (!messages.failures().empty())
       throw InputError(place_, "cannot be read to its end" + messages.in_brackets());
     if (!unknown_.empty())

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "files/limits.hpp"
+#include "geometry/stop.hpp"
 #include "scene/material_map_gdal.hpp"
 #include "scene/material_map_sources.hpp"
 #include "scene/raster_block.hpp"
@@ -50,6 +51,7 @@ Classes read_classes(GDALDataset& dataset, const RasterMaterialMap& map, const M
   std::vector<unsigned char> has_data(columns);
   std::set<double> unknown;
   for (int row = 0; row < classes.rows; ++row) {
+    stop_if_wanted();
     if (band.RasterIO(GF_Read, 0, row, classes.columns, 1, values.data(), classes.columns, 1, GDT_Float64, 0,
                       0, nullptr) != CE_None ||
         band.GetMaskBand()->RasterIO(GF_Read, 0, row, classes.columns, 1, has_data.data(), classes.columns, 1,

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <system_error>
 
+#include "geometry/stop.hpp"
 #include "scene/raster_block.hpp"
 #include "scene/raster_netcdf_size.hpp"
 #include "scene/vrt_sources.hpp"
@@ -82,6 +83,7 @@ RasterFile::Metres RasterFile::metres() const {
 }
 
 void RasterFile::read_row(int row, int column, int columns, double* values, unsigned char* has_data) const {
+  stop_if_wanted();
   GDALRasterBand& band = *dataset_->GetRasterBand(1);
   read_row(band, row, column, columns, GDT_Float64, values);
   read_row(*band.GetMaskBand(), row, column, columns, GDT_Byte, has_data);

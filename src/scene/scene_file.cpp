@@ -7,6 +7,7 @@
 
 #include "files/file_hash.hpp"
 #include "files/limits.hpp"
+#include "geometry/stop.hpp"
 #include "scene/named_files.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_file_sections.hpp"
@@ -25,6 +26,7 @@ void for_each_piece(const fs::path& file, const SourcePlace& place, const Use& u
   std::ifstream in(file, std::ios::binary);
   std::string piece(std::size_t{1} << 20, '\0');
   while (in) {
+    stop_if_wanted();
     in.read(piece.data(), static_cast<std::streamsize>(piece.size()));
     use(std::string_view(piece).substr(0, static_cast<std::size_t>(in.gcount())));
   }
