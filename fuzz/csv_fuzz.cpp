@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "files/shown.hpp"
 #include "fuzz.hpp"
 #include "scene/scattering.hpp"
 #include "scene/scene_water.hpp"

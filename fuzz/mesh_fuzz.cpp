@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <vector>
 
+#include "files/shown.hpp"
 #include "fuzz.hpp"
 #include "geometry/facet_mesh.hpp"
 #include "scene/mesh_file.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "files/shown.hpp"
 #include "fuzz.hpp"
 #include "gdal_is_quiet.hpp"
 #include "scene/raster.hpp"

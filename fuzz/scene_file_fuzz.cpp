@@ -8,6 +8,7 @@
 
 #include "app/survey.hpp"
 #include "files/companions.hpp"
+#include "files/shown.hpp"
 #include "fuzz.hpp"
 #include "scene/scene_description.hpp"
 

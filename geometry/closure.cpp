@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/exact_direction.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -25,6 +26,7 @@ struct Fraction {
 Fraction sum(const std::vector<Rational>& terms, std::size_t begin, std::size_t end) {
   if (begin == end) return {0, 1};
   if (end - begin == 1) return {numerator(terms[begin]), denominator(terms[begin])};
+  stop_if_wanted();
   const std::size_t middle = begin + (end - begin) / 2;
   const Fraction a = sum(terms, begin, middle), b = sum(terms, middle, end);
   return {a.numerator * b.denominator + b.numerator * a.denominator, a.denominator * b.denominator};
@@ -84,6 +86,7 @@ TubeAudit audit(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
   const Rational whole = gnomonic_area(axis, walls);
   bool cones = true;
   const auto area_of = [&](const NamedPiece& piece) {
+    stop_if_wanted();
     const std::vector<ExactVector> directions = exact_directions(context, seen.corners, piece);
     if (in_front(axis, directions)) return gnomonic_area(axis, directions);
     cones = false;  // no exact arithmetic comes here

@@ -12,6 +12,7 @@
 #include <map>
 
 #include "geometry/facet_regions.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -123,6 +124,7 @@ Overlay overlaid(const LinePolygon& place, std::span<const FacetRegion* const> r
   for (const FacetRegion* region : regions) {
     const std::size_t count = cells.size();
     for (std::size_t k = 0; k < count; ++k) {
+      stop_if_wanted();
       if (cells[k].has_counted(*region) || !cells[k].box.meets(region->box)) continue;
       parts.clear();
       if (!split_off(cells[k].lines, region->lines, store, parts)) continue;
@@ -139,6 +141,7 @@ Overlay overlaid(const LinePolygon& place, std::span<const FacetRegion* const> r
   Overlay result;
   std::map<Overlay::Key, std::vector<Fraction>> areas;
   for (const Cell& cell : cells) {
+    stop_if_wanted();
     areas[{cell.pings, cell.pings == 0 && cell.in_sector > 0}].push_back(double_area(cell.lines));
     result.cells.push_back({cell.pings, cell.pings > 0 ? 0 : cell.in_sector, cell.first_look,
                             static_cast<std::uint32_t>(result.corners.size()),
@@ -225,6 +228,7 @@ Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const
   std::vector<char> seen_whole(mesh.facets.size(), 0);
   for (std::uint32_t l = 0; l < looks.size(); ++l)
     for (std::uint32_t tube = 0; tube < looks[l].seen.size(); ++tube) {
+      stop_if_wanted();
       const TubeVisibility& seen = looks[l].seen[tube];
       for (std::uint32_t k = 0; k < seen.pieces.size(); ++k) {
         const FacetId facet = seen.pieces[k].facet;
@@ -239,6 +243,7 @@ Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const
     const TubeSet& tubes = looks[l].tubes;
     std::vector<FacetId> candidates;
     for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
+      stop_if_wanted();
       std::array<SceneTree::HalfSpace, 4> walls{};
       for (std::size_t k = 0; k < 4; ++k) {
         const Vec64 n = cross(tubes.rays[tubes.tubes[tube][k]], tubes.rays[tubes.tubes[tube][(k + 1) % 4]]);

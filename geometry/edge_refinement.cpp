@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 
+#include "geometry/steps.hpp"
 #include "geometry/weld_table.hpp"
 
 namespace tubefoot {
@@ -220,10 +221,12 @@ class Refiner {
     spread(parts);
     const std::size_t tasks = std::min<std::size_t>(parts.size(), 4 * enough);
     std::vector<Yield> yields(tasks);
+    Steps steps("parts of the ground", tasks);
     tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t t) {
       Nodes nodes;
       const std::size_t first = t * parts.size() / tasks, end = (t + 1) * parts.size() / tasks;
       for (std::size_t k = first; k < end; ++k) cut(parts[k], nodes, yields[t]);
+      steps.done();
     });
     return joined(yields);
   }
@@ -236,6 +239,7 @@ class Refiner {
       more = false;
       std::vector<Part> next;
       for (const Part& part : parts) {
+        stop_if_wanted();
         Parts cut;
         const auto& n = part.node;
         const unsigned now = cutter_.ask(part.facet, {&n[0], &n[1], &n[2]}, cut);
@@ -258,6 +262,7 @@ class Refiner {
     nodes.restart(part.node);
     const std::size_t first_facet = out.facets.size();
     const auto recur = [&](const auto& self, const std::array<std::uint32_t, 3>& corner) -> void {
+      stop_if_wanted();
       Parts parts;
       const unsigned now = cutter_.ask(
           part.facet, {&nodes.nodes[corner[0]], &nodes.nodes[corner[1]], &nodes.nodes[corner[2]]}, parts);
@@ -277,8 +282,10 @@ class Refiner {
     const auto before = static_cast<std::uint32_t>(out.points.size());
     for (std::size_t f = first_facet; f < out.facets.size(); ++f)
       for (std::uint32_t& v : out.facets[f]) v += before;
-    for (const Node& n : nodes.nodes)
+    for (const Node& n : nodes.nodes) {
+      stop_if_wanted();
       out.points.push_back(grid_.snap(place_(cutter_.base_point(part.facet, n))));
+    }
   }
 
   void count_one_more() {
@@ -299,6 +306,7 @@ class Refiner {
     weld.reserve(facets / 2 + 3);
     std::vector<VertexId> id;
     for (Yield& y : yields) {
+      stop_if_wanted();
       weld.reserve(all.mesh.vertices.size() + y.points.size());
       id.assign(y.points.size(), unnamed);
       for (std::size_t f = 0; f < y.facets.size(); ++f) {
@@ -341,6 +349,7 @@ std::size_t count_uniform(const std::array<glm::dvec3, 3>& at, double longest2) 
   }
   const std::array<glm::dvec3, 6> all{
       at[0], at[1], at[2], 0.5 * (at[1] + at[2]), 0.5 * (at[2] + at[0]), 0.5 * (at[0] + at[1])};
+  stop_if_wanted();
   const Parts parts = parts_of(
       now, std::popcount(now) == 2 && other_diagonal(at, static_cast<unsigned>(std::countr_zero(~now & 7u))));
   std::size_t sum = 0;

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 
+#include "geometry/stop.hpp"
 #include "geometry/weld_table.hpp"
 
 namespace tubefoot {
@@ -50,6 +51,7 @@ void MeshBuilder::add(const std::vector<glm::dvec3>& points_m,
   s.weld.reserve(s.mesh.vertices.size() + points_m.size());
   std::vector<VertexId> id(points_m.size());
   for (std::size_t i = 0; i < points_m.size(); ++i) {
+    stop_if_wanted();
     const GridPoint p = s.grid.snap(points_m[i]);
     id[i] = s.weld.id_of(p);
     s.report.largest_snap_m =
@@ -57,6 +59,7 @@ void MeshBuilder::add(const std::vector<glm::dvec3>& points_m,
   }
   const std::size_t facets = s.mesh.facets.size() + triangles.size();
   for (const auto& [a, b, c] : triangles) {
+    stop_if_wanted();
     s.mesh.facets.push_back({id[a], id[b], id[c]});
     const auto& v = s.mesh.vertices;
     if (is_degenerate(v[id[a]], v[id[b]], v[id[c]])) ++s.report.degenerate_facets;

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -236,6 +238,7 @@ const PlaneLine* FacetRegions::edge(const NameContext& context, const TubeVisibi
 
 void FacetRegions::add_seen(const CoverageLook& look, std::uint32_t number, std::uint32_t tube,
                             std::uint32_t index) {
+  stop_if_wanted();
   const Sight& from = sight(look, number);
   if (from.edge_on || from.out_of_range) return;
   const TubeVisibility& seen = look.seen[tube];

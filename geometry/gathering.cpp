@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -78,7 +80,9 @@ bool Gathering::gather(const FacetMesh& mesh, const SceneTree& tree, const TubeS
     if (sheets) sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), walls, tubes.reach, sheets_);
   }
   // The tree's order is the standard library's business; ours must not depend on it.
+  stop_if_wanted();
   std::sort(candidates_.begin(), candidates_.end());
+  stop_if_wanted();
   facets_.clear();
   boxes_.clear();
   hidden_.clear();

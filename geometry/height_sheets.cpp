@@ -10,6 +10,7 @@
 #include "geometry/cone_clip.hpp"
 #include "geometry/facet_cone.hpp"
 #include "geometry/scene_tree.hpp"
+#include "geometry/stop.hpp"
 #include "geometry/vertical_line.hpp"
 
 namespace tubefoot {
@@ -78,6 +79,7 @@ class Joiner {
       sides[next[low(h)]++] = {std::max(corner(h, 0), corner(h, 1)), h};
     });
     for (VertexId v = 0; v + 1 < end.size(); ++v) {
+      stop_if_wanted();
       const auto first = sides.begin() + end[v], last = sides.begin() + end[v + 1];
       std::sort(first, last, [](const Side& a, const Side& b) {
         return a.other != b.other ? a.other < b.other : a.half_edge < b.half_edge;
@@ -140,6 +142,7 @@ bool edges_meet_only_at_ends(const std::vector<PlanEdge>& edges) {
   for (const PlanEdge& e : edges) boxes.push_back(box_of(e));
   bool good = true;
   CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
+    stop_if_wanted();
     good = good && meet_only_at_ends(*a.info(), *b.info());
   });
   return good;
@@ -163,6 +166,7 @@ bool left_is_inside(const std::vector<PlanEdge>& edges) {
   bool good = true;
   CGAL::box_intersection_d(rays.begin(), rays.end(), boxes.begin(), boxes.end(),
                            [&](const Box& ray, const Box& box) {
+                             stop_if_wanted();
                              const PlanEdge &e = *ray.info(), &f = *box.info();
                              if (&e == &f) return;
                              const PlanPoint m{(e.from.x + e.to.x) / 2, (e.from.y + e.to.y) / 2};

@@ -5,6 +5,8 @@
 #include <bit>
 #include <numeric>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -47,7 +49,10 @@ void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& 
   choose_size();
   fill();
   for (int y = 0; y < rows_; ++y)
-    for (int x = 0; x < columns_; ++x) find_layers(x, y);
+    for (int x = 0; x < columns_; ++x) {
+      stop_if_wanted();
+      find_layers(x, y);
+    }
   find_hidden();
   drop_hidden();
 }

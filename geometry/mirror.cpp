@@ -8,6 +8,8 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -99,6 +101,7 @@ MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<
   MeshPart part;
   PartBuilder builder(part);
   for (const FacetId facet : facets) {
+    stop_if_wanted();
     std::array<GridPoint, 3> corner{};
     std::array<Int128, 3> side{};
     for (std::size_t k = 0; k < 3; ++k) {

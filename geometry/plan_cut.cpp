@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "geometry/segment_bins.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -152,6 +153,7 @@ PlanCut cut_in_plan(std::vector<glm::dvec3>& points,
   std::vector<std::vector<std::uint32_t>> met;
   std::vector<std::uint32_t> near;
   for (std::uint32_t id = 0; id < triangles.size(); ++id) {
+    stop_if_wanted();
     Facet facet{id, {points[triangles[id][0]], points[triangles[id][1]], points[triangles[id][2]]}};
     const glm::dvec2 a = facet.corners[0], b = facet.corners[1], c = facet.corners[2];
     near.clear();
@@ -168,8 +170,10 @@ PlanCut cut_in_plan(std::vector<glm::dvec3>& points,
     met.push_back(near);
   }
   std::vector<Parts> parts(met_facets.size());
-  tbb::parallel_for(std::size_t{0}, parts.size(),
-                    [&](std::size_t k) { parts[k] = cut(met_facets[k], segments, met[k]); });
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
+    stop_if_wanted();
+    parts[k] = cut(met_facets[k], segments, met[k]);
+  });
 
   PlanCut result;
   result.triangles.reserve(triangles.size());
@@ -183,6 +187,7 @@ PlanCut cut_in_plan(std::vector<glm::dvec3>& points,
   std::unordered_map<glm::dvec3, std::uint32_t, PointHash> number;
   std::size_t next = 0;
   for (std::uint32_t id = 0; id < triangles.size(); ++id) {
+    stop_if_wanted();
     if (next == parts.size() || met_facets[next].id != id) {
       add(triangles[id], id);
       continue;

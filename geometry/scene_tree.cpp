@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "geometry/height_sheets.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -87,6 +88,7 @@ SceneTree::SceneTree(const FacetMesh& mesh, Sheets sheets) : mesh_(&mesh), order
   }
   nodes_.reserve(2 * (order_.size() / (facets_per_leaf / 2) + 1));
   const auto build = [&](const auto& self, std::uint32_t begin, std::uint32_t end) -> std::uint32_t {
+    stop_if_wanted();
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     nodes_.emplace_back();
     if (end - begin <= facets_per_leaf) {

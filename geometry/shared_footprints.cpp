@@ -9,6 +9,7 @@
 #include "geometry/exact_corner.hpp"
 #include "geometry/footprint_builder.hpp"
 #include "geometry/plane_lines.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -195,6 +196,7 @@ glm::dvec3 FootprintSharer::receiver_m() const {
 }
 
 void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
+  stop_if_wanted();
   const Both& both = facets_[number];
   FacetCone from_transmitter, from_receiver;
   make_cones(both, from_transmitter, from_receiver);
@@ -212,7 +214,8 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
   const glm::dvec3 baseline = receiver_m();
   LinePolygon polygon;
   std::vector<int> sides;
-  for (SeenPiece& s : sent)
+  for (SeenPiece& s : sent) {
+    stop_if_wanted();
     for (SeenPiece& h : heard) {
       if (!images_ && !s.may_meet(h)) continue;
       SharedPiece piece{s.tube(), h.tube(), static_cast<std::uint32_t>(out.corners_m.size()), 0};
@@ -235,6 +238,7 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
       piece.count = static_cast<std::uint32_t>(out.corners_m.size()) - piece.first;
       if (piece.count > 0) out.pieces.push_back(piece);
     }
+  }
   if (out.pieces.size() == first_piece) return;
 
   SharedFacet facet;

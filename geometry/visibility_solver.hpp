@@ -13,6 +13,7 @@
 #include "geometry/gnomonic_frame.hpp"
 #include "geometry/layer_grid.hpp"
 #include "geometry/reused_list.hpp"
+#include "geometry/stop.hpp"
 #include "geometry/visibility.hpp"
 
 // The visibility algorithm, once for all arithmetics; instantiated in visibility_<arithmetic>.cpp.
@@ -46,6 +47,7 @@ class VisibilitySolver {
     find_layers();
     const std::size_t mark = buffer_.size();
     for (std::uint32_t f = 0; f < facets_.size(); ++f) {
+      stop_if_wanted();
       see_facet(f);
       buffer_.resize(mark);
     }
@@ -282,6 +284,7 @@ class VisibilitySolver {
       return;
     pieces_.assign(1, piece);
     for (std::size_t k = begin; k < end && !pieces_.empty(); ++k) {
+      stop_if_wanted();
       const auto [o, how] = list_[k];
       const FacetPlanes& planes = planes_of(o);
       std::array<Half<A>, 4> halves{planes.halves[0], planes.halves[1], planes.halves[2], Half<A>{}};

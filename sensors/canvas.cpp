@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "files/shown.hpp"
 #include "sensors/image_file.hpp"
 
 namespace tubefoot {
@@ -85,7 +86,7 @@ void Canvas::text(int x, int y, const std::string& line, int size, Colour colour
 
 void Canvas::write_png(const std::filesystem::path& file, const std::string& description) const {
   OIIO::ImageSpec spec(width(), height(), 3, OIIO::TypeDesc::UINT16);
-  spec.attribute("ImageDescription", description);
+  spec.attribute("ImageDescription", shown(description));
   write_image(file, spec, components_.data());
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/stop.hpp"
 #include "sensors/sensor.hpp"
 
 namespace tubefoot {
@@ -31,9 +32,11 @@ struct Recording {
   std::size_t pings() const { return ping_time_s.size(); }
   std::size_t cells() const;     ///< of a ping: beams times samples
   std::size_t channels() const;  ///< of the sensor
-  /// [beam][sample]
+  /// [beam][sample]. Throws Interrupted if somebody wants to stop, as channel_of() does: whoever writes a
+  /// recording comes here for each ping.
   std::span<const double> energy_of(std::size_t ping) const { return channel_of(ping, 0); }
   std::span<const double> channel_of(std::size_t ping, std::size_t channel) const {
+    stop_if_wanted();
     return energy.subspan((ping * channels() + channel) * cells(), cells());
   }
   void let_go(std::size_t ping) const {

@@ -34,7 +34,7 @@ NativeFootprints compute(NativeScene& scene, const std::string& sensor, const st
   const std::vector<std::uint32_t> chosen = resolved_beams(beams, all.sensor->beams().size());
   watch.total = std::size_t(range.last - range.first + 1);
   for (auto ping = std::size_t(range.first); ping <= std::size_t(range.last); ++ping, ++watch.pings)
-    for (std::size_t shot = 0; shot < all.sensor->shots() && !watch.stop; ++shot)
+    for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot)
       footprints.table.append(footprint_table(survey, s, ping, shot, chosen));
   return footprints;
 }

@@ -15,6 +15,7 @@
 #include "bindings.hpp"
 #include "files/checked_file.hpp"
 #include "files/outlet.hpp"
+#include "geometry/stop.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
 #include "run_apart.hpp"
@@ -34,10 +35,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void stop_if_asked(const RunWatch& watch) {
-  if (watch.stop) throw std::runtime_error("interrupted: nothing was written");
-}
-
 /// What `tubefoot run` does, into memory and, if asked to, into a folder.
 std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOptions& options,
                                       const std::shared_ptr<const OwnEngine>& own,
@@ -49,7 +46,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   std::optional<OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output, inputs_of(description));
   if (request.tolerance) pick_settings(description, *request.tolerance, true);
-  stop_if_asked(*watch);
+  stop_if_wanted();
   const ThreadLimit limit(description.run.threads);
 
   auto result = std::make_shared<NativeResult>();
@@ -58,11 +55,11 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   survey.own_engine = own;
   survey.watch = watch;
   result->warnings = survey.scene.report.warnings;
-  stop_if_asked(*watch);
+  stop_if_wanted();
   const Clock::time_point simulation_start = Clock::now();
   result->store = std::make_shared<PingStore>(layout_of(survey, request.reference_tolerance.has_value()));
   simulate(survey, *result->store, true, request.reference_tolerance);
-  stop_if_asked(*watch);
+  stop_if_wanted();
   const SimulationStats stats = totals(survey, *result->store);
   result->recordings = recordings_of(survey, result->store);
   for (const std::string& warning : refraction_warnings(survey, stats)) result->warnings.push_back(warning);
@@ -84,7 +81,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   result->statistics = text_of(json);
   if (output) {
     write_file(output->staging() / "stats.json", result->statistics + "\n");
-    stop_if_asked(*watch);
+    stop_if_wanted();
     output->commit();
   }
   survey.own_engine.reset();  // a result needs no function

@@ -13,6 +13,7 @@
 #include "bindings.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
 #include "run_apart.hpp"
@@ -98,7 +99,7 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
   watch.total = request.scenes.size() * (settings_of(request.builtin, 1).size() + request.own.size());
   const auto step = [&watch] {
     ++watch.pings;
-    if (watch.stop) throw std::runtime_error("interrupted: nothing was written");
+    stop_if_wanted();
   };
   std::set<std::string> names;
   std::vector<Trial> trials;

@@ -2,19 +2,56 @@
 #include "run_apart.hpp"
 
 #include <hdf5.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <thread>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot::python {
 namespace py = pybind11;
+namespace {
+
+/// Tells whoever takes part in an arena's work what may stop it.
+class StopTeller : public tbb::task_scheduler_observer {
+ public:
+  StopTeller(tbb::task_arena& arena, const std::atomic<bool>& stop)
+      : tbb::task_scheduler_observer(arena), stop_(stop) {
+    observe(true);
+  }
+  ~StopTeller() override { observe(false); }
+  void on_scheduler_entry(bool) override { stop_asked_of_thread = &stop_; }
+  void on_scheduler_exit(bool) override { stop_asked_of_thread = nullptr; }
+
+ private:
+  const std::atomic<bool>& stop_;
+};
+
+/// Lets `stop` stop what this thread does, and what others do for it.
+class Stoppable {
+ public:
+  explicit Stoppable(const std::atomic<bool>& stop) : teller_(arena_, stop) { stop_asked_of_thread = &stop; }
+  ~Stoppable() { stop_asked_of_thread = nullptr; }
+  Stoppable(const Stoppable&) = delete;
+  Stoppable& operator=(const Stoppable&) = delete;
+
+ private:
+  tbb::task_arena arena_{tbb::task_arena::attach{}};
+  StopTeller teller_;
+};
+
+}  // namespace
 
 void run_apart(RunWatch& watch, const py::object& progress, const std::function<void()>& work) {
   constexpr std::chrono::milliseconds between_looks{50};
   std::exception_ptr failure, stopped;
+  std::atomic<bool> stop = false;
   std::mutex mutex;
   std::condition_variable ended;
   bool done = false;
@@ -31,7 +68,7 @@ void run_apart(RunWatch& watch, const py::object& progress, const std::function<
       tell();
     } catch (...) {
       stopped = std::current_exception();
-      watch.stop = true;
+      stop = true;
     }
   };
   {
@@ -41,6 +78,7 @@ void run_apart(RunWatch& watch, const py::object& progress, const std::function<
       // missing, hushes it in the thread that used it first, which may be Python's.
       H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
       try {
+        const Stoppable stoppable(stop);
         work();
       } catch (...) {
         failure = std::current_exception();

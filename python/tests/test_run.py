@@ -212,6 +212,28 @@ except KeyboardInterrupt:
     assert sorted(folder.iterdir()) == before
 
 
+def test_ctrl_c_ends_a_ping_in_its_middle(folder):
+    script = f"""
+import sys, tubefoot
+scene = tubefoot.load({str(folder / 'scene.toml')!r})
+print("begun", flush=True)
+try:
+    tubefoot.run(scene, engine="ray", rays=10_000_000_000)  # a ping takes many minutes
+except KeyboardInterrupt:
+    tubefoot.run(scene)  # and another one works
+    sys.exit(42)
+"""
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+    try:
+        assert child.stdout.readline().strip() == "begun"
+        time.sleep(1)
+        child.send_signal(signal.SIGINT)
+        child.communicate(timeout=60)
+        assert child.returncode == 42
+    finally:
+        child.kill()
+
+
 @pytest.mark.parametrize("options, text", [
     (dict(engine="tubes"), "engine: tubes not in {tube,ray}"),
     (dict(threads=0), "threads: Value 0 not in range [1 - 4096]"),

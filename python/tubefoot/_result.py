@@ -240,7 +240,7 @@ def run(scene: Scene, *, engine: Union[str, Engine, None] = None, tolerance: Uni
         output: folder to write as well, as ``tubefoot run -o`` does: whole or not at all.
         progress: called now and then with the pings finished and all pings; what it raises ends the run.
 
-    Other Python threads run meanwhile. Ctrl-C ends the run after the pings at hand; nothing half-written is left.
+    Other Python threads run meanwhile. Ctrl-C ends the run, pings at hand unfinished; nothing half-written is left.
 
     Raises:
         InputError: the scene is wrong.

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/settings.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {
@@ -29,10 +29,6 @@ constexpr double surplus = 1.03;
 /// Few enough rays: the next fewer that were tried and failed are this near, or the tolerance is.
 constexpr double fine_step = 1.1, fine_error = 0.95;
 constexpr int most_refinements = 6;
-
-void stop_if_interrupted() {
-  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
-}
 
 /// Seconds of `samples` samples, by the line through the last two rungs.
 double seconds_for(const std::vector<Trial>& ladder, double samples) {
@@ -52,7 +48,7 @@ class Probes {
 
   /// A candidate's errors and seconds. The trial's own errors become the predicted ones.
   Trial run(const EngineSetting& setting, int times, Candidate& candidate) const {
-    stop_if_interrupted();
+    stop_if_wanted();
     candidate.setting = setting;
     Trial trial = scene_.run(setting, times);
     candidate.probe_error = error_of(trial, measure_);
@@ -181,7 +177,7 @@ void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint6
       scene, [&](const Survey&) { return pings_of(advice.sensors, false); }, std::nullopt);
   for (Candidate& candidate : advice.candidates) {
     if (!candidate.tried) continue;
-    stop_if_interrupted();
+    stop_if_wanted();
     EngineSetting setting = candidate.setting;
     setting.run.seed = seed;
     candidate.others = others.run(setting, repeats);

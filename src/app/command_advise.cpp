@@ -5,8 +5,8 @@
 
 #include "app/advice.hpp"
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
 #include "app/json_text.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "files/checked_file.hpp"
 #include "study/ping_spread.hpp"
@@ -53,36 +53,36 @@ Json json_of(const Advice& advice, const SceneDescription& scene) {
 void print_advice(const Advice& advice) {
   const ErrorMeasure measure = advice.tolerance.measure;
   for (const LookedAt& s : advice.sensors) {
-    fmt::print("predicted on   {}\n", pings_text(s.sensor, s.probes, s.pings));
+    tell("predicted on   {}\n", pings_text(s.sensor, s.probes, s.pings));
     if (s.others_are_probes)
-      fmt::print("measured on    {}: there are no others, so only the rays' seed is new\n",
-                 pings_text(s.sensor, s.others, s.pings));
+      tell("measured on    {}: there are no others, so only the rays' seed is new\n",
+           pings_text(s.sensor, s.others, s.pings));
     else
-      fmt::print("measured on    {}\n", pings_text(s.sensor, s.others, s.pings));
+      tell("measured on    {}\n", pings_text(s.sensor, s.others, s.pings));
   }
   for (const std::string& name : advice.silent)
-    fmt::print("note           {} hears nothing on these pings: nothing but exact cuts was tried\n", name);
-  fmt::print("\n{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "predicted", "seconds", "measured", "seconds",
-             "within");
-  fmt::print("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "a ping", "error", "a ping",
-             to_text(advice.tolerance));
+    tell("note           {} hears nothing on these pings: nothing but exact cuts was tried\n", name);
+  tell("\n{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "predicted", "seconds", "measured", "seconds",
+       "within");
+  tell("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "a ping", "error", "a ping",
+       to_text(advice.tolerance));
   for (const Candidate& c : advice.candidates) {
-    fmt::print("{:<44} {:>10} {:>10.3g} ", fmt::format("{}, {}", c.setting.engine, c.setting.setting),
-               error_text(measure, c.predicted_error), c.predicted_seconds);
+    tell("{:<44} {:>10} {:>10.3g} ", fmt::format("{}, {}", c.setting.engine, c.setting.setting),
+         error_text(measure, c.predicted_error), c.predicted_seconds);
     if (c.others)
-      fmt::print("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)),
-                 c.others->seconds, advice.holds(c) ? "yes" : "no");
+      tell("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)), c.others->seconds,
+           advice.holds(c) ? "yes" : "no");
     else
-      fmt::print("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
+      tell("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
   }
-  fmt::print(
+  tell(
       "\nPredicted: {:g} % confidence limit from the spread of the probe pings, at least {:g} times their "
       "error. "
       "Seconds on one thread, loading not counted.\n",
       100 * error_limit_confidence, least_margin);
-  fmt::print("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
-  fmt::print("left out       {}\n", left_out_by(advice.best().setting.run));
-  fmt::print("options        {}\n", command_options(advice.best().setting.run));
+  tell("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
+  tell("left out       {}\n", left_out_by(advice.best().setting.run));
+  tell("options        {}\n", command_options(advice.best().setting.run));
 }
 
 }  // namespace
@@ -92,7 +92,6 @@ int advise_command(const AdviseOptions& options) {
   const SceneDescription scene = read_scene_file(options.scene, options.confined);
   std::optional<OutputFile> output;
   if (options.json && *options.json != "-") output.emplace(*options.json, inputs_of(scene));
-  const InterruptGuard interrupt;
   AdviceOptions asked;
   asked.pings = options.pings;
   asked.seed = scene.run.seed;
@@ -100,14 +99,14 @@ int advise_command(const AdviseOptions& options) {
   const Advice advice = advise(scene, tolerance, asked);
   const std::string json = text_of(json_of(advice, scene)) + "\n";
   if (options.json == "-") {
-    fmt::print("{}", json);
+    tell("{}", json);
     return 0;
   }
   print_advice(advice);
   if (output) {
     write_file(output->path(), json);
     output->commit();
-    fmt::print("wrote {}\n", *options.json);
+    tell("wrote {}\n", *options.json);
   }
   return 0;
 }

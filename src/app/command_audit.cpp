@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
 #include "app/say.hpp"
@@ -14,6 +13,7 @@
 #include "app/survey.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 
@@ -51,10 +51,9 @@ int audit_command(const AuditOptions& options) {
   std::size_t tubes = 0, pieces = 0, facets = 0, failures = 0;
   double worst = 0;
   TopologyHash hash;
-  const InterruptGuard interrupt;
   Progress progress("audited shots", shots.size(), options.quiet);
   for (std::size_t k = 0; k < shots.size(); ++k) {
-    if (InterruptGuard::requested()) throw std::runtime_error("interrupted");
+    stop_if_wanted();
     const ShotGround ground = ground_of(*survey, *shots[k].group, shots[k].ping, shots[k].shot);
     const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), visibility);
     const TubeSet set = survey->tubes(*shots[k].group, shots[k].ping, shots[k].shot);
@@ -74,14 +73,14 @@ int audit_command(const AuditOptions& options) {
     }
     progress.step();
   }
-  fmt::print("arithmetic     {}\n", description.run.arithmetic);
-  fmt::print("shots          {}\n", shots.size());
-  fmt::print("tubes          {}\n", tubes);
-  fmt::print("footprints     {}\n", facets);
-  fmt::print("pieces         {}\n", pieces);
-  fmt::print("failures       {}\n", failures);
-  if (failures > 0) fmt::print("worst defect   {:.3e} of its tube\n", worst);
-  fmt::print("topology hash  {}\n", hash.hex());
+  tell("arithmetic     {}\n", description.run.arithmetic);
+  tell("shots          {}\n", shots.size());
+  tell("tubes          {}\n", tubes);
+  tell("footprints     {}\n", facets);
+  tell("pieces         {}\n", pieces);
+  tell("failures       {}\n", failures);
+  if (failures > 0) tell("worst defect   {:.3e} of its tube\n", worst);
+  tell("topology hash  {}\n", hash.hex());
   return failures == 0 ? 0 : 1;
 }
 

@@ -5,8 +5,8 @@
 
 #include "app/chart_folder.hpp"
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/trials.hpp"
 #include "files/outlet.hpp"
@@ -20,15 +20,14 @@ void print_verdict(const SceneVerdict& v) {
   const auto ratio = [](const std::optional<double>& value, bool extrapolated) {
     return value ? fmt::format("{:.3g}{}", *value, extrapolated ? " *" : "") : std::string("not reached");
   };
-  fmt::print("{:<22} {:>14} {:>14} {:>12.2g} %\n", v.scene, ratio(v.ray_over_tube_at_db, v.db_extrapolated),
-             ratio(v.ray_over_tube_at_l1, v.l1_extrapolated), 100 * v.crossing_l1);
+  tell("{:<22} {:>14} {:>14} {:>12.2g} %\n", v.scene, ratio(v.ray_over_tube_at_db, v.db_extrapolated),
+       ratio(v.ray_over_tube_at_l1, v.l1_extrapolated), 100 * v.crossing_l1);
 }
 
 }  // namespace
 
 int chart_command(const ChartOptions& options) {
   std::set<std::string> names;
-  const InterruptGuard interrupt;
   std::vector<SceneDescription> scenes;
   Inputs inputs;
   for (const std::filesystem::path& file : options.scenes) {
@@ -52,17 +51,17 @@ int chart_command(const ChartOptions& options) {
   write_chart(output.staging(), trials,
               chart_origin("<code>tubefoot chart</code>", options.pings, options.repeats));
   output.commit();
-  fmt::print("{:<22} {:>14} {:>14} {:>14}\n", "scene", "rays/tubes", "rays/tubes", "rays cheaper");
-  fmt::print("{:<22} {:>14} {:>14} {:>14}\n", "", "at 0.1 dB RMS", "at 1e-3 L1", "above L1 of");
+  tell("{:<22} {:>14} {:>14} {:>14}\n", "scene", "rays/tubes", "rays/tubes", "rays cheaper");
+  tell("{:<22} {:>14} {:>14} {:>14}\n", "", "at 0.1 dB RMS", "at 1e-3 L1", "above L1 of");
   bool extrapolated = false;
   for (const std::string& scene : scenes_of(trials)) {
     const SceneVerdict v = verdict_of(scene, trials);
     print_verdict(v);
     extrapolated |= v.db_extrapolated || v.l1_extrapolated;
   }
-  if (extrapolated) fmt::print("* beyond the finest ray setting tried, along its fitted order\n");
-  fmt::print("wrote {}\n", (options.output / "index.html").string());
-  fmt::print("wrote {}\n", (options.output / "chart.csv").string());
+  if (extrapolated) tell("* beyond the finest ray setting tried, along its fitted order\n");
+  tell("wrote {}\n", (options.output / "index.html").string());
+  tell("wrote {}\n", (options.output / "chart.csv").string());
   return 0;
 }
 

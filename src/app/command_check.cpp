@@ -8,6 +8,7 @@
 
 #include "app/commands.hpp"
 #include "app/refraction.hpp"
+#include "app/say.hpp"
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
@@ -15,6 +16,7 @@
 #include "app/tiles_in_view.hpp"
 #include "engine/echo.hpp"
 #include "engine/tube_engine.hpp"
+#include "files/shown.hpp"
 
 namespace tubefoot {
 namespace {
@@ -28,12 +30,12 @@ std::string length_text(double metres) {
 }
 
 void print_components(const Scene& scene) {
-  fmt::print("{:<24} {:>10} {:>10} {:>10}  extent east, north, up (m)\n", "component", "in file", "facets",
-             "hole cells");
+  tell("{:<24} {:>10} {:>10} {:>10}  extent east, north, up (m)\n", "component", "in file", "facets",
+       "hole cells");
   for (const ComponentReport& c : scene.report.components)
-    fmt::print("{:<24} {:>10} {:>10} {:>10}  {:.2f}..{:.2f}, {:.2f}..{:.2f}, {:.2f}..{:.2f}\n", c.name,
-               c.facets_in_file, c.facets, c.hole_cells, c.lo_m.x, c.hi_m.x, c.lo_m.y, c.hi_m.y, c.lo_m.z,
-               c.hi_m.z);
+    tell("{:<24} {:>10} {:>10} {:>10}  {:.2f}..{:.2f}, {:.2f}..{:.2f}, {:.2f}..{:.2f}\n", c.name,
+         c.facets_in_file, c.facets, c.hole_cells, c.lo_m.x, c.hi_m.x, c.lo_m.y, c.hi_m.y, c.lo_m.z,
+         c.hi_m.z);
 }
 
 /// What the bed and the objects are of. Areas are the facets' own, not as seen from above.
@@ -53,29 +55,29 @@ void print_materials(const Scene& scene) {
     facets[scene.tiled[i].material] += scene.report.components[i].facets;
     area_m2[scene.tiled[i].material] = std::numeric_limits<double>::quiet_NaN();
   }
-  fmt::print("\n{:<24} {:>10} {:>14}\n", "material", "facets", "area (m2)");
+  tell("\n{:<24} {:>10} {:>14}\n", "material", "facets", "area (m2)");
   for (std::size_t m = 0; m < facets.size(); ++m)
-    fmt::print("{:<24} {:>10} {:>14}\n", scene.description.materials[m].name, facets[m],
-               std::isnan(area_m2[m]) ? "-" : fmt::format("{:.6g}", area_m2[m]));
+    tell("{:<24} {:>10} {:>14}\n", scene.description.materials[m].name, facets[m],
+         std::isnan(area_m2[m]) ? "-" : fmt::format("{:.6g}", area_m2[m]));
   for (const ComponentReport& c : scene.report.components)
     if (c.cut_facets > 0)
-      fmt::print("{}: {} facets are cut along the borders of its material map\n", c.name, c.cut_facets);
+      tell("{}: {} facets are cut along the borders of its material map\n", c.name, c.cut_facets);
 }
 
 /// Of a scene that holds but a part of its facets at a time.
 void print_tiles(const Scene& scene) {
   std::size_t facets = 0;
   for (const ComponentReport& c : scene.report.components) facets += c.facets;
-  fmt::print("\nfacets         {}; those of", facets);
+  tell("\nfacets         {}; those of", facets);
   const char* comma = "";
   for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
     if (!scene.tiled[i].tiles) continue;
     const TerrainTiles& tiles = *scene.tiled[i].tiles;
-    fmt::print("{} '{}' in {} x {} tiles of {} x {} cells", comma, scene.report.components[i].name,
-               tiles.columns(), tiles.rows(), TerrainTiles::cells_a_side, TerrainTiles::cells_a_side);
+    tell("{} '{}' in {} x {} tiles of {} x {} cells", comma, scene.report.components[i].name, tiles.columns(),
+         tiles.rows(), TerrainTiles::cells_a_side, TerrainTiles::cells_a_side);
     comma = ",";
   }
-  fmt::print(", read where pings look (area: not measured)\n");
+  tell(", read where pings look (area: not measured)\n");
 }
 
 /// Measures a few pings of each group of sensors, spread over their track, and extrapolates.
@@ -110,11 +112,11 @@ void print_cost(const Survey& survey, int threads) {
     std::string names;
     for (const std::size_t s : group.sensors)
       names += (names.empty() ? "" : ", ") + survey.sensors[s].sensor->description().name;
-    fmt::print("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, candidates / probes,
-               footprints / probes, per_ping * 1e3);
+    tell("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, candidates / probes,
+         footprints / probes, per_ping * 1e3);
     seconds += per_ping * static_cast<double>(pings);
   }
-  fmt::print(
+  tell(
       "expected cost  {:.3g} s for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
       "to 3 "
       "pings a sensor)\n",
@@ -131,9 +133,9 @@ int check_command(const CommonOptions& options) {
   refuse_refraction(*survey, false);
   print_warnings(scene.report.warnings, options.quiet);
 
-  fmt::print("scene          {}\n",
-             description.title.empty() ? description.file.string() : description.title);
-  fmt::print("scene hash     {}\n\n", description.sha256);
+  tell("scene          {}\n",
+       shown_line(description.title.empty() ? description.file.string() : description.title));
+  tell("scene hash     {}\n\n", description.sha256);
   print_components(scene);
   print_materials(scene);
   std::size_t refused = 0;
@@ -141,43 +143,43 @@ int check_command(const CommonOptions& options) {
   if (survey->is_tiled())
     print_tiles(scene);
   else
-    fmt::print(
+    tell(
         "\nfacets         {} ({} degenerate, {} duplicate, {} that no half-edge mesh takes; all take part)\n",
         scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
         refused);
   if (survey->relief.cell_m > 0)
-    fmt::print("relief         {}, cells of {}: {} facets of {} unrefined ones\n",
-               description.refinement.mode, length_text(survey->relief.cell_m),
-               survey->is_tiled() ? "not counted" : std::to_string(survey->relief.uniform_facets),
-               survey->relief.base_facets);
-  if (!survey->is_tiled()) fmt::print("vertices       {}\n", scene.mesh.vertices.size());
-  fmt::print("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
-  if (!survey->is_tiled()) fmt::print("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
+    tell("relief         {}, cells of {}: {} facets of {} unrefined ones\n", description.refinement.mode,
+         length_text(survey->relief.cell_m),
+         survey->is_tiled() ? "not counted" : std::to_string(survey->relief.uniform_facets),
+         survey->relief.base_facets);
+  if (!survey->is_tiled()) tell("vertices       {}\n", scene.mesh.vertices.size());
+  tell("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
+  if (!survey->is_tiled()) tell("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
   if (scene.water->refracts())
-    fmt::print("water          refracts: profile \"{}\" of {} points\n", description.water.profile,
-               scene.water->profile().points().size());
+    tell("water          refracts: profile \"{}\" of {} points\n", description.water.profile,
+         scene.water->profile().points().size());
   else
-    fmt::print("water          {:.2f} m/s\n", scene.sound_speed_m_s);
+    tell("water          {:.2f} m/s\n", scene.sound_speed_m_s);
   if (survey->is_tiled())
-    fmt::print("loading        {:.2f} s to look at all tiles once\n\n", survey->load_seconds);
+    tell("loading        {:.2f} s to look at all tiles once\n\n", survey->load_seconds);
   else
-    fmt::print("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->load_seconds,
-               survey->tree_seconds,
-               (static_cast<double>(survey->tree->bytes()) +
-                static_cast<double>(scene.mesh.vertices.size() * sizeof(GridPoint)) +
-                static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
-                   static_cast<double>(scene.mesh.facets.size()));
+    tell("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->load_seconds,
+         survey->tree_seconds,
+         (static_cast<double>(survey->tree->bytes()) +
+          static_cast<double>(scene.mesh.vertices.size() * sizeof(GridPoint)) +
+          static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
+             static_cast<double>(scene.mesh.facets.size()));
 
   for (const SensorPings& pings : survey->sensors) {
     const Sensor& sensor = *pings.sensor;
     const RangeSamples& samples = sensor.samples();
-    fmt::print(
+    tell(
         "sensor         {}: {} pings, {} beams, {} samples from {:g} to {:g} m, {:g} kHz, absorption {:.1f} "
         "dB/km\n",
         sensor.description().name, pings.times_s.size(), sensor.beams().size(), samples.count,
         samples.first_m, samples.first_m + samples.step_m * samples.count, sensor.frequency_khz(),
         1000 * absorption_db_per_m(scene, sensor));
-    if (pings.water) fmt::print("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);
+    if (pings.water) tell("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);
   }
   print_cost(*survey, limit.threads());
   return 0;

@@ -12,6 +12,7 @@
 #include "app/say.hpp"
 #include "files/checked_file.hpp"
 #include "files/outlet.hpp"
+#include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "sensors/comparison_picture.hpp"
 
@@ -26,18 +27,18 @@ std::string made_by(const Provenance& provenance) {
   std::string words;
   for (const std::string& word : {provenance.engine, provenance.arithmetic, provenance.version})
     if (!word.empty()) words += (words.empty() ? "" : " ") + word;
-  return words.empty() ? "does not say what computed it" : words;
+  return words.empty() ? "does not say what computed it" : shown_line(words);
 }
 
 void print_first_return(const FirstReturnErrors& first) {
   if (first.in_both > 0) {
-    fmt::print("  first return             {:+.3g} m on average, {:.3g} m ({:.3g} samples) without sign\n",
-               first.mean_m, first.mean_absolute_m, first.mean_absolute_samples);
+    tell("  first return             {:+.3g} m on average, {:.3g} m ({:.3g} samples) without sign\n",
+         first.mean_m, first.mean_absolute_m, first.mean_absolute_samples);
     if (first.largest_samples != 0)
-      fmt::print("                           at worst {:+.3g} m ({:+} samples) at ping {}, beam {}\n",
-                 first.largest_m, first.largest_samples, first.largest_at.ping, first.largest_at.beam);
+      tell("                           at worst {:+.3g} m ({:+} samples) at ping {}, beam {}\n",
+           first.largest_m, first.largest_samples, first.largest_at.ping, first.largest_at.beam);
   }
-  fmt::print(
+  tell(
       "  beams with a return      {} on both sides, {} only in the reference, {} only in the candidate, "
       "{} on neither\n",
       first.in_both, first.only_in_reference, first.only_in_candidate, first.in_neither);
@@ -46,31 +47,30 @@ void print_first_return(const FirstReturnErrors& first) {
 void print_sensor(const SensorErrors& sensor) {
   const SensorEchoes& reference = *sensor.pair.reference;
   const EchoErrors& errors = sensor.errors;
-  fmt::print("\n{}: {} pings x {} beams x {} samples\n", reference.name, reference.pings, reference.beams,
-             reference.samples);
-  fmt::print("  relative L1 error        {:.3g}\n", errors.l1);
-  fmt::print("  RMS error of lit bins    {:.3g} dB\n", errors.rms_db);
-  fmt::print("  total energy ratio       {:.6g} ({:+.3g} dB)\n", errors.energy_ratio,
-             10 * std::log10(errors.energy_ratio));
-  fmt::print("  empty where lit          {} of {} lit bins (above {:.3g} J)\n", errors.empty_where_lit,
-             errors.lit_bins, errors.lit_threshold_j);
-  fmt::print("  lit where shadow         {} of {} shadow bins\n", errors.lit_where_shadow,
-             errors.shadow_bins);
+  tell("\n{}: {} pings x {} beams x {} samples\n", shown_line(reference.name), reference.pings,
+       reference.beams, reference.samples);
+  tell("  relative L1 error        {:.3g}\n", errors.l1);
+  tell("  RMS error of lit bins    {:.3g} dB\n", errors.rms_db);
+  tell("  total energy ratio       {:.6g} ({:+.3g} dB)\n", errors.energy_ratio,
+       10 * std::log10(errors.energy_ratio));
+  tell("  empty where lit          {} of {} lit bins (above {:.3g} J)\n", errors.empty_where_lit,
+       errors.lit_bins, errors.lit_threshold_j);
+  tell("  lit where shadow         {} of {} shadow bins\n", errors.lit_where_shadow, errors.shadow_bins);
   print_first_return(errors.first_return);
   if (const auto& bound = errors.within_bound)
-    fmt::print(
+    tell(
         "  the reference's bound    {:.3g} of its energy; explains {:.3g} % of the difference; holds "
         "{:.3g} % of the bins\n",
         bound->bound_l1, 100 * bound->share_of_difference, 100 * bound->share_of_bins);
   else
-    fmt::print("  the reference's bound    not known: the reference has no energy_bound\n");
+    tell("  the reference's bound    not known: the reference has no energy_bound\n");
   if (errors.worst.empty()) return;
-  fmt::print("  worst bins {:>6} {:>6} {:>7} {:>11} {:>13} {:>13} {:>11} {:>14}\n", "ping", "beam", "sample",
-             "range (m)", "reference (J)", "candidate (J)", "error (dB)", "of difference");
+  tell("  worst bins {:>6} {:>6} {:>7} {:>11} {:>13} {:>13} {:>11} {:>14}\n", "ping", "beam", "sample",
+       "range (m)", "reference (J)", "candidate (J)", "error (dB)", "of difference");
   for (const BinError& bin : errors.worst)
-    fmt::print("             {:>6} {:>6} {:>7} {:>11.3f} {:>13.4g} {:>13.4g} {:>+11.3g} {:>12.3g} %\n",
-               bin.place.ping, bin.place.beam, bin.place.sample, bin.slant_range_m, bin.reference_j,
-               bin.candidate_j, bin.error_db, 100 * bin.share_of_difference);
+    tell("             {:>6} {:>6} {:>7} {:>11.3f} {:>13.4g} {:>13.4g} {:>+11.3g} {:>12.3g} %\n",
+         bin.place.ping, bin.place.beam, bin.place.sample, bin.slant_range_m, bin.reference_j,
+         bin.candidate_j, bin.error_db, 100 * bin.share_of_difference);
 }
 
 /// The ping with the largest sum |C - R|.
@@ -147,7 +147,7 @@ int compare_command(const CompareOptions& options) {
     json = text_of(all) + "\n";
   }
   if (options.json == "-") {
-    fmt::print("{}", json);
+    tell("{}", json);
     return held ? within : beyond;
   }
   if (options.json) {
@@ -155,14 +155,14 @@ int compare_command(const CompareOptions& options) {
     outputs.json->commit();
   }
 
-  fmt::print("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(),
-             made_by(reference.provenance), candidate.file.string(), made_by(candidate.provenance));
-  for (const std::string& note : pairs.notes) fmt::print("note       {}\n", note);
+  tell("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(), made_by(reference.provenance),
+       candidate.file.string(), made_by(candidate.provenance));
+  for (const std::string& note : pairs.notes) tell("note       {}\n", shown_line(note));
   for (const SensorErrors& sensor : sensors) print_sensor(sensor);
   if (options.within_l1 || options.within_db)
-    fmt::print("\n{}\n", held ? "within the allowed error" : "BEYOND the allowed error");
-  if (options.json) fmt::print("wrote {}\n", *options.json);
-  if (options.png) fmt::print("wrote {}\n", options.png->string());
+    tell("\n{}\n", held ? "within the allowed error" : "BEYOND the allowed error");
+  if (options.json) tell("wrote {}\n", *options.json);
+  if (options.png) tell("wrote {}\n", options.png->string());
   return held ? within : beyond;
 }
 

@@ -12,14 +12,16 @@
 #include "app/commands.hpp"
 #include "app/coverage_file.hpp"
 #include "app/coverage_picture.hpp"
-#include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "files/checked_file.hpp"
 #include "files/input_error.hpp"
 #include "files/outlet.hpp"
+#include "files/shown.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 namespace {
@@ -81,21 +83,22 @@ Looks look(const Survey& survey, const CoverageOptions& options) {
   tbb::enumerable_thread_specific<Buffers> threads;
   Progress progress("shots", all.looks.size(), options.quiet);
   tbb::parallel_for(std::size_t{0}, all.looks.size(), [&](std::size_t l) {
-    if (InterruptGuard::requested()) return;
+    stop_if_wanted();
     CoverageLook& its = all.looks[l];
     auto& [scratch, sees] = threads.local();
     const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
     its.seen.resize(its.tubes.tubes.size());
+    Steps steps("tubes", its.tubes.tubes.size());
     for (const TubeRun& run : runs_of(its.tubes))
       see_run(scene.mesh, *survey.tree, its.tubes, run, visibility, scratch, sees, [&](std::uint32_t tube) {
         TubeVisibility& kept = its.seen[tube];  // copies are no larger than what they hold
         kept.corners = seen.corners;
         kept.pieces = seen.pieces;
         kept.rays = seen.rays;
+        steps.done();
       });
     progress.step();
   });
-  if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
   return all;
 }
 
@@ -112,6 +115,7 @@ CoveredFacet measured(const Survey& survey, const Looks& looks, FacetCoverage&& 
   std::map<std::tuple<std::uint32_t, std::uint32_t, FacetId>, std::vector<std::size_t>> shadows;
   for (std::size_t k = 0; k < facet.coverage.cells.size(); ++k) {
     const CoverageCell& cell = facet.coverage.cells[k];
+    stop_if_wanted();
     if (cell.in_sector == 0) continue;
     glm::dvec3 middle(0);
     for (std::uint32_t c = 0; c < cell.count; ++c)
@@ -143,13 +147,13 @@ struct Totals {
   }
   void print(std::size_t scene_facets, std::size_t pings) const {
     const auto line = [&](const char* what, double m2) {
-      fmt::print("{:<15}{:.6g} m2 ({:.2f} %)\n", what, m2, area > 0 ? 100 * m2 / area : 0.0);
+      tell("{:<15}{:.6g} m2 ({:.2f} %)\n", what, m2, area > 0 ? 100 * m2 / area : 0.0);
     };
-    fmt::print("pings          {}\n", pings);
-    fmt::print("facets         {} in a sector, of {}: {} seen whole, {} not at all\n", facets, scene_facets,
-               seen_whole, never_seen);
-    fmt::print("closes         {} facets of {}\n", closed, facets);
-    fmt::print("area           {:.6g} m2\n", area);
+    tell("pings          {}\n", pings);
+    tell("facets         {} in a sector, of {}: {} seen whole, {} not at all\n", facets, scene_facets,
+         seen_whole, never_seen);
+    tell("closes         {} facets of {}\n", closed, facets);
+    tell("area           {:.6g} m2\n", area);
     line("seen", seen);
     line("never seen", by_pings.count(0) ? by_pings.at(0) : 0.0);
     line("  in a shadow", shadow);
@@ -194,7 +198,6 @@ int coverage_command(const CoverageOptions& options) {
   refuse_what_has_no_coverage(*survey);
   if (options.sensor) survey->sensor_named(*options.sensor);
 
-  const InterruptGuard interrupt;
   const Looks looks = look(*survey, options);
   const Coverage coverage(scene.mesh, *survey->tree, looks.looks);
 
@@ -211,7 +214,7 @@ int coverage_command(const CoverageOptions& options) {
     const std::size_t count = std::min(batch, coverage.facets() - first);
     std::vector<CoveredFacet> facets(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-      if (InterruptGuard::requested()) return;
+      stop_if_wanted();
       FacetCoverage covered = coverage.facet(first + k);
       if (!covered.closes)
         throw std::logic_error(
@@ -221,8 +224,8 @@ int coverage_command(const CoverageOptions& options) {
       if (covered.met()) facets[k] = measured(*survey, looks, std::move(covered));
       progress.step();
     });
-    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
     for (const CoveredFacet& facet : facets) {
+      stop_if_wanted();
       if (facet.coverage.cells.empty()) continue;
       totals.add(facet);
       if (!package) tables.add(facet);
@@ -231,7 +234,7 @@ int coverage_command(const CoverageOptions& options) {
     }
   }
   const std::string title = fmt::format(
-      "{}: {}, {} ping{}", description.title.empty() ? "coverage" : description.title,
+      "{}: {}, {} ping{}", description.title.empty() ? "coverage" : shown_line(description.title),
       options.sensor.value_or("all sensors"), looks.pings.size(), looks.pings.size() == 1 ? "" : "s");
   if (picture_file) {
     picture->write(picture_file->path(), title);
@@ -251,7 +254,7 @@ int coverage_command(const CoverageOptions& options) {
     file->commit();
   }
   totals.print(scene.mesh.facets.size(), looks.pings.size());
-  fmt::print("wrote {}\n", options.output.string());
+  tell("wrote {}\n", options.output.string());
   return 0;
 }
 

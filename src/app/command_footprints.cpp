@@ -9,14 +9,15 @@
 #include "app/commands.hpp"
 #include "app/footprint_file.hpp"
 #include "app/footprint_rationals.hpp"
-#include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/tiles_in_view.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -126,21 +127,20 @@ int footprints_command(const FootprintOptions& options) {
                     "the energies of 'run' only"},
                    options.quiet);
 
-  const InterruptGuard interrupt;
   Files files(places, make, *survey, index);
   std::size_t count = 0;
   Progress progress("pings", static_cast<std::size_t>(range.last - range.first + 1), options.quiet);
   for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
        ++ping) {
     for (std::size_t shot = 0; shot < pings.sensor->shots(); ++shot) {
-      if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+      stop_if_wanted();
       count += files.add(ping, shot, beams);
     }
     progress.step();
   }
   files.close();
-  fmt::print("wrote {} ({} {})\n", options.output.string(), count, files.counted());
-  if (options.rationals) fmt::print("wrote {} (exact corners)\n", options.rationals->string());
+  tell("wrote {} ({} {})\n", options.output.string(), count, files.counted());
+  if (options.rationals) tell("wrote {} (exact corners)\n", options.rationals->string());
   return 0;
 }
 

@@ -12,14 +12,18 @@
 #include <cstdio>
 #include <cstring>
 #include <functional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "app/commands.hpp"
+#include "app/interrupt.hpp"
 #include "app/rank_link.hpp"
 #include "app/say.hpp"
 #include "files/input_error.hpp"
+#include "files/shown.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -272,10 +276,17 @@ int obeyed(int argc, char** argv) {
     // Several ranks read the same command: one complains.
     if (argc > 1 && std::string_view(argv[1]) == "run" && is_later_rank()) return done;
     // --help and --version arrive as errors of code 0.
-    return app.exit(error) == 0 ? done : wrong_input;
+    std::ostringstream asked, complaint;
+    const int code = app.exit(error, asked, complaint);
+    tell("{}", asked.str());
+    say("{}", complaint.str());
+    return code == 0 ? done : wrong_input;
   }
   try {
     return command();
+  } catch (const Interrupted&) {
+    say("tubefoot: interrupted: nothing was written\n");
+    return failed;
   } catch (const InputError& error) {
     say("{}\n", error.what());
     return wrong_input;
@@ -296,6 +307,7 @@ int obeyed(int argc, char** argv) {
 
 int run_command_line(int argc, char** argv) {
   hold_closed_streams();
+  take_signals();
   const int code = obeyed(argc, argv);
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "app/say.hpp"
 #include "files/usage_error.hpp"
 #include "scene/sensor_presets.hpp"
 
@@ -10,12 +11,12 @@ namespace tubefoot {
 int presets_command(const PresetsOptions& options) {
   if (!options.name) {
     for (const SensorPreset& preset : sensor_presets())
-      fmt::print("{:<26} {}\n{:<26} source: {}\n", preset.name, preset.title, "", preset.source);
+      tell("{:<26} {}\n{:<26} source: {}\n", preset.name, preset.title, "", preset.source);
     return 0;
   }
   for (const SensorPreset& preset : sensor_presets())
     if (preset.name == *options.name) {
-      fmt::print("# {}\n# source: {}\n{}", preset.title, preset.source, preset.keys);
+      tell("# {}\n# source: {}\n{}", preset.title, preset.source, preset.keys);
       return 0;
     }
   throw UsageError(fmt::format("there is no preset '{}': 'tubefoot presets' lists them", *options.name));

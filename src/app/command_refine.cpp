@@ -3,6 +3,7 @@
 
 #include "app/commands.hpp"
 #include "app/refined_bed_file.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
 #include "files/outlet.hpp"
@@ -12,7 +13,8 @@ namespace tubefoot {
 int refine_command(const RefineOptions& options) {
   const SceneDescription description = described(options);
   Inputs inputs = description.inputs;
-  if (description.refinement.file) std::erase(inputs, *description.refinement.file);  // this is how it is made
+  if (description.refinement.file)
+    std::erase(inputs, *description.refinement.file);  // this is how it is made
   OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
   refuse_tiles(description, "refine");
@@ -22,8 +24,8 @@ int refine_command(const RefineOptions& options) {
   const RefinedMesh bed = refined_bed(scene, *ground);
   write_refined_bed(output.path(), bed, scene, *ground);
   output.commit();
-  fmt::print("wrote {} ({} facets of {})\n", options.output.string(), bed.mesh.facets.size(),
-             scene.mesh.facets.size());
+  tell("wrote {} ({} facets of {})\n", options.output.string(), bed.mesh.facets.size(),
+       scene.mesh.facets.size());
   return 0;
 }
 

@@ -6,7 +6,6 @@
 
 #include "app/advice.hpp"
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
 #include "app/json_text.hpp"
 #include "app/partial_run.hpp"
 #include "app/refraction.hpp"
@@ -20,6 +19,7 @@
 #include "files/checked_file.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {
@@ -34,13 +34,13 @@ double seconds_since(Clock::time_point start) {
 /// `refined`: shots had ground of their own, no finer than its tolerance asks.
 void print_reference(double tolerance, const ReferenceStats& reference, bool refined) {
   if (reference.bins_over == 0)
-    fmt::print("reference: every energy within {:g} of its bin, certified{}\n", tolerance,
-               refined ? ", for the facets that relief was refined into" : "");
+    tell("reference: every energy within {:g} of its bin, certified{}\n", tolerance,
+         refined ? ", for the facets that relief was refined into" : "");
   else if (reference.worst_ratio <= 1)  // of the bounds that are finite
-    fmt::print("reference: {} bins have no bound; every other energy within {:g} of its bin, certified\n",
-               reference.bins_over, tolerance);
+    tell("reference: {} bins have no bound; every other energy within {:g} of its bin, certified\n",
+         reference.bins_over, tolerance);
   else
-    fmt::print(
+    tell(
         "reference: {} bins have wider bounds than {:g}; the widest is {:.3g} times what was asked, at "
         "sensor "
         "'{}', ping {}, beam {}, sample {}\n",
@@ -72,22 +72,22 @@ nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
 }
 
 void print_tolerance(const nlohmann::ordered_json& advice) {
-  fmt::print("tolerance {}: {}, {}; left out: {}; error about {} (measured on probe pings, not certified)\n",
-             advice.at("asked").get<std::string>(), advice.at("engine").get<std::string>(),
-             advice.at("setting").get<std::string>(), advice.at("left_out").get<std::string>(),
-             advice.at("error_text").get<std::string>());
+  tell("tolerance {}: {}, {}; left out: {}; error about {} (measured on probe pings, not certified)\n",
+       advice.at("asked").get<std::string>(), advice.at("engine").get<std::string>(),
+       advice.at("setting").get<std::string>(), advice.at("left_out").get<std::string>(),
+       advice.at("error_text").get<std::string>());
 }
 
 void print_relief(const Survey& survey, const SimulationStats& stats) {
   if (survey.is_tiled())
-    fmt::print("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
+    tell("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
   else if (survey.ground)
-    fmt::print("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n",
-               stats.refined_facets, stats.pings, survey.relief.uniform_facets, survey.relief.cell_m);
+    tell("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n", stats.refined_facets,
+         stats.pings, survey.relief.uniform_facets, survey.relief.cell_m);
   else
-    fmt::print("relief: {} facets, made once, in cells of {:g} m\n", survey.scene.mesh.facets.size(),
-               survey.relief.cell_m);
-  fmt::print(
+    tell("relief: {} facets, made once, in cells of {:g} m\n", survey.scene.mesh.facets.size(),
+         survey.relief.cell_m);
+  tell(
       "finer relief would change a facet's energy by {:.2g} times itself (RMS), by {:.2g} times at most "
       "(first-order estimates for the worst ping, not certified)\n",
       stats.finer_relief_rms, stats.finer_relief_largest);
@@ -99,7 +99,6 @@ int run_command(const RunOptions& options) {
   const Clock::time_point start = Clock::now();
   std::unique_ptr<RankLink> link = join_ranks();
   if (link && link->rank() > 0) return help_run(options, std::move(link));
-  const InterruptGuard interrupt;
   std::optional<LeadRank> lead;
   if (link) lead.emplace(std::move(link));
   SceneDescription description = described(options);
@@ -127,7 +126,7 @@ int run_command(const RunOptions& options) {
     if (threads <= 0) threads = threads_of_rank(lead->local_ranks());
   }
   const ThreadLimit limit(threads);
-  const auto survey = open_survey(description);
+  const auto survey = partial.unless_interrupted([&] { return open_survey(description); });
   refuse_changed_input(description);
   const Scene& scene = survey->scene;
   std::vector<std::string> warnings = scene.report.warnings;
@@ -138,16 +137,13 @@ int run_command(const RunOptions& options) {
       partial.open(layout_of(*survey, reference_tolerance.has_value()), identity);
   const std::size_t kept_pings = store->done_units();
   if (kept_pings > 0 && !options.quiet) say("going on after {} finished pings\n", kept_pings);
-  const auto stop_if_asked = [&partial] {
-    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: " + partial.advice());
-  };
   partial.keep_through([&] {
     if (lead)
       lead->simulate(*survey, *store, options.quiet, reference_tolerance, limit.threads());
     else
       simulate(*survey, *store, options.quiet, reference_tolerance);
+    stop_if_wanted();
   });
-  stop_if_asked();
   const SimulationStats stats = totals(*survey, *store);
   const std::vector<Recording> recordings = recordings_of(*survey, store);
   const std::vector<std::string> refraction = refraction_warnings(*survey, stats);
@@ -179,22 +175,21 @@ int run_command(const RunOptions& options) {
     json["peak_memory_mb"] = peak_memory_mb();
     json["warnings"] = warnings;
     write_file(output.staging() / "stats.json", text_of(json) + "\n");
-    stop_if_asked();
+    stop_if_wanted();
     refuse_changed_input(description);
     output.commit();
   });
   partial.remove();
 
   if (!options.quiet)
-    fmt::print("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
-               exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
-               seconds_since(start));
+    tell("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
+         exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits", seconds_since(start));
   if (!options.quiet && survey->relief.cell_m > 0) print_relief(*survey, stats);
   if (reference_tolerance) print_reference(*reference_tolerance, stats.reference, survey->ground != nullptr);
   if (identity.contains("advice")) print_tolerance(identity.at("advice"));
   const std::filesystem::path folder = options.output;
   files.emplace_back("stats.json");
-  for (const auto& file : files) fmt::print("wrote {}\n", (folder / file).string());
+  for (const auto& file : files) tell("wrote {}\n", (folder / file).string());
   return 0;
 }
 

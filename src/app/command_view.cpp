@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
 #include "app/refraction.hpp"
+#include "app/say.hpp"
 #include "app/settings.hpp"
 #include "app/survey.hpp"
 #include "app/view_gather.hpp"
@@ -115,7 +115,6 @@ int view_command(const ViewOptions& options) {
     for (const char* name : {"stats.json", "echoes.nc", list_name}) inputs.push_back(options.scene / name);
   OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
-  const InterruptGuard interrupt;
   refuse_tiles(description, "a view");
   const auto survey = open_survey(description);
   refuse_refraction(*survey, false);
@@ -137,10 +136,10 @@ int view_command(const ViewOptions& options) {
   write_file(output.path(), page);
   output.commit();
   if (!options.quiet)
-    for (const std::string& note : view.notes) fmt::print("note: {}\n", note);
-  fmt::print("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB)\n", options.output.string(),
-             view.sensor, view.pings.size(), view.pings.size() == 1 ? "ping" : "pings",
-             view.footprints.size(), static_cast<double>(page.size()) / 1e6);
+    for (const std::string& note : view.notes) tell("note: {}\n", note);
+  tell("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB)\n", options.output.string(), view.sensor,
+       view.pings.size(), view.pings.size() == 1 ? "ping" : "pings", view.footprints.size(),
+       static_cast<double>(page.size()) / 1e6);
   return 0;
 }
 

@@ -12,6 +12,7 @@
 #include <map>
 
 #include "files/checked_file.hpp"
+#include "files/csv_file.hpp"
 #include "files/gdal_door.hpp"
 #include "files/gdal_messages.hpp"
 #include "files/output_folder.hpp"
@@ -33,7 +34,7 @@ class FixedDate {
   FixedDate& operator=(const FixedDate&) = delete;
 };
 
-std::string shown(const std::string& fraction) {
+std::string short_enough(const std::string& fraction) {
   return fraction.size() <= longest_fraction ? fraction : std::string();
 }
 
@@ -55,18 +56,8 @@ std::array<double, facet_reals.size()> reals_of(const CoveredFacet& facet) {
   return {area, area * seen, area * unseen, area * hidden, seen, unseen, hidden, mean};
 }
 std::array<std::string, facet_fractions.size()> fractions_of(const CoveredFacet& facet) {
-  return {shown(facet.coverage.seen.exact), shown(never(facet.coverage).exact),
-          shown(facet.coverage.shadow.exact)};
-}
-
-/// A name in a CSV cell.
-std::string quoted(const std::string& name) {
-  std::string cell = "\"";
-  for (const char c : name) {
-    if (c == '"') cell += '"';
-    cell += c;
-  }
-  return cell + '"';
+  return {short_enough(facet.coverage.seen.exact), short_enough(never(facet.coverage).exact),
+          short_enough(facet.coverage.shadow.exact)};
 }
 
 }  // namespace
@@ -228,7 +219,7 @@ void CoverageFile::add(const CoveredFacet& facet, std::span<const CountedPing> p
     depth.SetField("pings", static_cast<GIntBig>(part.pings));
     depth.SetField("area_m2", part.share * facet.area_m2);
     depth.SetField("share", part.share);
-    if (const std::string exact = shown(part.exact); !exact.empty())
+    if (const std::string exact = short_enough(part.exact); !exact.empty())
       depth.SetField("share_exact", exact.c_str());
     s.write(s.depths, depth);
   }
@@ -257,15 +248,15 @@ CoverageTables::CoverageTables(const Scene& scene) : scene_(scene) {
 
 void CoverageTables::add(const CoveredFacet& facet) {
   const FacetId id = facet.coverage.facet;
-  facets_ += fmt::format("{},{},{},{}", id, quoted(scene_.report.components[scene_.mesh.component[id]].name),
-                         quoted(scene_.description.materials[scene_.mesh.material[id]].name),
-                         facet.coverage.seen.pings);
+  facets_ += fmt::format(
+      "{},{},{},{}", id, csv_text(scene_.report.components[scene_.mesh.component[id]].name),
+      csv_text(scene_.description.materials[scene_.mesh.material[id]].name), facet.coverage.seen.pings);
   for (const double value : reals_of(facet)) facets_ += fmt::format(",{}", value);
   for (const std::string& fraction : fractions_of(facet)) facets_ += fmt::format(",{}", fraction);
   facets_ += "\n";
   for (const AreaShare& part : facet.coverage.by_pings)
     depths_ += fmt::format("{},{},{},{},{}\n", id, part.pings, part.share * facet.area_m2, part.share,
-                           shown(part.exact));
+                           short_enough(part.exact));
 }
 
 }  // namespace tubefoot

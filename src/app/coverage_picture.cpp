@@ -11,6 +11,7 @@
 #include <limits>
 #include <span>
 
+#include "geometry/stop.hpp"
 #include "sensors/canvas.hpp"
 #include "sensors/decibel_scale.hpp"
 
@@ -109,12 +110,15 @@ void CoveragePicture::write(const std::filesystem::path& file, const std::string
   plan.value.assign(pixels, nothing);
   plan.top_m.assign(pixels, -std::numeric_limits<double>::infinity());
   for (const auto& facet : scene_.mesh.facets) {
+    stop_if_wanted();
     std::array<glm::dvec3, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) corners[k] = scene_.grid.to_metres(scene_.mesh.vertices[facet[k]]);
     plan.draw(corners, out_of_sector);
   }
-  for (const Polygon& polygon : polygons_)
+  for (const Polygon& polygon : polygons_) {
+    stop_if_wanted();
     plan.draw(std::span(corners_).subspan(polygon.first, polygon.count), polygon.pings);
+  }
 
   const std::string& font = label_font();
   const int left = margin + axis_width, top = header, right = left + plan.width, bottom = top + plan.height;

@@ -9,6 +9,7 @@
 #include "files/checked_file.hpp"
 #include "files/spool.hpp"
 #include "files/streamed_file.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -27,6 +28,7 @@ class Obj : public FootprintFile {
 
   void add(const FootprintTable& table) override {
     for (std::size_t row = 0; row < table.rows(); ++row) {
+      stop_if_wanted();
       std::string text = "# footprint";
       for (const FootprintColumn& column : footprint_columns())
         std::visit([&](auto values) { text += fmt::format(" {}", (table.*values)[row]); }, column.values);
@@ -63,6 +65,7 @@ class Ply : public FootprintFile {
                                                   most_vertices));
     for (const glm::dvec3& corner : table.corners_m) vertices_.put(corner);
     for (std::size_t row = 0; row < table.rows(); ++row) {
+      stop_if_wanted();
       const std::vector<double> shares = area_shares(table, row);
       for (std::uint64_t piece = table.first_piece[row]; piece < table.first_piece[row + 1]; ++piece) {
         const auto corners = static_cast<std::uint32_t>(table.corners_of(piece).size());

@@ -11,6 +11,7 @@
 #include "files/checked_file.hpp"
 #include "files/gdal_door.hpp"
 #include "files/gdal_messages.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -60,6 +61,7 @@ class GeoPackage : public FootprintFile {
 
   void add(const FootprintTable& table) override {
     for (std::size_t row = 0; row < table.rows(); ++row) {
+      stop_if_wanted();
       OGRFeature feature(layer_->GetLayerDefn());
       int f = 0;
       for (const FootprintColumn& column : footprint_columns()) {

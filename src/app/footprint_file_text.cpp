@@ -6,20 +6,15 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
+#include "files/csv_file.hpp"
 #include "files/streamed_file.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
 
 std::string number(const FootprintTable& table, const FootprintColumn& column, std::size_t row) {
   return std::visit([&](auto values) { return fmt::format("{}", (table.*values)[row]); }, column.values);
-}
-
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
 }
 
 /// A piece's corners and the first again, each as `one` writes it.
@@ -44,6 +39,7 @@ class Csv : public FootprintFile {
 
   void add(const FootprintTable& table) override {
     for (std::size_t row = 0; row < table.rows(); ++row) {
+      stop_if_wanted();
       std::string line = "\"MULTIPOLYGON Z (";
       for (std::uint64_t piece = table.first_piece[row]; piece < table.first_piece[row + 1]; ++piece) {
         if (piece > table.first_piece[row]) line += ',';
@@ -88,6 +84,7 @@ class GeoJson : public FootprintFile {
     std::vector<glm::dvec3> corners = table.corners_m;
     if (on_earth_) source_.scene.frame.to_lon_lat(corners, source_.scene.description.georeference->place);
     for (std::size_t row = 0; row < table.rows(); ++row) {
+      stop_if_wanted();
       std::string line = rows_++ == 0 ? "\n" : ",\n";
       line += R"({"type": "Feature", "properties": {)";
       for (const FootprintColumn& column : footprint_columns())

@@ -14,6 +14,7 @@
 #include "files/usage_error.hpp"
 #include "geometry/exact_direction.hpp"
 #include "geometry/facet_cone.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 namespace {
@@ -107,6 +108,7 @@ std::size_t RationalsFile::add(std::size_t ping, std::size_t shot, std::span<con
                         Rational(scene.grid.unit_m())};
   s.write(fmt::format("shot {} {}{}\n", ping, shot, text(lines.apex_m)));
   std::size_t pieces = 0;
+  Steps steps("tubes", chosen.number.size());
   for (std::size_t begin = 0; begin < chosen.number.size(); begin += tubes_a_block) {
     const std::size_t end = std::min(begin + tubes_a_block, chosen.number.size());
     std::vector<std::string> of_tube(end - begin);
@@ -116,14 +118,21 @@ std::size_t RationalsFile::add(std::size_t ping, std::size_t shot, std::span<con
       TubeVisibility seen;
       see(ground.mesh(), ground.tree(), chosen.set, t, options, s.threads.local(), seen);
       const NameContext context{ground.mesh(), chosen.set.apex, seen.rays};
+      steps.done();
       std::string& out = of_tube[tube - begin];
       out = fmt::format("tube {} {}{}", chosen.number[tube],
                         sensor.beams_of_shot(shot)[sensor.beam_of_tube(shot)[chosen.number[tube]]],
                         text(gnomonic_axis(chosen.set, t)));
       for (const std::uint32_t ray : chosen.set.tubes[tube]) out += text(exact(chosen.set.rays[ray]));
       out += '\n';
-      for (const NamedPiece& piece : seen.pieces) lines.piece(context, seen, piece, out);
-      for (const NamedPiece& piece : seen.open) lines.open(context, seen, piece, out);
+      for (const NamedPiece& piece : seen.pieces) {
+        stop_if_wanted();
+        lines.piece(context, seen, piece, out);
+      }
+      for (const NamedPiece& piece : seen.open) {
+        stop_if_wanted();
+        lines.open(context, seen, piece, out);
+      }
       count[tube - begin] = seen.pieces.size();
     });
     for (std::size_t k = 0; k < of_tube.size(); ++k) {

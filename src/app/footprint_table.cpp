@@ -11,6 +11,7 @@
 #include "app/shot_ground.hpp"
 #include "engine/footprint_energy.hpp"
 #include "engine/tube_engine.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -126,6 +127,7 @@ FootprintTable footprint_table(const Survey& survey, std::size_t sensor_index, s
   const ApparentGround* apparent = ground.apparent();
   const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
   for (std::size_t k = 0; k < set.footprints.size(); ++k) {
+    stop_if_wanted();
     const Footprint& footprint = set.footprints[k];
     const FacetId facet = footprint.facet;
     const auto true_place = [&](glm::dvec3 from_apex_m) {

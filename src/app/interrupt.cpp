@@ -3,44 +3,46 @@
 
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <initializer_list>
 #include <string_view>
+
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
 
-/// Set in a signal handler, read by every thread.
-std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free);
+void set(int signal, void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;  // libraries do not expect calls that end early
+  sigemptyset(&action.sa_mask);
+  sigaction(signal, &action, nullptr);
+}
 
-/// The first time asks; the second time, by whichever signal, ends the program where it stands.
+bool is_ignored(int signal) {
+  struct sigaction now {};
+  return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
 void note(int) {
-  interrupted = true;
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-  constexpr std::string_view hint = "\nstopping after the pings under way; once more: stopping at once\n";
   const int before = errno;
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, hint.data(), hint.size());
+  if (!stop_asked.exchange(true)) {
+    for (const int signal : {SIGINT, SIGTERM})
+      if (!is_ignored(signal)) set(signal, SIG_DFL);
+    constexpr std::string_view hint = "\nstopping; once more: stopping at once\n";
+    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, hint.data(), hint.size());
+  }
   errno = before;
 }
 
 }  // namespace
 
-InterruptGuard::InterruptGuard() {
-  interrupted = false;
-  std::signal(SIGINT, note);
-  std::signal(SIGTERM, note);
+void take_signals() {
+  for (const int signal : {SIGPIPE, SIGXFSZ}) set(signal, SIG_IGN);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU})
+    if (!is_ignored(signal)) set(signal, note);
 }
-
-InterruptGuard::~InterruptGuard() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-}
-
-bool InterruptGuard::requested() { return interrupted; }
-
-void InterruptGuard::request() { interrupted = true; }
 
 }  // namespace tubefoot

@@ -3,20 +3,12 @@
 
 namespace tubefoot {
 
-/// While one lives, Ctrl-C (and SIGTERM) asks the run to stop instead of killing it, so that nothing
-/// half-written is left behind; a second one kills.
-class InterruptGuard {
- public:
-  InterruptGuard();
-  ~InterruptGuard();
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-  static bool requested();
-  /// As if the user had asked.
-  static void request();
-};
-
-/// Thrown out of a ping that is left unfinished because somebody wants to stop.
-struct Interrupted {};
+/// What signals do to the program, set once, as it starts. What it finds ignored (nohup) stays so.
+/// - SIGINT (Ctrl-C), SIGTERM, SIGHUP (a closed terminal) and SIGXCPU (`ulimit -t`) ask all work to stop
+///   (stop_wanted() of geometry/stop.hpp); SIGINT or SIGTERM after that ends the program where it stands.
+///   A closed terminal and a used up limit come more than once of themselves: they do not count twice.
+/// - SIGPIPE and SIGXFSZ (`ulimit -f`) are ignored: a write that fails says so.
+/// - SIGQUIT is left alone: it is for who wants the program dead, and a core of it.
+void take_signals();
 
 }  // namespace tubefoot

@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/interrupt.hpp"
 #include "files/durable.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -76,6 +76,8 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
                     "it, or delete it to begin anew",
                     file_.string(), there.done, there.units));
   kept_ = std::make_unique<std::optional<Json>>(std::move(identity));
+  units_ = there.units;
+  kept_done_ = there.done;
 }
 
 PartialRun::~PartialRun() {
@@ -104,14 +106,13 @@ std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Jso
 }
 
 std::string PartialRun::advice() const {
-  const std::size_t done = store_ ? store_->done_units() : 0;
+  const std::size_t done = store_ ? store_->done_units() : kept_done_;
   if (done == 0)
-    return InterruptGuard::requested()
-               ? "nothing was written"
-               : "nothing was written: mend that, or choose another -o, and run again";
+    return stop_wanted() ? "nothing was written"
+                         : "nothing was written: mend that, or choose another -o, and run again";
   std::string unsure;
   try {
-    store_->sync();
+    if (store_) store_->sync();
   } catch (const std::runtime_error& error) {
     unsure = fmt::format(" (not on the disk yet: {})", error.what());
   }
@@ -120,20 +121,22 @@ std::string PartialRun::advice() const {
 }
 
 void PartialRun::keep_through(const std::function<void()>& work) const {
-  try {
-    work();
-  } catch (const std::bad_alloc&) {
-    throw std::runtime_error(fmt::format(
-        "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
-        "scene; {}",
-        advice()));
-  } catch (const std::runtime_error& error) {
-    if (InterruptGuard::requested() || dynamic_cast<const InputError*>(&error) != nullptr ||
-        dynamic_cast<const UsageError*>(&error) != nullptr ||
-        dynamic_cast<const UnusableStore*>(&error) != nullptr)
-      throw;
-    throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
-  }
+  unless_interrupted([&] {
+    try {
+      work();
+    } catch (const std::bad_alloc&) {
+      throw std::runtime_error(fmt::format(
+          "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
+          "scene; {}",
+          advice()));
+    } catch (const std::runtime_error& error) {
+      if (dynamic_cast<const InputError*>(&error) != nullptr ||
+          dynamic_cast<const UsageError*>(&error) != nullptr ||
+          dynamic_cast<const UnusableStore*>(&error) != nullptr)
+        throw;
+      throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
+    }
+  });
 }
 
 void PartialRun::remove() {

@@ -6,8 +6,10 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <stdexcept>
 
 #include "app/ping_store.hpp"
+#include "geometry/stop.hpp"
 #include "scene/scene_description.hpp"
 
 namespace tubefoot {
@@ -30,7 +32,16 @@ class PartialRun {
   std::shared_ptr<PingStore> open(const StoreLayout& layout, const nlohmann::ordered_json& identity);
   /// What to tell somebody whose run stopped. What it says is kept is on the disk.
   std::string advice() const;
-  /// Does a part of the run; what stops it is told together with advice().
+  /// Does a part of the run; who stops it is told advice().
+  template <typename Work>
+  auto unless_interrupted(const Work& work) const {
+    try {
+      return work();
+    } catch (const Interrupted&) {
+      throw std::runtime_error("interrupted: " + advice());
+    }
+  }
+  /// The same, and what stops it is told together with advice().
   void keep_through(const std::function<void()>& work) const;
   /// Takes the file away: the result is complete.
   void remove();
@@ -40,7 +51,7 @@ class PartialRun {
   Descriptor taken_;  ///< the file that was there, until open(): no other run gets it
   std::unique_ptr<const std::optional<nlohmann::ordered_json>> kept_;
   std::shared_ptr<PingStore> store_;
-  std::size_t units_ = 0;
+  std::size_t units_ = 0, kept_done_ = 0;
 };
 
 /// All settings of a run that its energies depend on, and back.

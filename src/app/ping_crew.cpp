@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -73,6 +75,9 @@ void PingCrew::work() {
       try {
         // A thread that waits for others' share of its ping must not begin a turn: it would not come back.
         tbb::this_task_arena::isolate([&] { run_(*unit); });
+      } catch (const Interrupted&) {
+        stop();
+        return;
       } catch (...) {
         {
           const std::lock_guard lock(mutex_);

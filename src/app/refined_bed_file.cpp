@@ -12,6 +12,7 @@
 #include "files/file_hash.hpp"
 #include "files/inlet.hpp"
 #include "files/streamed_file.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -114,11 +115,13 @@ void write_refined_bed(const std::filesystem::path& file, const RefinedMesh& bed
   };
   constexpr std::size_t piece = 1 << 20;
   for (const GridPoint& p : bed.mesh.vertices) {
+    stop_if_wanted();
     const glm::dvec3 m = scene.grid.to_metres(p);
     for (int k = 0; k < 3; ++k) put(bytes, m[k]);
     flush(piece);
   }
   for (std::size_t f = 0; f < bed.mesh.facets.size(); ++f) {
+    stop_if_wanted();
     put(bytes, std::uint8_t{3});
     for (const VertexId v : bed.mesh.facets[f]) put(bytes, v);
     put(bytes, bed.mesh.material[f]);
@@ -176,6 +179,7 @@ RefinedMesh read_refined_bed(const std::filesystem::path& file, const SourcePlac
   Reader points(stream, vertex_bytes);
   points.left = vertices * vertex_bytes;
   while (const char* at = points.next()) {
+    stop_if_wanted();
     glm::dvec3 p;
     for (int k = 0; k < 3; ++k) p[k] = take<double>(at);
     try {
@@ -187,6 +191,7 @@ RefinedMesh read_refined_bed(const std::filesystem::path& file, const SourcePlac
   Reader faces(stream, face_bytes);
   faces.left = facets * face_bytes;
   while (const char* at = faces.next()) {
+    stop_if_wanted();
     const auto corners = take<std::uint8_t>(at);
     std::array<VertexId, 3> facet;
     for (VertexId& v : facet) v = take<VertexId>(at);

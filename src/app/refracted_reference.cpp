@@ -18,11 +18,9 @@ constexpr double least_worth = 1.2;
 
 RefractedShot certify(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
                       const VisibilityOptions& options, double tolerance,
-                      const StraighteningSettings& settings, const Poll& poll) {
-  poll();
+                      const StraighteningSettings& settings) {
   const Scene& scene = survey.scene;
   RefractedShot found{refracted_ground_of(survey, group, ping, shot, settings), {}, 0, {}, false};
-  poll();
   const FacetMesh& mesh = found.ground.mesh();
   const double unit = scene.grid.unit_m();
   const TubeEngine engine(mesh, found.ground.tree(), unit, options);
@@ -37,13 +35,13 @@ RefractedShot certify(const Survey& survey, const SharedShots& group, std::size_
     const Sensor& sensor = *pings.sensor;
     const ApparentEnclosures enclosures =
         enclose(*found.ground.apparent(), scene.mesh, scene.grid, rays, straightening.reference_speed_m_s(),
-                law.material_mu, law.absorption_db_per_m, poll);
+                law.material_mu, law.absorption_db_per_m);
     const Echo echo =
         integrate_echo(found.history, sensor.beam_of_tube(shot),
                        static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law);
     found.sensors.push_back(certify_refracted_echo(
         mesh, found.ground.tree(), found.ground.apparent()->refined.parent, enclosures, rays, found.history,
-        options, sensor.beam_of_tube(shot), sensor.samples(), law, echo, tolerance, poll));
+        options, sensor.beam_of_tube(shot), sensor.samples(), law, echo, tolerance));
   }
   return found;
 }
@@ -66,8 +64,7 @@ Quality quality_of(const RefractedShot& shot) {
 }  // namespace
 
 RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& group, std::size_t ping,
-                                     std::size_t shot, const VisibilityOptions& options, double tolerance,
-                                     const Poll& poll) {
+                                     std::size_t shot, const VisibilityOptions& options, double tolerance) {
   const double unit = survey.scene.grid.unit_m(), sample = sample_length_m(survey, group),
                reach_m = survey.tubes(group, ping, shot).reach * unit;
   // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
@@ -78,7 +75,7 @@ RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& gr
   settings.gap_m = std::min(settings.gap_m, std::max(first * sample / 16, 2 * unit));
   settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
   settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
-  RefractedShot best = certify(survey, group, ping, shot, options, tolerance, settings, poll);
+  RefractedShot best = certify(survey, group, ping, shot, options, tolerance, settings);
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best);
     // Slivers at a beam's ends are wider than asked with any ground.
@@ -92,7 +89,7 @@ RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& gr
     const double finer = std::clamp(1.3 * quality.usual_excess, least_worth, room);
     settings.gap_m = std::max(settings.gap_m / finer, 2 * unit);
     settings.tolerance_db /= finer;
-    RefractedShot next = certify(survey, group, ping, shot, options, tolerance, settings, poll);
+    RefractedShot next = certify(survey, group, ping, shot, options, tolerance, settings);
     const Quality found = quality_of(next);
     const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
                             found.usual_excess * least_worth < quality.usual_excess;

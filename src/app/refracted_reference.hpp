@@ -19,9 +19,8 @@ struct RefractedShot {
 
 /// Straightens the ground of a shot ever finer, until all but a two-hundredth of the bounds that are finite
 /// are within the tolerance, until that helps no more, or until the ground would have more facets than a
-/// reference is worth. `poll` is called all along, and what it throws ends it.
+/// reference is worth.
 RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& group, std::size_t ping,
-                                     std::size_t shot, const VisibilityOptions& options, double tolerance,
-                                     const Poll& poll);
+                                     std::size_t shot, const VisibilityOptions& options, double tolerance);
 
 }  // namespace tubefoot

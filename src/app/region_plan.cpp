@@ -7,6 +7,8 @@
 #include <iterator>
 #include <utility>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -37,6 +39,7 @@ RegionPlan::RegionPlan(const Survey& survey, std::uint64_t most_facets) {
       tbb::parallel_for(std::size_t{0}, choices.size(),
                         [&](std::size_t k) { choices[k] = view.of(survey.shots[g], begin + k); });
       for (std::size_t k = 0; k < choices.size(); ++k) {
+        stop_if_wanted();
         if (regions_.size() > before) {
           TileChoice& tiles = regions_.back().tiles;
           TileChoice both = together(tiles, choices[k]);

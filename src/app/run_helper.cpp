@@ -5,7 +5,6 @@
 #include <thread>
 #include <vector>
 
-#include "app/interrupt.hpp"
 #include "app/outbox.hpp"
 #include "app/partial_run.hpp"
 #include "app/ping_crew.hpp"
@@ -16,6 +15,7 @@
 #include "app/settings.hpp"
 #include "app/simulation.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -77,15 +77,17 @@ class HelpingRank {
     std::optional<Clock::time_point> asked;
     while (!stopped_) {
       next();
-      if (!asked && InterruptGuard::requested()) asked = Clock::now();
+      if (!asked && stop_wanted()) asked = Clock::now();
       if (asked && Clock::now() - *asked > patience_when_interrupted) return;
       std::this_thread::sleep_for(link_.pause());
     }
     link_.leave();
   }
 
+  bool was_told_to_stop() const { return stopped_; }
+
  private:
-  bool over() const { return stopped_ || InterruptGuard::requested(); }
+  bool over() const { return stopped_ || stop_wanted(); }
 
   /// A message other than the one that says stop.
   std::optional<std::string> next() {
@@ -115,6 +117,7 @@ class HelpingRank {
         crew.add(units);
         asked = false;
       }
+      if (stopped_) stop_asked = true;  // also the pings under way: nobody waits for them
       if (over()) {
         crew.stop();
         outbox.open();
@@ -136,12 +139,13 @@ class HelpingRank {
 }  // namespace
 
 int help_run(const RunOptions& options, std::unique_ptr<RankLink> link) {
-  const InterruptGuard interrupt;
   HelpingRank rank(*link);
   std::string last;
   try {
     rank.work(options);
-    last = note(InterruptGuard::requested() ? Note::interrupted : Note::done);
+    last = note(stop_wanted() && !rank.was_told_to_stop() ? Note::interrupted : Note::done);
+  } catch (const Interrupted&) {
+    last = note(Note::interrupted);
   } catch (const std::exception& error) {
     last = failed_note(error);
   }

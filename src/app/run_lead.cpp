@@ -3,13 +3,13 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/interrupt.hpp"
 #include "app/ping_crew.hpp"
 #include "app/ping_store.hpp"
 #include "app/progress.hpp"
 #include "app/rank_notes.hpp"
 #include "app/run_ranks.hpp"
 #include "app/simulation.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -60,11 +60,11 @@ LeadRank::~LeadRank() {
     if (Clock::now() - *stopped_ > patience) return;  // of a rank that died there is nothing to wait for
     // mpirun, being interrupted, lets nobody leave in order, and kills who waits for that: the message about
     // what is kept comes first.
-    if (InterruptGuard::requested()) return;
+    if (stop_wanted()) return;
     while (const std::optional<RankMessage> message = link_->receive()) note_end(*message);
     std::this_thread::sleep_for(link_->pause());
   }
-  if (!InterruptGuard::requested()) link_->leave();
+  if (!stop_wanted()) link_->leave();
 }
 
 void LeadRank::start(const nlohmann::ordered_json& asked, const nlohmann::ordered_json& run) {
@@ -83,7 +83,7 @@ bool LeadRank::all_over() const { return std::find(over_.begin(), over_.end(), f
 void LeadRank::note_end(const RankMessage& message) {
   const Note kind = note_of(message.bytes);
   if (kind == Note::failed && !failure_) failure_ = message.bytes;
-  if (kind == Note::interrupted) InterruptGuard::request();
+  if (kind == Note::interrupted) stop_asked = true;
   if (kind == Note::failed || kind == Note::interrupted || kind == Note::done)
     over_[static_cast<std::size_t>(message.from)] = true;
 }
@@ -111,7 +111,7 @@ void LeadRank::simulate(const Survey& survey, PingStore& store, bool quiet,
         progress.step();
       note_end(*message);
     }
-    if (!stopped_ && (InterruptGuard::requested() || failure_ || crew.failed())) {
+    if (!stopped_ && (stop_wanted() || failure_ || crew.failed())) {
       crew.stop();
       stop_all();
     }

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
 #include "app/partial_run.hpp"
 #include "app/say.hpp"
 #include "files/usage_error.hpp"
 #include "files/utc.hpp"
+#include "geometry/stop.hpp"
 #include "sensors/products.hpp"
 
 namespace tubefoot {
@@ -145,7 +145,7 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
   write_echoes(folder / "echoes.nc", recordings, provenance_of(survey, reference_tolerance));
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
-    if (InterruptGuard::requested() || (survey.watch && survey.watch->stop)) break;
+    stop_if_wanted();
     for (const auto& file : write_products(folder, recording, context, warnings)) files.push_back(file);
   }
   return files;

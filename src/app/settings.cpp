@@ -10,6 +10,7 @@
 
 #include "app/say.hpp"
 #include "files/input_error.hpp"
+#include "files/shown.hpp"
 #include "files/usage_error.hpp"
 
 namespace tubefoot {

@@ -14,7 +14,6 @@
 #include <span>
 #include <stdexcept>
 
-#include "app/interrupt.hpp"
 #include "app/own_engine.hpp"
 #include "app/paths.hpp"
 #include "app/progress.hpp"
@@ -31,6 +30,7 @@
 #include "engine/reference.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -282,12 +282,8 @@ class PingTask {
 
   /// Through refracting water a reference chooses its own apparent ground.
   void take_refracted_reference(std::size_t shot) {
-    const RefractedShot found =
-        certify_refracted_shot(survey_, group_, ping_, shot, options_of(survey_.scene.description.run),
-                               *reference_tolerance_, [this] {
-                                 if (InterruptGuard::requested() || (survey_.watch && survey_.watch->stop))
-                                   throw Interrupted();
-                               });
+    const RefractedShot found = certify_refracted_shot(
+        survey_, group_, ping_, shot, options_of(survey_.scene.description.run), *reference_tolerance_);
     counts_.refraction.at_limit += found.at_limit;
     add_counts(counts_.refraction, *found.ground.apparent(), survey_, group_, ping_, shot);
     counts_.candidates += found.candidates;
@@ -399,7 +395,7 @@ void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<
   if (survey.watch) survey.watch->total = left;
   Progress progress("pings", left, quiet);
   const auto take = [&](std::size_t g, std::size_t ping) {
-    if (store.done(g, ping) || InterruptGuard::requested() || (survey.watch && survey.watch->stop)) return;
+    if (store.done(g, ping) || stop_wanted()) return;
     const auto run = [&] { store.finish(g, ping, simulation.run(g, ping, store, ping)); };
     // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
     try {
@@ -490,8 +486,7 @@ std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStat
                                 std::optional<double> reference_tolerance) {
   const auto store = std::make_shared<PingStore>(layout_of(survey, reference_tolerance.has_value()));
   simulate(survey, *store, quiet, reference_tolerance);
-  if (InterruptGuard::requested() || (survey.watch && survey.watch->stop))
-    throw std::runtime_error("interrupted: nothing was written");
+  stop_if_wanted();
   stats = totals(survey, *store);
   return recordings_of(survey, store);
 }

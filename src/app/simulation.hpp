@@ -61,7 +61,7 @@ class PingSimulation {
 };
 
 /// Runs all pings of all sensors that `store` has not yet, as PingSimulation does. Returns early, with
-/// what was finished in the store, when InterruptGuard says that the user wants to stop.
+/// what was finished in the store, when somebody wants to stop (geometry/stop.hpp).
 void simulate(const Survey& survey, PingStore& store, bool quiet,
               std::optional<double> reference_tolerance = {});
 
@@ -71,7 +71,7 @@ SimulationStats totals(const Survey& survey, const PingStore& store);
 /// One recording per sensor of the survey, of the energies in `store`, which they keep alive.
 std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store);
 
-/// All of it in memory. Throws std::runtime_error when the user wants to stop.
+/// All of it in memory. Throws Interrupted when somebody wants to stop.
 std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats,
                                 std::optional<double> reference_tolerance = {});
 

@@ -18,6 +18,7 @@
 #include "files/memory_at_hand.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/mirror.hpp"
+#include "geometry/stop.hpp"
 #include "geometry/vertical_line.hpp"
 #include "sensors/sidescan.hpp"
 
@@ -64,6 +65,7 @@ void find_shared_shots(Survey& survey) {
 void place_shots(SensorPings& pings, const Trajectory& trajectory) {
   const Sensor& sensor = *pings.sensor;
   for (const double time_s : pings.times_s) {
+    stop_if_wanted();
     pings.poses.push_back(sensor.pose_on(trajectory.at(time_s)));
     for (std::size_t shot = 0; shot < sensor.shots(); ++shot) {
       const double at_s = time_s + sensor.shot_delay_s(shot);
@@ -148,6 +150,7 @@ void check_places(Survey& survey) {
     std::set<std::uint16_t> inside, receiver_inside;
     const std::string what = fmt::format("sensor '{}'", sensor.description().name);
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
+      stop_if_wanted();
       pings.altitudes_m.push_back(
           check_place(survey, patch, pings, ping, pings.poses[ping].position_m, what, inside));
       if (sensor.has_receiver_apart())

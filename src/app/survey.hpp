@@ -52,9 +52,8 @@ struct SurveyRelief {
   std::shared_ptr<const OmittedRelief> omitted;
 };
 
-/// Between a run and somebody who waits for it on another thread.
+/// Between a run and somebody who waits for it on another thread, and may stop it (geometry/stop.hpp).
 struct RunWatch {
-  std::atomic<bool> stop{false};  ///< asks simulate() to leave the pings undone that it has not begun
   std::atomic<std::size_t> pings{0}, total{0};  ///< finished, and to do
 };
 

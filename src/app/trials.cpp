@@ -9,12 +9,12 @@
 #include <span>
 #include <stdexcept>
 
-#include "app/interrupt.hpp"
 #include "app/json_text.hpp"
 #include "app/simulation.hpp"
 #include "compare/echo_errors.hpp"
 #include "engine/ground.hpp"
 #include "engine/ray_engine.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -222,7 +222,7 @@ std::vector<Trial> all_trials(TrialScene& scene, const std::vector<EngineSetting
   std::vector<Trial> trials;
   std::map<std::string, double> last_seconds;
   for (const EngineSetting& setting : settings) {
-    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+    stop_if_wanted();
     double& last = last_seconds[setting.engine];
     if (setting.rays == 0 || next_rung * last <= seconds_per_trial) {
       trials.push_back(scene.run(setting, last > slow_seconds ? 1 : repeats));

@@ -78,7 +78,7 @@ std::vector<EngineSetting> builtin_settings(std::size_t beams);
 
 /// Settings on a scene, `step` called after each. A ladder of rays ends before a rung
 /// that would probably take longer than `seconds_per_trial`; slow settings are run once instead of `repeats`
-/// times. Throws std::runtime_error when InterruptGuard says that the user wants to stop.
+/// times. Throws Interrupted when somebody wants to stop.
 std::vector<Trial> all_trials(
     TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats, double seconds_per_trial,
     const std::function<void()>& step = [] {});

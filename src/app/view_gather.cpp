@@ -8,13 +8,13 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/sensor_law.hpp"
 #include "app/view_surroundings.hpp"
 #include "engine/contributions.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/stop.hpp"
 #include "sensors/sensor_kind.hpp"
 
 namespace tubefoot {
@@ -226,7 +226,7 @@ ViewData gather_view(const Survey& survey, std::size_t sensor, const std::option
   constexpr std::size_t most_lines = 1000;  // more are too fine to be clicked
   Progress progress("pings", static_cast<std::size_t>(asked.last - asked.first + 1), quiet);
   for (std::int64_t ping = asked.first; ping <= asked.last; ++ping) {
-    if (InterruptGuard::requested()) throw std::runtime_error("interrupted: nothing was written");
+    stop_if_wanted();
     if (as_many_as_fit &&
         (view.footprints.size() >= limits.footprints_unasked || view.pings.size() == most_lines)) {
       view.notes.push_back(fmt::format("Pings {} to {} of {}: tubefoot view --pings A:B shows others.",

@@ -8,6 +8,8 @@
 #include <limits>
 #include <unordered_map>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -96,6 +98,7 @@ bool add_shadows(const Scene& scene, const ShotGround& ground, const History& hi
     ground.tree().query(tubes.apex, walls, tubes.reach, facets);
     std::sort(facets.begin(), facets.end());
     for (const FacetId facet : facets) {
+      stop_if_wanted();
       polygon.clear();
       for (const VertexId v : mesh.facets[facet]) {
         const GridPoint& p = mesh.vertices[v];
@@ -143,6 +146,7 @@ std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t mos
   };
   std::vector<Near> near;
   for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
+    stop_if_wanted();
     glm::dvec3 from(infinity), to(-infinity);
     for (const VertexId v : mesh.facets[f]) {
       const glm::dvec3 p = scene.grid.to_metres(mesh.vertices[v]);

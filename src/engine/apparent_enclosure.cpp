@@ -9,6 +9,8 @@
 #include <glm/vec2.hpp>
 #include <numbers>
 
+#include "geometry/steps.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -302,14 +304,15 @@ class Encloser {
 
 ApparentEnclosures enclose(const ApparentGround& ground, const FacetMesh& base, const WorldGrid& grid,
                            const RayEnclosure& rays, double reference_speed_m_s,
-                           std::span<const double> lambert_mu, double absorption_db_per_m, const Poll& poll) {
+                           std::span<const double> lambert_mu, double absorption_db_per_m) {
   const FacetMesh& mesh = ground.refined.mesh;
   const Encloser encloser(rays, reference_speed_m_s, absorption_db_per_m);
   const glm::dvec3 apex = rays.apex_m();
   ApparentEnclosures all;
   all.facets.resize(mesh.facets.size());
+  Steps steps("facets", mesh.facets.size());
   tbb::parallel_for(std::size_t{0}, mesh.facets.size(), [&](std::size_t f) {
-    if (poll) poll();
+    steps.done();
     Corners parent, truth, seen;
     const auto& whole = base.facets[ground.refined.parent[f]];
     for (std::size_t k = 0; k < 3; ++k) {

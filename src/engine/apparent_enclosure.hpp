@@ -41,14 +41,10 @@ struct ApparentEnclosures {
   std::vector<FacetEnclosure> unproven;  ///< facets that may be seen, among them those that were left out
 };
 
-/// Called now and then by long work, from any thread: what it throws ends the work.
-using Poll = std::function<void()>;
-
 /// Encloses the facets of an apparent ground that was made of `base`. `lambert_mu`: by material.
 /// `absorption_db_per_m`: what the echo law applies to apparent ranges.
 ApparentEnclosures enclose(const ApparentGround& ground, const FacetMesh& base, const WorldGrid& grid,
                            const RayEnclosure& rays, double reference_speed_m_s,
-                           std::span<const double> lambert_mu, double absorption_db_per_m,
-                           const Poll& poll = {});
+                           std::span<const double> lambert_mu, double absorption_db_per_m);
 
 }  // namespace tubefoot

@@ -13,6 +13,7 @@
 #include "engine/path_cut.hpp"
 #include "engine/radial_law.hpp"
 #include "engine/texture_cells.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,8 +27,10 @@ std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, c
                                  const VisibilityOptions& options) {
   std::vector<TubeVisibility> seen(tubes.tubes.size());
   tbb::enumerable_thread_specific<VisibilityScratch> threads;
+  Steps steps("tubes", seen.size());
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(seen.size()), [&](std::uint32_t tube) {
     see(mesh, tree, tubes, tube, options, threads.local(), seen[tube]);
+    steps.done();
   });
   return seen;
 }
@@ -375,10 +378,14 @@ Echo integrate_bistatic_echo(const BistaticHistory& history, const BistaticBeams
   std::vector<std::vector<FacetEcho::Part>> parts(tasks_for(facets.size()));
   tbb::enumerable_thread_specific<FacetEcho> threads(
       [&] { return FacetEcho(history, beams, borders, law, tolerance, loss); });
+  Steps steps("facets", facets.size());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     FacetEcho& facet_echo = threads.local();
     const std::size_t end = std::min((task + 1) * facets_per_task, facets.size());
-    for (std::size_t k = task * facets_per_task; k < end; ++k) facet_echo.add(k, parts[task]);
+    for (std::size_t k = task * facets_per_task; k < end; ++k) {
+      facet_echo.add(k, parts[task]);
+      steps.done();
+    }
   });
   for (const auto& task : parts)
     for (const auto& [bin, energy] : task) echo.energy[bin] += energy;

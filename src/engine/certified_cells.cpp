@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -50,6 +52,7 @@ class Cutter {
   }
 
   void cut(const Points& points, std::size_t axis) {
+    stop_if_wanted();
     if (failed_) return;
     if (axis == cell_.traces.size()) {
       failed_ = ++count_ > most_;

@@ -7,6 +7,7 @@
 
 #include "engine/certified_rule.hpp"
 #include "engine/certified_scattering.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -55,6 +56,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
   slabs_.cut(polygon.ranges, polygon.foot, polygon.foot_inside, borders_);
   corners_.clear();
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
+    stop_if_wanted();
     parts_.resize(end_beam - first_beam);
     for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
       parts_[beam - first_beam] = {Ball(), allowance.absolute(beam, slab.sample)};
@@ -223,6 +225,7 @@ void CertifiedIntegrator::integrate(const Ball& t0, const Ball& t1, double relat
   std::size_t halved = 0;
   const std::size_t limit = tabulated_ ? most_halvings_with_table : most_halvings;
   for (std::size_t next = 0; next < work_.size(); ++next) {
+    stop_if_wanted();
     const Interval interval = work_[next];
     const bool fits =
         weighed_ ? try_patterned(interval, whole, relative) : try_interval(interval, whole, relative);

@@ -15,6 +15,7 @@
 #include "engine/certified_integral.hpp"
 #include "engine/radial_law.hpp"
 #include "engine/uncertain_edges.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 namespace {
@@ -159,7 +160,7 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
                                           const RangeSamples& samples, const EchoLaw& law,
-                                          const Echo& ordinary, double tolerance, const Poll& poll) {
+                                          const Echo& ordinary, double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
   check(law);
@@ -180,8 +181,9 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
     TubeVisibility seen;
   };
   tbb::enumerable_thread_specific<Buffers> threads;
+  Steps steps("tubes", tubes.tubes.size());
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
-    if (poll) poll();
+    steps.done();
     auto& [visibility, seen] = threads.local();
     see(apparent, tree, tubes, tube, options, visibility, seen);
     const NameContext context{apparent, tubes.apex, seen.rays};
@@ -215,7 +217,7 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
 
     std::vector<SeenPiece> pieces;
     for (const NamedPiece& piece : seen.pieces) {
-      if (poll) poll();
+      stop_if_wanted();
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
       pieces.push_back(seen_piece(piece, polygon));
       const FacetEnclosure& facet = enclosures.facets[piece.facet];

@@ -39,6 +39,6 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
                                           const RangeSamples& samples, const EchoLaw& law,
-                                          const Echo& ordinary, double tolerance, const Poll& poll = {});
+                                          const Echo& ordinary, double tolerance);
 
 }  // namespace tubefoot

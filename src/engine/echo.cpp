@@ -14,6 +14,7 @@
 #include "engine/scattering_cut.hpp"
 #include "engine/texture_cells.hpp"
 #include "geometry/range_cut.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 namespace {
@@ -92,6 +93,7 @@ bool add_even_footprints(const FootprintSet& set, const RangeSamples& samples, c
   PlanarPolygon polygon;
   bool all = true;
   for (const Footprint& footprint : set.footprints) {
+    stop_if_wanted();
     const std::span<double> row = rows.of_tube(footprint.tube);
     if (rows.texture(footprint.facet) != nullptr) {
       all = false;
@@ -133,7 +135,9 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
                                law.pattern_tolerance);
   TextureCells cells;
   PlanarPolygon polygon;
+  Steps steps("footprints", set.footprints.size());
   for (const Footprint& footprint : set.footprints) {
+    steps.done();
     const ReflectivityField* texture = rows.texture(footprint.facet);
     if (only_textured && texture == nullptr) continue;
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
@@ -151,6 +155,7 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
       }
       const LyingPlane lies = law.lying(footprint.facet, plane, frame);
       cells.cut(polygon, lies, texture->cells(), [&](const PlanarPolygon& part) {
+        stop_if_wanted();
         integrator.add(part, plane, frame, footprint.tube, lambert_or_one, echo.energy, scattering,
                        {texture, lies});
       });
@@ -219,6 +224,7 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
   const SampleFinder finder(samples);
   const std::vector<double>& borders = finder.borders();
   for (const Footprint& footprint : set.footprints) {
+    stop_if_wanted();
     const double range = glm::length(footprint.centroid_m);
     const double near = footprint.slant_range_min_m, far = footprint.slant_range_max_m;
     if (!(range > 0 && footprint.area_m2 > 0)) continue;

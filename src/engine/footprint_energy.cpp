@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "geometry/steps.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -38,8 +40,12 @@ History part_of(const FootprintSet& set, std::size_t begin, std::size_t end) {
 
 template <class Task>
 void in_tasks(std::size_t count, std::size_t per_task, const Task& task) {
-  tbb::parallel_for(std::size_t{0}, (count + per_task - 1) / per_task,
-                    [&](std::size_t k) { task(k * per_task, std::min((k + 1) * per_task, count)); });
+  const std::size_t tasks = (count + per_task - 1) / per_task;
+  Steps steps("energies", tasks);
+  tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t k) {
+    task(k * per_task, std::min((k + 1) * per_task, count));
+    steps.done();
+  });
 }
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }

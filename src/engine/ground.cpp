@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "geometry/stop.hpp"
 #include "geometry/vertical_line.hpp"
 
 namespace tubefoot {
@@ -265,8 +266,10 @@ RefinedMesh Ground::in_line_with(glm::dvec3 place_m) const {
 
 std::size_t Ground::uniform_count() const {
   std::size_t sum = 0;
-  for (FacetId f = 0; f < base_.facets.size(); ++f)
+  for (FacetId f = 0; f < base_.facets.size(); ++f) {
+    stop_if_wanted();
     if (textured(base_.material[f])) sum += tubefoot::uniform_count(base_, f, grid_, settings_.cell_m);
+  }
   return sum;
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "geometry/exact_corner.hpp"
+#include "geometry/stop.hpp"
 #include "geometry/window_tubes.hpp"
 
 namespace tubefoot {
@@ -112,6 +113,7 @@ struct ImageFinder::State {
 
   std::vector<Image> children_of(const Image& image, const Wanted& wanted) const {
     std::vector<Image> children;
+    stop_if_wanted();
     if (mirrors_.surface) add_surface(image, wanted, children);
     std::map<MirrorPlane, std::map<double, std::vector<Cone>>> facets;  // by plane and reflection
     for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
@@ -176,6 +178,7 @@ struct ImageFinder::State {
     std::vector<glm::dvec3> mirrored;
     child.largest = 0;
     for (const Cone& cone : cones) {
+      stop_if_wanted();
       mirrored.clear();
       for (auto corner = cone.corners.rbegin(); corner != cone.corners.rend(); ++corner)
         mirrored.push_back(reflect * *corner);
@@ -231,6 +234,7 @@ struct ImageFinder::State {
     }
     std::vector<FacetId> near;
     for (const Tube& tube : child.windows.tubes) {
+      stop_if_wanted();
       std::array<SceneTree::HalfSpace, 4> walls;
       for (std::size_t k = 0; k < 4; ++k) {
         const Vec64 n = cross(child.windows.rays[tube[k]], child.windows.rays[tube[(k + 1) % 4]]);

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -108,6 +110,7 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const App
   // Apexes are grid points.
   const glm::dvec3 transmit_apex = transmit.apex_m(), receive_apex = receive.apex_m();
   for (const SharedFacet& of : shared.facets) {
+    stop_if_wanted();
     std::array<VertexId, 3> vertex = pair.mesh.facets[of.facet];
     glm::dvec3 from_t[3], from_r[3], lies[3];
     const auto take = [&] {

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "engine/radial_law.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -128,6 +129,7 @@ std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, con
     distance_ = facet.transmit_distance_m;
     foot_ = facet_->frame.project(from_heard);
     for (std::uint32_t k = facet.first_piece; k < facet.first_piece + facet.piece_count; ++k) {
+      stop_if_wanted();
       const SharedPiece& piece = seen.pieces[k];
       source.clear();
       for (std::uint32_t c = 0; c < piece.count; ++c)

@@ -17,6 +17,7 @@
 #include "engine/patch_echo.hpp"
 #include "engine/patches.hpp"
 #include "engine/radial_law.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 namespace {
@@ -174,21 +175,30 @@ class PatchPaths {
 
   void follow(std::span<const Image> sent) {
     std::vector<Source> sources;
-    for (const Image& image : sent) light(image, sources);
+    for (const Image& image : sent) {
+      stop_if_wanted();
+      light(image, sources);
+    }
     double whole = 0;
     for (const Source& source : sources) whole += source.strength;
     for (int scatterings = 2; !sources.empty(); ++scatterings) {
       keep_strongest(sources, least_ * whole);
       const bool again = scatterings < scene_.settings.scatterings;
       Generation next(scene_);
+      Steps steps("patches", sources.size());
       for (std::size_t first = 0; first < sources.size(); first += batch) {
         const std::size_t count = std::min(batch, sources.size() - first);
         std::vector<Sent> sends(count);
-        tbb::parallel_for(std::size_t{0}, count,
-                          [&](std::size_t k) { send(sources[first + k], again, sends[k]); });
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+          send(sources[first + k], again, sends[k]);
+          steps.done();
+        });
         for (std::size_t k = 0; k < count; ++k) {
           for (const Bin& bin : sends[k].bins) echo_.by_order[bin.order].energy[bin.bin] += bin.energy;
-          for (const Link& link : sends[k].links) next.take(sources[first + k], link);
+          for (const Link& link : sends[k].links) {
+            stop_if_wanted();
+            next.take(sources[first + k], link);
+          }
           echo_.shared_pieces += sends[k].pieces;
         }
       }
@@ -275,6 +285,7 @@ class PatchPaths {
         scene_.finder.images_of(front_tubes(source.at, source.normal, scene_.reach), most_mirrors);
     const ScatteringLaw* scattering = scene_.law.law_of(source.facet);
     for (const Image& image : images) {
+      stop_if_wanted();
       const int interactions = source.interactions + int(image.mirrors) + 1;
       const SharedFootprints seen = shared_with_itself(scene_.mesh, image.look(), scene_.unit_m);
       const PatchEcho::Point point{from_apex(image.windows.apex), image.loss,
@@ -326,6 +337,7 @@ class PatchPaths {
     worker.direct.drain([&](std::size_t bin, double energy) {
       const std::size_t beam = bin / std::size_t(leg.count);
       const double from = leg.first_m + double(bin % std::size_t(leg.count)) * leg.step_m - samples.first_m;
+      stop_if_wanted();
       for (const Delayed& delayed : source.signal) {
         const double place = (from + delayed.way_m / 2) / step, sample = std::floor(place);
         const double over = std::max(place - sample - 0.5, 0.0) * 2;  // the part in the next sample

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "geometry/mirror.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -106,6 +107,7 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
     }
     gathered.clear();
     for (const SharedPiece& piece : pieces) {
+      stop_if_wanted();
       for (std::uint32_t k = 2; k < piece.count; ++k)
         left.push_back({seen.corners_m[piece.first], seen.corners_m[piece.first + k - 1],
                         seen.corners_m[piece.first + k]});

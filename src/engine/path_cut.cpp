@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "engine/gauss_rules.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -58,7 +59,10 @@ void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, con
   receive_range_ = range(receive_height_, receive_foot_);
   shortest_ = range(heights, receiver.foot);
   find_sectors(polygon);
-  for (const Sector& sector : sectors_) integrate(sector);
+  for (const Sector& sector : sectors_) {
+    stop_if_wanted();
+    integrate(sector);
+  }
 }
 
 std::pair<std::size_t, std::size_t> PathCutter::samples_of(const PlanarPolygon& polygon,

@@ -14,6 +14,7 @@
 #include "engine/patch_paths.hpp"
 #include "engine/radial_law.hpp"
 #include "geometry/line_of_sight.hpp"
+#include "geometry/steps.hpp"
 #include "geometry/window_tubes.hpp"
 
 namespace tubefoot {
@@ -114,6 +115,7 @@ class PathTracer {
     const auto who = who_sees(receivers());
     std::vector<std::size_t> same, last(receivers().size(), transmit_.size());
     for (std::size_t i = 0; i < transmit_.size(); ++i) {
+      stop_if_wanted();
       same.clear();
       for (const FacetId facet : facets_seen(transmit_[i]))
         for (auto at = std::lower_bound(who.begin(), who.end(), std::pair(facet, one_place_ ? i : 0));
@@ -134,7 +136,9 @@ class PathTracer {
                         100 * settings_.most_images));
     }
     std::vector<Part> parts(pairs.size());
+    Steps steps("pairs of images", pairs.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
+      steps.done();
       const Image &sent = transmit_[pairs[k].transmit], &heard = receivers()[pairs[k].receive];
       const bool itself = &sent == &heard;
       SharedFootprints shared = itself ? shared_with_itself(mesh_, sent.look(), unit_m_)
@@ -208,6 +212,7 @@ class PathTracer {
     if (along == GridPoint{} || (image.last && image.last->side(to) <= 0)) return;
     std::optional<bool> seen;
     for (std::uint32_t window = 0; window < image.own_tube.size(); ++window) {
+      stop_if_wanted();
       const std::uint32_t fan =
           beams_.fan_of_transmit_tube.empty() ? 0 : beams_.fan_of_transmit_tube[image.own_tube[window]];
       if (arrived_.contains({from, fan}) || !holds(image.windows, window, along, window_border_rad)) continue;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "engine/scattering_cut.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -126,6 +127,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
 
   const std::size_t samples = borders_.size() - 1;
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
+    stop_if_wanted();
     const auto crossings = slabs_.crossings(slab);
     piece_.full_circle = crossings.empty();
     piece_.q2 = piece_.distance2;

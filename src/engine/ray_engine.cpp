@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "geometry/steps.hpp"
 #include "geometry/wide_int.hpp"
 
 namespace tubefoot {
@@ -79,7 +80,11 @@ struct RayScene::State {
     scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     if (!mesh.facets.empty()) add_facets();
+    // Embree asks now and then whether to go on.
+    rtcSetSceneProgressMonitorFunction(
+        scene, [](void*, double) { return !stop_wanted(); }, nullptr);
     rtcCommitScene(scene);
+    stop_if_wanted();
     check("building its tree");
   }
 
@@ -234,6 +239,7 @@ void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, 
   RayHit* const hits = history.hits.data();
   std::vector<RayHit*> ends(static_cast<std::size_t>(chunks));
   tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t c) {
+    stop_if_wanted();
     const std::int64_t begin = c * chunk;
     ends[c] = scene.state_->trace(tubes.apex, reach_m,
                                   RaySource(plan, first + begin, first + std::min(begin + chunk, rays)),
@@ -251,9 +257,11 @@ void trace_rays(const RayScene& scene, History& history, const RaySettings& sett
                 std::span<const std::uint32_t> beam_of_tube, const std::function<void()>& take) {
   constexpr std::int64_t portion = std::int64_t{1} << 18;
   const RayPlan plan(history.tubes, settings, beam_of_tube);
+  Steps steps("portions of rays", std::size_t((plan.rays() + portion - 1) / portion));
   for (std::int64_t first = 0; first < plan.rays(); first += portion) {
     trace_rays(scene, plan, first, std::min(first + portion, plan.rays()), history);
     take();
+    steps.done();
   }
 }
 

@@ -15,6 +15,7 @@
 #include "engine/certified_cells.hpp"
 #include "engine/certified_integral.hpp"
 #include "engine/radial_law.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 namespace {
@@ -81,12 +82,15 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
     TubeVisibility seen;
   };
   tbb::enumerable_thread_specific<Buffers> threads;
+  Steps steps("tubes", tubes.tubes.size());
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
+    steps.done();
     auto& [visibility, seen] = threads.local();
     see(mesh, tree, tubes, tube, options, visibility, seen);
     const NameContext context{mesh, tubes.apex, seen.rays};
     CertifiedIntegrator integrator(borders, beta);
     for (const NamedPiece& piece : seen.pieces) {
+      stop_if_wanted();
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
       const ScatteringLaw* scattering = law.law_of(piece.facet);
       integrator.take_law(scattering);

@@ -14,6 +14,7 @@
 #include <unordered_map>
 
 #include "engine/paired_facet.hpp"
+#include "geometry/stop.hpp"
 #include "geometry/weld_table.hpp"
 
 namespace tubefoot {
@@ -193,6 +194,7 @@ FineFacets unrefined(const FacetMesh& base, std::span<const FacetId> facets, con
   own.reserve(facets.size());
   FacetMesh& mesh = fine.mesh.mesh;
   for (const FacetId f : facets) {
+    stop_if_wanted();
     std::array<VertexId, 3> facet;
     for (std::size_t k = 0; k < 3; ++k) {
       const VertexId v = base.facets[f][k];
@@ -305,6 +307,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
   const FacetMesh& from = fine.mesh.mesh;
   mesh.facets.reserve(from.facets.size());
   for (std::size_t f = 0; f < from.facets.size(); ++f) {
+    stop_if_wanted();
     glm::dvec3 corners[3], seen[3];
     CornerReturn returns[3];
     bool kept = true, several = false, regular = true;

@@ -7,6 +7,7 @@
 
 #include "geometry/footprint_builder.hpp"
 #include "geometry/measure.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 
@@ -33,6 +34,7 @@ History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured)
   std::vector<FootprintSet> per_tube(tubes.tubes.size());
   std::vector<std::size_t> looked_at(tubes.tubes.size());
   const std::vector<TubeRun> runs = runs_of(tubes);
+  Steps steps("tubes", tubes.tubes.size());
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
     auto& [visibility, sees] = scratch_->threads.local();
     const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
@@ -40,6 +42,7 @@ History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured)
       append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_tube[tube]);
       if (measured) measure(per_tube[tube]);
       looked_at[tube] = seen.candidates;
+      steps.done();
     });
   });
   History history;
@@ -55,11 +58,13 @@ std::vector<TubeAudit> TubeEngine::audit(const TubeSet& tubes, std::uint64_t lab
   VisibilityOptions options = options_;
   options.open_water = true;
   std::vector<TubeAudit> audits(tubes.tubes.size());
+  Steps steps("tubes", tubes.tubes.size());
   tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(tubes.tubes.size()),
                     [&](std::uint32_t tube) {
                       auto& [visibility, seen] = scratch_->threads.local();
                       see(mesh_, tree_, tubes, tube, options, visibility, seen);
                       audits[tube] = tubefoot::audit(mesh_, tubes, tube, seen, (label << 32) | tube);
+                      steps.done();
                     });
   return audits;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -224,6 +226,7 @@ void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility
                                 const DoubtSink& sink) const {
   const Nearby near = nearby_of(nearby);
   for (std::size_t p = 0; p < pieces.size(); ++p) {
+    stop_if_wanted();
     const NamedPiece& named = seen.pieces[p];
     const SeenPiece& piece = pieces[p];
     // What bounds the piece: of the planes that two neighbouring corners share, those through mesh edges.

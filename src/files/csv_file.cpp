@@ -113,6 +113,17 @@ class CsvReader {
 
 }  // namespace
 
+std::string csv_text(std::string_view text) {
+  const bool formula = text.find_first_of("=+-@\t\r\n") == 0;
+  if (!formula && text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string cell = formula ? "\"'" : "\"";
+  for (const char c : text) {
+    if (c == '"') cell += '"';
+    cell += c;
+  }
+  return cell + '"';
+}
+
 bool next_line(std::istream& in, std::string& line, const SourcePlace& place) {
   line.clear();
   for (char c; in.get(c);) {

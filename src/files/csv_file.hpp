@@ -22,6 +22,10 @@ struct CsvRow {
 /// longer than limits::line_bytes, before it is read: such a file is no table.
 bool next_line(std::istream& in, std::string& line, const SourcePlace& place);
 
+/// A cell of a CSV file that holds text: in quotes where it needs them. Text that begins with =, +, -, @, a
+/// tab or a line end has a ' before it, which tells spreadsheets that it is no formula. Not for numbers.
+std::string csv_text(std::string_view text);
+
 /// Reads numbers from a CSV file: a header line that names `columns`, in any order (further columns are
 /// ignored), then rows, each handed to `take`. Blank lines and lines that start with # are skipped. Returns
 /// the number of rows. Throws InputError "file:line:column: ...".

@@ -12,6 +12,7 @@
 #include "files/companions.hpp"
 #include "files/inlet.hpp"
 #include "files/raster_block.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -106,6 +107,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
 
 void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,
                          void* out) const {
+  stop_if_wanted();
   if (const auto problem = too_large_block(band)) fail(*problem);
   if (band.RasterIO(GF_Read, column, row, columns, 1, out, columns, 1, type, 0, 0, nullptr) == CE_None)
     return;

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <ext/stdio_filebuf.h>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 
 namespace fs = std::filesystem;
@@ -57,6 +59,7 @@ std::string InputFile::head(std::size_t most) {
 void InputFile::for_each_piece(const std::function<void(std::string_view)>& use) {
   std::string piece(std::size_t{1} << 20, '\0');
   while (*stream_) {
+    stop_if_wanted();
     stream_->read(piece.data(), static_cast<std::streamsize>(piece.size()));
     use(std::string_view(piece).substr(0, static_cast<std::size_t>(stream_->gcount())));
   }

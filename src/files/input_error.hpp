@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 
 namespace tubefoot {
 
@@ -17,10 +16,6 @@ struct SourcePlace {
 
 /// "scene.toml:12:5" as far as the place is known.
 std::string to_string(const SourcePlace& place);
-
-/// Text that may hold what a stranger wrote, for a terminal or a log: control characters but line ends and
-/// tabs as `\x1b`, and of more than a few thousand characters the beginning and the end.
-std::string shown(std::string_view text);
 
 /// The input is wrong: the program exits with 2 and prints "place: what was expected, what to do".
 struct InputError : std::runtime_error {

@@ -9,6 +9,8 @@
 namespace tubefoot::limits {
 
 inline constexpr std::size_t scene_file_bytes = std::size_t{8} << 20;
+/// Of a text that a scene file holds, of its title, and of a name in it, which may name files.
+inline constexpr std::size_t text_bytes = std::size_t{1} << 16, title_bytes = 1000, name_bytes = 200;
 /// Of any file that a scene names: its bytes are hashed before anything else.
 inline constexpr std::uintmax_t named_file_bytes = std::uintmax_t{64} << 30;
 /// Of a line of a text table.

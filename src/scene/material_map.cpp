@@ -11,6 +11,7 @@
 #include <glm/common.hpp>
 #include <stdexcept>
 
+#include "geometry/stop.hpp"
 #include "scene/material_map_sources.hpp"
 #include "scene/scene_file_words.hpp"
 
@@ -156,6 +157,7 @@ std::size_t apply_material_map(ComponentMesh& mesh, const TerrainDescription& te
     mesh.triangles = std::move(cut.triangles);
     mesh.materials.resize(mesh.triangles.size());
     tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t k) {
+      stop_if_wanted();
       const auto& [a, b, c] = mesh.triangles[k];
       mesh.materials[k] = map.at((mesh.points_m[a] + mesh.points_m[b] + mesh.points_m[c]) / 3.0);
     });

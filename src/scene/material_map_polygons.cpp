@@ -8,6 +8,7 @@
 #include <set>
 
 #include "files/gdal_input.hpp"
+#include "geometry/stop.hpp"
 #include "scene/material_map_gdal.hpp"
 #include "scene/material_map_sources.hpp"
 #include "scene/scene_file_words.hpp"
@@ -52,7 +53,10 @@ class PolygonReader {
     OGRLayer& layer = layer_of(input.dataset(), map_, place_);
     const int attribute = attribute_of(layer, map_, place_);
     layer.ResetReading();
-    while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) add(*feature, attribute);
+    while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) {
+      stop_if_wanted();
+      add(*feature, attribute);
+    }
     if (!messages.failures().empty())
       throw InputError(place_, "cannot be read to its end" + messages.in_brackets());
     if (!unknown_.empty())

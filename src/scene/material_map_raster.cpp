@@ -8,6 +8,7 @@
 
 #include "files/gdal_input.hpp"
 #include "files/limits.hpp"
+#include "geometry/stop.hpp"
 #include "scene/material_map_gdal.hpp"
 #include "scene/material_map_sources.hpp"
 

@@ -9,6 +9,7 @@
 #include <OpenMesh/Core/System/omstream.hh>
 #include <limits>
 
+#include "geometry/stop.hpp"
 #include "scene/mesh_file.hpp"
 
 namespace tubefoot {
@@ -29,6 +30,7 @@ std::size_t facets_outside_halfedge(const FacetMesh& mesh, FacetId first, FacetI
   std::vector<OpenMesh::VertexHandle> handle(mesh.vertices.size());
   std::size_t refused = 0;
   for (FacetId facet = first; facet < last; ++facet) {
+    stop_if_wanted();
     const auto& corners = mesh.facets[facet];
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
       ++refused;  // OpenMesh takes it for granted that corners differ

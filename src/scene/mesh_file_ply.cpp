@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "geometry/stop.hpp"
 #include "scene/mesh_file_polygons.hpp"
 #include "scene/mesh_file_text.hpp"
 
@@ -76,6 +77,7 @@ class PlyReader {
           throw InputError({file_, 0, 0}, "holds triangle strips, not faces: export it with faces");
         }
         for (std::int64_t i = 0; i < element.count; ++i) {
+          stop_if_wanted();
           begin(element, i);
           for (const Property& property : element.properties) skip(property);
         }
@@ -191,6 +193,7 @@ class PlyReader {
       }
     }
     for (std::int64_t i = 0; i < element.count; ++i) {
+      stop_if_wanted();
       begin(element, i);
       glm::dvec3 point(0);
       for (const Property& property : element.properties) {
@@ -219,6 +222,7 @@ class PlyReader {
       throw InputError({file_, 0, 0}, "its faces have no list vertex_indices");
     }
     for (std::int64_t i = 0; i < element.count; ++i) {
+      stop_if_wanted();
       begin(element, i);
       for (const Property& property : element.properties) {
         if (is_corners(property)) {

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "files/input_error.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -61,6 +62,7 @@ ComponentMesh triangulate(PolygonSoup soup, const std::string& file) {
   mesh.warnings = std::move(soup.warnings);
   std::size_t folded = 0, begin = 0;
   for (std::size_t face = 0; face < soup.end.size(); ++face) {
+    stop_if_wanted();
     const Corners polygon(soup.corners.data() + begin, soup.end[face] - begin);
     begin = soup.end[face];
     const SourcePlace place{file, soup.line.empty() ? 0 : soup.line[face], 0};

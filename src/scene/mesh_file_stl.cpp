@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "geometry/stop.hpp"
 #include "scene/mesh_file_polygons.hpp"
 #include "scene/mesh_file_text.hpp"
 
@@ -61,6 +62,7 @@ PolygonSoup parse_binary(std::string_view content, const std::string& file) {
   }
   soup.points.reserve(3 * facets);
   for (std::uint64_t facet = 0; facet < facets; ++facet) {
+    stop_if_wanted();
     float v[9];
     std::memcpy(v, content.data() + kHeaderBytes + kFacetBytes * facet + 12, sizeof v);  // after the normal
     for (const float coordinate : v) {

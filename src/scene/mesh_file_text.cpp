@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -28,6 +30,7 @@ std::string_view without_plus(std::string_view text) {
 
 bool TextLines::next() {
   if (next_ >= content_.size()) return false;
+  stop_if_wanted();
   line_ += line_count_;
   line_count_ = 1;
   begin_ = at_ = next_;

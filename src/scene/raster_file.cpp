@@ -3,6 +3,10 @@
 
 #include <fmt/core.h>
 
+#include <mutex>
+#include <system_error>
+
+#include "geometry/stop.hpp"
 namespace tubefoot {
 
 RasterFile::RasterFile(const std::filesystem::path& file)

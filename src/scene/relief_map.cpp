@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "files/limits.hpp"
+#include "geometry/stop.hpp"
 #include "scene/raster_file.hpp"
 #include "seabed/map_surface.hpp"
 
@@ -143,6 +144,7 @@ HeightMap resampled(const RasterFile& raster, const CellPlaces& places, const st
   const std::size_t rows_at_once = std::max<std::size_t>(1, (std::size_t{1} << 18) / map.columns);
   std::vector<glm::dvec2> nodes, cells;
   for (std::size_t first = 0; first < map.rows; first += rows_at_once) {
+    stop_if_wanted();
     nodes.clear();
     cells.clear();
     for (std::size_t j = first; j < std::min(map.rows, first + rows_at_once); ++j)

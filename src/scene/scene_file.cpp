@@ -8,6 +8,7 @@
 #include "files/file_hash.hpp"
 #include "files/inlet.hpp"
 #include "files/limits.hpp"
+#include "geometry/stop.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_file_sections.hpp"
 #include "scene/scene_file_words.hpp"

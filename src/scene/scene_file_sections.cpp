@@ -85,7 +85,7 @@ void check_run(const RunDescription& run, const TomlTable& table) {
 }  // namespace
 
 const TomlField<SceneDescription>& title_field() {
-  static const auto title = field("title", &SceneDescription::title);
+  static const auto title = field("title", &SceneDescription::title, {.longest = limits::title_bytes});
   return title;
 }
 
@@ -104,7 +104,7 @@ const TomlSection<MaterialDescription>& material_section() {
   using M = MaterialDescription;
   static const auto section =
       TomlSection<M>("[[materials]]")
-          .keys({field("name", &M::name, {.required = true})})
+          .keys({field("name", &M::name, {.required = true, .longest = limits::name_bytes})})
           .keys(scattering_fields())
           .keys({field("specular_loss_db", &M::specular_loss_db, {.ranges = {{.lo = 0, .hi = 120}}})})
           .tables("relief", &M::relief, relief_section())
@@ -120,7 +120,7 @@ const TomlSection<TerrainDescription>& terrain_section() {
   using Raster = RasterTerrain;
   static const auto section =
       TomlSection<T>("[[terrain]]")
-          .keys({field("name", &T::name),
+          .keys({field("name", &T::name, {.longest = limits::name_bytes}),
                  field("material", &T::material, {.default_value = "the only material"}),
                  material_map_field()})
           .kind<Flat>("kind", "flat",
@@ -161,7 +161,7 @@ const TomlSection<ObjectDescription>& object_section() {
   static const auto chord_error = field("chord_error_m", &O::chord_error_m, {.ranges = {size}});
   static const auto section =
       TomlSection<O>("[[objects]]")
-          .keys({field("name", &O::name, {.required = true}),
+          .keys({field("name", &O::name, {.required = true, .longest = limits::name_bytes}),
                  field("material", &O::material, {.default_value = "the only material"}),
                  field("position_m", &O::position_m, {.ranges = {coordinate}}),
                  field("position_lat_lon_deg", &O::position_lat_lon_deg, {.ranges = {latitude, longitude}}),
@@ -195,7 +195,7 @@ const TomlSection<TrajectoryDescription>& trajectory_section() {
   constexpr ValueRange speed{.lo = 0, .hi = 100, .lo_excluded = true};
   static const auto section =
       TomlSection<T>("[[trajectories]]")
-          .keys({field("name", &T::name)})
+          .keys({field("name", &T::name, {.longest = limits::name_bytes})})
           .kind<Fixed>("kind", "fixed",
                        {field("position_m", &Fixed::position_m, {.ranges = {coordinate}}),
                         field("heading_deg", &Fixed::heading_deg, {.ranges = {heading}}),

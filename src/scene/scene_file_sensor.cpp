@@ -312,7 +312,7 @@ const TomlSection<SensorDescription>& sensor_section() {
   presets.insert(presets.begin(), "none");
   static const auto section =
       TomlSection<S>("[[sensors]]")
-          .keys({field("name", &S::name, {.required = true}),
+          .keys({field("name", &S::name, {.required = true, .longest = limits::name_bytes}),
                  field("preset", &S::preset, {.choices = presets}),
                  field("trajectory", &S::trajectory, {.default_value = "the only trajectory"}),
                  field("lever_arm_m", &S::lever_arm_m, {.ranges = {lever_arm}}),

@@ -9,6 +9,7 @@
 
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -46,12 +47,14 @@ ComponentMesh grid_facets(double width_m, double length_m, const std::array<doub
   mesh.points_m.reserve((std::size_t{nx} + 1) * (std::size_t{ny} + 1));
   mesh.triangles.reserve(std::size_t{2} * nx * ny);
   for (std::uint32_t j = 0; j <= ny; ++j) {
+    stop_if_wanted();
     for (std::uint32_t i = 0; i <= nx; ++i) {
       mesh.points_m.emplace_back(centre_m[0] + width_m * (i / columns - 0.5),
                                  centre_m[1] + length_m * (j / rows - 0.5), centre_m[2]);
     }
   }
   for (std::uint32_t j = 0; j < ny; ++j) {
+    stop_if_wanted();
     for (std::uint32_t i = 0; i < nx; ++i) {
       const std::uint32_t sw = j * (nx + 1) + i, se = sw + 1, nw = sw + nx + 1, ne = nw + 1;
       mesh.triangles.push_back({sw, se, ne});
@@ -167,6 +170,7 @@ ComponentMesh fractal_facets(const FractalTerrain& terrain, const SourcePlace& p
   std::vector<double> heights;
   heights.reserve(mesh.points_m.size());
   for (const glm::dvec3& p : mesh.points_m) {
+    stop_if_wanted();
     heights.push_back(noise(p.x - terrain.centre_m[0], p.y - terrain.centre_m[1]));
   }
   normalise(heights, terrain.rms_height_m);
@@ -178,6 +182,7 @@ ComponentMesh fractal_facets(const FractalTerrain& terrain, const SourcePlace& p
     const double direction = terrain.ripple_direction_deg * std::numbers::pi / 180;
     const double east = portable(std::sin(direction)), north = portable(std::cos(direction));
     for (glm::dvec3& p : mesh.points_m) {
+      stop_if_wanted();
       const double along = east * (p.x - terrain.centre_m[0]) + north * (p.y - terrain.centre_m[1]);
       const double wave = std::sin(2 * std::numbers::pi * along / terrain.ripple_wavelength_m);
       p.z += portable(0.5 * terrain.ripple_height_m * wave);

@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 
 #include "files/limits.hpp"
+#include "geometry/stop.hpp"
 #include "scene/raster_reader.hpp"
 
 namespace tubefoot {
@@ -96,6 +97,7 @@ TerrainTiles::Part TerrainTiles::survey_part(int part_row, int part_column) cons
 
   std::vector<bool> used(points.size());
   for (int row = 0; row < rows; ++row) {
+    stop_if_wanted();
     for (int column = 0; column < columns; ++column) {
       const std::uint32_t* const north = &numbers[static_cast<std::size_t>(row) * width + column];
       glm::dvec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;

@@ -148,6 +148,9 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, 
   value = node.as_string()->get();
   const SourcePlace place = source.place(node.source());
   if (value.empty()) throw InputError(place, fmt::format("'{}' must not be empty", key.name));
+  if (value.size() > key.longest)
+    throw InputError(
+        place, fmt::format("'{}' has {} bytes, expected {} at most", key.name, value.size(), key.longest));
   if (std::ranges::any_of(value, [](unsigned char c) { return c < 0x20 || c == 0x7f; })) {
     throw InputError(place,
                      fmt::format("'{}' must be one line of text without control characters", key.name));

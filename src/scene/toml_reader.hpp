@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "files/input_error.hpp"
+#include "files/limits.hpp"
 #include "scene/scene_file_keys.hpp"
 
 // A section of a scene file as a table of keys: each key knows its struct member, its type, unit, default and
@@ -43,6 +44,7 @@ struct KeyRule {
   std::vector<ValueRange> ranges{};
   std::vector<std::string> choices{};
   bool required = false;
+  std::size_t longest = limits::text_bytes;  ///< of a text
   std::string default_value{};  ///< for the documentation, where the struct's own default does not tell
 };
 

@@ -12,6 +12,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "geometry/stop.hpp"
 #include "seabed/fourier.hpp"
 #include "seabed/portable_random.hpp"
 
@@ -70,6 +71,7 @@ std::shared_ptr<const SplineSurface> synthesise(const ReliefTile& tile, std::opt
     std::array<std::vector<Complex>, block> columns;
     const std::size_t first = b * block, count = std::min(block, half + 1 - std::min(half + 1, first));
     for (std::size_t c = 0; c < count; ++c) {
+      stop_if_wanted();
       columns[c] = column_of(first + c);
       transforms.column(columns[c].data());
     }
@@ -89,6 +91,7 @@ std::shared_ptr<const SplineSurface> synthesise(const ReliefTile& tile, std::opt
 
   SplineGrid grid(nodes, nodes);
   tbb::parallel_for(std::size_t{0}, nodes, [&](std::size_t y) {
+    stop_if_wanted();
     Complex* const z = plane.data() + y * (half + 1);
     transforms.row(z);
     const auto* const heights = reinterpret_cast<const long double*>(z);

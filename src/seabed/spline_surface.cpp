@@ -10,6 +10,8 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -91,6 +93,7 @@ double slope_share(double half) {
 void SplineGrid::close() {
   const auto columns = static_cast<std::ptrdiff_t>(columns_), rows = static_cast<std::ptrdiff_t>(rows_);
   for (std::ptrdiff_t j = 0; j < rows; ++j) {
+    stop_if_wanted();
     float* const r = row(j);
     r[-1] = r[columns - 1];
     r[columns] = r[0];
@@ -149,6 +152,7 @@ void SplineSurface::bound_derivatives() {
              rows = static_cast<std::ptrdiff_t>(grid_.rows());
   const auto of_rows = [&](const tbb::blocked_range<std::ptrdiff_t>& range, Largest most) {
     for (std::ptrdiff_t j = range.begin(); j < range.end(); ++j) {
+      stop_if_wanted();
       const float *const below = grid_.row(j - 1), *const here = grid_.row(j),
                          *const above = grid_.row(j + 1);
       for (std::ptrdiff_t i = 0; i < columns; ++i) {
@@ -187,6 +191,7 @@ void SplineSurface::tabulate_oscillation() {
     for (std::size_t i = 0; i < columns; ++i) blocks.at(i / 2, j / 2).add({row[i], row[i]});
   }
   for (std::size_t size = 2; 2 * size < std::max(columns, rows); size *= 2) {
+    stop_if_wanted();
     if (size > 2) blocks = blocks.halved();
     oscillation_m_.push_back(blocks.oscillation(std::min(blocks.columns, blocks_in_window(size, columns)),
                                                 std::min(blocks.rows, blocks_in_window(size, rows))));

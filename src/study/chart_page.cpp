@@ -5,6 +5,9 @@
 
 #include <algorithm>
 
+#include "files/csv_file.hpp"
+#include "files/shown.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -26,13 +29,6 @@ std::vector<std::string> engines_of(std::span<const Trial> trials) {
 
 std::string ratio(const std::optional<double>& value, bool extrapolated) {
   return value ? fmt::format("{:.3g}{}", *value, extrapolated ? " *" : "") : "not reached";
-}
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace
@@ -101,8 +97,8 @@ Diagram work_precision_plot(const std::string& scene, std::span<const Trial> tri
 std::string to_csv(std::span<const Trial> trials) {
   std::string csv = "scene,engine,setting,l1_error,rms_db_error,seconds,bound\n";
   for (const Trial& t : trials)
-    csv += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g}\n", csv_field(t.scene), csv_field(t.engine),
-                       csv_field(t.setting), t.l1_error, t.rms_db_error, t.seconds, t.bound);
+    csv += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g}\n", csv_text(t.scene), csv_text(t.engine),
+                       csv_text(t.setting), t.l1_error, t.rms_db_error, t.seconds, t.bound);
   return csv;
 }
 
@@ -123,7 +119,7 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
       asked_db, asked_l1);
   for (const std::string& scene : scenes_of(trials)) {
     const SceneVerdict v = verdict_of(scene, trials);
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2g} %</td></tr>\n", scene,
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2g} %</td></tr>\n", shown_markup(scene),
                         ratio(v.ray_over_tube_at_db, v.db_extrapolated),
                         ratio(v.ray_over_tube_at_l1, v.l1_extrapolated), 100 * v.crossing_l1);
   }
@@ -132,7 +128,7 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
       "error. "
       "* : no ray setting tried reaches it; extrapolated along its fitted order.</p>\n";
   for (const std::string& scene : scenes_of(trials))
-    html += fmt::format("<h2>{}</h2>\n<div class=\"pair\">\n{}{}</div>\n", scene,
+    html += fmt::format("<h2>{}</h2>\n<div class=\"pair\">\n{}{}</div>\n", shown_markup(scene),
                         to_svg(work_precision_plot(scene, trials, ErrorMeasure::l1)),
                         to_svg(work_precision_plot(scene, trials, ErrorMeasure::rms_db)));
   html +=
@@ -143,7 +139,8 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
     html += fmt::format(
         "<tr><td>{}</td><td class=\"left\">{}</td><td class=\"left\">{}</td><td>{:.3g}</td><td>{:.3g}</td>"
         "<td>{:.3g}</td><td>{:.2g}</td></tr>\n",
-        t.scene, t.engine, t.setting, t.l1_error, t.rms_db_error, t.seconds, t.bound);
+        shown_markup(t.scene), shown_markup(t.engine), shown_markup(t.setting), t.l1_error, t.rms_db_error,
+        t.seconds, t.bound);
   return html + "</table>\n</body>\n</html>\n";
 }
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "files/shown.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -17,23 +19,6 @@ constexpr double width = 760, height = 520, left = 84, right = 206, top = 44, bo
 // faint on white.
 constexpr std::array<const char*, 8> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                              "#56b4e9", "#e69f00", "#000000", "#8c6d31"};
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
 
 /// An axis that ends at whole ticks: decades, or multiples of 1, 2 or 5 times a power of ten.
 struct Axis {
@@ -107,7 +92,7 @@ std::string to_svg(const Diagram& diagram) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
       width, height);
-  svg += text(left, 24, "start", escaped(diagram.title), 15, " font-weight=\"bold\"");
+  svg += text(left, 24, "start", shown_markup(diagram.title), 15, " font-weight=\"bold\"");
   for (int k = 0; k < x.ticks(); ++k) {
     const double at = x.at_measure(x.tick(k));
     svg += line(at, y.from, at, y.to, "stroke=\"#dddddd\"");
@@ -122,13 +107,13 @@ std::string to_svg(const Diagram& diagram) {
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
       "stroke=\"#444444\"/>\n",
       x.from, y.to, x.to - x.from, y.from - y.to);
-  svg += text((x.from + x.to) / 2, height - 16, "middle", escaped(diagram.x_label));
-  svg += text(20, (y.from + y.to) / 2, "middle", escaped(diagram.y_label), 12,
+  svg += text((x.from + x.to) / 2, height - 16, "middle", shown_markup(diagram.x_label));
+  svg += text(20, (y.from + y.to) / 2, "middle", shown_markup(diagram.y_label), 12,
               fmt::format(" transform=\"rotate(-90 20 {:.1f})\"", (y.from + y.to) / 2));
   if (has_floor) {
     const double at = y.at(diagram.floor);
     svg += line(x.from, at, x.to, at, "stroke=\"#444444\" stroke-dasharray=\"6 4\"");
-    svg += text(x.to - 6, at - 5, "end", escaped(diagram.floor_name), 11, " fill=\"#444444\"");
+    svg += text(x.to - 6, at - 5, "end", shown_markup(diagram.floor_name), 11, " fill=\"#444444\"");
   }
 
   double legend = top + 12;
@@ -153,10 +138,10 @@ std::string to_svg(const Diagram& diagram) {
     const double at = width - right + 14;
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n", at + 4, legend - 4,
                        colour);
-    svg += text(at + 14, legend, "start", escaped(series.name), 12);
+    svg += text(at + 14, legend, "start", shown_markup(series.name), 12);
     if (!series.note.empty()) {
       legend += 15;
-      svg += text(at + 14, legend, "start", escaped(series.note), 11, " fill=\"#555555\"");
+      svg += text(at + 14, legend, "start", shown_markup(series.note), 11, " fill=\"#555555\"");
     }
     legend += 21;
   }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "files/shown.hpp"
 #include "viewer/assets.hpp"
 
 namespace tubefoot {
@@ -74,15 +75,15 @@ class PageWriter {
   }
 
   std::string facts() const {
-    nlohmann::ordered_json json{{"title", data_.title},
-                                {"source", data_.source},
+    nlohmann::ordered_json json{{"title", shown_line(data_.title)},
+                                {"source", shown_line(data_.source)},
                                 {"sceneHash", data_.scene_hash},
                                 {"version", data_.version},
-                                {"sensor", data_.sensor},
+                                {"sensor", shown_line(data_.sensor)},
                                 {"kind", data_.kind},
-                                {"notes", data_.notes},
-                                {"components", data_.components},
-                                {"materials", data_.materials},
+                                {"notes", lines(data_.notes)},
+                                {"components", lines(data_.components)},
+                                {"materials", lines(data_.materials)},
                                 {"layout", data_.layout == PictureLayout::fan         ? "fan"
                                            : data_.layout == PictureLayout::waterfall ? "waterfall"
                                                                                       : "echogram"},
@@ -140,6 +141,11 @@ class PageWriter {
   }
 
  private:
+  static std::vector<std::string> lines(const std::vector<std::string>& texts) {
+    std::vector<std::string> all;
+    for (const std::string& text : texts) all.push_back(shown_line(text));
+    return all;
+  }
   nlohmann::ordered_json place(glm::dvec3 p) const {
     return {float(p.x - centre_.x), float(p.y - centre_.y), float(p.z - centre_.z)};
   }
@@ -186,19 +192,6 @@ class PageWriter {
   double scale_ = 0;
 };
 
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '<')
-      safe += "&lt;";
-    else if (c == '&')
-      safe += "&amp;";
-    else
-      safe += c;
-  }
-  return safe;
-}
-
 }  // namespace
 
 std::string view_page(const ViewData& data) {
@@ -212,7 +205,7 @@ std::string view_page(const ViewData& data) {
     if (begin == std::string_view::npos) break;
     const std::string_view mark = page.substr(begin + 5, end - begin - 5);
     if (mark == "title") {
-      html += escaped(data.title + " - " + data.sensor);
+      html += shown_markup(shown_line(data.title) + " - " + shown_line(data.sensor));
     } else if (mark == "style") {
       html.append("<style>\n").append(page_css).append("</style>");
     } else if (mark == "data") {

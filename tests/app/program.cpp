@@ -9,10 +9,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace tubefoot {
 namespace fs = std::filesystem;
@@ -24,6 +26,12 @@ constexpr unsigned longest_run_s = 1200;
 constexpr unsigned longest_run_s = 120;
 #endif
 constexpr uid_t nobody = 65534;
+
+/// Who started the tests may ignore some (nohup, a shell's background).
+void set_dispositions(const std::vector<int>& ignored) {
+  for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_DFL);
+  for (const int signal : ignored) std::signal(signal, SIG_IGN);
+}
 
 struct Pipe {
   int read_end = -1, write_end = -1;
@@ -39,11 +47,11 @@ struct Pipe {
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
+  set_dispositions(surroundings.ignored);
   alarm(longest_run_s);  // survives exec: a program that hangs is ended
   if (surroundings.largest_file_bytes) {
     const rlimit limit{*surroundings.largest_file_bytes, *surroundings.largest_file_bytes};
     setrlimit(RLIMIT_FSIZE, &limit);
-    std::signal(SIGXFSZ, SIG_IGN);  // write() then fails with EFBIG
   }
   if (surroundings.largest_memory_bytes) {
     const rlimit limit{*surroundings.largest_memory_bytes, *surroundings.largest_memory_bytes};
@@ -94,8 +102,18 @@ Outcome run_program(const std::vector<std::string>& arguments, const Surrounding
   close(out.write_end);
   close(err.write_end);
 
+  for (const int stream : surroundings.unread) {
+    Pipe& pipe = stream == STDOUT_FILENO ? out : err;
+    close(std::exchange(pipe.read_end, -1));
+  }
   Outcome outcome;
-  bool interrupt = static_cast<bool>(surroundings.interrupt_when);
+  using Clock = std::chrono::steady_clock;
+  std::optional<Clock::time_point> signalled;
+  bool interrupt = surroundings.interrupt_when || surroundings.interrupt_once_said;
+  const auto is_time = [&] {
+    return surroundings.interrupt_when ? surroundings.interrupt_when()
+                                       : surroundings.interrupt_once_said(outcome.err);
+  };
   std::array<pollfd, 2> streams{{{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}}};
   while (streams[0].fd >= 0 || streams[1].fd >= 0) {
     poll(streams.data(), streams.size(), interrupt ? 10 : -1);
@@ -110,14 +128,16 @@ Outcome run_program(const std::vector<std::string>& arguments, const Surrounding
         streams[k].fd = -1;  // poll() passes over it
       }
     }
-    if (interrupt && surroundings.interrupt_when()) {
+    if (interrupt && is_time()) {
       kill(child, surroundings.signal);
+      signalled = Clock::now();
       interrupt = false;
     }
   }
   int status = 0;
   rusage used{};
   wait4(child, &status, 0, &used);
+  if (signalled) outcome.seconds_to_stop = std::chrono::duration<double>(Clock::now() - *signalled).count();
   outcome.peak_memory_mb = static_cast<double>(used.ru_maxrss) / 1024;
   if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);

@@ -34,7 +34,8 @@ struct Outcome {
   int exit_code = -1;  ///< -1 if a signal ended it
   int signal = 0;      ///< the signal that ended it; SIGALRM: it took longer than two minutes
   std::string out, err;
-  double peak_memory_mb = 0;  ///< resident
+  double peak_memory_mb = 0;   ///< resident
+  double seconds_to_stop = 0;  ///< from its signal to its end
 };
 
 /// What the child process lives with.
@@ -45,7 +46,11 @@ struct Surroundings {
   bool as_nobody = false;                           ///< gives up root's right to write everywhere
   /// Asked a hundred times a second while the child runs; once it says true, the child gets `signal`.
   std::function<bool()> interrupt_when;
+  /// The same, asked of what the child has said on standard error so far.
+  std::function<bool(const std::string& err)> interrupt_once_said;
   int signal = SIGINT;              ///< 0: none
+  std::vector<int> ignored;         ///< signals that it finds ignored; all others have their default
+  std::set<int> unread;             ///< standard streams that nobody reads: pipes without a reader
   std::vector<std::string> before;  ///< a program, with its arguments, that starts tubefoot
   std::string program;              ///< in place of tubefoot
 };

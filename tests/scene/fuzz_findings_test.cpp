@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "files/shown.hpp"
 #include "scene/georeference.hpp"
 #include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"

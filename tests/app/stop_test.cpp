@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One ping, one tube, one audit and one load may take long: each is told how far it is, and can be stopped in
+// its middle. What was finished is kept, what was not is begun anew.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <regex>
+
+#include "app/program.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+/// Far more than it takes, far less than the rest of the work does.
+constexpr double long_s = 10;
+
+/// A rough bed seen at grazing angles, a camera that looks at it once.
+std::string rough_bed(double cell_m, const std::string& more = {}) {
+  return fmt::format(R"(title = "One long ping"
+[[materials]]
+name = "rock"
+[[terrain]]
+kind = "fractal"
+width_m = 60
+length_m = 60
+cell_m = {}
+rms_height_m = 1.5
+hurst = 0.6
+[trajectory]
+kind = "fixed"
+position_m = [0, -25, 7]
+[[sensors]]
+name = "camera"
+kind = "didson"
+beams = 48
+horizontal_deg = 28
+tilt_deg = 15
+window_start_m = 5
+window_length_m = 40
+samples = 512
+{})",
+                     cell_m, more);
+}
+
+struct Stop : testing::Test {
+  TestFolder folder;
+  fs::path scene = folder.write("scene.toml", rough_bed(0.07));
+  const std::string camera = "camera";
+
+  static Surroundings stopped_once_said(const std::string& word) {
+    Surroundings surroundings;
+    surroundings.signal = SIGTERM;
+    surroundings.interrupt_once_said = [word](const std::string& err) {
+      return std::regex_search(err, std::regex(word));
+    };
+    return surroundings;
+  }
+  static Surroundings stopped_after(std::chrono::seconds time) {
+    Surroundings surroundings;
+    surroundings.signal = SIGTERM;
+    surroundings.interrupt_when = [until = Clock::now() + time] { return Clock::now() >= until; };
+    return surroundings;
+  }
+  /// It ended because it was told to, in the middle of what it was doing.
+  void expect_stopped(const Outcome& outcome) const {
+    EXPECT_EQ(outcome.signal, 0);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("tubefoot: interrupted: nothing was written"));
+    EXPECT_THAT(outcome.out, Not(HasSubstr("wrote")));
+    EXPECT_LT(outcome.seconds_to_stop, long_s);
+    EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
+  }
+};
+
+TEST_F(Stop, AReferenceInTheMiddleOfAPing) {
+  expect_stopped(
+      run_program({"run", scene.string(), "-o", (folder / "out").string(), "--reference", "--threads", "1"},
+                  stopped_once_said("pings 0/1; tubes [0-9]+/[0-9]+")));
+}
+
+TEST_F(Stop, ARunInRationalsInTheMiddleOfAPing) {
+  expect_stopped(run_program(
+      {"run", scene.string(), "-o", (folder / "out").string(), "--arithmetic", "rational", "--threads", "1"},
+      stopped_once_said("pings 0/1; tubes [0-9]+/[0-9]+")));
+}
+
+TEST_F(Stop, RaysInTheMiddleOfAPing) {
+  expect_stopped(run_program(
+      {"run", scene.string(), "-o", (folder / "out").string(), "--engine", "ray", "--rays", "10000000000"},
+      stopped_once_said("pings 0/1; portions of rays [0-9]+/[0-9]+")));
+}
+
+TEST_F(Stop, AnAuditInTheMiddleOfAShot) {
+  const Outcome outcome = run_program({"audit", scene.string(), "--arithmetic", "rational", "--threads", "1"},
+                                      stopped_once_said("audited shots 0/1; tubes [0-9]+/[0-9]+"));
+  expect_stopped(outcome);
+  EXPECT_THAT(outcome.out, Not(HasSubstr("topology hash")));
+}
+
+TEST_F(Stop, FootprintsInTheMiddleOfAPing) {
+  for (const char* ending : {"csv", "txt"})
+    expect_stopped(run_program({"footprints", scene.string(), "--sensor", camera, "--arithmetic", "rational",
+                                "--threads", "1", "-o", (folder / "footprints.").string() + ending},
+                               stopped_once_said("pings 0/1; tubes [0-9]+/[0-9]+")));
+}
+
+TEST_F(Stop, CoverageInTheMiddleOfAShot) {
+  expect_stopped(run_program({"coverage", scene.string(), "--arithmetic", "rational", "--threads", "1", "-o",
+                              (folder / "coverage.csv").string()},
+                             stopped_once_said("shots 0/1; tubes [0-9]+/[0-9]+")));
+}
+
+TEST_F(Stop, LoadingInItsMiddle) {
+  scene = folder.write("scene.toml", rough_bed(0.025));
+  for (const char* command : {"check", "run"}) {
+    SCOPED_TRACE(command);
+    std::vector<std::string> words{command, scene.string()};
+    if (words[0] != "check") {
+      words.emplace_back("-o");
+      words.push_back((folder / "out").string());
+    }
+    const Outcome outcome = run_program(words, stopped_after(std::chrono::seconds(2)));
+    expect_stopped(outcome);
+    EXPECT_THAT(outcome.out, Not(HasSubstr("facets")));
+  }
+}
+
+// Two pings that look at open water, then a long one.
+TEST_F(Stop, PingsThatWereFinishedAreKept) {
+  std::string text = rough_bed(0.1);
+  text = replaced(text, "kind = \"fixed\"\nposition_m = [0, -25, 7]",
+                  "kind = \"line\"\nstart_m = [0, -26, 60]\nend_m = [0, -25, 7]\nspeed_m_s = 26.5");
+  scene = folder.write("scene.toml", text + "pings = 3\nping_interval_s = 1\n");
+  const fs::path out = folder / "out";
+  const std::vector<std::string> words{"run",         scene.string(), "-o", out.string(),
+                                       "--reference", "--threads",    "1"};
+  const Outcome outcome = run_program(words, stopped_once_said("pings 2/3.*; tubes [0-9]+/[0-9]+"));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: 2 of 3 pings are kept in"), HasSubstr("--resume")));
+  EXPECT_LT(outcome.seconds_to_stop, long_s);
+}
+
+// On a terminal the bar tells it, and Ctrl-C is what the terminal sends.
+TEST_F(Stop, OnATerminalTheBarTellsHowFarAPingIs) {
+  const std::vector<std::string> words{TUBEFOOT_PROGRAM,          "run",         scene.string(), "-o",
+                                       (folder / "out").string(), "--reference", "--threads",    "1"};
+  std::vector<char*> pointers;
+  for (const std::string& word : words) pointers.push_back(const_cast<char*>(word.c_str()));
+  pointers.push_back(nullptr);
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+    alarm(120);
+    execv(pointers[0], pointers.data());
+    _exit(127);
+  }
+  std::string said;
+  bool pressed = false;
+  for (char bytes[4096];;) {
+    const ssize_t count = read(terminal, bytes, sizeof bytes);
+    if (count <= 0) break;
+    said.append(bytes, static_cast<std::size_t>(count));
+    if (!pressed && std::regex_search(said, std::regex(R"(pings \[\.+\] 0/1; tubes [0-9]+/[0-9]+)"))) {
+      pressed = write(terminal, "\x03", 1) == 1;
+    }
+  }
+  close(terminal);
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(pressed) << said;
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;
+  EXPECT_THAT(said, HasSubstr("interrupted: nothing was written"));
+}
+
+}  // namespace
+}  // namespace tubefoot
