@@ -106,7 +106,7 @@ OutputFile::OutputFile(const fs::path& target, const Inputs& inputs) {
   std::error_code error;
   const fs::file_status status = fs::status(target, error);
   if (fs::is_directory(status))
-    throw UsageError(fmt::format("'{}' is a folder and no file to write: name one", target.string()));
+    throw UsageError(fmt::format("'{}' is a folder, which is no file to write: name one", target.string()));
   if (!fs::exists(status) && fs::is_symlink(fs::symlink_status(target, error))) throw dangling(target);
   for (const fs::path& input : inputs)
     if (same_file(target, input)) throw is_an_input(target);

@@ -304,7 +304,7 @@ TEST_F(Compare, ResultsAreWrittenWholeOrNotAtAll) {
   EXPECT_EQ(bytes_of(folder / "again.png").size(), before.size()) << "the same but for the file's name in it";
 
   for (const char* option : {"--json", "--png"}) {
-    EXPECT_EQ(compare({option, path("absent/f.png")}).exit_code, 1);
+    EXPECT_EQ(compare({option, path("absent/f.png")}).exit_code, 2);
     Surroundings full;
     full.largest_file_bytes = 100;
     fs::remove(folder / "full.png");
