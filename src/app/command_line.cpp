@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "app/build_identity.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
 #include "app/rank_link.hpp"
@@ -70,7 +71,7 @@ void hold_closed_streams() {
 
 int obeyed(int argc, char** argv) {
   CLI::App app{"tubefoot: a sonar simulator that measures footprints instead of sampling them.", "tubefoot"};
-  app.set_version_flag("--version", "tubefoot " TUBEFOOT_VERSION);
+  app.set_version_flag("--version", [] { return "tubefoot " TUBEFOOT_VERSION "\n" + build_in_words(); });
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
   app.footer(

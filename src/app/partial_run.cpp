@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "files/durable.hpp"
+#include "app/build_identity.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/stop.hpp"
 
@@ -33,6 +34,12 @@ void refuse_other_request(const Json& kept, const Json& asked) {
   for (const auto& [key, value] : asked.items()) {
     const Json before = kept.contains(key) ? kept.at(key) : Json();
     if (before == value) continue;
+    if (key == "build")
+      throw UsageError(fmt::format(
+          "the run that --resume would go on with was computed by another build of tubefoot ({}), whose "
+          "energies "
+          "may differ from this one's: go on with that build, or delete the .partial file to begin anew",
+          difference_of_builds(before, value)));
     if (key == "scene_hash")
       throw UsageError(
           "the scene, or a file that it names, has changed since the run that --resume would go on with: "

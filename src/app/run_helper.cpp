@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/build_identity.hpp"
 #include "app/outbox.hpp"
 #include "app/partial_run.hpp"
 #include "app/ping_crew.hpp"
@@ -59,10 +60,16 @@ class HelpingRank {
         std::this_thread::sleep_for(link_.pause());
     if (!start) return;
     const Json told = Json::parse(*start);
+    const Json lead_build = told.at("asked").value("build", Json());
+    if (lead_build != asked.at("build"))
+      throw UsageError(fmt::format(
+          "rank {} on '{}' is another build of tubefoot than rank 0 (rank 0: {}): install the same "
+          "on all machines; 'tubefoot --version' tells a build",
+          link_.rank(), link_.host(), difference_of_builds(lead_build, asked.at("build"))));
     if (told.at("asked") != asked)
       throw UsageError(fmt::format(
           "rank {} on '{}' is asked for another run than rank 0, or reads another scene: all need "
-          "the same command, the same files and the same tubefoot",
+          "the same command and the same files",
           link_.rank(), link_.host()));
     description.run = run_of(told.at("run"), description.run);
     const ThreadLimit limit(description.run.threads > 0 ? description.run.threads

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "app/build_identity.hpp"
 #include "app/refraction.hpp"
 #include "app/run_steps.hpp"
 #include "engine/ground.hpp"
@@ -20,6 +21,8 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
   json["scene"] = scene.description.file.string();
   json["scene_hash"] = scene.description.sha256;
   json["version"] = TUBEFOOT_VERSION;
+  json["build"] = build_identity();
+  if (const std::string revision = build_revision(); !revision.empty()) json["build"]["revision"] = revision;
   json["engine"] = engine_name(survey);
   if (!survey.own_engine && run.engine == "tube") {
     json["arithmetic"] = run.arithmetic;

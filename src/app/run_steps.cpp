@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/build_identity.hpp"
 #include "app/own_engine.hpp"
 #include "app/partial_run.hpp"
 #include "app/say.hpp"
@@ -80,6 +81,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
 
 nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request) {
   return {{"version", TUBEFOOT_VERSION},
+          {"build", build_identity()},
           {"scene_hash", description.sha256},
           {"run", json_of(description.run)},
           {"reference", request.reference_tolerance.value_or(0.0)},

@@ -24,7 +24,7 @@ struct RunRequest {
 /// Lets a run's options override the scene's own. Throws UsageError where they contradict each other.
 RunRequest requested(const RunOptions& options, SceneDescription& description);
 
-/// What makes two runs the same: program, scene and everything it names, settings.
+/// What makes two runs the same: the program's build, scene and everything it names, settings.
 nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request);
 
 /// Puts the settings into the description that hold a tolerance most cheaply.

@@ -37,7 +37,8 @@ TEST_F(RunResults, EchoesSayWhatComputedThem) {
     EXPECT_EQ(read_echo_file(file).provenance.title, "A tetrahedron");
     EXPECT_EQ(read_echo_file(file).provenance.engine, "tube");
     EXPECT_EQ(read_echo_file(file).provenance.arithmetic, arithmetic);
-    EXPECT_EQ("tubefoot " + read_echo_file(file).provenance.version + "\n", run_program({"--version"}).out);
+    EXPECT_THAT(run_program({"--version"}).out,
+                testing::StartsWith("tubefoot " + read_echo_file(file).provenance.version + "\n"));
     EXPECT_THAT(read_echo_file(file).provenance.scene_hash, testing::MatchesRegex("[0-9a-f]+"));
     EXPECT_EQ(read_echo_file(file).provenance.scene_hash.size(), 64u);
   }
