@@ -18,6 +18,7 @@
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "files/netcdf_size.hpp"
+#include "geometry/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -117,8 +118,7 @@ class EchoGroupInput {
     const std::size_t count = checked_count(name, *variable, shape);
     if (lengths) *lengths = shape;
     std::vector<double> result(count);
-    file_.check(nc_get_var_double(id_, *variable, result.data()),
-                fmt::format("read variable '{}{}'", prefix_, name));
+    read_slabs(name, *variable, shape, result);
     check_written(name, *variable, dimensions, shape, result);
     return result;
   }
@@ -248,13 +248,36 @@ class EchoGroupInput {
     return static_cast<std::size_t>(*count);
   }
 
-  /// One piece of a variable that is stored in pieces is in memory whole, however little of it is wanted.
-  void check_chunk(const char* name, int variable) const {
+  /// Not all at once, so that who wants to stop is not kept waiting; whole chunks at a time, which would
+  /// otherwise be unpacked again and again.
+  void read_slabs(const char* name, int variable, const std::vector<std::size_t>& shape,
+                  std::vector<double>& values) const {
+    constexpr std::size_t most_values = std::size_t{1} << 22;
+    const std::size_t row = values.size() / shape[0],
+                      chunk_rows = std::max<std::size_t>(1, chunk_of(variable)[0]);
+    const std::size_t rows = std::max<std::size_t>(1, most_values / row / chunk_rows) * chunk_rows;
+    std::vector<std::size_t> start(shape.size(), 0), part = shape;
+    for (; start[0] < shape[0]; start[0] += rows) {
+      stop_if_wanted();
+      part[0] = std::min(rows, shape[0] - start[0]);
+      file_.check(nc_get_vara_double(id_, variable, start.data(), part.data(), &values[start[0] * row]),
+                  fmt::format("read variable '{}{}'", prefix_, name));
+    }
+  }
+
+  /// Lengths of a variable's chunks; zeros if it is stored in one piece.
+  std::vector<std::size_t> chunk_of(int variable) const {
     int storage = NC_CONTIGUOUS, dimensions = 0;
     file_.check(nc_inq_varndims(id_, variable, &dimensions), "count dimensions");
     std::vector<std::size_t> chunk(static_cast<std::size_t>(std::max(dimensions, 1)), 0);
     file_.check(nc_inq_var_chunking(id_, variable, &storage, chunk.data()), "look at a variable's chunks");
-    if (storage != NC_CHUNKED) return;
+    if (storage != NC_CHUNKED) std::ranges::fill(chunk, 0);
+    return chunk;
+  }
+
+  /// One piece of a variable that is stored in pieces is in memory whole, however little of it is wanted.
+  void check_chunk(const char* name, int variable) const {
+    const std::vector<std::size_t> chunk = chunk_of(variable);
     const auto values = product(chunk);
     if (!values || *values > static_cast<std::uintmax_t>(limits::block_bytes) / bytes_of_type(variable))
       fail(name,

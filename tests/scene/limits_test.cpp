@@ -29,6 +29,9 @@ TEST(Limits, AreThoseOfTheirPage) {
     EXPECT_THAT(page, HasSubstr(fmt::format("\n| {} | {}{} |", what, most, unit)));
   };
   row("a scene file", limits::scene_file_bytes, " bytes");
+  row("a text in a scene file", limits::text_bytes, " bytes");
+  row("a scene's title", limits::title_bytes, " bytes");
+  row("a name in a scene file", limits::name_bytes, " bytes");
   row("a file that a scene names", limits::named_file_bytes >> 30, " GiB");
   row("a line of a table (track, profile, pattern, law)", limits::line_bytes, " bytes");
   row("rows of a track or a profile", limits::table_rows);
