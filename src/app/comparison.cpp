@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -86,7 +88,10 @@ Json json_of(const SensorErrors& sensor) {
 
 std::vector<SensorErrors> errors_of(const EchoPairs& pairs, std::size_t worst) {
   std::vector<SensorErrors> sensors;
-  for (const EchoPairs::Sensor& pair : pairs.sensors) sensors.push_back({pair, errors_of(pair, worst)});
+  for (const EchoPairs::Sensor& pair : pairs.sensors) {
+    stop_if_wanted();
+    sensors.push_back({pair, errors_of(pair, worst)});
+  }
   return sensors;
 }
 

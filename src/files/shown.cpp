@@ -108,8 +108,6 @@ std::string shown_markup(std::string_view text) {
       result += "&gt;";
     else if (c == '"')
       result += "&quot;";
-    else if (c == '\'')
-      result += "&#39;";
     else
       result += c;
   return result;

@@ -21,7 +21,7 @@ std::string shown(std::string_view text);
 std::string shown_line(std::string_view text);
 
 /// For a page (HTML) or a drawing (SVG): harmless, and with &lt; and its like for what begins a tag, ends an
-/// attribute or names a character.
+/// attribute (ours are in double quotes) or names a character.
 std::string shown_markup(std::string_view text);
 
 }  // namespace tubefoot

@@ -99,8 +99,7 @@ TEST(ShownText, OfALineIsOneLineAndNoLongerThanALine) {
 }
 
 TEST(ShownText, OfAPageHoldsNoTagAndNoEndOfAnAttribute) {
-  EXPECT_EQ(shown_markup("<b a=\"1\" c='2'>&amp;\u202e"),
-            "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;amp;\\u202e");
+  EXPECT_EQ(shown_markup("<b a=\"1\" c='2'>&amp;\u202e"), "&lt;b a=&quot;1&quot; c='2'&gt;&amp;amp;\\u202e");
 }
 
 TEST(CsvText, IsNoFormula) {
