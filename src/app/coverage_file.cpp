@@ -15,7 +15,6 @@
 #include "files/csv_file.hpp"
 #include "files/gdal_door.hpp"
 #include "files/gdal_messages.hpp"
-#include "files/output_folder.hpp"
 
 namespace tubefoot {
 namespace {
