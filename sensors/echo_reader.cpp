@@ -15,6 +15,7 @@
 #include "files/file_format.hpp"
 #include "files/hdf5_file.hpp"
 #include "files/inlet.hpp"
+#include "files/library_settings.hpp"
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "files/netcdf_size.hpp"
@@ -49,6 +50,7 @@ class NetcdfInput {
     } else {
       fail("cannot be read as netCDF: no netCDF file, or one that is cut off or damaged; write it again");
     }
+    keep_libraries_to_themselves();
     // By a name that netCDF takes for nothing but a file, whatever the file is called.
     const std::string name = fmt::format("/proc/self/fd/{}", input.descriptor());
     const int status = nc_open(name.c_str(), NC_NOWRITE, &id_);

@@ -12,6 +12,7 @@
 #include "app/survey.hpp"
 #include "app/view_gather.hpp"
 #include "files/checked_file.hpp"
+#include "files/companions.hpp"
 #include "files/inlet.hpp"
 #include "files/input_error.hpp"
 #include "files/outlet.hpp"
@@ -30,7 +31,7 @@ struct RunRecord {
 };
 
 RunRecord read_record(const fs::path& folder) {
-  constexpr std::uintmax_t most_bytes = 64 << 20;
+  constexpr std::uintmax_t most_bytes = 4 << 20;
   const fs::path file = folder / "stats.json";
   if (!fs::exists(file))
     throw UsageError(fmt::format(
@@ -51,6 +52,17 @@ SceneDescription described_by(const RunRecord& record, const ViewOptions& option
   if (!fs::exists(common.scene))
     throw UsageError(fmt::format("the scene of '{}' is not at '{}': name it with --scene",
                                  options.scene.string(), common.scene.string()));
+  // The result may be somebody else's, and would name any file of this machine.
+  const auto elsewhere = options.moved_scene ? std::nullopt : place_outside(".", common.scene);
+  if (elsewhere && options.confined)
+    throw UsageError(
+        fmt::format("the scene that '{}' names is '{}', outside of the folder that you are in, and "
+                    "--confined reads nothing outside: name it with --scene",
+                    options.scene.string(), elsewhere->string()));
+  if (elsewhere)
+    print_warnings({fmt::format("the scene that '{}' names lies outside of the folder that you are in: '{}'",
+                                options.scene.string(), elsewhere->string())},
+                   options.quiet);
   SceneDescription description = described(common);
   if (description.sha256 != record.scene_hash)
     throw UsageError(

@@ -5,13 +5,19 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
+#include <set>
 #include <string>
+#include <string_view>
 
 #include "files/file_format.hpp"
 #include "files/geopackage_file.hpp"
 #include "files/hdf5_file.hpp"
 #include "files/input_error.hpp"
+#include "files/library_settings.hpp"
+#include "files/limits.hpp"
 #include "files/netcdf_size.hpp"
+#include "files/tiff_file.hpp"
 #include "files/vrt_file.hpp"
 
 namespace tubefoot {
@@ -21,14 +27,15 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int deepest_vrt = 8;
+/// Of a file that places or names what another holds.
+constexpr std::uintmax_t most_words = 65536;
 /// Rasters that one virtual raster asks for, those counted again that it asks for in several ways.
-constexpr std::size_t most_sources = 1'000'000;
+constexpr std::size_t most_sources = 50'000;
 
 class Companions {
  public:
   using Admit = std::function<void(const fs::path&)>;
-  Companions(const fs::path& file, const Admit& admit)
-      : file_(fs::absolute(file).lexically_normal()), admit_(admit) {}
+  Companions(const fs::path& file, const Admit& admit) : file_(plain_name(file)), admit_(admit) {}
 
   std::vector<fs::path> find() {
     add_of(file_, 0);
@@ -38,6 +45,13 @@ class Companions {
  private:
   /// Adds what goes with `file`; returns how many rasters it asks for.
   std::size_t add_of(const fs::path& file, int depth) {
+    if (const auto known = asked_for_.find(file); known != asked_for_.end()) return known->second;
+    const std::size_t rasters = add_what_goes_with(file, depth);
+    asked_for_[file] = rasters;
+    return rasters;
+  }
+
+  std::size_t add_what_goes_with(const fs::path& file, int depth) {
     const FileFormat format = format_of(file);
     const SourcePlace place{file.string(), 0, 0};
     switch (format) {
@@ -61,13 +75,16 @@ class Companions {
         add_with_extension(file, ".prj");
         break;
       case FileFormat::geotiff:
+        refuse_long_tiff(file);
+        add_world_files(file);
+        break;
       case FileFormat::png:
         add_world_files(file);
         break;
       case FileFormat::vrt:
         return add_sources(file, depth);
     }
-    add(fs::path(file) += ".aux.xml");
+    add(fs::path(file) += ".aux.xml", 64 * most_words);
     const fs::path mask = fs::path(file) += ".msk";
     if (add(mask) && format_of(mask) != FileFormat::geotiff)
       throw InputError({mask.string(), 0, 0}, "is no GeoTIFF, as a mask beside a raster is: move it away");
@@ -119,12 +136,14 @@ class Companions {
     std::string small = extension, large = extension;
     std::ranges::transform(small, small.begin(), [](unsigned char c) { return char(std::tolower(c)); });
     std::ranges::transform(large, large.begin(), [](unsigned char c) { return char(std::toupper(c)); });
-    add(fs::path(file).replace_extension(small));
-    add(fs::path(file).replace_extension(large));
+    // A Shapefile's own parts hold values, the others words.
+    const std::uintmax_t most = small == ".dbf" || small == ".shx" ? limits::named_file_bytes : most_words;
+    add(fs::path(file).replace_extension(small), most);
+    add(fs::path(file).replace_extension(large), most);
   }
 
   /// If it is there. What is no ordinary file is refused, not passed over: its reader would meet it.
-  bool add(const fs::path& path) {
+  bool add(const fs::path& path, std::uintmax_t most_bytes = limits::named_file_bytes) {
     std::error_code ignored;
     const fs::file_status status = fs::status(path, ignored);
     if (!fs::exists(status) || status.type() == fs::file_type::directory) return false;
@@ -132,8 +151,12 @@ class Companions {
       throw InputError({path.string(), 0, 0},
                        fmt::format("is a special file, and would be read along with '{}': move it away",
                                    file_.filename().string()));
-    if (path == file_ || std::ranges::find(found_, path) != found_.end()) return true;
+    if (path == file_ || !known_.insert(path).second) return true;
     if (admit_) admit_(path);
+    if (fs::file_size(path, ignored) > most_bytes)
+      throw InputError({path.string(), 0, 0},
+                       fmt::format("has more than {} bytes, and would be read along with '{}': move it away",
+                                   most_bytes, file_.filename().string()));
     found_.push_back(path);
     return true;
   }
@@ -141,6 +164,8 @@ class Companions {
   fs::path file_;
   const Admit& admit_;
   std::vector<fs::path> found_;
+  std::set<fs::path> known_;
+  std::map<fs::path, std::size_t> asked_for_;  ///< rasters, by virtual raster
 };
 
 }  // namespace

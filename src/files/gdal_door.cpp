@@ -12,8 +12,11 @@
 #include <cerrno>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+
+#include "files/library_settings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -21,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What the doors of this thread let in, the innermost last.
-thread_local std::vector<std::vector<fs::path>> admitted_here;
+thread_local std::vector<std::set<std::string>> admitted_here;
 
 /// GDAL's own folder of tables, empty if it has none.
 fs::path& tables() {
@@ -128,11 +131,9 @@ class GuardedFiles final : public VSIFilesystemHandler {
   /// The file that a name stands for, if the doors let it in.
   std::optional<fs::path> admitted(const char* name) const {
     if (!ordinary_ || *name == '\0') return std::nullopt;
-    std::error_code error;
-    const fs::path file = fs::absolute(name, error).lexically_normal();
-    if (error) return std::nullopt;
-    for (const std::vector<fs::path>& files : admitted_here)
-      if (std::ranges::find(files, file) != files.end()) return file;
+    const fs::path file = plain_name(name);
+    for (const std::set<std::string>& files : admitted_here)
+      if (files.contains(file.string())) return file;
     if (!tables().empty() && std::ranges::mismatch(tables(), file).in1 == tables().end()) return file;
     return std::nullopt;
   }
@@ -165,11 +166,12 @@ CPLHTTPResult* no_network(const char*, CSLConstList, GDALProgressFunc, void*, CP
 
 }  // namespace
 
-GdalDoor::GdalDoor(std::vector<fs::path> admitted) {
+GdalDoor::GdalDoor(const std::vector<fs::path>& admitted) {
   static std::once_flag once;
   std::call_once(once, put_guards);
-  for (fs::path& file : admitted) file = fs::absolute(file).lexically_normal();
-  admitted_here.push_back(std::move(admitted));
+  keep_libraries_to_themselves();
+  std::set<std::string>& names = admitted_here.emplace_back();
+  for (const fs::path& file : admitted) names.insert(plain_name(file).string());
   CPLHTTPPushFetchCallback(no_network, nullptr);
 }
 

@@ -14,7 +14,7 @@ namespace tubefoot {
 /// before.
 class GdalDoor {
  public:
-  explicit GdalDoor(std::vector<std::filesystem::path> admitted);
+  explicit GdalDoor(const std::vector<std::filesystem::path>& admitted);
   ~GdalDoor();
   GdalDoor(const GdalDoor&) = delete;
   GdalDoor& operator=(const GdalDoor&) = delete;

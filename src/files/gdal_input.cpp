@@ -11,6 +11,7 @@
 
 #include "files/companions.hpp"
 #include "files/inlet.hpp"
+#include "files/library_settings.hpp"
 #include "files/raster_block.hpp"
 #include "geometry/stop.hpp"
 
@@ -32,13 +33,26 @@ std::string list_of(std::initializer_list<FileFormat> formats) {
 GDALDatasetUniquePtr opened(const fs::path& file, FileFormat format) {
   const std::array<const char*, 2> drivers{gdal_driver_of(format), nullptr};
   // SQLite looks for changes beside the file unless it is told that nobody makes any.
-  const std::array<const char*, 2> unlocked{"NOLOCK=YES", nullptr};
+  const std::array<const char*, 3> unlocked{"NOLOCK=YES", "IMMUTABLE=YES", nullptr};
   // By an absolute name: others may be taken for addresses or for parts of files.
   return GDALDatasetUniquePtr(
       GDALDataset::Open(fs::absolute(file).lexically_normal().c_str(),
                         GDAL_OF_RASTER | GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
                         drivers.data(), format == FileFormat::geopackage ? unlocked.data() : nullptr));
 }
+
+/// Where a raster sends its readers for coarser copies of itself: GDAL would open that, whatever it is, with
+/// any of its drivers, and netCDF's goes to hosts.
+bool sends_elsewhere(GDALDataset& dataset) {
+  const auto sends = [](GDALMajorObject& object) { return object.GetMetadata("OVERVIEWS") != nullptr; };
+  if (sends(dataset)) return true;
+  for (int band = 1; band <= std::min(dataset.GetRasterCount(), 64); ++band)
+    if (sends(*dataset.GetRasterBand(band))) return true;
+  return false;
+}
+
+constexpr const char* elsewhere =
+    "names another file for its overviews, which is not read: remove them (gdaladdo -clean)";
 
 /// Throws InputError for a virtual raster with a source that cannot be read, or is stored in blocks that are
 /// too large: its own blocks say nothing of theirs.
@@ -55,6 +69,8 @@ void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions)
     if (source == nullptr)
       fail(fmt::format("is a virtual raster of '{}', which cannot be read as {}", part.string(),
                        name_of(format)));
+    if (sends_elsewhere(*source))
+      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), elsewhere));
     if (source->GetRasterCount() == 0) continue;
     if (const auto problem = too_large_block(*source->GetRasterBand(1)))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), *problem));
@@ -103,6 +119,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   dataset_ = opened(file, format);
   if (dataset_ == nullptr)
     fail(fmt::format("cannot be read as {}: it is cut off or corrupt", name_of(format)));
+  if (sends_elsewhere(*dataset_)) fail(elsewhere);
 }
 
 void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,

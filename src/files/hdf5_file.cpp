@@ -4,11 +4,14 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include <algorithm>
+#include <cstring>
 #include <mutex>
 #include <set>
 #include <string>
 
 #include "files/inlet.hpp"
+#include "files/library_settings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -45,28 +48,74 @@ class Silence {
   void* data_ = nullptr;
 };
 
+constexpr std::size_t most_links = 10'000;
+constexpr int deepest = 32;
+/// Of texts, and of what an attribute holds: descriptions, not data.
+constexpr double most_text_bytes = 64 << 20;
+
 struct Finding {
   std::string what;  ///< empty: nothing
+  std::size_t links = 0;
+  double file_bytes = 0;
 };
 
 herr_t look_at_link(hid_t, const char* name, const H5L_info_t* link, void* data) {
-  if (link->type == H5L_TYPE_HARD || link->type == H5L_TYPE_SOFT) return 0;
-  static_cast<Finding*>(data)->what =
-      fmt::format("has '{}', a link {}", name,
-                  link->type == H5L_TYPE_EXTERNAL ? "into another file" : "of a kind that is not known");
-  return 1;
+  auto& finding = *static_cast<Finding*>(data);
+  if (++finding.links > most_links)
+    finding.what = fmt::format("has more than {} groups and variables", most_links);
+  else if (std::count(name, name + std::strlen(name), '/') >= deepest)
+    finding.what = fmt::format("has groups within groups, more than {} deep", deepest);
+  else if (link->type == H5L_TYPE_EXTERNAL)
+    finding.what = fmt::format("has '{}', a link into another file", name);
+  else if (link->type != H5L_TYPE_HARD && link->type != H5L_TYPE_SOFT)
+    finding.what = fmt::format("has '{}', a link of a kind that is not known", name);
+  return finding.what.empty() ? 0 : 1;
+}
+
+double count_of(hid_t space) {
+  const hssize_t count = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
+  return count < 0 ? 0 : static_cast<double>(count);
+}
+
+/// An attribute is read whole by whoever looks at it, and its texts may all be one that is stored once.
+herr_t look_at_attribute(hid_t object, const char* name, const H5A_info_t*, void* data) {
+  auto& finding = *static_cast<Finding*>(data);
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  if (attribute < 0) return -1;
+  const Handle space(H5Aget_space(attribute), H5Sclose), type(H5Aget_type(attribute), H5Tclose);
+  const double count = count_of(space);
+  const bool varies = type >= 0 && H5Tis_variable_str(type) > 0;
+  const double bytes = count * (varies ? finding.file_bytes : static_cast<double>(H5Tget_size(type)));
+  if ((varies && count > 16 && bytes > most_text_bytes) || (!varies && bytes > most_text_bytes))
+    finding.what =
+        fmt::format("has an attribute '{}' of {:.0f} values, more than a description needs", name, count);
+  return finding.what.empty() ? 0 : 1;
 }
 
 herr_t look_at_object(hid_t file, const char* name, const H5O_info_t* object, void* data) {
-  if (object->type != H5O_TYPE_DATASET) return 0;
   auto& finding = *static_cast<Finding*>(data);
-  const Handle dataset(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-  const Handle plan(dataset < 0 ? -1 : H5Dget_create_plist(dataset), H5Pclose);
+  if (object->type == H5O_TYPE_GROUP && object->rc > 1) {
+    finding.what = fmt::format("holds the group '{}' under several names", name);
+    return 1;
+  }
+  const Handle opened(H5Oopen(file, name, H5P_DEFAULT), H5Oclose);
+  if (opened < 0) return -1;
+  hsize_t first = 0;
+  if (H5Aiterate2(opened, H5_INDEX_NAME, H5_ITER_NATIVE, &first, look_at_attribute, data) < 0) return -1;
+  if (!finding.what.empty()) return 1;
+  if (object->type != H5O_TYPE_DATASET) return 0;
+  const Handle plan(H5Dget_create_plist(opened), H5Pclose);
   if (plan < 0) return -1;
-  if (H5Pget_external_count(plan) != 0)
+  if (H5Pget_external_count(plan) != 0) {
     finding.what = fmt::format("keeps the values of '{}' in other files (external storage)", name);
-  else if (H5Pget_layout(plan) == H5D_VIRTUAL)
+  } else if (H5Pget_layout(plan) == H5D_VIRTUAL) {
     finding.what = fmt::format("takes the values of '{}' from other files (a virtual dataset)", name);
+  } else {
+    const Handle space(H5Dget_space(opened), H5Sclose), type(H5Dget_type(opened), H5Tclose);
+    if (type >= 0 && H5Tget_class(type) == H5T_STRING &&
+        count_of(space) * static_cast<double>(H5Tget_size(type)) > most_text_bytes)
+      finding.what = fmt::format("has '{}', a text of more than {:.0f} MB", name, most_text_bytes / 1048576);
+  }
   return finding.what.empty() ? 0 : 1;
 }
 
@@ -78,12 +127,14 @@ std::string references_of(const fs::path& path) {
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file < 0) return "cannot be read as netCDF-4 or BAG (HDF5): it is cut off or damaged";
   Finding finding;
+  if (std::error_code ignored; true) finding.file_bytes = static_cast<double>(fs::file_size(path, ignored));
   if (H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_link, &finding) < 0 ||
       (finding.what.empty() &&
        H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_object, &finding, H5O_INFO_BASIC) < 0))
     return "is damaged: its list of contents cannot be read";
   if (!finding.what.empty())
-    finding.what += ": copy it into one file (h5repack, ncks, or nccopy) where those files are";
+    finding.what +=
+        ": write the heights or energies into a plain file (nccopy, gdal_translate) where all of it is";
   return finding.what;
 }
 

@@ -58,10 +58,19 @@ std::string InputFile::head(std::size_t most) {
 
 void InputFile::for_each_piece(const std::function<void(std::string_view)>& use) {
   std::string piece(std::size_t{1} << 20, '\0');
+  std::uintmax_t left = size_;
   while (*stream_) {
     stop_if_wanted();
     stream_->read(piece.data(), static_cast<std::streamsize>(piece.size()));
-    use(std::string_view(piece).substr(0, static_cast<std::size_t>(stream_->gcount())));
+    const auto count = static_cast<std::size_t>(stream_->gcount());
+    // Files of the system itself (/proc) say that they are empty, and may have no end.
+    if (count > left)
+      throw InputError(place_,
+                       fmt::format("'{}' has more than the {} bytes that it had when it was opened: it is no "
+                                   "file to read, or is being written to",
+                                   path_.string(), size_));
+    left -= count;
+    use(std::string_view(piece).substr(0, count));
   }
   if (!stream_->eof()) throw InputError(place_, fmt::format("reading '{}' failed midway", path_.string()));
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kNonsense = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t kMostElements =
-    1u << 20;  // of a list: keeps a nonsense header from taking memory or time
+    1u << 14;  // of a list: keeps a nonsense header from taking memory or time
 
 class Header {
  public:
@@ -34,23 +34,33 @@ class Header {
         const std::uint64_t dimension = count();
         if (dimension >= dimensions_.size()) return kNonsense;
         is_record = is_record || dimensions_[dimension] == 0;
-        if (dimensions_[dimension] != 0) elements *= dimensions_[dimension];
+        if (dimensions_[dimension] != 0 &&
+            __builtin_mul_overflow(elements, dimensions_[dimension], &elements))
+          return kNonsense;
       }
       skip_attributes();
-      const std::uint64_t bytes = elements * type_bytes(number(4));
+      std::uint64_t bytes = 0;
+      if (__builtin_mul_overflow(elements, type_bytes(number(4)), &bytes) || bytes > kNonsense / 4)
+        return kNonsense;
       count();  // vsize: redundant, and cut to 32 bits for large variables
       const std::uint64_t begin = number(version_ == 1 ? 4 : 8);
       if (is_record) {
         record_begin = std::min(record_begin, begin);
         record_bytes += bytes;
       } else {
+        if (begin > kNonsense / 4) return kNonsense;
         end = std::max(end, begin + bytes);
       }
     }
     if (!in_) return kNonsense;
     const bool streaming = records == (version_ == 5 ? kNonsense : 0xffffffffu);  // count unknown
-    if (record_bytes > 0 && records > 0 && !streaming)
-      end = std::max(end, record_begin + records * record_bytes);
+    if (record_bytes > 0 && records > 0 && !streaming) {
+      std::uint64_t all = 0;
+      if (__builtin_mul_overflow(records, record_bytes, &all) ||
+          __builtin_add_overflow(all, record_begin, &all))
+        return kNonsense;
+      end = std::max(end, all);
+    }
     return end;
   }
 

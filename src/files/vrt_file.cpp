@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,13 +15,15 @@
 
 #include "files/gdal_messages.hpp"
 #include "files/inlet.hpp"
+#include "files/library_settings.hpp"
 
 namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t most_bytes = 256u << 20;
+constexpr std::uintmax_t most_bytes = 64u << 20;
+constexpr std::size_t most_value_bytes = 65536;
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -69,7 +72,6 @@ const std::map<std::string_view, std::string_view>& allowed_attributes() {
       {"dstmax", ""},
       {"colortablecomponent", ""},
       {"usemaskband", ""},
-      {"overviewlist", " resampling "},
       {"histograms", ""},
       {"histitem", ""},
       {"histmin", ""},
@@ -101,6 +103,9 @@ class VrtReader {
       left.pop_back();
       if (node->psNext != nullptr) left.push_back(node->psNext);
       if (node->eType == CXT_Literal) refuse_declaration(node);
+      if (node->eType == CXT_Text && std::strlen(node->pszValue) > most_value_bytes)
+        throw InputError({vrt_.string(), 0, 0},
+                         fmt::format("has a text of more than {} bytes", most_value_bytes));
       if (node->eType != CXT_Element || node->pszValue[0] == '?') continue;  // ?: <?xml version="1.0"?>
       const std::string name = lower(node->pszValue);
       ++met_[name];
@@ -144,8 +149,13 @@ class VrtReader {
                      "names the source '{}', which is neither an absolute name of a file nor one relative to "
                      "the VRT (relativeToVRT=\"1\")",
                      text));
-    fs::path source = fs::absolute(relative ? vrt_.parent_path() / text : fs::path(text)).lexically_normal();
-    if (std::ranges::find(sources_, source) == sources_.end()) sources_.push_back(std::move(source));
+    const fs::path source = fs::absolute(relative ? vrt_.parent_path() / text : fs::path(text));
+    const fs::path plain = plain_name(source);
+    // ".." behind a link: what the name is by its letters and what it is on the disk are two files.
+    if (plain_name(source.lexically_normal()) != plain)
+      fail(name,
+           fmt::format("names the source '{}', which leads through a link and back: name it directly", text));
+    sources_.push_back(plain);
   }
 
   /// At the line of the last element of a name that was met.

@@ -7,7 +7,7 @@
 namespace tubefoot {
 
 /// The files that a GDAL virtual raster (VRT) is put together from, in the order in which they are named,
-/// each once. Their names are absolute. They need not exist.
+/// each as often as it is. Their names are absolute. They need not exist.
 ///
 /// Throws InputError at the VRT, with the line, for whatever is not on a short list of elements and
 /// attributes: pieces of other rasters, plain or scaled, masks, georeference and descriptions. So nothing

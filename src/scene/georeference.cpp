@@ -26,15 +26,23 @@ void refuse_files_in(const std::string& crs, const SourcePlace& place) {
   for (const char c : crs)
     if (!std::isspace(static_cast<unsigned char>(c)))
       text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  for (const std::string_view word : {"grids=", "init=", "file=", "catalog=", "parameterfile"})
+  const auto refuse = [&](std::string_view word) {
+    throw InputError(
+        place, fmt::format("the coordinate reference system '{}' names a file or a way of its own ('{}'): "
+                           "expected one without, like EPSG:32632",
+                           crs.substr(0, 200), word));
+  };
+  constexpr std::size_t longest = 100'000;
+  if (text.size() > longest) refuse("too long");
+  if (text.starts_with('{')) refuse("{");  // PROJJSON: says nothing that WKT does not
+  for (const std::string_view word : {"dict:", "init=", "grids", "gridshift", "parameterfile", "defmodel",
+                                      "tinshift", "model=", "file=", "catalog=", "pipeline", "+step"})
     for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
-      const std::string_view value = std::string_view(text).substr(at + word.size());
-      if (word == "grids=" && value.starts_with("@null")) continue;  // none
-      if (word == "init=" && value.starts_with("epsg:")) continue;
-      throw InputError(place,
-                       fmt::format("the coordinate reference system '{}' names a file ('{}'): expected one "
-                                   "without, like EPSG:32632",
-                                   crs.substr(0, 200), word));
+      const std::string_view behind = std::string_view(text).substr(at);
+      // Of Web Mercator, and no grid at all.
+      if (!behind.starts_with("grids=@null") ||
+          (behind.size() > 11 && behind[11] != '"' && behind[11] != '+'))
+        refuse(word);
     }
 }
 

@@ -77,8 +77,6 @@ class InputHash {
     };
     try {
       for (const fs::path& companion : companions_of(named.file, admit)) {
-        // It counts with its name: the same bytes under another are read otherwise.
-        hash_.update(fmt::format("\n{}\n", companion.filename().string()));
         take(companion, named.place);
       }
     } catch (const InputError& error) {
@@ -102,7 +100,11 @@ class InputHash {
   }
 
   void take(const fs::path& file, const SourcePlace& place) {
-    InputFile(file, place).for_each_piece([this](std::string_view piece) { hash_.update(piece); });
+    Sha256 own;
+    InputFile(file, place).for_each_piece([&own](std::string_view piece) { own.update(piece); });
+    // Its own hash and not its bytes, so that none can be moved to the next file unseen; and its name, by
+    // which it is read. As sha256sum prints it.
+    hash_.update(fmt::format("{}  {}\n", own.hex_digest(), file.filename().string()));
     scene_.inputs.push_back(file);
   }
 

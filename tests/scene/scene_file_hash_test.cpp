@@ -48,7 +48,22 @@ TEST(SceneHash, IsThatOfTheTextAndTheNamedFilesInTheirOrder) {
   std::string scene =
       replaced(smallest_scene, "kind = \"fixed\"", "kind = \"waypoints\"\nfile = \"track.csv\"");
   scene += "[[objects]]\nfile = \"wreck.obj\"\nshape = \"mesh\"\nname = \"wreck\"\n";
-  EXPECT_EQ(folder.read(scene).sha256, sha256(scene + track + wreck));
+  EXPECT_EQ(folder.read(scene).sha256,
+            sha256(scene + sha256(track) + "  track.csv\n" + sha256(wreck) + "  wreck.obj\n"));
+}
+
+TEST(SceneHash, BytesThatMoveFromOneFileToTheNextAreSeen) {
+  const SceneFolder folder;
+  const std::string scene =
+      std::string(smallest_scene) +
+      "[[objects]]\nname = \"a\"\nshape = \"mesh\"\nfile = \"a.obj\"\n[[objects]]\nname = \"b\"\nshape = "
+      "\"mesh\"\nfile = \"b.obj\"\n";
+  folder.write("a.obj", "v 0 0 0\n");
+  folder.write("b.obj", "v 0 0 1\nv 0 0 2\n");
+  const std::string before = folder.read(scene).sha256;
+  folder.write("a.obj", "v 0 0 0\nv 0 0 1\n");
+  folder.write("b.obj", "v 0 0 2\n");
+  EXPECT_NE(folder.read(scene).sha256, before);
 }
 
 TEST(SceneHash, ChangesWithAnyByteOfANamedFile) {

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+namespace tubefoot {
+
+/// Before netCDF or HDF5 read anything: netCDF reads no settings from the working folder (.ncrc, .dodsrc),
+/// HDF5 loads no code for compression that it does not have itself. Once; more often does no harm.
+void keep_libraries_to_themselves();
+
+/// The name of a file without links to folders: its folder as it really is, and its own name, which may be a
+/// link. Where GDAL, the scene hash and the file system could understand ".." and links in three ways, they
+/// are given this.
+std::filesystem::path plain_name(const std::filesystem::path& file);
+
+}  // namespace tubefoot
