@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/comparison.hpp"
+#include "app/json_text.hpp"
 #include "fuzz.hpp"
 
 namespace tubefoot::fuzz {

@@ -169,7 +169,7 @@ def test_a_confined_scene_reads_nothing_outside_of_its_folder(folder, keys, tmp_
     inside.write_text(SCENE)
     outside.write_text(SCENE.replace("thing.obj", str(elsewhere)))
     assert tubefoot.load(inside, confined=True).hash == tubefoot.load(inside).hash
-    assert any("leaves the scene's folder" in warning for warning in tubefoot.load(outside).warnings)
+    assert any("leaves the scene's folder" in warning for warning in tubefoot.load(outside).warnings())
     with pytest.raises(tubefoot.InputError, match="leaves the scene's folder"):
         tubefoot.load(outside, confined=True)
 

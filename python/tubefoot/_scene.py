@@ -123,7 +123,7 @@ def load(file: PathLike, *, confined: bool = False) -> Scene:
 
     Args:
         confined: read nothing that lies outside of the file's folder, links followed; otherwise such files are read and
-            told in ``Scene.warnings``.
+            told in ``Scene.warnings()``.
 
     Raises:
         InputError: the file is missing or wrong; ``file``, ``line`` and ``column`` say where.

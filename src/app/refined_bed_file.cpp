@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 
 #include "files/file_hash.hpp"
