@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "files/durable.hpp"
 #include "app/build_identity.hpp"
+#include "files/durable.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/stop.hpp"
 
@@ -141,6 +141,12 @@ void PartialRun::keep_through(const std::function<void()>& work) const {
           dynamic_cast<const UsageError*>(&error) != nullptr ||
           dynamic_cast<const UnusableStore*>(&error) != nullptr)
         throw;
+      // What oneTBB says where memory for a thread's stack is short.
+      if (std::string_view(error.what()).starts_with("pthread_create"))
+        throw std::runtime_error(
+            fmt::format("no thread can be started ({}): too little memory (ulimit -v) or too many processes "
+                        "(ulimit -u); {}",
+                        error.what(), advice()));
       throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
     }
   });

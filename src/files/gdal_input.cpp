@@ -36,7 +36,7 @@ GDALDatasetUniquePtr opened(const fs::path& file, FileFormat format) {
   const std::array<const char*, 3> unlocked{"NOLOCK=YES", "IMMUTABLE=YES", nullptr};
   // By an absolute name: others may be taken for addresses or for parts of files.
   return GDALDatasetUniquePtr(
-      GDALDataset::Open(fs::absolute(file).lexically_normal().c_str(),
+      GDALDataset::Open(plain_name(file).c_str(),
                         GDAL_OF_RASTER | GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
                         drivers.data(), format == FileFormat::geopackage ? unlocked.data() : nullptr));
 }

@@ -121,13 +121,12 @@ herr_t look_at_object(hid_t file, const char* name, const H5O_info_t* object, vo
 
 std::string references_of(const fs::path& path) {
   const Silence silence;
-  // Compression that HDF5 does not have itself would be loaded from wherever an environment variable points
-  // to.
-  H5PLset_loading_state(0);
+  keep_libraries_to_themselves();
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file < 0) return "cannot be read as netCDF-4 or BAG (HDF5): it is cut off or damaged";
   Finding finding;
-  if (std::error_code ignored; true) finding.file_bytes = static_cast<double>(fs::file_size(path, ignored));
+  std::error_code ignored;
+  finding.file_bytes = static_cast<double>(fs::file_size(path, ignored));
   if (H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_link, &finding) < 0 ||
       (finding.what.empty() &&
        H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_object, &finding, H5O_INFO_BASIC) < 0))
