@@ -35,10 +35,9 @@ GDALDatasetUniquePtr opened(const fs::path& file, FileFormat format) {
   // SQLite looks for changes beside the file unless it is told that nobody makes any.
   const std::array<const char*, 3> unlocked{"NOLOCK=YES", "IMMUTABLE=YES", nullptr};
   // By an absolute name: others may be taken for addresses or for parts of files.
-  return GDALDatasetUniquePtr(
-      GDALDataset::Open(plain_name(file).c_str(),
-                        GDAL_OF_RASTER | GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
-                        drivers.data(), format == FileFormat::geopackage ? unlocked.data() : nullptr));
+  return GDALDatasetUniquePtr(GDALDataset::Open(
+      plain_name(file).c_str(), GDAL_OF_RASTER | GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
+      drivers.data(), format == FileFormat::geopackage ? unlocked.data() : nullptr));
 }
 
 /// Where a raster sends its readers for coarser copies of itself: GDAL would open that, whatever it is, with

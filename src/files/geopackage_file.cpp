@@ -136,6 +136,7 @@ void refuse_geopackage_surprises(const fs::path& file) {
   stop_if_wanted();
   if (checked != "ok")
     fail(fmt::format("cannot be read as GeoPackage: it is damaged ({})", checked.substr(0, 200)));
+  if (answer(opened, "PRAGMA encoding") != "UTF-8") fail("is not written in UTF-8: copy it with ogr2ogr");
   const std::string longest = answer(opened, "SELECT max(length(definition)) FROM gpkg_spatial_ref_sys");
   if (longest.size() > 5) fail("has a coordinate reference system of more than 99999 letters");
 }

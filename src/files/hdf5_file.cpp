@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "files/grid_words.hpp"
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
 
@@ -115,6 +116,15 @@ herr_t look_at_object(hid_t file, const char* name, const H5O_info_t* object, vo
     if (type >= 0 && H5Tget_class(type) == H5T_STRING &&
         count_of(space) * static_cast<double>(H5Tget_size(type)) > most_text_bytes)
       finding.what = fmt::format("has '{}', a text of more than {:.0f} MB", name, most_text_bytes / 1048576);
+    else if (type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0) {
+      // May be packed, where nobody sees what it says.
+      std::string text(static_cast<std::size_t>(count_of(space)) * H5Tget_size(type), '\0');
+      GridWords words;
+      if (!text.empty() && H5Dread(opened, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0)
+        words.feed(text);
+      if (!words.met().empty())
+        finding.what = fmt::format("names files of corrections in '{}' ('{}')", name, words.met());
+    }
   }
   return finding.what.empty() ? 0 : 1;
 }

@@ -5,7 +5,9 @@
 #include <system_error>
 
 #include "files/companions.hpp"
+#include "files/file_format.hpp"
 #include "files/file_hash.hpp"
+#include "files/grid_words.hpp"
 #include "files/inlet.hpp"
 #include "files/limits.hpp"
 #include "geometry/stop.hpp"
@@ -69,7 +71,7 @@ class InputHash {
 
   void add(const TomlSource::NamedFile& named) {
     refuse_or_note(named.file, named.place, fmt::format("\"{}\"", named.name));
-    take(named.file, named.place);
+    take(named.file, named.place, format_of(named.file) != FileFormat::other);
     const auto admit = [&](const fs::path& companion) {
       refuse_or_note(
           companion, named.place,
@@ -77,7 +79,7 @@ class InputHash {
     };
     try {
       for (const fs::path& companion : companions_of(named.file, admit)) {
-        take(companion, named.place);
+        take(companion, named.place, true);
       }
     } catch (const InputError& error) {
       if (error.place.file == named.place.file) throw;
@@ -99,9 +101,20 @@ class InputHash {
     scene_.outside.push_back(fmt::format("{}: {}", to_string(place), what));
   }
 
-  void take(const fs::path& file, const SourcePlace& place) {
+  void take(const fs::path& file, const SourcePlace& place, bool through_gdal) {
     Sha256 own;
-    InputFile(file, place).for_each_piece([&own](std::string_view piece) { own.update(piece); });
+    GridWords words;
+    InputFile input(file, place);
+    input.for_each_piece([&](std::string_view piece) {
+      own.update(piece);
+      if (through_gdal) words.feed(piece);
+    });
+    if (!words.met().empty())
+      throw InputError(
+          {file.string(), 0, 0},
+          fmt::format("has a coordinate reference system that names files of corrections ('{}'), which are "
+                      "not read: give it another with gdal_edit.py -a_srs EPSG:...",
+                      words.met()));
     // Its own hash and not its bytes, so that none can be moved to the next file unseen; and its name, by
     // which it is read. As sha256sum prints it.
     hash_.update(fmt::format("{}  {}\n", own.hex_digest(), file.filename().string()));

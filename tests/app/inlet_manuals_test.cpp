@@ -112,7 +112,7 @@ TEST_F(InletManuals, AReferenceSystemNamesNoFile) {
   }
   folder.write("grid.asc", grid);
   folder.write("grid.prj", datum + ",EXTENSION[\"PROJ4_GRIDS\",\"" + file + "\"]" + rest);
-  expect_refused(with_raster("grid.asc"), {"names a file or a way of its own"});
+  expect_refused(with_raster("grid.asc"), {"grid.prj: has a coordinate reference system that names files"});
 }
 
 TEST_F(InletManuals, Hdf5WithoutEndIsRefused) {

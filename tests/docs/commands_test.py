@@ -61,7 +61,7 @@ INSTEAD = {
         "200 MB", "scenes/big-terrain/make_terrain.py --side 400 -o scenes/big-terrain/terrain"),
     f"{PROGRAM} run scenes/big-terrain/strip.toml -o out/strip": ("its strip is of the large bed", None),
     "(cat scene.toml; sha256sum wreck.obj track.csv) | sha256sum": (
-        "names files that the reader has", "cat scenes/survey/wrecks.toml scenes/survey/wreck.obj | sha256sum"),
+        "names files that the reader has", "(cat scenes/survey/wrecks.toml; sha256sum scenes/survey/wreck.obj) | sha256sum"),
 }
 # `out/...` that a page mentions and its commands do not make: file, why
 MADE_ELSEWHERE = {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the program and reads what its runs cost."""
 import json
+import os
 import pathlib
 import re
 import resource
@@ -27,19 +28,30 @@ def with_pings(scene, pings, folder):
 
 
 def ping_seconds(store, stats):
-    """Visibility and echo seconds, [ping][2], of all pings of a store: they are kept with each ping's energies."""
-    data = store.read_bytes()
+    """Visibility and echo seconds, [ping][2], of all pings of an open store: they are kept with each ping's energies."""
+    data = store.read()
     if data[:16] != b"tubefoot pings 3":
-        raise RuntimeError(f"{store}: not the store that this script reads (src/app/ping_store.cpp)")
+        raise RuntimeError(f"{store.name}: not the store that this script reads (src/app/ping_store.cpp)")
     identity, units = (int.from_bytes(data[k:k + 8], "little") for k in (16, 32))
     first = -(-(48 + identity) // PAGE) * PAGE
     rows = numpy.frombuffer(data, numpy.uint8, units * UNIT_BYTES, first).reshape(units, UNIT_BYTES)
     seconds = rows[:, SECONDS_AT:SECONDS_AT + 16].copy().view(numpy.float64)
     told = [stats["seconds"][k] for k in ("visibility_of_all_pings", "echo_of_all_pings")]
     if not numpy.allclose(seconds.sum(axis=0), told, rtol=1e-6):
-        raise RuntimeError(f"{store}: the pings' seconds do not add up to those of stats.json; "
+        raise RuntimeError(f"{store.name}: the pings' seconds do not add up to those of stats.json; "
                            "has PingCounts changed (src/app/ping_store.hpp)?")
     return seconds
+
+
+def opened_when_there(file, process):
+    """A file that a process makes, as soon as it does."""
+    while True:
+        try:
+            return open(file, "rb")
+        except FileNotFoundError:
+            if process.poll() is not None:
+                raise RuntimeError(f"ended without {file.name}: {process.communicate()[1]}") from None
+            time.sleep(0.001)
 
 
 class Run:
@@ -47,23 +59,23 @@ class Run:
     def __init__(self, program, scene, options=(), ranks=None):
         with tempfile.TemporaryDirectory(prefix="tubefoot-scaling-") as scratch:
             out = pathlib.Path(scratch) / "run"
-            # The run fills this file, which is empty as that of a run that did not begin, and takes its name
-            # away at the end; the second name keeps it.
-            partial, kept = out.with_name("run.partial"), out.with_name("kept")
-            partial.touch()
-            kept.hardlink_to(partial)
+            # The run takes this file away at its end; whoever has it open keeps it.
+            partial = out.with_name("run.partial")
             start = [] if ranks is None else ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none",
                                               "-n", str(ranks)]
             before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-            done = subprocess.run([*start, str(program), "run", str(scene), "-o", str(out), "--quiet", *options],
-                                  capture_output=True, text=True)
+            process = subprocess.Popen([*start, str(program), "run", str(scene), "-o", str(out), "--quiet", *options],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            kept = opened_when_there(partial, process)
+            errors = process.communicate()[1]
             self.wall = time.monotonic() - begin
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
-            if done.returncode:
-                raise RuntimeError(f"{scene}: exit code {done.returncode}\n{done.stderr}")
+            if process.returncode:
+                raise RuntimeError(f"{scene}: exit code {process.returncode}\n{errors}")
             self.processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
             self.stats = json.loads((out / "stats.json").read_text())
             self.seconds = self.stats["seconds"]
-            self.pings = ping_seconds(kept, self.stats)
-            self.store_bytes = kept.stat().st_size
+            with kept:
+                self.pings = ping_seconds(kept, self.stats)
+                self.store_bytes = os.fstat(kept.fileno()).st_size
             self.file_bytes = sum(file.stat().st_size for file in out.iterdir())

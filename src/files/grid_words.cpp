@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/grid_words.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace tubefoot {
+namespace {
+
+using namespace std::string_view_literals;
+
+// Long enough to be in no file by chance.
+constexpr std::array words{"proj4_grids"sv, "parameterfile"sv, "nadgrids"sv, "geoidgrids"sv,
+                           "gridshift"sv,   "defmodel"sv,      "tinshift"sv, "proj=deformation"sv};
+constexpr std::size_t longest = 24;  // a word and what follows it
+
+/// Web Mercator says that it has none.
+bool is_none(std::string_view behind) {
+  return behind.starts_with("nadgrids=@null") && (behind.size() == 14 || behind[14] != ',');
+}
+
+}  // namespace
+
+void GridWords::feed(std::string_view piece) {
+  if (!met_.empty()) return;
+  tail_.reserve(tail_.size() + piece.size());
+  for (const char c : piece) tail_ += c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  for (const std::string_view word : words)
+    for (std::size_t at = tail_.find(word); at != tail_.npos; at = tail_.find(word, at + 1))
+      // At the very end what follows is not known yet: it is looked at with the next piece, or stays.
+      if (!is_none(std::string_view(tail_).substr(at))) met_ = word;
+  if (tail_.size() > longest) tail_.erase(0, tail_.size() - longest);
+}
+
+}  // namespace tubefoot
