@@ -49,7 +49,8 @@ TEST_F(CommandLine, HelpOfEverySubcommandShowsAnExample) {
 TEST_F(CommandLine, VersionIsPrinted) {
   const Outcome outcome = run_program({"--version"});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, testing::MatchesRegex("tubefoot [0-9]+\\.[0-9]+\\.[0-9]+\nsources: [0-9a-f]+\ncompiler: .*"));
+  EXPECT_THAT(outcome.out,
+              testing::MatchesRegex("tubefoot [0-9]+\\.[0-9]+\\.[0-9]+\nsources: [0-9a-f]+\ncompiler: .*"));
 }
 
 TEST_F(CommandLine, NumbersThatAreNoneAreRefused) {
