@@ -11,8 +11,9 @@ using namespace std::string_view_literals;
 
 // Long enough to be in no file by chance.
 constexpr std::array words{"proj4_grids"sv, "parameterfile"sv, "nadgrids"sv, "geoidgrids"sv,
-                           "gridshift"sv,   "defmodel"sv,      "tinshift"sv, "proj=deformation"sv};
-constexpr std::size_t longest = 24;  // a word and what follows it
+                           "gridshift"sv,   "defmodel"sv,      "tinshift"sv, "proj=deformation"sv,
+                           "boundcrs\""sv,  "boundcrs&quot;"sv};  // of PROJJSON: any value may be a file
+constexpr std::size_t longest = 24;                               // a word and what follows it
 
 /// Web Mercator says that it has none.
 bool is_none(std::string_view behind) {

@@ -56,7 +56,7 @@ constexpr double most_text_bytes = 64 << 20;
 
 struct Finding {
   std::string what;  ///< empty: nothing
-  std::size_t links = 0;
+  std::size_t links = 0, attributes = 0;
   double file_bytes = 0;
 };
 
@@ -81,6 +81,10 @@ double count_of(hid_t space) {
 /// An attribute is read whole by whoever looks at it, and its texts may all be one that is stored once.
 herr_t look_at_attribute(hid_t object, const char* name, const H5A_info_t*, void* data) {
   auto& finding = *static_cast<Finding*>(data);
+  if (++finding.attributes > most_links) {
+    finding.what = fmt::format("has more than {} attributes", most_links);
+    return 1;
+  }
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   if (attribute < 0) return -1;
   const Handle space(H5Aget_space(attribute), H5Sclose), type(H5Aget_type(attribute), H5Tclose);

@@ -114,6 +114,11 @@ TEST_F(InletManuals, AReferenceSystemNamesNoFile) {
   folder.write("grid.asc", grid);
   folder.write("grid.prj", datum + ",EXTENSION[\"PROJ4_GRIDS\",\"" + file + "\"]" + rest);
   expect_refused(with_raster("grid.asc"), {"grid.prj: has a coordinate reference system that names files"});
+  fs::remove(folder / "grid.prj");
+  folder.write("grid.asc.aux.xml",
+               "<PAMDataset><SRS>{\"type\":\"BoundCRS\",\"value\":\"" + file + "\"}</SRS></PAMDataset>");
+  expect_refused(with_raster("grid.asc"),
+                 {"grid.asc.aux.xml: has a coordinate reference system that names files"});
 }
 
 TEST_F(InletManuals, Hdf5WithoutEndIsRefused) {
