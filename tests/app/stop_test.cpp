@@ -140,7 +140,7 @@ TEST_F(Stop, LoadingInItsMiddle) {
 
 // Two pings that look at open water, then a long one.
 TEST_F(Stop, PingsThatWereFinishedAreKept) {
-  std::string text = rough_bed(0.1);
+  std::string text = rough_bed(0.05);
   text = replaced(text, "kind = \"fixed\"\nposition_m = [0, -25, 7]",
                   "kind = \"line\"\nstart_m = [0, -26, 60]\nend_m = [0, -25, 7]\nspeed_m_s = 26.5");
   scene = folder.write("scene.toml", text + "pings = 3\nping_interval_s = 1\n");
