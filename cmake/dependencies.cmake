@@ -20,6 +20,7 @@ pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)  # ships
 pkg_check_modules(netcdf REQUIRED IMPORTED_TARGET netcdf)
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
+pkg_check_modules(crypto REQUIRED IMPORTED_TARGET libcrypto)
 # OpenImageIO's CMake targets name OpenCV's include folder, which is not installed; pkg-config does not.
 pkg_check_modules(openimageio REQUIRED IMPORTED_TARGET OpenImageIO)
 pkg_check_modules(rsvg REQUIRED IMPORTED_TARGET librsvg-2.0 cairo)

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/commands.hpp"
+#include "app/progress.hpp"
 #include "app/refraction.hpp"
 #include "app/say.hpp"
 #include "app/sensor_law.hpp"
@@ -128,7 +129,10 @@ void print_cost(const Survey& survey, int threads) {
 int check_command(const CommonOptions& options) {
   SceneDescription description = described(options);
   const ThreadLimit limit(description.run.threads);
-  const auto survey = open_survey(description);
+  const auto survey = [&] {
+    const Progress loading("scene", 1, options.quiet);
+    return open_survey(description);
+  }();
   const Scene& scene = survey->scene;
   refuse_refraction(*survey, false);
   print_warnings(scene.report.warnings, options.quiet);

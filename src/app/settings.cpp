@@ -8,6 +8,7 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "app/progress.hpp"
 #include "app/say.hpp"
 #include "files/input_error.hpp"
 #include "files/shown.hpp"
@@ -78,6 +79,7 @@ std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t b
 }
 
 SceneDescription described(const CommonOptions& options) {
+  const Progress reading("scene", 1, options.quiet);  // large files are hashed whole
   SceneDescription description = read_scene_file(options.scene, options.confined);
   if (options.arithmetic) description.run.arithmetic = *options.arithmetic;
   if (options.threads) description.run.threads = *options.threads;

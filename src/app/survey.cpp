@@ -18,7 +18,7 @@
 #include "files/memory_at_hand.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/mirror.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/steps.hpp"
 #include "geometry/vertical_line.hpp"
 #include "sensors/sidescan.hpp"
 
@@ -64,8 +64,13 @@ void find_shared_shots(Survey& survey) {
 /// A fixed trajectory lasts for ever; of others the loader has checked that they cover the pings' times.
 void place_shots(SensorPings& pings, const Trajectory& trajectory) {
   const Sensor& sensor = *pings.sensor;
+  const std::size_t shots = pings.times_s.size() * sensor.shots();
+  pings.poses.reserve(pings.times_s.size());
+  pings.shot_poses.reserve(shots);
+  if (sensor.has_receiver_apart()) pings.receiver_poses.reserve(shots);
+  Steps placed("pings placed", pings.times_s.size());
   for (const double time_s : pings.times_s) {
-    stop_if_wanted();
+    placed.done();
     pings.poses.push_back(sensor.pose_on(trajectory.at(time_s)));
     for (std::size_t shot = 0; shot < sensor.shots(); ++shot) {
       const double at_s = time_s + sensor.shot_delay_s(shot);
@@ -149,8 +154,10 @@ void check_places(Survey& survey) {
     const Sensor& sensor = *pings.sensor;
     std::set<std::uint16_t> inside, receiver_inside;
     const std::string what = fmt::format("sensor '{}'", sensor.description().name);
+    pings.altitudes_m.reserve(pings.poses.size());
+    Steps seen("pings held against the bed", pings.poses.size());
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
-      stop_if_wanted();
+      seen.done();
       pings.altitudes_m.push_back(
           check_place(survey, patch, pings, ping, pings.poses[ping].position_m, what, inside));
       if (sensor.has_receiver_apart())

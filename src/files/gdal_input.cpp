@@ -9,6 +9,7 @@
 #include <mutex>
 #include <vector>
 
+#include "files/bag_refinements.hpp"
 #include "files/companions.hpp"
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
@@ -50,6 +51,11 @@ bool sends_elsewhere(GDALDataset& dataset) {
   return false;
 }
 
+constexpr const char* overview =
+    "has variable resolution, and its raster is but a coarse overview: write one resolution with "
+    "gdal_translate "
+    "-oo MODE=RESAMPLED_GRID (a [[terrain]] reads all of it)";
+
 constexpr const char* elsewhere =
     "names another file for its overviews, which is not read: remove them (gdaladdo -clean)";
 
@@ -70,6 +76,8 @@ void check_sources(const fs::path& vrt, const std::vector<fs::path>& companions)
                        name_of(format)));
     if (sends_elsewhere(*source))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), elsewhere));
+    if (format == FileFormat::bag && has_bag_refinements(part))
+      fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), overview));
     if (source->GetRasterCount() == 0) continue;
     if (const auto problem = too_large_block(*source->GetRasterBand(1)))
       fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), *problem));
@@ -107,7 +115,16 @@ std::vector<fs::path> with_companions(const fs::path& file) {
 
 }  // namespace
 
-GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> expected)
+std::string crs_text(const OGRSpatialReference* crs) {
+  if (crs == nullptr || crs->IsEmpty() || crs->IsLocal()) return {};
+  char* text = nullptr;
+  crs->exportToWkt(&text);
+  std::string wkt = text == nullptr ? "" : text;
+  CPLFree(text);
+  return wkt;
+}
+
+GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> expected, Variable variable)
     : place_{file.string(), 0, 0}, door_(with_companions(file)) {
   const FileFormat format = format_of(file);
   if (std::ranges::find(expected, format) == expected.end())
@@ -119,6 +136,27 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   if (dataset_ == nullptr)
     fail(fmt::format("cannot be read as {}: it is cut off or corrupt", name_of(format)));
   if (sends_elsewhere(*dataset_)) fail(elsewhere);
+  variable_resolution_ = format == FileFormat::bag && has_bag_refinements(file);
+  if (variable == Variable::refused && variable_resolution_) fail(overview);
+}
+
+std::string GdalInput::crs() const {
+  if (const std::string known = crs_text(dataset_->GetSpatialRef()); !known.empty()) return known;
+  // As netCDF's driver gives them: "lon#units=degrees_east".
+  for (CSLConstList item = dataset_->GetMetadata(); item != nullptr && *item != nullptr; ++item)
+    if (const std::string_view text = *item; text.find("#units=degree") != text.npos)
+      fail(fmt::format("its coordinates are in degrees ({}), but it names no coordinate reference system: {}",
+                       text, name_the_degrees));
+  return {};
+}
+
+void GdalInput::refuse_colours(const char* what, bool palettes_too) const {
+  const GDALColorInterp means = dataset_->GetRasterBand(1)->GetColorInterpretation();
+  if (means >= GCI_RedBand || (palettes_too && means == GCI_PaletteIndex))
+    fail(fmt::format(
+        "is a picture in colours, which are no {}: if one of its bands has them, take that out with "
+        "gdal_translate -b N -colorinterp_1 gray",
+        what));
 }
 
 void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,

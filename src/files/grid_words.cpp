@@ -24,6 +24,11 @@ bool is_none(std::string_view behind) {
 
 void GridWords::feed(std::string_view piece) {
   if (!met_.empty()) return;
+  // Of files with holes nearly all.
+  if (std::ranges::all_of(piece, [](char c) { return c == '\0'; })) {
+    tail_.clear();
+    return;
+  }
   tail_.reserve(tail_.size() + piece.size());
   for (const char c : piece) tail_ += c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
   for (const std::string_view word : words)

@@ -2,7 +2,6 @@
 #include "files/hdf5_file.hpp"
 
 #include <fmt/format.h>
-#include <hdf5.h>
 
 #include <algorithm>
 #include <cstring>
@@ -11,6 +10,7 @@
 #include <string>
 
 #include "files/grid_words.hpp"
+#include "files/hdf5_handle.hpp"
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
 
@@ -19,35 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Closes what HDF5 opened.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-/// HDF5 prints its errors to stderr unless told not to, thread by thread.
-class Silence {
- public:
-  Silence() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
+using Handle = Hdf5Handle;
 
 constexpr std::size_t most_links = 10'000;
 constexpr int deepest = 32;
@@ -134,7 +106,7 @@ herr_t look_at_object(hid_t file, const char* name, const H5O_info_t* object, vo
 }
 
 std::string references_of(const fs::path& path) {
-  const Silence silence;
+  const Hdf5Silence silence;
   keep_libraries_to_themselves();
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file < 0) return "cannot be read as netCDF-4 or BAG (HDF5): it is cut off or damaged";

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <ext/stdio_filebuf.h>
 
-#include "geometry/stop.hpp"
+#include "geometry/steps.hpp"
 
 namespace tubefoot {
 
@@ -59,8 +59,9 @@ std::string InputFile::head(std::size_t most) {
 void InputFile::for_each_piece(const std::function<void(std::string_view)>& use) {
   std::string piece(std::size_t{1} << 20, '\0');
   std::uintmax_t left = size_;
+  Steps read("MiB read", size_ / piece.size());
   while (*stream_) {
-    stop_if_wanted();
+    read.done();
     stream_->read(piece.data(), static_cast<std::streamsize>(piece.size()));
     const auto count = static_cast<std::size_t>(stream_->gcount());
     // Files of the system itself (/proc) say that they are empty, and may have no end.

@@ -5,15 +5,6 @@
 
 namespace tubefoot {
 
-std::string crs_text(const OGRSpatialReference* crs) {
-  if (crs == nullptr || crs->IsEmpty() || crs->IsLocal()) return {};
-  char* text = nullptr;
-  crs->exportToWkt(&text);
-  std::string wkt = text == nullptr ? "" : text;
-  CPLFree(text);
-  return wkt;
-}
-
 void carry_map_points(std::span<glm::dvec3> points, const std::string& crs, const LocalFrame& frame,
                       const SourcePlace& place, const char* way_out) {
   if (frame.is_georeferenced() == crs.empty())

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <gdal_priv.h>
-
 #include <glm/vec3.hpp>
 #include <span>
 #include <string>
@@ -10,9 +8,6 @@
 #include "scene/georeference.hpp"
 
 namespace tubefoot {
-
-/// A CRS as WKT; empty for none, and for one that only says that coordinates are local.
-std::string crs_text(const OGRSpatialReference* crs);
 
 /// Carries points of a CRS (empty: local metres) into the frame; where only one of the two is georeferenced,
 /// throws InputError that says `way_out`.

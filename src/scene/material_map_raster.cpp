@@ -34,6 +34,7 @@ Classes read_classes(const GdalInput& input, const RasterMaterialMap& map, const
   Classes classes{dataset.GetRasterXSize(), dataset.GetRasterYSize(), {}};
   if (dataset.GetRasterCount() == 0)
     throw InputError(place, "holds no single raster: extract one with gdal_translate");
+  input.refuse_colours("classes", false);
   if (static_cast<double>(classes.columns) * classes.rows > limits::cells)
     throw InputError(place, fmt::format("{} x {} cells are more than {:.3g}: cut it to the terrain with "
                                         "gdal_translate",
@@ -109,9 +110,10 @@ std::vector<Run> runs_between(const Classes& classes, bool merge, const SourcePl
 /// Places of the corners of cells, carried into the frame.
 class Corners {
  public:
-  Corners(GDALDataset& dataset, const RasterMaterialMap& map, const MaterialMapSetting& setting,
+  Corners(const GdalInput& input, const RasterMaterialMap& map, const MaterialMapSetting& setting,
           const SourcePlace& place)
       : setting_(setting), place_(place) {
+    GDALDataset& dataset = input.dataset();
     const int rows = dataset.GetRasterYSize();
     if (map.origin_m && map.cell_m) {
       local_ = true;
@@ -119,7 +121,7 @@ class Corners {
                  -*map.cell_m};
       return;
     }
-    crs_ = crs_text(dataset.GetSpatialRef());
+    crs_ = input.crs();
     if (dataset.GetGeoTransform(affine_.data()) != CE_None)
       throw InputError(place,
                        "has no geotransform, so its cells have no size and place: give 'origin_m' and "
@@ -170,7 +172,7 @@ MaterialMap raster_material_map(const RasterMaterialMap& map, const MaterialMapS
   const SourcePlace place{map.file.string(), 0, 0};
   const GdalInput input(map.file, {FileFormat::geotiff, FileFormat::ascii_grid, FileFormat::netcdf4,
                                    FileFormat::netcdf_classic, FileFormat::bag, FileFormat::png});
-  const Corners corners(input.dataset(), map, setting, place);
+  const Corners corners(input, map, setting, place);
   const Classes classes = read_classes(input, map, setting, place);
   const std::vector<Run> runs =
       runs_between(classes, corners.stay_straight(classes.columns, classes.rows), place);

@@ -9,20 +9,17 @@
 #include "geometry/stop.hpp"
 namespace tubefoot {
 
-RasterFile::RasterFile(const std::filesystem::path& file)
-    : input_(file, {FileFormat::geotiff, FileFormat::bag, FileFormat::ascii_grid, FileFormat::netcdf4,
-                    FileFormat::netcdf_classic, FileFormat::vrt}) {
+RasterFile::RasterFile(const std::filesystem::path& file, GdalInput::Variable variable)
+    : input_(file,
+             {FileFormat::geotiff, FileFormat::bag, FileFormat::ascii_grid, FileFormat::netcdf4,
+              FileFormat::netcdf_classic, FileFormat::vrt},
+             variable) {
   if (input_.dataset().GetRasterCount() == 0) {
     fail(
         "holds no single raster but perhaps several variables: extract one with gdal_translate "
         "(gdalinfo lists their names)");
   }
-}
-
-std::string RasterFile::crs() const {
-  const OGRSpatialReference* known = input_.dataset().GetSpatialRef();
-  if (known == nullptr || known->IsEmpty() || known->IsLocal()) return {};
-  return input_.dataset().GetProjectionRef();
+  input_.refuse_colours("heights");
 }
 
 std::array<double, 6> RasterFile::geotransform() const {

@@ -16,14 +16,15 @@ namespace tubefoot {
 /// thread that made it.
 class RasterFile {
  public:
-  explicit RasterFile(const std::filesystem::path& file);
+  explicit RasterFile(const std::filesystem::path& file,
+                      GdalInput::Variable variable = GdalInput::Variable::refused);
 
   const SourcePlace& place() const { return input_.place(); }
   const GdalMessages& messages() const { return input_.messages(); }
+  bool has_variable_resolution() const { return input_.has_variable_resolution(); }
   int columns() const { return input_.dataset().GetRasterXSize(); }
   int rows() const { return input_.dataset().GetRasterYSize(); }
-  /// As WKT; empty for none.
-  std::string crs() const;
+  std::string crs() const { return input_.crs(); }
   /// Of a north-up raster. Throws where there is none, or it is rotated or upside down.
   std::array<double, 6> geotransform() const;
   /// From the band's values to metres, by its scale, offset and unit.

@@ -24,6 +24,15 @@ RasterWindow window_of(const RasterTerrain& terrain, const RasterFile& file) {
           w.columns, w.rows, w.column, w.row, width, height));
     }
   }
+  if (file.has_variable_resolution()) {
+    if (w.step > 1) file.fail("has variable resolution, which is not decimated: give resolution_m instead");
+    return w;
+  }
+  if (terrain.resolution_m > 0)
+    file.fail(
+        "has one resolution, and resolution_m is for BAGs of variable resolution: give decimate, or change "
+        "it "
+        "with gdalwarp -tr");
   if (w.kept_columns() < 2 || w.kept_rows() < 2) {
     file.fail(
         fmt::format("{} x {} cells are left, expected at least 2 x 2: facets lie between the cells' centres",
@@ -31,6 +40,9 @@ RasterWindow window_of(const RasterTerrain& terrain, const RasterFile& file) {
   }
   return w;
 }
+
+// A terrain this many times higher than wide is none.
+constexpr double steepest = 10;
 
 // The frame of a scene without [georeference], from its first raster; and what to tell the user.
 LocalFrame frame_about(glm::dvec3 centre, const std::string& crs, const SourcePlace& place,
@@ -60,7 +72,7 @@ LocalFrame frame_about(glm::dvec3 centre, const std::string& crs, const SourcePl
 }  // namespace
 
 RasterReader::RasterReader(const RasterTerrain& terrain)
-    : file_(terrain.file),
+    : file_(terrain.file, GdalInput::Variable::overview),
       window_(window_of(terrain, file_)),
       geotransform_(file_.geotransform()),
       metres_(file_.metres()),
@@ -100,6 +112,18 @@ void RasterReader::carry(std::span<glm::dvec3> points, const LocalFrame& frame) 
                       p.x, p.y, p.z));
 }
 
+void RasterReader::refuse_degrees(glm::dvec3 lo, glm::dvec3 hi) const {
+  const glm::dvec3 size = hi - lo;
+  if (!crs_.empty() || lo.x < -180 || hi.x > 360 || lo.y < -90 || hi.y > 90 ||
+      size.z <= steepest * std::max(size.x, size.y))
+    return;
+  file_.fail(fmt::format(
+      "has no coordinate reference system; taken for metres, its {:.3g} x {:.3g} m would be {:.3g} m "
+      "high, so these look like degrees, of longitude {:.6g} to {:.6g} and latitude {:.6g} to "
+      "{:.6g}: {}",
+      size.x, size.y, size.z, lo.x, hi.x, lo.y, hi.y, name_the_degrees));
+}
+
 std::vector<std::string> RasterReader::warnings() const {
   std::vector<std::string> warnings;
   for (const std::string& text : file_.messages().warnings())
@@ -121,7 +145,7 @@ void RasterReader::read_row(int row, int column, int count, std::vector<glm::dve
     if (has_data_[i] == 0 || !std::isfinite(values_[i])) continue;
     numbers[k] = static_cast<std::uint32_t>(points.size());
     points.emplace_back(geotransform_[0] + (first + k * window_.step + 0.5) * geotransform_[1], y,
-                        up_ * metres_(values_[i]));
+                        height_m(values_[i]));
   }
 }
 

@@ -38,6 +38,11 @@ class RasterReader {
   explicit RasterReader(const RasterTerrain& terrain);
 
   const RasterFile& file() const { return file_; }
+  /// Of the file.
+  const std::array<double, 6>& geotransform() const { return geotransform_; }
+  /// From the band's values to metres upwards.
+  double height_m(double value) const { return up_ * metres_(value); }
+  bool is_in_degrees() const { return !crs_.empty() && is_geographic(crs_, file_.place()); }
   const RasterWindow& window() const { return window_; }
 
   /// Settles the frame of a scene without one, or checks that the raster has a place in it. Returns what the
@@ -45,6 +50,8 @@ class RasterReader {
   std::vector<std::string> settle(std::optional<LocalFrame>& frame) const;
   /// From the raster's CRS into the frame, in place.
   void carry(std::span<glm::dvec3> points, const LocalFrame& frame) const;
+  /// Throws InputError for a raster without CRS whose extent, taken for metres, can only be degrees.
+  void refuse_degrees(glm::dvec3 lo, glm::dvec3 hi) const;
   /// Also what GDAL warns of.
   std::vector<std::string> warnings() const;
 

@@ -26,6 +26,7 @@ class MapReader {
                            FileFormat::netcdf_classic, FileFormat::png}) {
     if (input_.dataset().GetRasterCount() == 0)
       fail("holds no single raster: extract one with gdal_translate");
+    input_.refuse_colours("reflectivities");
     columns_ = input_.dataset().GetRasterXSize();
     rows_ = input_.dataset().GetRasterYSize();
     if (double(columns_) * rows_ > limits::cells)
@@ -81,8 +82,8 @@ class MapReader {
       fail(
           "has no geotransform, so its pixels have no size and place: give 'tile_m', or add one with "
           "gdal_edit.py -a_ullr");
-    const OGRSpatialReference* known = input_.dataset().GetSpatialRef();
-    const bool with_crs = known != nullptr && !known->IsEmpty() && !known->IsLocal();
+    const std::string crs = input_.crs();
+    const bool with_crs = !crs.empty();
     if (with_crs && !frame_.is_georeferenced())
       fail("has a coordinate reference system, but the scene has none: add [georeference], or give 'tile_m'");
     if (!with_crs && frame_.is_georeferenced())
@@ -95,7 +96,7 @@ class MapReader {
     for (const double row : {0.0, h / 2, h})
       for (const double column : {0.0, w / 2, w})
         points.emplace_back(g[0] + column * g[1] + row * g[2], g[3] + column * g[4] + row * g[5], 0);
-    if (with_crs) frame_.carry(points, input_.dataset().GetProjectionRef(), place());
+    if (with_crs) frame_.carry(points, crs, place());
     const auto plan = [&](std::size_t k) { return glm::dvec2(points[k]); };
     const glm::dvec2 column = (plan(5) - plan(3)) / w, row = (plan(7) - plan(1)) / h;
     const glm::dvec2 corner = plan(4) - w / 2 * column - h / 2 * row;

@@ -159,6 +159,7 @@ struct RasterTerrain {
   std::filesystem::path file;                ///< already resolved against the scene file's folder
   std::optional<std::array<int, 4>> window;  ///< column, row, columns, rows (from the north-west corner)
   int decimate = 1;                          ///< keep every n-th row and column
+  double resolution_m = 0;                   ///< of a BAG of variable resolution; 0: every node
   bool depth_positive_down = false;          ///< values are depths, not heights
   std::string load = "auto";                 ///< auto | whole | tiles (docs/big-terrain.md)
 };

@@ -147,6 +147,7 @@ const TomlSection<TerrainDescription>& terrain_section() {
               {field("file", &Raster::file, {.required = true}),
                field("window", &Raster::window, {.ranges = {index, index, count_of_two, count_of_two}}),
                field("decimate", &Raster::decimate, {.ranges = {{.lo = 1, .hi = 10000}}}),
+               field("resolution_m", &Raster::resolution_m, {.ranges = {size_or_zero}}),
                field("depth_positive_down", &Raster::depth_positive_down),
                field("load", &Raster::load, {.choices = {"auto", "whole", "tiles"}})})
           .check(check_terrain);

@@ -148,6 +148,8 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
     : terrain_(terrain) {
   GDALSetCacheMax64(std::min(static_cast<std::int64_t>(GDALGetCacheMax64()), gdal_cache_bytes));
   const RasterReader reader(terrain);
+  if (reader.file().has_variable_resolution())
+    reader.file().fail("has variable resolution, which is read whole: leave out load");
   warnings_ = reader.settle(frame);
   frame_ = *frame;
   cell_columns_ = reader.window().kept_columns() - 1;
@@ -210,6 +212,7 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
         reader.file().place(),
         "has no three neighbouring cells with data in the window, so it gives no facet: check the "
         "window and the nodata value");
+  reader.refuse_degrees(lo_m_, hi_m_);
   if (hole_cells_ == 0) {
     row_facets_ = {};
     row_first_ = {};

@@ -123,7 +123,13 @@ std::vector<TomlTable> tables_of(const toml::node& node, const std::string& sect
 
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, double& value) {
   if (!node.is_number()) fail_type(node, key, source);
-  value = *node.value<double>();
+  // A whole number that no double has: toml++ would answer with nothing.
+  const std::optional<double> number = node.value<double>();
+  if (!number)
+    throw InputError(source.place(node.source()),
+                     fmt::format("'{}' must be {}, not {}: write it with a decimal point", key.name,
+                                 key.expected(), node.as_integer()->get()));
+  value = *number;
   const std::string as_written = fmt::format("{}", value);
   if (!std::isfinite(value)) {
     throw InputError(source.place(node.source()), fmt::format("'{}' must be {}, not {}: it must be finite",

@@ -138,6 +138,21 @@ TEST_F(Stop, LoadingInItsMiddle) {
   }
 }
 
+// Its bytes are hashed whole, with holes or not: how far that is, is said.
+TEST_F(Stop, HashingInItsMiddle) {
+  folder.write("grid.tif", std::string("II*\0\x08\0\0\0\0\0", 10));
+  fs::resize_file(folder / "grid.tif", std::uintmax_t{60} << 30);
+  folder.write("scene.toml", replaced(rough_bed(0.5),
+                                      "kind = \"fractal\"\nwidth_m = 60\nlength_m = 60\ncell_m = "
+                                      "0.5\nrms_height_m = 1.5\nhurst = 0.6",
+                                      "kind = \"raster\"\nfile = \"grid.tif\""));
+  const Outcome outcome =
+      run_program({"check", scene.string()}, stopped_once_said("scene 0/1; MiB read [0-9]+/61440"));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("interrupted"));
+  EXPECT_LT(outcome.seconds_to_stop, long_s);
+}
+
 // Two pings that look at open water, then a long one.
 TEST_F(Stop, PingsThatWereFinishedAreKept) {
   std::string text = rough_bed(0.05);

@@ -4,6 +4,7 @@
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netcdf.h>
 
 #include <cmath>
 #include <fstream>
@@ -11,7 +12,9 @@
 
 #include "files/netcdf_size.hpp"
 #include "geometry/world_grid.hpp"
+#include "scene/reflectivity.hpp"
 #include "scene/scene_file_folder.hpp"
+#include "scene/terrain_tiles.hpp"
 
 namespace tubefoot {
 namespace {
@@ -268,6 +271,83 @@ std::filesystem::path copy_as(const SceneFolder& folder, const char* driver, con
       file.c_str(), in.get(), 0, options, nullptr, nullptr));
   EXPECT_NE(out, nullptr);
   return file;
+}
+
+// The units are in the file where it has any, and else the values say it.
+TEST(Raster, DegreesWithoutCrsAreNotTakenForMetres) {
+  SceneFolder folder;
+  RasterTerrain terrain;
+  const auto refused = [&](const char* what) {
+    std::optional<LocalFrame> frame;
+    EXPECT_THAT([&] { read_raster(terrain, frame); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr(what), HasSubstr("-a_srs EPSG:4326"))));
+    EXPECT_THAT([&] { TerrainTiles(terrain, frame); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr(what), HasSubstr("-a_srs EPSG:4326"))));
+  };
+  // A coast in cells of a degree.
+  terrain.file = folder.write("coast.asc",
+                              "ncols 6\nnrows 5\nxllcorner -6\nyllcorner 47\ncellsize 1\n"
+                              "0 -40 -90 -110 -60 -5\n-4000 -4500 -120 -90 -50 -20\n-4800 -4700 -4000 -100 "
+                              "-60 -30\n-4900 -4800 -4600 -130 -80 -40\n-5000 -4900 -4800 -2000 -60 0\n");
+  refused("5 x 4 m would be 5e+03 m high");
+  // Steps of a metre in a tank are metres.
+  terrain.file =
+      folder.write("tank.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n0 1 2\n3 4 9\n");
+  std::optional<LocalFrame> frame;
+  EXPECT_THAT(read_raster(terrain, frame).warnings, ElementsAre(HasSubstr("local metres")));
+
+  GDALAllRegister();
+  terrain.file = folder.path() / "degrees.nc";
+  {
+    const GDALDatasetUniquePtr out(GetGDALDriverManager()->GetDriverByName("netCDF")->Create(
+        terrain.file.c_str(), 4, 3, 1, GDT_Float32, nullptr));
+    OGRSpatialReference crs;
+    crs.SetFromUserInput("EPSG:4326");
+    out->SetSpatialRef(&crs);
+    std::array<double, 6> transform{1, 0.5, 0, 51, 0, -0.5};
+    out->SetGeoTransform(transform.data());
+    std::vector<float> flat(12, 1);
+    EXPECT_EQ(
+        out->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 4, 3, flat.data(), 4, 3, GDT_Float32, 0, 0, nullptr),
+        CE_None);
+  }
+  // Its coordinates say degrees_north; which datum it was is taken out of it.
+  int id = 0, count = 0;
+  nc_open(terrain.file.c_str(), NC_WRITE, &id);
+  nc_inq_nvars(id, &count);
+  nc_redef(id);
+  for (int variable = 0; variable < count; ++variable) nc_del_att(id, variable, "grid_mapping");
+  nc_close(id);
+  refused("its coordinates are in degrees");
+}
+
+// Whatever is asked of it: red is no height, no reflectivity and no class.
+TEST(Raster, PicturesInColoursAreRefused) {
+  SceneFolder folder;
+  GDALAllRegister();
+  RasterTerrain terrain;
+  for (const auto& [driver, name, bands] : {std::tuple{"GTiff", "rgb.tif", 3}, {"GTiff", "rgba.tif", 4}}) {
+    terrain.file = folder.path() / name;
+    char** options = CSLSetNameValue(nullptr, "PHOTOMETRIC", "RGB");
+    const GDALDatasetUniquePtr out(GetGDALDriverManager()->GetDriverByName(driver)->Create(
+        terrain.file.c_str(), 4, 3, bands, GDT_Byte, options));
+    CSLDestroy(options);
+    std::array<double, 6> transform{0, 1, 0, 3, 0, -1};
+    out->SetGeoTransform(transform.data());
+    out->FlushCache();
+    std::optional<LocalFrame> frame;
+    EXPECT_THAT([&] { read_raster(terrain, frame); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr("picture in colours, which are no heights"))));
+    MaterialDescription sand;
+    MapReflectivityKeys map;
+    map.file = terrain.file;
+    map.tile_m = {4, 3};
+    sand.reflectivity.push_back({{}, map});
+    std::vector<std::string> warnings;
+    EXPECT_THAT(
+        [&] { load_reflectivity(sand, LocalFrame{}, warnings); },
+        ThrowsMessage<InputError>(AllOf(HasSubstr("picture in colours, which are no reflectivities"))));
+  }
 }
 
 class RasterFormat : public testing::TestWithParam<std::pair<std::string, std::string>> {};

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/bag_refinements.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "files/hdf5_handle.hpp"
+#include "files/input_error.hpp"
+#include "files/library_settings.hpp"
+#include "files/limits.hpp"
+#include "geometry/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr float no_height = 1e6f;
+constexpr const char* metadata = "/BAG_root/varres_metadata";
+constexpr const char* refinements = "/BAG_root/varres_refinements";
+
+/// A row of varres_metadata, of which only this is read.
+struct Entry {
+  std::uint32_t index, columns, rows;
+  float step_x, step_y, first_x, first_y;
+};
+
+/// A table of the file: two-dimensional, of records.
+class Table {
+ public:
+  Table(hid_t file, const char* name, const SourcePlace& place)
+      : place_(place), name_(name), set_(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose) {
+    if (set_ < 0) fail("is not there");
+    const Hdf5Handle space(H5Dget_space(set_), H5Sclose), type(H5Dget_type(set_), H5Tclose),
+        plan(H5Dget_create_plist(set_), H5Pclose);
+    if (H5Sget_simple_extent_ndims(space) != 2 || H5Tget_class(type) != H5T_COMPOUND)
+      fail("is no table of two dimensions");
+    H5Sget_simple_extent_dims(space, extent_.data(), nullptr);
+    if (static_cast<double>(extent_[0]) * static_cast<double>(extent_[1]) > limits::cells)
+      fail(
+          fmt::format("has {} x {} entries, more than {:.3g}: cut the file with gdal_translate -oo "
+                      "MODE=RESAMPLED_GRID",
+                      extent_[0], extent_[1], limits::cells));
+    // HDF5 holds at least one chunk whole, however few bytes it has in the file.
+    std::array<hsize_t, 2> chunk{1, 1};
+    if (H5Pget_layout(plan) == H5D_CHUNKED && H5Pget_chunk(plan, 2, chunk.data()) == 2 &&
+        static_cast<double>(chunk[0]) * static_cast<double>(chunk[1]) *
+                static_cast<double>(H5Tget_size(type)) >
+            static_cast<double>(limits::block_bytes))
+      fail(fmt::format("is stored in chunks of more than {} MB", limits::block_bytes >> 20));
+  }
+  std::size_t rows() const { return static_cast<std::size_t>(extent_[0]); }
+  std::size_t columns() const { return static_cast<std::size_t>(extent_[1]); }
+  /// The members of the records that `type` names.
+  template <class T>
+  std::vector<T> read(const Hdf5Handle& type) const {
+    const Hdf5Handle stored(H5Dget_type(set_), H5Tclose);
+    for (unsigned i = 0; i < static_cast<unsigned>(H5Tget_nmembers(type)); ++i) {
+      char* const name = H5Tget_member_name(type, i);
+      const std::string member = name;
+      H5free_memory(name);
+      // HDF5 would leave it as it is.
+      if (H5Tget_member_index(stored, member.c_str()) < 0)
+        fail(fmt::format("has records without '{}'", member));
+    }
+    std::vector<T> values(rows() * columns());
+    stop_if_wanted();
+    if (!values.empty() && H5Dread(set_, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+      fail("cannot be read: the file is cut off, or its records have other members");
+    return values;
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(place_, fmt::format("its table '{}' {}", name_, what));
+  }
+
+ private:
+  SourcePlace place_;
+  const char* name_;
+  Hdf5Handle set_;
+  std::array<hsize_t, 2> extent_{};
+};
+
+std::vector<Entry> read_entries(const Table& table) {
+  const Hdf5Handle type(H5Tcreate(H5T_COMPOUND, sizeof(Entry)), H5Tclose);
+  const auto take = [&](const char* name, std::size_t offset, hid_t kind) {
+    H5Tinsert(type, name, offset, kind);
+  };
+  take("index", offsetof(Entry, index), H5T_NATIVE_UINT32);
+  take("dimensions_x", offsetof(Entry, columns), H5T_NATIVE_UINT32);
+  take("dimensions_y", offsetof(Entry, rows), H5T_NATIVE_UINT32);
+  take("resolution_x", offsetof(Entry, step_x), H5T_NATIVE_FLOAT);
+  take("resolution_y", offsetof(Entry, step_y), H5T_NATIVE_FLOAT);
+  take("sw_corner_x", offsetof(Entry, first_x), H5T_NATIVE_FLOAT);
+  take("sw_corner_y", offsetof(Entry, first_y), H5T_NATIVE_FLOAT);
+  return table.read<Entry>(type);
+}
+
+std::vector<float> read_heights(const Table& table) {
+  const Hdf5Handle type(H5Tcreate(H5T_COMPOUND, sizeof(float)), H5Tclose);
+  H5Tinsert(type, "depth", 0, H5T_NATIVE_FLOAT);
+  std::vector<float> heights = table.read<float>(type);
+  for (float& height : heights)
+    if (height == no_height || !std::isfinite(height)) height = std::numeric_limits<float>::quiet_NaN();
+  return heights;
+}
+
+}  // namespace
+
+bool has_bag_refinements(const std::filesystem::path& path) {
+  const Hdf5Silence silence;
+  keep_libraries_to_themselves();
+  const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  return file >= 0 && H5Lexists(file, "/BAG_root", H5P_DEFAULT) > 0 &&
+         H5Lexists(file, metadata, H5P_DEFAULT) > 0;
+}
+
+BagRefinements read_bag_refinements(const std::filesystem::path& path) {
+  const SourcePlace place{path.string(), 0, 0};
+  const Hdf5Silence silence;
+  keep_libraries_to_themselves();
+  const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (file < 0) throw InputError(place, "cannot be read as BAG (HDF5): it is cut off or damaged");
+  const Table cells(file, metadata, place), nodes(file, refinements, place);
+  BagRefinements read;
+  read.columns = cells.columns();
+  read.rows = cells.rows();
+  read.heights = read_heights(nodes);
+  double nodes_met = 0;
+  for (const Entry& e : read_entries(cells)) {
+    const std::size_t cell = read.supergrids.size();
+    const auto fail = [&](const std::string& what) {
+      cells.fail(fmt::format("{} at row {}, column {} (from the south-west, from 0)", what,
+                             cell / read.columns, cell % read.columns));
+    };
+    if (e.columns == 0 || e.rows == 0) {
+      read.supergrids.emplace_back();
+      continue;
+    }
+    const double count = static_cast<double>(e.columns) * e.rows;
+    if ((nodes_met += count) > limits::cells)
+      fail(
+          fmt::format("says more than {:.3g} nodes: cut the file with gdal_translate -oo "
+                      "MODE=RESAMPLED_GRID, up to the one",
+                      limits::cells));
+    if (e.index + count > static_cast<double>(read.heights.size()))
+      fail(fmt::format("says {} x {} nodes from number {} of {}", e.columns, e.rows, e.index,
+                       read.heights.size()));
+    if (!(e.step_x > 0) || !(e.step_y > 0) || !(e.first_x >= 0) || !(e.first_y >= 0) ||
+        !std::isfinite(e.step_x) || !std::isfinite(e.step_y) || !std::isfinite(e.first_x) ||
+        !std::isfinite(e.first_y))
+      fail(fmt::format("says nodes {:g} x {:g} apart from ({:g}, {:g}) on", e.step_x, e.step_y, e.first_x,
+                       e.first_y));
+    read.supergrids.push_back({e.columns, e.rows, e.step_x, e.step_y, e.first_x, e.first_y, e.index});
+  }
+  return read;
+}
+
+}  // namespace tubefoot
