@@ -145,8 +145,11 @@ std::string GdalInput::crs() const {
   // As netCDF's driver gives them: "lon#units=degrees_east".
   for (CSLConstList item = dataset_->GetMetadata(); item != nullptr && *item != nullptr; ++item)
     if (const std::string_view text = *item; text.find("#units=degree") != text.npos)
-      fail(fmt::format("its coordinates are in degrees ({}), but it names no coordinate reference system: {}",
-                       text, name_the_degrees));
+      fail(fmt::format(
+          "its coordinates are in degrees ({}), but it names no coordinate reference system: {}; if they are "
+          "metres after all, as GDAL writes small local grids, drop the word with gdal_translate "
+          "-nomd to a GeoTIFF",
+          text, name_the_degrees));
   return {};
 }
 
