@@ -11,12 +11,12 @@ namespace tubefoot {
 int presets_command(const PresetsOptions& options) {
   if (!options.name) {
     for (const SensorPreset& preset : sensor_presets())
-      tell("{:<26} {}\n{:<26} source: {}\n", preset.name, preset.title, "", preset.source);
+      tell("{:<26} {}\n{:<26} source: {}\n", preset.name, preset.title(), "", preset.source());
     return 0;
   }
   for (const SensorPreset& preset : sensor_presets())
     if (preset.name == *options.name) {
-      tell("# {}\n# source: {}\n{}", preset.title, preset.source, preset.keys);
+      tell("{}", preset.text);
       return 0;
     }
   throw UsageError(fmt::format("there is no preset '{}': 'tubefoot presets' lists them", *options.name));

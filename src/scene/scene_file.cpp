@@ -134,7 +134,7 @@ void apply_preset(toml::table& sensor, const TomlSource& source) {
   const std::string name = **named->as_string();
   for (const SensorPreset& preset : sensor_presets()) {
     if (preset.name != name) continue;
-    const toml::table keys = toml::parse(preset.keys);
+    const toml::table keys = toml::parse(preset.text);
     if (const auto kind = sensor["kind"].value<std::string>();
         kind && kind != keys["kind"].value<std::string>())
       throw InputError(source.place(sensor.get("kind")->source()),
