@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include "app/abilities.hpp"
 #include "app/footprint_place.hpp"
 #include "app/footprint_table.hpp"
 #include "app/refraction.hpp"
@@ -27,8 +28,8 @@ NativeFootprints compute(NativeScene& scene, const std::string& sensor, const st
   NativeFootprints footprints{scene.survey(), sensor, {}};
   const Survey& survey = *footprints.survey;
   const ThreadLimit limit(scene.description().run.threads);
-  refuse_refraction(survey, false);
   const std::size_t s = survey.sensor_named(sensor);
+  require_able(survey, {Feature::footprints}, s);
   const SensorPings& all = survey.sensors[s];
   const PingRange range = resolved(pings, all.times_s.size());
   const std::vector<std::uint32_t> chosen = resolved_beams(beams, all.sensor->beams().size());

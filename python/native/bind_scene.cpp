@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "app/abilities.hpp"
 #include "bindings.hpp"
 #include "files/file_hash.hpp"
 #include "scene.hpp"
@@ -78,7 +79,7 @@ std::vector<std::string> names_of(const std::vector<T>& described) {
 
 std::shared_ptr<const Survey> NativeScene::survey() {
   const std::scoped_lock lock(mutex_);
-  refuse_tiles(description_, "looking into a scene");
+  require_able(description_, Feature::shot);
   if (!survey_) survey_ = open_survey(description_);
   return survey_;
 }

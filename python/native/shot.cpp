@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "app/abilities.hpp"
+#include "app/settings.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/usage_error.hpp"
 
@@ -20,9 +22,7 @@ const SharedShots& group_of(const Survey& survey, const HeardShot& which) {
   if (which.shot >= pings.sensor->shots())
     throw UsageError(fmt::format("shot {}: a ping of sensor '{}' has shots 0 to {}", which.shot, name,
                                  pings.sensor->shots() - 1));
-  if (pings.sensor->has_receiver_apart())
-    throw UsageError(
-        fmt::format("sensor '{}' has its receiver apart: what it meets is seen from two places", name));
+  require_able(survey, {Feature::shot}, which.sensor);
   return *std::ranges::find_if(survey.shots, [&](const SharedShots& group) {
     return std::ranges::find(group.sensors, which.sensor) != group.sensors.end();
   });
@@ -49,9 +49,8 @@ const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
 
 std::shared_ptr<NativeHistory> NativeShot::trace() const {
   const Scene& scene = survey_->scene;
-  VisibilityOptions visibility;
-  visibility.arithmetic = arithmetic_from_name(scene.description.run.arithmetic);
-  const TubeEngine engine(ground_.mesh(), ground_.tree(), scene.grid.unit_m(), visibility);
+  const TubeEngine engine(ground_.mesh(), ground_.tree(), scene.grid.unit_m(),
+                          options_of(scene.description.run));
   return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), engine.trace(tubes_)});
 }
 

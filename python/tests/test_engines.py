@@ -140,7 +140,7 @@ def test_engines_that_are_none(scene):
 def test_two_receivers_need_phases(folder):
     text = (folder / "scene.toml").read_text().replace('kind = "sidescan"', 'kind = "interferometric"')
     (folder / "two.toml").write_text(text)
-    with pytest.raises(tubefoot.UsageError, match="'side' has two receivers, whose phases engine 'nothing'"):
+    with pytest.raises(tubefoot.UsageError, match="'side' has two receivers, and an engine of one's own computes no phases"):
         tubefoot.run(tubefoot.load(folder / "two.toml"), engine=nothing)
 
 

@@ -63,6 +63,17 @@ class Probes {
 
   std::size_t beams() const { return scene_.beams(); }
 
+  /// Where a setting cannot compute the scene: a candidate that says why.
+  std::optional<Candidate> refused(const EngineSetting& setting) const {
+    const std::string why = scene_.refusal_of(setting);
+    if (why.empty()) return std::nullopt;
+    Candidate candidate;
+    candidate.setting = setting;
+    candidate.tried = false;
+    candidate.note = why;
+    return candidate;
+  }
+
  private:
   TrialScene& scene_;
   const std::vector<LookedAt>& sensors_;
@@ -251,14 +262,20 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
     const bool choice = advice.silent.empty();
     Progress progress("settings", choice ? binnings.size() + options.samplings.size() : 1, options.quiet);
     for (const std::string& binning : binnings) {
-      probes.run(tube_setting(binning), repeats, advice.candidates.emplace_back());
+      if (const auto refused = probes.refused(tube_setting(binning)))
+        advice.candidates.push_back(*refused);
+      else
+        probes.run(tube_setting(binning), repeats, advice.candidates.emplace_back());
       progress.step();
       if (!choice) break;
     }
     const double cap = options.largest_cost * advice.candidates.front().predicted_seconds;
     for (const std::string& sampling : options.samplings) {
       if (!choice) break;
-      advice.candidates.push_back(RayLadder(probes, sampling, tolerance, options.seed, cap).climb());
+      if (const auto refused = probes.refused(ray_setting(sampling, 1, probes.beams())))
+        advice.candidates.push_back(*refused);
+      else
+        advice.candidates.push_back(RayLadder(probes, sampling, tolerance, options.seed, cap).climb());
       progress.step();
     }
   }

@@ -67,8 +67,12 @@ void print_advice(const Advice& advice) {
   tell("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "a ping", "error", "a ping",
        to_text(advice.tolerance));
   for (const Candidate& c : advice.candidates) {
-    tell("{:<44} {:>10} {:>10.3g} ", fmt::format("{}, {}", c.setting.engine, c.setting.setting),
-         error_text(measure, c.predicted_error), c.predicted_seconds);
+    const std::string name = fmt::format("{}, {}", c.setting.engine, c.setting.setting);
+    if (!c.tried && c.predicted_seconds == 0) {
+      tell("{:<44} {:>10} {:>10} {:>10} {:>10}  no: {}\n", name, "-", "-", "-", "-", c.note);
+      continue;
+    }
+    tell("{:<44} {:>10} {:>10.3g} ", name, error_text(measure, c.predicted_error), c.predicted_seconds);
     if (c.others)
       tell("{:>10} {:>10.3g}  {}\n", error_text(measure, error_of(*c.others, measure)), c.others->seconds,
            advice.holds(c) ? "yes" : "no");

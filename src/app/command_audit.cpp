@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/abilities.hpp"
 #include "app/commands.hpp"
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
@@ -20,14 +21,13 @@ namespace tubefoot {
 int audit_command(const AuditOptions& options) {
   SceneDescription description = described(options);
   const ThreadLimit limit(description.run.threads);
-  refuse_tiles(description, "an audit, whose hash names the facets,");
+  require_able(description, Feature::audit);
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const Scene& scene = survey->scene;
-  refuse_refraction(*survey, false);
-  VisibilityOptions visibility;
-  visibility.arithmetic = arithmetic_from_name(description.run.arithmetic);
   const std::size_t only = options.sensor ? survey->sensor_named(*options.sensor) : 0;
+  require_able(*survey, {Feature::audit}, options.sensor ? std::optional(only) : std::nullopt);
+  const VisibilityOptions visibility = options_of(description.run);
 
   struct Shot {
     const SharedShots* group;

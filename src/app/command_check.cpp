@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "app/abilities.hpp"
 #include "app/commands.hpp"
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
@@ -84,8 +85,7 @@ void print_tiles(const Scene& scene) {
 /// Measures a few pings of each group of sensors, spread over their track, and extrapolates.
 void print_cost(const Survey& survey, int threads) {
   const Scene& scene = survey.scene;
-  VisibilityOptions options;
-  options.arithmetic = arithmetic_from_name(scene.description.run.arithmetic);
+  const VisibilityOptions options = options_of(scene.description.run);
   double seconds = 0;
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.pings(group), probes = std::min<std::size_t>(pings, 3);
@@ -134,7 +134,7 @@ int check_command(const CommonOptions& options) {
     return open_survey(description);
   }();
   const Scene& scene = survey->scene;
-  refuse_refraction(*survey, false);
+  require_able_to_run(*survey, false);
   print_warnings(scene.report.warnings, options.quiet);
 
   tell("scene          {}\n",

@@ -9,6 +9,7 @@
 #include <map>
 #include <tuple>
 
+#include "app/abilities.hpp"
 #include "app/commands.hpp"
 #include "app/coverage_file.hpp"
 #include "app/coverage_picture.hpp"
@@ -27,23 +28,6 @@ namespace tubefoot {
 namespace {
 namespace fs = std::filesystem;
 
-void refuse_what_has_no_coverage(const Survey& survey) {
-  const SceneDescription& d = survey.scene.description;
-  if (survey.scene.water->refracts())
-    throw InputError(
-        d.water.place,
-        fmt::format("the water's profile = \"{}\" refracts: each ping then sees apparent facets of "
-                    "its own, which cannot be laid over each other. Give profile = \"constant\"",
-                    d.water.profile));
-  if (survey.ground)
-    throw InputError(
-        d.refinement.place,
-        "relief that is refined anew for each shot gives each ping facets of its own, which cannot "
-        "be laid over each other: give [relief] mode = \"offline\"");
-  if (arithmetic_from_name(d.run.arithmetic) == Arithmetic::plain_double)
-    throw UsageError("coverage takes an exact arithmetic: fixed, filtered or rational, not double");
-}
-
 /// The pings that count, and what each sees.
 struct Looks {
   std::vector<CountedPing> pings;
@@ -57,11 +41,6 @@ Looks look(const Survey& survey, const CoverageOptions& options) {
     const SensorPings& sensor = survey.sensors[s];
     if (options.sensor && survey.sensor_named(*options.sensor) != s) continue;
     const std::string& name = sensor.sensor->description().name;
-    if (sensor.sensor->has_receiver_apart())
-      throw InputError(sensor.sensor->description().place,
-                       fmt::format("sensor '{}' has its receiver apart: coverage is of one apex. Leave out "
-                                   "'receiver_arm_m', or choose another with --sensor",
-                                   name));
     const PingRange range = resolved(options.pings, sensor.times_s.size());
     for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
          ++ping) {
@@ -74,8 +53,7 @@ Looks look(const Survey& survey, const CoverageOptions& options) {
       all.pings.push_back({name, ping});
     }
   }
-  VisibilityOptions visibility;
-  visibility.arithmetic = arithmetic_from_name(scene.description.run.arithmetic);
+  const VisibilityOptions visibility = options_of(scene.description.run);
   struct Buffers {
     VisibilityScratch visibility;
     TubeVisibility seen;
@@ -191,11 +169,12 @@ int coverage_command(const CoverageOptions& options) {
   else
     file.emplace(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
-  refuse_tiles(description, "coverage");
+  require_able(description, Feature::coverage);
   const auto survey = open_survey(description);
   const Scene& scene = survey->scene;
   print_warnings(scene.report.warnings, options.quiet);
-  refuse_what_has_no_coverage(*survey);
+  require_able(*survey, {Feature::coverage},
+               options.sensor ? std::optional(survey->sensor_named(*options.sensor)) : std::nullopt);
   if (options.sensor) survey->sensor_named(*options.sensor);
 
   const Looks looks = look(*survey, options);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/abilities.hpp"
 #include "app/commands.hpp"
 #include "app/footprint_file.hpp"
 #include "app/footprint_rationals.hpp"
@@ -106,12 +107,12 @@ int footprints_command(const FootprintOptions& options) {
   const FootprintFileMaker make =
       options.output.extension() == ".txt" ? nullptr : footprint_file_maker(options.output);
   const SceneDescription description = described(options);
+  const bool exact = options.rationals || options.output.extension() == ".txt";
+  if (exact) require_able(description, Feature::exact_corners);
   Places places(options, inputs_of(description));
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
-  refuse_refraction(*survey, false);
-  if (options.rationals || options.output.extension() == ".txt")
-    refuse_tiles(description, "a file of exact corners");
+  require_able(*survey, {Feature::footprints}, survey->sensor_named(options.sensor));
   std::uint64_t facets = 0;
   for (const ComponentReport& component : survey->scene.report.components) facets += component.facets;
   if (facets > std::numeric_limits<FacetId>::max())

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include "app/abilities.hpp"
 #include "app/commands.hpp"
 #include "app/refined_bed_file.hpp"
 #include "app/say.hpp"
@@ -17,7 +18,7 @@ int refine_command(const RefineOptions& options) {
     std::erase(inputs, *description.refinement.file);  // this is how it is made
   OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
-  refuse_tiles(description, "refine");
+  require_able(description, Feature::refine);
   const Scene scene = load_scene(description);
   print_warnings(scene.report.warnings, options.quiet);
   const std::unique_ptr<Ground> ground = relief_ground(scene);

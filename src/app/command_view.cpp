@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/abilities.hpp"
 #include "app/commands.hpp"
 #include "app/refraction.hpp"
 #include "app/say.hpp"
@@ -127,9 +128,8 @@ int view_command(const ViewOptions& options) {
     for (const char* name : {"stats.json", "echoes.nc", list_name}) inputs.push_back(options.scene / name);
   OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
-  refuse_tiles(description, "a view");
+  require_able(description, Feature::view);
   const auto survey = open_survey(description);
-  refuse_refraction(*survey, false);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const std::size_t sensor = options.sensor ? survey->sensor_named(*options.sensor) : 0;
   std::optional<PingRange> range;

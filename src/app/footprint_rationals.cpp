@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "app/abilities.hpp"
 #include "app/footprint_table.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
@@ -76,13 +77,7 @@ struct RationalsFile::State {
 };
 
 RationalsFile::RationalsFile(const std::filesystem::path& file, const Survey& survey, std::size_t sensor) {
-  const RunDescription& run = survey.scene.description.run;
-  if (run.arithmetic == "double")
-    throw UsageError("corners in doubles are not exact: take --arithmetic fixed, filtered or rational");
-  if (survey.scene.water->refracts())
-    throw UsageError(
-        "through water that refracts, facets are seen where rays that were computed in doubles put them: "
-        "there are no exact corners");
+  require_able(survey, {Feature::exact_corners}, sensor);
   state_.reset(new State{StreamedFile(file), survey, sensor, {}});
   state_->write(fmt::format(
       "# tubefoot exact footprints, version 1\n"

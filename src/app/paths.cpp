@@ -9,25 +9,6 @@
 
 namespace tubefoot {
 
-void refuse_bistatic(const Survey& survey, bool reference) {
-  const RunDescription& run = survey.scene.description.run;
-  for (const SensorPings& pings : survey.sensors) {
-    if (!pings.sensor->has_receiver_apart()) continue;
-    const char* trouble =
-        run.engine != "tube"           ? "needs the tube engine: the ray engine has one apex"
-        : run.arithmetic == "double"   ? "needs an exact arithmetic: fixed, filtered or rational"
-        : run.binning != "exact"       ? "needs exact binning"
-        : pings.sensor->channels() > 1 ? "has two receivers on its staff: leave out 'receiver_arm_m'"
-        : reference                    ? "cannot be certified: leave out --reference, or "
-                                         "'receiver_arm_m'"
-                                       : nullptr;
-    if (trouble != nullptr)
-      throw InputError(pings.sensor->description().place,
-                       fmt::format("sensor '{}' has its receiver apart and {}",
-                                   pings.sensor->description().name, trouble));
-  }
-}
-
 std::optional<PathSettings> path_settings(const Scene& scene, double frequency_khz) {
   const SceneDescription& d = scene.description;
   const auto& reflection = scene.material_reflection;
@@ -50,7 +31,7 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   return settings;
 }
 
-void refuse_paths(const Survey& survey, bool reference) {
+void check_paths(const Survey& survey) {
   const SceneDescription& d = survey.scene.description;
   for (const SensorPings& pings : survey.sensors) {
     const SensorDescription& sensor = pings.sensor->description();
@@ -61,16 +42,6 @@ void refuse_paths(const Survey& survey, bool reference) {
                          "'specular_loss_db' to a material, or 'scatterings = 2'");
       continue;
     }
-    const char* trouble = d.run.engine != "tube"         ? "the tube engine: rays are not mirrored"
-                          : d.run.arithmetic == "double" ? "an exact arithmetic: fixed, filtered or rational"
-                          : pings.sensor->channels() > 1 ? "a sensor with one receiver a fan"
-                          : reference     ? "a run without --reference: a certified integral has one "
-                                            "apex, a path over mirrors or two scatterings has more"
-                          : survey.ground ? "all of the bed in facets: [relief] with mode = \"offline\""
-                                          : nullptr;
-    if (trouble != nullptr)
-      throw InputError(sensor.place,
-                       fmt::format("sensor '{}': paths over mirrors need {}", sensor.name, trouble));
     if (!d.sea_surface) continue;
     for (const auto* poses : {&pings.shot_poses, &pings.receiver_poses})
       for (const Pose& pose : *poses)

@@ -12,10 +12,8 @@ namespace tubefoot {
 /// What has to be followed besides the ordinary echo: nothing in a scene without mirrors.
 std::optional<PathSettings> path_settings(const Scene& scene, double frequency_khz);
 
-/// Throws InputError unless sensors with a receiver apart are run as they can be.
-void refuse_bistatic(const Survey& survey, bool reference);
-
-/// Throws InputError unless the scene's paths can be followed.
-void refuse_paths(const Survey& survey, bool reference);
+/// Throws InputError for paths that the scene cannot have: several orders without a mirror, sensors above the
+/// sea.
+void check_paths(const Survey& survey);
 
 }  // namespace tubefoot

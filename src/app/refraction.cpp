@@ -141,31 +141,6 @@ void put_into_water(Survey& survey) {
   }
 }
 
-void refuse_refraction(const Survey& survey, bool reference) {
-  const Scene& scene = survey.scene;
-  if (!scene.water->refracts()) return;
-  const SceneDescription& d = scene.description;
-  const auto refuse = [&d](const char* what) {
-    throw InputError(d.water.place,
-                     fmt::format("the water's profile = \"{}\" refracts, and {}", d.water.profile, what));
-  };
-  const auto any = [](const auto& list, const auto& is) { return std::any_of(list.begin(), list.end(), is); };
-  const auto refuse_reference = [](const char* what) {
-    throw UsageError(fmt::format("a reference through water that refracts {}", what));
-  };
-  if (reference && any(scene.scattering, [](const auto& law) { return law != nullptr; }))
-    refuse_reference("knows Lambert's law alone: leave out --reference, or 'law' of the materials");
-  if (reference && any(scene.reflectivity, [](const auto& field) { return field != nullptr; }))
-    refuse_reference("knows no micro-texture: leave out --reference, or [[materials.reflectivity]]");
-  if (reference && survey.ground)
-    refuse_reference("needs relief that is refined once for all shots: give [relief] mode = \"offline\"");
-  if (d.sea_surface || d.paths.direct || d.paths.scatterings > 1 || d.paths.order > 1 ||
-      any(scene.material_reflection, [](double r) { return r > 0; }))
-    refuse(
-        "mirrors and further paths need even water: leave out [sea_surface], [paths] and "
-        "'specular_loss_db', or give profile = \"constant\"");
-}
-
 StraighteningSettings straightening_settings(const Survey& survey, const SharedShots& group, double reach_m) {
   const WaterDescription& keys = survey.scene.description.water;
   const double sample = sample_length_m(survey, group);

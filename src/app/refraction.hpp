@@ -18,9 +18,6 @@ double sound_speed_at(const Survey& survey, const SensorDescription& sensor, con
 /// Gives each sensor its water, where that refracts. Throws InputError for a sensor above the surface.
 void put_into_water(Survey& survey);
 
-/// Throws InputError, or UsageError for a reference, where a scene asks for what refraction cannot do.
-void refuse_refraction(const Survey& survey, bool reference);
-
 EigenrayOptions eigenray_options(const Survey& survey);
 Straightening straightening_of(const Survey& survey, const SensorPings& pings, glm::dvec3 apex_m);
 /// As the scene asks for.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/abilities.hpp"
 #include "app/build_identity.hpp"
 #include "app/own_engine.hpp"
 #include "app/partial_run.hpp"
@@ -69,12 +70,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   }
   if (options.reference) {
     request.reference_tolerance = bound_asked_for(options.tolerance);
-    if (description.run.engine != "tube")
-      throw UsageError("--reference measures footprints: it needs --engine tube");
-    if (description.run.binning != "exact")
-      throw UsageError("--reference integrates footprints: it needs --binning exact");
-    if (description.run.arithmetic == "double")
-      throw UsageError("--reference needs an exact arithmetic: fixed, filtered or rational, not double");
+    require_able(description.run, Feature::reference);
   }
   return request;
 }

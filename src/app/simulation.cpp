@@ -14,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "app/abilities.hpp"
 #include "app/own_engine.hpp"
 #include "app/paths.hpp"
 #include "app/progress.hpp"
@@ -349,25 +350,10 @@ struct PingSimulation::Parts {
 
 PingSimulation::PingSimulation(const Survey& survey, std::optional<double> reference_tolerance)
     : survey_(survey), reference_tolerance_(reference_tolerance) {
-  for (const SensorPings& pings : survey.sensors)
-    if (survey.own_engine && pings.sensor->channels() > 1)
-      throw UsageError(fmt::format("'{}' has two receivers, whose phases engine '{}' does not compute",
-                                   pings.sensor->description().name, survey.own_engine->name));
-    else if (reference_tolerance && pings.sensor->channels() > 1)
-      throw UsageError(
-          fmt::format("'{}' has two receivers, whose phases no reference certifies: leave the sensor out",
-                      pings.sensor->description().name));
-  refuse_refraction(survey, reference_tolerance.has_value());
-  refuse_bistatic(survey, reference_tolerance.has_value());
-  if (const auto material = material_without_enclosure(survey.scene.reflectivity);
-      reference_tolerance && material)
-    throw UsageError(fmt::format("the micro-texture of material '{}' is one that no reference encloses",
-                                 survey.scene.description.materials[*material].name));
-  refuse_paths(survey, reference_tolerance.has_value());
+  require_able_to_run(survey, reference_tolerance.has_value());
   parts_ = std::make_unique<Parts>(
       Parts{ShotGround(survey), {}, binning_from_name(survey.scene.description.run.binning), {}, {}});
   if (survey.is_tiled()) {
-    if (survey.own_engine) refuse_tiles(survey.scene.description, "an engine of one's own");
     parts_->by_regions = std::make_unique<RegionalSimulation>(survey, reference_tolerance);
     return;
   }

@@ -12,6 +12,7 @@
 #include <optional>
 #include <set>
 
+#include "app/paths.hpp"
 #include "app/refraction.hpp"
 #include "app/shot_ground.hpp"
 #include "app/tiles_in_view.hpp"
@@ -235,15 +236,6 @@ std::unique_ptr<Survey> survey_with_tiles(const Survey& survey, const TileChoice
   return part;
 }
 
-void refuse_tiles(const SceneDescription& description, const std::string& what) {
-  for (const TerrainDescription& terrain : description.terrains)
-    if (is_read_by_tiles(terrain, description))
-      throw UsageError(
-          fmt::format("{} needs all facets at once, but '{}' is read by tiles: give it a window, or load = "
-                      "\"whole\"",
-                      what, terrain.name));
-}
-
 std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
   const auto load_start = std::chrono::steady_clock::now();
   auto survey = std::make_unique<Survey>(load_scene(description));
@@ -270,6 +262,7 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
   check_places(*survey);
   cut_at_surface(*survey);
   put_into_water(*survey);
+  check_paths(*survey);
   find_shared_shots(*survey);
   return survey;
 }

@@ -107,9 +107,6 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description);
 /// InputError for a raster that can no longer be read.
 std::unique_ptr<Survey> survey_with_tiles(const Survey& survey, const TileChoice& choice);
 
-/// Throws UsageError if a scene has terrain that is read by tiles, which `what` cannot do with.
-void refuse_tiles(const SceneDescription& description, const std::string& what);
-
 /// dB per metre, one way, for a sensor's frequency in the scene's water.
 double absorption_db_per_m(const Scene& scene, const Sensor& sensor);
 

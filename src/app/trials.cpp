@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "app/abilities.hpp"
 #include "app/json_text.hpp"
 #include "app/simulation.hpp"
 #include "compare/echo_errors.hpp"
@@ -118,8 +119,7 @@ TrialScene::Choice first_pings(std::size_t count) {
 
 TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
                        std::optional<double> reference_tolerance)
-    : name_(scene_name(scene.file)),
-      survey_((refuse_tiles(scene, "a trial of settings"), open_survey(scene))) {
+    : name_(scene_name(scene.file)), survey_((require_able(scene, Feature::trial), open_survey(scene))) {
   const std::vector<TrialPings> chosen = choice(*survey_);
   double all = 0;
   for (const TrialPings& c : chosen) {
@@ -150,6 +150,11 @@ std::vector<std::string> TrialScene::silent_sensors() const {
     if (std::none_of(r.energy.begin(), r.energy.end(), [](double e) { return e > 0; }))
       names.push_back(r.sensor->description().name);
   return names;
+}
+
+std::string TrialScene::refusal_of(const EngineSetting& setting) {
+  const auto why = refused(*survey_, setting.own ? std::vector{Feature::own_engine} : asked_by(setting.run));
+  return why ? why->what : "";
 }
 
 std::vector<Recording> TrialScene::record(const EngineSetting& setting, double& seconds_a_ping) {
@@ -224,6 +229,10 @@ std::vector<Trial> all_trials(TrialScene& scene, const std::vector<EngineSetting
   for (const EngineSetting& setting : settings) {
     stop_if_wanted();
     double& last = last_seconds[setting.engine];
+    if (!scene.refusal_of(setting).empty()) {
+      step();
+      continue;
+    }
     if (setting.rays == 0 || next_rung * last <= seconds_per_trial) {
       trials.push_back(scene.run(setting, last > slow_seconds ? 1 : repeats));
       last = trials.back().seconds;

@@ -59,6 +59,8 @@ class TrialScene {
   /// Sensors that hear nothing at all in the chosen pings: errors say nothing about them.
   std::vector<std::string> silent_sensors() const;
 
+  /// Why a setting cannot compute this scene (abilities.hpp); empty if it can.
+  std::string refusal_of(const EngineSetting& setting);
   /// Runs a setting `repeats` times. The first run's energies count, and the worst sensor's errors; the
   /// median of the times, which is that of a ping, a sensor's weight being the pings it has in the scene.
   Trial run(const EngineSetting& setting, int repeats);
@@ -76,9 +78,9 @@ class TrialScene {
 /// Every setting of both engines on `beams` beams.
 std::vector<EngineSetting> builtin_settings(std::size_t beams);
 
-/// Settings on a scene, `step` called after each. A ladder of rays ends before a rung
-/// that would probably take longer than `seconds_per_trial`; slow settings are run once instead of `repeats`
-/// times. Throws Interrupted when somebody wants to stop.
+/// Settings on a scene, `step` called after each. What cannot compute it is left out. A ladder of rays ends
+/// before a rung that would probably take longer than `seconds_per_trial`; slow settings are run once instead
+/// of `repeats` times. Throws Interrupted when somebody wants to stop.
 std::vector<Trial> all_trials(
     TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats, double seconds_per_trial,
     const std::function<void()>& step = [] {});

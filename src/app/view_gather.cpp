@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "app/abilities.hpp"
 #include "app/progress.hpp"
 #include "app/sensor_law.hpp"
 #include "app/view_surroundings.hpp"
@@ -196,9 +197,7 @@ ViewData gather_view(const Survey& survey, std::size_t sensor, const std::option
                      bool quiet, const ViewLimits& limits) {
   const SensorPings& pings = survey.sensors[sensor];
   const SensorDescription& description = pings.sensor->description();
-  if (pings.sensor->has_receiver_apart())
-    throw UsageError(fmt::format("sensor '{}' has its receiver apart: a view shows what one place sees",
-                                 description.name));
+  require_able(survey, {Feature::view}, sensor);
   Gatherer gatherer(survey, sensor, limits);
   ViewData& view = gatherer.view;
   const Scene& scene = survey.scene;

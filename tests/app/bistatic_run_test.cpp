@@ -171,7 +171,7 @@ TEST(BistaticRun, SaysWhatItCannotDo) {
     return outcome.err;
   };
   EXPECT_THAT(refusal({"--engine", "ray"}),
-              HasSubstr("'down' has its receiver apart and needs the tube engine"));
+              HasSubstr("'down' has its receiver apart, and needs the tube engine"));
   EXPECT_THAT(refusal({"--arithmetic", "double"}), HasSubstr("needs an exact arithmetic"));
   EXPECT_THAT(refusal({"--binning", "centroid"}), HasSubstr("needs exact binning"));
   EXPECT_THAT(refusal({"--reference"}), HasSubstr("cannot be certified"));
