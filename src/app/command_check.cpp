@@ -8,6 +8,7 @@
 
 #include "app/commands.hpp"
 #include "app/refraction.hpp"
+#include "app/run_steps.hpp"
 #include "app/say.hpp"
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
@@ -132,6 +133,7 @@ int check_command(const CommonOptions& options) {
   const Scene& scene = survey->scene;
   refuse_refraction(*survey, false);
   print_warnings(scene.report.warnings, options.quiet);
+  print_warnings(files_left_out(*survey), options.quiet);
 
   tell("scene          {}\n",
        shown_line(description.title.empty() ? description.file.string() : description.title));

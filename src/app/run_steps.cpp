@@ -44,6 +44,12 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
         fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
 }
 
+RunContext context_of(const Survey& survey) {
+  const SceneDescription& description = survey.scene.description;
+  return {survey.scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
+          description.water, description.title};
+}
+
 }  // namespace
 
 RunRequest requested(const RunOptions& options, SceneDescription& description) {
@@ -140,10 +146,7 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
                                                       const std::vector<Recording>& recordings,
                                                       const std::optional<double>& reference_tolerance,
                                                       std::vector<std::string>& warnings) {
-  const SceneDescription& description = survey.scene.description;
-  const RunDescription& run = description.run;
-  const RunContext context{survey.scene.frame, *unix_time_s(run.start_utc), run.seed, description.water,
-                           description.title};
+  const RunContext context = context_of(survey);
   write_echoes(folder / "echoes.nc", recordings, provenance_of(survey, reference_tolerance));
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
