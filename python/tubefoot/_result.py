@@ -43,9 +43,15 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "sensor_position": (("ping", "xyz"), "m", "position of the sensor in the local frame: east, north, up"),
     "sensor_attitude": (("ping", "wxyz"), "1", "quaternion w, x, y, z that turns the sensor's axes (x starboard, y "
                         "forward, z up) into the local frame"),
-    "sensor_heading": (("ping",), "degree", "heading of the sensor's forward axis, clockwise from north"),
+    "sensor_heading": (("ping",), "degree", "heading of the sensor's forward axis, clockwise from the local frame's "
+                       "north"),
     "sensor_pitch": (("ping",), "degree", "pitch of the sensor, forward axis up positive"),
     "sensor_roll": (("ping",), "degree", "roll of the sensor, starboard down positive"),
+    # Of a scene with a place on Earth.
+    "sensor_longitude": (("ping",), "degrees_east", "longitude of the sensor on WGS 84"),
+    "sensor_latitude": (("ping",), "degrees_north", "latitude of the sensor on WGS 84"),
+    "sensor_height": (("ping",), "m", "height of the sensor, up positive, as the scene's heights count"),
+    "sensor_true_heading": (("ping",), "degree", "heading of the sensor's forward axis, clockwise from true north"),
 }
 _COORDINATES = ("ping_time", "slant_range", "slant_range_bounds", "two_way_travel_time", "beam_azimuth",
                 "beam_elevation", "beam_azimuth_width", "beam_elevation_width")

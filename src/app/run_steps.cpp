@@ -137,8 +137,21 @@ Provenance provenance_of(const Survey& survey, const std::optional<double>& refe
   const SceneDescription& description = survey.scene.description;
   const RunDescription& run = description.run;
   const std::string arithmetic = survey.own_engine ? "own" : run.engine == "tube" ? run.arithmetic : "float";
-  return {description.title, description.sha256, engine_name(survey),
-          arithmetic,        TUBEFOOT_VERSION,   reference_tolerance};
+  return {description.title, description.sha256,  engine_name(survey), arithmetic,
+          TUBEFOOT_VERSION,  reference_tolerance, run.start_utc,       survey.scene.frame};
+}
+
+std::vector<std::string> files_left_out(const Survey& survey) {
+  const RunContext context = context_of(survey);
+  std::vector<std::string> warnings;
+  for (const SensorPings& pings : survey.sensors) {
+    Recording recording;
+    recording.sensor = pings.sensor.get();
+    recording.ping_time_s = pings.times_s;
+    recording.sound_speed_m_s = pings.sound_speed_m_s;
+    for (std::string& warning : files_left_out(recording, context)) warnings.push_back(std::move(warning));
+  }
+  return warnings;
 }
 
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
