@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/earth_place.hpp"
 
+#include <fmt/format.h>
+
 #include <GeographicLib/Geodesic.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
 #include <algorithm>
@@ -53,6 +55,26 @@ std::vector<EarthPlace> on_earth(const LocalFrame& frame, std::span<const glm::d
     places.push_back({*at, glm::dmat3(east, north, up)});
   }
   return places;
+}
+
+std::optional<std::string> scale_warning(const LocalFrame& frame) {
+  if (!frame.is_georeferenced() || frame.is_tangent()) return std::nullopt;
+  EarthPlace origin;
+  try {
+    const glm::dvec3 zero(0);
+    origin = on_earth(frame, {&zero, 1}, {}).front();
+  } catch (const InputError&) {
+    return std::nullopt;  // whatever needs a place there says so
+  }
+  constexpr double tolerated = 0.01;
+  const double east = 1 / glm::length(origin.to_east_north_up[0]),
+               north = 1 / glm::length(origin.to_east_north_up[1]);
+  if (std::abs(east - 1) <= tolerated && std::abs(north - 1) <= tolerated) return std::nullopt;
+  return fmt::format(
+      "the map of the scene is not true to scale: at its origin ({:.4f} N, {:.4f} E) it draws a metre to the "
+      "east as {:.4g} m and one to the north as {:.4g} m; ranges, areas and energies are those of the map: "
+      "carry the data to a map of the place first, such as its UTM zone (gdalwarp -t_srs EPSG:...)",
+      origin.lon_lat_height.y, origin.lon_lat_height.x, east, north);
 }
 
 glm::dvec3 east_north_up_between(glm::dvec3 from, glm::dvec3 to) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <glm/mat3x3.hpp>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "scene/georeference.hpp"
@@ -27,6 +29,10 @@ struct EarthPlace {
 /// LocalFrame::to_lon_lat does, also for points 100 m around those that are given.
 std::vector<EarthPlace> on_earth(const LocalFrame& frame, std::span<const glm::dvec3> points,
                                  const SourcePlace& place);
+
+/// What to say of a frame whose map draws a metre at its origin more than a hundredth longer or shorter than
+/// it is: all that a sonar hears there is of a world too large or too small.
+std::optional<std::string> scale_warning(const LocalFrame& frame);
 
 /// The way from one place (longitude, latitude, height) to another: along the shortest line on the ellipsoid
 /// [m], as far to the east and north as the direction in which it leaves says; and the difference of heights.

@@ -77,7 +77,7 @@ TEST(EarthPlace, MeridiansOfAPolarMapAreItsRadii) {
   } polar[] = {{"EPSG:3413", 84, -45, 1},
                {"EPSG:5041", 88, 0, 1},
                {"EPSG:3031", -77, 0, -1},
-               {"+proj=laea +lat_0=90 +lon_0=-45 +datum=WGS84 +units=m", 71, -45, 1}};
+               {"+proj=stere +lat_0=90 +lat_ts=60 +lon_0=-45 +datum=WGS84 +units=m", 71, -45, 1}};
   for (const auto& map : polar)
     for (const double longitude : {-45.0, 0.0, 77.5, 170.0, -120.0}) {
       const LocalFrame pole = LocalFrame::projected(map.crs, 0, 0, 0, kPlace);
@@ -126,6 +126,18 @@ TEST(EarthPlace, OfATangentFrameLeansWithTheDistance) {
       EXPECT_NEAR(place.to_east_north_up[row][column], m[std::size_t(3 * row + column)], 2e-9);
   EXPECT_GT(std::abs(convergence_deg(place)), 0.4) << "20 km east at 70 degrees";
   EXPECT_NEAR(place.lon_lat_height.z, height, 1e-6);
+}
+
+TEST(EarthPlace, AMapOutOfScaleIsWarnedOf) {
+  EXPECT_FALSE(scale_warning(LocalFrame()));
+  EXPECT_FALSE(scale_warning(LocalFrame::at_lat_lon(60, 10, 0)));
+  EXPECT_FALSE(scale_warning(LocalFrame::projected("EPSG:32633", 614000, 7770000, 0, kPlace)));
+  EXPECT_FALSE(scale_warning(LocalFrame::projected("EPSG:5041", 2000000, 2000000, 0, kPlace))) << "0.994";
+  const auto warning = scale_warning(LocalFrame::projected("EPSG:3857", 1.2e6, 8.4e6, 0, kPlace));
+  ASSERT_TRUE(warning);
+  // 6378137 m over the parallel's radius and over that of the meridian times the latitude's cosine.
+  EXPECT_NE(warning->find("(60.0012 N, 10.7798 E)"), std::string::npos) << *warning;
+  EXPECT_NE(warning->find("east as 1.995 m and one to the north as 1.998 m"), std::string::npos) << *warning;
 }
 
 TEST(EarthPlace, WaysBetweenPlacesLeadBack) {
