@@ -145,7 +145,7 @@ class SensorResult:
         return self._values["beam_elevation"]
 
     def to_xarray(self) -> xarray.Dataset:
-        """A dataset laid out as echoes.nc: its dimensions, names, ``units`` and ``long_name``.
+        """A dataset laid out as echoes.nc: its dimensions, names, ``units`` and ``long_name``; ``ping_utc`` as dates.
 
         What describes pings, beams and samples are coordinates, energies and poses are data. Energies are not copied.
         Needs xarray (Debian: python3-xarray).
@@ -158,7 +158,12 @@ class SensorResult:
                 variables[name] = (dimensions, self._values[name], {"units": units, "long_name": long_name})
         coordinates = {name: variables.pop(name) for name in _COORDINATES}
         coordinates["slant_range"][2]["bounds"] = "slant_range_bounds"
-        return xarray.Dataset(variables, coordinates, {**self._native.file_attributes(), **self._attributes})
+        attributes = {**self._native.file_attributes(), **self._attributes}
+        date = {"units": f"seconds since {attributes['start_utc']}", "calendar": "standard", "standard_name": "time",
+                "long_name": "date and time of the transmission"}
+        dates = xarray.decode_cf(xarray.Dataset({"ping_utc": (("ping",), self._values["ping_time"], date)}))
+        coordinates["ping_utc"] = dates["ping_utc"].variable
+        return xarray.Dataset(variables, coordinates, attributes)
 
     def __repr__(self) -> str:
         pings, beams, samples = self.energy.shape
