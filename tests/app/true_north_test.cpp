@@ -7,6 +7,7 @@
 #include <netcdf.h>
 
 #include <GeographicLib/Geodesic.hpp>
+#include <GeographicLib/LocalCartesian.hpp>
 #include <GeographicLib/UTMUPS.hpp>
 #include <cmath>
 #include <map>
@@ -26,13 +27,15 @@ constexpr double degree = std::numbers::pi / 180, sound_speed_m_s = 1500;
 
 /// A map, a place on it, and what a direction on it is from true north, by the map's own law.
 struct Map {
-  const char *name, *crs;
+  const char *name, *crs;  ///< no CRS: tangent to the Earth
   double easting, northing;
-  double (*true_heading_deg)(double map_heading_deg, double longitude_deg, double latitude_deg);
-  bool true_to_scale;  ///< to 3 parts in 10^4 there
+  double (*true_heading_deg)(double map_heading_deg, double down_deg, double longitude_deg,
+                             double latitude_deg);
+  bool true_to_scale;                  ///< to 3 parts in 10^4 there, and level
+  double away_east_m = 0, rise_m = 0;  ///< of the scene from the frame's origin; above a height of the frame
 };
 
-double on_utm(double heading_deg, double longitude_deg, double latitude_deg) {
+double on_utm(double heading_deg, double, double longitude_deg, double latitude_deg) {
   int zone = 0;
   bool north = false;
   double x = 0, y = 0, gamma_deg = 0, k = 0;
@@ -40,16 +43,29 @@ double on_utm(double heading_deg, double longitude_deg, double latitude_deg) {
   return heading_deg + gamma_deg;
 }
 
-double on_conic(double heading_deg, double longitude_deg, double) {
+double on_conic(double heading_deg, double, double longitude_deg, double) {
   return heading_deg + (longitude_deg + 95) * std::sin(70 * degree);
 }
 
 /// Its formulas are a sphere's: a metre to the north is drawn longer than one to the east, as the radii of
 /// curvature have it, and no direction but the four is kept.
-double on_web_mercator(double heading_deg, double, double latitude_deg) {
+double on_web_mercator(double heading_deg, double, double, double latitude_deg) {
   const double f = 1 / 298.257223563, e2 = f * (2 - f), s = std::sin(latitude_deg * degree);
   const double north_over_east = (1 - e2) / (1 - e2 * s * s);
   return std::atan2(std::sin(heading_deg * degree), std::cos(heading_deg * degree) * north_over_east) /
+         degree;
+}
+
+/// North turns and level leans with the distance from where the plane touches.
+double on_tangent(double heading_deg, double down_deg, double longitude_deg, double latitude_deg) {
+  const GeographicLib::LocalCartesian plane(70, 18, 4);
+  double x = 0, y = 0, z = 0;
+  std::vector<double> axes(9);  // of the place, in the frame, as columns
+  plane.Forward(latitude_deg, longitude_deg, 0, x, y, z, axes);
+  const double level = std::cos(down_deg * degree), up = -std::sin(down_deg * degree),
+               east = level * std::sin(heading_deg * degree), north = level * std::cos(heading_deg * degree);
+  return std::atan2(axes[0] * east + axes[3] * north + axes[6] * up,
+                    axes[1] * east + axes[4] * north + axes[7] * up) /
          degree;
 }
 
@@ -58,7 +74,9 @@ std::vector<Map> maps() {
   const glm::dvec3 there = LocalFrame::projected(conic, 0, 0, 0, {}).from_lat_lon(70, -60, 0, {});
   return {{"the edge of a UTM zone", "EPSG:32633", 614000, 7770000, on_utm, true},
           {"a conic map", conic, there.x, there.y, on_conic, true},
-          {"Web Mercator", "EPSG:3857", 1.2e6, 8.4e6, on_web_mercator, false}};
+          {"Web Mercator", "EPSG:3857", 1.2e6, 8.4e6, on_web_mercator, false},
+          // 6396.97 km: the radius of curvature along the parallel of 70 degrees.
+          {"a tangent plane, 4 km away", "", 0, 0, on_tangent, false, 4000, 4000.0 * 4000 / (2 * 6396970)}};
 }
 
 /// A bed 30 m below height 0; two multibeams, a sidescan, a DIDSON and an ARIS sink from 5.5 to 8.5 m while
@@ -67,8 +85,7 @@ constexpr double map_heading_deg = 36.86989764584402;
 std::string scene_on(const Map& map) {
   return fmt::format(R"(
 [georeference]
-crs = "{}"
-origin_crs = [{:.6f}, {:.6f}]
+{}
 origin_height_m = 4
 [run]
 start_utc = "2024-06-01T12:00:00Z"
@@ -80,11 +97,11 @@ name = "bed"
 kind = "flat"
 width_m = 400
 length_m = 400
-centre_m = [0, 0, -34]
+centre_m = [{}, 0, -34]
 [trajectory]
 kind = "line"
-start_m = [-6, -8, -9.5]
-end_m = [6, 8, -12.5]
+start_m = [{}, -8, -9.5]
+end_m = [{}, 8, -12.5]
 speed_m_s = 5
 [[sensors]]
 name = "reson"
@@ -124,7 +141,10 @@ name = "aris"
 preset = "aris-1800"
 tilt_deg = 20
 )",
-                     map.crs, map.easting, map.northing, sound_speed_m_s);
+                     *map.crs == '\0' ? "origin_lat_lon_deg = [70, 18]"
+                                      : fmt::format("crs = \"{}\"\norigin_crs = [{:.6f}, {:.6f}]", map.crs,
+                                                    map.easting, map.northing),
+                     sound_speed_m_s, map.away_east_m, map.away_east_m - 6, map.away_east_m + 6);
 }
 
 /// Where a line of the soundings table says that a sounding is.
@@ -162,9 +182,9 @@ Place from_heading(const Place& sonar, double heading_deg, double ahead_m, doubl
 }
 
 void expect_heading(double found_deg, const Map& map, const Place& at, double tolerance_deg, const char* what,
-                    double mounted_deg = 0) {
+                    double mounted_deg = 0, double down_deg = 0) {
   const double wanted =
-      map.true_heading_deg(map_heading_deg + mounted_deg, at.longitude_deg, at.latitude_deg);
+      map.true_heading_deg(map_heading_deg + mounted_deg, down_deg, at.longitude_deg, at.latitude_deg);
   EXPECT_NEAR(std::remainder(found_deg - wanted, 360), 0, tolerance_deg) << what << " on " << map.name;
 }
 
@@ -296,7 +316,7 @@ void OnTheMaps::check_xtf() {
     PacketReader file(samples::file_content(folder / fmt::format("out/{}.xtf", sensor)), false);
     const double offset_m = file.f32(256 + 56);
     EXPECT_EQ(file.f32(240), offset_m) << "no lever between motion sensor and transducer";
-    EXPECT_NEAR(offset_m, 7, 0.1) << "half way between 5.5 and 8.5 m";
+    EXPECT_NEAR(offset_m, 7 - map.rise_m, 0.1) << "half way between 5.5 and 8.5 m";
     std::size_t ping = 0, compared = 0;
     double attitude_heave_m = 0, attitude_deg = 0;
     for (std::size_t at = 1024; at < file.size(); at += file.u32(at + 10)) {
@@ -350,27 +370,29 @@ void OnTheMaps::check_other_files() {
     expect_heading(packet.f32(212), map, {packet.f64(168), packet.f64(160), 0}, 1e-5, "sidescan");
     EXPECT_EQ(packet.f32(124), packet.f32(212));
     EXPECT_EQ(attitude_deg, packet.f32(212));
-    EXPECT_NEAR(packet.f32(192), 5.5 + 3 * 1.9 * double(pings) / 4.1, 0.3) << pings;
+    EXPECT_NEAR(packet.f32(192), 5.5 + 3 * 1.9 * double(pings) / 4.1 - map.rise_m, 0.3) << pings;
     ++pings;
   }
   EXPECT_EQ(pings, 3u);
+  const double tolerance_m = map.rise_m > 0 ? 0.01 : 1e-5;  // 6 m farther or nearer
   const camera_file::Reader ddf(folder / "out/didson.ddf"), aris(folder / "out/aris.aris");
   for (const camera_file::Reader* camera : {&ddf, &aris}) {
     const Place at{camera->number(0, "Longitude"), camera->number(0, "Latitude"), 0};
     expect_heading(camera->number(0, "Heading"), map, at, 1e-5, "camera's platform");
-    expect_heading(camera->number(0, "CompassHeading"), map, at, 1e-5, "camera", camera == &ddf ? 25 : 0);
-    EXPECT_NEAR(camera->number(0, "Depth"), 5.5, 1e-5) << "origin_height_m counts";
+    expect_heading(camera->number(0, "CompassHeading"), map, at, 1e-5, "camera", camera == &ddf ? 25 : 0, 20);
+    EXPECT_NEAR(camera->number(0, "Depth"), 5.5 - map.rise_m, tolerance_m) << "origin_height_m counts";
   }
   for (const char* sensor : {"reson", "side", "didson"}) {
     const auto echoes = [&](const char* name) {
       return values_in(folder / "out/echoes.nc", fmt::format("/{}", sensor).c_str(), name);
     };
-    EXPECT_NEAR(echoes("sensor_height")[0], -5.5, 1e-9);
+    EXPECT_NEAR(echoes("sensor_height")[0], -5.5 + map.rise_m, tolerance_m);
     const double mounted_deg = sensor == std::string("didson") ? 25 : 0;
     const auto heading = echoes("sensor_true_heading"), of_frame = echoes("sensor_heading"),
                longitude = echoes("sensor_longitude"), latitude = echoes("sensor_latitude");
     for (std::size_t ping = 0; ping < heading.size(); ++ping) {
-      expect_heading(heading[ping], map, {longitude[ping], latitude[ping], 0}, 1e-7, "echoes", mounted_deg);
+      expect_heading(heading[ping], map, {longitude[ping], latitude[ping], 0}, 1e-7, "echoes", mounted_deg,
+                     mounted_deg > 0 ? 20 : 0);
       EXPECT_NEAR(of_frame[ping], map_heading_deg + mounted_deg, 1e-9);
     }
     EXPECT_LT(
@@ -387,7 +409,7 @@ TEST_P(OnTheMaps, SoundingsFollowFromPositionAndHeadingInEveryFile) {
   check_other_files();
 }
 
-INSTANTIATE_TEST_SUITE_P(FilesOfARun, OnTheMaps, testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(FilesOfARun, OnTheMaps, testing::Values(0, 1, 2, 3));
 
 }  // namespace
 }  // namespace tubefoot
