@@ -29,6 +29,8 @@ double cycle_us(const ArisWindow& window, int samples) {
                   window.start_delay_us + static_cast<double>(samples) * window.sample_period_us + 420);
 }
 
+}  // namespace
+
 void check(const ArisHeader& header, const std::string& what) {
   ArisModel natural{};
   try {
@@ -61,8 +63,6 @@ void check(const ArisHeader& header, const std::string& what) {
   require_field(std::abs(header.water_temperature_c) <= 1000, what, "the water's temperature",
                 header.water_temperature_c, "within 1000 degrees");
 }
-
-}  // namespace
 
 ArisPingMode aris_ping_mode(int beams) {
   switch (beams) {
@@ -110,6 +110,17 @@ ArisWindow aris_window(double start_m, double length_m, int samples, double soun
   return {static_cast<std::uint32_t>(delay_us), static_cast<std::uint32_t>(period_us)};
 }
 
+std::optional<ArisWindow> nearest_aris_window(double start_m, double length_m, int samples,
+                                              double sound_speed_m_s) {
+  const double period_us = std::round(time_us(length_m, sound_speed_m_s) / samples),
+               delay_us = std::max(shortest_delay_us, std::round(time_us(start_m, sound_speed_m_s)));
+  if (!(period_us >= shortest_period_us && period_us <= longest_period_us && delay_us <= longest_delay_us))
+    return std::nullopt;
+  return ArisWindow{static_cast<std::uint32_t>(delay_us), static_cast<std::uint32_t>(period_us)};
+}
+
+bool is_aris(const SensorDescription& sensor) { return sensor.preset.starts_with("aris-"); }
+
 std::uint8_t aris_amplitude(double level_db) { return amplitude(level_db, aris_full_scale_db); }
 
 ArisFile::ArisFile(const std::filesystem::path& file, ArisHeader header)
@@ -135,6 +146,11 @@ ByteRecord ArisFile::file_header() const {
   // 352 and 356, StartFrame and EndFrame, stay 0: readers would take anything else for a part to be read.
   record.put_u32(372, 1);  // FrameInterval
   record.put_u32(384, static_cast<std::uint32_t>(std::round(header_.sound_speed_m_s)));
+  // Codes: of 5 to 15, 15 to 25 and 25 to 35 degrees; of fresh, brackish and salt water.
+  record.put_u32(396, header_.water_temperature_c < 15 ? 0 : header_.water_temperature_c < 25 ? 1 : 2);
+  record.put_u32(400, header_.salinity == ArisSalinity::fresh      ? 0
+                      : header_.salinity == ArisSalinity::brackish ? 1
+                                                                   : 2);
   record.put_u64(424, bytes());
   record.put_u32(452, header_.telephoto_lens ? 1 : 0);
   return record;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "scene/scene_description.hpp"
 #include "sensors/camera_file.hpp"
 
 // ARIS files (.aris, "DDF_05"): windows in metres and any number of samples. docs/files-ddf.md.
@@ -38,6 +39,19 @@ struct ArisWindow {
 /// The window that begins at start_m and is length_m long, both within half a range sample. Throws
 /// std::invalid_argument that says which windows are near.
 ArisWindow aris_window(double start_m, double length_m, int samples, double sound_speed_m_s);
+
+/// The nearest window that an ARIS has: whole microseconds from sample to sample, and to the first one, no
+/// earlier than it listens. None where that is another window altogether: samples longer or shorter than an
+/// ARIS's, or a first one later.
+std::optional<ArisWindow> nearest_aris_window(double start_m, double length_m, int samples,
+                                              double sound_speed_m_s);
+
+/// Whether a sensor is of one of the ARIS presets.
+bool is_aris(const SensorDescription& sensor);
+
+/// Throws std::invalid_argument, beginning with `what`, for what no ARIS file has.
+struct ArisHeader;
+void check(const ArisHeader& header, const std::string& what);
 
 /// What is the same for all frames of an ARIS file.
 struct ArisHeader {

@@ -34,6 +34,8 @@ bool disputed(const DdfHeader& camera, std::uint32_t length_code) {
                                 : long_range(camera) && length_code == 3;
 }
 
+}  // namespace
+
 void check(const DdfHeader& header, const std::string& what) {
   const int beams = header.high_resolution && !long_range(header) ? 96 : 48;
   if (header.beams != beams)
@@ -57,8 +59,6 @@ void check(const DdfHeader& header, const std::string& what) {
   require_field(std::abs(header.water_temperature_c) <= 1000, what, "the water's temperature",
                 header.water_temperature_c, "within 1000 degrees");
 }
-
-}  // namespace
 
 double ddf_window_length_m(const DdfHeader& camera, std::uint32_t length_code) {
   static constexpr std::array shortest_m{1.25, 1.125, 2.5, 2.25};  // by the two low flags, high resolution

@@ -67,6 +67,9 @@ double ddf_sample_rate_hz(double length_m, double sound_speed_m_s = 1500);
 inline constexpr double ddf_full_scale_db = 90;
 std::uint8_t ddf_amplitude(double level_db);
 
+/// Throws std::invalid_argument, beginning with `what`, for what no DIDSON file has.
+void check(const DdfHeader& header, const std::string& what);
+
 class DdfFile final : public CameraFile {
  public:
   DdfFile(const std::filesystem::path& file, DdfHeader header);

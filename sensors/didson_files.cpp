@@ -10,7 +10,7 @@
 #include "sensors/angles.hpp"
 #include "sensors/aris_file.hpp"
 #include "sensors/ddf_file.hpp"
-#include "sensors/pose_angles.hpp"
+#include "sensors/navigation.hpp"
 
 namespace tubefoot {
 namespace {
@@ -81,6 +81,38 @@ ArisHeader aris_header(const Recording& recording, const RunContext& run) {
   return header;
 }
 
+/// The format that keeps a camera's frames: an ARIS's own for one, else a DIDSON's, else an ARIS's.
+struct CameraFormat {
+  std::optional<DdfHeader> didson;
+  std::optional<ArisHeader> aris;
+  std::string why_neither;
+};
+
+CameraFormat format_of(const Recording& recording, const RunContext& run) {
+  const SensorDescription& sensor = recording.sensor->description();
+  CameraFormat format;
+  std::string reasons[2] = {"the camera is an ARIS", ""};
+  const std::string what = fmt::format("'{}'", sensor.name);
+  if (!is_aris(sensor)) try {
+      const DdfHeader header = ddf_header(recording, run);
+      check(header, what);
+      format.didson = header;
+      return format;
+    } catch (const std::invalid_argument& error) {
+      reasons[0] = error.what();
+    }
+  try {
+    const ArisHeader header = aris_header(recording, run);
+    check(header, what);
+    format.aris = header;
+  } catch (const std::invalid_argument& error) {
+    reasons[1] = error.what();
+    format.why_neither = fmt::format("no DIDSON or ARIS file is written for '{}'. DIDSON: {}. ARIS: {}",
+                                     sensor.name, reasons[0], reasons[1]);
+  }
+  return format;
+}
+
 /// Levels as received.
 class Levels {
  public:
@@ -119,58 +151,43 @@ class Levels {
   ReceiverChain receiver_;
 };
 
-CameraAttitude attitude_of(const glm::dquat& attitude) {
-  const PoseAngles angles = angles_of(attitude);
+CameraAttitude attitude_of(const PoseAngles& angles) {
   return {angles.heading_deg, angles.pitch_deg, angles.roll_deg};
 }
 
 /// All of a frame but its amplitudes.
 class Frames {
  public:
-  Frames(const Recording& recording, const RunContext& run)
-      : recording_(recording), start_(run.start_unix_s) {
-    if (!run.frame.is_georeferenced()) return;
-    for (const Pose& pose : recording.ping_pose) places_.push_back(pose.position_m);
-    run.frame.to_lon_lat(places_, recording.sensor->description().place);
-  }
+  Frames(const Recording& recording, const RunContext& run) : recording_(recording), track_(recording, run) {}
 
-  CameraFrame of(std::size_t ping) const {
+  CameraFrame of(std::size_t ping) {
     const Pose& pose = recording_.ping_pose[ping];
+    const NavigationFix& fix = track_.of(ping);
     // How the camera sits on its platform.
     const glm::dquat mounting = recording_.sensor->pose_on({}).attitude;
     const glm::dquat platform = pose.attitude * glm::inverse(mounting);
     CameraFrame frame;
-    frame.unix_time_s = start_ + recording_.ping_time_s[ping];
-    if (!places_.empty()) {
-      frame.longitude_deg = places_[ping].x;
-      frame.latitude_deg = places_[ping].y;
-    }
-    frame.platform = attitude_of(platform);
-    frame.camera = attitude_of(pose.attitude);
-    frame.velocity_m_s = glm::dot(velocity_m_s(ping), platform * forward_axis);
-    frame.depth_m = std::max(0.0, -pose.position_m.z);
+    frame.unix_time_s = fix.unix_time_s;
+    frame.longitude_deg = fix.place.lon_lat_height.x;
+    frame.latitude_deg = fix.place.lon_lat_height.y;
+    frame.platform = attitude_of(true_angles_of(platform, fix.place.to_east_north_up));
+    frame.camera = attitude_of(fix.lie);
+    frame.velocity_m_s = glm::dot(velocity_m_s(recording_, ping), platform * forward_axis);
+    frame.depth_m = std::max(0.0, -fix.place.lon_lat_height.z);
     if (ping < recording_.altitude_m.size() && std::isfinite(recording_.altitude_m[ping]))
       frame.altitude_m = recording_.altitude_m[ping];
     return frame;
   }
 
  private:
-  glm::dvec3 velocity_m_s(std::size_t ping) const {
-    const std::size_t before = ping > 0 ? ping - 1 : 0, after = std::min(ping + 1, recording_.pings() - 1);
-    const double seconds = recording_.ping_time_s[after] - recording_.ping_time_s[before];
-    if (!(seconds > 0)) return {0, 0, 0};
-    return (recording_.ping_pose[after].position_m - recording_.ping_pose[before].position_m) / seconds;
-  }
-
   const Recording& recording_;
-  double start_;
-  std::vector<glm::dvec3> places_;  // longitude, latitude [deg], height; empty: not on Earth
+  NavigationTrack track_;
 };
 
 void write_frames(CameraFile&& file, const Recording& recording, const RunContext& run,
                   double full_scale_db) {
   const Levels levels(recording, run);
-  const Frames frames(recording, run);
+  Frames frames(recording, run);
   const double top_db = levels.brightest_db();
   std::vector<std::uint8_t> codes(recording.cells());
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
@@ -186,28 +203,33 @@ void write_frames(CameraFile&& file, const Recording& recording, const RunContex
 
 }  // namespace
 
+std::vector<std::string> camera_files_left_out(const Recording& recording, const RunContext& run) {
+  const CameraFormat format = format_of(recording, run);
+  if (format.didson || format.aris) return {};
+  return {format.why_neither};
+}
+
 std::vector<fs::path> write_camera_files(const fs::path& folder, const Recording& recording,
                                          const RunContext& run, std::vector<std::string>& warnings) {
   check(recording);
   const std::string& name = recording.sensor->description().name;
-  std::string reasons[2];
+  const CameraFormat format = format_of(recording, run);
   // What a format cannot keep is an invalid argument of its writer, which leaves no file behind then.
   try {
-    const fs::path file = name + ".ddf";
-    write_frames(DdfFile(folder / file, ddf_header(recording, run)), recording, run, ddf_full_scale_db);
-    return {file};
+    if (format.didson) {
+      const fs::path file = name + ".ddf";
+      write_frames(DdfFile(folder / file, *format.didson), recording, run, ddf_full_scale_db);
+      return {file};
+    }
+    if (format.aris) {
+      const fs::path file = name + ".aris";
+      write_frames(ArisFile(folder / file, *format.aris), recording, run, aris_full_scale_db);
+      return {file};
+    }
+    warnings.push_back(format.why_neither);
   } catch (const std::invalid_argument& error) {
-    reasons[0] = error.what();
+    warnings.push_back(fmt::format("no DIDSON or ARIS file is written for '{}': {}", name, error.what()));
   }
-  try {
-    const fs::path file = name + ".aris";
-    write_frames(ArisFile(folder / file, aris_header(recording, run)), recording, run, aris_full_scale_db);
-    return {file};
-  } catch (const std::invalid_argument& error) {
-    reasons[1] = error.what();
-  }
-  warnings.push_back(fmt::format("no DIDSON or ARIS file was written for '{}'. DIDSON: {}. ARIS: {}", name,
-                                 reasons[0], reasons[1]));
   return {};
 }
 

@@ -178,7 +178,7 @@ constexpr struct {
      "mean product of the upper receiver's signal and the lower one's conjugate, imaginary part"},
 };
 
-void write_recording(EchoGroup& group, const Recording& recording) {
+void write_recording(EchoGroup& group, const Recording& recording, const Provenance& provenance) {
   const Sensor& sensor = *recording.sensor;
   const std::vector<BeamAxis>& beams = sensor.beams();
   const RangeSamples& samples = sensor.samples();
@@ -218,6 +218,12 @@ void write_recording(EchoGroup& group, const Recording& recording) {
 
   group.variable("ping_time", {ping}, "s", "time of the transmission on the scene's clock",
                  recording.ping_time_s);
+  if (!provenance.start_utc.empty()) {
+    const int time = group.variable("ping_utc", {ping}, ("seconds since " + provenance.start_utc).c_str(),
+                                    "date and time of the transmission", recording.ping_time_s);
+    group.attribute(time, "standard_name", "time");
+    group.attribute(time, "calendar", "standard");
+  }
 
   std::vector<double> centres, bounds, travel_times;
   for (int k = 0; k < samples.count; ++k) {
@@ -265,12 +271,15 @@ void write_recording(EchoGroup& group, const Recording& recording) {
                  "local frame",
                  attitudes);
   group.variable("sensor_heading", {ping}, "degree",
-                 "heading of the sensor's forward axis, clockwise from north",
+                 "heading of the sensor's forward axis, clockwise from the local frame's north",
                  column(angles, [](const PoseAngles& a) { return a.heading_deg; }));
   group.variable("sensor_pitch", {ping}, "degree", "pitch of the sensor, forward axis up positive",
                  column(angles, [](const PoseAngles& a) { return a.pitch_deg; }));
   group.variable("sensor_roll", {ping}, "degree", "roll of the sensor, starboard down positive",
                  column(angles, [](const PoseAngles& a) { return a.roll_deg; }));
+
+  for (const EarthColumn& column : earth_columns(recording, provenance))
+    group.variable(column.name, {ping}, column.units, column.long_name, column.values);
 
   group.write();
   const auto count = static_cast<std::size_t>(samples.count);
@@ -297,22 +306,17 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
   for (const Recording& r : recordings) bytes += r.energy.size_bytes() + r.energy_bound.size_bytes();
   EchoFile file(path, bytes, bytes <= most_bytes_in_memory);
   EchoGroup root(file, file.id());
-  root.attribute("title", provenance.title);
-  root.attribute("Conventions", "tubefoot-echoes-1.0");
-  root.attribute("scene_hash", provenance.scene_hash);
-  root.attribute("engine", provenance.engine);
-  root.attribute("arithmetic", provenance.arithmetic);
-  root.attribute("version", provenance.version);
-  if (provenance.reference_tolerance) root.attribute("reference_tolerance", *provenance.reference_tolerance);
+  for (const auto& [name, value] : attributes_of(provenance))
+    std::visit([&](const auto& v) { root.attribute(name, v); }, value);
   if (recordings.size() == 1) {
-    write_recording(root, recordings.front());
+    write_recording(root, recordings.front(), provenance);
   } else {
     for (const Recording& recording : recordings) {
       const std::string& name = recording.sensor->description().name;
       int id = 0;
       file.check(nc_def_grp(file.id(), name.c_str(), &id), fmt::format("define group '{}'", name));
       EchoGroup group(file, id);
-      write_recording(group, recording);
+      write_recording(group, recording, provenance);
     }
   }
   file.close();

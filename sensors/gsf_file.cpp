@@ -8,7 +8,7 @@
 namespace tubefoot {
 namespace {
 
-enum Record : std::uint32_t { kHeader = 1, kSwathPing = 2, kAttitude = 12 };
+enum Record : std::uint32_t { kHeader = 1, kSwathPing = 2, kProcessingParameters = 4, kAttitude = 12 };
 constexpr std::uint32_t has_checksum = 0x80000000;
 constexpr std::size_t largest_record = 524288;  // of the Leidos library
 constexpr std::size_t header_size = 12;
@@ -23,6 +23,7 @@ enum Subrecord : std::uint8_t {
   kMeanAmplitude = 6,
   kBeamFlags = 16,
   kScaleFactors = 100,
+  kReson8101 = 122,
 };
 
 const GsfOptions& checked(const std::filesystem::path& path, const GsfOptions& options) {
@@ -95,6 +96,39 @@ PacketBytes ping_header(const GsfPing& ping, std::int16_t beams, const FieldChec
   return data;
 }
 
+/// The library's structure for all of the 8100 series.
+void append_reson_8101(PacketBytes& data, const Reson8101Settings& settings, std::uint32_t ping_number,
+                       const FieldCheck& check) {
+  PacketBytes own(std::endian::big, 52);
+  own.put<std::uint32_t>(2, ping_number);
+  own.put<std::uint32_t>(6, settings.sonar_id);
+  own.put<std::uint16_t>(10, settings.sonar_model);
+  own.put<std::uint16_t>(12, check.integer<std::uint16_t>("frequency [kHz]", settings.frequency_khz));
+  own.put<std::uint16_t>(14, check.integer<std::uint16_t>("sound speed [m/s]", settings.sound_speed_m_s, 10));
+  own.put<std::uint16_t>(16, check.integer<std::uint16_t>("sample rate [Hz]", sample_rate_hz(settings)));
+  own.put<std::uint16_t>(18, check.integer<std::uint16_t>("ping rate [Hz]", settings.ping_rate_hz, 1e3));
+  constexpr std::uint16_t has_amplitudes = 8;
+  own.put<std::uint16_t>(20, has_amplitudes);
+  own.put<std::uint16_t>(22, check.integer<std::uint16_t>("range setting [m]", settings.range_m));
+  own.put<std::uint16_t>(24, static_cast<std::uint16_t>(check.within("power", settings.power, 0, 8)));
+  own.put<std::uint16_t>(26, gain_word(settings, check));
+  own.put<std::uint16_t>(28, check.integer<std::uint16_t>("pulse [s]", settings.pulse_s, 1e6));
+  own.put<std::uint8_t>(30, check.integer<std::uint8_t>("spreading of the gain", settings.spreading, 4));
+  own.put<std::uint8_t>(31, check.integer<std::uint8_t>("absorption [dB/km]", settings.absorption_db_per_km));
+  own.put<std::uint8_t>(
+      32, check.integer<std::uint8_t>("along-track width [deg]", settings.along_track_width_deg, 10));
+  own.put<std::uint8_t>(
+      33, check.integer<std::uint8_t>("across-track width [deg]", settings.across_track_width_deg, 10));
+  own.put<std::int16_t>(
+      35, check.integer<std::int16_t>("projector angle [deg]", settings.projector_angle_deg, 100));
+  own.put<std::int16_t>(46,
+                        check.integer<std::int16_t>("head temperature [C]", settings.head_temperature_c, 10));
+  own.put<std::uint16_t>(48,
+                         check.integer<std::uint16_t>("beam spacing [deg]", settings.beam_spacing_deg, 1e4));
+  data.append<std::uint32_t>(kReson8101 << 24 | static_cast<std::uint32_t>(own.size()));
+  data.append(own.bytes());
+}
+
 }  // namespace
 
 /// An array of a ping and how it is stored.
@@ -163,6 +197,7 @@ void GsfFile::add_ping(const GsfPing& ping) {
     }
   }
   for (const Array& array : arrays) array.append_to(data, check);
+  if (ping.reson_8101) append_reson_8101(data, *ping.reson_8101, ping.ping_number, check);
   if (data.size() > largest_record)
     check.fail(fmt::format("{} beams make a record of {} bytes, readers take at most {}", beams, data.size(),
                            largest_record));
@@ -184,6 +219,29 @@ std::vector<GsfFile::Array> GsfFile::arrays(const GsfPing& ping) const {
   // Flags need no scale; pygsf takes an array without one for 2-byte values.
   add(kBeamFlags, "flags", {ping.flags.begin(), ping.flags.end()}, {1, 0, 1}, false);
   return arrays;
+}
+
+void GsfFile::add_processing_parameters(double unix_time_s, std::span<const std::string> parameters) {
+  const FieldCheck check(fmt::format("{}: processing parameters", file_.path().string()));
+  const auto [seconds, nanoseconds] = moment(unix_time_s, check);
+  PacketBytes data(std::endian::big);
+  data.append<std::int32_t>(seconds);
+  data.append<std::int32_t>(nanoseconds);
+  data.append<std::uint16_t>(
+      check.integer<std::uint16_t>("number of parameters", static_cast<double>(parameters.size())));
+  for (const std::string& parameter : parameters) {
+    if (parameter.find('=') == std::string::npos || parameter.find('\0') != std::string::npos)
+      check.fail(fmt::format("'{}' is not of the form KEYWORD=VALUE", parameter));
+    // The Leidos library counts the zero behind a text as one of its bytes.
+    data.append<std::uint16_t>(
+        check.integer<std::uint16_t>("length of a parameter", static_cast<double>(parameter.size() + 1)));
+    data.append_zeros(parameter.size() + 1);
+    data.put_text(data.size() - parameter.size() - 1, parameter);
+  }
+  if (data.size() > largest_record)
+    check.fail(fmt::format("{} parameters make a record of {} bytes, readers take at most {}",
+                           parameters.size(), data.size(), largest_record));
+  write(kProcessingParameters, std::move(data));
 }
 
 void GsfFile::add_attitude(std::span<const GsfAttitude> attitudes) {

@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "files/streamed_file.hpp"
 #include "sensors/packet_bytes.hpp"
+#include "sensors/reson_8101.hpp"
 
 namespace tubefoot {
 
@@ -40,13 +42,13 @@ struct GsfPing {
   double heading_deg = 0;                      ///< clockwise from north, 0 to 360
   double pitch_deg = 0;                        ///< bow up, -90 to 90
   double roll_deg = 0;                         ///< starboard down, -180 to 180
-  double heave_m = 0;                          ///< up
+  double heave_m = 0;                          ///< down, as all of the format's z
   double course_deg = 0;                       ///< made good, clockwise from north, 0 to 360
   double speed_m_s = 0;                        ///< over the ground
-  double tide_m = 0;                           ///< tide corrector
-  double depth_corrector_m = 0;
-  double height_m = 0;      ///< above the ellipsoid
-  double separation_m = 0;  ///< ellipsoid to the vertical datum
+  double tide_m = 0;                           ///< tide corrector, already in the depths
+  double depth_corrector_m = 0;                ///< depth of the sonar, already in the depths
+  double height_m = 0;                         ///< above the ellipsoid
+  double separation_m = 0;                     ///< ellipsoid to the vertical datum
   double gps_tide_m = 0;
 
   std::vector<double> depth_m;         ///< down from the surface
@@ -56,6 +58,10 @@ struct GsfPing {
   std::vector<double> beam_angle_deg;  ///< from straight down, starboard positive
   std::vector<double> mean_amplitude_db;
   std::vector<std::uint8_t> flags;  ///< 0 accepted; bit 0 rejects the beam
+
+  std::optional<Reson8101Settings>
+      reson_8101{};               ///< what the sonar says of itself; of one that is no 8101, none
+  std::uint32_t ping_number = 0;  ///< goes with reson_8101
 };
 
 struct GsfAttitude {
@@ -74,6 +80,8 @@ class GsfFile {
   explicit GsfFile(const std::filesystem::path& path, const GsfOptions& options = {});
 
   void add_ping(const GsfPing& ping);
+  /// What has been done to the data that follow, "KEYWORD=VALUE" each.
+  void add_processing_parameters(double unix_time_s, std::span<const std::string> parameters);
   /// One record; times must not go back and span less than 65.5 s.
   void add_attitude(std::span<const GsfAttitude> attitudes);
 

@@ -25,47 +25,32 @@ std::size_t pings_a_block(const Recording& recording) {
   return std::clamp<std::size_t>(block_bytes / (bytes_per_sample * recording.cells()), 1, most);
 }
 
-/// Over the ground, from the ping before to the one after.
-glm::dvec3 velocity(const Recording& recording, std::size_t ping) {
-  const std::size_t before = ping > 0 ? ping - 1 : ping, after = std::min(ping + 1, recording.pings() - 1);
-  if (before == after) return glm::dvec3(0);
-  return (recording.ping_pose[after].position_m - recording.ping_pose[before].position_m) /
-         (recording.ping_time_s[after] - recording.ping_time_s[before]);
-}
-
-std::vector<PlacedPing> sounded_block(const Recording& recording, const RunContext& run,
-                                      const BottomFinder& finder, std::size_t first, std::size_t count) {
+std::vector<PlacedPing> sounded_block(const Recording& recording, const BottomFinder& finder,
+                                      std::size_t first, std::size_t count) {
   std::vector<PlacedPing> block(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     PlacedPing& placed = block[k];
     const std::size_t ping = first + k;
-    const Pose& pose = recording.ping_pose[ping];
     placed.ping = ping;
-    placed.unix_time_s = run.start_unix_s + recording.ping_time_s[ping];
-    placed.lie = angles_of(pose.attitude);
-    placed.position_m = pose.position_m;
-    const glm::dvec3 moves = velocity(recording, ping);
-    placed.speed_m_s = std::hypot(moves.x, moves.y);
-    placed.course_deg = placed.lie.heading_deg;
-    if (placed.speed_m_s > 0) placed.course_deg = std::fmod(degrees(std::atan2(moves.x, moves.y)) + 360, 360);
     placed.sounded = finder.sound(ping);
     recording.let_go(ping);
   });
   return block;
 }
 
-/// A transformation to longitude and latitude takes long to set up: one for the block.
-void place_on_earth(std::vector<PlacedPing>& block, const LocalFrame& frame, const fs::path& file) {
+/// A transformation to longitude and latitude takes long to set up: one for the block's pings, and one for
+/// its soundings.
+void place_on_earth(std::vector<PlacedPing>& block, const Recording& recording, const RunContext& run,
+                    const fs::path& file) {
+  const std::vector<NavigationFix> fixes = navigation(recording, run, block.front().ping, block.size());
   std::vector<glm::dvec3> points;
-  for (const PlacedPing& placed : block) {
-    points.push_back(placed.position_m);
+  for (const PlacedPing& placed : block)
     for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
       if (sounding) points.push_back(sounding->position_m);
-  }
-  frame.to_lon_lat(points, {file.string()});
+  run.frame.to_lon_lat(points, {file.string()});
   auto next = points.begin();
   for (PlacedPing& placed : block) {
-    placed.lon_lat_height = *next++;
+    placed.fix = fixes[placed.ping - block.front().ping];
     for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
       placed.soundings_lon_lat.push_back(sounding ? *next++
                                                   : glm::dvec3(std::numeric_limits<double>::quiet_NaN()));
@@ -86,7 +71,8 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
   std::vector<double> depths;
   for (const PlacedPing& placed : block)
     for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
-      if (sounding) depths.push_back(std::abs(placed.position_m.z - sounding->position_m.z));
+      if (sounding)
+        depths.push_back(std::abs(recording.ping_pose[placed.ping].position_m.z - sounding->position_m.z));
   std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
                    depths.end());
   double path_m = 0;
@@ -124,6 +110,36 @@ bool has_soundings(const std::vector<PlacedPing>& block) {
   });
 }
 
+/// Which formats keep a recording's places and dates.
+struct Kept {
+  bool on_earth = false, gsf = false;
+  std::vector<std::string> left_out;
+};
+
+Kept kept_of(const Recording& recording, const RunContext& run) {
+  const std::string& name = recording.sensor->description().name;
+  const double first_s = run.start_unix_s + recording.ping_time_s.front(),
+               last_s = run.start_unix_s + recording.ping_time_s.back();
+  if (!run.frame.is_georeferenced())
+    return {
+        false,
+        false,
+        {fmt::format("'{0}': {0}-sonar.nc, {0}.gsf and {0}.xtf need a place on Earth and are left out: add "
+                     "[georeference]",
+                     name)}};
+  if (first_s < 0)
+    return {false,
+            false,
+            {fmt::format("'{0}': its first ping is before 1970, {0}-sonar.nc, {0}.gsf and {0}.xtf are left "
+                         "out: see 'start_utc' and 'first_ping_s'",
+                         name)}};
+  constexpr double gsf_ends_s = 2147483647;
+  if (last_s < gsf_ends_s) return {true, true, {}};
+  return {true,
+          false,
+          {fmt::format("'{0}': {0}.gsf is left out, its seconds end in 2038: see 'start_utc'", name)}};
+}
+
 /// All files of a recording that are open at a time.
 class MultibeamFiles {
  public:
@@ -145,7 +161,7 @@ class MultibeamFiles {
     const std::size_t size = pings_a_block(recording_);
     const auto found_from = [this, size](std::size_t first) {
       return std::async(std::launch::async, [this, size, first] {
-        return sounded_block(recording_, run_, finder_, first, std::min(size, recording_.pings() - first));
+        return sounded_block(recording_, finder_, first, std::min(size, recording_.pings() - first));
       });
     };
     std::future<std::vector<PlacedPing>> next = found_from(0);
@@ -167,34 +183,16 @@ class MultibeamFiles {
   }
 
   void open_formats() {
-    const double first_s = run_.start_unix_s + recording_.ping_time_s.front(),
-                 last_s = run_.start_unix_s + recording_.ping_time_s.back();
-    if (!run_.frame.is_georeferenced()) {
-      warnings_.push_back(
-          fmt::format("'{0}': {0}-sonar.nc, {0}.gsf and {0}.xtf need a place on Earth and are left out: add "
-                      "[georeference]",
-                      name_));
-      return;
-    }
-    if (first_s < 0) {
-      warnings_.push_back(fmt::format(
-          "'{0}': its first ping is before 1970, {0}-sonar.nc, {0}.gsf and {0}.xtf are left out: see "
-          "'start_utc' and 'first_ping_s'",
-          name_));
-      return;
-    }
+    const Kept kept = kept_of(recording_, run_);
+    warnings_.insert(warnings_.end(), kept.left_out.begin(), kept.left_out.end());
+    if (!kept.on_earth) return;
     formats_.push_back(make_sonar_netcdf(new_file("-sonar", ".nc"), recording_, run_, finder_.receiver()));
-    formats_.push_back(make_xtf(new_file("", ".xtf"), recording_));
-    constexpr double gsf_ends_s = 2147483647;
-    if (last_s < gsf_ends_s)
-      formats_.push_back(make_gsf(new_file("", ".gsf"), recording_, run_));
-    else
-      warnings_.push_back(
-          fmt::format("'{0}': {0}.gsf is left out, its seconds end in 2038: see 'start_utc'", name_));
+    formats_.push_back(make_xtf(new_file("", ".xtf"), recording_, run_));
+    if (kept.gsf) formats_.push_back(make_gsf(new_file("", ".gsf"), recording_, run_));
   }
 
   void add(std::vector<PlacedPing> block) {
-    if (run_.frame.is_georeferenced()) place_on_earth(block, run_.frame, folder_ / name_);
+    if (run_.frame.is_georeferenced()) place_on_earth(block, recording_, run_, folder_ / name_);
     if (!grid_ && has_soundings(block)) {
       const double asked_m =
           std::get<MultibeamDescription>(recording_.sensor->description().kind).grid_cell_m;
@@ -237,6 +235,10 @@ class MultibeamFiles {
 };
 
 }  // namespace
+
+std::vector<std::string> multibeam_files_left_out(const Recording& recording, const RunContext& run) {
+  return kept_of(recording, run).left_out;
+}
 
 std::vector<fs::path> write_multibeam_files(const fs::path& folder, const Recording& recording,
                                             const RunContext& run, std::vector<std::string>& warnings) {

@@ -13,4 +13,7 @@ std::vector<std::filesystem::path> write_multibeam_files(const std::filesystem::
                                                          const Recording& recording, const RunContext& run,
                                                          std::vector<std::string>& warnings);
 
+/// Which of them there will not be, and why, as far as that can be said before there are echoes.
+std::vector<std::string> multibeam_files_left_out(const Recording& recording, const RunContext& run);
+
 }  // namespace tubefoot

@@ -6,24 +6,24 @@
 #include <vector>
 
 #include "sensors/multibeam_soundings.hpp"
-#include "sensors/pose_angles.hpp"
+#include "sensors/navigation.hpp"
 
 namespace tubefoot {
 
 /// A ping and its soundings, placed on Earth.
 struct PlacedPing {
   std::size_t ping = 0;
-  double unix_time_s = 0;
-  PoseAngles lie{};
-  glm::dvec3 position_m{0};      ///< of the sensor, in the scene's frame
-  glm::dvec3 lon_lat_height{0};  ///< of the sensor: degrees on WGS 84, m
-  double course_deg = 0, speed_m_s = 0;
+  NavigationFix fix{};
   SoundedPing sounded;
-  std::vector<glm::dvec3> soundings_lon_lat;  ///< by beam; not numbers where nothing was found
+  std::vector<glm::dvec3> soundings_lon_lat;  ///< by beam, with heights; not numbers where nothing was found
+
+  /// From the sensor: along its true heading, to starboard and down, in metres on the ellipsoid. They lead
+  /// from the sensor's longitude and latitude to the sounding's, which a map's own metres do not.
+  glm::dvec3 forward_starboard_down_m(std::size_t beam) const;
 };
 
 /// A file of a multibeam recording that needs positions on Earth, written ping by ping. Heights are above the
-/// scene's height 0, which stands for the water's surface and for the ellipsoid alike.
+/// scene's height 0, which stands for the water's surface and for the ellipsoid alike; headings are true.
 class MultibeamFormat {
  public:
   virtual ~MultibeamFormat() = default;
@@ -40,6 +40,7 @@ std::unique_ptr<MultibeamFormat> make_sonar_netcdf(const std::filesystem::path& 
 std::unique_ptr<MultibeamFormat> make_gsf(const std::filesystem::path& file, const Recording& recording,
                                           const RunContext& run);
 /// XTF (sensors/xtf_file.hpp): an 8101's own packets for a fan like the 8101's, generic ones for others.
-std::unique_ptr<MultibeamFormat> make_xtf(const std::filesystem::path& file, const Recording& recording);
+std::unique_ptr<MultibeamFormat> make_xtf(const std::filesystem::path& file, const Recording& recording,
+                                          const RunContext& run);
 
 }  // namespace tubefoot

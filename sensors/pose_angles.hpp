@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <glm/mat3x3.hpp>
+
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {
@@ -14,5 +16,12 @@ struct PoseAngles {
 /// The inverse of attitude_from_angles: heading in [0, 360), pitch in [-90, 90], roll in (-180, 180].
 /// Looking straight up or down, heading and roll are one turn: all of it is called heading.
 PoseAngles angles_of(const glm::dquat& attitude);
+
+/// The same from true north and the Earth's own up, where the frame's axes lie as EarthPlace says: what goes
+/// out beside a latitude and a longitude.
+PoseAngles true_angles_of(const glm::dquat& attitude, const glm::dmat3& to_east_north_up);
+
+/// Of a direction to the east and north, clockwise from north, in [0, 360).
+double azimuth_deg(double east, double north);
 
 }  // namespace tubefoot

@@ -68,4 +68,12 @@ std::vector<std::filesystem::path> write_products(const std::filesystem::path& f
   return files;
 }
 
+std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) {
+  const auto& kind = recording.sensor->description().kind;
+  if (std::holds_alternative<DidsonDescription>(kind)) return camera_files_left_out(recording, run);
+  if (std::holds_alternative<MultibeamDescription>(kind)) return multibeam_files_left_out(recording, run);
+  if (std::holds_alternative<SidescanDescription>(kind)) return sidescan_files_left_out(recording, run);
+  return {};
+}
+
 }  // namespace tubefoot

@@ -30,4 +30,8 @@ std::vector<std::filesystem::path> write_products(const std::filesystem::path& f
                                                   const Recording& recording, const RunContext& run,
                                                   std::vector<std::string>& warnings);
 
+/// Which files a recording of those poses and times will not have, and why, as far as that can be said before
+/// there are echoes: what write_products() says then, as well.
+std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run);
+
 }  // namespace tubefoot

@@ -6,9 +6,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "geometry/stop.hpp"
+#include "scene/georeference.hpp"
 #include "sensors/sensor.hpp"
 
 namespace tubefoot {
@@ -52,7 +54,24 @@ void check(const Recording& recording);
 struct Provenance {
   std::string title, scene_hash, engine, arithmetic, version;
   std::optional<double> reference_tolerance{};  ///< of a reference run
+  std::string start_utc{};                      ///< date and time of the scene's time 0; empty: not said
+  LocalFrame frame{};                           ///< where the scene lies on Earth, if it says so
 };
+
+/// All of that, by the names that echoes.nc has it under.
+struct NamedAttribute {
+  const char* name;
+  std::variant<std::string, double> value;
+};
+std::vector<NamedAttribute> attributes_of(const Provenance& provenance);
+
+/// What echoes.nc has of every ping of a scene with a place on Earth, besides what it has of any.
+struct EarthColumn {
+  const char *name, *units, *long_name;
+  std::vector<double> values;
+};
+/// Empty without such a place. Throws InputError where a ping has none.
+std::vector<EarthColumn> earth_columns(const Recording& recording, const Provenance& provenance);
 
 /// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording: variables in the root group. Several: one
 /// group per sensor, named after it. Recordings of more than `most_bytes_in_memory` are written ping by ping,

@@ -15,13 +15,6 @@ constexpr std::uint8_t range_intensity_theta = 0x18;
 constexpr std::size_t fixed_part = 68;  // bytes before the ranges
 constexpr double counts_per_sample = 4;
 
-/// Sound comes back within 2 range / c; the count of that must stay within 16 bits. The field of the rate is
-/// 16 bits wide as well.
-double finest_sample_rate(double range_m, double sound_speed_m_s) {
-  constexpr double largest = std::numeric_limits<std::uint16_t>::max();
-  return std::min(largest, std::floor(largest * sound_speed_m_s / (counts_per_sample * 2 * range_m)));
-}
-
 void put_settings(PacketBytes& packet, const Reson8101Settings& settings, double sample_rate_hz,
                   const FieldCheck& check) {
   packet.put<std::uint32_t>(20, settings.sonar_id);
@@ -32,10 +25,7 @@ void put_settings(PacketBytes& packet, const Reson8101Settings& settings, double
   packet.put<std::uint16_t>(32, check.integer<std::uint16_t>("ping rate [Hz]", settings.ping_rate_hz, 1e3));
   packet.put<std::uint16_t>(34, check.integer<std::uint16_t>("range setting [m]", settings.range_m));
   packet.put<std::uint16_t>(36, static_cast<std::uint16_t>(check.within("power", settings.power, 0, 8)));
-  constexpr int time_varied = 1 << 14;
-  const int gain = static_cast<int>(check.within("gain", settings.gain, 1, 45));
-  packet.put<std::uint16_t>(38,
-                            static_cast<std::uint16_t>(gain | (settings.time_varied_gain ? time_varied : 0)));
+  packet.put<std::uint16_t>(38, gain_word(settings, check));
   packet.put<std::uint16_t>(40, check.integer<std::uint16_t>("pulse [s]", settings.pulse_s, 1e6));
   packet.put<std::uint8_t>(42, check.integer<std::uint8_t>("spreading of the gain", settings.spreading, 4));
   packet.put<std::uint8_t>(43,
@@ -53,6 +43,21 @@ void put_settings(PacketBytes& packet, const Reson8101Settings& settings, double
 
 }  // namespace
 
+/// Sound comes back within 2 range / c; the count of that must stay within 16 bits. The field of the rate is
+/// 16 bits wide as well.
+double sample_rate_hz(const Reson8101Settings& settings) {
+  constexpr double largest = std::numeric_limits<std::uint16_t>::max();
+  const double finest = std::min(
+      largest, std::floor(largest * settings.sound_speed_m_s / (counts_per_sample * 2 * settings.range_m)));
+  return settings.sample_rate_hz.value_or(finest);
+}
+
+std::uint16_t gain_word(const Reson8101Settings& settings, const FieldCheck& check) {
+  constexpr int time_varied = 1 << 14;
+  const int gain = static_cast<int>(check.within("gain", settings.gain, 1, 45));
+  return static_cast<std::uint16_t>(gain | (settings.time_varied_gain ? time_varied : 0));
+}
+
 std::vector<unsigned char> reson_8101_packet(const Reson8101Settings& settings, double unix_time_s,
                                              std::uint32_t ping_number,
                                              const std::vector<Reson8101Beam>& beams,
@@ -61,9 +66,7 @@ std::vector<unsigned char> reson_8101_packet(const Reson8101Settings& settings, 
   check.positive("sound speed [m/s]", settings.sound_speed_m_s);
   check.positive("range setting [m]", settings.range_m);
   if (beams.empty()) check.fail("there are no beams");
-  const double sample_rate_hz = check.positive(
-      "sample rate [Hz]",
-      settings.sample_rate_hz.value_or(finest_sample_rate(settings.range_m, settings.sound_speed_m_s)));
+  const double sample_rate_hz = check.positive("sample rate [Hz]", tubefoot::sample_rate_hz(settings));
   constexpr double latest_s = std::numeric_limits<std::uint32_t>::max();
   const double time_us = std::round(check.within("time [s since 1970]", unix_time_s, 0, latest_s) * 1e6);
   const double time_ms = std::floor(time_us / 1e3);

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sensors/packet_bytes.hpp"
+
 namespace tubefoot {
 
 /// What a RESON SeaBat 8101 says of itself with every ping. The defaults are the sonar's own where they are
@@ -21,7 +23,7 @@ struct Reson8101Settings {
   bool time_varied_gain = false;
   double spreading = 30;  ///< of the time-varied gain, 0 to 63.75
   double absorption_db_per_km = 0;
-  double along_track_width_deg = 1.5;
+  double along_track_width_deg = 1.5, across_track_width_deg = 1.5;
   double beam_spacing_deg = 1.5;  ///< stored in tenths
   double projector_angle_deg = 0;
   double head_temperature_c = 0;
@@ -36,6 +38,12 @@ struct Reson8101Settings {
   /// by a byte if the two disagree.
   bool even_quality_length = false;
 };
+
+/// Rate that ranges are counted by: what the settings say, or the highest that they leave room for.
+double sample_rate_hz(const Reson8101Settings& settings);
+
+/// Gain and how it is varied, as the sonar's own packets and others have them.
+std::uint16_t gain_word(const Reson8101Settings& settings, const FieldCheck& check);
 
 /// Quality bits of a beam; brightness and colinearity together mark a good sounding.
 enum Reson8101Quality : std::uint8_t {

@@ -52,23 +52,4 @@ Sidescan::Sidescan(const SensorDescription& description, const SidescanDescripti
   shots_.push_back(std::move(shot));
 }
 
-SensorDescription in_water(SensorDescription description, double sound_speed_m_s) {
-  auto* fan = std::get_if<SidescanDescription>(&description.kind);
-  if (!fan || !fan->sampling_frequency_khz) return description;
-  const double step_m = sound_speed_m_s / (2000 * *fan->sampling_frequency_khz);
-  const double whole = std::floor((fan->range_max_m - fan->range_min_m) / step_m * (1 + 1e-12));
-  constexpr double most = 65536;
-  if (!(whole >= 1 && whole <= most))
-    throw InputError(
-        description.place,
-        fmt::format(
-            "sensor '{}': at sampling_frequency_khz = {} and {:.1f} m/s a sample is {:.4g} m long, and "
-            "range_min_m to range_max_m hold {:.0f} of them: choose 1 to {:.0f}",
-            description.name, *fan->sampling_frequency_khz, sound_speed_m_s, step_m, whole, most));
-  fan->samples = static_cast<int>(whole);
-  fan->range_max_m = fan->range_min_m + whole * step_m;
-  fan->sampling_frequency_khz.reset();
-  return description;
-}
-
 }  // namespace tubefoot

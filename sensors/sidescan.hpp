@@ -19,9 +19,4 @@ class Sidescan : public Sensor {
   Sidescan(const SensorDescription& description, const SidescanDescription& fan);
 };
 
-/// The sensor as it is in water of that speed of sound: where a sidescan has a sampling frequency f, samples
-/// of c / (2 f) each, as many whole ones as its range holds. Any other sensor stays as it is. Throws
-/// InputError at the sensor's place where that makes none, or more than can be.
-SensorDescription in_water(SensorDescription description, double sound_speed_m_s);
-
 }  // namespace tubefoot

@@ -11,7 +11,7 @@
 
 #include "sensors/angles.hpp"
 #include "sensors/mosaic_picture.hpp"
-#include "sensors/pose_angles.hpp"
+#include "sensors/navigation.hpp"
 #include "sensors/quantisation.hpp"
 #include "sensors/scanline_picture.hpp"
 #include "sensors/sidescan_mosaic.hpp"
@@ -28,14 +28,6 @@ double track_length_m(const Recording& recording) {
   for (std::size_t k = 1; k < recording.pings(); ++k)
     length += glm::distance(recording.ping_pose[k - 1].position_m, recording.ping_pose[k].position_m);
   return length;
-}
-
-/// Speed over the ground from the places before and after.
-double speed_m_s(const Recording& recording, std::size_t ping) {
-  const std::size_t before = ping > 0 ? ping - 1 : 0, after = std::min(ping + 1, recording.pings() - 1);
-  const double seconds = recording.ping_time_s[after] - recording.ping_time_s[before];
-  const glm::dvec2 way(recording.ping_pose[after].position_m - recording.ping_pose[before].position_m);
-  return seconds > 0 ? glm::length(way) / seconds : 0;
 }
 
 double altitude_m(const Recording& recording, std::size_t ping) {
@@ -90,12 +82,9 @@ class XtfRecord {
  public:
   XtfRecord(const fs::path& file, const Recording& recording, const RunContext& run, double full_scale_upa)
       : recording_(recording),
-        run_(run),
         before_(static_cast<std::size_t>(samples_before(recording))),
-        file_(file, header(recording, run, before_, full_scale_upa)) {
-    for (const Pose& pose : recording.ping_pose) places_.push_back(pose.position_m);
-    run.frame.to_lon_lat(places_, recording.sensor->description().place);
-  }
+        file_(file, header(recording, run, before_, full_scale_upa)),
+        track_(recording, run) {}
 
   static double samples_before(const Recording& recording) {
     return std::round(recording.sensor->samples().first_m / recording.sensor->samples().step_m);
@@ -104,10 +93,10 @@ class XtfRecord {
   void add(std::size_t ping, std::span<const std::uint16_t> codes) {
     const RangeSamples& samples = recording_.sensor->samples();
     const auto count = static_cast<std::size_t>(samples.count);
-    const PoseAngles angles = angles_of(recording_.ping_pose[ping].attitude);
-    const glm::dvec3& at = places_[ping];
-    const double time_s = run_.start_unix_s + recording_.ping_time_s[ping];
-    const double height_m = recording_.ping_pose[ping].position_m.z + run_.frame.origin_height_m();
+    const NavigationFix& fix = track_.of(ping);
+    const PoseAngles& angles = fix.lie;
+    const glm::dvec3& at = fix.place.lon_lat_height;
+    const double time_s = fix.unix_time_s, height_m = at.z;
 
     file_.add_attitude({time_s, angles.heading_deg, angles.pitch_deg, angles.roll_deg, 0});
     file_.add_navigation({time_s, at.x, at.y, height_m});
@@ -122,7 +111,7 @@ class XtfRecord {
     record.place.depth_m = -height_m;
     const double altitude = altitude_m(recording_, ping);
     record.place.altitude_m = std::isnan(altitude) ? 0 : altitude;
-    record.place.speed_m_s = speed_m_s(recording_, ping);
+    record.place.speed_m_s = fix.speed_m_s;
     record.slant_range_m = samples.first_m + samples.count * samples.step_m;
     port_.assign(before_, 0);
     starboard_.assign(before_, 0);
@@ -161,20 +150,16 @@ class XtfRecord {
   }
 
   const Recording& recording_;
-  const RunContext& run_;
   std::size_t before_;  ///< samples from range 0 to the first that was heard
   XtfFile file_;
-  std::vector<glm::dvec3> places_;  ///< longitude, latitude, height
+  NavigationTrack track_;
   std::vector<std::uint16_t> port_, starboard_;
 };
 
-/// Nothing, with a warning, where the recording makes no XTF file.
-std::optional<XtfRecord> open_xtf(const fs::path& file, const Recording& recording, const RunContext& run,
-                                  double full_scale_upa, std::vector<std::string>& warnings) {
-  const std::string name = file.filename().string();
+/// Why a recording makes no XTF file.
+std::optional<std::string> why_no_xtf(const Recording& recording, const RunContext& run) {
   const auto without = [&](const std::string& why) {
-    warnings.push_back(fmt::format("{} was not written: {}", name, why));
-    return std::nullopt;
+    return fmt::format("{}.xtf is not written: {}", recording.sensor->description().name, why);
   };
   if (!run.frame.is_georeferenced())
     return without("XTF holds longitude and latitude: add [georeference] to the scene");
@@ -189,7 +174,7 @@ std::optional<XtfRecord> open_xtf(const fs::path& file, const Recording& recordi
       std::minmax_element(recording.ping_time_s.begin(), recording.ping_time_s.end());
   if (run.start_unix_s + *first_s < 0 || run.start_unix_s + *last_s >= end_s)
     return without("its dates go from 1970 to 2106: change start_utc or first_ping_s");
-  return std::optional<XtfRecord>(std::in_place, file, recording, run, full_scale_upa);
+  return std::nullopt;
 }
 
 /// One row a ping, from the far end of port to the far end of starboard.
@@ -246,6 +231,11 @@ double mosaic_cell_m(const Recording& recording) {
   return tick_step(wanted, 1);
 }
 
+std::vector<std::string> sidescan_files_left_out(const Recording& recording, const RunContext& run) {
+  const std::optional<std::string> why = why_no_xtf(recording, run);
+  return why ? std::vector<std::string>{*why} : std::vector<std::string>{};
+}
+
 std::vector<fs::path> write_sidescan_files(const fs::path& folder, const Recording& recording,
                                            const RunContext& run, std::vector<std::string>& warnings) {
   const std::string& name = recording.sensor->description().name;
@@ -254,8 +244,11 @@ std::vector<fs::path> write_sidescan_files(const fs::path& folder, const Recordi
   const Amplitudes amplitudes(recording, run);
   const Quantiser all = Quantiser::xtf_amplitude(amplitudes.largest_upa()),
                   visible = Quantiser::xtf_amplitude(amplitudes.white_upa());
-  std::optional<XtfRecord> xtf =
-      open_xtf(folder / xtf_file, recording, run, amplitudes.largest_upa(), warnings);
+  std::optional<XtfRecord> xtf;
+  if (const auto why = why_no_xtf(recording, run))
+    warnings.push_back(*why);
+  else
+    xtf.emplace(folder / xtf_file, recording, run, amplitudes.largest_upa());
   ScanlinePicture picture(folder / waterfall, static_cast<int>(recording.cells()),
                           static_cast<int>(recording.pings()),
                           waterfall_spec(recording, amplitudes.white_upa()));

@@ -24,4 +24,7 @@ std::vector<std::filesystem::path> write_sidescan_files(const std::filesystem::p
 /// four million cells.
 double mosaic_cell_m(const Recording& recording);
 
+/// Which of them there will not be, and why, as far as that can be said before there are echoes.
+std::vector<std::string> sidescan_files_left_out(const Recording& recording, const RunContext& run);
+
 }  // namespace tubefoot

@@ -16,7 +16,8 @@ constexpr const char* sensor_group = "001";  // the platform has one sensor of e
 }  // namespace
 
 void SonarNetcdfBuilder::root() {
-  root_.attribute("Conventions", "CF-1.7, SONAR-netCDF4-2.0, ACDD-1.3");
+  // SONAR-netCDF4 puts "CF-1.7" here and asks for what CF has not: groups, lists of lists, levels in "dB".
+  root_.attribute("Conventions", "SONAR-netCDF4-2.0, ACDD-1.3");
   root_.attribute("sonar_convention_authority", "ICES");
   root_.attribute("sonar_convention_name", "SONAR-netCDF4");
   root_.attribute("sonar_convention_version", "2.0");

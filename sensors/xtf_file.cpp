@@ -27,8 +27,7 @@ constexpr double full_scale_volts = 5;
 /// A moment as XTF writes it, cut to whole microseconds.
 struct Moment {
   std::uint32_t epoch_s = 0, microseconds = 0;
-  /// Milliseconds on one clock for all packets: since 1970, modulo 2^32 (wraps once in 49.7 days).
-  std::uint32_t tag_ms = 0;
+  std::int64_t since_1970_ms = 0;
   std::uint16_t year = 0, day_of_year = 0;
   std::uint8_t month = 0, day = 0, hour = 0, minute = 0, second = 0;
 };
@@ -46,7 +45,7 @@ Moment moment(double unix_time_s, const FieldCheck& check) {
   Moment result;
   result.epoch_s = static_cast<std::uint32_t>(floor<seconds>(since_1970).count());
   result.microseconds = static_cast<std::uint32_t>(clock.subseconds().count());
-  result.tag_ms = static_cast<std::uint32_t>(floor<milliseconds>(since_1970).count());
+  result.since_1970_ms = floor<milliseconds>(since_1970).count();
   result.year = static_cast<std::uint16_t>(int(date.year()));
   result.month = static_cast<std::uint8_t>(unsigned(date.month()));
   result.day = static_cast<std::uint8_t>(unsigned(date.day()));
@@ -137,6 +136,9 @@ PacketBytes file_header(const std::filesystem::path& path, const XtfHeader& head
   packet.put<std::uint16_t>(164, header.navigation == XtfNavigation::kDegrees ? 3 : 0);
   packet.put<std::uint16_t>(166, header.sidescan ? 2 : 0);
   packet.put<std::uint16_t>(168, header.bathymetry ? 1 : 0);
+  packet.put<float>(232, check.real("motion sensor forward [m]", header.motion_forward_m));
+  packet.put<float>(236, check.real("motion sensor to starboard [m]", header.motion_starboard_m));
+  packet.put<float>(240, check.real("motion sensor down [m]", header.motion_down_m));
   if (header.sidescan) {
     check.within("largest number of samples", header.sidescan->max_samples, 1, 1 << 28);
     put_channel(packet, 0, kPort, "PORT", header.sidescan->port, header, check);
@@ -230,7 +232,7 @@ void XtfFile::add_attitude(const XtfAttitude& attitude) {
   packet.put<float>(30, check.real("pitch [deg]", attitude.pitch_deg));
   packet.put<float>(34, check.real("roll [deg]", attitude.roll_deg));
   packet.put<float>(38, check.real("heave [m]", attitude.heave_m));
-  packet.put<std::uint32_t>(46, time.tag_ms);
+  packet.put<std::uint32_t>(46, tag_ms(time.since_1970_ms));
   packet.put<float>(50, check.real("heading [deg]", attitude.heading_deg));
   put_date(packet, 54, time);
   packet.put<std::uint16_t>(61, static_cast<std::uint16_t>(time.microseconds / 1000));
@@ -245,7 +247,7 @@ void XtfFile::add_navigation(const XtfFix& fix) {
   put_date(packet, 14, time);
   packet.put<std::uint32_t>(21, time.microseconds);
   packet.put<std::uint32_t>(25, time.epoch_s);
-  packet.put<std::uint32_t>(29, time.tag_ms);
+  packet.put<std::uint32_t>(29, tag_ms(time.since_1970_ms));
   packet.put<double>(33, fix.y);
   packet.put<double>(41, fix.x);
   packet.put<double>(49, check.real("altitude [m]", fix.altitude_m));
@@ -278,7 +280,17 @@ void XtfFile::check_position(double x, double y, const FieldCheck& check) const 
   check.within(degrees ? "latitude [deg]" : "northing [m]", y, degrees ? -90 : -huge, degrees ? 90 : huge);
 }
 
-void XtfFile::put_place(PacketBytes& packet, const XtfPlace& place, const FieldCheck& check) const {
+/// Milliseconds on one clock for all packets, from midnight of the day before the first one's. MB-System
+/// reads some tags as signed, and one that is 0 may stand for none: tags lie between 2^31 and 0, for lines of
+/// up to 22 days. After that, the clock begins anew.
+std::uint32_t XtfFile::tag_ms(std::int64_t since_1970_ms) {
+  constexpr std::int64_t day_ms = 86'400'000, wraps_ms = std::int64_t{1} << 31;
+  if (!clock_begin_ms_) clock_begin_ms_ = since_1970_ms / day_ms * day_ms - day_ms;
+  const std::int64_t tag = (since_1970_ms - *clock_begin_ms_) % wraps_ms;
+  return static_cast<std::uint32_t>(tag < 0 ? tag + wraps_ms : tag);
+}
+
+void XtfFile::put_place(PacketBytes& packet, const XtfPlace& place, const FieldCheck& check) {
   const Moment time = moment(place.unix_time_s, check);
   check_position(place.x, place.y, check);
   check_attitude(place.heading_deg, place.pitch_deg, place.roll_deg, check);
@@ -307,13 +319,12 @@ void XtfFile::put_place(PacketBytes& packet, const XtfPlace& place, const FieldC
   packet.put<float>(208, check.real("roll [deg]", place.roll_deg));
   packet.put<float>(212, heading_deg);
   packet.put<float>(216, check.real("heave [m]", place.heave_m));
-  packet.put<std::uint32_t>(224, time.tag_ms);
-  packet.put<std::uint32_t>(232, time.tag_ms);
+  packet.put<std::uint32_t>(224, tag_ms(time.since_1970_ms));
+  packet.put<std::uint32_t>(232, tag_ms(time.since_1970_ms));
   put_clock(packet, 236, time);
 }
 
-PacketBytes XtfFile::bathymetry_packet(std::uint8_t type, const XtfPlace& place,
-                                       const FieldCheck& check) const {
+PacketBytes XtfFile::bathymetry_packet(std::uint8_t type, const XtfPlace& place, const FieldCheck& check) {
   if (!header_.bathymetry) check.fail("the file header has no bathymetry");
   PacketBytes packet = started(static_cast<PacketType>(type), ping_header_size);
   put_place(packet, place, check);

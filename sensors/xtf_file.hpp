@@ -46,6 +46,8 @@ struct XtfHeader {
   std::optional<XtfChannel> bathymetry{};  ///< the channel after them
   /// The frequency of a channel in the file header is in kHz in the files seen; MB-System says Hz.
   bool channel_frequency_in_hz = false;
+  /// Where the motion sensor sits on the carrier: readers work out what heave a sonar elsewhere has.
+  double motion_starboard_m = 0, motion_forward_m = 0, motion_down_m = 0;
 };
 
 /// Where the sonar is and how it lies at a ping.
@@ -57,7 +59,7 @@ struct XtfPlace {
   double heading_deg = 0;  ///< clockwise from north, 0 to 360
   double pitch_deg = 0;    ///< bow up, -90 to 90
   double roll_deg = 0;     ///< starboard down, -180 to 180
-  double heave_m = 0;      ///< up
+  double heave_m = 0;      ///< up, from where the header has the sonar
   double depth_m = 0;      ///< of the sonar below the surface
   double altitude_m = 0;   ///< of the sonar above the bottom; 0 or more
   double speed_m_s = 0;    ///< over the ground; 0 or more
@@ -119,13 +121,15 @@ class XtfFile {
   XtfFile(std::filesystem::path path, XtfHeader header, const PacketBytes& file_header);
   FieldCheck check(std::string_view packet, std::uint32_t number) const;
   FieldCheck check(std::string_view packet, double unix_time_s) const;
-  void put_place(PacketBytes& packet, const XtfPlace& place, const FieldCheck& check) const;
+  void put_place(PacketBytes& packet, const XtfPlace& place, const FieldCheck& check);
+  std::uint32_t tag_ms(std::int64_t since_1970_ms);
   void check_position(double x, double y, const FieldCheck& check) const;
-  PacketBytes bathymetry_packet(std::uint8_t type, const XtfPlace& place, const FieldCheck& check) const;
+  PacketBytes bathymetry_packet(std::uint8_t type, const XtfPlace& place, const FieldCheck& check);
   void write_padded(PacketBytes packet, const FieldCheck& check);
 
   XtfHeader header_;
   StreamedFile file_;
+  std::optional<std::int64_t> clock_begin_ms_{};  ///< of the time tags, since 1970
 };
 
 }  // namespace tubefoot

@@ -156,6 +156,9 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
   arrays["sensor_pitch"] = array_of(pitch);
   arrays["sensor_roll"] = array_of(roll);
   arrays["altitude"] = view_of<double>(r.altitude_m, self);
+  const Provenance& provenance = self.cast<const NativeResult&>().provenance;
+  for (const EarthColumn& column : earth_columns(r, provenance))
+    arrays[column.name] = array_of(column.values);
   return arrays;
 }
 
@@ -200,15 +203,8 @@ py::dict attributes_of(const NativeResult& self, std::size_t sensor) {
 }
 
 py::dict file_attributes(const NativeResult& self) {
-  const Provenance& p = self.provenance;
   py::dict attributes;
-  attributes["title"] = p.title;
-  attributes["Conventions"] = "tubefoot-echoes-1.0";
-  attributes["scene_hash"] = p.scene_hash;
-  attributes["engine"] = p.engine;
-  attributes["arithmetic"] = p.arithmetic;
-  attributes["version"] = p.version;
-  if (p.reference_tolerance) attributes["reference_tolerance"] = *p.reference_tolerance;
+  for (const auto& [name, value] : tubefoot::attributes_of(self.provenance)) attributes[name] = value;
   return attributes;
 }
 

@@ -96,6 +96,23 @@ def test_datasets_are_laid_out_as_the_file(scene, folder):
         assert dataset["energy"].dims == ("ping", "beam", "sample") and dataset["energy"].units == "J"
 
 
+def test_datasets_of_a_place_on_earth_say_where_and_when(folder):
+    path = folder / "placed.toml"
+    path.write_text((folder / "scene.toml").read_text()
+                    + '[georeference]\ncrs = "EPSG:32633"\norigin_crs = [614000, 7770000]\n')
+    result = tubefoot.run(tubefoot.load(path), output=folder / "placed")
+    with xarray.open_dataset(folder / "placed" / "echoes.nc", group="side", decode_coords=False) as file:
+        dataset = result["side"].to_xarray()
+        for name in ("sensor_longitude", "sensor_latitude", "sensor_height", "sensor_true_heading", "ping_utc"):
+            xarray.testing.assert_identical(dataset.reset_coords()[name].variable, file[name].variable)
+    assert dataset.ping_utc.values[0] == np.datetime64("2000-01-01") + np.timedelta64(
+        round(1e9 * float(dataset.ping_time[0])), "ns")
+    # Meridians converge at the zone's edge.
+    turned = dataset.sensor_true_heading - dataset.sensor_heading
+    assert np.allclose(np.mod(turned, 360), 2.8, atol=0.02)
+    assert "UTM zone 33N" in dataset.attrs["map_crs_wkt"]
+
+
 def test_arrays_are_the_runs_own_memory(scene):
     result = tubefoot.run(scene)
     sensor = result["camera"]

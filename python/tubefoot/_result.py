@@ -43,9 +43,15 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "sensor_position": (("ping", "xyz"), "m", "position of the sensor in the local frame: east, north, up"),
     "sensor_attitude": (("ping", "wxyz"), "1", "quaternion w, x, y, z that turns the sensor's axes (x starboard, y "
                         "forward, z up) into the local frame"),
-    "sensor_heading": (("ping",), "degree", "heading of the sensor's forward axis, clockwise from north"),
+    "sensor_heading": (("ping",), "degree", "heading of the sensor's forward axis, clockwise from the local frame's "
+                       "north"),
     "sensor_pitch": (("ping",), "degree", "pitch of the sensor, forward axis up positive"),
     "sensor_roll": (("ping",), "degree", "roll of the sensor, starboard down positive"),
+    # Of a scene with a place on Earth.
+    "sensor_longitude": (("ping",), "degrees_east", "longitude of the sensor on WGS 84"),
+    "sensor_latitude": (("ping",), "degrees_north", "latitude of the sensor on WGS 84"),
+    "sensor_height": (("ping",), "m", "height of the sensor, up positive, as the scene's heights count"),
+    "sensor_true_heading": (("ping",), "degree", "heading of the sensor's forward axis, clockwise from true north"),
 }
 _COORDINATES = ("ping_time", "slant_range", "slant_range_bounds", "two_way_travel_time", "beam_azimuth",
                 "beam_elevation", "beam_azimuth_width", "beam_elevation_width")
@@ -139,7 +145,7 @@ class SensorResult:
         return self._values["beam_elevation"]
 
     def to_xarray(self) -> xarray.Dataset:
-        """A dataset laid out as echoes.nc: its dimensions, names, ``units`` and ``long_name``.
+        """A dataset laid out as echoes.nc: its dimensions, names, ``units`` and ``long_name``; ``ping_utc`` as dates.
 
         What describes pings, beams and samples are coordinates, energies and poses are data. Energies are not copied.
         Needs xarray (Debian: python3-xarray).
@@ -152,7 +158,12 @@ class SensorResult:
                 variables[name] = (dimensions, self._values[name], {"units": units, "long_name": long_name})
         coordinates = {name: variables.pop(name) for name in _COORDINATES}
         coordinates["slant_range"][2]["bounds"] = "slant_range_bounds"
-        return xarray.Dataset(variables, coordinates, {**self._native.file_attributes(), **self._attributes})
+        attributes = {**self._native.file_attributes(), **self._attributes}
+        date = {"units": f"seconds since {attributes['start_utc']}", "calendar": "standard", "standard_name": "time",
+                "long_name": "date and time of the transmission"}
+        dates = xarray.decode_cf(xarray.Dataset({"ping_utc": (("ping",), self._values["ping_time"], date)}))
+        coordinates["ping_utc"] = dates["ping_utc"].variable
+        return xarray.Dataset(variables, coordinates, attributes)
 
     def __repr__(self) -> str:
         pings, beams, samples = self.energy.shape

@@ -10,6 +10,7 @@
 #include "app/commands.hpp"
 #include "app/progress.hpp"
 #include "app/refraction.hpp"
+#include "app/run_steps.hpp"
 #include "app/say.hpp"
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
@@ -136,6 +137,7 @@ int check_command(const CommonOptions& options) {
   const Scene& scene = survey->scene;
   require_able_to_run(*survey, false);
   print_warnings(scene.report.warnings, options.quiet);
+  print_warnings(files_left_out(*survey), options.quiet);
 
   tell("scene          {}\n",
        shown_line(description.title.empty() ? description.file.string() : description.title));

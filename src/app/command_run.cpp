@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -130,7 +131,9 @@ int run_command(const RunOptions& options) {
   refuse_changed_input(description);
   const Scene& scene = survey->scene;
   std::vector<std::string> warnings = scene.report.warnings;
+  const std::vector<std::string> left_out = files_left_out(*survey);
   print_warnings(warnings, options.quiet);
+  print_warnings(left_out, options.quiet);
 
   const Clock::time_point simulation_start = Clock::now();
   const std::shared_ptr<PingStore> store =
@@ -158,8 +161,11 @@ int run_command(const RunOptions& options) {
     const Clock::time_point write_start = Clock::now();
     std::vector<std::string> file_warnings;
     files = write_result_files(output.staging(), *survey, recordings, reference_tolerance, file_warnings);
-    print_warnings(file_warnings, options.quiet);
     warnings.insert(warnings.end(), file_warnings.begin(), file_warnings.end());
+    std::erase_if(file_warnings, [&](const std::string& warning) {
+      return std::ranges::find(left_out, warning) != left_out.end();
+    });
+    print_warnings(file_warnings, options.quiet);
     nlohmann::ordered_json json = statistics_json(*survey, stats, reference_tolerance);
     if (identity.contains("advice")) json["tolerance"] = identity.at("advice");
     json["threads"] = limit.threads();

@@ -45,6 +45,12 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
         fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
 }
 
+RunContext context_of(const Survey& survey) {
+  const SceneDescription& description = survey.scene.description;
+  return {survey.scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
+          description.water, description.title};
+}
+
 }  // namespace
 
 RunRequest requested(const RunOptions& options, SceneDescription& description) {
@@ -127,8 +133,21 @@ Provenance provenance_of(const Survey& survey, const std::optional<double>& refe
   const SceneDescription& description = survey.scene.description;
   const RunDescription& run = description.run;
   const std::string arithmetic = survey.own_engine ? "own" : run.engine == "tube" ? run.arithmetic : "float";
-  return {description.title, description.sha256, engine_name(survey),
-          arithmetic,        TUBEFOOT_VERSION,   reference_tolerance};
+  return {description.title, description.sha256,  engine_name(survey), arithmetic,
+          TUBEFOOT_VERSION,  reference_tolerance, run.start_utc,       survey.scene.frame};
+}
+
+std::vector<std::string> files_left_out(const Survey& survey) {
+  const RunContext context = context_of(survey);
+  std::vector<std::string> warnings;
+  for (const SensorPings& pings : survey.sensors) {
+    Recording recording;
+    recording.sensor = pings.sensor.get();
+    recording.ping_time_s = pings.times_s;
+    recording.sound_speed_m_s = pings.sound_speed_m_s;
+    for (std::string& warning : files_left_out(recording, context)) warnings.push_back(std::move(warning));
+  }
+  return warnings;
 }
 
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
@@ -136,10 +155,7 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
                                                       const std::vector<Recording>& recordings,
                                                       const std::optional<double>& reference_tolerance,
                                                       std::vector<std::string>& warnings) {
-  const SceneDescription& description = survey.scene.description;
-  const RunDescription& run = description.run;
-  const RunContext context{survey.scene.frame, *unix_time_s(run.start_utc), run.seed, description.water,
-                           description.title};
+  const RunContext context = context_of(survey);
   write_echoes(folder / "echoes.nc", recordings, provenance_of(survey, reference_tolerance));
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {

@@ -40,6 +40,9 @@ std::string engine_name(const Survey& survey);
 /// What an echo file says of where it comes from.
 Provenance provenance_of(const Survey& survey, const std::optional<double>& reference_tolerance);
 
+/// Which files a run will not write, and why, as far as that can be said before it.
+std::vector<std::string> files_left_out(const Survey& survey);
+
 /// Writes everything that a result folder holds but stats.json, and returns the names. Throws
 /// std::runtime_error naming the file and what failed.
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,

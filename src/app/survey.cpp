@@ -21,7 +21,7 @@
 #include "geometry/mirror.hpp"
 #include "geometry/steps.hpp"
 #include "geometry/vertical_line.hpp"
-#include "sensors/sidescan.hpp"
+#include "sensors/in_water.hpp"
 
 namespace tubefoot {
 namespace {
@@ -249,7 +249,8 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
     SensorPings pings;
     const Trajectory& trajectory = survey->scene.trajectories[survey->scene.sensor_trajectory[s]];
     pings.sound_speed_m_s = sound_speed_at(*survey, description.sensors[s], trajectory);
-    pings.sensor = make_sensor(in_water(description.sensors[s], pings.sound_speed_m_s));
+    pings.sensor =
+        make_sensor(in_water(description.sensors[s], pings.sound_speed_m_s, &survey->scene.report.warnings));
     const double shots = static_cast<double>(pings.sensor->shots()) * description.sensors[s].pings;
     require_memory(shots * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
                        description.sensors[s].pings * (sizeof(Pose) + 2.0 * sizeof(double)),

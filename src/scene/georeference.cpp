@@ -132,15 +132,15 @@ LocalFrame LocalFrame::projected(const std::string& crs, double easting, double 
                            "frame tangent to the Earth",
                            known.GetName()));
   }
-  for (int axis = 0; axis < 2; ++axis) {
-    OGRAxisOrientation orientation = OAO_Other;
-    known.GetAxis(nullptr, axis, &orientation);
-    if (orientation == OAO_West || orientation == OAO_South) {
+  OGRAxisOrientation axes[2] = {OAO_Other, OAO_Other};
+  for (int axis = 0; axis < 2; ++axis) known.GetAxis(nullptr, axis, &axes[axis]);
+  // Of a map of a pole both axes leave towards the same side of the compass, along two of its meridians.
+  const bool polar = axes[0] == axes[1];
+  for (const OGRAxisOrientation axis : axes)
+    if (!polar && (axis == OAO_West || axis == OAO_South))
       throw InputError(
           place,
           fmt::format("{} counts towards the west or south, expected easting and northing", known.GetName()));
-    }
-  }
   LocalFrame frame;
   frame.kind_ = Kind::kProjected;
   frame.crs_ = wkt_of(known);
@@ -224,9 +224,12 @@ LocalFrame::Map LocalFrame::map() const {
     case Kind::kLocal:
       break;
     case Kind::kTangent: {
-      const std::string orthographic =
-          fmt::format("+proj=ortho +lat_0={} +lon_0={} +datum=WGS84 +units=m +no_defs", origin_.x, origin_.y);
-      return {wkt_of(crs_from(orthographic, {})), 0, 0, 1};
+      OGRSpatialReference orthographic;
+      orthographic.SetProjCS(
+          fmt::format("Tangent plane at {:.10g}, {:.10g} (WGS 84)", origin_.x, origin_.y).c_str());
+      orthographic.SetWellKnownGeogCS("WGS84");
+      orthographic.SetOrthographic(origin_.x, origin_.y, 0, 0);
+      return {wkt_of(orthographic), 0, 0, 1};
     }
     case Kind::kProjected:
       return {crs_, origin_.x, origin_.y, metres_per_unit_};

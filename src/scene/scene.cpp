@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "files/memory_at_hand.hpp"
+#include "scene/earth_place.hpp"
 #include "scene/georeference.hpp"
 #include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"
@@ -263,6 +264,7 @@ class Loader {
     build_mesh(scene);
     scene.report = std::move(report_);
     warn_about(scene);
+    if (const auto warning = scale_warning(scene.frame)) scene.report.warnings.push_back(*warning);
     return scene;
   }
 

@@ -139,7 +139,7 @@ TEST_F(CommandOutputs, RunsOutliveALogThatCannotBeWritten) {
 TEST_F(CommandOutputs, WhatCannotBePrintedIsAFailure) {
   const fs::path unprinted = folder / "unprinted";
   const std::vector<std::vector<std::string>> printing{{"run", scene, "--quiet", "-o", unprinted.string()},
-                                                       {"check", scene},
+                                                       {"check", scene, "--quiet"},
                                                        {"presets"},
                                                        {"--help"},
                                                        {"compare", echoes, echoes, "--json", "-"}};
@@ -150,7 +150,7 @@ TEST_F(CommandOutputs, WhatCannotBePrintedIsAFailure) {
     EXPECT_EQ(outcome.err, "tubefoot: cannot write to standard output: No space left on device\n");
   }
   EXPECT_EQ(bytes_of(unprinted / "echoes.nc"), bytes_of(echoes));
-  EXPECT_EQ(run_program({"check", scene}, with_streams(">&-")).exit_code, 1);
+  EXPECT_EQ(run_program({"check", scene, "--quiet"}, with_streams(">&-")).exit_code, 1);
 }
 
 }  // namespace

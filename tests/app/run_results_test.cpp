@@ -83,7 +83,7 @@ TEST_F(RunResults, StatisticsCountAndMeasure) {
   EXPECT_GT(stats["peak_memory_mb"], 1);
   ASSERT_EQ(stats["warnings"].size(), 1);
   EXPECT_THAT(stats["warnings"][0].get<std::string>(),
-              testing::StartsWith("no DIDSON or ARIS file was written for 'camera'"));
+              testing::StartsWith("no DIDSON or ARIS file is written for 'camera'"));
   for (const char* stage : {"load", "tree", "simulation", "write", "total"})
     EXPECT_GE(stats["seconds"][stage], 0) << stage;
   EXPECT_GE(stats["seconds"]["total"], stats["seconds"]["simulation"]);

@@ -175,6 +175,15 @@ TEST(TangentFrame, ItsMapIsOrthographic) {
   EXPECT_GT(std::abs(bed.y + 2000), 0.01);
 }
 
+// Programs list systems by their names.
+TEST(TangentFrame, ItsMapHasAName) {
+  const LocalFrame frame = LocalFrame::at_lat_lon(48.3, -4.5, 0);
+  OGRSpatialReference crs;
+  ASSERT_EQ(crs.importFromWkt(frame.map().crs_wkt.c_str()), OGRERR_NONE);
+  EXPECT_STREQ(crs.GetName(), "Tangent plane at 48.3, -4.5 (WGS 84)");
+  EXPECT_STREQ(crs.GetAttrValue("GEOGCS"), "WGS 84");
+}
+
 TEST(LocalFrame, FollowsTheDescription) {
   GeoreferenceDescription description;
   description.place = kPlace;

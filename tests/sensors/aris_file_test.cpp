@@ -81,6 +81,8 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
                                              {"strHeaderID", "mine-like objects"},
                                              {"FrameInterval", 1},
                                              {"Sspd", 1480},
+                                             {"WaterTemp", 0},  // 5 to 15 degrees
+                                             {"Salinity", 1},   // brackish
                                              {"FileSize", size},
                                              {"LargeLens", 1}});
   Fields wanted{{"FrameTime", 1163073296789000},
@@ -125,6 +127,34 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
   expect_fields(reader.frame_fields(0), wanted);
   wanted["FrameIndex"] = 1;
   expect_fields(reader.frame_fields(1), wanted);
+}
+
+// The file's header has codes where the frames have numbers.
+TEST(ArisFile, its_header_says_the_water_that_its_frames_are_in) {
+  const samples::TemporaryFolder folder;
+  const struct {
+    ArisSalinity salinity;
+    double temperature_c;
+    unsigned salinity_code, temperature_code;
+  } waters[] = {{ArisSalinity::fresh, 4, 0, 0},     {ArisSalinity::brackish, 15, 1, 1},
+                {ArisSalinity::salt, 24.9, 2, 1},   {ArisSalinity::salt, 25, 2, 2},
+                {ArisSalinity::brackish, 33, 1, 2}, {ArisSalinity::salt, -1.8, 2, 0}};
+  const std::vector<std::uint8_t> dark(96 * 512);
+  for (const auto& water : waters) {
+    ArisHeader told;
+    told.salinity = water.salinity;
+    told.water_temperature_c = water.temperature_c;
+    CameraFrame frame;
+    frame.amplitudes = dark;
+    ArisFile file(folder / "water.aris", told);
+    file.add(frame);
+    file.finish();
+    const Reader reader(folder / "water.aris");
+    EXPECT_EQ(reader.file_fields().at("Salinity").number, water.salinity_code);
+    EXPECT_EQ(reader.file_fields().at("WaterTemp").number, water.temperature_code);
+    EXPECT_EQ(reader.number(0, "Salinity"), static_cast<double>(water.salinity));
+    EXPECT_NEAR(reader.number(0, "WaterTemp"), water.temperature_c, 1e-5);
+  }
 }
 
 TEST(ArisFile, each_number_of_beams_has_its_ping_mode_and_model) {
@@ -250,6 +280,22 @@ TEST(ArisWindow, a_window_between_two_sample_periods_is_refused_with_both) {
     EXPECT_THROW(aris_window(2.1, 4.992, 512, bad), std::invalid_argument);
   }
   EXPECT_THROW(aris_window(2.1, 4.992, 0, 1500), std::invalid_argument);
+}
+
+TEST(ArisWindow, the_nearest_is_one_that_is_found_again_or_none) {
+  for (const double speed : {1402.0, 1448.7, 1500.0, 1543.2, 1560.0}) {
+    const auto near = nearest_aris_window(0.699, 4.992, 512, speed);
+    ASSERT_TRUE(near) << speed;
+    EXPECT_NEAR(near->length_m(speed, 512), 4.992, 512 * 0.5e-6 * speed / 2 + 1e-9);
+    EXPECT_GE(near->start_m(speed), 0.699 - 0.5e-6 * speed / 2 - 1e-9);
+    EXPECT_LE(near->start_m(speed), std::max(0.699 + 0.5e-6 * speed / 2, 930e-6 * speed / 2) + 1e-9);
+    const ArisWindow again = aris_window(near->start_m(speed), near->length_m(speed, 512), 512, speed);
+    EXPECT_EQ(again.start_delay_us, near->start_delay_us);
+    EXPECT_EQ(again.sample_period_us, near->sample_period_us);
+  }
+  EXPECT_FALSE(nearest_aris_window(1, 512 * 101e-6 * 750, 512, 1500)) << "samples of 101 us";
+  EXPECT_FALSE(nearest_aris_window(1, 512 * 3e-6 * 750, 512, 1500));
+  EXPECT_FALSE(nearest_aris_window(50, 5, 512, 1500)) << "after 65535 us";
 }
 
 TEST(ArisAmplitude, eighty_decibels_fill_the_byte) {

@@ -211,6 +211,79 @@ TEST(GsfFile, PingHasEachFieldInItsPlace) {
   EXPECT_THAT(data.unread(), IsEmpty());
 }
 
+TEST(GsfFile, An8101sOwnSubrecordFollowsTheArrays) {
+  GsfPing ping = five_beams();
+  Reson8101Settings sonar;
+  sonar.sound_speed_m_s = 1481.26;
+  sonar.range_m = 75;
+  sonar.ping_rate_hz = 6.25;
+  sonar.power = 7;
+  sonar.gain = 31;
+  sonar.time_varied_gain = true;
+  sonar.absorption_db_per_km = 61;
+  sonar.projector_angle_deg = -2.5;
+  sonar.head_temperature_c = 11.5;
+  sonar.sonar_id = 0x01020304;
+  ping.reson_8101 = sonar;
+  ping.ping_number = 70000;
+  auto records = written("reson", {}, [&](GsfFile& file) { file.add_ping(ping); });
+  PacketReader& data = records.at(1).data;
+  const std::size_t begin = 281;  // where the arrays end
+  EXPECT_EQ(data.u32(begin), 122u << 24 | 52);
+  const std::size_t at = begin + 4;
+  EXPECT_EQ(data.u16(at), 0u);  // no latency
+  EXPECT_EQ(data.u32(at + 2), 70000u);
+  EXPECT_EQ(data.u32(at + 6), 0x01020304u);
+  EXPECT_EQ(data.u16(at + 10), 8101u);
+  EXPECT_EQ(data.u16(at + 12), 240u);
+  EXPECT_EQ(data.u16(at + 14), 14813u);
+  EXPECT_EQ(data.u16(at + 16),
+            65535u);  // Hz: the finest that 75 m leave room for, 161 kHz, but for the field
+  EXPECT_EQ(data.u16(at + 18), 6250u);
+  EXPECT_EQ(data.u16(at + 20), 8u);
+  EXPECT_EQ(data.u16(at + 22), 75u);
+  EXPECT_EQ(data.u16(at + 24), 7u);
+  EXPECT_EQ(data.u16(at + 26), 31u | 1u << 14);
+  EXPECT_EQ(data.u16(at + 28), 75u);
+  EXPECT_EQ(data.u8(at + 30), 120u);
+  EXPECT_EQ(data.u8(at + 31), 61u);
+  EXPECT_EQ(data.u8(at + 32), 15u);
+  EXPECT_EQ(data.u8(at + 33), 15u);
+  EXPECT_EQ(data.u8(at + 34), 0u);
+  EXPECT_EQ(data.i16(at + 35), -250);
+  EXPECT_EQ(data.i16(at + 46), 115);
+  EXPECT_EQ(data.u16(at + 48), 15000u);
+  EXPECT_EQ(data.size(), 340u);  // 337 in blocks of 4
+  for (std::size_t k = 0; k < begin; ++k) data.u8(k);
+  EXPECT_THAT(data.unread(), IsEmpty());
+}
+
+TEST(GsfFile, ProcessingParametersAreTextsWithTheirLengths) {
+  const std::vector<std::string> parameters{"ROLL_COMPENSATED=YES", "GEOID=WGS-84"};
+  auto records = written("parameters", {}, [&](GsfFile& file) {
+    file.add_processing_parameters(1735689599.25, parameters);
+    for (const char* wrong : {"ROLL_COMPENSATED", ""}) {
+      const std::vector<std::string> one{wrong};
+      EXPECT_THROW(file.add_processing_parameters(1735689599.25, one), std::invalid_argument);
+    }
+  });
+  ASSERT_THAT(records, SizeIs(2));
+  EXPECT_EQ(records[1].id, 4u);
+  PacketReader& data = records[1].data;
+  EXPECT_EQ(data.i32(0), 1735689599);
+  EXPECT_EQ(data.i32(4), 250000000);
+  EXPECT_EQ(data.u16(8), 2u);
+  std::size_t at = 10;
+  for (const std::string& parameter : parameters) {
+    const std::size_t size = data.u16(at);
+    EXPECT_EQ(size, parameter.size() + 1);  // with the zero behind it
+    EXPECT_EQ(data.text(at + 2, size), parameter);
+    at += 2 + size;
+  }
+  EXPECT_EQ(data.size(), (at + 3) / 4 * 4);
+  EXPECT_THAT(data.unread(), IsEmpty());
+}
+
 TEST(GsfFile, ScalesStandInTheFirstPingOnly) {
   auto records = written("scales", {}, [](GsfFile& file) {
     file.add_ping(five_beams());

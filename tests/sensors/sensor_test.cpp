@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "samples.hpp"
+#include "sensors/in_water.hpp"
 #include "sensors/sidescan.hpp"
 
 namespace tubefoot {

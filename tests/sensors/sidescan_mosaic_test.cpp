@@ -190,6 +190,7 @@ TEST(SidescanMosaic, TheRasterLiesOnTheMap) {
   Raster geo(folder / "tangent.tif");
   EXPECT_GT(geo.at(-18.1, 12.1), 10);
   OGRSpatialReference crs(*geo.data->GetSpatialRef()), wgs84;
+  EXPECT_STREQ(crs.GetName(), "Tangent plane at 48.3, -4.5 (WGS 84)") << "as programs list it";
   wgs84.importFromEPSG(4326);
   wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   const std::unique_ptr<OGRCoordinateTransformation> step(OGRCreateCoordinateTransformation(&crs, &wgs84));

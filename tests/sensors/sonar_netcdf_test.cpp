@@ -372,7 +372,7 @@ TEST(SonarNetcdf, SaysWhatItIs) {
   const samples::TemporaryFolder folder;
   write(folder / "line.nc", 1);
   const Reader file(folder / "line.nc");
-  EXPECT_EQ(file.text("/", "Conventions"), "CF-1.7, SONAR-netCDF4-2.0, ACDD-1.3");
+  EXPECT_EQ(file.text("/", "Conventions"), "SONAR-netCDF4-2.0, ACDD-1.3");
   EXPECT_EQ(file.text("/", "sonar_convention_authority"), "ICES");
   EXPECT_EQ(file.text("/", "sonar_convention_name"), "SONAR-netCDF4");
   EXPECT_EQ(file.text("/", "sonar_convention_version"), "2.0");

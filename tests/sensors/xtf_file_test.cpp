@@ -26,9 +26,10 @@ using testing::IsEmpty;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// 2024-12-31 23:59:59.25 UTC, the 366th day of its year, and its milliseconds modulo 2^32.
+// 2024-12-31 23:59:59.25 UTC, the 366th day of its year, and its milliseconds from the midnight before its
+// day's.
 constexpr double new_years_eve = 1735689599.25;
-constexpr unsigned new_years_eve_tag = 522811666;
+constexpr unsigned new_years_eve_tag = 2 * 86400000 - 750;
 
 std::filesystem::path scratch(const std::string& name) {
   return std::filesystem::path(testing::TempDir()) / ("xtf_" + name + ".xtf");
@@ -42,6 +43,9 @@ XtfHeader both_sonars() {
   header.sidescan =
       XtfSidescan{{455, 0.21, 40, 20, -0.5, 1.25, 0.75}, {456, 0.22, 41, 21, 0.5, 1.5, 0.875}, 1000, true};
   header.bathymetry = XtfChannel{240, 1.5, 150, 90, 0.125, 2.5, 1};
+  header.motion_starboard_m = 0.25;
+  header.motion_forward_m = -3.5;
+  header.motion_down_m = 1.5;
   return header;
 }
 
@@ -178,6 +182,9 @@ TEST(XtfFile, FileHeaderHasEachFieldInItsPlace) {
   EXPECT_EQ(header.u16(164), 3u);
   EXPECT_EQ(header.u16(166), 2u);
   EXPECT_EQ(header.u16(168), 1u);
+  EXPECT_EQ(header.f32(232), -3.5f);
+  EXPECT_EQ(header.f32(236), 0.25f);
+  EXPECT_EQ(header.f32(240), 1.5f);
   struct Expected {
     unsigned type, correction, samples;
     const char* name;
@@ -405,7 +412,10 @@ TEST(XtfFile, RandomPingsComeBack) {
     EXPECT_EQ(packet.f32(204), static_cast<float>(one.place.pitch_deg));
     EXPECT_EQ(packet.f32(208), static_cast<float>(one.place.roll_deg));
     EXPECT_EQ(packet.f32(212), static_cast<float>(one.place.heading_deg));
-    EXPECT_EQ(packet.u32(224), static_cast<std::uint32_t>(std::llround(one.place.unix_time_s * 1000)));
+    // From midnight of the day before the first one's, turn by turn of 2^31.
+    const double midnight_s = (std::floor(made.front().place.unix_time_s / 86400) - 1) * 86400;
+    const double turns = (one.place.unix_time_s - midnight_s) * 1000 / 2147483648.0;
+    EXPECT_EQ(packet.u32(224), (turns - std::floor(turns)) * 2147483648.0);
     // The date against the system's own calendar.
     const auto seconds = static_cast<std::time_t>(one.place.unix_time_s);
     std::tm date{};
@@ -432,6 +442,34 @@ TEST(XtfFile, TimesAreNeitherEarlyNorLate) {
   EXPECT_EQ(content.packets.at(0).u32(22), 70000u);
   EXPECT_EQ(content.packets.at(1).u16(61), 999u);
   EXPECT_EQ(content.packets.at(1).u32(26), 1000000000u);
+}
+
+// MB-System reads the tags of attitude packets as signed: those of half of all dates would have no order.
+TEST(XtfFile, TimeTagsStayBelowTwoToThe31AndFollowTheClock) {
+  constexpr double half_period_s = 2147483.648, day_s = 86400;
+  for (const double turn : {10.0, 401.0, 806.0, 807.0, 1234.0}) {
+    const double begin_s = std::floor(turn * half_period_s) - 3;  // 2^31 ms of the count since 1970 lie ahead
+    XtfContent content = written("tags", both_sonars(), [&](XtfFile& file) {
+      for (int k = 0; k < 7; ++k) {
+        XtfPlace at = place();
+        at.unix_time_s = begin_s + k;
+        file.add_attitude({at.unix_time_s, 0, 0, 0, 0});
+        file.add_navigation({at.unix_time_s, 0, 0, 0});
+        file.add_soundings(at, {});
+      }
+      file.add_attitude({begin_s + 22 * day_s, 0, 0, 0, 0});
+    });
+    const unsigned first = content.packets.at(0).u32(46);
+    EXPECT_GE(first, 86400000u) << "no tag is 0";
+    for (unsigned k = 0; k < 7; ++k) {
+      EXPECT_EQ(content.packets.at(3 * k).u32(46), first + 1000 * k) << turn;
+      EXPECT_EQ(content.packets.at(3 * k + 1).u32(29), first + 1000 * k);
+      EXPECT_EQ(content.packets.at(3 * k + 2).u32(224), first + 1000 * k);
+      EXPECT_EQ(content.packets.at(3 * k + 2).u32(232), first + 1000 * k);
+    }
+    EXPECT_EQ(content.packets.at(21).u32(46), first + 22 * 86400000u);
+    EXPECT_LT(content.packets.at(21).u32(46), 1u << 31);
+  }
 }
 
 template <typename Call>
