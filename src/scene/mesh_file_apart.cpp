@@ -11,10 +11,12 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <exception>
 #include <string_view>
 #include <system_error>
 
+#include "files/inlet.hpp"
 #include "geometry/stop.hpp"
 
 namespace tubefoot {
@@ -37,6 +39,14 @@ bool send(int to, std::string_view bytes) {
     if (sent > 0) bytes.remove_prefix(static_cast<std::size_t>(sent));
   }
   return true;
+}
+
+/// Bytes of memory of its own that this process has already, which limits of a child count as the child's.
+double own_memory() {
+  const std::string numbers = InputFile("/proc/self/statm").head(256);
+  unsigned long data = 0;
+  if (std::sscanf(numbers.c_str(), "%*u %*u %*u %*u %*u %lu", &data) != 1) return 0;
+  return static_cast<double>(data) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
 /// The whole life of the child. No destructor and no handler of the parent's runs in it.
@@ -129,9 +139,10 @@ ApartResult done_apart(const std::function<std::string()>& work, double most_sec
   if (pipe2(ends, O_CLOEXEC) != 0) fail("a pipe");
   const End from(ends[0]);
   End to(ends[1]);
+  const double memory_in_all = own_memory() + most_memory;
   const pid_t id = fork();
   if (id < 0) fail("a process to read the file in");
-  if (id == 0) live_apart(to.descriptor(), work, most_seconds, most_memory);
+  if (id == 0) live_apart(to.descriptor(), work, most_seconds, memory_in_all);
   Child child(id);
   to.close_now();
   std::string bytes = all_from(from.descriptor());

@@ -5,6 +5,8 @@
 #include <assimp/material.h>
 #include <assimp/mesh.h>
 #include <assimp/scene.h>
+#include <assimp/version.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <assimp/IOSystem.hpp>
@@ -281,6 +283,10 @@ Model model_from(const std::string& bytes) {
   if (soup.names_of.size() != soup.end.size() || !std::ranges::all_of(soup.names_of, has_names))
     throw std::runtime_error("names out of order");
   return model;
+}
+
+std::string assimp_version() {
+  return fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
 }
 
 std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileFormat format) {

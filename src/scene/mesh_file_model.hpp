@@ -39,4 +39,7 @@ std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileF
 /// Throws std::runtime_error for bytes that are none.
 Model model_from(const std::string& bytes);
 
+/// Of the Assimp at hand: "5.2.5".
+std::string assimp_version();
+
 }  // namespace tubefoot

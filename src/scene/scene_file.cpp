@@ -72,17 +72,16 @@ class InputHash {
 
   void add(const TomlSource::NamedFile& named) {
     refuse_or_note(named.file, named.place, fmt::format("\"{}\"", named.name));
-    take(named.file, named.place, gdal_driver_of(format_of(named.file)) != nullptr);
+    const bool through_gdal = gdal_driver_of(format_of(named.file)) != nullptr;
+    take(named.file, named.place, through_gdal);
     const auto admit = [&](const fs::path& companion) {
       refuse_or_note(
           companion, named.place,
           fmt::format("'{}', which is read along with \"{}\",", companion.filename().string(), named.name));
     };
     try {
-      const bool of_model = is_model(format_of(named.file));
-      for (const fs::path& companion : companions_of(named.file, admit)) {
-        take(companion, named.place, !of_model);
-      }
+      for (const fs::path& companion : companions_of(named.file, admit))
+        take(companion, named.place, through_gdal);
     } catch (const InputError& error) {
       if (error.place.file == named.place.file) throw;
       throw InputError(named.place, error.what());

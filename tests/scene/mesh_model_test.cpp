@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <random>
 
 #include "scene/mesh_file_apart.hpp"
@@ -296,6 +297,11 @@ TEST(DoneApart, OutlivesCrashesEndlessWorkAndHunger) {
 }
 
 #ifndef TUBEFOOT_SANITIZED
+TEST(DoneApart, CountsNotTheMemoryThatThereWasBefore) {
+  const std::unique_ptr<char[]> much(new char[std::size_t{3} << 29]);
+  EXPECT_EQ(done_apart([&] { return std::string(1 << 20, much ? 'x' : 'y'); }, 10, 5e8).end, End::done);
+}
+
 TEST(DoneApart, CanOpenNoFile) {
   const ApartResult result = done_apart(
       [] { return std::string(std::ifstream("/proc/self/maps").is_open() ? "open" : "closed"); }, 10, 1e9);
