@@ -140,7 +140,11 @@ class Gathered {
       const std::string text(name.data, std::min<std::size_t>(name.length, sizeof name.data));
       if (!text.empty() && std::ranges::find(names, text) == names.end()) names.push_back(text);
     };
-    if (mesh.mMaterialIndex < scene_.mNumMaterials) add(scene_.mMaterials[mesh.mMaterialIndex]->GetName());
+    // What has no material, Assimp gives one of its own.
+    if (mesh.mMaterialIndex < scene_.mNumMaterials)
+      if (const aiString name = scene_.mMaterials[mesh.mMaterialIndex]->GetName();
+          std::strcmp(name.C_Str(), AI_DEFAULT_MATERIAL_NAME) != 0)
+        add(name);
     add(mesh.mName);
     constexpr int most_parents = 64;
     const aiNode* around = &node;
