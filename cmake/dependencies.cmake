@@ -7,6 +7,7 @@ find_package(CGAL REQUIRED)
 find_library(ARB_LIBRARY NAMES flint-arb arb REQUIRED)  # Debian calls it flint-arb; neither ships a CMake package
 find_library(FLINT_LIBRARY NAMES flint REQUIRED)
 find_package(OpenMesh CONFIG REQUIRED)  # CONFIG: CGAL puts a failing FindOpenMesh on the module path
+pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)
 find_package(GDAL CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(fmt REQUIRED)

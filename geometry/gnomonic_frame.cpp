@@ -133,4 +133,17 @@ bool surely_apart(const SeenFacet& a, const SeenFacet& b) {
   return edge_parts(a, b, slack, extent) || edge_parts(b, a, slack, extent);
 }
 
+bool surely_covers(const SeenFacet& outer, const SeenFacet& inner) {
+  if (!outer.bounds.is_finite() || !inner.bounds.is_finite() || outer.turn == 0) return false;
+  const double slack = std::max(outer.slack, inner.slack);
+  for (int v = 0; v < 3; ++v) {
+    const VertexId id = inner.cone.vertex[v];
+    if (std::ranges::find(outer.cone.vertex, id) != outer.cone.vertex.end()) continue;
+    for (int k = 0; k < 3; ++k)
+      if (side_of_line(outer.corner[k], outer.corner[(k + 1) % 3], inner.corner[v], slack) != outer.turn)
+        return false;
+  }
+  return true;
+}
+
 }  // namespace tubefoot

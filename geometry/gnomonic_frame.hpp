@@ -108,4 +108,7 @@ int where(const SeenFacet& facet, glm::dvec2 p);
 /// far side. Shared vertices are on the edge by name; the others must be there beyond rounding.
 bool surely_apart(const SeenFacet& a, const SeenFacet& b);
 
+/// True only if each direction in the cone of `inner` is in that of `outer`: both have finite bounds.
+bool surely_covers(const SeenFacet& outer, const SeenFacet& inner);
+
 }  // namespace tubefoot

@@ -39,7 +39,53 @@ Crossing crossing(const FacetMesh& mesh, FacetId id, GridPoint point) {
   return {nz != 0, -above, nz};  // a vertical facet: the moved line passes beside it
 }
 
+struct Vector128 {
+  Int128 x, y, z;
+};
+
+Vector128 between(GridPoint from, GridPoint to) {
+  return {Int128(to.x) - from.x, Int128(to.y) - from.y, Int128(to.z) - from.z};
+}
+Vector128 cross(const Vector128& a, const Vector128& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Signs of a vector in the plane of a facet's normal, as seen along the axis that the normal is not
+/// perpendicular to: of the same sense as the normal or not.
+int sense(const Vector128& turn, const Vector128& normal) {
+  if (normal.x != 0) return sign(turn.x) * sign(normal.x);
+  if (normal.y != 0) return sign(turn.y) * sign(normal.y);
+  return sign(turn.z) * sign(normal.z);
+}
+
 }  // namespace
+
+std::optional<FacetContact> contact_at(const FacetMesh& mesh, const SceneTree& tree, GridPoint point) {
+  std::vector<FacetId> candidates;
+  facets_near_vertical(tree, point, candidates);
+  std::sort(candidates.begin(), candidates.end());
+  for (const FacetId id : candidates) {
+    std::array<GridPoint, 3> v;
+    for (int k = 0; k < 3; ++k) v[k] = mesh.vertices[mesh.facets[id][k]];
+    const Vector128 normal = cross(between(v[0], v[1]), between(v[0], v[2])), to_point = between(v[0], point);
+    if (normal.x == 0 && normal.y == 0 && normal.z == 0) continue;
+    if (normal.x * to_point.x + normal.y * to_point.y + normal.z * to_point.z != 0) continue;
+    int edges = 0;
+    bool outside = false;
+    for (int k = 0; k < 3; ++k) {
+      const int side = sense(cross(between(v[k], v[(k + 1) % 3]), between(v[k], point)), normal);
+      outside = outside || side < 0;
+      edges += side == 0;
+    }
+    if (outside) continue;
+    using Part = FacetContact::Part;
+    return FacetContact{edges == 0   ? Part::facet
+                        : edges == 1 ? Part::edge
+                                     : Part::vertex,
+                        mesh.component[id]};
+  }
+  return std::nullopt;
+}
 
 void facets_near_vertical(const SceneTree& tree, GridPoint point, std::vector<FacetId>& out) {
   facets_near_vertical(tree, point, 0, out);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "geometry/facet_mesh.hpp"
@@ -25,6 +26,14 @@ void facets_near_vertical(const SceneTree& tree, GridPoint point, double margin,
 /// Where the vertical line through a point crosses a facet: +1 above the point, -1 at the point or below, 0
 /// nowhere. Exact; the line is moved aside as below.
 int vertical_side(const FacetMesh& mesh, FacetId facet, GridPoint point);
+
+/// What of the mesh a point lies on.
+struct FacetContact {
+  enum class Part { vertex, edge, facet } part = Part::facet;
+  std::uint16_t component = 0;
+};
+/// Exact; of several facets, one of them. Facets without area are nothing to lie on.
+std::optional<FacetContact> contact_at(const FacetMesh& mesh, const SceneTree& tree, GridPoint point);
 
 /// Crossings per component that the line meets, exactly: a line through an edge or a vertex is moved aside by
 /// an infinitesimal step, so that a closed surface is crossed an even number of times in all.

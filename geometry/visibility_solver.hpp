@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <utility>
 #include <vector>
 
 #include "geometry/cone_clip.hpp"
@@ -85,6 +86,10 @@ class VisibilitySolver {
 
   /// Halvings of a facet's bounds, at most: below that integer rays no longer tell the halves apart.
   static constexpr int deepest_split = 40;
+
+  /// Facets on one edge beyond its first, of which there is more to gain by drop_covered() than to lose.
+  static constexpr std::uint32_t crowd = 32;
+  static constexpr std::size_t most_covering = 16;
 
   ClipPlane<A> plane_through(PointId a, GridPoint pa, PointId b, GridPoint pb) const {
     ClipPlane<A> plane;
@@ -185,16 +190,18 @@ class VisibilitySolver {
     const auto count = static_cast<std::uint32_t>(facets_.size());
     const EdgeRings& rings = gathering_->rings();
     neighbours_.assign(count, Neighbours{silhouette, silhouette, silhouette});
+    crowded_.assign(count, 0);
     for (std::uint32_t f = 0; f < count; ++f) place_[gathered_[f]] = f;
     for (std::uint32_t f = 0; f < count; ++f)
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t half_edge = 3 * gathered_[f] + k;
         std::uint32_t others = 0, mate = half_edge;
-        for (std::uint32_t h = rings.next(half_edge); h != half_edge && others < 2; h = rings.next(h))
+        for (std::uint32_t h = rings.next(half_edge); h != half_edge && others < crowd; h = rings.next(h))
           if (place_[h / 3] != absent) {
             ++others;
             mate = h;
           }
+        if (others == crowd) crowded_[f] = 1;
         // Three facets on an edge: a silhouette of each.
         if (others == 0) {
           if (edge_is_outside(f, k)) neighbours_[f][k] = outside_tube;
@@ -253,6 +260,7 @@ class VisibilitySolver {
     for (const std::uint32_t o : candidates_)
       if (!surely_apart(facets_[f], facets_[o]))
         if (const Hides how = hides(f, o); how != Hides::no) list_.push_back({o, how});
+    if (crowded_[f]) drop_covered();
     depth_planes_.clear();
     const auto first_occluder = static_cast<std::ptrdiff_t>(out_->occluders.size());
     receiver_ = f;
@@ -264,6 +272,36 @@ class VisibilitySolver {
     const auto begin = out_->occluders.begin() + first_occluder;
     std::sort(begin, out_->occluders.end());
     out_->occluders.erase(std::unique(begin, out_->occluders.end()), out_->occluders.end());
+  }
+
+  /// Takes out of list_ what lies within the cone of another of its facets that hides all it covers, as far
+  /// as a few large ones tell: of thousands of facets about one edge nearly all do. What is left hides the
+  /// same.
+  void drop_covered() {
+    const auto size = [this](std::uint32_t k) {
+      const Bounds& b = facets_[list_[k].facet].bounds;
+      return b.is_finite() ? (b.x1 - b.x0) * (b.y1 - b.y0) : -1;
+    };
+    largest_first_.resize(list_.size());
+    for (std::uint32_t k = 0; k < list_.size(); ++k) largest_first_[k] = {size(k), k};
+    std::sort(largest_first_.begin(), largest_first_.end(), [](const auto& a, const auto& b) {
+      return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
+    covered_.assign(list_.size(), 0);
+    covering_.clear();
+    for (const auto& [area, k] : largest_first_) {
+      if (area < 0) break;  // what reaches behind the apex has no place in the plane
+      const auto& [facet, how] = list_[k];
+      covered_[k] = std::any_of(covering_.begin(), covering_.end(), [&, inner = facet](std::uint32_t outer) {
+        return surely_covers(facets_[outer], facets_[inner]);
+      });
+      if (!covered_[k] && how == Hides::where_covered && covering_.size() < most_covering)
+        covering_.push_back(facet);
+    }
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < list_.size(); ++k)
+      if (!covered_[k]) list_[kept++] = Occluder(list_[k]);
+    list_.resize(kept);
   }
 
   /// What no facet covers, found without regard to depth or to what else was found: the closure law's other
@@ -517,6 +555,10 @@ class VisibilitySolver {
   std::vector<std::uint32_t> gathered_;    ///< by facet: its index in the gathering (not for hidden ones)
   std::deque<FacetPlanes> planes_;         ///< by facet; a deque, because halves point into it
   std::vector<Neighbours> neighbours_;
+  std::vector<std::uint8_t> crowded_;  ///< by facet: whether more than `crowd` others share an edge of it
+  std::vector<std::pair<double, std::uint32_t>> largest_first_;
+  std::vector<std::uint8_t> covered_;    ///< by place in list_
+  std::vector<std::uint32_t> covering_;  ///< facets
   LayerGrid grid_;
   std::vector<std::uint32_t> candidates_;
   std::vector<Occluder> list_;

@@ -165,7 +165,9 @@ std::unique_ptr<Sensor> make_sensor(const SensorDescription& description) {
       return std::make_unique<Interferometric>(sensor);
     }
   };
-  return std::visit(Maker{description}, description.kind);
+  std::unique_ptr<Sensor> made = std::visit(Maker{description}, description.kind);
+  made->refuse_narrow();
+  return made;
 }
 
 }  // namespace tubefoot

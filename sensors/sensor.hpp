@@ -71,6 +71,13 @@ class Sensor {
   Pose receiver_pose_on(const Pose& carrier) const;
   /// By tube of a shot: the fan (one transmission and one receiver) it belongs to.
   std::vector<std::uint32_t> fan_of_tube(std::size_t shot) const;
+  /// Throws InputError at the sensor's place for a beam or a sector of less than narrowest_rad.
+  void refuse_narrow() const;
+  /// How far the walls of the narrowest beam may be from where they should be, as a part of its width: rays
+  /// are integers.
+  double wall_rounding() const;
+  /// Rounding is then less than a hundredth of the width.
+  static constexpr double narrowest_rad = 1e-5 * 3.14159265358979323846 / 180;
   /// Times of the pings, seconds.
   std::vector<double> ping_times_s() const;
 

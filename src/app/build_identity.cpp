@@ -8,6 +8,8 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
+#include "scene/mesh_file_model.hpp"
+
 namespace tubefoot {
 
 // In a file that is made anew whenever they change (cmake/built_from.cmake).
@@ -36,6 +38,7 @@ Json build_identity() {
   // Those that are at hand now may be others than those it was built with.
   identity["gdal"] = GDALVersionInfo("RELEASE_NAME");
   identity["proj"] = proj_version();
+  identity["assimp"] = assimp_version();
   identity["byte_order"] = std::endian::native == std::endian::little ? "little" : "big";
   return identity;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -67,6 +68,19 @@ void print_materials(const Scene& scene) {
       tell("{}: {} facets are cut along the borders of its material map\n", c.name, c.cut_facets);
 }
 
+/// What facets of mesh files go by, and the material that they get by it.
+void print_mesh_names(const Scene& scene) {
+  constexpr std::size_t most_listed = 50;
+  for (const ComponentReport& c : scene.report.components) {
+    if (c.names.empty()) continue;
+    tell("\n{:<40} {:>10}  material\n", shown_line("names in " + c.name), "facets");
+    for (std::size_t i = 0; i < std::min(c.names.size(), most_listed); ++i)
+      tell("{:<40} {:>10}  {}\n", c.names[i].name.empty() ? "(none)" : shown_line(c.names[i].name),
+           c.names[i].facets, c.names[i].material);
+    if (c.names.size() > most_listed) tell("and {} more\n", c.names.size() - most_listed);
+  }
+}
+
 /// Of a scene that holds but a part of its facets at a time.
 void print_tiles(const Scene& scene) {
   std::size_t facets = 0;
@@ -90,9 +104,10 @@ void print_cost(const Survey& survey, int threads) {
   double seconds = 0;
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.pings(group), probes = std::min<std::size_t>(pings, 3);
-    std::size_t candidates = 0, footprints = 0;
+    std::size_t candidates = 0, footprints = 0, measured = 0;
     double taken = 0;
-    for (std::size_t k = 0; k < probes; ++k) {
+    constexpr double enough_s = 5;  // one ping that takes as long tells enough
+    for (std::size_t k = 0; k < probes && taken < enough_s; ++k, ++measured) {
       const std::size_t ping = (2 * k + 1) * pings / (2 * probes);
       const std::shared_ptr<const Survey> around = survey_around(survey, group, ping);
       const auto start = std::chrono::steady_clock::now();
@@ -110,12 +125,12 @@ void print_cost(const Survey& survey, int threads) {
       }
       taken += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
-    const double per_ping = taken / static_cast<double>(probes);
+    const double per_ping = taken / static_cast<double>(measured);
     std::string names;
     for (const std::size_t s : group.sensors)
       names += (names.empty() ? "" : ", ") + survey.sensors[s].sensor->description().name;
-    tell("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, candidates / probes,
-         footprints / probes, per_ping * 1e3);
+    tell("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, candidates / measured,
+         footprints / measured, per_ping * 1e3);
     seconds += per_ping * static_cast<double>(pings);
   }
   tell(
@@ -144,6 +159,7 @@ int check_command(const CommonOptions& options) {
   tell("scene hash     {}\n\n", description.sha256);
   print_components(scene);
   print_materials(scene);
+  print_mesh_names(scene);
   std::size_t refused = 0;
   for (const ComponentReport& c : scene.report.components) refused += c.kept_outside_halfedge;
   if (survey->is_tiled())

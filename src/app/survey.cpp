@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -120,6 +121,36 @@ class Patch {
   std::unique_ptr<Survey> part_;
 };
 
+/// Of narrow beams: what their energies are worth.
+void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) {
+  constexpr double worth_telling = 1e-4;
+  if (sensor.wall_rounding() > worth_telling)
+    warnings.push_back(fmt::format(
+        "{}: sensor '{}' has beams so narrow that the rounding of directions to 2^-30 may be {:.2g} "
+        "of their width, and of their energy",
+        to_string(sensor.description().place), sensor.description().name, sensor.wall_rounding()));
+}
+
+/// A surface through the apex has no side that could be seen, hides nothing, and returns nothing: that is no
+/// limit of what a sensor beside it hears, so it is no place for one.
+void refuse_on_facet(const Survey& survey, const ShotGround& ground, const SensorPings& pings,
+                     std::size_t ping, glm::dvec3 at_m, const std::string& what) {
+  const Scene& scene = survey.scene;
+  const GridPoint point = scene.grid.snap(at_m);
+  const std::optional<FacetContact> contact = contact_at(ground.mesh(), ground.tree(), point);
+  if (!contact) return;
+  constexpr std::array<const char*, 3> parts{"a vertex", "an edge", "a facet"};
+  throw InputError(
+      pings.sensor->description().place,
+      fmt::format(
+          "{} lies exactly on {} of '{}' at ping {} (t = {:.3f} s, east {:.6f}, north {:.6f}, up {:.6f} "
+          "m), from where that shows no side: move it off by as much as its housing keeps it off, a "
+          "millimetre will do ('lever_arm_m', or the trajectory)",
+          what, parts[static_cast<std::size_t>(contact->part)],
+          scene.report.components[contact->component].name, ping, pings.times_s[ping], at_m.x, at_m.y,
+          at_m.z));
+}
+
 /// Looks straight up and down from a place of a sensor's transmitter or receiver (`what`). One under the
 /// terrain is a mistake in the scene; one inside an object may be in its own housing. Returns the altitude
 /// over the terrain, not a number where there is none.
@@ -129,6 +160,7 @@ double check_place(Survey& survey, Patch& patch, const SensorPings& pings, std::
   double altitude_m = std::numeric_limits<double>::quiet_NaN();
   const SourcePlace& place = pings.sensor->description().place;
   const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
+  refuse_on_facet(survey, ground, pings, ping, at_m, what);
   for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), ground.tree(), scene.grid.snap(at_m))) {
     const std::string& name = scene.report.components[c.component].name;
     if (c.component < scene.description.terrains.size()) {
@@ -164,6 +196,18 @@ void check_places(Survey& survey) {
       if (sensor.has_receiver_apart())
         check_place(survey, patch, pings, ping, pings.receiver_pose(ping, 0).position_m,
                     "the receiver of " + what, receiver_inside);
+      // Of the later shots of a ping only what would spoil them.
+      for (std::size_t shot = 1; shot < sensor.shots(); ++shot) {
+        const auto check = [&](glm::dvec3 at_m, glm::dvec3 before_m, const std::string& who) {
+          if (at_m == before_m) return;
+          const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
+          refuse_on_facet(survey, ground, pings, ping, at_m, who);
+        };
+        check(pings.shot_pose(ping, shot).position_m, pings.shot_pose(ping, shot - 1).position_m, what);
+        if (sensor.has_receiver_apart())
+          check(pings.receiver_pose(ping, shot).position_m, pings.receiver_pose(ping, shot - 1).position_m,
+                "the receiver of " + what);
+      }
     }
   }
 }
@@ -258,6 +302,7 @@ std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
                    "ask for fewer pings, in several scenes");
     pings.times_s = pings.sensor->ping_times_s();
     place_shots(pings, trajectory);
+    warn_of_rounding(*pings.sensor, survey->scene.report.warnings);
     survey->sensors.push_back(std::move(pings));
   }
   check_places(*survey);

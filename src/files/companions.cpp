@@ -12,6 +12,7 @@
 
 #include "files/file_format.hpp"
 #include "files/geopackage_file.hpp"
+#include "files/gltf_file.hpp"
 #include "files/hdf5_file.hpp"
 #include "files/input_error.hpp"
 #include "files/library_settings.hpp"
@@ -57,6 +58,13 @@ class Companions {
     switch (format) {
       case FileFormat::other:
       case FileFormat::geojson:
+      case FileFormat::collada:
+      case FileFormat::studio_3ds:
+      case FileFormat::fbx:
+        return 1;
+      case FileFormat::gltf:
+      case FileFormat::gltf_binary:
+        for (const GltfBuffer& buffer : gltf_buffers(file)) add(buffer.file);
         return 1;
       case FileFormat::geopackage:
         refuse_geopackage_surprises(file);
@@ -106,6 +114,11 @@ class Companions {
         case FileFormat::geopackage:
         case FileFormat::geojson:
         case FileFormat::shapefile:
+        case FileFormat::collada:
+        case FileFormat::gltf:
+        case FileFormat::gltf_binary:
+        case FileFormat::studio_3ds:
+        case FileFormat::fbx:
           fail(fmt::format(
               "is a virtual raster of '{}', which is no GeoTIFF, BAG, ESRI ASCII grid, netCDF, PNG "
               "or VRT",

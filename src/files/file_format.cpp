@@ -23,6 +23,13 @@ std::string lower(std::string_view text) {
   return result;
 }
 
+/// A chunk whose length is more than that of the header of its first chunk, which is one of two.
+bool is_3ds(std::string_view head) {
+  if (head.size() < 12 || !head.starts_with("MM"sv)) return false;
+  const std::string_view first = head.substr(6, 2);
+  return first == "\2\0"sv || first == "\x3d\x3d"sv;
+}
+
 FileFormat by_signature(std::string_view head, const std::filesystem::path& file) {
   const auto begins = [head](std::string_view with) { return head.starts_with(with); };
   if (begins("II*\0"sv) || begins("MM\0*"sv) || begins("II+\0"sv) || begins("MM\0+"sv))
@@ -33,10 +40,13 @@ FileFormat by_signature(std::string_view head, const std::filesystem::path& file
   if (begins("\x89PNG\r\n\x1a\n"sv)) return FileFormat::png;
   if (begins("SQLite format 3\0"sv)) return FileFormat::geopackage;
   if (begins("\0\0\x27\x0a"sv)) return FileFormat::shapefile;
+  if (begins("glTF"sv)) return FileFormat::gltf_binary;
+  if (begins("Kaydara FBX Binary  \0"sv)) return FileFormat::fbx;
+  if (is_3ds(head)) return FileFormat::studio_3ds;
   return FileFormat::other;
 }
 
-FileFormat by_words(const std::string& head) {
+FileFormat by_words(const std::string& head, const std::filesystem::path& file) {
   const std::size_t first = head.find_first_not_of(" \t\r\n");
   if (first == head.npos) return FileFormat::other;
   const std::string_view text = std::string_view(head).substr(first);
@@ -45,7 +55,12 @@ FileFormat by_words(const std::string& head) {
   for (const std::string_view key : keys)
     if (text.starts_with(key) && text.size() > key.size() && std::isspace(text[key.size()]))
       return FileFormat::ascii_grid;
-  if (text.starts_with('{') || text.starts_with("\xef\xbb\xbf{")) return FileFormat::geojson;
+  if (text.starts_with('{') || text.starts_with("\xef\xbb\xbf{"))
+    return lower(file.extension().string()) == ".gltf" ? FileFormat::gltf : FileFormat::geojson;
+  if (text.starts_with("; fbx") || text.find("fbxheaderextension:") != text.npos) return FileFormat::fbx;
+  // Behind comments and declarations.
+  if ((text.starts_with('<') || text.starts_with("\xef\xbb\xbf<")) && text.find("<collada") != text.npos)
+    return FileFormat::collada;
   return FileFormat::other;
 }
 
@@ -54,7 +69,7 @@ FileFormat by_words(const std::string& head) {
 FileFormat format_of(const std::filesystem::path& file) {
   const std::string head = InputFile(file).head(looked_at), words = lower(head);
   FileFormat format = by_signature(head, file);
-  if (format == FileFormat::other) format = by_words(words);
+  if (format == FileFormat::other) format = by_words(words, file);
   if (words.find("<vrtdataset") == words.npos) return format;
   if (format != FileFormat::other)
     throw InputError({file.string(), 0, 0},
@@ -83,6 +98,15 @@ std::string_view name_of(FileFormat format) {
       return "GeoJSON";
     case FileFormat::shapefile:
       return "Shapefile";
+    case FileFormat::collada:
+      return "COLLADA";
+    case FileFormat::gltf:
+    case FileFormat::gltf_binary:
+      return "glTF";
+    case FileFormat::studio_3ds:
+      return "3DS";
+    case FileFormat::fbx:
+      return "FBX";
     case FileFormat::other:
       break;
   }
@@ -110,10 +134,20 @@ const char* gdal_driver_of(FileFormat format) {
       return "GeoJSON";
     case FileFormat::shapefile:
       return "ESRI Shapefile";
+    case FileFormat::collada:
+    case FileFormat::gltf:
+    case FileFormat::gltf_binary:
+    case FileFormat::studio_3ds:
+    case FileFormat::fbx:
     case FileFormat::other:
       break;
   }
   return nullptr;
+}
+
+bool is_model(FileFormat format) {
+  return format == FileFormat::collada || format == FileFormat::gltf || format == FileFormat::gltf_binary ||
+         format == FileFormat::studio_3ds || format == FileFormat::fbx;
 }
 
 bool is_hdf5(FileFormat format) { return format == FileFormat::bag || format == FileFormat::netcdf4; }

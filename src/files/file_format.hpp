@@ -18,7 +18,13 @@ enum class FileFormat {
   vrt,
   geopackage,
   geojson,
-  shapefile
+  shapefile,
+  // Models of other programs, which Assimp reads.
+  collada,
+  gltf,         ///< JSON, whose buffers may be files of their own
+  gltf_binary,  ///< GLB
+  studio_3ds,
+  fbx
 };
 
 /// Throws InputError at the file if it cannot be opened, or is two formats at once: which one a library would
@@ -29,6 +35,8 @@ FileFormat format_of(const std::filesystem::path& file);
 std::string_view name_of(FileFormat format);
 /// The name of GDAL's driver that reads it; nullptr for other.
 const char* gdal_driver_of(FileFormat format);
+/// Whether Assimp reads it.
+bool is_model(FileFormat format);
 /// Whether HDF5 reads it.
 bool is_hdf5(FileFormat format);
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
+#include <optional>
 
 #include "scene/mesh_file_polygons.hpp"
 #include "scene/mesh_file_text.hpp"
@@ -14,9 +16,9 @@ namespace tubefoot {
 namespace {
 
 // Statements that hold no facet of a polygonal mesh. Any other is an error: a misspelt f would lose a facet.
-constexpr std::array<std::string_view, 17> kPassed = {"vt", "vn",     "vp",     "g",        "o",       "s",
-                                                      "mg", "usemtl", "mtllib", "usemap",   "maplib",  "l",
-                                                      "p",  "lod",    "bevel",  "c_interp", "d_interp"};
+constexpr std::array<std::string_view, 14> kPassed = {"vt",     "vn",     "vp",       "s",       "mg",
+                                                      "mtllib", "usemap", "maplib",   "l",       "p",
+                                                      "lod",    "bevel",  "c_interp", "d_interp"};
 
 std::uint32_t vertex_index(std::string_view word, std::size_t vertices, const TextLines& text) {
   const std::int64_t value = text.parse_integer(word.substr(0, word.find('/')), "a face's vertex index");
@@ -31,6 +33,42 @@ std::uint32_t vertex_index(std::string_view word, std::size_t vertices, const Te
   return static_cast<std::uint32_t>(index);
 }
 
+/// What faces are called from some line on: by usemtl, by g, by o.
+class FaceNames {
+ public:
+  static bool is_keyword(std::string_view keyword) {
+    return keyword == "usemtl" || keyword == "g" || keyword == "o";
+  }
+  void read(std::string_view keyword, TextLines& text) {
+    std::vector<std::string>& names = keyword == "usemtl" ? material_ : keyword == "g" ? groups_ : object_;
+    names.clear();
+    // Groups are several names, the others one, which may have blanks.
+    for (std::string_view word = text.word(); !word.empty() && word[0] != '#'; word = text.word()) {
+      if (keyword == "g" || names.empty())
+        names.emplace_back(word);
+      else
+        names.front().append(" ").append(word);
+    }
+    current_.reset();
+  }
+  /// The index in `soup.names` of the names of a face that follows.
+  std::uint32_t index(PolygonSoup& soup) {
+    if (current_) return *current_;
+    std::vector<std::string> names = material_;
+    names.insert(names.end(), groups_.begin(), groups_.end());
+    names.insert(names.end(), object_.begin(), object_.end());
+    const auto [known, is_new] = index_of_.emplace(names, static_cast<std::uint32_t>(soup.names.size()));
+    if (is_new) soup.names.push_back(std::move(names));
+    current_ = known->second;
+    return *current_;
+  }
+
+ private:
+  std::vector<std::string> material_, groups_, object_;
+  std::map<std::vector<std::string>, std::uint32_t> index_of_;
+  std::optional<std::uint32_t> current_;
+};
+
 }  // namespace
 
 PolygonSoup parse_obj(std::string_view content, const std::string& file) {
@@ -38,6 +76,7 @@ PolygonSoup parse_obj(std::string_view content, const std::string& file) {
   soup.first_index = 1;
   TextLines text(content, file, true);
   std::string_view last_keyword;
+  FaceNames names;
   while (text.next()) {
     const std::string_view keyword = text.word();
     if (keyword.empty() || keyword[0] == '#') continue;
@@ -50,12 +89,19 @@ PolygonSoup parse_obj(std::string_view content, const std::string& file) {
       for (std::string_view word = text.word(); !word.empty() && word[0] != '#'; word = text.word()) {
         soup.corners.push_back(vertex_index(word, soup.points.size(), text));
       }
-      if (soup.corners.size() - begin < 3) {
-        throw InputError({file, text.line(), 0}, fmt::format("the face has {} corners, expected at least 3",
-                                                             soup.corners.size() - begin));
-      }
-      soup.end.push_back(soup.corners.size());
+      // Left out by triangulate, unless it is what is left of a file that is cut off.
+      if (soup.corners.size() - begin < 3 && text.rest().empty() && !content.ends_with('\n') &&
+          !content.ends_with('\r'))
+        throw InputError(
+            {file, text.line(), 0},
+            fmt::format(
+                "the last face has {} corners and no line end: the file is cut off, or add the line end",
+                soup.corners.size() - begin));
+      soup.end_polygon();
       soup.line.push_back(text.line());
+      soup.names_of.push_back(names.index(soup));
+    } else if (FaceNames::is_keyword(keyword)) {
+      names.read(keyword, text);
     } else if (std::find(kPassed.begin(), kPassed.end(), keyword) == kPassed.end()) {
       throw InputError(
           {file, text.line(), 1},
@@ -63,7 +109,7 @@ PolygonSoup parse_obj(std::string_view content, const std::string& file) {
           "export the model as a polygonal OBJ");
     }
   }
-  if ((last_keyword == "v" || last_keyword == "f") && !content.ends_with('\n')) {
+  if ((last_keyword == "v" || last_keyword == "f") && !content.ends_with('\n') && !content.ends_with('\r')) {
     soup.warnings.push_back(
         fmt::format("{}:{}: the last line has no line end; if the file is cut off, its last number "
                     "may be wrong",

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
 #include <limits>
 
 #include "scene/mesh_file_polygons.hpp"
@@ -20,22 +21,35 @@ std::int64_t count(TextLines& text, std::string_view what) {
   return value;
 }
 
+std::string capitals(std::string_view word) {
+  std::string text(word);
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+  return text;
+}
+
+bool is_number(std::string_view word) {
+  return !word.empty() && word.find_first_not_of("0123456789") == word.npos;
+}
+
 }  // namespace
 
 PolygonSoup parse_off(std::string_view content, const std::string& file) {
   PolygonSoup soup;
   TextLines text(content, file);
   text.next_with_words("the word OFF");
-  const std::string_view magic = text.word();
-  if (magic != "OFF" && magic != "COFF" && magic != "NOFF" && magic != "CNOFF" && magic != "STOFF" &&
-      magic != "STCNOFF" && magic != "STCOFF" && magic != "STNOFF") {
-    throw InputError(text.place(), "expected a header OFF, COFF, NOFF or STOFF (three coordinates a vertex)");
-  }
   TextLines after_magic = text;  // the counts may follow on the same line
-  std::string_view next = after_magic.word();
-  if (next == "BINARY")
-    throw InputError(after_magic.place(), "binary OFF is not read: convert it to PLY or ASCII OFF");
-  if (next.empty() || next[0] == '#') text.next_with_words("the counts of vertices, faces and edges");
+  const std::string magic = capitals(after_magic.word());
+  if (!is_number(magic)) {  // some writers leave the word out
+    if (magic != "OFF" && magic != "COFF" && magic != "NOFF" && magic != "CNOFF" && magic != "STOFF" &&
+        magic != "STCNOFF" && magic != "STCOFF" && magic != "STNOFF")
+      throw InputError(after_magic.place(),
+                       "expected a header OFF, COFF, NOFF or STOFF (three coordinates a vertex)");
+    text = after_magic;
+    const std::string next = capitals(after_magic.word());
+    if (next == "BINARY")
+      throw InputError(after_magic.place(), "binary OFF is not read: convert it to PLY or ASCII OFF");
+    if (next.empty() || next[0] == '#') text.next_with_words("the counts of vertices, faces and edges");
+  }
   const std::int64_t vertices = count(text, "the number of vertices"),
                      faces = count(text, "the number of faces");
 
@@ -62,7 +76,7 @@ PolygonSoup parse_off(std::string_view content, const std::string& file) {
       }
       soup.corners.push_back(static_cast<std::uint32_t>(index));
     }
-    soup.end.push_back(soup.corners.size());
+    soup.end_polygon();
     soup.line.push_back(text.line());
   }
   return soup;

@@ -181,7 +181,12 @@ class PlyReader {
 
   void skip(const Property& property) {
     const std::int64_t count = property.is_list ? list_length(property) : 1;
-    for (std::int64_t i = 0; i < count; ++i) value(property.type, property.name);
+    for (std::int64_t i = 0; i < count; ++i) {
+      if (encoding_ == Encoding::kText)
+        text_.skip(property.name);  // not a number, in what is not used, is no fault
+      else
+        value(property.type, property.name);
+    }
   }
 
   void read_vertices(const Element& element) {
@@ -231,7 +236,7 @@ class PlyReader {
           skip(property);
         }
       }
-      soup_.end.push_back(soup_.corners.size());
+      soup_.end_polygon();
       if (encoding_ == Encoding::kText) soup_.line.push_back(text_.line());
     }
   }

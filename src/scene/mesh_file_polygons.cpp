@@ -4,99 +4,103 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <glm/geometric.hpp>
-#include <limits>
 #include <span>
 
 #include "files/input_error.hpp"
 #include "geometry/stop.hpp"
+#include "scene/polygon_cutter.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Corners = std::span<const std::uint32_t>;
 
-// Twice the vector area of a polygon (Newell).
-glm::dvec3 vector_area(const std::vector<glm::dvec3>& points, Corners polygon) {
-  glm::dvec3 area(0);
-  for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
-    area += glm::cross(points[polygon[i]] - points[polygon[0]], points[polygon[i + 1]] - points[polygon[0]]);
+class Cutting {
+ public:
+  Cutting(PolygonSoup soup, const std::string& file) : soup_(std::move(soup)), file_(file) {
+    mesh_.names = std::move(soup_.names);
+    mesh_.warnings = std::move(soup_.warnings);
   }
-  return area;
-}
 
-// The smallest triangle of the fan from a corner, signed by the polygon's own side: negative when the fan
-// folds over.
-double smallest_in_fan(const std::vector<glm::dvec3>& points, Corners polygon, std::size_t start,
-                       glm::dvec3 area) {
-  const glm::dvec3 apex = points[polygon[start]];
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
-    const glm::dvec3 b = points[polygon[(start + i) % polygon.size()]];
-    const glm::dvec3 c = points[polygon[(start + i + 1) % polygon.size()]];
-    smallest = std::min(smallest, glm::dot(glm::cross(b - apex, c - apex), area));
+  NamedMesh cut() {
+    std::size_t begin = 0;
+    for (face_ = 0; face_ < soup_.end.size(); ++face_) {
+      stop_if_wanted();
+      add(Corners(soup_.corners.data() + begin, soup_.end[face_] - begin));
+      begin = soup_.end[face_];
+    }
+    if (mesh_.triangles.empty()) throw InputError({file_, 0, 0}, what_is_missing());
+    mesh_.points_m = std::move(soup_.points);
+    drop_unused_points(mesh_);
+    if (too_few_ > 0)
+      warn(fmt::format("{} faces of less than three corners are no facets: left out", too_few_));
+    if (uneven_ > 0)
+      warn(fmt::format(
+          "{} polygons are not flat, {} the most ({:.3g} of the file's units off its plane): they "
+          "are the triangles that they are cut into",
+          uneven_, name_of(most_uneven_), farthest_));
+    return std::move(mesh_);
   }
-  return smallest;
-}
 
-// A corner whose fan does not fold over, the earliest that makes no empty triangle; or none (polygon.size()).
-std::size_t fan_start(const std::vector<glm::dvec3>& points, Corners polygon) {
-  constexpr std::size_t kTries = 64;  // keeps a polygon of a million corners from taking hours
-  const glm::dvec3 area = vector_area(points, polygon);
-  std::size_t with_empty = polygon.size();
-  for (std::size_t start = 0; start < std::min(polygon.size(), kTries); ++start) {
-    const double smallest = smallest_in_fan(points, polygon, start, area);
-    if (smallest > 0) return start;
-    if (smallest == 0 && with_empty == polygon.size()) with_empty = start;
+ private:
+  void warn(const std::string& what) { mesh_.warnings.push_back(file_ + ": " + what); }
+
+  SourcePlace place() const { return {file_, soup_.line.empty() ? 0 : soup_.line[face_], 0}; }
+  std::string name_of(std::size_t face) const {
+    return soup_.line.empty() ? fmt::format("face {} (counted from 0)", face)
+                              : fmt::format("that of line {}", soup_.line[face]);
   }
-  return with_empty;
-}
+  std::string name() const { return soup_.line.empty() ? name_of(face_) : "the face"; }
+
+  void add(Corners polygon) {
+    for (const std::uint32_t index : polygon)
+      if (index >= soup_.points.size())
+        throw InputError(
+            place(),
+            fmt::format("{} names vertex {}, out of range: the file holds {} vertices, counted from {}",
+                        name(), std::uint64_t{index} + soup_.first_index, soup_.points.size(),
+                        soup_.first_index));
+    if (polygon.size() < 3) {
+      ++too_few_;
+      return;
+    }
+    if (cutter_.cut(soup_.points, polygon, mesh_.triangles) == PolygonCutter::Result::crossed)
+      throw InputError(
+          place(),
+          fmt::format("{} of {} corners crosses or covers itself, seen from its own side, so that it "
+                      "bounds no surface: mend or triangulate it in the modelling program",
+                      name(), polygon.size()));
+    if (!soup_.names_of.empty()) mesh_.names_of.resize(mesh_.triangles.size(), soup_.names_of[face_]);
+    const double off = unevenness(soup_.points, polygon);
+    if (off > 0) ++uneven_;
+    if (off > farthest_) {
+      farthest_ = off;
+      most_uneven_ = face_;
+    }
+  }
+
+  std::string what_is_missing() const {
+    if (too_few_ > 0)
+      return fmt::format("holds no facet, but {} points or lines: export the model as a surface", too_few_);
+    if (soup_.points.empty()) return "holds no facet, expected a surface mesh: export it with its faces";
+    return fmt::format(
+        "holds {} points and no facet: it is a point cloud, and sound needs surfaces. Make a surface of it "
+        "(CloudCompare, MeshLab), or a grid of heights (gdal_grid) for a [[terrain]] of kind = \"raster\"",
+        soup_.points.size());
+  }
+
+  PolygonSoup soup_;
+  const std::string& file_;
+  NamedMesh mesh_;
+  PolygonCutter cutter_;
+  std::size_t face_ = 0, too_few_ = 0, uneven_ = 0, most_uneven_ = 0;
+  double farthest_ = 0;
+};
 
 }  // namespace
 
-ComponentMesh triangulate(PolygonSoup soup, const std::string& file) {
-  if (soup.end.empty()) {
-    throw InputError({file, 0, 0}, "holds no facet, expected a surface mesh: export it with its faces");
-  }
-  ComponentMesh mesh;
-  mesh.warnings = std::move(soup.warnings);
-  std::size_t folded = 0, begin = 0;
-  for (std::size_t face = 0; face < soup.end.size(); ++face) {
-    stop_if_wanted();
-    const Corners polygon(soup.corners.data() + begin, soup.end[face] - begin);
-    begin = soup.end[face];
-    const SourcePlace place{file, soup.line.empty() ? 0 : soup.line[face], 0};
-    const std::string name = soup.line.empty() ? fmt::format("face {} (counted from 0)", face) : "the face";
-    if (polygon.size() < 3) {
-      throw InputError(place, fmt::format("{} has {} corners, expected at least 3", name, polygon.size()));
-    }
-    for (const std::uint32_t index : polygon) {
-      if (index >= soup.points.size()) {
-        throw InputError(
-            place,
-            fmt::format("{} names vertex {}, out of range: the file holds {} vertices, counted from {}", name,
-                        std::uint64_t{index} + soup.first_index, soup.points.size(), soup.first_index));
-      }
-    }
-    std::size_t start = polygon.size() == 3 ? 0 : fan_start(soup.points, polygon);
-    if (start == polygon.size()) {
-      ++folded;
-      start = 0;
-    }
-    for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
-      mesh.triangles.push_back(
-          {polygon[start], polygon[(start + i) % polygon.size()], polygon[(start + i + 1) % polygon.size()]});
-    }
-  }
-  mesh.points_m = std::move(soup.points);
-  drop_unused_points(mesh);
-  if (folded > 0) {
-    mesh.warnings.push_back(
-        fmt::format("{}: {} polygons are not star-shaped from a corner, their triangles overlap; "
-                    "triangulate them in the modelling program",
-                    file, folded));
-  }
-  return mesh;
+NamedMesh triangulate(PolygonSoup soup, const std::string& file) {
+  return Cutting(std::move(soup), file).cut();
 }
 
 }  // namespace tubefoot

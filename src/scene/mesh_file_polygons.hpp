@@ -7,18 +7,23 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/scene_component.hpp"
+#include "scene/mesh_file.hpp"
 
 namespace tubefoot {
 
 /// What a mesh file says, face by face, before it is checked and cut into triangles.
 struct PolygonSoup {
   std::vector<glm::dvec3> points;
-  std::vector<std::uint32_t> corners;  ///< of all polygons, one after the other
-  std::vector<std::size_t> end;        ///< per polygon: where its corners end
-  std::vector<int> line;               ///< per polygon: its line in the file; empty for binary files
-  int first_index = 0;                 ///< what the file counts vertices from, for messages
+  std::vector<std::uint32_t> corners;           ///< of all polygons, one after the other
+  std::vector<std::size_t> end;                 ///< per polygon: where its corners end
+  std::vector<int> line;                        ///< per polygon: its line in the file; empty for binary files
+  int first_index = 0;                          ///< what the file counts vertices from, for messages
+  std::vector<std::vector<std::string>> names;  ///< as in NamedMesh
+  std::vector<std::uint32_t> names_of;          ///< per polygon; empty: the file has no names
   std::vector<std::string> warnings;
+
+  /// Ends a polygon of the corners since the last one.
+  void end_polygon() { end.push_back(corners.size()); }
 };
 
 /// The readers of the formats: `content` is the whole file, `file` names it in errors. They check numbers,
@@ -28,10 +33,9 @@ PolygonSoup parse_off(std::string_view content, const std::string& file);
 PolygonSoup parse_ply(std::string_view content, const std::string& file);
 PolygonSoup parse_stl(std::string_view content, const std::string& file);
 
-/// Cuts polygons into fans of triangles, in order. A polygon is fanned from a corner that sees all of it
-/// where there is one (any convex polygon, any quadrangle); the others are counted in a warning. Drops points
-/// that no face uses. Throws InputError for an index out of range, a face of fewer than three corners, no
-/// face at all.
-ComponentMesh triangulate(PolygonSoup soup, const std::string& file);
+/// Cuts polygons into triangles, in order (polygon_cutter.hpp). Faces of less than three corners are counted
+/// in a warning, and so are polygons that are not flat. Drops points that no face uses. Throws InputError for
+/// an index out of range, a polygon that crosses itself, no face at all.
+NamedMesh triangulate(PolygonSoup soup, const std::string& file);
 
 }  // namespace tubefoot

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -24,19 +26,27 @@ std::uint64_t facets_announced(std::string_view content) {
   return facets;
 }
 
+/// Some writers shout.
+std::string small(std::string_view word) {
+  std::string text(word);
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return text;
+}
+
 // Many binary files begin with "solid" too: the length decides, then bytes that no text holds.
 bool is_binary(std::string_view content) {
   if (content.size() >= kHeaderBytes &&
       content.size() == kHeaderBytes + kFacetBytes * facets_announced(content)) {
     return true;
   }
-  return !content.starts_with("solid") || content.substr(0, 1024).find('\0') != content.npos;
+  const std::size_t first = std::min(content.find_first_not_of(" \t\r\n"), content.size());
+  return small(content.substr(first, 5)) != "solid" || content.substr(0, 1024).find('\0') != content.npos;
 }
 
 void add_triangle(PolygonSoup& soup) {
   const auto corners = static_cast<std::uint32_t>(soup.corners.size());
   for (std::uint32_t k = 0; k < 3; ++k) soup.corners.push_back(corners + k);
-  soup.end.push_back(soup.corners.size());
+  soup.end_polygon();
 }
 
 PolygonSoup parse_binary(std::string_view content, const std::string& file) {
@@ -80,7 +90,14 @@ PolygonSoup parse_binary(std::string_view content, const std::string& file) {
 }
 
 void expect(TextLines& text, std::string_view expected) {
-  if (text.word() != expected) throw InputError(text.place(), fmt::format("expected '{}'", expected));
+  if (small(text.word()) != expected) throw InputError(text.place(), fmt::format("expected '{}'", expected));
+}
+
+/// "end solid" is "endsolid", and so on.
+std::string word_or_end(TextLines& text) {
+  std::string word = small(text.word());
+  if (word == "end") word += small(text.word());
+  return word;
 }
 
 PolygonSoup parse_text(std::string_view content, const std::string& file) {
@@ -97,7 +114,7 @@ PolygonSoup parse_text(std::string_view content, const std::string& file) {
       continue;
     }
     text.next_with_words("'facet' or 'endsolid'");
-    const std::string_view keyword = text.word();
+    const std::string keyword = word_or_end(text);
     if (keyword == "endsolid") {
       in_solid = false;
       continue;
@@ -113,10 +130,10 @@ PolygonSoup parse_text(std::string_view content, const std::string& file) {
       soup.points.emplace_back(x, y, text.number("the vertex's z"));
     }
     soup.line.push_back(text.line());
-    text.next_with_words("'endloop'");
-    expect(text, "endloop");
-    text.next_with_words("'endfacet'");
-    expect(text, "endfacet");
+    for (const char* end : {"endloop", "endfacet"}) {
+      text.next_with_words(fmt::format("'{}'", end));
+      if (word_or_end(text) != end) throw InputError(text.place(), fmt::format("expected '{}'", end));
+    }
     add_triangle(soup);
   }
 }

@@ -28,6 +28,13 @@ std::string_view without_plus(std::string_view text) {
 
 }  // namespace
 
+TextLines::TextLines(std::string_view content, std::string file, bool joined)
+    : content_(content), file_(std::move(file)), joined_(joined) {
+  const std::size_t first = content.find_first_of("\r\n");
+  if (first != content.npos && content[first] == '\r' && content.substr(first + 1, 1) != "\n")
+    line_end_ = '\r';
+}
+
 bool TextLines::next() {
   if (next_ >= content_.size()) return false;
   stop_if_wanted();
@@ -36,10 +43,10 @@ bool TextLines::next() {
   begin_ = at_ = next_;
   column_ = 1;
   for (end_ = begin_;; ++line_count_) {
-    end_ = std::min(content_.find('\n', end_), content_.size());
+    end_ = std::min(content_.find(line_end_, end_), content_.size());
     next_ = std::min(end_ + 1, content_.size());
     std::size_t last = end_;
-    if (last > begin_ && content_[last - 1] == '\r') --last;
+    if (line_end_ == '\n' && last > begin_ && content_[last - 1] == '\r') --last;
     if (!joined_ || last == begin_ || content_[last - 1] != '\\' || next_ == content_.size()) return true;
     end_ = next_;
   }
@@ -61,8 +68,8 @@ std::string_view TextLines::word() {
   const auto skipped = [&](std::size_t i) {
     if (is_blank(content_[i])) return true;
     if (!joined_ || content_[i] != '\\') return false;
-    const std::size_t after = i + (i + 1 < end_ && content_[i + 1] == '\r' ? 2 : 1);
-    return after == end_ || content_[after] == '\n';
+    const std::size_t after = i + (line_end_ == '\n' && i + 1 < end_ && content_[i + 1] == '\r' ? 2 : 1);
+    return after == end_ || content_[after] == line_end_;
   };
   while (at_ < end_ && skipped(at_)) ++at_;
   const std::size_t first = at_;
@@ -86,6 +93,10 @@ double TextLines::number(std::string_view what) {
     throw InputError(place(), fmt::format("{} is '{}', expected a finite number", what, quoted(text)));
   }
   return value;
+}
+
+void TextLines::skip(std::string_view what) {
+  if (word().empty()) throw InputError(place(), fmt::format("{} is missing: the line is cut short", what));
 }
 
 std::int64_t TextLines::integer(std::string_view what) {

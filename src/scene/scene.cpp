@@ -15,6 +15,7 @@
 #include "scene/georeference.hpp"
 #include "scene/material_map.hpp"
 #include "scene/mesh_file.hpp"
+#include "scene/mesh_materials.hpp"
 #include "scene/primitives.hpp"
 #include "scene/raster.hpp"
 #include "scene/reflectivity.hpp"
@@ -62,27 +63,27 @@ ComponentMesh terrain_mesh(const TerrainDescription& terrain, std::optional<Loca
   return named_at(terrain.place, [&] { return read_raster(std::get<RasterTerrain>(terrain.kind), frame); });
 }
 
-ComponentMesh object_mesh(const ObjectDescription& object) {
-  if (object.facets) return *object.facets;
+NamedMesh object_mesh(const ObjectDescription& object) {
+  if (object.facets) return {*object.facets, {}, {}};
   // The stated chord error is that of the facets in the scene, after scaling.
   const double chord_error =
       object.chord_error_m / *std::max_element(object.scale.begin(), object.scale.end());
   struct {
     const SourcePlace& place;
     double chord_error;
-    ComponentMesh operator()(const MeshFile& mesh) const {
-      return named_at(place, [&] { return read_mesh_file(mesh.file); });
+    NamedMesh operator()(const MeshFile& mesh) const {
+      return named_at(place, [&] { return read_mesh_file(mesh.file, {mesh.up, mesh.unit_m}); });
     }
-    ComponentMesh operator()(const SpherePrimitive& sphere) const {
-      return sphere_facets(sphere, chord_error, place);
+    NamedMesh operator()(const SpherePrimitive& sphere) const {
+      return {sphere_facets(sphere, chord_error, place), {}, {}};
     }
-    ComponentMesh operator()(const CylinderPrimitive& cylinder) const {
-      return cylinder_facets(cylinder, chord_error, place);
+    NamedMesh operator()(const CylinderPrimitive& cylinder) const {
+      return {cylinder_facets(cylinder, chord_error, place), {}, {}};
     }
-    ComponentMesh operator()(const ConePrimitive& cone) const {
-      return cone_facets(cone, chord_error, place);
+    NamedMesh operator()(const ConePrimitive& cone) const {
+      return {cone_facets(cone, chord_error, place), {}, {}};
     }
-    ComponentMesh operator()(const BoxPrimitive& box) const { return box_facets(box, place); }
+    NamedMesh operator()(const BoxPrimitive& box) const { return {box_facets(box, place), {}, {}}; }
   } make{object.place, chord_error};
   return std::visit(make, object.kind);
 }
@@ -116,7 +117,7 @@ struct LoadedComponent {
   ComponentMesh mesh;
   std::uint16_t material = 0;
   bool is_file = false;
-  std::vector<std::uint16_t> facet_materials = {};  // of a material map
+  std::vector<std::uint16_t> facet_materials = {};  // of a material map or a mesh's names
 };
 
 // What the grid must hold of one component or sensor, for the message when it does not fit.
@@ -283,8 +284,11 @@ class Loader {
       terrains.emplace_back();
     }
     std::vector<ComponentMesh> objects;
+    std::vector<std::vector<NamedFacets>> names;
     for (const ObjectDescription& object : description_.objects) {
-      objects.push_back(object_mesh(object));
+      NamedMesh mesh = object_mesh(object);
+      names.push_back(apply_mesh_materials(mesh, object, description_.materials));
+      objects.push_back(std::move(mesh));
       place_object(objects.back(), object, frame_.value_or(LocalFrame()), [&](double east_m, double north_m) {
         return highest_m(object, terrains, east_m, north_m);
       });
@@ -303,6 +307,7 @@ class Loader {
       const ObjectDescription& o = description_.objects[i];
       add_component(std::move(objects[i]), o.name, o.material, o.material_place, o.place,
                     std::holds_alternative<MeshFile>(o.kind));
+      report_.components.back().names = std::move(names[i]);
     }
   }
 

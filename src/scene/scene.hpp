@@ -18,6 +18,12 @@
 
 namespace tubefoot {
 
+/// Facets of a mesh file that go by the same name in it.
+struct NamedFacets {
+  std::string name, material;  ///< in the file, in the scene
+  std::size_t facets = 0;
+};
+
 /// What loading one component met.
 struct ComponentReport {
   std::string name;
@@ -26,6 +32,7 @@ struct ComponentReport {
   std::size_t cut_facets = 0;      ///< facets of the source that a material map cuts
   std::size_t hole_cells = 0;      ///< raster cells left open because a corner has no data
   std::size_t kept_outside_halfedge = 0;  ///< facets that OpenMesh refused and that take part all the same
+  std::vector<NamedFacets> names;         ///< in the order of the file
   glm::dvec3 lo_m{0}, hi_m{0};            ///< extent in the local frame
 };
 

@@ -211,6 +211,9 @@ struct TerrainDescription {
 
 struct MeshFile {
   std::filesystem::path file;
+  std::optional<std::string> up;         ///< the file's axis that is up: x | y | z; else what the file says
+  std::optional<double> unit_m;          ///< metres in one of the file's units; else what the file says
+  std::vector<MaterialClass> materials;  ///< by the names that the mesh gives to its faces
 };
 struct SpherePrimitive {
   double radius_m = 1;
@@ -236,7 +239,6 @@ struct ObjectDescription {
   std::optional<std::array<double, 2>> position_lat_lon_deg;  ///< instead of x and y of position_m
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
   std::array<double, 3> scale{1, 1, 1};
-  bool y_up = false;            ///< the file's y axis is up: turned by 90 degrees about x first
   double chord_error_m = 0.01;  ///< largest distance between a curved primitive and its facets
   /// Put the object's lowest point this far above the terrain below its position (position z is then
   /// ignored).

@@ -13,6 +13,7 @@
 #include "geometry/stop.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_file_sections.hpp"
+#include "scene/scene_file_tables.hpp"
 #include "scene/scene_file_words.hpp"
 #include "scene/sensor_presets.hpp"
 
@@ -71,16 +72,16 @@ class InputHash {
 
   void add(const TomlSource::NamedFile& named) {
     refuse_or_note(named.file, named.place, fmt::format("\"{}\"", named.name));
-    take(named.file, named.place, format_of(named.file) != FileFormat::other);
+    const bool through_gdal = gdal_driver_of(format_of(named.file)) != nullptr;
+    take(named.file, named.place, through_gdal);
     const auto admit = [&](const fs::path& companion) {
       refuse_or_note(
           companion, named.place,
           fmt::format("'{}', which is read along with \"{}\",", companion.filename().string(), named.name));
     };
     try {
-      for (const fs::path& companion : companions_of(named.file, admit)) {
-        take(companion, named.place, true);
-      }
+      for (const fs::path& companion : companions_of(named.file, admit))
+        take(companion, named.place, through_gdal);
     } catch (const InputError& error) {
       if (error.place.file == named.place.file) throw;
       throw InputError(named.place, error.what());
@@ -286,19 +287,20 @@ void check_scene(SceneEntries& all, const fs::path& file) {
   unique_names(all.terrains, terrain_section());
   unique_names(all.objects, object_section());
   unique_names(all.sensors, sensor_section());
+  std::vector<std::string> materials;
+  for (const auto& material : all.materials) materials.push_back(material.description.name);
   const auto resolve_material = [names = unique_names(all.materials, material_section())](auto& entry) {
     resolve(entry.description.material, entry.description.material_place, entry.table, "material", names,
             material_section().name());
   };
   for (auto& entry : all.terrains) {
     resolve_material(entry);
-    if (!entry.description.material_map) continue;
-    std::vector<std::string> known;
-    for (const auto& material : all.materials) known.push_back(material.description.name);
-    check_materials(*entry.description.material_map, known);
+    if (entry.description.material_map) check_materials(*entry.description.material_map, materials);
   }
   for (auto& entry : all.objects) {
     resolve_material(entry);
+    if (const auto* mesh = std::get_if<MeshFile>(&entry.description.kind))
+      for (const MaterialClass& c : mesh->materials) check_material_name(c.material, c.place, materials);
     if (entry.description.position_lat_lon_deg && all.georeference.empty()) {
       throw InputError(entry.table.place_of("position_lat_lon_deg"),
                        "'position_lat_lon_deg' needs to know where the frame lies: add [georeference]");

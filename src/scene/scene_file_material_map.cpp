@@ -5,41 +5,10 @@
 
 #include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_sections.hpp"
-#include "scene/scene_file_words.hpp"
+#include "scene/scene_file_tables.hpp"
 
 namespace tubefoot {
 namespace {
-
-/// A key whose value is a table, each entry of which is read by `read(entry, source, s)`.
-template <class S, class Read>
-TomlField<S> table_field(std::string_view name, KeyRule rule, Read read) {
-  const TomlKey key = make_key(name, "table", "none", std::move(rule));
-  return {key, [key, read](const toml::node& node, TomlSource& source, S& s) {
-            const toml::table* table = node.as_table();
-            if (table == nullptr || table->empty())
-              throw InputError(source.place(node.source()),
-                               fmt::format("'{}' must be a table{}", key.name,
-                                           table == nullptr ? "" : " with at least one entry"));
-            read(*table, source, s);
-          }};
-}
-
-TomlKey element(std::string_view name, std::string type, KeyRule rule = {}) {
-  return make_key(name, std::move(type), "", std::move(rule));
-}
-
-template <class Map>
-TomlField<Map> classes_field(bool required) {
-  return table_field<Map>("classes", {.required = required},
-                          [](const toml::table& table, TomlSource& source, Map& map) {
-                            for (const TomlEntry& entry : entries_in_file_order(table, source)) {
-                              MaterialClass& c = map.classes.emplace_back();
-                              c.value = entry.key;
-                              c.place = source.place(entry.node->source());
-                              read_value(*entry.node, element(entry.key, "text"), source, c.material);
-                            }
-                          });
-}
 
 TomlField<PatchMaterialMap> shares_field() {
   return table_field<PatchMaterialMap>(
@@ -49,7 +18,7 @@ TomlField<PatchMaterialMap> shares_field() {
           MaterialShare& s = map.shares.emplace_back();
           s.material = name.str();
           s.place = source.place(name.source());
-          read_value(node, element(name.str(), "number", {.ranges = {share}}), source, s.share);
+          read_value(node, make_key(name.str(), "number", "", {.ranges = {share}}), source, s.share);
         }
       });
 }
@@ -75,15 +44,6 @@ void check_map(const MaterialMapDescription& map, const TomlTable& table) {
   }
 }
 
-void check_name(const std::string& name, const SourcePlace& place,
-                const std::vector<std::string>& materials) {
-  if (std::ranges::find(materials, name) != materials.end()) return;
-  const std::string_view meant = nearest(name, materials);
-  throw InputError(place, fmt::format("no entry of [[materials]] is named \"{}\": {}", name,
-                                      meant.empty() ? "expected " + one_of(materials, '"')
-                                                    : fmt::format("did you mean \"{}\"?", meant)));
-}
-
 }  // namespace
 
 const TomlSection<MaterialMapDescription>& material_map_section() {
@@ -93,13 +53,14 @@ const TomlSection<MaterialMapDescription>& material_map_section() {
   static const auto section =
       TomlSection<MaterialMapDescription>("[terrain.material_map]")
           .kind<Raster>("kind", "raster",
-                        {field("file", &Raster::file, {.required = true}), classes_field<Raster>(true),
+                        {field("file", &Raster::file, {.required = true}),
+                         classes_field("classes", &Raster::classes, {.required = true}),
                          field("origin_m", &Raster::origin_m, {.ranges = {coordinate}}),
                          field("cell_m", &Raster::cell_m, {.ranges = {size}})})
           .kind<Polygons>(
               "kind", "polygons",
               {field("file", &Polygons::file, {.required = true}), field("layer", &Polygons::layer),
-               field("attribute", &Polygons::attribute), classes_field<Polygons>(false),
+               field("attribute", &Polygons::attribute), classes_field("classes", &Polygons::classes),
                field("overlaps", &Polygons::overlaps, {.choices = {"last", "first"}}),
                field("coordinates", &Polygons::coordinates, {.choices = {"crs", "local"}})})
           .kind<Patches>("kind", "patches",
@@ -119,7 +80,7 @@ TomlField<TerrainDescription> material_map_field() {
 
 void check_materials(const MaterialMapDescription& map, const std::vector<std::string>& materials) {
   const auto check = [&materials](const auto& named) {
-    for (const auto& entry : named) check_name(entry.material, entry.place, materials);
+    for (const auto& entry : named) check_material_name(entry.material, entry.place, materials);
   };
   if (const auto* raster = std::get_if<RasterMaterialMap>(&map.kind)) check(raster->classes);
   if (const auto* polygons = std::get_if<PolygonMaterialMap>(&map.kind)) check(polygons->classes);

@@ -8,6 +8,7 @@
 #include "files/utc.hpp"
 #include "scene/scene_file_ranges.hpp"
 #include "scene/scene_file_scattering.hpp"
+#include "scene/scene_file_tables.hpp"
 #include "scene/scene_file_words.hpp"
 
 namespace tubefoot {
@@ -159,6 +160,7 @@ const TomlSection<ObjectDescription>& object_section() {
   using Sphere = SpherePrimitive;
   using Cylinder = CylinderPrimitive;
   using Cone = ConePrimitive;
+  constexpr ValueRange mesh_unit{.lo = 0, .hi = 1e6, .lo_excluded = true};
   static const auto chord_error = field("chord_error_m", &O::chord_error_m, {.ranges = {size}});
   static const auto section =
       TomlSection<O>("[[objects]]")
@@ -171,8 +173,11 @@ const TomlSection<ObjectDescription>& object_section() {
                  field("pitch_deg", &O::pitch_deg, {.ranges = {pitch}}),
                  field("roll_deg", &O::roll_deg, {.ranges = {roll}}),
                  field("scale", &O::scale, {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}})})
-          .kind<MeshFile>("shape", "mesh", {field("file", &MeshFile::file, {.required = true})},
-                          {field("y_up", &O::y_up)})
+          .kind<MeshFile>("shape", "mesh",
+                          {field("file", &MeshFile::file, {.required = true}),
+                           field("up", &MeshFile::up, {.choices = {"x", "y", "z"}}),
+                           field("unit_m", &MeshFile::unit_m, {.ranges = {mesh_unit}}),
+                           classes_field("materials", &MeshFile::materials)})
           .kind<Sphere>("shape", "sphere", {field("radius_m", &Sphere::radius_m, {.ranges = {size}})},
                         {chord_error})
           .kind<Cylinder>("shape", "cylinder",

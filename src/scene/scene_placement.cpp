@@ -65,7 +65,6 @@ void place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
   const glm::dvec3 scale(object.scale[0], object.scale[1], object.scale[2]);
   double lowest = std::numeric_limits<double>::infinity();
   for (glm::dvec3& p : mesh.points_m) {
-    if (object.y_up) p = {p.x, -p.z, p.y};
     p = position + attitude * (scale * p);
     lowest = std::min(lowest, p.z);
   }

@@ -15,7 +15,7 @@ namespace tubefoot {
 std::optional<double> terrain_height_m(std::span<const ComponentMesh> terrains, double east_m,
                                        double north_m);
 
-/// Puts an object where its description says: turns y up, scales along east, north and up, turns by roll,
+/// Puts an object where its description says: scales along east, north and up, turns by roll,
 /// pitch and heading, moves to its position, and sets it on the terrain, of which `height_m` tells the height
 /// at a place east and north, if asked to. Throws InputError at the object's place.
 void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,

@@ -79,9 +79,10 @@ TEST_F(BadInput, MissingMesh) {
 TEST_F(BadInput, BrokenMesh) {
   const std::string place = "scene.toml:8:1: thing.obj";
   expect_mesh_refused("", place + ": is empty");
-  expect_mesh_refused(tetrahedron.substr(0, 50), place + ":7: the face has 0 corners, expected at least 3");
+  expect_mesh_refused(tetrahedron.substr(0, 50), place + ":7: the last face has 0 corners and no line end");
   expect_mesh_refused(tetrahedron.substr(0, 29), place + ":4:");
-  expect_mesh_refused(tetrahedron.substr(0, tetrahedron.find('f')), place + ": holds no facet");
+  expect_mesh_refused(tetrahedron.substr(0, tetrahedron.find('f')),
+                      place + ": holds 4 points and no facet: it is a point cloud");
   expect_mesh_refused(replaced(tetrahedron, "f 3 1 4", "f 3 1 5"),
                       place + ":8: the face names vertex 5, out of range: the file holds 4 vertices");
   expect_mesh_refused(replaced(tetrahedron, "f 3 1 4", "f 3 0 4"), place + ":8");

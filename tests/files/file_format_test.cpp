@@ -33,6 +33,14 @@ TEST(FileFormat, IsToldByTheFirstBytesAndNotByTheName) {
   EXPECT_EQ(format("a.shp", "\0\0\x27\x0a"sv), FileFormat::shapefile);
   EXPECT_EQ(format("a.gpkg", "SQLite format 3\0"sv), FileFormat::geopackage);
   EXPECT_EQ(format("a.tif", ""), FileFormat::other);
+  EXPECT_EQ(format("a.obj", "<?xml version=\"1.0\"?><!-- x -->\n<COLLADA version"sv), FileFormat::collada);
+  EXPECT_EQ(format("a.dae", "<xml/>"sv), FileFormat::other);
+  EXPECT_EQ(format("a.gltf", "{\"asset\":{}}"sv), FileFormat::gltf);
+  EXPECT_EQ(format("a.bin", "glTF\2\0\0\0"sv), FileFormat::gltf_binary);
+  EXPECT_EQ(format("a.x", "Kaydara FBX Binary  \0\x1a\0"sv), FileFormat::fbx);
+  EXPECT_EQ(format("a.x", "; FBX 7.3.0 project file\n"sv), FileFormat::fbx);
+  EXPECT_EQ(format("a.x", "MM\x40\0\0\0\2\0\x0a\0\0\0\3\0\0\0"sv), FileFormat::studio_3ds);
+  EXPECT_EQ(format("a.x", "MM\x40\0\0\0\7\0\x0a\0\0\0"sv), FileFormat::other);
 }
 
 TEST(FileFormat, OfTwoFormatsAtOnceIsRefused) {

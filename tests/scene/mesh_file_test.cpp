@@ -167,16 +167,6 @@ TEST(MeshFile, AConcaveQuadrangleIsCutAtItsReflexCorner) {
   }
 }
 
-TEST(MeshFile, AFoldedFanIsStated) {
-  // A comb: no corner sees all of it.
-  const ComponentMesh comb =
-      read("t.obj",
-           "v 0 0 0\nv 5 0 0\nv 5 3 0\nv 4 3 0\nv 4 1 0\nv 3 1 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\n"
-           "v 1 1 0\nv 1 3 0\nv 0 3 0\nf 1 2 3 4 5 6 7 8 9 10 11 12\n");
-  EXPECT_THAT(comb.triangles, SizeIs(10));
-  EXPECT_THAT(comb.warnings, ElementsAre(HasSubstr("1 polygons are not star-shaped")));
-}
-
 // --- no facet may be lost ---
 
 FacetMesh on_grid(const ComponentMesh& mesh, MeshReport& report) {
@@ -260,11 +250,13 @@ std::vector<BadMesh> bad_meshes() {
       {"EmptyOff", "m.off", " \n\n", ": ", "is empty"},
       {"EmptyPly", "m.ply", "", ": ", "is empty"},
       {"EmptyStl", "m.stl", "", ": ", "is empty"},
-      {"UnknownFormat", "m.dae", "<xml/>", ": ", "expected .obj, .ply, .stl or .off"},
+      {"UnknownFormat", "m.blend", "BLENDER", ": ",
+       "expected .obj, .ply, .stl, .off, .dae, .gltf, .glb, .3ds or .fbx"},
 
       {"ObjCutInVertex", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1", ":3:", "cut short"},
-      {"ObjCutInFace", "m.obj", without_last(obj, 3), ":9: ", "2 corners"},
-      {"ObjCutAfterVertices", "m.obj", obj.substr(0, obj.find('f')), ": ", "no facet"},
+      {"ObjCutInFace", "m.obj", without_last(obj, 3), ":9: ", "2 corners and no line end"},
+      {"ObjCutAfterVertices", "m.obj", obj.substr(0, obj.find("f 1 3")), ": ",
+       "4 points and no facet: it is a point cloud"},
       {"ObjNan", "m.obj", with(obj, "1e0", "nan"), ":4:5: ", "y is 'nan', expected a finite number"},
       {"ObjInf", "m.obj", with(obj, "1e0", "-inf"), ":4:5: ", "finite"},
       {"ObjOverflow", "m.obj", with(obj, "1e0", "1e999"), ":4:5: ", "finite"},
@@ -285,8 +277,7 @@ std::vector<BadMesh> bad_meshes() {
       {"OffNan", "m.off", with(off, "0 1 0", "0 nan 0"), ":7:3: ", "finite"},
       {"OffIndex", "m.off", with(off, "3 1 2 3", "3 1 2 4"), ":11:7: ", "out of range"},
       {"OffNegativeIndex", "m.off", with(off, "3 1 2 3", "3 1 -2 3"), ":11:5: ", "out of range"},
-      {"OffTwoCorners", "m.off", with(off, "3 1 2 3", "2 1 2"), ":11: ", "2 corners"},
-      {"OffNoFacet", "m.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", ": ", "no facet"},
+      {"OffNoFacet", "m.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", ": ", "point cloud"},
       {"OffHugeCount", "m.off", "OFF\n4000000000 4000000000 0\n0 0 0\n", ":3: ", "cut off"},
       {"OffNegativeCount", "m.off", "OFF\n-3 1 0\n", ":2:1: ", "number of vertices"},
 
@@ -299,7 +290,7 @@ std::vector<BadMesh> bad_meshes() {
       {"PlyIndex", "m.ply", with(ply, "3 1 2 3", "3 1 2 4"), ":19: ", "vertex 4, out of range"},
       {"PlyNegativeIndex", "m.ply", with(ply, "3 1 2 3", "3 1 -2 3"), ":19:5: ", "out of range"},
       {"PlyNoX", "m.ply", with(ply, "double x", "double u"), ": ", "no property x"},
-      {"PlyNoFacet", "m.ply", with(ply, "element face 4", "element face 0"), ": ", "no facet"},
+      {"PlyNoFacet", "m.ply", with(ply, "element face 4", "element face 0"), ": ", "point cloud"},
       {"PlyBinaryCut", "m.ply", without_last(little, 5), ": ", "cut off in face 4 of 4"},
       {"PlyBinaryCutInVertices", "m.ply", without_last(little, 60), ": ", "cut off in vertex 4 of 4"},
       {"PlyBinaryInf", "m.ply", nan_ply, ": ", "finite"},

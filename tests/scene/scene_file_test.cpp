@@ -109,7 +109,9 @@ shape = "mesh"
 name = "wreck"
 material = "steel"
 file = "wreck.obj"
-y_up = true
+up = "y"
+unit_m = 0.01
+materials = { "Oak planks" = "steel" }
 position_m = [5, 6, -7]
 position_lat_lon_deg = [48.51, -4.01]
 on_terrain_m = -0.5
@@ -407,7 +409,11 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(wreck.name, "wreck");
   EXPECT_EQ(wreck.material, "steel");
   EXPECT_EQ(std::get<MeshFile>(wreck.kind).file, folder.outside.path() / "scene/wreck.obj");
-  EXPECT_TRUE(wreck.y_up);
+  EXPECT_EQ(std::get<MeshFile>(wreck.kind).up, "y");
+  EXPECT_EQ(std::get<MeshFile>(wreck.kind).unit_m, 0.01);
+  ASSERT_EQ(std::get<MeshFile>(wreck.kind).materials.size(), 1u);
+  EXPECT_EQ(std::get<MeshFile>(wreck.kind).materials[0].value, "Oak planks");
+  EXPECT_EQ(std::get<MeshFile>(wreck.kind).materials[0].material, "steel");
   EXPECT_THAT(wreck.position_m, ElementsAre(5, 6, -7));
   EXPECT_THAT(wreck.position_lat_lon_deg, Optional(ElementsAre(48.51, -4.01)));
   EXPECT_EQ(wreck.on_terrain_m, -0.5);
@@ -601,7 +607,7 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   EXPECT_EQ(to_string(scene.terrains[0].place), file + ":33:1");
   EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":36:12");
   EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":93:12");
-  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":159:14");
+  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":161:14");
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {

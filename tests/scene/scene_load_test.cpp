@@ -106,14 +106,20 @@ TEST(LoadScene, WaterFollowsTheFormulasUnlessItIsGiven) {
 
 // --- placement ---
 
+MeshFile mesh_file(const std::filesystem::path& file) {
+  MeshFile mesh;
+  mesh.file = file;
+  return mesh;
+}
+
 TEST(Placement, TurnsYUpThenScalesThenTurnsThenMoves) {
   const SceneFolder folder;
   SceneDescription d = pond();
   // One triangle: its points lie along the file's x, y (up) and z (towards the viewer, that is south).
   d.objects.push_back(
-      object("mark", MeshFile{folder.write("mark.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n")}));
+      object("mark", mesh_file(folder.write("mark.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n"))));
   ObjectDescription& mark = d.objects[0];
-  mark.y_up = true;
+  std::get<MeshFile>(mark.kind).up = "y";
   EXPECT_THAT(vertices(load_scene(d), 1),
               ElementsAre(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0, -1, 0)));
   mark.scale = {2, 3, 4};
@@ -204,9 +210,9 @@ TEST(LoadScene, KeepsEveryFacetOfABadMeshAndSaysSo) {
   const SceneFolder folder;
   SceneDescription d = pond();
   d.objects.push_back(
-      object("bad", MeshFile{folder.write("bad.obj",
-                                          "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 2 0 0\n"
-                                          "f 1 2 3\nf 2 1 4\nf 1 2 5\nf 1 2 3\nf 1 2 6\n")}));
+      object("bad", mesh_file(folder.write("bad.obj",
+                                           "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 2 0 0\n"
+                                           "f 1 2 3\nf 2 1 4\nf 1 2 5\nf 1 2 3\nf 1 2 6\n"))));
   const Scene scene = load_scene(d);
   const ComponentReport& bad = scene.report.components[1];
   EXPECT_EQ(bad.facets_in_file, 5u);
@@ -221,7 +227,7 @@ TEST(LoadScene, KeepsEveryFacetOfABadMeshAndSaysSo) {
 TEST(LoadScene, AnErrorInAFileNamesTheSceneToo) {
   const SceneFolder folder;
   SceneDescription d = pond();
-  d.objects.push_back(object("bad", MeshFile{folder.write("bad.obj", "v 0 0 nan\n")}));
+  d.objects.push_back(object("bad", mesh_file(folder.write("bad.obj", "v 0 0 nan\n"))));
   EXPECT_THAT([&] { load_scene(d); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:20:1: "), HasSubstr("bad.obj:1:7: "))));
   d = pond();
