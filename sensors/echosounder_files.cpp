@@ -42,8 +42,8 @@ void append_line(std::string& text, const Recording& recording, std::size_t ping
     text += ",,,,,,";
   }
   const glm::dvec3 own = recording.ping_pose[ping].position_m;
-  fmt::format_to(std::back_inserter(text), ",{:.9g},{:.9g},{:.9g},{}\n", own.x, own.y, own.z,
-                 cell(altitude_m));
+  fmt::format_to(std::back_inserter(text), ",{:.9g},{:.9g},{:.9g},{},{}\n", own.x, own.y, own.z,
+                 cell(altitude_m), bottom ? name_of(bottom->flags) : "none");
 }
 
 void write_exr_of(const fs::path& file, const Recording& recording, const std::vector<float>& energies) {
@@ -71,7 +71,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
   std::vector<double> bottoms;
   std::string csv =
       "ping,time_s,range_m,range_sigma_m,energy_j,quality,bottom_east_m,bottom_north_m,bottom_up_m,"
-      "sensor_east_m,sensor_north_m,sensor_up_m,true_altitude_m\n";
+      "sensor_east_m,sensor_north_m,sensor_up_m,true_altitude_m,status\n";
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
     const std::span<const double> energy = recording.energy_of(ping);
     energies.insert(energies.end(), energy.begin(), energy.end());

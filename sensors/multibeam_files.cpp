@@ -72,6 +72,8 @@ void place_on_earth(std::vector<PlacedPing>& block, const LocalFrame& frame, con
   }
 }
 
+bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
+
 /// The next of 1, 2 and 5 times a power of ten, from `value` on.
 double rounded_up(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
@@ -86,7 +88,8 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
   std::vector<double> depths;
   for (const PlacedPing& placed : block)
     for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
-      if (sounding) depths.push_back(std::abs(placed.position_m.z - sounding->position_m.z));
+      if (sounding && !is_cut(*sounding))
+        depths.push_back(std::abs(placed.position_m.z - sounding->position_m.z));
   std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
                    depths.end());
   double path_m = 0;
@@ -97,30 +100,27 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
   return rounded_up(std::max({2 * depths[depths.size() / 2] * std::tan(beam_rad / 2), spacing_m, 0.01}));
 }
 
-/// Adds a ping's soundings and, where neighbouring beams' are further apart than a cell, what lies between
-/// them on a straight line.
-void add_to_grid(SoundingGrid& grid, const SoundedPing& sounded) {
-  const double cell_m = grid.depths().cell_m();
-  const std::optional<Sounding>* before = nullptr;
-  for (const std::optional<Sounding>& sounding : sounded.soundings) {
-    if (sounding) grid.add(*sounding);
-    if (sounding && before && *before) {
-      const glm::dvec3 from = (*before)->position_m, to = sounding->position_m;
-      const int steps = static_cast<int>(std::ceil(std::hypot(to.x - from.x, to.y - from.y) / cell_m));
-      for (int k = 1; k < steps; ++k) {
-        Sounding between = *sounding;
-        between.position_m = from + (to - from) * (static_cast<double>(k) / steps);
-        grid.add(between);
-      }
-    }
-    before = &sounding;
+/// Adds a ping's soundings, and what lies on straight lines between those of neighbouring beams and, where
+/// the sonar moved by two cells at most, to those of the same beams in the ping before: pings a cell apart
+/// step over a cell now and then as the sonar rolls and pitches.
+void add_to_grid(SoundingGrid& grid, const PlacedPing& ping, const PlacedPing* before) {
+  const std::vector<std::optional<Sounding>>& soundings = ping.sounded.soundings;
+  const bool close =
+      before && glm::distance(before->position_m, ping.position_m) <= 2 * grid.depths().cell_m();
+  for (std::size_t beam = 0; beam < soundings.size(); ++beam) {
+    const std::optional<Sounding>& sounding = soundings[beam];
+    if (!sounding) continue;
+    grid.add(*sounding);
+    if (beam > 0 && soundings[beam - 1]) grid.add_between(*soundings[beam - 1], *sounding);
+    if (close && before->sounded.soundings[beam])
+      grid.add_between(*before->sounded.soundings[beam], *sounding);
   }
 }
 
-bool has_soundings(const std::vector<PlacedPing>& block) {
+bool has_depths(const std::vector<PlacedPing>& block) {
   return std::ranges::any_of(block, [](const PlacedPing& placed) {
     return std::ranges::any_of(placed.sounded.soundings,
-                               [](const auto& sounding) { return sounding.has_value(); });
+                               [](const auto& sounding) { return sounding && !is_cut(*sounding); });
   });
 }
 
@@ -195,24 +195,26 @@ class MultibeamFiles {
 
   void add(std::vector<PlacedPing> block) {
     if (run_.frame.is_georeferenced()) place_on_earth(block, run_.frame, folder_ / name_);
-    if (!grid_ && has_soundings(block)) {
+    if (!grid_ && has_depths(block)) {
       const double asked_m =
           std::get<MultibeamDescription>(recording_.sensor->description().kind).grid_cell_m;
       grid_.emplace(run_.frame, asked_m > 0 ? asked_m : chosen_cell_m(recording_, block));
     }
-    for (const PlacedPing& placed : block) {
+    for (PlacedPing& placed : block) {
       std::vector<Sounding> found;
       for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
         if (sounding) found.push_back(*sounding);
       for (const auto& table : tables_) table->add(found);
       for (const auto& format : formats_) format->add(placed);
-      if (grid_) add_to_grid(*grid_, placed.sounded);
+      if (grid_) add_to_grid(*grid_, placed, last_ ? &*last_ : nullptr);
+      last_ = std::move(placed);
     }
   }
 
   void write_grid() {
     if (!grid_) {
-      warnings_.push_back(fmt::format("'{}': no beam found the bed, there is no depth grid", name_));
+      warnings_.push_back(
+          fmt::format("'{}': no beam found the bed within its range window, there is no depth grid", name_));
       return;
     }
     grid_->write_tiff(new_file("-depth", ".tif"));
@@ -233,6 +235,7 @@ class MultibeamFiles {
   std::vector<std::unique_ptr<SoundingsFile>> tables_;
   std::vector<std::unique_ptr<MultibeamFormat>> formats_;
   std::optional<SoundingGrid> grid_;
+  std::optional<PlacedPing> last_;  ///< the ping before
   std::vector<fs::path> files_;
 };
 

@@ -59,6 +59,7 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
     sounding.amplitude = receiver_.amplitude_upa(received[found->sample]);
     sounding.quality = found->quality;
     sounding.method = rule_.method;
+    sounding.flags = found->flags;
     sounded.soundings.back() = sounding;
     sounded.range_sigma_m.back() = found->range_sigma_m;
   }
