@@ -34,7 +34,8 @@ glm::dvec3 velocity(const Recording& recording, std::size_t ping) {
 }
 
 std::vector<PlacedPing> sounded_block(const Recording& recording, const RunContext& run,
-                                      const BottomFinder& finder, std::size_t first, std::size_t count) {
+                                      const BottomFinder& finder, const BottomFinder* ideal,
+                                      std::size_t first, std::size_t count) {
   std::vector<PlacedPing> block(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     PlacedPing& placed = block[k];
@@ -49,6 +50,7 @@ std::vector<PlacedPing> sounded_block(const Recording& recording, const RunConte
     placed.course_deg = placed.lie.heading_deg;
     if (placed.speed_m_s > 0) placed.course_deg = std::fmod(degrees(std::atan2(moves.x, moves.y)) + 360, 360);
     placed.sounded = finder.sound(ping);
+    if (ideal) placed.ideal = ideal->sound(ping).soundings;
     recording.let_go(ping);
   });
   return block;
@@ -103,8 +105,9 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
 /// Adds a ping's soundings, and what lies on straight lines between those of neighbouring beams and, where
 /// the sonar moved by two cells at most, to those of the same beams in the ping before: pings a cell apart
 /// step over a cell now and then as the sonar rolls and pitches.
-void add_to_grid(SoundingGrid& grid, const PlacedPing& ping, const PlacedPing* before) {
-  const std::vector<std::optional<Sounding>>& soundings = ping.sounded.soundings;
+void add_to_grid(SoundingGrid& grid, const PlacedPing& ping, const PlacedPing* before,
+                 const std::vector<std::optional<Sounding>>& (*soundings_of)(const PlacedPing&)) {
+  const std::vector<std::optional<Sounding>>& soundings = soundings_of(ping);
   const bool close =
       before && glm::distance(before->position_m, ping.position_m) <= 2 * grid.depths().cell_m();
   for (std::size_t beam = 0; beam < soundings.size(); ++beam) {
@@ -112,10 +115,14 @@ void add_to_grid(SoundingGrid& grid, const PlacedPing& ping, const PlacedPing* b
     if (!sounding) continue;
     grid.add(*sounding);
     if (beam > 0 && soundings[beam - 1]) grid.add_between(*soundings[beam - 1], *sounding);
-    if (close && before->sounded.soundings[beam])
-      grid.add_between(*before->sounded.soundings[beam], *sounding);
+    if (close && soundings_of(*before)[beam]) grid.add_between(*soundings_of(*before)[beam], *sounding);
   }
 }
+
+const std::vector<std::optional<Sounding>>& received_of(const PlacedPing& ping) {
+  return ping.sounded.soundings;
+}
+const std::vector<std::optional<Sounding>>& ideal_of(const PlacedPing& ping) { return ping.ideal; }
 
 bool has_depths(const std::vector<PlacedPing>& block) {
   return std::ranges::any_of(block, [](const PlacedPing& placed) {
@@ -135,6 +142,7 @@ class MultibeamFiles {
         warnings_(warnings),
         name_(recording.sensor->description().name),
         finder_(recording, run) {
+    if (heard_by(recording, run)) ideal_finder_.emplace(BottomFinder::ideal(recording));
     for (const char* ending : {".csv", ".gpkg"})
       tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame));
     open_formats();
@@ -145,7 +153,8 @@ class MultibeamFiles {
     const std::size_t size = pings_a_block(recording_);
     const auto found_from = [this, size](std::size_t first) {
       return std::async(std::launch::async, [this, size, first] {
-        return sounded_block(recording_, run_, finder_, first, std::min(size, recording_.pings() - first));
+        return sounded_block(recording_, run_, finder_, ideal_finder_ ? &*ideal_finder_ : nullptr, first,
+                             std::min(size, recording_.pings() - first));
       });
     };
     std::future<std::vector<PlacedPing>> next = found_from(0);
@@ -199,6 +208,7 @@ class MultibeamFiles {
       const double asked_m =
           std::get<MultibeamDescription>(recording_.sensor->description().kind).grid_cell_m;
       grid_.emplace(run_.frame, asked_m > 0 ? asked_m : chosen_cell_m(recording_, block));
+      if (ideal_finder_) ideal_grid_.emplace(run_.frame, grid_->depths().cell_m());
     }
     for (PlacedPing& placed : block) {
       std::vector<Sounding> found;
@@ -206,7 +216,9 @@ class MultibeamFiles {
         if (sounding) found.push_back(*sounding);
       for (const auto& table : tables_) table->add(found);
       for (const auto& format : formats_) format->add(placed);
-      if (grid_) add_to_grid(*grid_, placed, last_ ? &*last_ : nullptr);
+      const PlacedPing* before = last_ ? &*last_ : nullptr;
+      if (grid_) add_to_grid(*grid_, placed, before, received_of);
+      if (ideal_grid_) add_to_grid(*ideal_grid_, placed, before, ideal_of);
       last_ = std::move(placed);
     }
   }
@@ -224,6 +236,9 @@ class MultibeamFiles {
           "the picture of '{}' has no labels: no font was found (on Debian, install fonts-dejavu-core)",
           name_));
     grid_->draw(name_, font).write_png(new_file("-depth", ".png"), name_);
+    if (ideal_grid_ && !ideal_grid_->depths().empty())
+      ideal_grid_->draw(name_ + "   by an ideal receiver", font)
+          .write_png(new_file("-depth-ideal", ".png"), name_);
   }
 
   const fs::path& folder_;
@@ -232,9 +247,10 @@ class MultibeamFiles {
   std::vector<std::string>& warnings_;
   std::string name_;
   BottomFinder finder_;
+  std::optional<BottomFinder> ideal_finder_;  ///< where the receiver is not ideal
   std::vector<std::unique_ptr<SoundingsFile>> tables_;
   std::vector<std::unique_ptr<MultibeamFormat>> formats_;
-  std::optional<SoundingGrid> grid_;
+  std::optional<SoundingGrid> grid_, ideal_grid_;
   std::optional<PlacedPing> last_;  ///< the ping before
   std::vector<fs::path> files_;
 };

@@ -19,7 +19,8 @@ struct PlacedPing {
   glm::dvec3 lon_lat_height{0};  ///< of the sensor: degrees on WGS 84, m
   double course_deg = 0, speed_m_s = 0;
   SoundedPing sounded;
-  std::vector<glm::dvec3> soundings_lon_lat;  ///< by beam; not numbers where nothing was found
+  std::vector<std::optional<Sounding>> ideal;  ///< by beam, of an ideal receiver; empty where it is one
+  std::vector<glm::dvec3> soundings_lon_lat;   ///< by beam; not numbers where nothing was found
 };
 
 /// A file of a multibeam recording that needs positions on Earth, written ping by ping. Heights are above the

@@ -13,6 +13,7 @@
 #include <map>
 #include <numbers>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "app/program.hpp"
@@ -195,6 +196,53 @@ samples = 1200
     EXPECT_EQ(holes, 0);
     std::filesystem::remove_all(folder / "out");
   }
+}
+
+// Every kind of sonar, with and without a receiver that does something: what it shows, beside the ideal
+// picture.
+TEST(ReceivedPictures, OfEveryKindAreThereWhereTheReceiverDoesSomething) {
+  const TestFolder folder;
+  const auto pictures = [&](const std::string& receiver) {
+    std::string scene = R"(
+[[materials]]
+name = "bed"
+[[terrain]]
+kind = "flat"
+width_m = 60
+length_m = 60
+[trajectory]
+kind = "line"
+start_m = [0, -2, 8]
+end_m = [0, 2, 8]
+)";
+    for (const auto& [name, keys] : std::initializer_list<std::pair<const char*, const char*>>{
+             {"camera",
+              "kind = \"didson\"\nbeams = 12\nsamples = 60\ntilt_deg = 40\nwindow_start_m = 8\n"
+              "window_length_m = 12"},
+             {"imaging", "kind = \"imaging\"\nbeams = 12\nsamples = 60\ntilt_deg = 40\nrange_max_m = 25"},
+             {"fish", "kind = \"sidescan\"\nsamples = 100\nrange_max_m = 30\ndepression_min_deg = 10"},
+             {"swath",
+              "preset = \"geoswath-250\"\nsamples = 100\nrange_max_m = 30\nphase_noise = true\n"
+              "depression_min_deg = 10"},
+             {"sounder", "kind = \"echosounder\"\nsamples = 200\nrange_max_m = 20"},
+             {"multibeam", "preset = \"reson-8101\"\nsamples = 300\nrange_max_m = 30"}})
+      scene += "[[sensors]]\nname = \"" + std::string(name) + "\"\npings = 3\nping_interval_s = 0.5\n" +
+               keys + "\n" + receiver + "\n";
+    run(folder, scene);
+    std::set<std::string> found;
+    for (const std::string& name : names_below(folder / "out"))
+      if (name.ends_with("-received.png") || name.ends_with("-ideal.png")) found.insert(name);
+    std::filesystem::remove_all(folder / "out");
+    return found;
+  };
+  EXPECT_EQ(pictures(""), (std::set<std::string>{"swath-phase-received.png"}));  // it asks for phase noise
+  EXPECT_EQ(pictures("speckle = \"rayleigh\"\nnoise_level_db = 90"),
+            (std::set<std::string>{
+                "camera-0000-received.png", "camera-0001-received.png", "camera-0002-received.png",
+                "camera-sequence-received.png", "fish-received.png", "imaging-0000-received.png",
+                "imaging-0001-received.png", "imaging-0002-received.png", "imaging-sequence-received.png",
+                "multibeam-depth-ideal.png", "sounder-received.png", "swath-phase-received.png",
+                "swath-received.png"}));
 }
 
 // Beams whose echo goes on beyond the range window.
