@@ -7,6 +7,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <stdexcept>
+#include <tuple>
+#include <vector>
 
 namespace tubefoot {
 namespace {
@@ -63,28 +65,100 @@ struct Gate {
   }
 };
 
+/// The samples that count and belong together: [begin, end), of which the first and the last count.
+struct Echo {
+  int begin, end;
+  double energy;  ///< of those that count, over that of the gate's largest sample
+};
+
+/// What counts in a gate, and where it parts.
+class Counted {
+ public:
+  Counted(const Gate& gate, double threshold_j) : gate_(gate) {
+    for (int k = gate.begin; k < gate.end; ++k)
+      if (gate.energy(k) > 0 && gate.energy(k) >= threshold_j) places_.push_back(k);
+  }
+  bool has(int k) const { return std::binary_search(places_.begin(), places_.end(), k); }
+  int first() const { return places_.front(); }
+
+  /// The echo that is looked at, and the energy of the strongest one that was parted from it.
+  struct Choice {
+    Echo echo;
+    double next_energy = 0;
+  };
+  /// Of the parts the one that holds a sample that counts; without one, that of more energy.
+  Choice choose(std::optional<int> holding) const {
+    Choice choice{};
+    std::size_t from = 0, to = places_.size();
+    for (;;) {
+      std::size_t middle = from,
+                  smaller = 0;  // where the widest gap ends, and what counts on its lesser side
+      int gap = 0;
+      for (std::size_t k = from + 1; k < to; ++k) {
+        const int own = places_[k] - places_[k - 1] - 1;
+        const std::size_t lesser = std::min(k - from, to - k);
+        if (own < gap || (own == gap && lesser <= smaller)) continue;
+        gap = own;
+        middle = k;
+        smaller = lesser;
+      }
+      if (static_cast<std::size_t>(gap) <= smaller) break;
+      const double near = energy(from, middle), far = energy(middle, to);
+      const bool nearer = holding ? *holding < places_[middle] : near >= far;
+      (nearer ? to : from) = middle;
+      choice.next_energy = std::max(choice.next_energy, nearer ? far : near);
+    }
+    choice.echo = {places_[from], places_[to - 1] + 1, energy(from, to)};
+    return choice;
+  }
+
+ private:
+  /// Shares of the largest energy: no sum of energies can overflow or vanish.
+  double energy(std::size_t from, std::size_t to) const {
+    double sum = 0;
+    for (std::size_t k = from; k < to; ++k) sum += gate_.energy(places_[k]) / gate_.energy(gate_.largest);
+    return sum;
+  }
+
+  const Gate& gate_;
+  std::vector<int> places_;  ///< samples that count
+};
+
 /// Range and its standard deviation.
 struct Estimate {
   double range_m, sigma_m;
 };
 
-Estimate centroid(const Gate& gate, double threshold_j) {
-  // Shares of the largest energy: no sum of energies can overflow or vanish. Ranges from the largest sample.
+Estimate centroid(const Gate& gate, const Counted& counted, const Echo& echo) {
+  // Ranges from the largest sample.
   const double origin = gate.middle(gate.largest), within = gate.samples.step_m * evenly;
-  const auto weight = [&](int k) {
-    return gate.energy(k) >= threshold_j ? gate.energy(k) / gate.energy(gate.largest) : 0;
+  double moment = 0, variance = 0;
+  const auto each = [&](auto use) {
+    for (int k = echo.begin; k < echo.end; ++k)
+      if (counted.has(k))
+        use(gate.energy(k) / gate.energy(gate.largest) / echo.energy, gate.middle(k) - origin);
   };
-  double sum = 0, moment = 0, variance = 0;
-  for (int k = gate.begin; k < gate.end; ++k) {
-    sum += weight(k);
-    moment += weight(k) * (gate.middle(k) - origin);
-  }
-  const double offset = moment / sum;
-  for (int k = gate.begin; k < gate.end; ++k) {
-    const double w = weight(k) / sum, away = gate.middle(k) - origin - offset;
-    variance += w * w * (away * away + within * within);
-  }
-  return {origin + offset, std::sqrt(variance)};
+  each([&](double share, double away) { moment += share * away; });
+  each([&](double share, double away) {
+    variance += share * share * ((away - moment) * (away - moment) + within * within);
+  });
+  return {origin + moment, std::sqrt(variance)};
+}
+
+/// A range in the echo and the sample that holds it. Where that one does not count, the nearest border of one
+/// that does; of two as near the nearer one's.
+std::pair<double, int> onto_energy(double range_m, const Gate& gate, const Counted& counted,
+                                   const Echo& echo) {
+  const RangeSamples& samples = gate.samples;
+  const auto border = [&](int k) { return samples.first_m + k * samples.step_m; };
+  const int place = std::clamp(static_cast<int>(std::floor((range_m - samples.first_m) / samples.step_m)),
+                               echo.begin, echo.end - 1);
+  if (counted.has(place)) return {range_m, place};
+  int before = place, after = place;
+  while (!counted.has(before)) --before;
+  while (!counted.has(after)) ++after;
+  if (range_m - border(before + 1) <= border(after) - range_m) return {border(before + 1), before};
+  return {border(after), after};
 }
 
 Estimate top(const Gate& gate) {
@@ -99,6 +173,14 @@ Estimate top(const Gate& gate) {
 }
 
 }  // namespace
+
+const char* name_of(DetectionFlags flags) {
+  const bool cut = flags.has(DetectionFlag::cut_by_window), more = flags.has(DetectionFlag::several_echoes);
+  return cut && more ? "cut_by_window+several_echoes"
+         : cut       ? "cut_by_window"
+         : more      ? "several_echoes"
+                     : "good";
+}
 
 const char* name_of(DetectionMethod method) {
   switch (method) {
@@ -129,21 +211,42 @@ std::optional<Detection> detect_bottom(std::span<const double> energies_j, const
       std::max(rule.absolute_j, gate.energy(gate.largest) * std::pow(10, rule.relative_db / 10));
   if (gate.energy(gate.largest) < threshold) return std::nullopt;
 
-  int first = gate.begin;
-  while (!(gate.energy(first) >= threshold && gate.energy(first) > 0)) ++first;
-  const int rests_on = rule.method == DetectionMethod::first_return ? first : gate.largest;
-  const Estimate estimate = rule.method == DetectionMethod::first_return
-                                ? Estimate{gate.middle(first), samples.step_m * evenly}
-                            : rule.method == DetectionMethod::energy_centroid ? centroid(gate, threshold)
-                                                                              : top(gate);
+  const Counted counted(gate, threshold);
+  const auto [echo, next_energy] =
+      counted.choose(rule.method == DetectionMethod::first_return ? std::optional(counted.first())
+                     : rule.method == DetectionMethod::maximum    ? std::optional(gate.largest)
+                                                                  : std::nullopt);
   Detection detection;
-  detection.range_m = estimate.range_m;
-  detection.range_sigma_m = estimate.sigma_m;
-  const double place = std::floor((estimate.range_m - samples.first_m) / samples.step_m);
-  detection.sample = std::clamp(static_cast<int>(place), gate.begin, gate.end - 1);
-  detection.energy_j = gate.energy(rests_on);
+  switch (rule.method) {
+    case DetectionMethod::first_return:
+      detection.sample = counted.first();
+      detection.range_m = gate.middle(detection.sample);
+      detection.range_sigma_m = samples.step_m * evenly;
+      detection.energy_j = gate.energy(detection.sample);
+      break;
+    case DetectionMethod::energy_centroid: {
+      const Estimate mean = centroid(gate, counted, echo);
+      std::tie(detection.range_m, detection.sample) = onto_energy(mean.range_m, gate, counted, echo);
+      detection.range_sigma_m = mean.sigma_m;
+      for (int k = echo.begin; k < echo.end; ++k)
+        detection.energy_j = std::max(detection.energy_j, gate.energy(k));
+      break;
+    }
+    case DetectionMethod::maximum: {
+      const Estimate peak = top(gate);
+      detection.range_m = peak.range_m;
+      detection.sample = gate.largest;
+      detection.range_sigma_m = peak.sigma_m;
+      detection.energy_j = gate.energy(gate.largest);
+      break;
+    }
+  }
+  // Whatever of its echo the method looks at: at the gate's border it goes on outside.
+  if (echo.begin == gate.begin || echo.end == gate.end) detection.flags.set(DetectionFlag::cut_by_window);
+  constexpr double worth_telling = 0.1;
+  if (next_energy >= worth_telling * echo.energy) detection.flags.set(DetectionFlag::several_echoes);
   const double noise_spread = (gate.end - gate.begin) * samples.step_m * evenly;
-  detection.quality = std::max(0.0, 1 - gate.spread(estimate.range_m) / noise_spread);
+  detection.quality = std::max(0.0, 1 - gate.spread(detection.range_m) / noise_spread);
   return detection;
 }
 

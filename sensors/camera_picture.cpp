@@ -164,19 +164,23 @@ void draw_labels(Canvas& canvas, const Fan& fan, double range_step, double angle
 
 }  // namespace
 
-Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font) {
+Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font,
+                         const Heard* heard) {
   const Sensor& sensor = *recording.sensor;
   Fan fan(sensor, 1400, 920);
   const std::size_t cells = static_cast<std::size_t>(fan.beams) * fan.samples;
-  const std::span<const double> energy(recording.energy.data() + ping * cells, cells);
-  const DecibelScale scale(energy);
+  const std::span<const double> ideal(recording.energy.data() + ping * cells, cells);
+  const std::vector<double> received = heard ? heard->energy_of(ping) : std::vector<double>();
+  const std::span<const double> energy = heard ? std::span<const double>(received) : ideal;
+  const DecibelScale scale(heard && heard->has_gain ? energy : ideal);
 
   const std::string title = fmt::format("{}   ping {}   t = {:.2f} s", sensor.description().name, ping,
                                         recording.ping_time_s[ping]);
-  const std::string subtitle =
+  std::string subtitle =
       fmt::format("{:g} kHz, {} beam{} over {:g} degrees, {} samples over {:.2f} to {:.2f} m",
                   sensor.frequency_khz(), fan.beams, fan.beams == 1 ? "" : "s",
                   std::round(degrees(fan.extent_rad()) * 100) / 100, fan.samples, fan.near_m, fan.far_m);
+  if (heard) subtitle += "; " + heard->said;
   const std::string footer = scale.reference_j() > 0
                                  ? fmt::format("0 dB: {} dB re 1 J; darkest: no echo",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1))
@@ -225,18 +229,23 @@ std::vector<std::size_t> sequence_frames(std::size_t pings) {
   return picked;
 }
 
-Canvas draw_camera_sequence(const Recording& recording, const std::string& font) {
+Canvas draw_camera_sequence(const Recording& recording, const std::string& font, const Heard* heard) {
   constexpr int columns_at_most = 5, gap = 16, caption_height = 30;
   const Sensor& sensor = *recording.sensor;
   Fan fan(sensor, 340, 260);
   const std::vector<std::size_t> frames = sequence_frames(recording.pings());
-  std::vector<double> all;  // one scale for all of them
+  std::vector<double> ideal, received;  // one scale for all of them
   for (const std::size_t ping : frames) {
     const std::span<const double> energy = recording.energy_of(ping);
-    all.insert(all.end(), energy.begin(), energy.end());
+    ideal.insert(ideal.end(), energy.begin(), energy.end());
+    if (heard) {
+      const std::vector<double> own = heard->energy_of(ping);
+      received.insert(received.end(), own.begin(), own.end());
+    }
     recording.let_go(ping);
   }
-  const DecibelScale scale(all);
+  const std::vector<double>& all = heard ? received : ideal;
+  const DecibelScale scale(heard && heard->has_gain ? received : ideal);
 
   const int columns = std::min(columns_at_most, static_cast<int>(frames.size()));
   const int rows = (static_cast<int>(frames.size()) + columns - 1) / columns;
@@ -245,8 +254,9 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font)
   const int cell_width = std::max(fan_width, 150) + gap, cell_height = fan_height + caption_height + gap;
   const std::string title =
       fmt::format("{}   {} of {} pings", sensor.description().name, frames.size(), recording.pings());
-  const std::string subtitle = fmt::format("{:g} kHz, {:.2f} to {:.2f} m, one scale for all",
-                                           sensor.frequency_khz(), fan.near_m, fan.far_m);
+  const std::string subtitle =
+      fmt::format("{:g} kHz, {:.2f} to {:.2f} m, one scale for all{}", sensor.frequency_khz(), fan.near_m,
+                  fan.far_m, heard ? "; " + heard->said : std::string());
   const int content = std::max({columns * cell_width + DecibelScale::legend_width,
                                 text_width(title, title_size, font), text_width(subtitle, label_size, font)});
   Canvas canvas(2 * margin + content, header_height + std::max(rows * cell_height, 240) + margin,

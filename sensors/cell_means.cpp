@@ -28,7 +28,9 @@ CellMeans::CellMeans(double cell_m, std::size_t most_bytes) : cell_m_(cell_m), m
 }
 
 void CellMeans::add(double east_m, double north_m, double value, double weight) {
-  const double x = std::floor(east_m / cell_m_), y = std::floor(north_m / cell_m_);
+  constexpr double on_the_border = 1e-6;  // cells
+  const double x = std::floor(east_m / cell_m_ + on_the_border),
+               y = std::floor(north_m / cell_m_ + on_the_border);
   constexpr double farthest = 1e15;  // cells; beyond, neighbouring cells are no longer told apart
   if (!(std::abs(x) < farthest) || !(std::abs(y) < farthest) || !std::isfinite(value) || !(weight > 0))
     throw std::invalid_argument(

@@ -16,7 +16,9 @@ namespace tubefoot {
 
 /// Weighted means of values on a grid of square cells, east and north in the local frame. It grows where
 /// values fall: memory goes with the area covered (16 bytes a cell, in tiles), not with the number of values.
-/// Cell (i, j) covers [i, i + 1) x [j, j + 1) cells from the frame's origin.
+/// Cell (i, j) covers [i, i + 1) x [j, j + 1) cells from the frame's origin. What lies within a millionth of
+/// a cell below a border is taken to lie on it: round numbers stay on their side whatever rounding did to
+/// them.
 class CellMeans {
  public:
   static constexpr std::size_t default_most_bytes = std::size_t{1} << 30;

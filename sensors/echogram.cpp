@@ -34,15 +34,15 @@ std::vector<double> pixels_of(std::span<const float> cells, std::size_t pings, s
 
 }  // namespace
 
-Canvas draw_echogram(const Recording& recording, std::span<const float> received_j,
-                     std::span<const double> bottom_m, const std::string& font) {
+Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j,
+                     std::span<const double> bottom_m, const std::string& font, const std::string& said) {
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
   const std::size_t pings = recording.pings(), count = static_cast<std::size_t>(samples.count);
   const double far_m = samples.first_m + samples.count * samples.step_m;
   const int width = static_cast<int>(std::clamp<std::size_t>(pings, 640, 1200));
   const int height = static_cast<int>(std::clamp<std::size_t>(count, 320, 720));
-  const std::vector<double> means = pixels_of(received_j, pings, count, width, height);
+  const std::vector<double> means = pixels_of(energy_j, pings, count, width, height);
   const DecibelScale scale(means);
 
   const int left = margin + axis_width, top = header_height;
@@ -73,14 +73,15 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> received
     canvas.text(x, top + height + 18, tick_label(ping, 1), label_size, palette.ink, Anchor::centre);
   }
   canvas.text(left + width / 2, top + height + 42, "ping", label_size, palette.ink, Anchor::centre);
-  canvas.text(left - 10, top - 24, "range (m)", label_size, palette.ink, Anchor::right);
+  canvas.text(left - 10, top - 16, "range (m)", label_size, palette.ink, Anchor::right);
   canvas.text(margin, margin,
               fmt::format("{}   pings 0 to {}   t = {:.2f} to {:.2f} s", sensor.description().name, pings - 1,
                           recording.ping_time_s.front(), recording.ping_time_s.back()),
               title_size, palette.ink);
   canvas.text(margin, margin + 30,
-              fmt::format("{:g} kHz, {} samples over {:.2f} to {:.2f} m; line: detected bottom",
-                          sensor.frequency_khz(), samples.count, samples.first_m, far_m),
+              fmt::format("{:g} kHz, {} samples over {:.2f} to {:.2f} m; line: detected bottom{}{}",
+                          sensor.frequency_khz(), samples.count, samples.first_m, far_m,
+                          said.empty() ? "" : "; ", said),
               label_size, palette.faint_ink);
   canvas.text(margin, canvas.height() - margin + 6,
               scale.reference_j() > 0 ? fmt::format("0 dB: {} dB re 1 J; darkest: no echo",

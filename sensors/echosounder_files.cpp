@@ -12,6 +12,7 @@
 #include "sensors/canvas.hpp"
 #include "sensors/echogram.hpp"
 #include "sensors/image_file.hpp"
+#include "sensors/noise_floor.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,6 +24,11 @@ DetectionRule rule_of(const EchosounderDescription& sounder) {
   rule.method = detection_method_from_name(sounder.detection);
   rule.relative_db = sounder.detection_threshold_db;
   return rule;
+}
+
+/// Not a number where nothing was detected.
+double range_of(const std::optional<Detection>& bottom) {
+  return bottom ? bottom->range_m : std::numeric_limits<double>::quiet_NaN();
 }
 
 /// Empty for what is not known.
@@ -42,8 +48,8 @@ void append_line(std::string& text, const Recording& recording, std::size_t ping
     text += ",,,,,,";
   }
   const glm::dvec3 own = recording.ping_pose[ping].position_m;
-  fmt::format_to(std::back_inserter(text), ",{:.9g},{:.9g},{:.9g},{}\n", own.x, own.y, own.z,
-                 cell(altitude_m));
+  fmt::format_to(std::back_inserter(text), ",{:.9g},{:.9g},{:.9g},{},{}\n", own.x, own.y, own.z,
+                 cell(altitude_m), bottom ? name_of(bottom->flags) : "none");
 }
 
 void write_exr_of(const fs::path& file, const Recording& recording, const std::vector<float>& energies) {
@@ -66,21 +72,27 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
   const Sensor& sensor = *recording.sensor;
   const std::string stem = sensor.description().name;
   const DetectionRule rule = rule_of(std::get<EchosounderDescription>(sensor.description().kind));
-  const ReceiverChain receiver = receiver_of(recording, run);
+  const std::optional<Heard> heard = heard_by(recording, run);
+  const std::vector<double> floor_j = noise_floor_j(recording, run);
   std::vector<float> energies, received;
-  std::vector<double> bottoms;
+  std::vector<double> bottoms, ideal_bottoms;
   std::string csv =
       "ping,time_s,range_m,range_sigma_m,energy_j,quality,bottom_east_m,bottom_north_m,bottom_up_m,"
-      "sensor_east_m,sensor_north_m,sensor_up_m,true_altitude_m\n";
+      "sensor_east_m,sensor_north_m,sensor_up_m,true_altitude_m,status\n";
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
     const std::span<const double> energy = recording.energy_of(ping);
     energies.insert(energies.end(), energy.begin(), energy.end());
-    const std::vector<double> heard =
-        receiver.receive(static_cast<std::uint32_t>(ping), energy, sensor.samples());
-    received.insert(received.end(), heard.begin(), heard.end());
+    const std::optional<Detection> ideal = detect_bottom(energy, sensor.samples(), rule);
+    ideal_bottoms.push_back(range_of(ideal));
+    const std::vector<double> own =
+        heard ? heard->energy_of(ping) : std::vector<double>(energy.begin(), energy.end());
+    received.insert(received.end(), own.begin(), own.end());
     recording.let_go(ping);
-    const std::optional<Detection> bottom = detect_bottom(heard, sensor.samples(), rule);
-    bottoms.push_back(bottom ? bottom->range_m : std::numeric_limits<double>::quiet_NaN());
+    std::vector<double> standing_out = own;
+    for (std::size_t k = 0; k < own.size(); ++k)
+      if (own[k] < floor_j[k]) standing_out[k] = 0;
+    const std::optional<Detection> bottom = detect_bottom(standing_out, sensor.samples(), rule);
+    bottoms.push_back(range_of(bottom));
     append_line(csv, recording, ping, bottom);
   }
 
@@ -89,10 +101,14 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
     warnings.push_back(fmt::format(
         "the pictures of '{}' have no labels: no font was found (on Debian, install fonts-dejavu-core)",
         stem));
-  const std::vector<fs::path> files{stem + ".csv", stem + ".png", stem + ".exr"};
+  std::vector<fs::path> files{stem + ".csv", stem + ".png", stem + ".exr"};
   write_file(folder / files[0], csv);
-  draw_echogram(recording, received, bottoms, font).write_png(folder / files[1], stem);
+  draw_echogram(recording, energies, ideal_bottoms, font).write_png(folder / files[1], stem);
   write_exr_of(folder / files[2], recording, energies);
+  if (heard) {
+    files.emplace_back(stem + "-received.png");
+    draw_echogram(recording, received, bottoms, font, heard->said).write_png(folder / files.back(), stem);
+  }
   return files;
 }
 

@@ -64,16 +64,21 @@ std::vector<fs::path> write_interferometric_files(const fs::path& folder, const 
                                                   const RunContext& run) {
   check(recording);
   const SensorDescription& sensor = recording.sensor->description();
-  const std::vector<fs::path> files{sensor.name + "-phase.png", sensor.name + "-phase.exr",
-                                    sensor.name + "-coherence.exr", sensor.name + "-soundings.csv"};
+  std::vector<fs::path> files{sensor.name + "-phase.png", sensor.name + "-phase.exr",
+                              sensor.name + "-coherence.exr", sensor.name + "-soundings.csv"};
   draw_phases(recording, label_font()).write_png(folder / files[0], sensor.name + ", phase");
   write_cells_exr(folder / files[1], recording, "phase of upper against lower receiver [rad]",
                   [](const InterferometricSample& s) { return s.phase_rad().value_or(0); });
   write_cells_exr(folder / files[2], recording, "coherence of the two receivers [1]",
                   [](const InterferometricSample& s) { return s.coherence(); });
   const auto& staff = std::get<InterferometricDescription>(sensor.kind);
-  write_soundings(folder / files[3], recording,
-                  {receiver_of(recording, run).noise_j(), staff.phase_noise, run.seed});
+  const InterferometricNoise noise{receiver_of(recording, run).noise_j(), staff.phase_noise, run.seed};
+  write_soundings(folder / files[3], recording, noise);
+  if (noise.phase_noise || noise.receiver_noise_j > 0) {
+    files.emplace_back(sensor.name + "-phase-received.png");
+    draw_phases(recording, label_font(), &noise)
+        .write_png(folder / files.back(), sensor.name + ", phase as received");
+  }
   return files;
 }
 

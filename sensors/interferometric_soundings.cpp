@@ -16,6 +16,17 @@ InterferometricSample interferometric_sample(const Recording& recording, std::si
   return {energy, energy, {recording.channel_of(ping, 1)[cell], recording.channel_of(ping, 2)[cell]}};
 }
 
+InterferometricSample received_sample(const Recording& recording, std::size_t ping, std::size_t beam,
+                                      std::size_t sample, const InterferometricNoise& noise) {
+  InterferometricSample products = interferometric_sample(recording, ping, beam, sample);
+  products.add_noise(noise.receiver_noise_j, noise.receiver_noise_j);
+  if (!noise.phase_noise || !products.phase_rad()) return products;
+  const SampleRandom random(noise.seed, static_cast<std::uint32_t>(ping), static_cast<std::uint32_t>(beam),
+                            static_cast<std::uint32_t>(sample));
+  products.cross_j *= std::polar(1.0, draw_phase_error(random, products.coherence()));
+  return products;
+}
+
 std::vector<InterferometricSounding> interferometric_soundings(const Recording& recording, std::size_t ping,
                                                                const InterferometricNoise& noise) {
   const Sensor& sensor = *recording.sensor;

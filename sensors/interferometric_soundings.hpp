@@ -29,6 +29,10 @@ struct InterferometricNoise {
   std::uint64_t seed = 1;
 };
 
+/// A cell as the receivers have it: with their noise, and the phase that a sounding of the cell is made of.
+InterferometricSample received_sample(const Recording& recording, std::size_t ping, std::size_t beam,
+                                      std::size_t sample, const InterferometricNoise& noise);
+
 /// The soundings of a ping, by beam and range. Of the angles that a wrapped phase may stand for, the one is
 /// taken that is nearest in phase to a bed as deep as the samples before found it (a running mean of about
 /// five, weighed by the square of their coherence); the first of a side: as deep as the altitude, or, where

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/multibeam.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "sensors/angles.hpp"
@@ -32,6 +33,16 @@ bool side_by_side(const MultibeamDescription& fan) {
 }
 
 }  // namespace
+
+double lit_beyond_rad(const SensorDescription& description) {
+  const auto& fan = std::get<MultibeamDescription>(description.kind);
+  if (description.receive.pattern == "none") return 0;
+  const double outermost_rad = fan.beams > 1 ? radians(fan.swath_deg) / 2 : 0,
+               edge_rad = outermost_rad + radians(fan.beam_across_deg) / 2;
+  constexpr double widths = 3, grazing_deg = 1;
+  const double wanted_rad = widths * radians(fan.beam_across_deg) / std::cos(outermost_rad);
+  return std::max(0.0, std::min(wanted_rad, radians(90 - grazing_deg) - edge_rad));
+}
 
 double across_angle_rad(const BeamAxis& axis) {
   return std::copysign(straight_down_rad + axis.elevation_rad, axis.azimuth_rad);
@@ -71,17 +82,48 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   const std::vector<double> along_rad{-half_along_rad, half_along_rad};
   const int slices = slices_for(2 * half_across_rad);
   Shot shot;
+  const auto cut = [&](double from, double to, int parts) {
+    const std::vector<double> edges = even_edges(from, to, parts);
+    std::vector<double>& all = shot.sectors.back().azimuth_edges_rad;
+    all.insert(all.end(), edges.begin() + (all.empty() ? 0 : 1), edges.end());
+  };
+  const auto name = [&](std::uint32_t beam, int parts) {
+    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(parts), beam);
+  };
+  const bool hears_all = description.receive.pattern != "none";
+  const double from = angles.front() - half_across_rad, to = angles.back() + half_across_rad;
+  const double margin_rad = lit_beyond_rad(description);
+  const int beyond = margin_rad > 0 ? slices_for(margin_rad) : 0;
+  const auto last = static_cast<std::uint32_t>(angles.size() - 1);
+  if (hears_all || side_by_side(fan)) shot.sectors.push_back({{}, along_rad, frame});
+  if (beyond > 0) {
+    cut(from - margin_rad, from, beyond);
+    name(0, beyond);
+  }
   if (side_by_side(fan)) {
-    shot.sectors.push_back(
-        {even_edges(angles.front() - half_across_rad, angles.back() + half_across_rad, fan.beams * slices),
-         along_rad, frame});
+    cut(from, to, fan.beams * slices);
+    for (std::uint32_t beam = 0; beam <= last; ++beam) name(beam, slices);
+  } else if (hears_all) {
+    // No beam has a tube of its own, and none is to be heard twice where beams overlap: the fan is cut midway
+    // between them.
+    for (std::uint32_t beam = 0; beam <= last; ++beam) {
+      const double begin = beam == 0 ? from : (angles[beam - 1] + angles[beam]) / 2,
+                   end = beam == last ? to : (angles[beam] + angles[beam + 1]) / 2;
+      cut(begin, end, slices_for(end - begin));
+      name(beam, slices_for(end - begin));
+    }
   } else {
-    for (const double angle : angles)
+    for (std::uint32_t beam = 0; beam <= last; ++beam) {
+      const double angle = angles[beam];
       shot.sectors.push_back(
           {even_edges(angle - half_across_rad, angle + half_across_rad, slices), along_rad, frame});
+      name(beam, slices);
+    }
   }
-  for (std::uint32_t beam = 0; beam < angles.size(); ++beam)
-    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(slices), beam);
+  if (beyond > 0) {
+    cut(to, to + margin_rad, beyond);
+    name(last, beyond);
+  }
   shot.beams.resize(angles.size());
   std::iota(shot.beams.begin(), shot.beams.end(), 0u);
   shot.fans.push_back({0, static_cast<std::uint32_t>(angles.size()),

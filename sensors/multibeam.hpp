@@ -14,6 +14,11 @@ class Multibeam : public Sensor {
   explicit Multibeam(const SensorDescription& description);
 };
 
+/// With a receive pattern the transmission opens so far beyond the outermost beams, either side: three widths
+/// of those, as they are steered (beam_across_deg / cosine), up to 1 degree short of the horizontal. 0 for
+/// ideal beams, which hear nothing from there.
+double lit_beyond_rad(const SensorDescription& description);
+
 /// Angle of a multibeam's beam from straight down of the sensor, starboard positive.
 double across_angle_rad(const BeamAxis& axis);
 /// Direction of a beam at such an angle, in the sensor's frame.

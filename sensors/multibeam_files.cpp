@@ -26,13 +26,14 @@ std::size_t pings_a_block(const Recording& recording) {
 }
 
 std::vector<PlacedPing> sounded_block(const Recording& recording, const BottomFinder& finder,
-                                      std::size_t first, std::size_t count) {
+                                      const BottomFinder* ideal, std::size_t first, std::size_t count) {
   std::vector<PlacedPing> block(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     PlacedPing& placed = block[k];
     const std::size_t ping = first + k;
     placed.ping = ping;
     placed.sounded = finder.sound(ping);
+    if (ideal) placed.ideal = ideal->sound(ping).soundings;
     recording.let_go(ping);
   });
   return block;
@@ -57,6 +58,8 @@ void place_on_earth(std::vector<PlacedPing>& block, const Recording& recording, 
   }
 }
 
+bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
+
 /// The next of 1, 2 and 5 times a power of ten, from `value` on.
 double rounded_up(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
@@ -71,7 +74,7 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
   std::vector<double> depths;
   for (const PlacedPing& placed : block)
     for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
-      if (sounding)
+      if (sounding && !is_cut(*sounding))
         depths.push_back(std::abs(recording.ping_pose[placed.ping].position_m.z - sounding->position_m.z));
   std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
                    depths.end());
@@ -83,30 +86,32 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
   return rounded_up(std::max({2 * depths[depths.size() / 2] * std::tan(beam_rad / 2), spacing_m, 0.01}));
 }
 
-/// Adds a ping's soundings and, where neighbouring beams' are further apart than a cell, what lies between
-/// them on a straight line.
-void add_to_grid(SoundingGrid& grid, const SoundedPing& sounded) {
-  const double cell_m = grid.depths().cell_m();
-  const std::optional<Sounding>* before = nullptr;
-  for (const std::optional<Sounding>& sounding : sounded.soundings) {
-    if (sounding) grid.add(*sounding);
-    if (sounding && before && *before) {
-      const glm::dvec3 from = (*before)->position_m, to = sounding->position_m;
-      const int steps = static_cast<int>(std::ceil(std::hypot(to.x - from.x, to.y - from.y) / cell_m));
-      for (int k = 1; k < steps; ++k) {
-        Sounding between = *sounding;
-        between.position_m = from + (to - from) * (static_cast<double>(k) / steps);
-        grid.add(between);
-      }
-    }
-    before = &sounding;
+/// Adds a ping's soundings, and what lies on straight lines between those of neighbouring beams and, where
+/// the sonar moved by two cells at most, to those of the same beams in the ping before: pings a cell apart
+/// step over a cell now and then as the sonar rolls and pitches.
+void add_to_grid(SoundingGrid& grid, const PlacedPing& ping, const PlacedPing* before,
+                 const std::vector<std::optional<Sounding>>& (*soundings_of)(const PlacedPing&)) {
+  const std::vector<std::optional<Sounding>>& soundings = soundings_of(ping);
+  const bool close =
+      before && glm::distance(before->position_m, ping.position_m) <= 2 * grid.depths().cell_m();
+  for (std::size_t beam = 0; beam < soundings.size(); ++beam) {
+    const std::optional<Sounding>& sounding = soundings[beam];
+    if (!sounding) continue;
+    grid.add(*sounding);
+    if (beam > 0 && soundings[beam - 1]) grid.add_between(*soundings[beam - 1], *sounding);
+    if (close && soundings_of(*before)[beam]) grid.add_between(*soundings_of(*before)[beam], *sounding);
   }
 }
 
-bool has_soundings(const std::vector<PlacedPing>& block) {
+const std::vector<std::optional<Sounding>>& received_of(const PlacedPing& ping) {
+  return ping.sounded.soundings;
+}
+const std::vector<std::optional<Sounding>>& ideal_of(const PlacedPing& ping) { return ping.ideal; }
+
+bool has_depths(const std::vector<PlacedPing>& block) {
   return std::ranges::any_of(block, [](const PlacedPing& placed) {
     return std::ranges::any_of(placed.sounded.soundings,
-                               [](const auto& sounding) { return sounding.has_value(); });
+                               [](const auto& sounding) { return sounding && !is_cut(*sounding); });
   });
 }
 
@@ -151,6 +156,7 @@ class MultibeamFiles {
         warnings_(warnings),
         name_(recording.sensor->description().name),
         finder_(recording, run) {
+    if (heard_by(recording, run)) ideal_finder_.emplace(BottomFinder::ideal(recording));
     for (const char* ending : {".csv", ".gpkg"})
       tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame));
     open_formats();
@@ -161,7 +167,8 @@ class MultibeamFiles {
     const std::size_t size = pings_a_block(recording_);
     const auto found_from = [this, size](std::size_t first) {
       return std::async(std::launch::async, [this, size, first] {
-        return sounded_block(recording_, finder_, first, std::min(size, recording_.pings() - first));
+        return sounded_block(recording_, finder_, ideal_finder_ ? &*ideal_finder_ : nullptr, first,
+                             std::min(size, recording_.pings() - first));
       });
     };
     std::future<std::vector<PlacedPing>> next = found_from(0);
@@ -193,24 +200,29 @@ class MultibeamFiles {
 
   void add(std::vector<PlacedPing> block) {
     if (run_.frame.is_georeferenced()) place_on_earth(block, recording_, run_, folder_ / name_);
-    if (!grid_ && has_soundings(block)) {
+    if (!grid_ && has_depths(block)) {
       const double asked_m =
           std::get<MultibeamDescription>(recording_.sensor->description().kind).grid_cell_m;
       grid_.emplace(run_.frame, asked_m > 0 ? asked_m : chosen_cell_m(recording_, block));
+      if (ideal_finder_) ideal_grid_.emplace(run_.frame, grid_->depths().cell_m());
     }
-    for (const PlacedPing& placed : block) {
+    for (PlacedPing& placed : block) {
       std::vector<Sounding> found;
       for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
         if (sounding) found.push_back(*sounding);
       for (const auto& table : tables_) table->add(found);
       for (const auto& format : formats_) format->add(placed);
-      if (grid_) add_to_grid(*grid_, placed.sounded);
+      const PlacedPing* before = last_ ? &*last_ : nullptr;
+      if (grid_) add_to_grid(*grid_, placed, before, received_of);
+      if (ideal_grid_) add_to_grid(*ideal_grid_, placed, before, ideal_of);
+      last_ = std::move(placed);
     }
   }
 
   void write_grid() {
     if (!grid_) {
-      warnings_.push_back(fmt::format("'{}': no beam found the bed, there is no depth grid", name_));
+      warnings_.push_back(
+          fmt::format("'{}': no beam found the bed within its range window, there is no depth grid", name_));
       return;
     }
     grid_->write_tiff(new_file("-depth", ".tif"));
@@ -220,6 +232,9 @@ class MultibeamFiles {
           "the picture of '{}' has no labels: no font was found (on Debian, install fonts-dejavu-core)",
           name_));
     grid_->draw(name_, font).write_png(new_file("-depth", ".png"), name_);
+    if (ideal_grid_ && !ideal_grid_->depths().empty())
+      ideal_grid_->draw(name_ + "   by an ideal receiver", font)
+          .write_png(new_file("-depth-ideal", ".png"), name_);
   }
 
   const fs::path& folder_;
@@ -228,9 +243,11 @@ class MultibeamFiles {
   std::vector<std::string>& warnings_;
   std::string name_;
   BottomFinder finder_;
+  std::optional<BottomFinder> ideal_finder_;  ///< where the receiver is not ideal
   std::vector<std::unique_ptr<SoundingsFile>> tables_;
   std::vector<std::unique_ptr<MultibeamFormat>> formats_;
-  std::optional<SoundingGrid> grid_;
+  std::optional<SoundingGrid> grid_, ideal_grid_;
+  std::optional<PlacedPing> last_;  ///< the ping before
   std::vector<fs::path> files_;
 };
 

@@ -24,10 +24,20 @@ std::vector<double> across_angles_deg(const Sensor& sensor) {
   return angles;
 }
 
-/// Level of the sample that a sounding rests upon, within what files hold.
+/// Level of the sample that holds a sounding, within what files hold.
 double level_db(const Sounding& sounding) {
   constexpr double lowest = -600, highest = 600;
   return std::clamp(20 * std::log10(sounding.amplitude), lowest, highest);
+}
+
+bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
+bool is_one_of_several(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::several_echoes); }
+
+/// Beam flags of GSF as its library has them: bit 0 means ignore, the others say why.
+std::uint8_t gsf_flags(const std::optional<Sounding>& sounding) {
+  constexpr std::uint8_t accepted = 0, no_detection = 0x01, taken_by_a_filter = 0x09, informational = 0x10;
+  if (!sounding) return no_detection;
+  return is_cut(*sounding) ? taken_by_a_filter : is_one_of_several(*sounding) ? informational : accepted;
 }
 
 class SonarNetcdfFormat : public MultibeamFormat {
@@ -84,6 +94,8 @@ class SonarNetcdfFormat : public MultibeamFormat {
     const std::optional<Sounding>& sounding = placed.sounded.soundings[beam];
     if (!sounding) return detection;
     detection.found = true;
+    detection.rejected = is_cut(*sounding);
+    detection.doubtful = is_one_of_several(*sounding);
     detection.two_way_travel_time_s = sounding->two_way_travel_time_s;
     detection.forward_starboard_down_m = placed.forward_starboard_down_m(beam);
     detection.longitude_deg = placed.soundings_lon_lat[beam].x;
@@ -120,7 +132,8 @@ class SonarNetcdfFormat : public MultibeamFormat {
     header.source_level_db = sensor.description().signal.source_level_db;
     header.receive_width_across_deg = fan.beam_across_deg;
     header.receive_width_along_deg = fan.along_track_deg;
-    header.transmit_width_across_deg = (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg;
+    header.transmit_width_across_deg = (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg +
+                                       2 * degrees(lit_beyond_rad(sensor.description()));
     header.transmit_width_along_deg = fan.along_track_deg;
     header.equivalent_beam_angle_sr =
         radians(fan.beam_across_deg) * 2 * std::sin(radians(fan.along_track_deg) / 2);
@@ -235,7 +248,7 @@ class GsfFormat : public MultibeamFormat {
           fix.lie.heading_deg);
       ping.beam_angle_deg.push_back(degrees(std::atan2(axis.y, axis.z)));
       const std::optional<Sounding>& sounding = placed.sounded.soundings[beam];
-      ping.flags.push_back(sounding ? 0 : 1);
+      ping.flags.push_back(gsf_flags(sounding));
       const glm::dvec3 place = sounding ? placed.forward_starboard_down_m(beam) : glm::dvec3(0);
       ping.along_m.push_back(place.x);
       ping.across_m.push_back(place.y);
@@ -328,7 +341,8 @@ class XtfFormat : public MultibeamFormat {
       if (!sounding) continue;
       constexpr double codes_per_db = 10, largest = 65535;
       beams.back().two_way_time_s = sounding->two_way_travel_time_s;
-      beams.back().quality = kBrightness | kColinearity | kAmplitudeDetection;
+      beams.back().quality = kBrightness | kAmplitudeDetection;
+      if (!is_cut(*sounding)) beams.back().quality |= kColinearity;
       beams.back().intensity = static_cast<std::uint16_t>(
           std::clamp(std::round(codes_per_db * level_db(*sounding)), 0.0, largest));
     }
@@ -340,8 +354,12 @@ class XtfFormat : public MultibeamFormat {
     for (std::size_t beam = 0; beam < sounded.soundings.size(); ++beam) {
       const std::optional<Sounding>& sounding = sounded.soundings[beam];
       if (!sounding) continue;
+      constexpr std::int32_t cut = 0, good = 1, of_several = 2;
       soundings.push_back({static_cast<std::int32_t>(beam), sounding->two_way_travel_time_s,
-                           angles_deg_[beam], 0, level_db(*sounding), 1});
+                           angles_deg_[beam], 0, level_db(*sounding),
+                           is_cut(*sounding)              ? cut
+                           : is_one_of_several(*sounding) ? of_several
+                                                          : good});
     }
     file_.add_soundings(place, soundings);
   }

@@ -15,7 +15,8 @@ struct PlacedPing {
   std::size_t ping = 0;
   NavigationFix fix{};
   SoundedPing sounded;
-  std::vector<glm::dvec3> soundings_lon_lat;  ///< by beam, with heights; not numbers where nothing was found
+  std::vector<std::optional<Sounding>> ideal;  ///< by beam, of an ideal receiver; empty where it is one
+  std::vector<glm::dvec3> soundings_lon_lat;   ///< by beam, with heights; not numbers where nothing was found
 
   /// From the sensor: along its true heading, to starboard and down, in metres on the ellipsoid. They lead
   /// from the sensor's longitude and latitude to the sounding's, which a map's own metres do not.

@@ -24,11 +24,13 @@ Colour colour_of(double phase_rad, double brightness) {
   return {component(0), component(1), component(2)};
 }
 
-Colour colour_under(const Recording& recording, PixelSpan pings, PixelSpan samples, std::size_t beam) {
+Colour colour_under(const Recording& recording, PixelSpan pings, PixelSpan samples, std::size_t beam,
+                    const InterferometricNoise* noise) {
   InterferometricSample sum;
   for (std::size_t ping = pings.first; ping < pings.end; ++ping)
     for (std::size_t k = samples.first; k < samples.end; ++k) {
-      const InterferometricSample own = interferometric_sample(recording, ping, beam, k);
+      const InterferometricSample own = noise ? received_sample(recording, ping, beam, k, *noise)
+                                              : interferometric_sample(recording, ping, beam, k);
       sum.upper_j += own.upper_j;
       sum.lower_j += own.lower_j;
       sum.cross_j += own.cross_j;
@@ -52,7 +54,7 @@ void draw_legend(Canvas& canvas, int x, int y0, int y1) {
 
 }  // namespace
 
-Canvas draw_phases(const Recording& recording, const std::string& font) {
+Canvas draw_phases(const Recording& recording, const std::string& font, const InterferometricNoise* noise) {
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
   const auto count = static_cast<std::size_t>(samples.count);
@@ -65,8 +67,8 @@ Canvas draw_phases(const Recording& recording, const std::string& font) {
     const PixelSpan pings = items_under(row, rows, recording.pings());
     for (int x = 0; x < side; ++x) {
       const PixelSpan under = items_under(x, side, count);
-      canvas.blend(middle - 1 - x, bottom - 1 - row, colour_under(recording, pings, under, 0));
-      canvas.blend(middle + x, bottom - 1 - row, colour_under(recording, pings, under, 1));
+      canvas.blend(middle - 1 - x, bottom - 1 - row, colour_under(recording, pings, under, 0, noise));
+      canvas.blend(middle + x, bottom - 1 - row, colour_under(recording, pings, under, 1, noise));
     }
     for (std::size_t ping = pings.first; ping + 1 < pings.end; ++ping) recording.let_go(ping);
   }
@@ -95,8 +97,9 @@ Canvas draw_phases(const Recording& recording, const std::string& font) {
               title_size, palette.ink);
   const auto& staff = std::get<InterferometricDescription>(sensor.description().kind);
   canvas.text(margin, margin + 30,
-              fmt::format("{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence",
-                          sensor.frequency_khz(), staff.baseline_m, staff.staff_tilt_deg),
+              fmt::format("{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
+                          sensor.frequency_khz(), staff.baseline_m, staff.staff_tilt_deg,
+                          noise ? "; as received" : ""),
               label_size, palette.faint_ink);
   draw_legend(canvas, middle + side + margin, top, top + std::min(rows, 400));
   return canvas;

@@ -4,12 +4,15 @@
 #include <string>
 
 #include "sensors/canvas.hpp"
+#include "sensors/interferometric_soundings.hpp"
 #include "sensors/recording.hpp"
 
 namespace tubefoot {
 
 /// Draws the phases of an interferometric sidescan as a waterfall, last ping on top, port left: hue is the
 /// phase of the mean product under a pixel, brightness its coherence.
-Canvas draw_phases(const Recording& recording, const std::string& font);
+/// With `noise`, as the receivers have them.
+Canvas draw_phases(const Recording& recording, const std::string& font,
+                   const InterferometricNoise* noise = nullptr);
 
 }  // namespace tubefoot

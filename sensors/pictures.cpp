@@ -80,7 +80,7 @@ std::string stem_of(const Sensor& sensor) {
 }  // namespace
 
 std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& recording,
-                                     std::vector<std::string>* warnings) {
+                                     std::vector<std::string>* warnings, const Heard* heard) {
   check(recording);
   const std::string stem = stem_of(*recording.sensor);
   const std::string& font = label_font();
@@ -96,6 +96,10 @@ std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& re
     files = {stem + ".png", stem + ".exr"};
     draw_waterfall(recording, font).write_png(folder / files[0], stem);
     write_sidescan_exr(folder / files[1], recording);
+    if (heard) {
+      files.push_back(stem + "-received.png");
+      draw_waterfall(recording, font, heard).write_png(folder / files.back(), stem);
+    }
     return files;
   }
   const auto* camera = std::get_if<DidsonDescription>(&recording.sensor->description().kind);
@@ -103,19 +107,31 @@ std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& re
   if (recording.pings() > 1 || sequence_alone) {
     files.push_back(stem + "-sequence.png");
     draw_camera_sequence(recording, font).write_png(folder / files.back(), stem);
+    if (heard) {
+      files.push_back(stem + "-sequence-received.png");
+      draw_camera_sequence(recording, font, heard).write_png(folder / files.back(), stem);
+    }
   }
   if (sequence_alone) return files;
   const auto name = [&](std::size_t ping, const char* type) {
     return fs::path(fmt::format("{}-{:04}.{}", stem, ping, type));
   };
+  const auto received_name = [&](std::size_t ping) {
+    return fs::path(fmt::format("{}-{:04}-received.png", stem, ping));
+  };
   tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
     draw_camera_frame(recording, ping, font)
         .write_png(folder / name(ping, "png"), fmt::format("{}, ping {}", stem, ping));
+    if (heard)
+      draw_camera_frame(recording, ping, font, heard)
+          .write_png(folder / received_name(ping), fmt::format("{}, ping {}, as received", stem, ping));
     write_camera_exr(folder / name(ping, "exr"), recording, ping);
     recording.let_go(ping);
   });
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping)
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
     files.insert(files.end(), {name(ping, "png"), name(ping, "exr")});
+    if (heard) files.push_back(received_name(ping));
+  }
   return files;
 }
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/products.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "sensors/didson_files.hpp"
 #include "sensors/echosounder_files.hpp"
 #include "sensors/interferometric_files.hpp"
 #include "sensors/multibeam_files.hpp"
+#include "sensors/noise_floor.hpp"
 #include "sensors/pulse.hpp"
 #include "sensors/sidescan_files.hpp"
 
@@ -22,14 +25,7 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
                                                       : SpeckleLaw::none;
   receiver.speckle.looks = signal.speckle_looks;
   receiver.speckle.shape = signal.speckle_shape;
-  if (signal.tvg_spreading) {
-    TimeVariedGain gain;
-    gain.spreading = *signal.tvg_spreading;
-    gain.absorption_db_per_km = signal.tvg_absorption_db_per_km.value_or(recording.absorption_db_per_km);
-    gain.gain_db = signal.tvg_gain_db;
-    gain.fixed_below_m = signal.tvg_fixed_below_m;
-    receiver.tvg = gain;
-  }
+  receiver.tvg = gain_of(recording);
   if (signal.pulse_length_us)
     receiver.source_level_db +=
         10 * std::log10(pulse_extent_m(*signal.pulse_length_us, recording.sound_speed_m_s) /
@@ -48,6 +44,18 @@ std::vector<double> received(const Recording& recording, const RunContext& run, 
   return receiver.receive(number, spread_over_pulse(recording.energy_of(ping), samples, extent_m), samples);
 }
 
+std::optional<Heard> heard_by(const Recording& recording, const RunContext& run) {
+  const SignalDescription& signal = recording.sensor->description().signal;
+  std::vector<std::string> parts;
+  if (signal.speckle != "none") parts.push_back("speckle");
+  if (signal.noise_level_db) parts.push_back("noise");
+  if (signal.tvg_spreading) parts.push_back("the sonar's own gain");
+  if (signal.pulse_length_us) parts.push_back("the pulse's length");
+  if (parts.empty()) return std::nullopt;
+  return Heard{[&recording, &run](std::size_t ping) { return received(recording, run, ping); },
+               signal.tvg_spreading.has_value(), fmt::format("as received, with {}", fmt::join(parts, ", "))};
+}
+
 std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
                                                   const Recording& recording, const RunContext& run,
                                                   std::vector<std::string>& warnings) {
@@ -56,7 +64,9 @@ std::vector<std::filesystem::path> write_products(const std::filesystem::path& f
     return write_multibeam_files(folder, recording, run, warnings);
   if (std::holds_alternative<EchosounderDescription>(kind))
     return write_echosounder_files(folder, recording, run, warnings);
-  std::vector<std::filesystem::path> files = write_pictures(folder, recording, &warnings);
+  const std::optional<Heard> heard = heard_by(recording, run);
+  std::vector<std::filesystem::path> files =
+      write_pictures(folder, recording, &warnings, heard ? &*heard : nullptr);
   std::vector<std::filesystem::path> own;
   if (std::holds_alternative<DidsonDescription>(kind))
     own = write_camera_files(folder, recording, run, warnings);

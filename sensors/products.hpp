@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "scene/georeference.hpp"
+#include "sensors/heard.hpp"
 #include "sensors/receiver.hpp"
 #include "sensors/recording.hpp"
 
@@ -22,6 +25,9 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run);
 /// The energies [J] of a ping as the sensor's receiver has them, [beam][sample]: spread over the pulse, then
 /// through receiver_of(). Every file that a sonar would write is made of these; echoes.nc is not.
 std::vector<double> received(const Recording& recording, const RunContext& run, std::size_t ping);
+
+/// The same for pictures; nothing where the receiver leaves energies as they are.
+std::optional<Heard> heard_by(const Recording& recording, const RunContext& run);
 
 /// Writes the files that a sonar of the recording's kind makes, pictures included (write_pictures), into
 /// `folder`, ping by ping, and returns their names. Throws std::runtime_error naming the file and what

@@ -11,6 +11,7 @@
 
 #include "geometry/stop.hpp"
 #include "scene/georeference.hpp"
+#include "sensors/heard.hpp"
 #include "sensors/sensor.hpp"
 
 namespace tubefoot {
@@ -84,11 +85,13 @@ void write_echoes(const std::filesystem::path& file, const std::vector<Recording
 /// Cameras: <sensor>-sequence.png (pings picked from several; sequence_frames), and unless the camera asks
 /// for that alone <sensor>-<ping>.png in true fan geometry with a range and angle frame, and
 /// <sensor>-<ping>.exr (beams x samples, unscaled). Sidescan: <sensor>.png waterfall, last ping on top, port
-/// left, and <sensor>.exr. docs/echo-file.md says how pixels are made. Throws std::runtime_error naming the
+/// left, and <sensor>.exr. With `heard` each PNG has one beside it of what the instrument shows, "-received"
+/// at the end of its name. docs/echo-file.md says how pixels are made. Throws std::runtime_error naming the
 /// file and what failed. A picture is written even without a font to label it with; `warnings`, if given,
 /// then says so.
 std::vector<std::filesystem::path> write_pictures(const std::filesystem::path& folder,
                                                   const Recording& recording,
-                                                  std::vector<std::string>* warnings = nullptr);
+                                                  std::vector<std::string>* warnings = nullptr,
+                                                  const Heard* heard = nullptr);
 
 }  // namespace tubefoot

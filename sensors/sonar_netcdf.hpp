@@ -46,7 +46,8 @@ struct SonarNetcdfHeader {
 /// What a beam found of the bed.
 struct SonarDetection {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  bool found = false;  ///< if not, only the beam's angle is looked at
+  bool found = false;                       ///< if not, only the beam's angle is looked at
+  bool rejected = false, doubtful = false;  ///< of one that was found
   double two_way_travel_time_s = none;
   double beam_angle_deg = none;  ///< of the beam's axis from the platform's down axis, starboard positive
   /// From the platform's reference point in the horizontal plane: along the heading, to its starboard, down.

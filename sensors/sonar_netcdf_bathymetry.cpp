@@ -65,20 +65,23 @@ void SonarNetcdfBuilder::bathymetry() {
        "m",
        "vertical distance from the platform's reference point, down positive"},
       [](D d) { return d.forward_starboard_down_m.z; }, "SCS");
-  constexpr int valid = 0, invalid_acquisition = 2;
-  each_beam(g,
-            {"status",
-             NC_BYTE,
-             {ping_, detection},
-             nullptr,
-             "validity: 0 valid; bits 1 rejected, 2 invalid acquisition, 4 invalid conversion, 8 invalid "
-             "swath, 16 invalid sounding row"},
-            [](const Ping& p, std::size_t k) { return p.detections[k].found ? valid : invalid_acquisition; });
-  constexpr int automatic = 1;
-  every_beam(
+  constexpr int valid = 0, rejected = 1, invalid_acquisition = 2;
+  each_beam(
+      g,
+      {"status",
+       NC_BYTE,
+       {ping_, detection},
+       nullptr,
+       "validity: 0 valid; bits 1 rejected, 2 invalid acquisition, 4 invalid conversion, 8 invalid "
+       "swath, 16 invalid sounding row"},
+      [](const Ping& p, std::size_t k) {
+        return !p.detections[k].found ? invalid_acquisition : p.detections[k].rejected ? rejected : valid;
+      });
+  constexpr int automatic = 1, doubtful = 2;
+  each_beam(
       g,
       {"status_detail", NC_BYTE, {ping_, detection}, nullptr, "0 unknown, 1 automatic, 2 doubtful, 3 manual"},
-      automatic);
+      [](const Ping& p, std::size_t k) { return p.detections[k].doubtful ? doubtful : automatic; });
   every_ping(
       g, {"multiping_sequence", NC_UBYTE, {ping_}, nullptr, "sequence number among the swaths of a ping"}, 0);
   each_beam(g, {"detection_type", detection_type, {ping_, detection}, nullptr, "type of detection"},

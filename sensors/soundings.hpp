@@ -24,6 +24,7 @@ struct Sounding {
   double amplitude = 0;       ///< of the sample that was picked, as the time series has it
   double quality = 0;         ///< 0 to 1, of the detector
   DetectionMethod method = DetectionMethod::maximum;
+  DetectionFlags flags;  ///< what makes it doubtful
 };
 
 /// Mean depth of soundings per cell. Depths are positive down from height 0: minus up, minus the height of
@@ -33,9 +34,12 @@ class SoundingGrid {
  public:
   /// Throws std::invalid_argument for a cell that is not positive.
   SoundingGrid(LocalFrame frame, double cell_m);
-  /// Soundings that are not finite are left out. Throws std::runtime_error where the grid would become too
-  /// large for memory.
+  /// Soundings that are not finite, or of echoes that the window cuts, are left out. Throws
+  /// std::runtime_error where the grid would become too large for memory.
   void add(const Sounding& sounding);
+  /// Fills cells without soundings of their own on the straight line between two; where there are some, they
+  /// outweigh this by 10^9. Nothing where one is left out by add().
+  void add_between(const Sounding& from, const Sounding& to);
 
   const CellMeans& depths() const { return depths_; }
   /// Float32 GeoTIFF, band "Depth" in metres (write_cells). Throws std::runtime_error, also without
@@ -46,6 +50,8 @@ class SoundingGrid {
   Canvas draw(const std::string& title, const std::string& font) const;
 
  private:
+  void add(glm::dvec3 position_m, double weight);
+
   LocalFrame frame_;
   CellMeans depths_;
 };

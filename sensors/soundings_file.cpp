@@ -74,7 +74,7 @@ class CsvWriter : public SoundingsFile::Writer {
     if (frame_.is_georeferenced()) text_ += "longitude_deg_east,latitude_deg_north,height_m_up_positive,";
     text_ +=
         "two_way_travel_time_s,slant_range_m,beam_angle_deg_starboard_positive,amplitude,quality_0_to_1,"
-        "method\n";
+        "method,status\n";
     put();
   }
 
@@ -87,8 +87,8 @@ class CsvWriter : public SoundingsFile::Writer {
                      s.position_m.y, s.position_m.z);
       if (!on_earth.empty())
         fmt::format_to(out, "{:.10f},{:.10f},{:.4f},", on_earth[k].x, on_earth[k].y, on_earth[k].z);
-      fmt::format_to(out, "{},{:.4f},{},{},{},{}\n", s.two_way_travel_time_s, s.slant_range_m,
-                     s.beam_angle_deg, s.amplitude, s.quality, name_of(s.method));
+      fmt::format_to(out, "{},{:.4f},{},{},{},{},{}\n", s.two_way_travel_time_s, s.slant_range_m,
+                     s.beam_angle_deg, s.amplitude, s.quality, name_of(s.method), name_of(s.flags));
     }
     put();
   }
@@ -140,7 +140,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
     for (const char* name : {"time_s", "east_m", "north_m", "up_m", "two_way_travel_time_s", "slant_range_m",
                              "beam_angle_deg", "amplitude", "quality"})
       field(name, OFTReal);
-    field("method", OFTString);
+    for (const char* name : {"method", "status"}) field(name, OFTString);
     require(messages.failures().empty(), messages, "create the layer of the file");
   }
   ~GeoPackageWriter() override {
@@ -172,6 +172,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
             s.slant_range_m, s.beam_angle_deg, s.amplitude, s.quality})
         feature.SetField(f++, value);
       feature.SetField(f++, name_of(s.method));
+      feature.SetField(f++, name_of(s.flags));
       const glm::dvec3 place = frame_.is_tangent() ? on_earth[k] : on_map(frame_, map_, s.position_m);
       const OGRPoint point(place.x, place.y, place.z);
       feature.SetGeometry(&point);

@@ -61,8 +61,9 @@ std::vector<double> gain_by_sample(const Recording& recording) {
 
 /// The picture's rows, the first ping's first: of each beam and sample the mean over the pings under the row,
 /// after the gain. However long the line, this is as large as the picture.
-std::vector<double> rows_of(const Recording& recording, int rows) {
-  const std::vector<double> gain = gain_by_sample(recording);
+std::vector<double> rows_of(const Recording& recording, int rows, const Heard* heard) {
+  std::vector<double> gain = gain_by_sample(recording);
+  if (heard && heard->has_gain) std::fill(gain.begin(), gain.end(), 1.0);
   const std::size_t cells = recording.cells();
   const double rows_per_ping = rows / static_cast<double>(recording.pings());
   std::vector<double> all(static_cast<std::size_t>(rows) * cells, 0.0);
@@ -71,7 +72,9 @@ std::vector<double> rows_of(const Recording& recording, int rows) {
     double* mean = all.data() + static_cast<std::size_t>(row) * cells;
     const double weight = std::accumulate(under.weights.begin(), under.weights.end(), 0.0);
     for (std::size_t p = 0; p < under.weights.size(); ++p) {
-      const std::span<const double> energy = recording.energy_of(under.first + p);
+      const std::vector<double> received = heard ? heard->energy_of(under.first + p) : std::vector<double>();
+      const std::span<const double> energy =
+          heard ? std::span<const double>(received) : recording.energy_of(under.first + p);
       for (std::size_t k = 0; k < cells; ++k)
         mean[k] += under.weights[p] / weight * energy[k] * gain[k % gain.size()];
       if (p + 1 < under.weights.size()) recording.let_go(under.first + p);
@@ -92,7 +95,7 @@ double mean_energy(std::span<const double> energy, const CellSpan& samples) {
 
 }  // namespace
 
-Canvas draw_waterfall(const Recording& recording, const std::string& font) {
+Canvas draw_waterfall(const Recording& recording, const std::string& font, const Heard* heard) {
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
   const auto pings = recording.ping_time_s.size();
@@ -107,8 +110,9 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
   const int rows = std::clamp(static_cast<int>(std::lround(std::min(wanted_rows, 1e6))), lowest, highest);
   const double rows_per_ping = rows / static_cast<double>(pings);
   const double stretch = rows / wanted_rows;
-  const std::vector<double> energies = rows_of(recording, rows);
-  const DecibelScale scale(energies);
+  const bool own_gain = heard && heard->has_gain;
+  const std::vector<double> energies = rows_of(recording, rows, heard);
+  const DecibelScale scale(heard && !own_gain ? rows_of(recording, rows, nullptr) : energies);
 
   const std::string title =
       fmt::format("{}   pings 0 to {}   t = {:.2f} to {:.2f} s", sensor.description().name, pings - 1,
@@ -122,11 +126,13 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font) {
                 (stretch < 10 ? fmt::format("{:.2g}", stretch) : fmt::format("{:.0f}", stretch));
   else
     subtitle += ", equal scales";
-  const std::string footer =
-      scale.reference_j() > 0
-          ? fmt::format("time-varied gain 40 log R + 2 alpha R; 0 dB: {} dB re 1 J at 1 m; darkest: no echo",
-                        tick_label(10 * std::log10(scale.reference_j()), 0.1))
-          : "no echo";
+  if (heard) subtitle += "; " + heard->said;
+  const std::string footer = scale.reference_j() > 0
+                                 ? fmt::format("{}; 0 dB: {} dB re 1 J at 1 m; darkest: no echo",
+                                               own_gain ? "the sonar's own time-varied gain"
+                                                        : "time-varied gain 40 log R + 2 alpha R",
+                                               tick_label(10 * std::log10(scale.reference_j()), 0.1))
+                                 : "no echo";
 
   const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
   const int right = middle + side;

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <map>
 
+#include "app/plan_shape.hpp"
 #include "files/checked_file.hpp"
 #include "files/csv_file.hpp"
 #include "files/gdal_door.hpp"
@@ -80,7 +81,7 @@ struct CoverageFile::State {
   GdalMessages messages;
   std::string memory_file;  ///< GDAL's drivers write here: some of them do not notice a full disk
   GDALDataset* dataset = nullptr;
-  OGRLayer *coverage = nullptr, *shadows = nullptr, *facets = nullptr, *depths = nullptr;
+  OGRLayer *coverage = nullptr, *shadows = nullptr, *upright = nullptr, *facets = nullptr, *depths = nullptr;
 
   explicit State(const Scene& its_scene) : scene(its_scene), map(its_scene.frame.map()) {}
   ~State() {
@@ -112,23 +113,30 @@ struct CoverageFile::State {
     feature.SetField("material", scene.description.materials[scene.mesh.material[facet]].name.c_str());
   }
   /// The cells as one geometry; adds up their areas.
-  OGRMultiPolygon shape(const CoveredFacet& facet, const std::vector<std::size_t>& cells,
-                        double& area_m2) const {
-    OGRMultiPolygon shape;
+  PlanShape shape(const CoveredFacet& facet, const std::vector<std::size_t>& cells, double& area_m2) const {
+    std::vector<Piece> pieces;
     for (const std::size_t cell : cells) {
-      const std::vector<glm::dvec3> corners = facet.polygon_m(cell);
-      auto* ring = new OGRLinearRing;  // owned by the polygon below
-      for (std::size_t k = 0; k <= corners.size(); ++k) {
-        const glm::dvec3& p = corners[k % corners.size()];
-        ring->addPoint(map.easting + p.x / map.metres_per_unit, map.northing + p.y / map.metres_per_unit,
-                       scene.frame.origin_height_m() + p.z);
-      }
-      auto* polygon = new OGRPolygon;  // owned by the shape
-      polygon->addRingDirectly(ring);
-      shape.addGeometryDirectly(polygon);
+      pieces.push_back({facet.coverage.cells[cell].first, facet.coverage.cells[cell].count});
       area_m2 += facet.cell_area_m2(cell);
     }
-    return shape;
+    std::vector<glm::dvec3> on_map;
+    for (const glm::dvec3& p : facet.corners_m)
+      on_map.emplace_back(map.easting + p.x / map.metres_per_unit, map.northing + p.y / map.metres_per_unit,
+                          scene.frame.origin_height_m() + p.z);
+    return plan_shape(facet.corners_m, on_map, pieces);
+  }
+  /// Writes a feature with its shape, and the lines round it where it has no plan area.
+  void write_shape(OGRLayer* to, OGRFeature& feature, const PlanShape& shape) const {
+    feature.SetGeometry(shape.multi_polygon().get());
+    write(to, feature);
+    if (!shape.is_upright()) return;
+    OGRFeature lines(upright->GetLayerDefn());
+    lines.SetField("layer", to->GetName());
+    lines.SetField("feature", feature.GetFID());
+    lines.SetField("facet", feature.GetFieldAsInteger64("facet"));
+    for (const char* name : {"component", "material"}) lines.SetField(name, feature.GetFieldAsString(name));
+    lines.SetGeometry(shape.multi_line().get());
+    write(upright, lines);
   }
 };
 
@@ -147,9 +155,12 @@ CoverageFile::CoverageFile(const Scene& scene) : state_(std::make_unique<State>(
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   s.coverage = s.layer("coverage", &crs, wkbMultiPolygon25D);
   s.shadows = s.layer("shadows", &crs, wkbMultiPolygon25D);
+  s.upright = s.layer("upright", &crs, wkbMultiLineString25D);
   s.facets = s.layer("facets", nullptr, wkbNone);
   s.depths = s.layer("depths", nullptr, wkbNone);
-  for (OGRLayer* layer : {s.coverage, s.shadows, s.facets}) {
+  s.fields(s.upright, {"layer"}, OFTString);
+  s.fields(s.upright, {"feature"}, OFTInteger64);
+  for (OGRLayer* layer : {s.coverage, s.shadows, s.upright, s.facets}) {
     s.fields(layer, {"facet"}, OFTInteger64);
     s.fields(layer, {"component", "material"}, OFTString);
   }
@@ -181,10 +192,9 @@ void CoverageFile::add(const CoveredFacet& facet, std::span<const CountedPing> p
     s.names(feature, c.facet);
     feature.SetField("pings", static_cast<GIntBig>(times));
     double area_m2 = 0;
-    const OGRMultiPolygon shape = s.shape(facet, cells, area_m2);
+    const PlanShape shape = s.shape(facet, cells, area_m2);
     feature.SetField("area_m2", area_m2);
-    feature.SetGeometry(&shape);
-    s.write(s.coverage, feature);
+    s.write_shape(s.coverage, feature, shape);
   }
   for (const ShadowPart& shadow : facet.shadows) {
     OGRFeature feature(s.shadows->GetLayerDefn());
@@ -198,10 +208,9 @@ void CoverageFile::add(const CoveredFacet& facet, std::span<const CountedPing> p
                        s.scene.report.components[s.scene.mesh.component[shadow.occluder]].name.c_str());
     }
     double area_m2 = 0;
-    const OGRMultiPolygon shape = s.shape(facet, shadow.cells, area_m2);
+    const PlanShape shape = s.shape(facet, shadow.cells, area_m2);
     feature.SetField("area_m2", area_m2);
-    feature.SetGeometry(&shape);
-    s.write(s.shadows, feature);
+    s.write_shape(s.shadows, feature, shape);
   }
   OGRFeature row(s.facets->GetLayerDefn());
   s.names(row, c.facet);

@@ -8,6 +8,7 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
+#include "app/plan_shape.hpp"
 #include "files/checked_file.hpp"
 #include "files/gdal_door.hpp"
 #include "files/gdal_messages.hpp"
@@ -44,11 +45,20 @@ class GeoPackage : public FootprintFile {
         dataset_->CreateLayer("footprints", &crs, wkbMultiPolygon25D, const_cast<char**>(options.data()));
     require(layer_ != nullptr, "create");
     for (const FootprintColumn& column : footprint_columns())
-      field(column.name,
+      field(layer_, column.name,
             std::holds_alternative<FootprintColumn::Reals>(column.values) ? OFTReal : OFTInteger64);
-    for (const char* name : {"component", "material"}) field(name, OFTString);
-    field("pieces", OFTInteger64);
-    field("occluders", OFTString);
+    for (const char* name : {"component", "material"}) field(layer_, name, OFTString);
+    field(layer_, "pieces", OFTInteger64);
+    field(layer_, "occluders", OFTString);
+    const std::string upright_title =
+        "DESCRIPTION=The lines round footprints without plan area, which are no polygons. " + place_.said();
+    options[0] = upright_title.c_str();
+    upright_ =
+        dataset_->CreateLayer("upright", &crs, wkbMultiLineString25D, const_cast<char**>(options.data()));
+    require(upright_ != nullptr, "create");
+    for (const char* name : {"footprint", "ping", "shot", "beam", "facet"})
+      field(upright_, name, OFTInteger64);
+    field(upright_, "component", OFTString);
     begin();
   }
   ~GeoPackage() override {
@@ -74,8 +84,10 @@ class GeoPackage : public FootprintFile {
       feature.SetField(f++, material_name(source_.scene, table, row).c_str());
       feature.SetField(f++, static_cast<GIntBig>(table.pieces_of(row)));
       feature.SetField(f++, occluder_list(table, row).c_str());
-      feature.SetGeometryDirectly(shape_of(table, row));
+      const PlanShape shape = shape_of(table, row);
+      feature.SetGeometry(shape.multi_polygon().get());
       require(layer_->CreateFeature(&feature) == OGRERR_NONE, "write to");
+      if (shape.is_upright()) add_upright(table, row, feature.GetFID(), shape);
       ++rows_;
     }
     if (rows_ - committed_ < rows_a_transaction) return;
@@ -91,8 +103,9 @@ class GeoPackage : public FootprintFile {
     require(messages_.failures().empty(), "finish");
     const std::unique_ptr<GDALDataset> written(
         GDALDataset::Open(file_.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
-    require(written && written->GetLayerCount() == 1 &&
-                written->GetLayer(0)->GetFeatureCount() == static_cast<GIntBig>(rows_),
+    require(written && written->GetLayerCount() == 2 &&
+                written->GetLayer(0)->GetFeatureCount() == static_cast<GIntBig>(rows_) &&
+                written->GetLayer(1)->GetFeatureCount() == static_cast<GIntBig>(upright_rows_),
             "finish");
   }
 
@@ -102,9 +115,9 @@ class GeoPackage : public FootprintFile {
   void require(bool good, const char* what) const {
     if (!good) throw write_error(file_, fmt::format("cannot {} the file{}", what, messages_.in_brackets()));
   }
-  void field(const char* name, OGRFieldType type) const {
+  void field(OGRLayer* layer, const char* name, OGRFieldType type) const {
     OGRFieldDefn definition(name, type);
-    require(layer_->CreateField(&definition) == OGRERR_NONE, "add columns to");
+    require(layer->CreateField(&definition) == OGRERR_NONE, "add columns to");
   }
   void begin() { require(dataset_->StartTransaction() == OGRERR_NONE, "write to"); }
   void commit() {
@@ -112,20 +125,24 @@ class GeoPackage : public FootprintFile {
     committed_ = rows_;
   }
 
-  OGRMultiPolygon* shape_of(const FootprintTable& table, std::size_t row) const {
-    auto* shape = new OGRMultiPolygon;  // owned by the feature
-    for (std::uint64_t piece = table.first_piece[row]; piece < table.first_piece[row + 1]; ++piece) {
-      auto* ring = new OGRLinearRing;  // owned by the polygon below
-      for (const glm::dvec3& corner : table.corners_of(piece)) {
-        const glm::dvec3 p = place_(corner);
-        ring->addPoint(p.x, p.y, p.z);
-      }
-      ring->closeRings();
-      auto* polygon = new OGRPolygon;  // owned by the shape
-      polygon->addRingDirectly(ring);
-      shape->addGeometryDirectly(polygon);
-    }
-    return shape;
+  PlanShape shape_of(const FootprintTable& table, std::size_t row) const {
+    std::vector<glm::dvec3> on_map;
+    const std::span<const glm::dvec3> corners = table.corners_of_row(row);
+    for (const glm::dvec3& corner : corners) on_map.push_back(place_(corner));
+    return plan_shape(corners, on_map, table.pieces_in_row(row));
+  }
+
+  /// What has no plan area: the row of the first layer again, with the lines round it.
+  void add_upright(const FootprintTable& table, std::size_t row, GIntBig footprint, const PlanShape& shape) {
+    OGRFeature feature(upright_->GetLayerDefn());
+    int f = 0;
+    feature.SetField(f++, footprint);
+    for (const auto* values : {&table.ping, &table.shot, &table.beam, &table.facet})
+      feature.SetField(f++, static_cast<GIntBig>((*values)[row]));
+    feature.SetField(f++, component_name(source_.scene, table, row).c_str());
+    feature.SetGeometry(shape.multi_line().get());
+    require(upright_->CreateFeature(&feature) == OGRERR_NONE, "write to");
+    ++upright_rows_;
   }
 
   std::filesystem::path file_;
@@ -133,8 +150,8 @@ class GeoPackage : public FootprintFile {
   FootprintPlace place_;
   GdalMessages messages_;
   GDALDataset* dataset_ = nullptr;
-  OGRLayer* layer_ = nullptr;
-  std::size_t rows_ = 0, committed_ = 0;
+  OGRLayer *layer_ = nullptr, *upright_ = nullptr;
+  std::size_t rows_ = 0, upright_rows_ = 0, committed_ = 0;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "app/footprint_file.hpp"
 #include "app/footprint_place.hpp"
+#include "app/plan_shape.hpp"
 #include "files/csv_file.hpp"
 #include "files/streamed_file.hpp"
 #include "geometry/stop.hpp"
@@ -17,15 +18,28 @@ std::string number(const FootprintTable& table, const FootprintColumn& column, s
   return std::visit([&](auto values) { return fmt::format("{}", (table.*values)[row]); }, column.values);
 }
 
-/// A piece's corners and the first again, each as `one` writes it.
-template <class One>
-std::string ring(std::span<const glm::dvec3> corners, const One& one) {
+/// What lists hold, each as `one` writes it, with commas between.
+template <class List, class One>
+std::string listed(const List& list, const One& one) {
   std::string text;
-  for (std::size_t k = 0; k <= corners.size(); ++k) {
-    if (k > 0) text += ',';
-    text += one(corners[k % corners.size()]);
+  for (const auto& item : list) {
+    if (!text.empty()) text += ',';
+    text += one(item);
   }
   return text;
+}
+
+/// A shape as well-known text or as GeoJSON has it: lists of lists, in that notation's brackets.
+std::string shape_text(const PlanShape& shape, const char* opened, const char* closed, const char* corner) {
+  const auto in_brackets = [&](const std::string& inside) { return opened + inside + closed; };
+  const auto line = [&](const PlanShape::Line& points) {
+    return in_brackets(listed(
+        points, [&](const glm::dvec3& p) { return fmt::format(fmt::runtime(corner), p.x, p.y, p.z); }));
+  };
+  return in_brackets(shape.is_upright() ? listed(shape.outlines, line)
+                                        : listed(shape.polygons, [&](const auto& rings) {
+                                            return in_brackets(listed(rings, line));
+                                          }));
 }
 
 class Csv : public FootprintFile {
@@ -40,18 +54,13 @@ class Csv : public FootprintFile {
   void add(const FootprintTable& table) override {
     for (std::size_t row = 0; row < table.rows(); ++row) {
       stop_if_wanted();
-      std::string line = "\"MULTIPOLYGON Z (";
-      for (std::uint64_t piece = table.first_piece[row]; piece < table.first_piece[row + 1]; ++piece) {
-        if (piece > table.first_piece[row]) line += ',';
-        line += "((" +
-                ring(table.corners_of(piece),
-                     [&](const glm::dvec3& corner) {
-                       const glm::dvec3 p = place_(corner);
-                       return fmt::format("{} {} {}", p.x, p.y, p.z);
-                     }) +
-                "))";
-      }
-      line += ")\"";
+      std::vector<glm::dvec3> on_map;
+      for (const glm::dvec3& corner : table.corners_of_row(row)) on_map.push_back(place_(corner));
+      const PlanShape shape = plan_shape(table.corners_of_row(row), on_map, table.pieces_in_row(row));
+      std::string line = shape.is_upright() ? "\"MULTILINESTRING Z " : "\"MULTIPOLYGON Z ";
+      line +=
+          shape.is_upright() && shape.outlines.empty() ? "EMPTY" : shape_text(shape, "(", ")", "{} {} {}");
+      line += '"';
       for (const FootprintColumn& column : footprint_columns()) line += ',' + number(table, column, row);
       line += fmt::format(",{},{},{},{}\n", csv_text(component_name(source_.scene, table, row)),
                           csv_text(material_name(source_.scene, table, row)), table.pieces_of(row),
@@ -93,16 +102,15 @@ class GeoJson : public FootprintFile {
                           text(component_name(source_.scene, table, row)),
                           text(material_name(source_.scene, table, row)), table.pieces_of(row),
                           occluder_list(table, row));
-      line += R"("geometry": {"type": "MultiPolygon", "coordinates": [)";
-      for (std::uint64_t piece = table.first_piece[row]; piece < table.first_piece[row + 1]; ++piece) {
-        if (piece > table.first_piece[row]) line += ',';
-        const auto own = std::span<const glm::dvec3>(corners).subspan(
-            table.first_corner[piece], table.first_corner[piece + 1] - table.first_corner[piece]);
-        line += "[[" +
-                ring(own, [](const glm::dvec3& p) { return fmt::format("[{},{},{}]", p.x, p.y, p.z); }) +
-                "]]";
-      }
-      file_.append(line + "]}}");
+      const std::size_t first = table.first_corner[table.first_piece[row]];
+      const PlanShape shape =
+          plan_shape(table.corners_of_row(row),
+                     std::span<const glm::dvec3>(corners).subspan(first, table.corners_of_row(row).size()),
+                     table.pieces_in_row(row));
+      line += fmt::format(R"("geometry": {{"type": "{}", "coordinates": )",
+                          shape.is_upright() ? "MultiLineString" : "MultiPolygon");
+      line += shape_text(shape, "[", "]", "[{},{},{}]");
+      file_.append(line + "}}");
     }
   }
   void close() override {

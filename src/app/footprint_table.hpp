@@ -46,6 +46,19 @@ struct FootprintTable {
   std::span<const std::uint32_t> occluders_of(std::size_t row) const {
     return std::span(occluders).subspan(first_occluder[row], first_occluder[row + 1] - first_occluder[row]);
   }
+  /// All corners of a row, and its pieces in them.
+  std::span<const glm::dvec3> corners_of_row(std::size_t row) const {
+    const std::uint64_t begin = first_corner[first_piece[row]], end = first_corner[first_piece[row + 1]];
+    return std::span(corners_m).subspan(begin, end - begin);
+  }
+  std::vector<Piece> pieces_in_row(std::size_t row) const {
+    std::vector<Piece> pieces;
+    const std::uint64_t begin = first_corner[first_piece[row]];
+    for (std::uint64_t piece = first_piece[row]; piece < first_piece[row + 1]; ++piece)
+      pieces.push_back({static_cast<std::uint32_t>(first_corner[piece] - begin),
+                        static_cast<std::uint32_t>(first_corner[piece + 1] - first_corner[piece])});
+    return pieces;
+  }
   void append(const FootprintTable& more);
 };
 

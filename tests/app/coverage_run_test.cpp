@@ -123,6 +123,7 @@ TEST(CoverageRun, LayersAndTablesAgreeAndCloseInRationals) {
     if (feature->GetFieldAsInteger64("pings") > 0) seen_area[facet] += feature->GetFieldAsDouble("area_m2");
     if (std::string(feature->GetFieldAsString("component")) == "bed") {
       double plan = 0;
+      EXPECT_TRUE(feature->GetGeometryRef()->IsValid());
       for (const OGRPolygon* polygon : *feature->GetGeometryRef()->toMultiPolygon())
         plan += polygon->get_Area();
       EXPECT_NEAR(plan, feature->GetFieldAsDouble("area_m2"), 0.2 * plan);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <sstream>
@@ -65,7 +66,7 @@ struct Row {
 };
 
 /// Area vector of a ring in space, by Newell's formula about its first point.
-glm::dvec3 area_of(const OGRLinearRing& ring) {
+glm::dvec3 area_of(const OGRSimpleCurve& ring) {
   const auto corner = [&](int k) { return glm::dvec3(ring.getX(k), ring.getY(k), ring.getZ(k)); };
   glm::dvec3 sum(0);
   for (int k = 1; k + 1 < ring.getNumPoints(); ++k)
@@ -79,6 +80,11 @@ std::vector<Row> read_footprints(const fs::path& file, const glm::dvec3& apex) {
       GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
   if (!data) throw std::runtime_error("OGR cannot read " + file.string());
   OGRLayer* layer = data->GetLayer(0);
+  std::map<GIntBig, std::unique_ptr<OGRMultiLineString>> uprights;
+  if (OGRLayer* upright = data->GetLayerByName("upright"))
+    for (const auto& feature : *upright)
+      uprights[feature->GetFieldAsInteger64("footprint")].reset(
+          feature->GetGeometryRef()->toMultiLineString()->clone());
   std::vector<Row> rows;
   for (const auto& feature : *layer) {
     const auto number = [&](const char* name) { return feature->GetFieldAsDouble(name); };
@@ -101,18 +107,31 @@ std::vector<Row> read_footprints(const fs::path& file, const glm::dvec3& apex) {
             0};
     const OGRGeometry* geometry = feature->GetGeometryRef();
     if (geometry == nullptr) throw std::runtime_error("a footprint without geometry");
-    const OGRMultiPolygon* shape = geometry->toMultiPolygon();
-    EXPECT_EQ(shape->getNumGeometries(), row.pieces);
-    for (const OGRPolygon* polygon : *shape) {
-      const OGRLinearRing& ring = *polygon->getExteriorRing();
+    EXPECT_TRUE(geometry->IsValid());
+    glm::dvec3 area(0);
+    const auto add = [&](const OGRSimpleCurve& ring) {
       EXPECT_TRUE(ring.get_IsClosed());
-      row.polygon_area_m2 += glm::length(area_of(ring));
+      area += area_of(ring);  // holes turn the other way
       for (int k = 0; k < ring.getNumPoints(); ++k) {
         const double range = glm::distance(apex, glm::dvec3(ring.getX(k), ring.getY(k), ring.getZ(k)));
         row.nearest_corner_m = std::min(row.nearest_corner_m, range);
         row.farthest_corner_m = std::max(row.farthest_corner_m, range);
       }
+    };
+    const auto add_lines = [&](const OGRMultiLineString& lines) {
+      for (const OGRLineString* line : lines) add(*line);
+    };
+    if (wkbFlatten(geometry->getGeometryType()) == wkbMultiLineString) {
+      add_lines(*geometry->toMultiLineString());
+    } else if (!geometry->IsEmpty()) {
+      for (const OGRPolygon* polygon : *geometry->toMultiPolygon())
+        for (const OGRLinearRing* ring : *polygon) add(*ring);
+    } else {  // a GeoPackage has them in a layer of their own
+      const auto lines = uprights.find(feature->GetFID());
+      if (lines == uprights.end()) throw std::runtime_error("a footprint without shape");
+      add_lines(*lines->second);
     }
+    row.polygon_area_m2 = glm::length(area);
     rows.push_back(row);
   }
   return rows;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -53,16 +54,88 @@ TEST(BottomDetection, CentroidOfASymmetricFootprintIsTheBeamsAxis) {
 TEST(BottomDetection, CentroidOfTwoSamplesIsTheirLever) {
   std::vector<double> energies(400, 0.0);
   energies[100] = 3e-12;
-  energies[104] = 1e-12;
+  energies[101] = 1e-12;
   const auto found = detect_bottom(energies, samples);
-  EXPECT_NEAR(found->range_m, middle(samples, 101), 1e-12);
-  EXPECT_EQ(found->sample, 101);
+  EXPECT_NEAR(found->range_m, middle(samples, 100) + 0.05 / 4, 1e-12);
+  EXPECT_EQ(found->sample, 100);
   EXPECT_EQ(found->energy_j, 3e-12);
-  // w = 3/4, 1/4; distances 1 and 3 samples of 0.05 m.
-  EXPECT_NEAR(found->range_sigma_m, 0.05 * std::sqrt(9.0 / 16 * (1 + 1.0 / 12) + 1.0 / 16 * (9 + 1.0 / 12)),
-              1e-12);
-  // rms sqrt(3/4 1 + 1/4 9) samples of 400.
-  EXPECT_NEAR(found->quality, 1 - std::sqrt(3.0) * std::sqrt(12.0) / 400, 1e-12);
+  EXPECT_TRUE(found->flags.empty());
+  // w = 3/4, 1/4; distances 1/4 and 3/4 of a sample of 0.05 m.
+  EXPECT_NEAR(found->range_sigma_m,
+              0.05 * std::sqrt(9.0 / 16 * (1.0 / 16 + 1.0 / 12) + 1.0 / 16 * (9.0 / 16 + 1.0 / 12)), 1e-12);
+  // rms sqrt(3/4 / 16 + 1/4 9/16) of a sample of 400.
+  EXPECT_NEAR(found->quality, 1 - std::sqrt(3.0 / 16) * std::sqrt(12.0) / 400, 1e-12);
+}
+
+// A ball over the bed: the mean range of both is in the water between them.
+TEST(BottomDetection, ACentroidIsOfOneEchoNotOfTheWaterBetweenTwo) {
+  std::vector<double> energies(400, 0.0);
+  for (int k = 100; k < 106; ++k) energies[k] = 4e-12;
+  for (int k = 150; k < 170; ++k) energies[k] = 2e-12;
+  auto found = detect_bottom(energies, samples);
+  EXPECT_NEAR(found->range_m, middle(samples, 150) + 9.5 * 0.05, 1e-12);  // 40 against 24
+  EXPECT_TRUE(found->flags.has(DetectionFlag::several_echoes));
+  EXPECT_FALSE(found->flags.has(DetectionFlag::cut_by_window));
+  for (int k = 150; k < 170; ++k) energies[k] = 1e-12;
+  found = detect_bottom(energies, samples);
+  EXPECT_NEAR(found->range_m, middle(samples, 100) + 2.5 * 0.05, 1e-12);
+  EXPECT_TRUE(found->flags.has(DetectionFlag::several_echoes));
+  for (int k = 150; k < 170; ++k) energies[k] = 0.1e-12;  // 2 of 24: not worth a word
+  EXPECT_TRUE(detect_bottom(energies, samples)->flags.empty());
+}
+
+// A shadow of a few samples within the footprint: one echo, found where it shone.
+TEST(BottomDetection, ACentroidInAShadowMovesToTheNearestEnergy) {
+  std::vector<double> energies(400, 0.0);
+  for (int k = 200; k < 205; ++k) energies[k] = energies[k + 8] = 1e-12;  // 205 to 207 are dark
+  auto found = detect_bottom(energies, samples);
+  EXPECT_DOUBLE_EQ(found->range_m, samples.first_m + 205 * samples.step_m);
+  EXPECT_EQ(found->sample, 204);
+  EXPECT_TRUE(found->flags.empty());
+  energies[212] = 1.3e-12;  // the mean goes to the farther side of the gap
+  found = detect_bottom(energies, samples);
+  EXPECT_DOUBLE_EQ(found->range_m, samples.first_m + 208 * samples.step_m);
+  EXPECT_EQ(found->sample, 208);
+}
+
+TEST(BottomDetection, AnEchoAtTheWindowsEndIsFlagged) {
+  for (const DetectionMethod method : methods) {
+    SCOPED_TRACE(name_of(method));
+    std::vector<double> energies(400, 0.0);
+    for (int k = 380; k < 399; ++k) energies[k] = 1e-12;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.empty());
+    energies[399] = 1e-12;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
+    energies.assign(400, 0.0);
+    for (int k = 0; k < 9; ++k) energies[k] = 1e-12;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
+    energies[0] = 0;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.empty());
+  }
+  EXPECT_STREQ(name_of(DetectionFlags{}), "good");
+}
+
+// Whatever the energies: the sample that a detection names counts, and holds the range.
+TEST(BottomDetection, LiesWhereEnergyIs) {
+  constexpr unsigned seed = 20261123;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (int run = 0; run < 3000; ++run) {
+    std::vector<double> energies(400, 0.0);
+    const double lit = std::pow(10, -3 * any(random));
+    for (int k = 50; k < 350; ++k)
+      if (any(random) < lit) energies[k] = -1e-12 * std::log(any(random));
+    energies[50 + run % 300] = 1e-12;
+    for (const DetectionMethod method : methods) {
+      const auto found = detect_bottom(energies, samples, {method});
+      ASSERT_TRUE(found);
+      const double largest = *std::max_element(energies.begin(), energies.end());
+      ASSERT_GE(energies[found->sample], 0.01 * largest * (1 - 1e-12)) << "run " << run;
+      ASSERT_NEAR(found->range_m, middle(samples, found->sample), samples.step_m / 2 + 1e-12) << run;
+      ASSERT_GE(found->energy_j, energies[found->sample]);
+    }
+  }
 }
 
 TEST(BottomDetection, FirstReturnIsTheFirstSampleOverBothThresholds) {
@@ -106,8 +179,8 @@ TEST(BottomDetection, TiesGoToTheNearest) {
   EXPECT_EQ(detect_bottom(energies, samples, {DetectionMethod::maximum})->sample, 30);
   EXPECT_DOUBLE_EQ(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
                    middle(samples, 30));
-  EXPECT_NEAR(detect_bottom(energies, samples)->range_m, middle(samples, 60), 1e-12);
-  energies[31] = 5e-11;  // two neighbours: their border
+  EXPECT_EQ(detect_bottom(energies, samples)->sample, 30);  // two echoes: the nearer of equal ones
+  energies[31] = 5e-11;                                     // two neighbours: their border
   EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
               middle(samples, 30) + 0.025, 1e-12);
   energies[32] = 5e-11;  // a plateau: still its near end, with the neighbour at its side

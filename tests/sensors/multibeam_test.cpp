@@ -167,6 +167,25 @@ TEST(BottomFinder, CentroidIsTheAxisRangeOnAPlaneOfAnySlope) {
   }
 }
 
+// Noise of a hundredth of the echo in 1500 samples, amplified with the square of the range.
+TEST(BottomFinder, NoiseAloneIsNoBottomAndDoesNotPullAtOne) {
+  SensorDescription description = multibeam();
+  description.signal.noise_level_db = 100;  // 1e-11 J at 210 dB
+  samples::OwnedRecording made = samples::silent(description, 8);
+  for (std::size_t ping = 0; ping < 8; ++ping)
+    for (std::size_t k = 400; k < 440; ++k) made.energy(ping, 30, k) = 1e-9;
+  const BottomFinder finder(made.recording, {});
+  for (std::size_t ping = 0; ping < 8; ++ping) {
+    const SoundedPing sounded = finder.sound(ping);
+    for (std::size_t beam = 0; beam < 101; ++beam)
+      ASSERT_EQ(sounded.soundings[beam].has_value(), beam == 30) << ping << " " << beam;
+    EXPECT_NEAR(sounded.soundings[30]->slant_range_m,
+                BottomFinder::ideal(made.recording).sound(ping).soundings[30]->slant_range_m,
+                made.recording.sensor->samples().step_m);
+    EXPECT_TRUE(sounded.soundings[30]->flags.empty());
+  }
+}
+
 TEST(BottomFinder, ASilentBeamHasNoSounding) {
   samples::OwnedRecording made = samples::silent(multibeam(), 1);
   made.energy(0, 3, 700) = 1e-9;

@@ -17,6 +17,7 @@
 namespace tubefoot {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -224,6 +225,54 @@ TEST(Pictures, ACameraMayAskForItsSequenceAlone) {
   std::get<DidsonDescription>(description.kind).pictures = "sequence";
   EXPECT_THAT(write_pictures(folder.path(), samples::silent(description, 3).recording),
               ElementsAre("camera-sequence.png"));
+}
+
+/// Root-mean-square difference of neighbouring pixels' green, from a part of a picture's width on.
+double roughness_of(const Image& image, double from) {
+  double sum = 0;
+  int pixels = 0;
+  const int left = static_cast<int>(image.spec.width * from), right = left + image.spec.width / 10;
+  for (int y = image.spec.height * 2 / 5; y < image.spec.height * 3 / 5; ++y)
+    for (int x = left; x < right; ++x, ++pixels)
+      sum += std::pow(image.at(x + 1, y, 1) - image.at(x, y, 1), 2);
+  return std::sqrt(sum / pixels);
+}
+
+/// A camera and a sidescan, their energies even: what they show of it has speckle.
+TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
+  const samples::TemporaryFolder plain, both;
+  for (const bool camera : {true, false}) {
+    auto made = samples::silent(camera ? samples::camera(20, 40) : samples::sidescan(40), 2);
+    for (double& energy : made.energies) energy = 1e-9;
+    const Recording& recording = made.recording;
+    Heard heard;
+    heard.said = "as received, with speckle";
+    heard.energy_of = [&](std::size_t ping) {
+      std::vector<double> energies(recording.cells());
+      std::mt19937 random(static_cast<unsigned>(ping) + 1);
+      std::exponential_distribution<double> speckle(1);
+      for (double& energy : energies) energy = 1e-9 * speckle(random);
+      return energies;
+    };
+    write_pictures(plain.path(), recording);
+    const auto files = write_pictures(both.path(), recording, nullptr, &heard);
+    const std::vector<std::pair<std::string, std::string>> pairs =
+        camera ? std::vector<std::pair<std::string, std::string>>{{"camera-sequence.png",
+                                                                   "camera-sequence-received.png"},
+                                                                  {"camera-0000.png",
+                                                                   "camera-0000-received.png"},
+                                                                  {"camera-0001.png",
+                                                                   "camera-0001-received.png"}}
+               : std::vector<std::pair<std::string, std::string>>{{"sidescan.png", "sidescan-received.png"}};
+    for (const auto& [ideal, received] : pairs) {
+      SCOPED_TRACE(received);
+      EXPECT_THAT(files, Contains(std::filesystem::path(received)));
+      EXPECT_EQ(samples::bytes_of(both / ideal), samples::bytes_of(plain / ideal));
+      const Image a = read(both / ideal), b = read(both / received);
+      const double from = ideal.starts_with("camera-0") ? 0.35 : 0.15;
+      EXPECT_GT(roughness_of(b, from), 1.3 * roughness_of(a, from));
+    }
+  }
 }
 
 TEST(Pictures, SidescanFilesArePingByPingPortTurnedOver) {

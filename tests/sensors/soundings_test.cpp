@@ -54,8 +54,8 @@ TEST(SoundingsFile, CsvStatesUnitsAndSigns) {
   write(folder / "a.csv", LocalFrame(), 1, 1);
   EXPECT_EQ(samples::bytes_of(folder / "a.csv"),
             "ping,beam,time_s,east_m,north_m,up_m,two_way_travel_time_s,slant_range_m,"
-            "beam_angle_deg_starboard_positive,amplitude,quality_0_to_1,method\n"
-            "0,0,0,0.0000,-0.0000,-30.2500,0.046875,35.1250,-62.5,0.375,0.75,energy_centroid\n");
+            "beam_angle_deg_starboard_positive,amplitude,quality_0_to_1,method,status\n"
+            "0,0,0,0.0000,-0.0000,-30.2500,0.046875,35.1250,-62.5,0.375,0.75,energy_centroid,good\n");
   write(folder / "b.csv", LocalFrame::projected("EPSG:32602", 500000, 0, 5, kPlace), 1, 1);
   std::istringstream lines(samples::bytes_of(folder / "b.csv"));
   std::string head, row;
@@ -219,6 +219,37 @@ SoundingGrid hill() {
 
 float brightness(const OIIO::ImageBuf& image, int x, int y) {
   return image.getchannel(x, y, 0, 0) + image.getchannel(x, y, 0, 1) + image.getchannel(x, y, 0, 2);
+}
+
+// Pings on the borders of cells, give or take what rounding does.
+TEST(SoundingGrid, RoundNumbersStayOnTheirSideOfABorder) {
+  SoundingGrid grid(LocalFrame(), 1);
+  for (int k = -50; k < 50; ++k)
+    for (const double off : {-1e-9, 0.0, 1e-9}) {
+      Sounding sounding;
+      sounding.position_m = {0.1 + off, k + off, -20};
+      grid.add(sounding);
+    }
+  EXPECT_EQ(grid.depths().extent().rows(), 100);
+  for (int row = -50; row < 50; ++row) EXPECT_EQ(grid.depths().mean(0, row), 20) << row;
+}
+
+TEST(SoundingGrid, LinesFillOnlyCellsThatHaveNoSounding) {
+  SoundingGrid grid(LocalFrame(), 1);
+  Sounding a, b, between;
+  a.position_m = {0.5, 0.5, -10};
+  b.position_m = {0.5, 4.5, -14};
+  between.position_m = {0.5, 2.5, -30};
+  for (const Sounding& sounding : {a, b, between}) grid.add(sounding);
+  grid.add_between(a, b);
+  EXPECT_NEAR(grid.depths().mean(0, 1), 11, 0.3);
+  EXPECT_NEAR(grid.depths().mean(0, 2), 30, 1e-6);
+  EXPECT_NEAR(grid.depths().mean(0, 3), 13, 0.3);
+  b.flags.set(DetectionFlag::cut_by_window);  // no depth: nothing of it is in a grid
+  b.position_m.x = 2.5;
+  grid.add(b);
+  grid.add_between(a, b);
+  EXPECT_EQ(grid.depths().extent().columns(), 1);
 }
 
 TEST(SoundingGrid, IsDrawnLitFromTheNorthWest) {
