@@ -35,7 +35,7 @@ bool has_window_of_preset(const SensorDescription& description, const DidsonDesc
   const std::string own = fmt::format("window_start_m = {}\nwindow_length_m = {}\n", camera.window_start_m,
                                       camera.window_length_m);
   return std::ranges::any_of(sensor_presets(), [&](const SensorPreset& preset) {
-    return preset.name == description.preset && std::string_view(preset.keys).find(own) != std::string::npos;
+    return preset.name == description.preset && std::string_view(preset.text).find(own) != std::string::npos;
   });
 }
 

@@ -32,6 +32,7 @@ std::vector<PlacedPing> sounded_block(const Recording& recording, const BottomFi
     PlacedPing& placed = block[k];
     const std::size_t ping = first + k;
     placed.ping = ping;
+    placed.position_m = recording.ping_pose[ping].position_m;
     placed.sounded = finder.sound(ping);
     if (ideal) placed.ideal = ideal->sound(ping).soundings;
     recording.let_go(ping);

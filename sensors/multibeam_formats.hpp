@@ -13,6 +13,7 @@ namespace tubefoot {
 /// A ping and its soundings, placed on Earth.
 struct PlacedPing {
   std::size_t ping = 0;
+  glm::dvec3 position_m{0};  ///< of the sensor, in the scene's frame
   NavigationFix fix{};
   SoundedPing sounded;
   std::vector<std::optional<Sounding>> ideal;  ///< by beam, of an ideal receiver; empty where it is one
