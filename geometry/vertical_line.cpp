@@ -60,13 +60,15 @@ int sense(const Vector128& turn, const Vector128& normal) {
 
 }  // namespace
 
-std::optional<FacetContact> contact_at(const FacetMesh& mesh, const SceneTree& tree, GridPoint point) {
-  std::vector<FacetId> candidates;
-  facets_near_vertical(tree, point, candidates);
-  std::sort(candidates.begin(), candidates.end());
-  for (const FacetId id : candidates) {
+std::optional<FacetContact> contact_at(const FacetMesh& mesh, std::span<const FacetId> near,
+                                       GridPoint point) {
+  std::optional<FacetContact> found;
+  FacetId lowest = 0;
+  for (const FacetId id : near) {
     std::array<GridPoint, 3> v;
     for (int k = 0; k < 3; ++k) v[k] = mesh.vertices[mesh.facets[id][k]];
+    const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
+    if (point.z < low || point.z > high || (found && id > lowest)) continue;
     const Vector128 normal = cross(between(v[0], v[1]), between(v[0], v[2])), to_point = between(v[0], point);
     if (normal.x == 0 && normal.y == 0 && normal.z == 0) continue;
     if (normal.x * to_point.x + normal.y * to_point.y + normal.z * to_point.z != 0) continue;
@@ -101,12 +103,10 @@ int vertical_side(const FacetMesh& mesh, FacetId facet, GridPoint point) {
   return !c.exists ? 0 : sign(c.height) * sign(c.scale) > 0 ? 1 : -1;
 }
 
-std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, const SceneTree& tree,
+std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, std::span<const FacetId> near,
                                                   GridPoint point) {
-  std::vector<FacetId> candidates;
-  facets_near_vertical(tree, point, candidates);
   std::vector<VerticalCrossings> all;
-  for (const FacetId id : candidates) {
+  for (const FacetId id : near) {
     const Crossing c = crossing(mesh, id, point);
     if (!c.exists) continue;
     const std::uint16_t component = mesh.component[id];

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "geometry/facet_mesh.hpp"
@@ -32,12 +33,14 @@ struct FacetContact {
   enum class Part { vertex, edge, facet } part = Part::facet;
   std::uint16_t component = 0;
 };
-/// Exact; of several facets, one of them. Facets without area are nothing to lie on.
-std::optional<FacetContact> contact_at(const FacetMesh& mesh, const SceneTree& tree, GridPoint point);
+/// Exact; of several facets, that of the lowest id. Facets without area are nothing to lie on. `near`: from
+/// facets_near_vertical().
+std::optional<FacetContact> contact_at(const FacetMesh& mesh, std::span<const FacetId> near, GridPoint point);
 
 /// Crossings per component that the line meets, exactly: a line through an edge or a vertex is moved aside by
-/// an infinitesimal step, so that a closed surface is crossed an even number of times in all.
-std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, const SceneTree& tree,
+/// an infinitesimal step, so that a closed surface is crossed an even number of times in all. `near`: from
+/// facets_near_vertical().
+std::vector<VerticalCrossings> vertical_crossings(const FacetMesh& mesh, std::span<const FacetId> near,
                                                   GridPoint point);
 
 }  // namespace tubefoot

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "app/paths.hpp"
 #include "app/refraction.hpp"
@@ -131,20 +132,25 @@ void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) 
         to_string(sensor.description().place), sensor.description().name, sensor.wall_rounding()));
 }
 
+std::vector<FacetId> facets_above_and_below(const ShotGround& ground, GridPoint point) {
+  std::vector<FacetId> near;
+  facets_near_vertical(ground.tree(), point, near);
+  return near;
+}
+
 /// A surface through the apex has no side that could be seen, hides nothing, and returns nothing: that is no
 /// limit of what a sensor beside it hears, so it is no place for one.
-void refuse_on_facet(const Survey& survey, const ShotGround& ground, const SensorPings& pings,
-                     std::size_t ping, glm::dvec3 at_m, const std::string& what) {
+void refuse_on_facet(const Survey& survey, const ShotGround& ground, std::span<const FacetId> near,
+                     const SensorPings& pings, std::size_t ping, glm::dvec3 at_m, const std::string& what) {
   const Scene& scene = survey.scene;
-  const GridPoint point = scene.grid.snap(at_m);
-  const std::optional<FacetContact> contact = contact_at(ground.mesh(), ground.tree(), point);
+  const std::optional<FacetContact> contact = contact_at(ground.mesh(), near, scene.grid.snap(at_m));
   if (!contact) return;
   constexpr std::array<const char*, 3> parts{"a vertex", "an edge", "a facet"};
   throw InputError(
       pings.sensor->description().place,
       fmt::format(
           "{} lies exactly on {} of '{}' at ping {} (t = {:.3f} s, east {:.6f}, north {:.6f}, up {:.6f} "
-          "m), from where that shows no side: move it off by as much as its housing keeps it off, a "
+          "m), from where it shows no side: move it off by as much as its housing keeps it off, a "
           "millimetre will do ('lever_arm_m', or the trajectory)",
           what, parts[static_cast<std::size_t>(contact->part)],
           scene.report.components[contact->component].name, ping, pings.times_s[ping], at_m.x, at_m.y,
@@ -160,8 +166,9 @@ double check_place(Survey& survey, Patch& patch, const SensorPings& pings, std::
   double altitude_m = std::numeric_limits<double>::quiet_NaN();
   const SourcePlace& place = pings.sensor->description().place;
   const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
-  refuse_on_facet(survey, ground, pings, ping, at_m, what);
-  for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), ground.tree(), scene.grid.snap(at_m))) {
+  const std::vector<FacetId> near = facets_above_and_below(ground, scene.grid.snap(at_m));
+  refuse_on_facet(survey, ground, near, pings, ping, at_m, what);
+  for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), near, scene.grid.snap(at_m))) {
     const std::string& name = scene.report.components[c.component].name;
     if (c.component < scene.description.terrains.size()) {
       if (c.above > 0 && c.below == 0)
@@ -201,7 +208,8 @@ void check_places(Survey& survey) {
         const auto check = [&](glm::dvec3 at_m, glm::dvec3 before_m, const std::string& who) {
           if (at_m == before_m) return;
           const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
-          refuse_on_facet(survey, ground, pings, ping, at_m, who);
+          refuse_on_facet(survey, ground, facets_above_and_below(ground, survey.scene.grid.snap(at_m)), pings,
+                          ping, at_m, who);
         };
         check(pings.shot_pose(ping, shot).position_m, pings.shot_pose(ping, shot - 1).position_m, what);
         if (sensor.has_receiver_apart())

@@ -43,10 +43,15 @@ bool send(int to, std::string_view bytes) {
 
 /// Bytes of memory of its own that this process has already, which limits of a child count as the child's.
 double own_memory() {
-  const std::string numbers = InputFile("/proc/self/statm").head(256);
-  unsigned long data = 0;
-  if (std::sscanf(numbers.c_str(), "%*u %*u %*u %*u %*u %lu", &data) != 1) return 0;
-  return static_cast<double>(data) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  constexpr double untold = 1e15;  // where there is no /proc, there is no such limit
+  try {
+    const std::string numbers = InputFile("/proc/self/statm").head(256);
+    unsigned long data = 0;
+    if (std::sscanf(numbers.c_str(), "%*u %*u %*u %*u %*u %lu", &data) == 1)
+      return static_cast<double>(data) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  } catch (const InputError&) {
+  }
+  return untold;
 }
 
 /// The whole life of the child. No destructor and no handler of the parent's runs in it.

@@ -12,7 +12,9 @@ using Part = FacetContact::Part;
 
 std::optional<Part> contact(const FacetMesh& mesh, GridPoint point) {
   const SceneTree tree(mesh);
-  const auto found = contact_at(mesh, tree, point);
+  std::vector<FacetId> near;
+  facets_near_vertical(tree, point, near);
+  const auto found = contact_at(mesh, near, point);
   return found ? std::optional(found->part) : std::nullopt;
 }
 
