@@ -15,6 +15,7 @@
 #include "app/survey.hpp"
 #include "app/tiles_in_view.hpp"
 #include "engine/echo.hpp"
+#include "engine/staff_echo.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/shown.hpp"
 
@@ -101,7 +102,16 @@ void print_cost(const Survey& survey, int threads) {
         footprints += history.footprints.footprints.size();
         for (const std::size_t s : group.sensors) {
           const Sensor& sensor = *survey.sensors[s].sensor;
-          const SensorLaw law(*around, ground, s, ping, shot);
+          SensorLaw law(*around, ground, s, ping, shot);
+          for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
+            const Fringe& staff = law.patterns.fringes[fan];
+            integrate_staff_echo(
+                trace_staff(ground.mesh(), ground.tree(), scene.grid.unit_m(), options,
+                            tubes_of_fan(survey.tubes(group, ping, shot), sensor.fan_of_tube(shot), fan),
+                            staff),
+                staff, fan, fan, sensor.samples(), law.law);
+          }
+          if (sensor.has_staff()) continue;
           integrate_echo(history, sensor.beam_of_tube(shot),
                          static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law.law);
         }

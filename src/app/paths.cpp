@@ -12,15 +12,21 @@ namespace tubefoot {
 void refuse_bistatic(const Survey& survey, bool reference) {
   const RunDescription& run = survey.scene.description.run;
   for (const SensorPings& pings : survey.sensors) {
+    if (pings.sensor->has_staff() && !pings.sensor->has_receiver_apart() && run.engine == "tube" &&
+        run.arithmetic == "double" && run.binning == "exact")
+      throw InputError(pings.sensor->description().place,
+                       fmt::format("sensor '{}' has two receivers a side, whose common footprints need an "
+                                   "exact arithmetic: fixed, filtered or rational",
+                                   pings.sensor->description().name));
     if (!pings.sensor->has_receiver_apart()) continue;
     const char* trouble =
-        run.engine != "tube"           ? "needs the tube engine: the ray engine has one apex"
-        : run.arithmetic == "double"   ? "needs an exact arithmetic: fixed, filtered or rational"
-        : run.binning != "exact"       ? "needs exact binning"
-        : pings.sensor->channels() > 1 ? "has two receivers on its staff: leave out 'receiver_arm_m'"
-        : reference                    ? "cannot be certified: leave out --reference, or "
-                                         "'receiver_arm_m'"
-                                       : nullptr;
+        run.engine != "tube"         ? "needs the tube engine: the ray engine has one apex"
+        : run.arithmetic == "double" ? "needs an exact arithmetic: fixed, filtered or rational"
+        : run.binning != "exact"     ? "needs exact binning"
+        : pings.sensor->has_staff()  ? "has two receivers on its staff: leave out 'receiver_arm_m'"
+        : reference                  ? "cannot be certified: leave out --reference, or "
+                                       "'receiver_arm_m'"
+                                     : nullptr;
     if (trouble != nullptr)
       throw InputError(pings.sensor->description().place,
                        fmt::format("sensor '{}' has its receiver apart and {}",
@@ -63,7 +69,7 @@ void refuse_paths(const Survey& survey, bool reference) {
     }
     const char* trouble = d.run.engine != "tube"         ? "the tube engine: rays are not mirrored"
                           : d.run.arithmetic == "double" ? "an exact arithmetic: fixed, filtered or rational"
-                          : pings.sensor->channels() > 1 ? "a sensor with one receiver a fan"
+                          : pings.sensor->has_staff()    ? "a sensor with one receiver a fan"
                           : reference     ? "a run without --reference: a certified integral has one "
                                             "apex, a path over mirrors or two scatterings has more"
                           : survey.ground ? "all of the bed in facets: [relief] with mode = \"offline\""

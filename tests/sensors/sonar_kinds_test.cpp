@@ -103,8 +103,9 @@ TEST(Interferometric, StaffsStandAcrossWhatTheyFace) {
   swath.baseline_m = 0.02;
   swath.staff_tilt_deg = 25;
   const auto sensor = sensor_of(swath), sidescan = sensor_of(static_cast<const SidescanDescription&>(swath));
-  EXPECT_EQ(sensor->channels(), 3);
-  EXPECT_TRUE(sensor->tubes(Pose{}, grid) == sidescan->tubes(Pose{}, grid));
+  EXPECT_EQ(sensor->channels(), 4);
+  EXPECT_TRUE(sensor->tubes(Pose{}, grid).rays == sidescan->tubes(Pose{}, grid).rays);
+  EXPECT_TRUE(sensor->tubes(Pose{}, grid).tubes == sidescan->tubes(Pose{}, grid).tubes);
   EXPECT_TRUE(sensor->has_patterns());
   Pose turned;
   turned.attitude = attitude_from_angles(90 * degree, 0, 0);  // starboard is south
