@@ -86,7 +86,7 @@ void print_cost(const Survey& survey, int threads) {
   const Scene& scene = survey.scene;
   VisibilityOptions options;
   options.arithmetic = arithmetic_from_name(scene.description.run.arithmetic);
-  double seconds = 0;
+  double seconds = 0, largest_gap_m = 0;
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.pings(group), probes = std::min<std::size_t>(pings, 3);
     std::size_t candidates = 0, footprints = 0;
@@ -105,6 +105,8 @@ void print_cost(const Survey& survey, int threads) {
           SensorLaw law(*around, ground, s, ping, shot);
           for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
             const Fringe& staff = law.patterns.fringes[fan];
+        if (ground.apparent() != nullptr)
+          largest_gap_m = std::max(largest_gap_m, ground.apparent()->largest_gap_m);
             integrate_staff_echo(
                 trace_staff(ground.mesh(), ground.tree(), scene.grid.unit_m(), options,
                             tubes_of_fan(survey.tubes(group, ping, shot), sensor.fan_of_tube(shot), fan),
@@ -134,6 +136,12 @@ void print_cost(const Survey& survey, int threads) {
 }
 
 }  // namespace
+  if (scene.water->refracts()) {
+    const std::optional<double> asked_m = scene.description.water.refraction_gap_m;
+    tell("refraction     in these pings facets are within {} of where they are seen{}\n",
+         length_text(largest_gap_m),
+         asked_m ? fmt::format(", asked: {}", length_text(*asked_m)) : std::string());
+  }
 
 int check_command(const CommonOptions& options) {
   SceneDescription description = described(options);
