@@ -370,6 +370,8 @@ struct SensorDescription {
   double ping_interval_s = 0.1;
   PatternDescription transmit, receive;
   SignalDescription signal;
+  /// How far off a beam's height may be, relative, as its cones are cut by planes (angles.hpp).
+  double cone_tolerance = 4.5e-5;
   std::variant<DidsonDescription, SidescanDescription, MultibeamDescription, ImagingDescription,
                EchosounderDescription, InterferometricDescription>
       kind;

@@ -76,7 +76,7 @@ TEST(Echosounder, LooksDownThroughASquareOfThreeBeamWidths) {
     forward = std::max(forward, std::atan2(double(ray.y), level) / degree);
   }
   EXPECT_NEAR(starboard, 9, 1e-6);
-  EXPECT_NEAR(forward, 9, 1e-6);
+  EXPECT_NEAR(forward, 9, 4.6e-5 * 9);  // corners lie inside of the cone by its tolerance
   const BeamPatterns patterns = sensor->patterns(Pose{}, 1500);
   const glm::dvec3 aside = glm::normalize(glm::dvec3(0, std::sin(3 * degree), -std::cos(3 * degree)));
   EXPECT_NEAR(patterns.transmit.at(0).gain(aside), 0.5, 1e-12);
