@@ -39,6 +39,14 @@ void print_components(const Scene& scene) {
          c.hi_m.z);
 }
 
+/// How round spheres, cylinders and cones are.
+void print_fineness(const Scene& scene) {
+  for (const ComponentReport& c : scene.report.components)
+    if (c.fineness.chord_error_m > 0)
+      tell("{}: facets have the curved surface's area and are within {} of it ({})\n", c.name,
+           length_text(c.fineness.chord_error_m), c.fineness.from);
+}
+
 /// What the bed and the objects are of. Areas are the facets' own, not as seen from above.
 void print_materials(const Scene& scene) {
   std::vector<std::size_t> facets(scene.description.materials.size());
@@ -97,6 +105,8 @@ void print_cost(const Survey& survey, int threads) {
       const auto start = std::chrono::steady_clock::now();
       for (std::size_t shot = 0; shot < survey.shots_a_ping(group); ++shot) {
         const ShotGround ground = ground_of(*around, group, ping, shot);
+        if (ground.apparent() != nullptr)
+          largest_gap_m = std::max(largest_gap_m, ground.apparent()->largest_gap_m);
         const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), options);
         const History history = engine.trace(survey.tubes(group, ping, shot), &candidates);
         footprints += history.footprints.footprints.size();
@@ -105,8 +115,6 @@ void print_cost(const Survey& survey, int threads) {
           SensorLaw law(*around, ground, s, ping, shot);
           for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
             const Fringe& staff = law.patterns.fringes[fan];
-        if (ground.apparent() != nullptr)
-          largest_gap_m = std::max(largest_gap_m, ground.apparent()->largest_gap_m);
             integrate_staff_echo(
                 trace_staff(ground.mesh(), ground.tree(), scene.grid.unit_m(), options,
                             tubes_of_fan(survey.tubes(group, ping, shot), sensor.fan_of_tube(shot), fan),
@@ -128,6 +136,12 @@ void print_cost(const Survey& survey, int threads) {
          footprints / probes, per_ping * 1e3);
     seconds += per_ping * static_cast<double>(pings);
   }
+  if (scene.water->refracts()) {
+    const std::optional<double> asked_m = scene.description.water.refraction_gap_m;
+    tell("refraction     in these pings facets are within {} of where they are seen{}\n",
+         length_text(largest_gap_m),
+         asked_m ? fmt::format(", asked: {}", length_text(*asked_m)) : std::string());
+  }
   tell(
       "expected cost  {:.3g} s for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
       "to 3 "
@@ -136,12 +150,6 @@ void print_cost(const Survey& survey, int threads) {
 }
 
 }  // namespace
-  if (scene.water->refracts()) {
-    const std::optional<double> asked_m = scene.description.water.refraction_gap_m;
-    tell("refraction     in these pings facets are within {} of where they are seen{}\n",
-         length_text(largest_gap_m),
-         asked_m ? fmt::format(", asked: {}", length_text(*asked_m)) : std::string());
-  }
 
 int check_command(const CommonOptions& options) {
   SceneDescription description = described(options);
@@ -155,6 +163,7 @@ int check_command(const CommonOptions& options) {
        shown_line(description.title.empty() ? description.file.string() : description.title));
   tell("scene hash     {}\n\n", description.sha256);
   print_components(scene);
+  print_fineness(scene);
   print_materials(scene);
   std::size_t refused = 0;
   for (const ComponentReport& c : scene.report.components) refused += c.kept_outside_halfedge;

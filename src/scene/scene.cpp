@@ -61,11 +61,16 @@ ComponentMesh terrain_mesh(const TerrainDescription& terrain, std::optional<Loca
   return named_at(terrain.place, [&] { return read_raster(std::get<RasterTerrain>(terrain.kind), frame); });
 }
 
-ComponentMesh object_mesh(const ObjectDescription& object) {
+bool is_curved(const ObjectDescription& object) {
+  return !object.facets && !std::holds_alternative<MeshFile>(object.kind) &&
+         !std::holds_alternative<BoxPrimitive>(object.kind);
+}
+
+ComponentMesh object_mesh(const SceneDescription& scene, const ObjectDescription& object) {
   if (object.facets) return *object.facets;
-  // The stated chord error is that of the facets in the scene, after scaling.
-  const double chord_error =
-      object.chord_error_m / *std::max_element(object.scale.begin(), object.scale.end());
+  // The chord error is that of the facets in the scene, after scaling.
+  const double chord_error = facet_fineness(scene, object).chord_error_m /
+                             *std::max_element(object.scale.begin(), object.scale.end());
   struct {
     const SourcePlace& place;
     double chord_error;
@@ -282,7 +287,7 @@ class Loader {
     }
     std::vector<ComponentMesh> objects;
     for (const ObjectDescription& object : description_.objects) {
-      objects.push_back(object_mesh(object));
+      objects.push_back(object_mesh(description_, object));
       place_object(objects.back(), object, frame_.value_or(LocalFrame()), [&](double east_m, double north_m) {
         return highest_m(object, terrains, east_m, north_m);
       });
@@ -301,6 +306,7 @@ class Loader {
       const ObjectDescription& o = description_.objects[i];
       add_component(std::move(objects[i]), o.name, o.material, o.material_place, o.place,
                     std::holds_alternative<MeshFile>(o.kind));
+      if (is_curved(o)) report_.components.back().fineness = facet_fineness(description_, o);
     }
   }
 

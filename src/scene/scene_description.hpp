@@ -235,8 +235,10 @@ struct ObjectDescription {
   std::optional<std::array<double, 2>> position_lat_lon_deg;  ///< instead of x and y of position_m
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
   std::array<double, 3> scale{1, 1, 1};
-  bool y_up = false;            ///< the file's y axis is up: turned by 90 degrees about x first
-  double chord_error_m = 0.01;  ///< largest distance between a curved primitive and its facets
+  bool y_up = false;  ///< the file's y axis is up: turned by 90 degrees about x first
+  /// Largest distance between a curved primitive and its facets; else as fine as sensors see
+  /// (facet_fineness.hpp).
+  std::optional<double> chord_error_m;
   /// Put the object's lowest point this far above the terrain below its position (position z is then
   /// ignored).
   std::optional<double> on_terrain_m;
@@ -368,10 +370,10 @@ struct SensorDescription {
   double first_ping_s = 0;
   int pings = 1;
   double ping_interval_s = 0.1;
-  PatternDescription transmit, receive;
-  SignalDescription signal;
   /// How far off a beam's height may be, relative, as its cones are cut by planes (angles.hpp).
   double cone_tolerance = 4.5e-5;
+  PatternDescription transmit, receive;
+  SignalDescription signal;
   std::variant<DidsonDescription, SidescanDescription, MultibeamDescription, ImagingDescription,
                EchosounderDescription, InterferometricDescription>
       kind;
