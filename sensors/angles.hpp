@@ -21,15 +21,23 @@ inline constexpr double radians(double degrees) { return degrees * std::numbers:
 inline constexpr double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 /// Widest slice of a sector about its axis. A beam is bounded by cones of constant elevation e, a tube by the
-/// plane through two corner rays at +e. Half way between rays that are w apart in azimuth this plane lies at
-/// the elevation e' with tan e' = tan e / cos(w / 2), so a beam comes out too wide by at most 1/cos(w/2) - 1
-/// = w^2 / 8 of tan e. 1.6 degrees keep that to 9.75e-5 (2 degrees would make it 1.5e-4); the solid angle
-/// gains w^2 / 12, 6.5e-5.
-inline constexpr double slice_width_rad = radians(1.6);
+/// plane through two corner rays. Between rays that are w apart in azimuth this plane rises to an elevation
+/// e' with tan e' = tan(corner) / cos(w / 2). With corners a little inside of the cone (height_of_corners)
+/// tan e' is off by tan^2(w / 4) = w^2 / 16 of tan e, low at the slice's sides and high in its middle; this
+/// is the width at which that is the tolerance. The solid angle gains a third of it.
+inline double slice_width_rad(double tolerance) { return 4 * std::atan(std::sqrt(tolerance)); }
 
-/// Equal slices that keep to slice_width_rad; a rounding above a whole number makes no further slice.
-inline int slices_for(double width_rad) {
-  return std::max(1, static_cast<int>(std::ceil(width_rad / slice_width_rad - 1e-9)));
+/// Equal slices that keep to the tolerance; a rounding above a whole number makes no further slice.
+inline int slices_for(double width_rad, double tolerance) {
+  return std::max(1, static_cast<int>(std::ceil(width_rad / slice_width_rad(tolerance) - 1e-9)));
+}
+
+/// Elevation of the corner rays of slices that stand for a cone: on it, where the middles keep to the
+/// tolerance all the same.
+inline double height_of_corners(double cone_rad, double slice_rad, double tolerance) {
+  const double middle = std::cos(slice_rad / 2);
+  if (1 / middle - 1 <= tolerance) return cone_rad;
+  return std::atan(std::tan(cone_rad) * 2 * middle / (1 + middle));
 }
 
 /// n + 1 edges of n equal cells; the last edge is exact.

@@ -102,8 +102,8 @@ Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
 
   // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
   const std::size_t rows = sector.half_height_rad > radians(45) ? 2 : 1;
-  const std::vector<double> heights =
-      even_edges(-sector.half_height_rad, sector.half_height_rad, static_cast<int>(rows));
+  const double tolerance = description_.cone_tolerance;
+  std::vector<double> heights;  // once it is known how wide slices are
   bool apart = true;
   /// A cell of the fan, next to the one before unless they are `apart`.
   const auto add = [&](double from, double to, std::uint32_t own) {
@@ -112,7 +112,7 @@ Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
     if (to - from < 1e-8) return;  // unlit, or so narrow that integer rays cannot tell its walls apart
     // Walls of constant elevation are cones, tubes have planes: wide cells are several slices (see
     // slice_width_rad).
-    const std::vector<double> edges = even_edges(from, to, slices_for(to - from));
+    const std::vector<double> edges = even_edges(from, to, slices_for(to - from, tolerance));
     if (apart) shot.sectors.push_back({{from}, heights, glm::dmat3(forward_axis, starboard_axis, up_axis)});
     std::vector<double>& azimuths = shot.sectors.back().azimuth_edges_rad;
     azimuths.insert(azimuths.end(), edges.begin() + 1, edges.end());
@@ -121,13 +121,22 @@ Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
   };
   const std::vector<double>& borders = sector.borders_rad;
   const double margin_rad = hears_all ? radians(camera.receive_margin_deg) : 0;
+  double widest_rad = 0;
+  const auto widen = [&](double width_rad) {
+    widest_rad = std::max(widest_rad, width_rad / slices_for(width_rad, tolerance));
+  };
+  for (std::size_t beam = 0; beam + 1 < borders.size(); ++beam) widen(borders[beam + 1] - borders[beam]);
+  if (margin_rad > 0) widen(margin_rad);
+  if (hears_all && cycles > 1) widen(2 * sector.half_width_rad);
+  const double corner_rad = height_of_corners(sector.half_height_rad, widest_rad, tolerance);
+  heights = even_edges(-corner_rad, corner_rad, static_cast<int>(rows));
   const auto last = static_cast<std::uint32_t>(shot.beams.size() - 1);
   if (hears_all && cycles > 1) {
     // No beam has a tube of its own: as few slices as the walls allow, each in the name of the beam that
     // looks nearest to it.
     const double from = std::max(borders.front() - margin_rad, -sector.half_width_rad),
                  to = std::min(borders.back() + margin_rad, sector.half_width_rad);
-    const std::vector<double> edges = even_edges(from, to, slices_for(to - from));
+    const std::vector<double> edges = even_edges(from, to, slices_for(to - from, tolerance));
     for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
       const double middle = (edges[k] + edges[k + 1]) / 2;
       std::uint32_t nearest = 0;

@@ -172,7 +172,9 @@ std::vector<double> column(const std::vector<Item>& items, Value value) {
 
 constexpr struct {
   const char *name, *long_name;
-} cross_variables[] = {
+} staff_variables[] = {
+    {"energy_lower",
+     "echo energy per beam and range sample that the lower receiver hears; energy is the upper's"},
     {"cross_real", "mean product of the upper receiver's signal and the lower one's conjugate, real part"},
     {"cross_imag",
      "mean product of the upper receiver's signal and the lower one's conjugate, imaginary part"},
@@ -202,11 +204,11 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
   group.attribute(energy, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
   group.compress(energy, "energy", {1, beams.size(), static_cast<std::size_t>(samples.count)});
 
-  std::vector<int> cross;
+  std::vector<int> staff;
   if (recording.channels() > 1)
-    for (const auto& [name, long_name] : cross_variables) {
-      cross.push_back(group.define(name, {ping, beam, sample}, "J", long_name));
-      group.compress(cross.back(), name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
+    for (const auto& [name, long_name] : staff_variables) {
+      staff.push_back(group.define(name, {ping, beam, sample}, "J", long_name));
+      group.compress(staff.back(), name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
     }
 
   int energy_bound = 0;
@@ -285,8 +287,8 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
   const auto count = static_cast<std::size_t>(samples.count);
   for (std::size_t p = 0; p < recording.pings(); ++p) {
     group.write_ping(energy, "energy", p, beams.size(), count, recording.energy_of(p).data());
-    for (std::size_t c = 0; c < cross.size(); ++c)
-      group.write_ping(cross[c], cross_variables[c].name, p, beams.size(), count,
+    for (std::size_t c = 0; c < staff.size(); ++c)
+      group.write_ping(staff[c], staff_variables[c].name, p, beams.size(), count,
                        recording.channel_of(p, c + 1).data());
     if (!recording.energy_bound.empty())
       group.write_ping(energy_bound, "energy_bound", p, beams.size(), count,

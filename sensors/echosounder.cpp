@@ -43,10 +43,11 @@ Echosounder::Echosounder(const SensorDescription& description) : Sensor(with_bea
   // The grid's azimuth leans to starboard, its elevation forward. Two rows or more and as many columns: no
   // tube comes close to a half space.
   const int cells = half_rad > radians(45) ? 2 : 1;
-  const int slices = std::max(cells, slices_for(2 * half_rad));
+  const int slices = std::max(cells, slices_for(2 * half_rad, description.cone_tolerance));
+  const double corner_rad = height_of_corners(half_rad, 2 * half_rad / slices, description.cone_tolerance);
   Shot shot;
   shot.beams = {0};
-  shot.sectors.push_back({even_edges(-half_rad, half_rad, slices), even_edges(-half_rad, half_rad, cells),
+  shot.sectors.push_back({even_edges(-half_rad, half_rad, slices), even_edges(-corner_rad, corner_rad, cells),
                           glm::dmat3(-up_axis, starboard_axis, forward_axis)});
   shot.beam_of_tube.assign(static_cast<std::size_t>(slices * cells), 0u);
   shot.fans.push_back(

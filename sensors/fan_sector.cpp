@@ -7,17 +7,18 @@
 
 namespace tubefoot {
 
-SectorTubes even_sector(int beams, double half_width_rad, double half_lit_rad, double half_height_rad) {
+SectorTubes even_sector(int beams, double half_width_rad, double half_lit_rad, double half_height_rad,
+                        double cone_tolerance) {
   // Walls of constant elevation are cones, tubes have planes: wide beams are several slices (see
   // slice_width_rad).
-  const int slices = slices_for(2 * half_width_rad / beams);
+  const int slices = slices_for(2 * half_width_rad / beams, cone_tolerance);
+  const double corner_rad =
+      height_of_corners(half_height_rad, 2 * half_width_rad / beams / slices, cone_tolerance);
   // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
   const int rows = half_height_rad > radians(45) ? 2 : 1;
   const std::vector<double> edges = even_edges(-half_width_rad, half_width_rad, beams * slices);
-  SectorTubes made{{{},
-                    even_edges(-half_height_rad, half_height_rad, rows),
-                    glm::dmat3(forward_axis, starboard_axis, up_axis)},
-                   {}};
+  SectorTubes made{
+      {{}, even_edges(-corner_rad, corner_rad, rows), glm::dmat3(forward_axis, starboard_axis, up_axis)}, {}};
   std::vector<double>& azimuths = made.grid.azimuth_edges_rad;
   for (std::size_t cell = 0; cell + 1 < edges.size(); ++cell) {
     const double from = std::max(edges[cell], -half_lit_rad), to = std::min(edges[cell + 1], half_lit_rad);

@@ -30,7 +30,8 @@ Imaging::Imaging(const SensorDescription& description) : Sensor(description) {
     beams_.push_back(
         {-half_width_rad + (beam + 0.5) * beam_width_rad, 0, beam_width_rad, 2 * half_height_rad});
 
-  SectorTubes sector = even_sector(fan.beams, half_width_rad, half_width_rad, half_height_rad);
+  SectorTubes sector =
+      even_sector(fan.beams, half_width_rad, half_width_rad, half_height_rad, description.cone_tolerance);
   Shot shot;
   shot.beams.resize(beams_.size());
   std::iota(shot.beams.begin(), shot.beams.end(), 0u);

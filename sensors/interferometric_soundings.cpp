@@ -12,8 +12,8 @@ namespace tubefoot {
 InterferometricSample interferometric_sample(const Recording& recording, std::size_t ping, std::size_t beam,
                                              std::size_t sample) {
   const std::size_t cell = beam * static_cast<std::size_t>(recording.sensor->samples().count) + sample;
-  const double energy = recording.channel_of(ping, 0)[cell];
-  return {energy, energy, {recording.channel_of(ping, 1)[cell], recording.channel_of(ping, 2)[cell]}};
+  const auto channel = [&](std::size_t number) { return recording.channel_of(ping, number)[cell]; };
+  return {channel(0), channel(1), {channel(2), channel(3)}};
 }
 
 InterferometricSample received_sample(const Recording& recording, std::size_t ping, std::size_t beam,
@@ -56,10 +56,9 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
       sounding.range_m = sensor.samples().first_m + (k + 0.5) * sensor.samples().step_m;
       if (!depth_m) depth_m = sounding.range_m;
       const double expected_rad = std::asin(std::clamp(*depth_m / sounding.range_m, -1.0, 1.0));
-      const std::optional<double> angle = interferometer.angle_near(sounding.phase_rad, expected_rad);
-      if (!angle) continue;
+      const double angle = interferometer.angle_near(sounding.phase_rad, expected_rad);
       sounding.estimate =
-          interferometer.point(sounding.range_m, *angle, std::sqrt(phase_variance(sounding.coherence)));
+          interferometer.point(sounding.range_m, angle, std::sqrt(phase_variance(sounding.coherence)));
       const double weight = 0.2 * sounding.coherence * sounding.coherence;
       *depth_m += weight * (sounding.estimate.depth_m - *depth_m);
       const double side = beam == 0 ? -1 : 1;

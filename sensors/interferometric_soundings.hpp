@@ -10,7 +10,7 @@
 
 namespace tubefoot {
 
-/// The two receivers' products in one cell of a recording with three channels.
+/// The two receivers' products in one cell of a recording with four channels.
 InterferometricSample interferometric_sample(const Recording& recording, std::size_t ping, std::size_t beam,
                                              std::size_t sample);
 

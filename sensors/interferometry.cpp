@@ -13,8 +13,9 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double longest_baseline = 1e4;  // wavelengths
-constexpr double slack = 1e-12;           // of a sine that rounding took beyond 1
+constexpr double longest_baseline = 1e4;                              // wavelengths
+constexpr double slack = 1e-12;                                       // of a sine that rounding took beyond 1
+constexpr double nothing_known_rad = pi / (2 * std::numbers::sqrt3);  // evenly spread over half a turn
 
 }  // namespace
 
@@ -71,15 +72,18 @@ std::vector<double> Interferometer::angles(double phase_rad) const {
   return found;
 }
 
-std::optional<double> Interferometer::angle_near(double phase_rad, double expected_rad) const {
-  const double expected = turn_ * sine(expected_rad);
-  const double sine_found = (expected + std::remainder(phase_rad - expected, 2 * pi)) / turn_;
-  if (!(std::abs(sine_found) <= 1 + slack)) return std::nullopt;
-  return tilt_rad_ + std::asin(std::clamp(sine_found, -1.0, 1.0));
+double Interferometer::angle_near(double phase_rad, double expected_rad) const {
+  const double expected = turn_ * sine(expected_rad), wrapped_phase = wrapped(phase_rad);
+  double found = expected + std::remainder(phase_rad - expected, 2 * pi);
+  if (std::abs(found) > turn_ * (1 + slack)) {  // one turn nearer to the middle, if there is a wave
+    const double nearer = found - std::copysign(2 * pi, found);
+    found = std::abs(nearer) <= turn_ * (1 + slack) ? nearer : wrapped_phase;
+  }
+  return tilt_rad_ + std::asin(std::clamp(found / turn_, -1.0, 1.0));
 }
 
 double Interferometer::angle_sigma(double angle_rad, double phase_sigma_rad) const {
-  return phase_sigma_rad / (turn_ * std::abs(std::cos(angle_rad - tilt_rad_)));
+  return std::min(phase_sigma_rad / (turn_ * std::abs(std::cos(angle_rad - tilt_rad_))), nothing_known_rad);
 }
 
 DepthEstimate Interferometer::point(double range_m, double angle_rad, double phase_sigma_rad) const {

@@ -53,10 +53,13 @@ class Interferometer {
   double phase(double angle_rad) const { return wrapped(turn_ * sine(angle_rad)); }
   /// All angles within a right angle of the tilt that have the wrapped phase, ascending. May be none.
   std::vector<double> angles(double phase_rad) const;
-  /// The angle whose unwrapped phase lies within half a turn of that of `expected_rad`; none if no angle in
-  /// front of the staff has it.
-  std::optional<double> angle_near(double phase_rad, double expected_rad) const;
-  /// Standard deviation wavelength sigma / (2 pi baseline cos(angle - tilt)); infinite along the staff.
+  /// Of the angles that a phase stands for, the one whose unwrapped phase is nearest to that of
+  /// `expected_rad`: within half a turn, but where no angle in front of the staff is, which noise can bring
+  /// about near its ends. A phase that no wave has (noise on a baseline below half a wavelength) stands for
+  /// the end of the staff whose phase is nearest.
+  double angle_near(double phase_rad, double expected_rad) const;
+  /// Standard deviation wavelength sigma / (2 pi baseline cos(angle - tilt)), no more than that of an angle
+  /// of which nothing is known, pi / sqrt 12.
   double angle_sigma(double angle_rad, double phase_sigma_rad) const;
   /// The point at a slant range and angle: depth R sin(angle), distance R cos(angle).
   DepthEstimate point(double range_m, double angle_rad, double phase_sigma_rad) const;

@@ -79,8 +79,10 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
 
   // The grid's azimuth is the angle from straight down to starboard, its elevation that towards ahead.
   const glm::dmat3 frame(-up_axis, starboard_axis, forward_axis);
-  const std::vector<double> along_rad{-half_along_rad, half_along_rad};
-  const int slices = slices_for(2 * half_across_rad);
+  const int slices = slices_for(2 * half_across_rad, description.cone_tolerance);
+  const double corner_rad =
+      height_of_corners(half_along_rad, 2 * half_across_rad / slices, description.cone_tolerance);
+  const std::vector<double> along_rad{-corner_rad, corner_rad};
   Shot shot;
   const auto cut = [&](double from, double to, int parts) {
     const std::vector<double> edges = even_edges(from, to, parts);

@@ -96,7 +96,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
         made.receive[beam] = directivity(description_.receive, *receive_, fan,
                                          direction_of(beams_[fired.beams[beam]]), turn, sound_speed_m_s);
-    if (channels() > 1)
+    if (has_staff())
       made.fringes.push_back({glm::normalize(turn * fan.staff), baseline_m_,
                               2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
   }
@@ -113,7 +113,8 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
 }
 
 double Sensor::reach(const WorldGrid& grid) const {
-  return (samples_.first_m + samples_.count * samples_.step_m) / grid.unit_m();
+  // Half a path is no shorter than the range from the transmitter less a quarter of the baseline.
+  return (samples_.first_m + samples_.count * samples_.step_m + baseline_m_ / 2) / grid.unit_m();
 }
 
 Pose Sensor::mounted_at(const std::array<double, 3>& arm, const Pose& carrier) const {

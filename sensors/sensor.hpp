@@ -33,9 +33,11 @@ class Sensor {
   double frequency_khz() const { return frequency_khz_; }
   const std::vector<BeamAxis>& beams() const { return beams_; }
   const RangeSamples& samples() const { return samples_; }
-  /// What is kept of each beam and sample: 1: its energy; 3: that, and the real and the imaginary part of the
-  /// mean product of two receivers' signals.
-  int channels() const { return baseline_m_ > 0 ? 3 : 1; }
+  /// What is kept of each beam and sample: 1: its energy; 4: those of the upper and of the lower receiver,
+  /// and the real and the imaginary part of the mean product of their signals.
+  int channels() const { return has_staff() ? 4 : 1; }
+  /// Whether each fan has two receivers, on a staff.
+  bool has_staff() const { return baseline_m_ > 0; }
 
   /// A ping is one shot or several (an acoustic camera that fires groups of beams in turn), each from where
   /// the sensor is at its own time.
@@ -52,7 +54,7 @@ class Sensor {
   /// The tubes of a shot from a pose of the sensor itself (mounting applied). Equal poses give equal sets.
   TubeSet tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t shot = 0) const;
   /// Whether transmitter or receiver have a pattern; if not, beams are 1 inside their tubes and 0 outside.
-  bool has_patterns() const { return transmit_.has_value() || receive_.has_value() || channels() > 1; }
+  bool has_patterns() const { return transmit_.has_value() || receive_.has_value() || has_staff(); }
   /// The patterns of a shot from a pose of the sensor itself, by the shot's numbers of beams. A receive
   /// pattern is steered to its beam's axis, a transmit pattern to the middle of its fan or, where the shot's
   /// beams are all sent at once, to each of them, added up. With a receive pattern a beam hears its whole

@@ -131,8 +131,9 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
   py::dict arrays;
   arrays["energy"] = channel(self, sensor, 0);
   if (r.channels() > 1) {
-    arrays["cross_real"] = channel(self, sensor, 1);
-    arrays["cross_imag"] = channel(self, sensor, 2);
+    arrays["energy_lower"] = channel(self, sensor, 1);
+    arrays["cross_real"] = channel(self, sensor, 2);
+    arrays["cross_imag"] = channel(self, sensor, 3);
   }
   if (!r.energy_bound.empty()) {
     const auto samples = py::ssize_t(r.sensor->samples().count), size = py::ssize_t(sizeof(double));

@@ -24,6 +24,8 @@ Progress = Callable[[int, int], Any]
 _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "energy": (("ping", "beam", "sample"), "J",
                "echo energy per beam and range sample, for a source of 1 J/sr at 1 m"),
+    "energy_lower": (("ping", "beam", "sample"), "J",
+                     "echo energy per beam and range sample that the lower receiver hears; energy is the upper's"),
     "cross_real": (("ping", "beam", "sample"), "J",
                    "mean product of the upper receiver's signal and the lower one's conjugate, real part"),
     "cross_imag": (("ping", "beam", "sample"), "J",
@@ -88,6 +90,12 @@ class SensorResult:
     def energy_bound(self) -> Optional[np.ndarray]:
         """(P, B, K) float64: certified half-width of the energy in J; None but for a reference."""
         return self._values.get("energy_bound")
+
+    @property
+    def energy_lower(self) -> Optional[np.ndarray]:
+        """(P, B, K) float64: what the lower of two receivers hears in J (``energy`` is the upper one's); None but
+        for ``interferometric``. The coherence is abs(cross) / sqrt(energy * energy_lower)."""
+        return self._values.get("energy_lower")
 
     @property
     def cross(self) -> Optional[np.ndarray]:

@@ -100,6 +100,10 @@ constexpr auto table = std::to_array<Refusal>({
     {receiver_apart, coverage, {}, one_apex_only},
     {receiver_apart, view, {}, one_apex_only},
     {receiver_apart, shot, {}, one_apex_only},
+    {two_receivers,
+     double_arithmetic,
+     {},
+     "their common footprints need an exact arithmetic: fixed, filtered or rational"},
     {two_receivers, reference, {}, "no reference certifies their phases: leave the sensor out"},
     {two_receivers, own_engine, {}, "an engine of one's own computes no phases: leave the sensor out"},
     {tiles, own_engine, {}, all_facets},
@@ -153,7 +157,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     if (path_settings(scene, sensor.frequency_khz()))
       add(mirrors, "has paths over mirrors or two scatterings");
     if (sensor.has_receiver_apart()) add(receiver_apart, "has its receiver apart");
-    if (sensor.channels() > 1) add(two_receivers, "has two receivers");
+    if (sensor.has_staff()) add(two_receivers, "has two receivers");
   }
   if (survey.is_tiled()) add_tiles(d, found);
   if (survey.ground)

@@ -19,6 +19,7 @@
 #include "app/survey.hpp"
 #include "app/tiles_in_view.hpp"
 #include "engine/echo.hpp"
+#include "engine/staff_echo.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/shown.hpp"
 
@@ -40,6 +41,14 @@ void print_components(const Scene& scene) {
     tell("{:<24} {:>10} {:>10} {:>10}  {:.2f}..{:.2f}, {:.2f}..{:.2f}, {:.2f}..{:.2f}\n", c.name,
          c.facets_in_file, c.facets, c.hole_cells, c.lo_m.x, c.hi_m.x, c.lo_m.y, c.hi_m.y, c.lo_m.z,
          c.hi_m.z);
+}
+
+/// How round spheres, cylinders and cones are.
+void print_fineness(const Scene& scene) {
+  for (const ComponentReport& c : scene.report.components)
+    if (c.fineness.chord_error_m > 0)
+      tell("{}: facets have the curved surface's area and are within {} of it ({})\n", c.name,
+           length_text(c.fineness.chord_error_m), c.fineness.from);
 }
 
 /// What the bed and the objects are of. Areas are the facets' own, not as seen from above.
@@ -101,7 +110,7 @@ void print_tiles(const Scene& scene) {
 void print_cost(const Survey& survey, int threads) {
   const Scene& scene = survey.scene;
   const VisibilityOptions options = options_of(scene.description.run);
-  double seconds = 0;
+  double seconds = 0, largest_gap_m = 0;
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.pings(group), probes = std::min<std::size_t>(pings, 3);
     std::size_t candidates = 0, footprints = 0, measured = 0;
@@ -113,12 +122,23 @@ void print_cost(const Survey& survey, int threads) {
       const auto start = std::chrono::steady_clock::now();
       for (std::size_t shot = 0; shot < survey.shots_a_ping(group); ++shot) {
         const ShotGround ground = ground_of(*around, group, ping, shot);
+        if (ground.apparent() != nullptr)
+          largest_gap_m = std::max(largest_gap_m, ground.apparent()->largest_gap_m);
         const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), options);
         const History history = engine.trace(survey.tubes(group, ping, shot), &candidates);
         footprints += history.footprints.footprints.size();
         for (const std::size_t s : group.sensors) {
           const Sensor& sensor = *survey.sensors[s].sensor;
-          const SensorLaw law(*around, ground, s, ping, shot);
+          SensorLaw law(*around, ground, s, ping, shot);
+          for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
+            const Fringe& staff = law.patterns.fringes[fan];
+            integrate_staff_echo(
+                trace_staff(ground.mesh(), ground.tree(), scene.grid.unit_m(), options,
+                            tubes_of_fan(survey.tubes(group, ping, shot), sensor.fan_of_tube(shot), fan),
+                            staff),
+                staff, fan, fan, sensor.samples(), law.law);
+          }
+          if (sensor.has_staff()) continue;
           integrate_echo(history, sensor.beam_of_tube(shot),
                          static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law.law);
         }
@@ -132,6 +152,12 @@ void print_cost(const Survey& survey, int threads) {
     tell("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, candidates / measured,
          footprints / measured, per_ping * 1e3);
     seconds += per_ping * static_cast<double>(pings);
+  }
+  if (scene.water->refracts()) {
+    const std::optional<double> asked_m = scene.description.water.refraction_gap_m;
+    tell("refraction     in these pings facets are within {} of where they are seen{}\n",
+         length_text(largest_gap_m),
+         asked_m ? fmt::format(", asked: {}", length_text(*asked_m)) : std::string());
   }
   tell(
       "expected cost  {:.3g} s for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
@@ -158,6 +184,7 @@ int check_command(const CommonOptions& options) {
        shown_line(description.title.empty() ? description.file.string() : description.title));
   tell("scene hash     {}\n\n", description.sha256);
   print_components(scene);
+  print_fineness(scene);
   print_materials(scene);
   print_mesh_names(scene);
   std::size_t refused = 0;

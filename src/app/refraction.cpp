@@ -150,6 +150,13 @@ StraighteningSettings straightening_settings(const Survey& survey, const SharedS
   // Caustics and the borders of shadows take no more edges than a sector is wide.
   settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * survey.scene.grid.unit_m()});
   settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
+  // A gap that is asked for is kept where rays do not cross: of an edge it is no more than g / c a quarter of
+  // its square.
+  const double bend_per_m = survey.scene.water->profile().largest_bend_per_m();
+  if (keys.refraction_gap_m && bend_per_m > 0)
+    settings.shortest_edge_m =
+        std::min(settings.shortest_edge_m,
+                 std::max(std::sqrt(settings.gap_m / bend_per_m), 16 * survey.scene.grid.unit_m()));
   return settings;
 }
 
@@ -284,6 +291,12 @@ std::vector<std::string> refraction_warnings(const Survey& survey, const Simulat
         "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
         "exactly one ray leads may be heard in them, or hide what is",
         where, counts.unbounded));
+  const std::optional<double> asked_m = survey.scene.description.water.refraction_gap_m;
+  if (asked_m && counts.largest_gap_m > *asked_m)
+    warnings.push_back(fmt::format(
+        "{}: 'refraction_gap_m' asks for {:.3g} m, {:.3g} m is kept: edges next to a caustic or a "
+        "shadow, or as short as the grid allows, are not cut further",
+        where, *asked_m, counts.largest_gap_m));
   if (counts.at_limit > 0)
     warnings.push_back(
         fmt::format("{}: bounds of {} shots are true but wider than asked: narrower ones take more apparent "

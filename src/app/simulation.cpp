@@ -29,6 +29,7 @@
 #include "engine/path_echo.hpp"
 #include "engine/ray_engine.hpp"
 #include "engine/reference.hpp"
+#include "engine/staff_echo.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/stop.hpp"
@@ -103,7 +104,8 @@ class PingTask {
         slot_(slot),
         binning_(binning),
         reference_tolerance_(reference_tolerance),
-        only_order_(survey.scene.description.paths.only_order) {}
+        only_order_(survey.scene.description.paths.only_order),
+        staffs_apart_(survey.scene.description.run.engine == "tube" && binning == Binning::exact) {}
 
   /// `engine` of the scene's own facets; unused where shots have their own ground.
   PingCounts run(const Engine& engine, std::uint64_t label) {
@@ -135,6 +137,10 @@ class PingTask {
         take_bistatic(ground, shot);
         continue;
       }
+      take_staffs(ground, shot);
+      if (staffs_apart_ && std::all_of(group_.sensors.begin(), group_.sensors.end(),
+                                       [&](std::size_t s) { return survey_.sensors[s].sensor->has_staff(); }))
+        continue;
       std::size_t candidates = 0;
       const Engine own = ground.is_own() ? make_engine(survey_, ground) : Engine();
       (own ? own : engine)(survey_.tubes(group_, ping_, shot),
@@ -153,7 +159,8 @@ class PingTask {
  private:
   void take(const ShotGround& ground, const History& history, std::size_t shot) {
     const Clock::time_point start = Clock::now();
-    for (const std::size_t s : group_.sensors) add_echo(ground, history, shot, s);
+    for (const std::size_t s : group_.sensors)
+      if (!(staffs_apart_ && survey_.sensors[s].sensor->has_staff())) add_echo(ground, history, shot, s);
     if (survey_.relief.omitted)
       finer_relief_ +=
           finer_relief(history, ground.mesh(), *survey_.relief.omitted, sample_length_m(survey_, group_));
@@ -252,6 +259,42 @@ class PingTask {
     counts_.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
   }
 
+  /// Footprints of sensors with two receivers a fan: each receiver's own.
+  void take_staffs(const ShotGround& ground, std::size_t shot) {
+    if (!staffs_apart_) return;
+    const Scene& scene = survey_.scene;
+    for (const std::size_t s : group_.sensors) {
+      const Sensor& sensor = *survey_.sensors[s].sensor;
+      if (!sensor.has_staff()) continue;
+      const SensorLaw law(survey_, ground, s, ping_, shot);
+      const TubeSet tubes = survey_.tubes(group_, ping_, shot);
+      const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot), &beams = sensor.beams_of_shot(shot);
+      const auto samples = static_cast<std::size_t>(sensor.samples().count);
+      std::vector<double> all(4 * beams.size() * samples);
+      for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
+        const Fringe& staff = law.patterns.fringes[fan];
+        const StaffHistory history =
+            trace_staff(ground.mesh(), ground.tree(), scene.grid.unit_m(), options_of(scene.description.run),
+                        tubes_of_fan(tubes, fans, fan), staff);
+        const Clock::time_point start = Clock::now();
+        const StaffEcho echo = integrate_staff_echo(history, staff, fan, fan, sensor.samples(), law.law);
+        std::size_t channel = 0;
+        for (const auto* row : {&echo.upper_j, &echo.lower_j, &echo.cross_real_j, &echo.cross_imag_j})
+          std::copy(row->begin(), row->end(),
+                    all.begin() + std::ptrdiff_t((channel++ * beams.size() + fan) * samples));
+        if (survey_.relief.omitted)
+          finer_relief_ +=
+              finer_relief({history.transmit, history.upper, scene.grid.unit_m(), history.by_upper},
+                           ground.mesh(), *survey_.relief.omitted, sensor.samples().step_m);
+        counts_.tubes += 3 * history.transmit.tubes.size();
+        counts_.footprints += history.by_upper.facets.size() + history.by_lower.facets.size();
+        counts_.pieces += history.pieces();
+        counts_.echo_seconds += std::chrono::duration<double>(Clock::now() - start).count();
+      }
+      add_order(1, all, beams, s);
+    }
+  }
+
   void add_echo(const ShotGround& ground, const History& history, std::size_t shot, std::size_t s) {
     const Scene& scene = survey_.scene;
     const Sensor& sensor = *survey_.sensors[s].sensor;
@@ -323,6 +366,7 @@ class PingTask {
   std::optional<double> reference_tolerance_;
   FinerRelief finer_relief_;
   std::optional<int> only_order_;
+  bool staffs_apart_;  ///< each receiver of a staff sees for itself; else by the transmitter's history
   PingCounts counts_;
 };
 

@@ -10,6 +10,7 @@
 #include "engine/ground.hpp"
 #include "engine/outlook.hpp"
 #include "engine/sector.hpp"
+#include "engine/staff_echo.hpp"
 #include "geometry/vertical_line.hpp"
 
 namespace tubefoot {
@@ -91,6 +92,11 @@ TileChoice TilesInView::of(const SharedShots& group, std::size_t ping) const {
   for (std::size_t shot = 0; shot < survey_.shots_a_ping(group); ++shot) {
     std::vector<TubeSet> sets{survey_.tubes(group, ping, shot)};
     if (pings.sensor->has_receiver_apart()) sets.push_back(survey_.receive_tubes(first, ping, shot));
+    if (pings.sensor->has_staff())
+      for (const Fringe& staff :
+           pings.sensor->patterns(pings.shot_pose(ping, shot), pings.sound_speed_m_s, shot).fringes)
+        for (const double end : {1.0, -1.0})
+          sets.push_back(moved_along(sets.front(), staff, end, grid.unit_m()));
     for (const TubeSet& tubes : sets) {
       if (scene.water->refracts()) {
         const Straightening straightening = straightening_of(survey_, pings, grid.to_metres(tubes.apex));

@@ -155,7 +155,8 @@ class Gatherer {
           view.shapes.corners_m.push_back(true_place(set.corners_m[piece.first + c]));
       }
     }
-    const SensorLaw law(survey_, ground, index_, ping, shot);
+    SensorLaw law(survey_, ground, index_, ping, shot);
+    law.patterns.fringes.clear();  // what is viewed is what the transmitter sees
     const bool patterns = law.law.patterns != nullptr;
     const Echo echo =
         integrate_echo(history, beam_of_tube, static_cast<int>(beams.size()), samples, law.law, binning_);

@@ -111,6 +111,11 @@ double Fringe::path_difference(double range_m, double cosine) const {
   return -2 * tilt / (std::sqrt(std::max(level - tilt, 0.0)) + std::sqrt(std::max(level + tilt, 0.0)));
 }
 
+double Fringe::range_from(double end, double range_m, double cosine) const {
+  return std::sqrt(
+      std::max(range_m * range_m + baseline_m * baseline_m / 4 - end * range_m * baseline_m * cosine, 0.0));
+}
+
 double Directivity::growth(double y) const {
   switch (kind) {
     case Kind::uniform:

@@ -90,6 +90,8 @@ struct Fringe {
   /// How much longer the way from the transmitter over a point to the upper receiver is than that to the
   /// lower one. `cosine`: between the point's direction and the axis. Exact, near or far.
   double path_difference(double range_m, double cosine) const;
+  /// Range from the upper (`end` 1) or the lower (-1) receiver.
+  double range_from(double end, double range_m, double cosine) const;
   /// exp(i wavenumber path_difference): upper signal times the conjugate of the lower one.
   std::complex<double> product(double range_m, double cosine) const {
     return std::polar(1.0, wavenumber_rad_m * path_difference(range_m, cosine));
@@ -104,11 +106,12 @@ struct BeamPatterns {
   std::vector<std::uint32_t> fan_of_tube;  ///< by tube
   /// By tube: the beams [first, second) that hear it.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> beams_of_tube;
-  /// By fan, or none. With fringes an echo has three channels: energies, and the real and the imaginary part
-  /// of energies times Fringe::product.
+  /// By fan, or none. With fringes an echo has four channels: energies of the upper and of the lower
+  /// receiver, each by its own range, and the real and the imaginary part of energies times Fringe::product
+  /// where both are in the same sample.
   std::vector<Fringe> fringes{};
 
-  int channels() const { return fringes.empty() ? 1 : 3; }
+  int channels() const { return fringes.empty() ? 1 : 4; }
 };
 
 }  // namespace tubefoot

@@ -167,34 +167,6 @@ void add_weighed_footprints(const FootprintSet& set, const RangeSamples& samples
   integrator.finish(echo.energy);
 }
 
-/// Puts the energy that comes from one direction into the rows of the beams that hear the tube. The
-/// direction, a unit vector, is asked for only where there are patterns.
-template <class Direction>
-void share_out(std::span<const std::uint32_t> beam_of_tube, const EchoLaw& law, std::uint32_t tube,
-               double energy, double range_m, std::size_t sample, const Direction& direction, Echo& echo) {
-  const auto samples = std::size_t(echo.samples);
-  if (law.patterns == nullptr) {
-    echo.energy[beam_of_tube[tube] * samples + sample] += energy;
-    return;
-  }
-  const BeamPatterns& patterns = *law.patterns;
-  const glm::dvec3 d = direction();
-  const std::uint32_t fan = patterns.fan_of_tube[tube];
-  const double sent = energy * patterns.transmit[fan].gain(d);
-  const auto [first, end] = patterns.beams_of_tube[tube];
-  for (std::uint32_t beam = first; beam < end; ++beam) {
-    const double heard = sent * patterns.receive[beam].gain(d);
-    double* cell = echo.energy.data() + beam * samples + sample;
-    *cell += heard;
-    if (patterns.fringes.empty()) continue;
-    const Fringe& fringe = patterns.fringes[fan];
-    const std::complex<double> cross = heard * fringe.product(range_m, glm::dot(d, fringe.axis));
-    const std::size_t channel = samples * std::size_t(echo.beams);
-    cell[channel] += cross.real();
-    cell[2 * channel] += cross.imag();
-  }
-}
-
 /// Finds the sample that holds a slant range.
 class SampleFinder {
  public:
@@ -217,12 +189,87 @@ class SampleFinder {
   double samples_per_m_;
 };
 
+/// Puts energy that comes from one direction, evenly from slant ranges near to far (or all from one), into
+/// the rows of the beams that hear the tube. The direction, a unit vector, is asked for only where there are
+/// patterns. The receivers of a staff have ranges of their own; visibility and loss are the transmitter's.
+class Sharer {
+ public:
+  Sharer(std::span<const std::uint32_t> beam_of_tube, const RangeSamples& samples, const EchoLaw& law,
+         Echo& echo)
+      : beam_of_tube_(beam_of_tube), finder_(samples), law_(law), echo_(echo) {}
+
+  const SampleFinder& finder() const { return finder_; }
+
+  template <class Direction>
+  void add(std::uint32_t tube, double energy, double range_m, double near_m, double far_m,
+           const Direction& direction) {
+    const auto samples = std::size_t(echo_.samples);
+    if (law_.patterns == nullptr) {
+      double* row = echo_.energy.data() + beam_of_tube_[tube] * samples;
+      in_samples(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * energy; });
+      return;
+    }
+    const BeamPatterns& patterns = *law_.patterns;
+    const glm::dvec3 d = direction();
+    const std::uint32_t fan = patterns.fan_of_tube[tube];
+    const double sent = energy * patterns.transmit[fan].gain(d);
+    const auto [first, end] = patterns.beams_of_tube[tube];
+    const std::size_t channel = samples * std::size_t(echo_.beams);
+    for (std::uint32_t beam = first; beam < end; ++beam) {
+      const double heard = sent * patterns.receive[beam].gain(d);
+      double* row = echo_.energy.data() + beam * samples;
+      if (patterns.fringes.empty()) {
+        in_samples(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * heard; });
+        continue;
+      }
+      const Fringe& fringe = patterns.fringes[fan];
+      const double cosine = glm::dot(d, fringe.axis);
+      // Half a path is longer than the range from the transmitter by half of the difference.
+      const double upper = (fringe.range_from(1, range_m, cosine) - range_m) / 2,
+                   lower = (fringe.range_from(-1, range_m, cosine) - range_m) / 2;
+      const std::complex<double> cross = heard * fringe.product(range_m, cosine);
+      in_samples(near_m, far_m, upper, upper, [&](std::size_t k, double part) { row[k] += part * heard; });
+      in_samples(near_m, far_m, lower, lower,
+                 [&](std::size_t k, double part) { row[channel + k] += part * heard; });
+      in_samples(near_m, far_m, std::min(upper, lower), std::max(upper, lower),
+                 [&](std::size_t k, double part) {
+                   row[2 * channel + k] += part * cross.real();
+                   row[3 * channel + k] += part * cross.imag();
+                 });
+    }
+  }
+
+ private:
+  /// Calls take(sample, part) with the parts of [near, far] that, moved by either of two shifts, lie in the
+  /// same sample.
+  template <class Take>
+  void in_samples(double near_m, double far_m, double least, double most, const Take& take) const {
+    const std::vector<double>& borders = finder_.borders();
+    if (!(far_m > near_m)) {
+      if (!finder_.holds(near_m + least) || !finder_.holds(near_m + most)) return;
+      const std::size_t k = finder_.at(near_m + least);
+      if (k == finder_.at(near_m + most)) take(k, 1);
+      return;
+    }
+    if (!(far_m + most > borders.front() && near_m + least < borders.back())) return;
+    for (std::size_t k = near_m + least <= borders.front() ? 0 : finder_.at(near_m + least);
+         k + 1 < borders.size() && borders[k] - least < far_m; ++k) {
+      const double part = std::min(far_m, borders[k + 1] - most) - std::max(near_m, borders[k] - least);
+      if (part > 0) take(k, part / (far_m - near_m));
+    }
+  }
+
+  std::span<const std::uint32_t> beam_of_tube_;
+  SampleFinder finder_;
+  const EchoLaw& law_;
+  Echo& echo_;
+};
+
 void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, const EchoLaw& law,
                           Binning binning, std::span<const std::uint32_t> beam_of_tube,
                           const FootprintTaker& taker, Rows& rows, Echo& echo) {
   const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
-  const SampleFinder finder(samples);
-  const std::vector<double>& borders = finder.borders();
+  Sharer sharer(beam_of_tube, samples, law, echo);
   for (const Footprint& footprint : set.footprints) {
     stop_if_wanted();
     const double range = glm::length(footprint.centroid_m);
@@ -237,18 +284,9 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
                               : rows.mu(footprint.facet) * sine * sine;
     const double energy = cross_section * rows.texture_at(footprint.facet, footprint.centroid_m) *
                           footprint.area_m2 / (r2 * r2) * std::exp(-beta * range);
-    const auto put = [&](std::size_t sample, double part) {
-      share_out(
-          beam_of_tube, law, footprint.tube, part * energy, range, sample,
-          [&] { return footprint.centroid_m / range; }, echo);
-    };
-    if (binning == Binning::centroid || !(far > near)) {
-      if (finder.holds(range)) put(finder.at(range), 1);
-    } else if (far > borders.front() && near < borders.back()) {
-      for (std::size_t k = near <= borders.front() ? 0 : finder.at(near);
-           k + 1 < borders.size() && borders[k] < far; ++k)
-        put(k, (std::min(far, borders[k + 1]) - std::max(near, borders[k])) / (far - near));
-    }
+    const bool at_once = binning == Binning::centroid || !(far > near);
+    sharer.add(footprint.tube, energy, range, at_once ? range : near, at_once ? range : far,
+               [&] { return footprint.centroid_m / range; });
     if (taker) taker(footprint, echo.energy);
   }
 }
@@ -258,13 +296,13 @@ void add_whole_footprints(const FootprintSet& set, const RangeSamples& samples, 
 void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, const EchoLaw& law,
               std::span<const std::uint32_t> beam_of_tube, Rows& rows, Echo& echo) {
   const double beta = two_way_absorption_per_m(law.absorption_db_per_m);
-  const SampleFinder finder(samples);
+  Sharer sharer(beam_of_tube, samples, law, echo);
+  const bool staffs = law.patterns != nullptr && !law.patterns->fringes.empty();
   for (const RayHit& hit : hits) {
     const double r = hit.slant_range_m;
     rows.of_tube(hit.tube);  // refuses a tube that has no beam
     rows.mu(hit.facet);      // refuses a facet without material
-    if (!(r > 0 && finder.holds(r))) continue;
-    const std::size_t sample = finder.at(r);
+    if (!(r > 0 && (staffs || sharer.finder().holds(r)))) continue;
     double per_sine = rows.mu(hit.facet) * hit.sine_grazing;
     if (const ScatteringLaw* scattering = rows.scattering(hit.facet)) {
       const double sine = hit.sine_grazing, cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
@@ -273,9 +311,8 @@ void add_hits(const std::vector<RayHit>& hits, const RangeSamples& samples, cons
     }
     per_sine *= rows.texture_at(hit.facet, r * glm::normalize(glm::dvec3(hit.direction)));
     const double spread = per_sine * hit.solid_angle_sr / (r * r);
-    share_out(
-        beam_of_tube, law, hit.tube, beta > 0 ? spread * std::exp(-beta * r) : spread, r, sample,
-        [&] { return glm::normalize(glm::dvec3(hit.direction)); }, echo);
+    sharer.add(hit.tube, beta > 0 ? spread * std::exp(-beta * r) : spread, r, r, r,
+               [&] { return glm::normalize(glm::dvec3(hit.direction)); });
   }
 }
 
@@ -307,6 +344,9 @@ Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_
         throw std::invalid_argument(
             fmt::format("a baseline of {} m needs samples from there on, not from {} m", fringe.baseline_m,
                         samples.first_m));
+    if (!law.patterns->fringes.empty() && binning == Binning::exact && !history.footprints.footprints.empty())
+      throw std::invalid_argument(
+          "footprints of one apex cannot be cut for the two receivers of a staff (staff_echo.hpp)");
   }
   if (!law.scattering.empty() && law.scattering.size() != law.material_mu.size())
     throw std::invalid_argument(fmt::format("{} scattering laws do not fit {} materials",

@@ -74,7 +74,7 @@ enum class Binning {
 Binning binning_from_name(std::string_view name);
 
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With
-/// fringes (BeamPatterns) two more such blocks follow.
+/// fringes (BeamPatterns) that is what the upper receiver hears, and three more such blocks follow.
 struct Echo {
   int beams = 0;
   int samples = 0;

@@ -72,7 +72,7 @@ FootprintEnergies footprint_energies(const History& history, std::span<const std
     return energies;
   }
   BeamPatterns patterns = *law.patterns;
-  patterns.fringes.clear();  // of an echo's three channels only energy is wanted
+  patterns.fringes.clear();  // footprints are the transmitter's
   EchoLaw own_law = law;
   own_law.patterns = &patterns;
   in_tasks(count, 1, [&](std::size_t k, std::size_t end) {

@@ -36,27 +36,32 @@ double range(double height, glm::dvec2 offset) { return std::hypot(height, offse
 
 }  // namespace
 
+double PathCutter::Apex::range(glm::dvec2 from_c) const {
+  return std::hypot(height, from_c.x - foot.x, from_c.y - foot.y);
+}
+
 /// Where on the line a direction from c meets it, as a distance from the line's start.
 double PathCutter::Line::along_of(glm::dvec2 direction) const {
   const double s = std::clamp(height / cross(direction, along), least, most);
   return std::clamp(glm::dot(s * direction - from, along), 0.0, length);
 }
 
-void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, const Integrand& integrand,
-                     const Work& work, std::span<double> out) {
+void PathCutter::add(const PlanarPolygon& polygon, std::span<const Receiver> receivers,
+                     const Integrand& integrand, const Work& work, std::span<double> out) {
   if (polygon.offsets.size() < 3 || borders_.size() < 2) return;
   integrand_ = &integrand;
   work_ = work;
   out_ = out;
-  transmit_height_ = polygon.distance;
-  receive_height_ = receiver.distance;
-  const double heights = transmit_height_ + receive_height_;
+  const Receiver& receiver = receivers[0];
+  const double heights = polygon.distance + receiver.distance;
   // The mirrored receiver's straight line to the transmitter meets the plane in c.
-  c_ = receiver.foot * (transmit_height_ / heights);
-  transmit_foot_ = -c_;
-  receive_foot_ = receiver.foot * (receive_height_ / heights);
-  transmit_range_ = range(transmit_height_, transmit_foot_);
-  receive_range_ = range(receive_height_, receive_foot_);
+  c_ = receiver.foot * (polygon.distance / heights);
+  transmit_ = {polygon.distance, -c_};
+  receive_ = {receiver.distance, receiver.foot * (receiver.distance / heights)};
+  second_.reset();
+  if (receivers.size() > 1) second_ = Apex{receivers[1].distance, receivers[1].foot - c_};
+  transmit_range_ = range(transmit_.height, transmit_.foot);
+  receive_range_ = range(receive_.height, receive_.foot);
   shortest_ = range(heights, receiver.foot);
   find_sectors(polygon);
   for (const Sector& sector : sectors_) {
@@ -162,34 +167,29 @@ void PathCutter::find_sectors(const PlanarPolygon& polygon) {
 
 double PathCutter::path_of(const Line& line, double along) const {
   const glm::dvec2 p = line.from + along * line.along;
-  return range(transmit_height_, p - transmit_foot_) + range(receive_height_, p - receive_foot_);
+  return transmit_.range(p) + receive_.range(p);
 }
 
 /// Shortest path over a stretch of a line: as for a plane, with the apexes turned about the line into one
 /// plane with it.
 double PathCutter::shortest_path(const Line& line, double from, double to) const {
-  const glm::dvec2 t = line.from - transmit_foot_, r = line.from - receive_foot_;
+  const glm::dvec2 t = line.from - transmit_.foot, r = line.from - receive_.foot;
   const double t_along = -glm::dot(t, line.along), r_along = -glm::dot(r, line.along);
-  const double t_away = std::hypot(transmit_height_, cross(t, line.along)),
-               r_away = std::hypot(receive_height_, cross(r, line.along));
+  const double t_away = std::hypot(transmit_.height, cross(t, line.along)),
+               r_away = std::hypot(receive_.height, cross(r, line.along));
   return path_of(line, std::clamp((t_along * r_away + r_along * t_away) / (t_away + r_away), from, to));
 }
 
-/// Angles, from the sector's middle, of the points of a line whose path has that length: with
-/// r_t^2 = A + 2 B y + y^2 and r_r alike, 4 L^2 r_t^2 = (L^2 + r_t^2 - r_r^2)^2 is quadratic in y.
-void PathCutter::add_crossings(const Line& line, double path, const Sector& sector,
+/// Angles, from the sector's middle, of the points of a line whose path to a receiver has that length.
+void PathCutter::add_crossings(const Line& line, double path, const Apex& receive, const Sector& sector,
                                std::vector<double>& angles) const {
-  const glm::dvec2 t = line.from - transmit_foot_, r = line.from - receive_foot_;
-  const double rt = range(transmit_height_, t), rr = range(receive_height_, r);
-  const double bt = glm::dot(t, line.along), br = glm::dot(r, line.along);
-  const double path2 = path * path, difference = (rt - rr) * (rt + rr), slope = bt - br;
-  const double a = 4 * (path2 - slope * slope);
-  const double b = 4 * path2 * bt - 2 * (path2 + difference) * slope;  // half of it
-  const double c = -(path - rt - rr) * (path - rt + rr) * (path + rt - rr) * (path + rt + rr);
-  const double discriminant = b * b - a * c;
-  if (!(discriminant > 0) || !(a > 0)) return;
-  const double q = -(b + std::copysign(std::sqrt(discriminant), b));
-  for (const double y : {q / a, c / q}) {
+  const EllipseOnRay on(path, transmit_.range(line.from), receive.range(line.from),
+                        glm::dot(line.from - transmit_.foot, line.along),
+                        glm::dot(line.from - receive.foot, line.along));
+  const double discriminant = on.discriminant();
+  if (!(discriminant > 0) || !(on.a > 0)) return;
+  const double q = -(on.b + std::copysign(std::sqrt(discriminant), on.b));
+  for (const double y : {q / on.a, on.c / q}) {
     if (!(y > 0 && y < line.length)) continue;
     const double angle = angle_between(sector.middle, line.from + y * line.along);
     if (std::abs(angle) < sector.half) angles.push_back(angle);
@@ -204,14 +204,19 @@ double PathCutter::distance(const Curve& curve, glm::dvec2 direction) const {
     const Line& line = *curve.line;
     return std::clamp(line.height / cross(direction, line.along), line.least, line.most);
   }
+  if (curve.second) {
+    // Next to where a ray only touches the ellipse, rounding may make it miss; that is as wide as nothing.
+    const std::optional<Stretch> within = in_second(curve.path, direction);
+    return !within ? 0 : curve.enters ? within->enter : within->leave;
+  }
   const double l = shortest_, path = curve.path;
   if (!(path > l)) return 0;
   const double d = transmit_range_ - receive_range_;
   const double gain = (path - l) * (path + l);
   // B / range at c; 1 - q^2 without cancellation.
-  const double q = -glm::dot(transmit_foot_, direction) / transmit_range_;
-  const double sine2 = (transmit_height_ * transmit_height_ +
-                        cross(transmit_foot_, direction) * cross(transmit_foot_, direction)) /
+  const double q = -glm::dot(transmit_.foot, direction) / transmit_range_;
+  const double sine2 = (transmit_.height * transmit_.height +
+                        cross(transmit_.foot, direction) * cross(transmit_.foot, direction)) /
                        (transmit_range_ * transmit_range_);
   const double a = gain + l * l * sine2, b = q * d * gain / 2;
   const double c = gain * (path - d) * (path + d) / 4;
@@ -234,8 +239,13 @@ void PathCutter::integrate(const Sector& sector) {
     const double from = 2 * borders_[k], to = 2 * borders_[k + 1];
     angles_.assign({-sector.half, sector.half});
     for (const double path : {from, to}) {
-      add_crossings(*sector.far, path, sector, angles_);
-      if (sector.near != nullptr) add_crossings(*sector.near, path, sector, angles_);
+      add_crossings(*sector.far, path, receive_, sector, angles_);
+      if (sector.near != nullptr) add_crossings(*sector.near, path, receive_, sector, angles_);
+      if (!second_) continue;
+      add_crossings(*sector.far, path, *second_, sector, angles_);
+      if (sector.near != nullptr) add_crossings(*sector.near, path, *second_, sector, angles_);
+      for (const double other : {from, to}) add_meetings(path, other, sector, angles_);
+      add_tangents(path, sector, angles_);
     }
     std::sort(angles_.begin(), angles_.end());
     for (std::size_t i = 0; i + 1 < angles_.size(); ++i) {
@@ -248,12 +258,18 @@ void PathCutter::integrate(const Sector& sector) {
       if (sector.near != nullptr && distance({sector.near, 0}, cell.middle) > distance(near, cell.middle))
         near = {sector.near, 0};
       if (distance({sector.far, 0}, cell.middle) < distance(far, cell.middle)) far = {sector.far, 0};
-      if (!(distance(far, cell.middle) > distance(near, cell.middle))) continue;
-      refinements_left_ = most_refined_cells;
-      largest_part_ = 0;
-      integrate(near, far, cell, out_.subspan(k * work_.values, work_.values));
+      const std::span<double> out = out_.subspan(k * work_.values, work_.values);
+      second_ ? integrate_both(near, far, from, to, cell, out) : integrate_whole(near, far, cell, out);
     }
   }
+}
+
+void PathCutter::integrate_whole(const Curve& near, const Curve& far, const Cell& cell,
+                                 std::span<double> out) {
+  if (!(distance(far, cell.middle) > distance(near, cell.middle))) return;
+  refinements_left_ = most_refined_cells;
+  largest_part_ = 0;
+  integrate(near, far, cell, out);
 }
 
 PathCutter::Extent PathCutter::extent_of(const Curve& near, const Curve& far, const Cell& cell) const {
@@ -273,7 +289,7 @@ PathCutter::Extent PathCutter::extent_of(const Curve& near, const Curve& far, co
     return std::max(height, range(height, centre - foot) - arc - ray);
   };
   const double away =
-      std::min(nearest(transmit_height_, transmit_foot_), nearest(receive_height_, receive_foot_));
+      std::min(nearest(transmit_.height, transmit_.foot), nearest(receive_.height, receive_.foot));
   return {arc / away, ray / away, steep && cell.half > least_steep_half};
 }
 
@@ -297,8 +313,7 @@ double PathCutter::tensor(const Curve& near, const Curve& far, const Cell& cell,
     for (std::size_t k = 0; k < by_distance.node.size(); ++k) {
       const double s = begin + part * (1 + by_distance.node[k]);
       const glm::dvec2 p = s * direction;
-      (*integrand_)(c_ + p, range(transmit_height_, p - transmit_foot_),
-                    range(receive_height_, p - receive_foot_), values_);
+      (*integrand_)(c_ + p, transmit_.range(p), receive_.range(p), values_);
       const double weight = cell.half * by_angle.weight[i] * part * by_distance.weight[k] * s;
       for (std::size_t v = 0; v < values_.size(); ++v) sum[v] += weight * values_[v];
       largest = std::max(largest, s * std::abs(values_[0]));

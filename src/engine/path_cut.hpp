@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <glm/vec2.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,10 @@ namespace tubefoot {
 /// closed form; the intervals end at corners and where an edge crosses an ellipse, a quadratic equation.
 /// Cells count only what is in them, so nothing is a difference of large parts. In each, Gauss-Legendre in
 /// angle and distance: rules of rising order until two agree, else the cell is halved.
+///
+/// With a second receiver, the parts are cut that lie in the same sample of both. Its ellipses have a focus
+/// in common with those of the first: two of them meet on a straight line (docs/sensors.md). A ray from c
+/// meets each of them in one stretch, which begins at c but for ellipses so small that c is outside.
 class PathCutter {
  public:
   /// Where the receiver is: distance from the polygon's plane, and foot point in its coordinates (those of
@@ -51,6 +56,12 @@ class PathCutter {
   /// Adds the integral of value i over polygon and sample k to out[k * work.values + i]. Both apexes must be
   /// off the plane, on the same side of it.
   void add(const PlanarPolygon& polygon, const Receiver& receiver, const Integrand& integrand,
+           const Work& work, std::span<double> out) {
+    add(polygon, std::span(&receiver, 1), integrand, work, out);
+  }
+  /// One or two receivers: sample k holds what both of them hear in sample k. `receive_range` is that of the
+  /// first one.
+  void add(const PlanarPolygon& polygon, std::span<const Receiver> receivers, const Integrand& integrand,
            const Work& work, std::span<double> out);
 
   /// Samples that the polygon may reach into: [first, second).
@@ -71,10 +82,34 @@ class PathCutter {
     const Line* far;
     const Line* near;  // none: from c on
   };
-  /// Distance from c in a direction: on a line, or where the whole path is `path`, or 0.
+  /// Distance from c in a direction: on a line, or where the whole path is `path`, or 0. A ray leaves the
+  /// second receiver's ellipse there, or enters it.
   struct Curve {
     const Line* line = nullptr;
     double path = 0;
+    bool second = false, enters = false;
+  };
+  /// An apex over the plane; its foot point about c.
+  struct Apex {
+    double height = 0;
+    glm::dvec2 foot{0};
+    double range(glm::dvec2 from_c) const;
+  };
+  struct Stretch {
+    double enter = 0, leave = 0;
+  };
+  /// Where all that is p + y d of a plane has the path P to two apexes: a y^2 + 2 b y + c = 0. With
+  /// r_t^2 = A + 2 B y + y^2 and r_r alike, 4 P^2 r_t^2 = (P^2 + r_t^2 - r_r^2)^2 is quadratic in y.
+  struct EllipseOnRay {
+    double a, b, c;
+    /// `rt`, `rr`: ranges of p; `bt`, `br`: d times the ways to p from the apexes' foot points.
+    EllipseOnRay(double path, double rt, double rr, double bt, double br) {
+      const double path2 = path * path, difference = (rt - rr) * (rt + rr), slope = bt - br;
+      a = 4 * (path2 - slope * slope);
+      b = 4 * path2 * bt - 2 * (path2 + difference) * slope;
+      c = -(path - rt - rr) * (path - rt + rr) * (path + rt - rr) * (path + rt + rr);
+    }
+    double discriminant() const { return b * b - a * c; }
   };
   struct Cell {
     glm::dvec2 middle;
@@ -93,8 +128,16 @@ class PathCutter {
   void integrate(const Sector& sector);
   double path_of(const Line& line, double along) const;
   double shortest_path(const Line& line, double from, double to) const;
-  void add_crossings(const Line& line, double path, const Sector& sector, std::vector<double>& angles) const;
+  void add_crossings(const Line& line, double path, const Apex& receive, const Sector& sector,
+                     std::vector<double>& angles) const;
+  void add_meetings(double first_path, double second_path, const Sector& sector,
+                    std::vector<double>& angles) const;
+  void add_tangents(double second_path, const Sector& sector, std::vector<double>& angles) const;
+  std::optional<Stretch> in_second(double path, glm::dvec2 direction) const;
   double distance(const Curve& curve, glm::dvec2 direction) const;
+  void integrate_both(const Curve& near, const Curve& far, double from, double to, const Cell& cell,
+                      std::span<double> out);
+  void integrate_whole(const Curve& near, const Curve& far, const Cell& cell, std::span<double> out);
   void integrate(const Curve& near, const Curve& far, const Cell& cell, std::span<double> out);
   Extent extent_of(const Curve& near, const Curve& far, const Cell& cell) const;
   double tensor(const Curve& near, const Curve& far, const Cell& cell, int angles, int distances,
@@ -105,9 +148,9 @@ class PathCutter {
   const Integrand* integrand_ = nullptr;
   Work work_{};
   std::span<double> out_;
-  double transmit_height_ = 0, receive_height_ = 0;
-  glm::dvec2 c_{0};                                // in the polygon's coordinates
-  glm::dvec2 transmit_foot_{0}, receive_foot_{0};  // about c
+  glm::dvec2 c_{0};  // in the polygon's coordinates
+  Apex transmit_, receive_;
+  std::optional<Apex> second_;
   double transmit_range_ = 0, receive_range_ = 0;  // of c
   double shortest_ = 0;                            // path, at c
   std::vector<Line> lines_;

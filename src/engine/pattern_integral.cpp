@@ -139,7 +139,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
     if (receiver_->moments)
       receiver_->moments->begin(slab.sample);
     else
-      sum_.assign(std::size_t(patterns_.channels()) * (end_beam - first_beam), 0);
+      sum_.assign(end_beam - first_beam, 0);
     if (law == nullptr) {
       integrate(t0, t1, 0);
     } else {
@@ -152,9 +152,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
       }
     }
     if (receiver_->moments) continue;
-    const std::size_t heard = end_beam - first_beam, channel = samples * patterns_.receive.size();
-    for (std::size_t k = 0; k < sum_.size(); ++k)
-      energy[k / heard * channel + (first_beam + k % heard) * samples + slab.sample] += sum_[k];
+    for (std::size_t k = 0; k < sum_.size(); ++k) energy[(first_beam + k) * samples + slab.sample] += sum_[k];
   }
 }
 
@@ -364,7 +362,6 @@ int PatternIntegrator::nodes_of_arc(double half, double rho, double radius) cons
 void PatternIntegrator::add_circle(double t, double weight) {
   const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
   const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
-  range_ = r2 * per_r;
   const double scattered =
       piece_.law == nullptr
           ? per_r * per_r
@@ -449,24 +446,13 @@ void PatternIntegrator::add_panel(double half, double weight, const GaussRule& r
     receiver.moments->add(std::span(direction).first(nodes), std::span(share).first(nodes));
     return;
   }
-  std::array<double, most_gauss_nodes> real, imaginary;
-  if (receiver.fringe_axis)
-    for (std::size_t i = 0; i < nodes; ++i) {
-      const std::complex<double> product =
-          patterns_.fringes[receiver.fan].product(range_, at(receiver.axes[*receiver.fringe_axis], i));
-      real[i] = product.real();
-      imaginary[i] = product.imag();
-    }
-  const std::size_t beams = sum_.size() / std::size_t(patterns_.channels());
+  const std::size_t beams = sum_.size();
   for (std::size_t beam = 0; beam < beams; ++beam) {
     std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
     for (std::size_t i = 0; i < nodes; ++i) {
       const double heard =
           own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i];
       sum_[beam] += heard;
-      if (!receiver.fringe_axis) continue;
-      sum_[beams + beam] += heard * real[i];
-      sum_[2 * beams + beam] += heard * imaginary[i];
     }
   }
 }

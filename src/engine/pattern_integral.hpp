@@ -51,7 +51,7 @@ class PatternIntegrator {
                     double tolerance);
 
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that hear the tube, at
-  /// the latest in finish(). With fringes, energy has three such blocks, one a channel (BeamPatterns).
+  /// the latest in finish().
   /// `law`: by the angle that the polygon's plane is seen at; it must live until finish(). None: r^-2
   /// instead, which is Lambert's but for a factor.
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
@@ -106,7 +106,6 @@ class PatternIntegrator {
     std::optional<DirectionMoments> moments;
     std::size_t moments_axis = 0;
     std::vector<std::optional<Term>> receive;  // by beam, without moments; none: 1
-    std::optional<std::size_t> fringe_axis;    // with fringes
     std::vector<Change> changes;
   };
 
@@ -155,8 +154,7 @@ class PatternIntegrator {
   std::vector<EdgeRanges> ranges_;
   std::vector<Edge> edges_;
   std::vector<Arc> arcs_;
-  std::vector<double> sum_;  // by channel and beam of the tube
-  double range_ = 0;         // of the circle at hand
+  std::vector<double> sum_;  // by beam of the tube
   std::vector<std::pair<double, Crossing>> sorted_;
   Receiver* receiver_ = nullptr;
   std::vector<LawNodes> laws_;

@@ -134,7 +134,7 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
   const auto both_growth = [=](double y) { return sent_growth(y) + heard_growth(y); };
 
   // What is heard, and what is sent with it.
-  const bool gather = heard_axis && heard.size() >= fewest_for_moments && patterns_.fringes.empty();
+  const bool gather = heard_axis && heard.size() >= fewest_for_moments;
   const bool join = gather && (all_sent || sent_axis == heard_axis);
   if (gather) {
     made->moments_axis = 0;
@@ -177,20 +177,6 @@ std::unique_ptr<PatternIntegrator::Receiver> PatternIntegrator::make_receiver(st
   } else {
     add(sent_growth, sent_place, by_angle(sent));
     add(heard_growth, heard_place, by_angle(heard));
-  }
-  if (!patterns_.fringes.empty()) {
-    const Fringe& fringe = patterns_.fringes[fan];
-    const auto same = [&](const Axis& axis) { return axis.direction == fringe.axis; };
-    const auto known = std::find_if(made->axes.begin(), made->axes.end(), same);
-    made->fringe_axis = std::size_t(known - made->axes.begin());
-    if (known == made->axes.end()) {
-      made->axes.emplace_back();
-      made->axes.back().direction = fringe.axis;
-    }
-    // |d path difference / d cosine| is largest along the staff, and there at the nearest range.
-    const double share = fringe.baseline_m > 0 ? fringe.baseline_m / (2 * borders_.front()) : 0;
-    const double slope = fringe.wavenumber_rad_m * fringe.baseline_m / (1 - share * share);
-    add([slope](double y) { return slope * y; }, made->fringe_axis, false);
   }
   return made;
 }

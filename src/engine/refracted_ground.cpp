@@ -53,14 +53,8 @@ class Images {
       : straightening_(straightening),
         absorption_(reference_absorption_db_per_m),
         settings_(settings),
-        outlook_(outlook) {
-    const SoundSpeedProfile& profile = straightening.water().profile;
-    double slowest = profile.points().front().sound_speed_m_s, steepest = 0;
-    for (const ProfilePoint& p : profile.points()) slowest = std::min(slowest, p.sound_speed_m_s);
-    for (std::size_t layer = 0; layer < profile.layers(); ++layer)
-      steepest = std::max(steepest, std::abs(profile.gradient_per_s(layer)));
-    bend_per_m_ = steepest / slowest;
-  }
+        outlook_(outlook),
+        bend_per_m_(straightening.water().profile.largest_bend_per_m()) {}
 
   Image make(const glm::dvec3& point_m) const {
     const std::optional<ApparentPoint> found = straightening_.apparent(point_m);
@@ -128,6 +122,20 @@ class Images {
     return outlook_->may_see_box(glm::max(lowest, middle - 2 * length),
                                  glm::min(highest, middle + 2 * length));
   }
+
+  /// So small beside its range that its corners say all that its factor needs. `seen_m`: from the apex.
+  bool is_small(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3]) const {
+    constexpr double negligible = 1e-6;
+    const glm::dvec3 normal = glm::cross(seen_m[1] - seen_m[0], seen_m[2] - seen_m[0]);
+    double longest2 = 0, least = std::numeric_limits<double>::infinity();  // range times sine
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 edge = corners_m[(i + 1) % 3] - corners_m[i];
+      longest2 = std::max(longest2, glm::dot(edge, edge));
+      least = std::min(least, std::abs(glm::dot(normal, seen_m[i])));
+    }
+    return bend_per_m_ * longest2 * glm::length(normal) <= negligible * least;
+  }
+  double reference_absorption_db_per_m() const { return absorption_; }
 
   bool may_see(const glm::dvec3 (&corners_m)[3]) const {
     return outlook_ == nullptr || outlook_->may_see(corners_m);
@@ -275,14 +283,11 @@ void thin_out(std::vector<UnclearPlace>& unclear) {
   unclear.erase(std::unique(unclear.begin(), unclear.end(), same), unclear.end());
 }
 
-double scattered_over(const GrazingSines& sines, const ScatteringLaw* law) {
-  if (law == nullptr || !(sines.seen > 0 && sines.lies > 0)) return lambert_over(sines);
-  const auto sigma = [law](double sine) {
-    sine = std::min(sine, 1.0);
-    return law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine)));
-  };
-  const double seen = sigma(sines.seen);
-  return seen > 0 ? sigma(sines.lies) / sines.lies * sines.seen / seen : 0;
+/// Of a facet of that law, but for a factor; null: Lambert's.
+double sigma_of(const ScatteringLaw* law, double sine) {
+  if (law == nullptr) return lambert_sigma(sine);
+  sine = std::min(sine, 1.0);
+  return sine > 0 ? law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) : 0;
 }
 
 glm::dvec3 normal_of(const glm::dvec3 (&c)[3]) { return glm::cross(c[1] - c[0], c[2] - c[0]); }
@@ -328,7 +333,9 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
       note(corners[i], fine.image[v]);
     }
     const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-    if (kept && !regular) note(centre, images.make(centre));
+    std::optional<Image> middle;
+    if (kept && (!regular || !images.is_small(corners, seen))) middle = images.make(centre);
+    if (kept && !regular) note(centre, *middle);
     if (unclear) ground.unclear.push_back(*unclear);
     ground.facets_of_several += kept && several;
     if (!kept) {
@@ -341,8 +348,8 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
       const Image &a = fine.image[from.facets[f][i]], &b = fine.image[from.facets[f][k]];
       double gap = images.gap_m(corners[i], corners[k], a, b);
       if (!(gap <= settings.gap_m) || !regular) {
-        const Image middle = images.make((corners[i] + corners[k]) / 2.0);
-        if (middle.seen()) gap = images.gap_m(corners[i], corners[k], a, b, &middle);
+        const Image between = images.make((corners[i] + corners[k]) / 2.0);
+        if (between.seen()) gap = images.gap_m(corners[i], corners[k], a, b, &between);
       }
       if (std::isfinite(gap)) ground.largest_gap_m = std::max(ground.largest_gap_m, gap);
     }
@@ -357,7 +364,8 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
     if (origin != nullptr) origin->push_back(FacetId(f));
     const ScatteringLaw* law = laws.empty() ? nullptr : laws[material].get();
     ground.facet_factor.push_back(facet_factor(
-        corners, seen, returns, [law](const GrazingSines& sines) { return scattered_over(sines, law); }));
+        corners, seen, returns, middle && middle->seen() ? &middle->returned : nullptr,
+        images.reference_absorption_db_per_m(), [law](double sine) { return sigma_of(law, sine); }));
   }
   ground.truth = std::move(fine.at_m);
   thin_out(ground.unclear);

@@ -67,6 +67,13 @@ double SoundSpeedProfile::speed_in(std::size_t layer, double depth_m) const {
              : below.sound_speed_m_s - gradient_[layer] * (below.depth_m - depth_m);
 }
 
+double SoundSpeedProfile::largest_bend_per_m() const {
+  double slowest = points_.front().sound_speed_m_s, steepest = 0;
+  for (const ProfilePoint& p : points_) slowest = std::min(slowest, p.sound_speed_m_s);
+  for (const double gradient : gradient_) steepest = std::max(steepest, std::abs(gradient));
+  return steepest / slowest;
+}
+
 std::vector<ProfilePoint> sample_profile(const std::function<double(double)>& speed, double top_m,
                                          double bottom_m, double step_m) {
   check_extent(top_m, bottom_m, step_m);

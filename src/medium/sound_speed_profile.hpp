@@ -34,6 +34,8 @@ class SoundSpeedProfile {
   double bottom_m(std::size_t layer) const;
   /// dc/dz, positive where sound is faster further down.
   double gradient_per_s(std::size_t layer) const { return gradient_[layer]; }
+  /// The steepest gradient over the slowest speed: no ray is curved more than that.
+  double largest_bend_per_m() const;
   /// Sound speed at a depth within a layer; equals the points' speeds at its ends.
   double speed_in(std::size_t layer, double depth_m) const;
 

@@ -56,10 +56,12 @@ double edge_gap_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle) {
 CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_m, const ApparentPoint& image,
                            double reference_absorption_db_per_m) {
   const double range = straightening.reference_speed_m_s() * image.ray.time_s;
-  const double beyond_db = image.ray.absorption_db - reference_absorption_db_per_m * range;
+  const double back = straightening.return_area_m2_per_sr(point_m, image.ray),
+               beyond_db = image.ray.absorption_db - reference_absorption_db_per_m * range;
   return {straightening.arrival_direction(point_m, image.ray),
-          range * range / straightening.return_area_m2_per_sr(point_m, image.ray) *
-              std::exp(-2 * beyond_db * std::numbers::ln10 / 10)};
+          std::exp(-2 * image.ray.absorption_db * std::numbers::ln10 / 10) /
+              (image.ray.tube_area_m2_per_sr * back),
+          range * range / back * std::exp(-2 * beyond_db * std::numbers::ln10 / 10)};
 }
 
 }  // namespace tubefoot

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <numbers>
 #include <optional>
 
 #include "medium/eigenray.hpp"
@@ -57,9 +58,12 @@ class Straightening {
 /// `a`, `b`, `middle` are apparent points.
 double edge_gap_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle);
 
-/// What the echo of a facet's corner needs of its ray.
+/// What the echo of a facet's corner, or of its centre, needs of its ray.
 struct CornerReturn {
   glm::dvec3 arrival{0};  ///< direction of travel, unit vector
+  /// exp(-2 path absorption) / (A_out A_back), 1/m4: what comes back by way of a square metre that faces the
+  /// ray; not finite on a caustic.
+  double density_per_m4 = 0;
   /// (R^2 / A_back) exp(-2 (path absorption - reference absorption R)), with R the apparent range and A_back
   /// the area per steradian from the point back to the apex; not finite on a caustic.
   double spreading = 1;
@@ -67,40 +71,40 @@ struct CornerReturn {
 CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_m, const ApparentPoint& image,
                            double reference_absorption_db_per_m);
 
-/// Sines of the grazing angles at a facet's corner: of the curved ray on the true facet, and of the straight
-/// one on its image.
-struct GrazingSines {
-  double lies = 0, seen = 0;
-};
-
-/// What a facet returns to the apex, over what the straight law (1 / r^4, reference absorption) makes of its
-/// apparent image: the mean over its corners of
-///     (sigma(lies) / lies) / (sigma(seen) / seen) spreading.
 /// Energy flux: the sonar sends energy into a tube of launch directions, the facet intercepts it whatever the
 /// tube's shape, scatters about its true normal at the true grazing angle, and the receiver hears through the
-/// tube from the point back. With d the solid angle of launch that facet and image share, the energies are
-/// sigma(lies) / lies / A_back d and sigma(seen) / seen / R^2 d. `seen_m`: the image's corners, relative to
-/// the apex. `scattered_over(sines)`: the first factor; with Lambert's law lies / seen.
-template <class ScatteredOver>
+/// tube from the point back: sigma(grazing) times the density of CornerReturn a square metre. The straight
+/// law makes sigma(seen) exp(-2 reference absorption r) / r^4 of its apparent image.
+///
+/// The factor between the two, for a whole facet: the ratio of their integrals, each by a rule over corners
+/// (a twelfth each) and centre (three quarters), which is exact for polynomials of second degree, so that
+/// large facets are not biased. `returns[3]`: at the centre of the true corners; null `centre`: small facets,
+/// by their corners alone. `seen_m`: the image's corners, relative to the apex. `sigma(sine)`: cross-section
+/// a square metre, but for a factor. 0 where the image is edge-on.
+template <class Sigma>
 double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
-                    const CornerReturn (&returns)[3], const ScatteredOver& scattered_over);
-
-/// With Lambert's law; 0 where the image is edge-on.
-inline double lambert_over(const GrazingSines& sines) { return sines.seen > 0 ? sines.lies / sines.seen : 0; }
-
-template <class ScatteredOver>
-double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
-                    const CornerReturn (&returns)[3], const ScatteredOver& scattered_over) {
-  const auto sine = [](const glm::dvec3(&c)[3], const glm::dvec3& along) {
-    const glm::dvec3 n = glm::cross(c[1] - c[0], c[2] - c[0]);
-    const double length = glm::length(n) * glm::length(along);
-    return length > 0 ? std::abs(glm::dot(n, along)) / length : 0;
+                    const CornerReturn (&returns)[3], const CornerReturn* centre,
+                    double reference_absorption_db_per_m, const Sigma& sigma) {
+  const glm::dvec3 lies = glm::cross(corners_m[1] - corners_m[0], corners_m[2] - corners_m[0]),
+                   seen = glm::cross(seen_m[1] - seen_m[0], seen_m[2] - seen_m[0]);
+  const double lies_area = glm::length(lies), seen_area = glm::length(seen);
+  if (!(lies_area > 0 && seen_area > 0)) return 0;
+  const auto sine = [](const glm::dvec3& normal, double area, const glm::dvec3& along) {
+    const double length = area * glm::length(along);
+    return length > 0 ? std::abs(glm::dot(normal, along)) / length : 0;
   };
-  double sum = 0;
-  for (int i = 0; i < 3; ++i)
-    sum += returns[i].spreading *
-           scattered_over(GrazingSines{sine(corners_m, returns[i].arrival), sine(seen_m, seen_m[i])});
-  return sum / 3;
+  double bent = 0, straight = 0;
+  const auto add = [&](double weight, const CornerReturn& returned, const glm::dvec3& seen_at_m) {
+    const double r2 = glm::dot(seen_at_m, seen_at_m);
+    bent += weight * sigma(sine(lies, lies_area, returned.arrival)) * returned.density_per_m4;
+    straight += weight * sigma(sine(seen, seen_area, seen_at_m)) / (r2 * r2) *
+                std::exp(-reference_absorption_db_per_m * std::sqrt(r2) * std::numbers::ln10 / 5);
+  };
+  for (int i = 0; i < 3; ++i) add(centre != nullptr ? 1.0 / 12 : 1.0 / 3, returns[i], seen_m[i]);
+  if (centre != nullptr) add(0.75, *centre, (seen_m[0] + seen_m[1] + seen_m[2]) / 3.0);
+  return straight > 0 ? bent * lies_area / (straight * seen_area) : 0;
 }
+
+inline double lambert_sigma(double sine) { return sine * sine; }
 
 }  // namespace tubefoot

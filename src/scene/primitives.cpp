@@ -38,6 +38,19 @@ double polygon_sides(double radius_m, double chord_error_m) {
   return std::max(3.0, std::ceil(std::numbers::pi / half_angle));
 }
 
+// How much wider a prism, a pyramid or a frustum on a regular polygon has to be for its side to have the area
+// of the cylinder's or cone's that it stands for.
+double widening(const ConePrimitive& cone, double sides) {
+  const double half_angle = std::numbers::pi / sides, sum = cone.radius_m + cone.top_radius_m,
+               lean = std::abs(cone.radius_m - cone.top_radius_m);
+  const double wanted = std::numbers::pi * sum * std::hypot(cone.height_m, lean);
+  // n sin(pi / n) (R + r) k sqrt(h^2 + (lean k cos(pi / n))^2) grows with k: area^2 is quadratic in k^2.
+  const double a = std::pow(sides * std::sin(half_angle) * sum, 2), h2 = cone.height_m * cone.height_m,
+               l2 = std::pow(lean * std::cos(half_angle), 2);
+  const double root = std::sqrt(h2 * h2 + 4 * l2 * wanted * wanted / a);
+  return std::sqrt(2 * wanted * wanted / a / (h2 + root));
+}
+
 // Regular icosahedron in the unit sphere: poles on z, two rings of five.
 struct Icosahedron {
   std::array<glm::dvec3, 12> corner;
@@ -125,6 +138,16 @@ class Geodesic {
     return error;
   }
 
+  // Of all facets on the unit sphere.
+  double area() const {
+    double face = 0;
+    for_each_triangle([&](int j0, int k0, int j1, int k1, int j2, int k2) {
+      const glm::dvec3 a = point(0, j0, k0), b = point(0, j1, k1), c = point(0, j2, k2);
+      face += glm::length(glm::cross(b - a, c - a)) / 2;
+    });
+    return 20 * face;
+  }
+
   ComponentMesh facets(double radius_m) const {
     ComponentMesh mesh;
     mesh.points_m.resize(static_cast<std::size_t>(10) * parts_ * parts_ + 2);
@@ -158,7 +181,8 @@ ComponentMesh sphere_facets(const SpherePrimitive& sphere, double chord_error_m,
   check_facets(20 * estimate * estimate, chord_error_m, place);
   int parts = std::max(1, static_cast<int>(0.9 * estimate));
   while (Geodesic(parts).chord_error() > wanted) ++parts;
-  return Geodesic(parts).facets(sphere.radius_m);
+  const Geodesic geodesic(parts);
+  return geodesic.facets(sphere.radius_m * std::sqrt(4 * std::numbers::pi / geodesic.area()));
 }
 
 ComponentMesh cylinder_facets(const CylinderPrimitive& cylinder, double chord_error_m,
@@ -177,11 +201,12 @@ ComponentMesh cone_facets(const ConePrimitive& cone, double chord_error_m, const
 
   // Points: the middle of the base, of the top (or the tip), the ring of the base, the ring of the top.
   const auto n = static_cast<std::uint32_t>(sides);
+  const double wider = widening(cone, sides);
   ComponentMesh mesh;
   mesh.points_m = {{0, 0, -cone.height_m / 2}, {0, 0, cone.height_m / 2}};
   for (const int ring : {0, 1}) {
     if (ring == 1 && pointed) break;
-    const double radius = ring == 0 ? cone.radius_m : cone.top_radius_m;
+    const double radius = wider * (ring == 0 ? cone.radius_m : cone.top_radius_m);
     for (std::uint32_t i = 0; i < n; ++i) {
       const double angle = 2 * std::numbers::pi * i / n;
       mesh.points_m.emplace_back(radius * std::cos(angle), radius * std::sin(angle), mesh.points_m[ring].z);

@@ -7,9 +7,11 @@
 namespace tubefoot {
 
 // Closed surfaces about their centre, axis along z: every edge belongs to two facets, no facet is degenerate,
-// facets turn counter-clockwise for someone outside. Vertices lie on the true surface, so that facets lie
-// inside it, nowhere further from it than `chord_error_m`. Each throws InputError at `place` for sizes that
-// are not positive and for a chord error that would need more than 20 million facets.
+// facets turn counter-clockwise for someone outside. Facets have the area of the true surface (a cylinder's
+// and a cone's side; their caps lack about 4/3 of the chord error over the radius), so that a Lambert body
+// returns what the true one does: vertices lie outside of the surface, the middles of facets inside, nowhere
+// further from it than `chord_error_m`. Each throws InputError at `place` for sizes that are not positive and
+// for a chord error that would need more than 20 million facets.
 
 /// Icosahedron whose edges are cut into f parts and put on the sphere, with the smallest f that keeps the
 /// chord error.

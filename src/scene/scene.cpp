@@ -63,11 +63,16 @@ ComponentMesh terrain_mesh(const TerrainDescription& terrain, std::optional<Loca
   return named_at(terrain.place, [&] { return read_raster(std::get<RasterTerrain>(terrain.kind), frame); });
 }
 
-NamedMesh object_mesh(const ObjectDescription& object) {
+bool is_curved(const ObjectDescription& object) {
+  return !object.facets && !std::holds_alternative<MeshFile>(object.kind) &&
+         !std::holds_alternative<BoxPrimitive>(object.kind);
+}
+
+NamedMesh object_mesh(const SceneDescription& scene, const ObjectDescription& object) {
   if (object.facets) return {*object.facets, {}, {}};
-  // The stated chord error is that of the facets in the scene, after scaling.
-  const double chord_error =
-      object.chord_error_m / *std::max_element(object.scale.begin(), object.scale.end());
+  // The chord error is that of the facets in the scene, after scaling.
+  const double chord_error = facet_fineness(scene, object).chord_error_m /
+                             *std::max_element(object.scale.begin(), object.scale.end());
   struct {
     const SourcePlace& place;
     double chord_error;
@@ -286,7 +291,7 @@ class Loader {
     std::vector<ComponentMesh> objects;
     std::vector<std::vector<NamedFacets>> names;
     for (const ObjectDescription& object : description_.objects) {
-      NamedMesh mesh = object_mesh(object);
+      NamedMesh mesh = object_mesh(description_, object);
       names.push_back(apply_mesh_materials(mesh, object, description_.materials));
       objects.push_back(std::move(mesh));
       place_object(objects.back(), object, frame_.value_or(LocalFrame()), [&](double east_m, double north_m) {
@@ -308,6 +313,7 @@ class Loader {
       add_component(std::move(objects[i]), o.name, o.material, o.material_place, o.place,
                     std::holds_alternative<MeshFile>(o.kind));
       report_.components.back().names = std::move(names[i]);
+      if (is_curved(o)) report_.components.back().fineness = facet_fineness(description_, o);
     }
   }
 

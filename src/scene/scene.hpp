@@ -7,6 +7,7 @@
 
 #include "geometry/facet_mesh.hpp"
 #include "geometry/world_grid.hpp"
+#include "scene/facet_fineness.hpp"
 #include "scene/georeference.hpp"
 #include "scene/scene_description.hpp"
 #include "scene/scene_water.hpp"
@@ -34,6 +35,7 @@ struct ComponentReport {
   std::size_t kept_outside_halfedge = 0;  ///< facets that OpenMesh refused and that take part all the same
   std::vector<NamedFacets> names;         ///< in the order of the file
   glm::dvec3 lo_m{0}, hi_m{0};            ///< extent in the local frame
+  FacetFineness fineness;                 ///< of a curved object; else 0
 };
 
 struct SceneReport {

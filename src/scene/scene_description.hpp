@@ -239,7 +239,9 @@ struct ObjectDescription {
   std::optional<std::array<double, 2>> position_lat_lon_deg;  ///< instead of x and y of position_m
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
   std::array<double, 3> scale{1, 1, 1};
-  double chord_error_m = 0.01;  ///< largest distance between a curved primitive and its facets
+  /// Largest distance between a curved primitive and its facets; else as fine as sensors see
+  /// (facet_fineness.hpp).
+  std::optional<double> chord_error_m;
   /// Put the object's lowest point this far above the terrain below its position (position z is then
   /// ignored).
   std::optional<double> on_terrain_m;
@@ -371,6 +373,8 @@ struct SensorDescription {
   double first_ping_s = 0;
   int pings = 1;
   double ping_interval_s = 0.1;
+  /// How far off a beam's height may be, relative, as its cones are cut by planes (angles.hpp).
+  double cone_tolerance = 4.5e-5;
   PatternDescription transmit, receive;
   SignalDescription signal;
   std::variant<DidsonDescription, SidescanDescription, MultibeamDescription, ImagingDescription,

@@ -161,7 +161,8 @@ const TomlSection<ObjectDescription>& object_section() {
   using Cylinder = CylinderPrimitive;
   using Cone = ConePrimitive;
   constexpr ValueRange mesh_unit{.lo = 0, .hi = 1e6, .lo_excluded = true};
-  static const auto chord_error = field("chord_error_m", &O::chord_error_m, {.ranges = {size}});
+  static const auto chord_error = field("chord_error_m", &O::chord_error_m,
+                                        {.ranges = {size}, .default_value = "as fine as the sensors see"});
   static const auto section =
       TomlSection<O>("[[objects]]")
           .keys({field("name", &O::name, {.required = true, .longest = limits::name_bytes}),

@@ -324,7 +324,8 @@ const TomlSection<SensorDescription>& sensor_section() {
                  field("first_ping_s", &S::first_ping_s, {.ranges = {{.lo = -1e10, .hi = 1e10}}}),
                  field("pings", &S::pings, {.ranges = {{.lo = 1, .hi = 1e7}}}),
                  field("ping_interval_s", &S::ping_interval_s,
-                       {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}})})
+                       {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}}),
+                 field("cone_tolerance", &S::cone_tolerance, {.ranges = {{.lo = 1e-9, .hi = 0.01}}})})
           .keys(pattern_fields("transmit", &S::transmit))
           .keys(pattern_fields("receive", &S::receive))
           .keys(signal_fields())

@@ -109,7 +109,7 @@ TEST(RefractionRun, FlatBedUnderOneGradientIsTheClosedForm) {
                         g, absorption, "refraction_tolerance_db = 0.005\nrefraction_gap_m = 0.0005\n"))),
                     g, absorption);
       EXPECT_LT(fine.worst_db, 0.01);
-      EXPECT_LT(fine.sum, 1e-4);
+      EXPECT_LT(fine.sum, 1.1e-4);
     }
   }
 }
@@ -118,14 +118,46 @@ TEST(RefractionRun, FlatBedUnderOneGradientIsTheClosedForm) {
 TEST(RefractionRun, EnergiesConvergeAtSecondOrderInTheEdges) {
   const double g = -1;
   std::vector<double> error;
-  for (const double gap : {0.16, 0.04, 0.01})
+  for (const double gap : {0.01, 0.0025, 0.000625})  // of larger facets totals are as good by their centres
     error.push_back(
         errors_of(echoes_of(scene_in(gradient(
                       g, 0, fmt::format("refraction_tolerance_db = 10\nrefraction_gap_m = {}\n", gap)))),
                   g, 0)
             .sum);
   EXPECT_LT(error[2], error[0] / 4) << error[0] << ' ' << error[1] << ' ' << error[2];
-  EXPECT_LT(error[2], 2e-3);
+  EXPECT_LT(error[2], 2e-4);
+}
+
+// What a coarse ground makes of energies is not all one way: large facets are as good as small ones on the
+// whole, and so is the default.
+TEST(RefractionRun, TotalsAreNotBiasedByTheTolerance) {
+  for (const double g : {-0.5, 0.016, 0.4}) {
+    const Errors usual = errors_of(echoes_of(scene_in(gradient(g))), g, 0);
+    EXPECT_LT(usual.sum, 1.5e-3) << g;
+    const Errors coarse = errors_of(
+        echoes_of(scene_in(gradient(g, 0, "refraction_tolerance_db = 10\nrefraction_gap_m = 0.05\n"))), g, 0);
+    EXPECT_LT(coarse.sum, 2e-3) << g;
+  }
+}
+
+double largest_gap_m(const TestFolder& folder, const std::string& scene) {
+  const auto out = folder / "out";
+  const Outcome run =
+      run_program({"run", folder.write("scene.toml", scene).string(), "-o", out.string(), "--quiet"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return nlohmann::json::parse(std::ifstream(out / "stats.json")).at("refraction").at("largest_gap_m");
+}
+
+TEST(RefractionRun, TheGapThatIsAskedForIsKept) {
+  const TestFolder folder;
+  for (const double gap : {1e-2, 1e-3, 1e-5}) {  // however long samples are
+    const std::string asked = replaced(scene_in(gradient(-1, 0, fmt::format("refraction_gap_m = {}\n", gap))),
+                                       "samples = 128", "samples = 8");
+    EXPECT_LE(largest_gap_m(folder, asked), gap);
+    const Outcome check = run_program({"check", (folder / "scene.toml").string()});
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+    EXPECT_THAT(check.out, HasSubstr("of where they are seen, asked: "));
+  }
 }
 
 TEST(RefractionRun, RaysSeeTheSameGround) {

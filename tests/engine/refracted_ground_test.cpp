@@ -126,13 +126,17 @@ TEST(RefractedGround, FlatBedUnderOneGradientConvergesToTheClosedForm) {
       EXPECT_TRUE(ground.unclear.empty());
       EXPECT_LE(ground.largest_gap_m, gap);
       const Echo echo = hear(ground.refined.mesh, ground.facet_factor, range_samples).echo;
-      double sum = 0;
+      double sum = 0, found = 0, wanted = 0;
       for (int k = 0; k < range_samples.count; ++k) {
         const double r1 = range_samples.first_m + k * range_samples.step_m, r2 = r1 + range_samples.step_m;
         const double truth = ring_energy(g, r1 / 1500, r2 / 1500);
-        EXPECT_NEAR(echo.energy[k] / truth, 1, 0.5 * gap) << g << ' ' << gap << ' ' << k;
+        // Factors are right for whole facets: far parts of a large one are off by more than near ones.
+        EXPECT_NEAR(echo.energy[k] / truth, 1, 0.55 * gap) << g << ' ' << gap << ' ' << k;
         sum += std::abs(echo.energy[k] - truth) / truth / range_samples.count;
+        found += echo.energy[k];
+        wanted += truth;
       }
+      EXPECT_NEAR(found / wanted, 1, 0.05 * gap) << g << ' ' << gap;  // a tenth of it, and not one way
       if (before > 0) {
         EXPECT_LT(sum, before / 2);
       }

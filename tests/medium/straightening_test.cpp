@@ -68,13 +68,17 @@ std::optional<double> factor_of(const Straightening& straight, const glm::dvec3 
                                 double absorption_db_per_m) {
   glm::dvec3 seen[3];
   CornerReturn returns[3];
+  const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+  const auto middle = straight.apparent(centre);
+  if (!middle) return {};
+  const CornerReturn between = corner_return(straight, centre, *middle, absorption_db_per_m);
   for (int i = 0; i < 3; ++i) {
     const auto image = straight.apparent(corners[i]);
     if (!image) return {};
     seen[i] = image->at_m - straight.apex_m();
     returns[i] = corner_return(straight, corners[i], *image, absorption_db_per_m);
   }
-  return facet_factor(corners, seen, returns, lambert_over);
+  return facet_factor(corners, seen, returns, &between, absorption_db_per_m, lambert_sigma);
 }
 
 TEST(Straightening, FacetFactorIsOneInEvenWater) {

@@ -184,6 +184,7 @@ roll_deg = 6
 first_ping_s = 1.5
 pings = 7
 ping_interval_s = 0.25
+cone_tolerance = 1e-6
 frequency_khz = 1100
 beams = 48
 beam_centres = "even"
@@ -460,6 +461,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(camera.first_ping_s, 1.5);
   EXPECT_EQ(camera.pings, 7);
   EXPECT_EQ(camera.ping_interval_s, 0.25);
+  EXPECT_EQ(camera.cone_tolerance, 1e-6);
   const auto& didson = std::get<DidsonDescription>(camera.kind);
   EXPECT_EQ(didson.frequency_khz, 1100);
   EXPECT_EQ(didson.beams, 48);

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "samples.hpp"
+#include "sensors/phase_noise.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,10 +24,10 @@ struct FlatBed {
 
   /// Echoes from `nearest_m` on, of a bed that is level in the frame of the sensor.
   explicit FlatBed(double nearest_m, double altitude_m, double coherence = 1,
-                   glm::dquat attitude = {1, 0, 0, 0}) {
+                   glm::dquat attitude = {1, 0, 0, 0}, double staff_m = baseline_m) {
     InterferometricDescription swath;
     swath.frequency_khz = 500;
-    swath.baseline_m = baseline_m;
+    swath.baseline_m = staff_m;
     swath.staff_tilt_deg = 30;
     swath.samples = 1000;
     swath.range_min_m = 10;
@@ -40,15 +41,15 @@ struct FlatBed {
     recording.ping_pose = {{{5, 7, -1}, attitude}};
     recording.altitude_m = {altitude_m};
     recording.sound_speed_m_s = 1500;
-    values.assign(3 * 2 * 1000, 0.0);
+    values.assign(4 * 2 * 1000, 0.0);
     for (std::size_t cell = 0; cell < 2000; ++cell) {
       const double range = 10 + (double(cell % 1000) + 0.5) * 0.03;
       if (range < std::max(nearest_m, depth_m)) continue;
       const double phase =
-          2 * std::numbers::pi * baseline_m / wavelength_m * std::sin(std::asin(depth_m / range) - tilt_rad);
-      values[cell] = 2;
-      values[2000 + cell] = 2 * coherence * std::cos(phase);
-      values[4000 + cell] = 2 * coherence * std::sin(phase);
+          2 * std::numbers::pi * staff_m / wavelength_m * std::sin(std::asin(depth_m / range) - tilt_rad);
+      values[cell] = values[2000 + cell] = 2;
+      values[4000 + cell] = 2 * coherence * std::cos(phase);
+      values[6000 + cell] = 2 * coherence * std::sin(phase);
     }
     recording.energy = values;
   }
@@ -103,6 +104,29 @@ TEST(InterferometricSoundings, NoiseOfTheReceiversLowersCoherenceAndWidensSigma)
                     (2 * std::numbers::pi * baseline_m * std::cos(clear[k].estimate.angle_rad - tilt_rad)),
                 1e-5 * clear[k].estimate.angle_sigma_rad);
   }
+}
+
+// Every line has its phase, and the errors of all lines have the law's variance, at any coherence.
+TEST(InterferometricSoundings, NoisyPhasesLoseNoLineAndHaveTheLawsVariance) {
+  for (const double coherence : {0.1, 0.3, 0.6, 0.9, 0.99})
+    for (const double baseline : {baseline_m, wavelength_m / 2}) {
+      FlatBed bed(0, 12, coherence, {1, 0, 0, 0}, baseline);
+      const auto clear = interferometric_soundings(bed.recording, 0, {});
+      double sum = 0, fourth = 0, count = 0;
+      for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const auto noisy = interferometric_soundings(bed.recording, 0, {0, true, seed});
+        ASSERT_EQ(noisy.size(), clear.size()) << "seed " << seed << ", coherence " << coherence;
+        for (std::size_t k = 0; k < noisy.size(); ++k) {
+          const double error = std::remainder(noisy[k].phase_rad - clear[k].phase_rad, 2 * std::numbers::pi);
+          sum += error * error;
+          fourth += std::pow(error, 4);
+          ++count;
+        }
+      }
+      const double variance = sum / count, sigma = std::sqrt((fourth / count - variance * variance) / count);
+      EXPECT_NEAR(variance, phase_variance(coherence), 4 * sigma) << coherence << ", seeds 1 to 20";
+      EXPECT_GT(count, 25000);
+    }
 }
 
 }  // namespace
