@@ -95,7 +95,7 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   const bool hears_all = description.receive.pattern != "none";
   const double from = angles.front() - half_across_rad, to = angles.back() + half_across_rad;
   const double margin_rad = lit_beyond_rad(description);
-  const int beyond = margin_rad > 0 ? slices_for(margin_rad) : 0;
+  const int beyond = margin_rad > 0 ? slices_for(margin_rad, description.cone_tolerance) : 0;
   const auto last = static_cast<std::uint32_t>(angles.size() - 1);
   if (hears_all || side_by_side(fan)) shot.sectors.push_back({{}, along_rad, frame});
   if (beyond > 0) {
@@ -111,8 +111,8 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
     for (std::uint32_t beam = 0; beam <= last; ++beam) {
       const double begin = beam == 0 ? from : (angles[beam - 1] + angles[beam]) / 2,
                    end = beam == last ? to : (angles[beam] + angles[beam + 1]) / 2;
-      cut(begin, end, slices_for(end - begin));
-      name(beam, slices_for(end - begin));
+      cut(begin, end, slices_for(end - begin, description.cone_tolerance));
+      name(beam, slices_for(end - begin, description.cone_tolerance));
     }
   } else {
     for (std::uint32_t beam = 0; beam <= last; ++beam) {
