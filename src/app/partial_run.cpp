@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "app/build_identity.hpp"
 #include "files/durable.hpp"
@@ -141,8 +142,10 @@ void PartialRun::keep_through(const std::function<void()>& work) const {
           dynamic_cast<const UsageError*>(&error) != nullptr ||
           dynamic_cast<const UnusableStore*>(&error) != nullptr)
         throw;
-      // What oneTBB says where memory for a thread's stack is short.
-      if (std::string_view(error.what()).starts_with("pthread_create"))
+      // What oneTBB and the standard library say where memory for a thread's stack is short.
+      const auto* system = dynamic_cast<const std::system_error*>(&error);
+      if (std::string_view(error.what()).starts_with("pthread_create") ||
+          (system != nullptr && system->code() == std::errc::resource_unavailable_try_again))
         throw std::runtime_error(
             fmt::format("no thread can be started ({}): too little memory (ulimit -v) or too many processes "
                         "(ulimit -u); {}",

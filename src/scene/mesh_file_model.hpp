@@ -27,7 +27,7 @@ struct Model {
 /// lights, cameras and animations are not read. Throws InputError.
 Model read_model(const std::filesystem::path& file, FileFormat format);
 
-/// What COLLADA says in its <asset>; a value that is not said, or is nonsense, is left out.
+/// What COLLADA says in its `asset`; a value that is not said, or is nonsense, is left out.
 DeclaredAxes collada_axes(std::string_view content);
 
 /// The bytes that a model is read from, by the names by which it asks for them.

@@ -223,8 +223,10 @@ double unevenness(const std::vector<glm::dvec3>& points, Corners polygon) {
   double farthest = 0;
   for (const std::uint32_t corner : polygon)
     farthest = std::max(farthest, std::abs(glm::dot(points[corner] - middle, area / length)));
-  constexpr double rounding = 4 * 0x1p-24;  // of each of three coordinates, and of the plane through them
-  return farthest > rounding * largest ? farthest : 0;
+  // Of single precision in each of three coordinates, and in the plane through them; and of texts of some
+  // digits.
+  constexpr double rounding = 4 * 0x1p-24, of_size = 1e-3;
+  return farthest > std::max(rounding * largest, of_size * std::sqrt(length)) ? farthest : 0;
 }
 
 }  // namespace tubefoot

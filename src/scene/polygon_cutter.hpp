@@ -39,7 +39,7 @@ class PolygonCutter {
 };
 
 /// How far a polygon's corners lie from the plane through their middle that has its side, at most; 0 where
-/// that is no more than the rounding of single-precision numbers.
+/// that is no more than the rounding of single-precision numbers, or a thousandth of its size.
 double unevenness(const std::vector<glm::dvec3>& points, std::span<const std::uint32_t> polygon);
 
 }  // namespace tubefoot

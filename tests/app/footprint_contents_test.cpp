@@ -218,7 +218,7 @@ TEST(FootprintChoice, ThatCannotBeIsRefused) {
               HasSubstr("-o"));
   EXPECT_THAT(
       refused({"--sensor", "camera", "--arithmetic", "double", "--rationals", (folder / "b").string()}),
-      HasSubstr("--arithmetic fixed, filtered or rational"));
+      HasSubstr("an exact arithmetic: fixed, filtered or rational"));
 }
 
 TEST(FootprintChoice, LeavesOutWhatFootprintsAreNot) {

@@ -172,8 +172,9 @@ TEST(InterferometricRun, NoReferenceCertifiesPhases) {
 TEST(InterferometricRun, DoublesHaveNoCommonFootprints) {
   const SceneRun run(scene(), {"--arithmetic", "double"});
   EXPECT_EQ(run.outcome.exit_code, 2);
-  EXPECT_NE(run.outcome.err.find("'swath' has two receivers a side, whose common footprints need an exact"),
-            std::string::npos)
+  EXPECT_NE(
+      run.outcome.err.find("'swath' has two receivers, and their common footprints need an exact arithmetic"),
+      std::string::npos)
       << run.outcome.err;
 }
 

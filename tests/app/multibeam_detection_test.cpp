@@ -164,6 +164,7 @@ TEST(MultibeamRun, ABeamThatTheWindowCutsIsFlaggedInEveryFile) {
   for (std::size_t beam = 0; beam < 101; ++beam)
     EXPECT_EQ(flags[beam], !status.contains(beam) ? 2 : status[beam] == "good" ? 0 : 1) << beam;
 
+  GDALAllRegister();
   const std::unique_ptr<GDALDataset> points(GDALDataset::Open(
       (folder / "out/energy_centroid-soundings.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
   ASSERT_TRUE(points);

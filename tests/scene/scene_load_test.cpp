@@ -196,10 +196,12 @@ TEST(Placement, LatitudeAndLongitudeNeedAGeoreference) {
 TEST(LoadScene, TheChordErrorHoldsAfterScaling) {
   SceneDescription d = pond();
   d.objects.push_back(object("ball", SpherePrimitive{1.0}));
+  d.objects[0].chord_error_m = 0.01;
   const std::size_t small = load_scene(d).report.components[1].facets;
   d.objects[0].scale = {10, 10, 10};
   const std::size_t scaled = load_scene(d).report.components[1].facets;
   d.objects[0] = object("ball", SpherePrimitive{10.0});
+  d.objects[0].chord_error_m = 0.01;
   EXPECT_EQ(scaled, load_scene(d).report.components[1].facets);
   EXPECT_GT(scaled, 5 * small);
 }
