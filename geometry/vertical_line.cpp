@@ -81,12 +81,13 @@ std::optional<FacetContact> contact_at(const FacetMesh& mesh, std::span<const Fa
     }
     if (outside) continue;
     using Part = FacetContact::Part;
-    return FacetContact{edges == 0   ? Part::facet
-                        : edges == 1 ? Part::edge
-                                     : Part::vertex,
-                        mesh.component[id]};
+    lowest = id;
+    found = FacetContact{edges == 0   ? Part::facet
+                         : edges == 1 ? Part::edge
+                                      : Part::vertex,
+                         mesh.component[id]};
   }
-  return std::nullopt;
+  return found;
 }
 
 void facets_near_vertical(const SceneTree& tree, GridPoint point, std::vector<FacetId>& out) {

@@ -69,6 +69,7 @@ struct Gate {
 struct Echo {
   int begin, end;
   double energy;  ///< of those that count, over that of the gate's largest sample
+  int gap;        ///< the widest one between samples that count
 };
 
 /// What counts in a gate, and where it parts.
@@ -108,7 +109,9 @@ class Counted {
       (nearer ? to : from) = middle;
       choice.next_energy = std::max(choice.next_energy, nearer ? far : near);
     }
-    choice.echo = {places_[from], places_[to - 1] + 1, energy(from, to)};
+    int widest = 0;
+    for (std::size_t k = from + 1; k < to; ++k) widest = std::max(widest, places_[k] - places_[k - 1] - 1);
+    choice.echo = {places_[from], places_[to - 1] + 1, energy(from, to), widest};
     return choice;
   }
 
@@ -145,8 +148,8 @@ Estimate centroid(const Gate& gate, const Counted& counted, const Echo& echo) {
   return {origin + moment, std::sqrt(variance)};
 }
 
-/// A range in the echo and the sample that holds it. Where that one does not count, the nearest border of one
-/// that does; of two as near the nearer one's.
+/// A range in the echo and the sample that holds it. Where that one does not count, the middle of the
+/// nearest one that does; of two as near the nearer one's.
 std::pair<double, int> onto_energy(double range_m, const Gate& gate, const Counted& counted,
                                    const Echo& echo) {
   const RangeSamples& samples = gate.samples;
@@ -157,8 +160,8 @@ std::pair<double, int> onto_energy(double range_m, const Gate& gate, const Count
   int before = place, after = place;
   while (!counted.has(before)) --before;
   while (!counted.has(after)) ++after;
-  if (range_m - border(before + 1) <= border(after) - range_m) return {border(before + 1), before};
-  return {border(after), after};
+  if (range_m - border(before + 1) <= border(after) - range_m) return {gate.middle(before), before};
+  return {gate.middle(after), after};
 }
 
 Estimate top(const Gate& gate) {
@@ -228,6 +231,9 @@ std::optional<Detection> detect_bottom(std::span<const double> energies_j, const
       const Estimate mean = centroid(gate, counted, echo);
       std::tie(detection.range_m, detection.sample) = onto_energy(mean.range_m, gate, counted, echo);
       detection.range_sigma_m = mean.sigma_m;
+      // Between two that no gap parts: the range is one's of them.
+      if (std::abs(detection.range_m - mean.range_m) > 2 * samples.step_m)
+        detection.flags.set(DetectionFlag::several_echoes);
       for (int k = echo.begin; k < echo.end; ++k)
         detection.energy_j = std::max(detection.energy_j, gate.energy(k));
       break;
@@ -241,8 +247,11 @@ std::optional<Detection> detect_bottom(std::span<const double> energies_j, const
       break;
     }
   }
-  // Whatever of its echo the method looks at: at the gate's border it goes on outside.
-  if (echo.begin == gate.begin || echo.end == gate.end) detection.flags.set(DetectionFlag::cut_by_window);
+  // Whatever of its echo the method looks at: at the gate's border it goes on outside. There samples may fade
+  // as they do within it.
+  const int faded = std::max(1, echo.gap);
+  if (echo.begin - gate.begin <= faded || gate.end - echo.end <= faded)
+    detection.flags.set(DetectionFlag::cut_by_window);
   constexpr double worth_telling = 0.1;
   if (next_energy >= worth_telling * echo.energy) detection.flags.set(DetectionFlag::several_echoes);
   const double noise_spread = (gate.end - gate.begin) * samples.step_m * evenly;

@@ -234,14 +234,17 @@ void require_able_to_run(const Survey& survey, bool with_reference) {
 
 void require_able(const Survey& survey, std::initializer_list<Feature> asked,
                   std::optional<std::size_t> sensor) {
-  std::vector<Feature> all(asked);
-  if (survey.scene.description.run.arithmetic == "double") all.push_back(double_arithmetic);
-  require(refused(survey, all, sensor));
+  require(refused(survey, std::span(asked.begin(), asked.size()), sensor));
+  for (const Feature one : asked) require_able(survey.scene.description.run, one);
 }
 
 void require_able(const RunDescription& run, Feature asked) {
-  std::vector<Feature> all = asked_by(run);
-  all.push_back(asked);
+  // Of tubes: rays and binnings are for runs.
+  std::vector<Feature> all{asked};
+  if (asked == reference)
+    all = asked_by(run), all.push_back(asked);
+  else if (run.arithmetic == "double")
+    all.push_back(double_arithmetic);
   require(refused(std::vector<Found>{}, all));
 }
 

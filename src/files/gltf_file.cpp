@@ -26,8 +26,8 @@ constexpr std::size_t most_words = std::size_t{256} << 20;
 constexpr int most_nesting = 64;
 
 /// What changes materials and textures only, or says no more than what is read anyway.
-constexpr std::string_view harmless_extensions[] = {"KHR_materials_", "KHR_texture_",          "EXT_texture_",
-                                                    "KHR_lights_",    "KHR_mesh_quantization", "KHR_xmp"};
+constexpr std::string_view harmless_extensions[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                                    "KHR_lights_", "KHR_xmp"};
 
 class GltfReader {
  public:

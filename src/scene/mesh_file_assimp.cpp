@@ -138,7 +138,10 @@ class Gathered {
     std::vector<std::string> names;
     const auto add = [&names](const aiString& name) {
       const std::string text(name.data, std::min<std::size_t>(name.length, sizeof name.data));
-      if (!text.empty() && std::ranges::find(names, text) == names.end()) names.push_back(text);
+      // Nodes that Assimp makes of an FBX's pivots are none of the file's.
+      if (text.find("_$AssimpFbx$") == text.npos && !text.empty() &&
+          std::ranges::find(names, text) == names.end())
+        names.push_back(text);
     };
     // What has no material, Assimp gives one of its own.
     if (mesh.mMaterialIndex < scene_.mNumMaterials)
@@ -300,9 +303,8 @@ std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileF
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-  for (const char* not_read : {AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS,
-                               AI_CONFIG_IMPORT_FBX_READ_CAMERAS, AI_CONFIG_IMPORT_FBX_READ_LIGHTS,
-                               AI_CONFIG_IMPORT_FBX_READ_TEXTURES})
+  for (const char* not_read : {AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, AI_CONFIG_IMPORT_FBX_READ_CAMERAS,
+                               AI_CONFIG_IMPORT_FBX_READ_LIGHTS, AI_CONFIG_IMPORT_FBX_READ_TEXTURES})
     importer.SetPropertyBool(not_read, false);
   const aiScene* scene = importer.ReadFile(name, 0);
   if (scene == nullptr) throw std::runtime_error(importer.GetErrorString());

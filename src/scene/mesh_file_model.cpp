@@ -12,6 +12,7 @@
 #include "files/gltf_file.hpp"
 #include "files/inlet.hpp"
 #include "files/memory_at_hand.hpp"
+#include "geometry/stop.hpp"
 #include "scene/mesh_file_apart.hpp"
 
 namespace tubefoot {
@@ -43,20 +44,25 @@ std::string_view between(std::string_view text, std::string_view from, std::stri
   return end == text.npos ? std::string_view() : text.substr(0, end);
 }
 
-/// Elements of XML within each other, as Assimp follows them by recursion.
-std::size_t nesting(std::string_view xml) {
-  std::size_t depth = 0, deepest = 0;
+/// Whether elements of XML lie in each other deeper than `most`: Assimp follows them by recursion.
+bool nests_deeper(std::string_view xml, std::size_t most) {
+  std::size_t depth = 0, steps = 0;
   for (std::size_t at = xml.find('<'); at != xml.npos; at = xml.find('<', at + 1)) {
-    const std::string_view next = xml.substr(at + 1, 1);
-    if (next == "/") {
+    if (++steps % 65536 == 0) stop_if_wanted();
+    const std::string_view rest = xml.substr(at + 1);
+    if (rest.starts_with("!--") || rest.starts_with("![CDATA[")) {
+      at = xml.find(rest.starts_with("!--") ? "-->" : "]]>", at);
+      if (at == xml.npos) return false;  // nothing follows
+    } else if (rest.starts_with('/')) {
       depth -= depth > 0 ? 1 : 0;
-    } else if (next != "?" && next != "!") {
+    } else if (!rest.starts_with('?') && !rest.starts_with('!')) {
       const std::size_t end = xml.find('>', at);
-      if (end != xml.npos && xml[end - 1] == '/') continue;
-      deepest = std::max(deepest, ++depth);
+      if (end == xml.npos) return false;  // nor is this an element
+      if (xml[end - 1] != '/' && ++depth > most) return true;
+      at = end;
     }
   }
-  return deepest;
+  return false;
 }
 
 /// "./numbers.bin" is "numbers.bin".
@@ -91,7 +97,7 @@ class ModelReader {
     if (format_ == FileFormat::gltf || format_ == FileFormat::gltf_binary)
       for (const GltfBuffer& buffer : gltf_buffers(file_)) take(without_dots(buffer.uri), buffer.file);
     constexpr std::size_t deepest = 1000;
-    if (format_ == FileFormat::collada && nesting(bytes_.at(main_name_)) > deepest)
+    if (format_ == FileFormat::collada && nests_deeper(bytes_.at(main_name_), deepest))
       fail(fmt::format("nests its elements deeper than {}", deepest));
     Model model = from_assimp();
     for (std::string& warning : model.soup.warnings) warning = fmt::format("{}: {}", place_.file, warning);

@@ -14,6 +14,8 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/stop.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -110,6 +112,7 @@ struct PolygonCutter::Plane {
     vertices.clear();
     runs.clear();
     for (std::size_t i = 0; i < corners.size(); ++i) {
+      stop_if_wanted();
       const std::size_t known = triangulation.number_of_vertices();
       const Vertex vertex = triangulation.insert(places[i]);
       if (triangulation.number_of_vertices() > known) vertex->info() = corners[i];
@@ -129,6 +132,7 @@ struct PolygonCutter::Plane {
   /// Along an edge of the polygon, from vertex to vertex of those that lie on it.
   void run(Vertex from, Vertex to) {
     while (from != to) {
+      stop_if_wanted();
       Vertex next = to;
       auto around = triangulation.incident_vertices(from);
       const auto first = around;

@@ -51,8 +51,6 @@ ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution
       refinements.rows != static_cast<std::size_t>(file.rows()))
     file.fail(fmt::format("has {} x {} supergrids over an overview of {} x {} cells", refinements.columns,
                           refinements.rows, file.columns(), file.rows()));
-  require_cells(reader, static_cast<double>(refinements.heights.size()),
-                fmt::format("{} nodes", refinements.heights.size()), "give a window or resolution_m");
   const RasterWindow& window = reader.window();
   const auto& g = reader.geotransform();
   const VariableGrid grid{refinements,
@@ -64,8 +62,24 @@ ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution
                           static_cast<std::size_t>(file.rows() - window.row - window.rows),
                           static_cast<std::size_t>(window.columns),
                           static_cast<std::size_t>(window.rows)};
+  double nodes = 0;
+  for (std::size_t row = 0; row < grid.rows; ++row)
+    for (std::size_t column = 0; column < grid.columns; ++column) {
+      const auto& supergrid = refinements.at(grid.row + row, grid.column + column);
+      nodes += static_cast<double>(supergrid.columns) * supergrid.rows;
+    }
+  constexpr const char* way_out =
+      "give a window, or write one resolution with gdal_translate -oo MODE=RESAMPLED_GRID";
+  require_cells(reader, nodes, fmt::format("{} nodes", nodes), way_out);
   ComponentMesh mesh = join_supergrids(grid, file.place());
-  if (resolution_m > 0) mesh = resampled(mesh, grid, resolution_m, file.place());
+  if (resolution_m > 0) {
+    const double step = resolution_m / reader.metres_per_unit();
+    require_cells(reader,
+                  static_cast<double>(grid.columns) * grid.cell_x / step * static_cast<double>(grid.rows) *
+                      grid.cell_y / step,
+                  fmt::format("cells of {:g} m", resolution_m), "choose a larger resolution_m, or a window");
+    mesh = resampled(mesh, grid, step, file.place());
+  }
   for (glm::dvec3& point : mesh.points_m) point.z = reader.height_m(point.z);
   return mesh;
 }

@@ -112,6 +112,12 @@ void RasterReader::carry(std::span<glm::dvec3> points, const LocalFrame& frame) 
                       p.x, p.y, p.z));
 }
 
+double RasterReader::metres_per_unit() const {
+  if (crs_.empty()) return 1;
+  OGRSpatialReference crs;
+  return crs.importFromWkt(crs_.c_str()) == OGRERR_NONE ? crs.GetLinearUnits() : 1;
+}
+
 void RasterReader::refuse_degrees(glm::dvec3 lo, glm::dvec3 hi) const {
   const glm::dvec3 size = hi - lo;
   if (!crs_.empty() || lo.x < -180 || hi.x > 360 || lo.y < -90 || hi.y > 90 ||

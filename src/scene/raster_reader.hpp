@@ -43,6 +43,8 @@ class RasterReader {
   /// From the band's values to metres upwards.
   double height_m(double value) const { return up_ * metres_(value); }
   bool is_in_degrees() const { return !crs_.empty() && is_geographic(crs_, file_.place()); }
+  /// Of a projected CRS; 1 without one.
+  double metres_per_unit() const;
   const RasterWindow& window() const { return window_; }
 
   /// Settles the frame of a scene without one, or checks that the raster has a place in it. Returns what the

@@ -58,7 +58,9 @@ bool is_read_by_tiles(const TerrainDescription& terrain, const SceneDescription&
                                    whole, terrain.name));
     return true;
   }
-  return whole == nullptr && RasterReader(*raster).window().cells() > most_cells_whole;
+  if (whole != nullptr) return false;
+  const RasterReader reader(*raster);
+  return !reader.file().has_variable_resolution() && reader.window().cells() > most_cells_whole;
 }
 
 /// What one square of the survey finds.

@@ -197,21 +197,24 @@ ComponentMesh resampled(const ComponentMesh& surface, const VariableGrid& grid, 
   const auto x_of = [&](std::size_t i) { return west + (static_cast<double>(i) + 0.5) * step; };
   const auto y_of = [&](std::size_t j) { return south + (static_cast<double>(j) + 0.5) * step; };
   std::vector<double> heights(columns * rows, std::numeric_limits<double>::quiet_NaN());
+  // Nodes are where single precision puts them: by that much a cell's centre may lie beside the outermost
+  // ones.
+  constexpr double rounding = 1e-6;
   const auto first_from = [step](double from, double lo, std::size_t count) {
     return static_cast<std::size_t>(
-        std::clamp(std::ceil((lo - from) / step - 0.5), 0., static_cast<double>(count)));
+        std::clamp(std::ceil((lo - from) / step - 0.5 - rounding), 0., static_cast<double>(count)));
   };
   for (const auto& [ia, ib, ic] : surface.triangles) {
     const glm::dvec3 a = surface.points_m[ia], b = surface.points_m[ib], c = surface.points_m[ic];
     const double area = turn(a, b, c);
     for (std::size_t j = first_from(south, std::min({a.y, b.y, c.y}), rows);
-         j < rows && y_of(j) <= std::max({a.y, b.y, c.y}); ++j)
+         j < rows && y_of(j) <= std::max({a.y, b.y, c.y}) + rounding * step; ++j)
       for (std::size_t i = first_from(west, std::min({a.x, b.x, c.x}), columns);
-           i < columns && x_of(i) <= std::max({a.x, b.x, c.x}); ++i) {
+           i < columns && x_of(i) <= std::max({a.x, b.x, c.x}) + rounding * step; ++i) {
         const glm::dvec2 p{x_of(i), y_of(j)};
         const double of_a = turn(p, b, c) / area, of_b = turn(a, p, c) / area, of_c = turn(a, b, p) / area;
         // Places on an edge are of either side, whichever way they are rounded.
-        if (std::min({of_a, of_b, of_c}) >= -1e-9)
+        if (std::min({of_a, of_b, of_c}) >= -rounding)
           heights[j * columns + i] = of_a * a.z + of_b * b.z + of_c * c.z;
       }
   }

@@ -296,7 +296,7 @@ TEST(VariableGrid, RefusesWhatItCannotBe) {
   refused([&] { good.read(terrain); }, "give resolution_m instead");
   terrain = {};
   terrain.resolution_m = 1e-3;
-  refused([&] { good.read(terrain); }, "choose another resolution_m");
+  refused([&] { good.read(terrain); }, "choose a larger resolution_m");
   terrain = {};
   terrain.file = good.file;
   std::optional<LocalFrame> frame;

@@ -89,12 +89,12 @@ TEST(BottomDetection, ACentroidInAShadowMovesToTheNearestEnergy) {
   std::vector<double> energies(400, 0.0);
   for (int k = 200; k < 205; ++k) energies[k] = energies[k + 8] = 1e-12;  // 205 to 207 are dark
   auto found = detect_bottom(energies, samples);
-  EXPECT_DOUBLE_EQ(found->range_m, samples.first_m + 205 * samples.step_m);
+  EXPECT_DOUBLE_EQ(found->range_m, middle(samples, 204));
   EXPECT_EQ(found->sample, 204);
   EXPECT_TRUE(found->flags.empty());
   energies[212] = 1.3e-12;  // the mean goes to the farther side of the gap
   found = detect_bottom(energies, samples);
-  EXPECT_DOUBLE_EQ(found->range_m, samples.first_m + 208 * samples.step_m);
+  EXPECT_DOUBLE_EQ(found->range_m, middle(samples, 208));
   EXPECT_EQ(found->sample, 208);
 }
 
@@ -102,14 +102,18 @@ TEST(BottomDetection, AnEchoAtTheWindowsEndIsFlagged) {
   for (const DetectionMethod method : methods) {
     SCOPED_TRACE(name_of(method));
     std::vector<double> energies(400, 0.0);
-    for (int k = 380; k < 399; ++k) energies[k] = 1e-12;
+    for (int k = 380; k < 398; ++k) energies[k] = 1e-12;
     EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.empty());
+    energies[394] = energies[395] = 0;  // samples fade, and may at the window's end
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
+    for (int k = 394; k < 400; ++k) energies[k] = k < 399 ? 1e-12 : 0;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
     energies[399] = 1e-12;
     EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
     energies.assign(400, 0.0);
     for (int k = 0; k < 9; ++k) energies[k] = 1e-12;
     EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
-    energies[0] = 0;
+    energies[0] = energies[1] = 0;
     EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.empty());
   }
   EXPECT_STREQ(name_of(DetectionFlags{}), "good");
