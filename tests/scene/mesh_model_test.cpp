@@ -101,6 +101,36 @@ TEST(Models, WhatTheFileDeclaresIsTaken) {
      {0.01, -0.005, 0}, {0.04, 0, 0.02});
 }
 
+// What an FBX turns its nodes by besides: the inverse of PostRotation, about the node's own axes.
+TEST(Models, PivotsOfAnFbxTurnAsTheyShould) {
+  const SceneFolder folder;
+  std::string text = fbx_model();
+  const std::string hull = "\"A\",3,0,0\n";
+  const std::size_t at = text.find(hull);
+  ASSERT_NE(at, text.npos);
+  text.insert(at + hull.size(),
+              "\t\t\tP: \"RotationActive\", \"bool\", \"\", \"\",1\n"
+              "\t\t\tP: \"PostRotation\", \"Vector3D\", \"Vector\", \"\",0,0,90\n");
+  const NamedMesh mesh = read(folder, {"m.fbx", text});
+  const Box box = box_of(mesh);
+  EXPECT_LT(glm::distance(box.lo, glm::dvec3(3, -1, 0)), 1e-6);
+  EXPECT_LT(glm::distance(box.hi, glm::dvec3(5, 2, 0.5)), 1e-6);
+  for (const std::vector<std::string>& names : mesh.names)
+    for (const std::string& name : names) EXPECT_EQ(name.find("AssimpFbx"), name.npos) << name;
+}
+
+// Positions in whole numbers are what the reader cannot take.
+TEST(Models, QuantisedPositionsAreRefused) {
+  const SceneFolder folder;
+  std::string text = gltf_model(R"(,"uri":"numbers.bin")");
+  text.insert(text.find('{') + 1, R"("extensionsRequired":["KHR_mesh_quantization"],)");
+  EXPECT_THAT(
+      [&] {
+        read(folder, {"m.gltf", text});
+      },
+      ThrowsMessage<InputError>(HasSubstr("KHR_mesh_quantization")));
+}
+
 TEST(Models, WhatNeitherFileNorSceneSaysIsRefused) {
   const SceneFolder folder;
   const auto refused = [&](const Sample& sample, const MeshAxes& axes, const char* what) {
