@@ -203,6 +203,13 @@ void check_places(Survey& survey) {
       if (sensor.has_receiver_apart())
         check_place(survey, patch, pings, ping, pings.receiver_pose(ping, 0).position_m,
                     "the receiver of " + what, receiver_inside);
+      if (sensor.has_staff())
+        for (const Fringe& staff : sensor.patterns(pings.poses[ping], pings.sound_speed_m_s, 0).fringes)
+          for (const double end : {1.0, -1.0})
+            check_place(survey, patch, pings, ping,
+                        pings.poses[ping].position_m + end * staff.baseline_m / 2 * staff.axis,
+                        fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what),
+                        receiver_inside);
       // Of the later shots of a ping only what would spoil them.
       for (std::size_t shot = 1; shot < sensor.shots(); ++shot) {
         const auto check = [&](glm::dvec3 at_m, glm::dvec3 before_m, const std::string& who) {

@@ -169,6 +169,35 @@ TEST(InterferometricRun, NoReferenceCertifiesPhases) {
   EXPECT_NE(run.outcome.err.find("'swath' has two receivers"), std::string::npos) << run.outcome.err;
 }
 
+// Half a baseline is longer than the sonar is high: one receiver would lie in the bed, and hear nothing.
+TEST(InterferometricRun, AReceiverInTheBedIsRefused) {
+  const TestFolder folder;
+  const auto file = folder.write("scene.toml", R"(
+[[materials]]
+name = "mud"
+[[terrain]]
+kind = "flat"
+width_m = 60
+length_m = 60
+[trajectory]
+kind = "fixed"
+position_m = [0, 0, 0.9]
+[[sensors]]
+name = "swath"
+kind = "interferometric"
+staff_tilt_deg = 0
+baseline_m = 2
+range_min_m = 2
+range_max_m = 20
+samples = 64
+)");
+  const Outcome check = run_program({"check", file.string()});
+  EXPECT_EQ(check.exit_code, 2) << check.out;
+  EXPECT_NE(check.err.find("the lower receiver of sensor 'swath' is 0.1 m below the seabed"),
+            std::string::npos)
+      << check.err;
+}
+
 TEST(InterferometricRun, DoublesHaveNoCommonFootprints) {
   const SceneRun run(scene(), {"--arithmetic", "double"});
   EXPECT_EQ(run.outcome.exit_code, 2);
