@@ -49,7 +49,7 @@ double best_ms(int repetitions, const Run& run) {
   return best;
 }
 
-void measure(int n, int tubes, int repetitions, const std::string& only) {
+void measure_patterns(int n, int tubes, int repetitions, const std::string& only) {
   const FacetMesh mesh = benchmark_terrain(n);
   const SceneTree tree(mesh);
   AngularGrid grid;
@@ -108,5 +108,5 @@ void measure(int n, int tubes, int repetitions, const std::string& only) {
 
 int main(int argc, char** argv) {
   const auto number = [&](int k, int otherwise) { return argc > k ? std::atoi(argv[k]) : otherwise; };
-  tubefoot::measure(number(1, 400), number(2, 96), number(3, 3), argc > 4 ? argv[4] : "");
+  tubefoot::measure_patterns(number(1, 400), number(2, 96), number(3, 3), argc > 4 ? argv[4] : "");
 }

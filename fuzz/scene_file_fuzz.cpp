@@ -64,7 +64,7 @@ bool is_modest(const ObjectDescription& object) {
   if (const auto* cylinder = std::get_if<CylinderPrimitive>(&object.kind)) radius = cylinder->radius_m;
   if (const auto* cone = std::get_if<ConePrimitive>(&object.kind))
     radius = std::max(cone->radius_m, cone->top_radius_m);
-  return radius * scale <= 200 * object.chord_error_m;
+  return !object.chord_error_m || radius * scale <= 200 * *object.chord_error_m;
 }
 
 bool is_modest(const SensorDescription& sensor) {

@@ -44,7 +44,6 @@ enum class Feature : unsigned char {
   shot,   ///< of the Python module, traced by itself
 };
 inline constexpr int features = static_cast<int>(Feature::shot) + 1;
-inline constexpr int features_of_scenes = static_cast<int>(Feature::reference);
 
 /// As in docs/abilities.md.
 std::string_view name_of(Feature feature);

@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "files/limits.hpp"
 #include "geometry/stop.hpp"
 #include "scene/raster_reader.hpp"
 
@@ -189,10 +188,11 @@ ComponentMesh resampled(const ComponentMesh& surface, const VariableGrid& grid, 
                width = static_cast<double>(grid.columns) * grid.cell_x,
                length = static_cast<double>(grid.rows) * grid.cell_y;
   const double across = std::round(width / step), up = std::round(length / step);
-  if (across < 2 || up < 2 || across * up > limits::cells)
-    throw InputError(place, fmt::format("{:g} x {:g} in cells of {:g} are {:g} x {:g}, expected at least 2 x "
-                                        "2 and {:.3g} together: choose another resolution_m, or a window",
-                                        width, length, step, across, up, limits::cells));
+  if (across < 2 || up < 2)
+    throw InputError(place,
+                     fmt::format("{:g} x {:g} in cells of {:g} are {:g} x {:g}, expected at least 2 x 2: "
+                                 "choose a smaller resolution_m",
+                                 width, length, step, across, up));
   const auto columns = static_cast<std::size_t>(across), rows = static_cast<std::size_t>(up);
   const auto x_of = [&](std::size_t i) { return west + (static_cast<double>(i) + 0.5) * step; };
   const auto y_of = [&](std::size_t j) { return south + (static_cast<double>(j) + 0.5) * step; };

@@ -27,7 +27,7 @@ ComponentMesh join_supergrids(const VariableGrid& grid, const SourcePlace& place
 
 /// Heights of the surface that the facets form, at the centres of square cells of `step` from the grid's
 /// south-west corner on: points and facets of a raster of one resolution. What of a cell has no surface is a
-/// hole. Throws InputError for more than limits::cells.
+/// hole. Throws InputError for less than 2 x 2 cells; how many are too many is the caller's to say.
 ComponentMesh resampled(const ComponentMesh& surface, const VariableGrid& grid, double step,
                         const SourcePlace& place);
 
