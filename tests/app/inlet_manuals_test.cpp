@@ -10,7 +10,7 @@
 
 #include "app/inlet.hpp"
 #include "app/inlet_files.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
 namespace {

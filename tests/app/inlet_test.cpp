@@ -13,7 +13,7 @@
 
 #include "app/hostile.hpp"
 #include "app/inlet_files.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
 namespace {

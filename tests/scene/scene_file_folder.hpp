@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "scene/scene_description.hpp"
+#include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
 

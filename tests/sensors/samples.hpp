@@ -13,7 +13,7 @@
 #include <numbers>
 #include <string>
 
-#include "sensors/recording.hpp"
+#include "sensors/recordings/recording.hpp"
 
 // Small sensors and recordings for the tests of this folder.
 namespace tubefoot::samples {
