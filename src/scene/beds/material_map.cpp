@@ -11,9 +11,9 @@
 #include <glm/common.hpp>
 #include <stdexcept>
 
+#include "files/words.hpp"
 #include "geometry/work/stop.hpp"
 #include "scene/beds/material_map_sources.hpp"
-#include "scene/file/scene_file_words.hpp"
 
 namespace tubefoot {
 

@@ -8,10 +8,10 @@
 #include <set>
 
 #include "files/gdal_input.hpp"
+#include "files/words.hpp"
 #include "geometry/work/stop.hpp"
 #include "scene/beds/material_map_gdal.hpp"
 #include "scene/beds/material_map_sources.hpp"
-#include "scene/file/scene_file_words.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,11 +10,11 @@
 #include "files/grid_words.hpp"
 #include "files/inlet.hpp"
 #include "files/limits.hpp"
+#include "files/words.hpp"
 #include "geometry/work/stop.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/file/scene_file_sections.hpp"
 #include "scene/file/scene_file_tables.hpp"
-#include "scene/file/scene_file_words.hpp"
 #include "scene/file/sensor_presets.hpp"
 
 namespace tubefoot {

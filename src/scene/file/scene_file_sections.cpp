@@ -9,7 +9,6 @@
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/file/scene_file_scattering.hpp"
 #include "scene/file/scene_file_tables.hpp"
-#include "scene/file/scene_file_words.hpp"
 
 namespace tubefoot {
 namespace {

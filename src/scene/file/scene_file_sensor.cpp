@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "files/limits.hpp"
+#include "files/words.hpp"
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/file/scene_file_sections.hpp"
-#include "scene/file/scene_file_words.hpp"
 #include "scene/file/sensor_presets.hpp"
 
 namespace tubefoot {

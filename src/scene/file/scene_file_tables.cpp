@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "scene/file/scene_file_words.hpp"
+#include "files/words.hpp"
 
 namespace tubefoot {
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "files/limits.hpp"
+#include "files/words.hpp"
 #include "scene/file/scene_file_words.hpp"
 
 namespace tubefoot {

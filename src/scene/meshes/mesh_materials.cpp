@@ -7,7 +7,7 @@
 #include <map>
 #include <string_view>
 
-#include "scene/file/scene_file_words.hpp"
+#include "files/words.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,8 +10,8 @@
 #include <sstream>
 #include <vector>
 
+#include "files/words.hpp"
 #include "scene/file/scene_file_keys.hpp"
-#include "scene/file/scene_file_words.hpp"
 #include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
