@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/echo/echo.hpp"
+#include "engine/law/range_samples.hpp"
 
 namespace tubefoot {
 

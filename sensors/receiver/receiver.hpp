@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/echo/echo.hpp"
+#include "engine/law/range_samples.hpp"
 #include "sensors/receiver/speckle.hpp"
 
 namespace tubefoot {

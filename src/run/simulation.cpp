@@ -17,6 +17,7 @@
 #include "engine/certified/reference.hpp"
 #include "engine/echo/bistatic_echo.hpp"
 #include "engine/echo/echo.hpp"
+#include "engine/echo/finer_relief.hpp"
 #include "engine/echo/staff_echo.hpp"
 #include "engine/paths/path_echo.hpp"
 #include "engine/rays/ray_engine.hpp"

@@ -10,18 +10,12 @@
 
 #include "engine/law/beam_pattern.hpp"
 #include "engine/law/facet_map.hpp"
+#include "engine/law/range_samples.hpp"
 #include "engine/law/reflectivity_field.hpp"
 #include "engine/law/scattering_law.hpp"
 #include "engine/sight/history.hpp"
 
 namespace tubefoot {
-
-/// Range samples of a receiver: sample k covers slant ranges [first + k step, first + (k+1) step).
-struct RangeSamples {
-  double first_m = 0;
-  double step_m = 0;
-  int count = 0;
-};
 
 /// How a path's energy follows from its geometry: a scattering law per material, spherical spreading both
 /// ways, absorption both ways. Source energy: 1 J/sr at 1 m.

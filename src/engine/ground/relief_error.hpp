@@ -6,10 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/echo/bistatic_echo.hpp"
 #include "engine/relief/elevation_field.hpp"
-#include "engine/sight/history.hpp"
-#include "geometry/mesh/facet_mesh.hpp"
 
 // What relief finer than a mesh would change, as docs/textures.md derives it ("Refinement").
 namespace tubefoot {
@@ -46,22 +43,10 @@ struct Resolution {
   double beam_rad = 0.01;   ///< width of a beam, one way
 };
 
+/// Cotangent of a grazing angle; of less than about a degree, where next to nothing is scattered, that of it.
+double grazing_cotangent(double sine);
+
 /// RMS change of a range sample's energy, relative, by the relief that a mesh leaves out: an estimate.
 double omitted_change(const ElevationField::LeftOut& left_out, double edge2_m2, const Resolution& cell);
-
-/// Energy-weighted means, over what a history saw, of how much finer relief would change a facet's energy,
-/// relative and to first order. Estimates; neither is a proven bound.
-struct FinerRelief {
-  double largest = 0;  ///< with the largest omitted slope and height everywhere at once: from above
-  double rms = 0;      ///< with their root mean squares: typical
-  double weight = 0;   ///< of the means in a sum
-
-  FinerRelief& operator+=(const FinerRelief& o);
-};
-FinerRelief finer_relief(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
-                         double sample_m);
-/// Of a transmitter and a receiver apart.
-FinerRelief finer_relief(const BistaticHistory& history, const FacetMesh& mesh, const OmittedRelief& omitted,
-                         double sample_m);
 
 }  // namespace tubefoot

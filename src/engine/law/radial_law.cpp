@@ -6,12 +6,6 @@
 
 namespace tubefoot {
 
-std::vector<double> sample_borders_m(const RangeSamples& samples) {
-  std::vector<double> borders;
-  for (int k = 0; k <= samples.count; ++k) borders.push_back(samples.first_m + k * samples.step_m);
-  return borders;
-}
-
 double two_way_absorption_per_m(double absorption_db_per_m) {
   return 2 * absorption_db_per_m * std::numbers::ln10 / 10;
 }

@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "engine/echo/echo.hpp"
+#include "engine/echo/finer_relief.hpp"
 #include "engine/sight/tube_engine.hpp"
 
 namespace tubefoot {
