@@ -6,7 +6,7 @@
 #include <span>
 
 #include "scene/rasters/georeference.hpp"
-#include "sensors/detection/soundings.hpp"
+#include "sensors/detection/sounding.hpp"
 
 namespace tubefoot {
 

@@ -10,8 +10,10 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "sensors/detection/sounding_grid.hpp"
 #include "sensors/formats/soundings_file.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/pictures/depth_picture.hpp"
 #include "sensors/products/multibeam_formats.hpp"
 
 namespace tubefoot {
@@ -232,9 +234,9 @@ class MultibeamFiles {
       warnings_.push_back(fmt::format(
           "the picture of '{}' has no labels: no font was found (on Debian, install fonts-dejavu-core)",
           name_));
-    grid_->draw(name_, font).write_png(new_file("-depth", ".png"), name_);
+    draw_depths(grid_->depths(), name_, font).write_png(new_file("-depth", ".png"), name_);
     if (ideal_grid_ && !ideal_grid_->depths().empty())
-      ideal_grid_->draw(name_ + "   by an ideal receiver", font)
+      draw_depths(ideal_grid_->depths(), name_ + "   by an ideal receiver", font)
           .write_png(new_file("-depth-ideal", ".png"), name_);
   }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sensors/detection/bottom_detection.hpp"
-#include "sensors/detection/soundings.hpp"
+#include "sensors/detection/sounding.hpp"
 #include "sensors/products/products.hpp"
 
 namespace tubefoot {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/detection/soundings.hpp"
-
 #include <OpenImageIO/imagebuf.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
@@ -10,8 +8,10 @@
 #include <cmath>
 #include <sstream>
 
+#include "sensors/detection/sounding_grid.hpp"
 #include "sensors/formats/soundings_file.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
+#include "sensors/pictures/depth_picture.hpp"
 #include "sensors/samples.hpp"
 
 namespace tubefoot {
@@ -255,7 +255,7 @@ TEST(SoundingGrid, LinesFillOnlyCellsThatHaveNoSounding) {
 TEST(SoundingGrid, IsDrawnLitFromTheNorthWest) {
   const samples::TemporaryFolder folder;
   const std::filesystem::path file = folder / "hill.png";
-  hill().draw("a hill", label_font()).write_png(file, "");
+  draw_depths(hill().depths(), "a hill", label_font()).write_png(file, "");
   const OIIO::ImageBuf image(file.string());
   // 200 x 120 cells at 4.5 pixels from (120, 108).
   const auto at = [&](double east, double north) {
@@ -264,7 +264,7 @@ TEST(SoundingGrid, IsDrawnLitFromTheNorthWest) {
   EXPECT_GT(at(-4, 4), at(4, -4) + 0.3) << "the north-western flank is lit";
   EXPECT_GT(at(0.1, 0.1), at(-30, -20)) << "the top is paler than the deep bed";
   EXPECT_NEAR(at(45, 25), 3 * 0.165, 0.02) << "no soundings, no colour";
-  EXPECT_THAT([] { SoundingGrid(LocalFrame(), 1).draw("", ""); },
+  EXPECT_THAT([] { draw_depths(SoundingGrid(LocalFrame(), 1).depths(), "", ""); },
               ThrowsMessage<std::runtime_error>(HasSubstr("no soundings")));
 }
 

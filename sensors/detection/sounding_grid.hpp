@@ -1,31 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
-#include <string>
 
 #include "scene/rasters/georeference.hpp"
-#include "sensors/detection/bottom_detection.hpp"
 #include "sensors/detection/cell_means.hpp"
-#include "sensors/pictures/canvas.hpp"
+#include "sensors/detection/sounding.hpp"
 
 namespace tubefoot {
-
-/// A place of the bed that a beam found.
-struct Sounding {
-  std::uint32_t ping = 0, beam = 0;  ///< counted from 0
-  double time_s = 0;                 ///< of the transmission, on the scene's clock
-  glm::dvec3 position_m{0};          ///< east, north, up in the local frame
-  double two_way_travel_time_s = 0;
-  double slant_range_m = 0;
-  double beam_angle_deg = 0;  ///< of the beam's axis from straight down of the sensor, starboard positive
-  double amplitude = 0;       ///< of the sample that was picked, as the time series has it
-  double quality = 0;         ///< 0 to 1, of the detector
-  DetectionMethod method = DetectionMethod::maximum;
-  DetectionFlags flags;  ///< what makes it doubtful
-};
 
 /// Mean depth of soundings per cell. Depths are positive down from height 0: minus up, minus the height of
 /// the frame's origin. (In a tangent frame, below the plane at height 0: the ellipsoid falls away from it by
@@ -45,9 +28,6 @@ class SoundingGrid {
   /// Float32 GeoTIFF, band "Depth" in metres (write_cells). Throws std::runtime_error, also without
   /// soundings.
   void write_tiff(const std::filesystem::path& file) const;
-  /// A picture to look at: shaded relief lit from the north-west, coloured by depth, with axes, scale and
-  /// legend. Throws std::runtime_error without soundings.
-  Canvas draw(const std::string& title, const std::string& font) const;
 
  private:
   void add(glm::dvec3 position_m, double weight);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/detection/soundings.hpp"
+#include "sensors/pictures/depth_picture.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "sensors/pictures/decibel_scale.hpp"
@@ -68,42 +69,12 @@ Colour lit_colour(Colour colour, double shade) {
   return shade < 1 ? mix(black, colour, 0.25 + 0.75 * shade) : mix(colour, white, 0.8 * (shade - 1));
 }
 
-bool belongs_into_a_grid(const Sounding& sounding) {
-  const glm::dvec3& p = sounding.position_m;
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
-         !sounding.flags.has(DetectionFlag::cut_by_window);
-}
-
 }  // namespace
 
-SoundingGrid::SoundingGrid(LocalFrame frame, double cell_m) : frame_(std::move(frame)), depths_(cell_m) {}
-
-void SoundingGrid::add(const Sounding& sounding) {
-  if (belongs_into_a_grid(sounding)) add(sounding.position_m, 1);
-}
-
-void SoundingGrid::add_between(const Sounding& from, const Sounding& to) {
-  if (!belongs_into_a_grid(from) || !belongs_into_a_grid(to)) return;
-  const glm::dvec3 way = to.position_m - from.position_m;
-  // Twice a cell, so that no cell is stepped over that the line crosses by more than half of one.
-  const int steps = static_cast<int>(std::ceil(2 * std::hypot(way.x, way.y) / depths_.cell_m()));
-  constexpr double next_to_nothing = 1e-9;
-  for (int k = 1; k < steps; ++k)
-    add(from.position_m + way * (static_cast<double>(k) / steps), next_to_nothing);
-}
-
-void SoundingGrid::add(glm::dvec3 p, double weight) {
-  depths_.add(p.x, p.y, -(p.z + frame_.origin_height_m()), weight);
-}
-
-void SoundingGrid::write_tiff(const std::filesystem::path& file) const {
-  write_cells(file, depths_, frame_, "Depth", "m");
-}
-
-Canvas SoundingGrid::draw(const std::string& title, const std::string& font) const {
-  if (depths_.empty()) throw std::runtime_error("there are no soundings to draw");
-  const CellMeans::Extent& extent = depths_.extent();
-  const double cell = depths_.cell_m();
+Canvas draw_depths(const CellMeans& depths, const std::string& title, const std::string& font) {
+  if (depths.empty()) throw std::runtime_error("there are no soundings to draw");
+  const CellMeans::Extent& extent = depths.extent();
+  const double cell = depths.cell_m();
   const double longest = static_cast<double>(std::max(extent.columns(), extent.rows()));
   const double pixels_per_cell = longest_side / longest;
   const auto pixels = [&](std::int64_t cells) {
@@ -114,17 +85,17 @@ Canvas SoundingGrid::draw(const std::string& title, const std::string& font) con
   const int page_width = std::max(width, shortest_side), page_height = std::max(height, shortest_side);
   Canvas canvas(left + page_width + legend_width + margin, top + page_height + axis_height + margin,
                 palette.background, font);
-  const DepthRange range = range_of(depths_);
+  const DepthRange range = range_of(depths);
 
   // Large grids: each pixel shows the cell under its middle.
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::int64_t column = extent.west + static_cast<std::int64_t>((x + 0.5) / pixels_per_cell);
       const std::int64_t row = extent.north - 1 - static_cast<std::int64_t>((y + 0.5) / pixels_per_cell);
-      const double depth = depths_.mean(column, row);
+      const double depth = depths.mean(column, row);
       if (std::isnan(depth)) continue;
       canvas.blend(left + x, top + y,
-                   lit_colour(depth_colour(range.part(depth)), shade(depths_, column, row)));
+                   lit_colour(depth_colour(range.part(depth)), shade(depths, column, row)));
     }
 
   const int right = left + width, bottom = top + height;

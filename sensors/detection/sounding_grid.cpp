@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/detection/sounding_grid.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace tubefoot {
+namespace {
+
+bool belongs_into_a_grid(const Sounding& sounding) {
+  const glm::dvec3& p = sounding.position_m;
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
+         !sounding.flags.has(DetectionFlag::cut_by_window);
+}
+
+}  // namespace
+
+SoundingGrid::SoundingGrid(LocalFrame frame, double cell_m) : frame_(std::move(frame)), depths_(cell_m) {}
+
+void SoundingGrid::add(const Sounding& sounding) {
+  if (belongs_into_a_grid(sounding)) add(sounding.position_m, 1);
+}
+
+void SoundingGrid::add_between(const Sounding& from, const Sounding& to) {
+  if (!belongs_into_a_grid(from) || !belongs_into_a_grid(to)) return;
+  const glm::dvec3 way = to.position_m - from.position_m;
+  // Twice a cell, so that no cell is stepped over that the line crosses by more than half of one.
+  const int steps = static_cast<int>(std::ceil(2 * std::hypot(way.x, way.y) / depths_.cell_m()));
+  constexpr double next_to_nothing = 1e-9;
+  for (int k = 1; k < steps; ++k)
+    add(from.position_m + way * (static_cast<double>(k) / steps), next_to_nothing);
+}
+
+void SoundingGrid::add(glm::dvec3 p, double weight) {
+  depths_.add(p.x, p.y, -(p.z + frame_.origin_height_m()), weight);
+}
+
+void SoundingGrid::write_tiff(const std::filesystem::path& file) const {
+  write_cells(file, depths_, frame_, "Depth", "m");
+}
+
+}  // namespace tubefoot
