@@ -3,21 +3,12 @@
 
 #include <optional>
 
-#include "scene/rasters/georeference.hpp"
 #include "sensors/receiver/receiver.hpp"
 #include "sensors/recordings/heard.hpp"
 #include "sensors/recordings/recording.hpp"
+#include "sensors/recordings/run_context.hpp"
 
 namespace tubefoot {
-
-/// What the files of a recording need to know of its run.
-struct RunContext {
-  LocalFrame frame;         ///< where the scene lies on Earth, if it says so
-  double start_unix_s = 0;  ///< UTC of the recording's time 0
-  std::uint64_t seed = 1;   ///< of speckle and noise
-  WaterDescription water;
-  std::string title;
-};
 
 /// The receiver that a sensor's description asks for. With a pulse length its levels are those of that pulse.
 ReceiverChain receiver_of(const Recording& recording, const RunContext& run);

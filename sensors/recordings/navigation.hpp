@@ -4,8 +4,9 @@
 #include <vector>
 
 #include "scene/rasters/earth_place.hpp"
-#include "sensors/products/products.hpp"
 #include "sensors/recordings/pose_angles.hpp"
+#include "sensors/recordings/recording.hpp"
+#include "sensors/recordings/run_context.hpp"
 
 namespace tubefoot {
 

@@ -12,18 +12,13 @@
 #include "geometry/numbers/world_grid.hpp"
 #include "scene/beds/facet_fineness.hpp"
 #include "scene/description/scene_description.hpp"
+#include "scene/meshes/mesh_materials.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/terrain_tiles.hpp"
 #include "scene/scene_water.hpp"
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {
-
-/// Facets of a mesh file that go by the same name in it.
-struct NamedFacets {
-  std::string name, material;  ///< in the file, in the scene
-  std::size_t facets = 0;
-};
 
 /// What loading one component met.
 struct ComponentReport {

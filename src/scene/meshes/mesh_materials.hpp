@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <string>
 #include <vector>
 
 #include "scene/description/scene_description.hpp"
 #include "scene/meshes/mesh_file.hpp"
-#include "scene/scene.hpp"
 
 namespace tubefoot {
+
+/// Facets of a mesh file that go by the same name in it.
+struct NamedFacets {
+  std::string name, material;  ///< in the file, in the scene
+  std::size_t facets = 0;
+};
 
 /// Gives each facet of an object's mesh file the material that the object's table has for the first of its
 /// names that is in the table, else the object's own. Returns what the facets go by, in the order of the
