@@ -5,6 +5,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "advice/advice.hpp"
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "files/checked_file.hpp"

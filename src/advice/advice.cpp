@@ -11,6 +11,7 @@
 #include "files/usage_error.hpp"
 #include "geometry/work/stop.hpp"
 #include "run/console/progress.hpp"
+#include "run/console/say.hpp"
 #include "run/settings.hpp"
 #include "study/ping_spread.hpp"
 
@@ -302,12 +303,26 @@ std::string command_options(const RunDescription& run) {
   return fmt::format("--engine tube --arithmetic {} --binning {}", run.arithmetic, run.binning);
 }
 
-Tolerance asked_tolerance(const std::string& text) {
-  try {
-    return parse_tolerance(text);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(fmt::format("--tolerance {}", error.what()));
-  }
+Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {
+  AdviceOptions options;
+  options.measure = false;   // all of its time is the user's waiting
+  options.largest_cost = 1;  // dearer rays would not be chosen
+  options.seed = description.run.seed;
+  options.quiet = quiet;
+  Advice advice = advise(description, tolerance, options);
+  RunDescription& run = description.run;
+  const RunDescription& chosen = advice.best().setting.run;
+  // What the scene's own [run] says of seed, grid and threads stays.
+  run.engine = chosen.engine;
+  run.arithmetic = chosen.arithmetic;
+  run.binning = chosen.binning;
+  run.facets_per_split = chosen.facets_per_split;
+  run.zero_tolerance = chosen.zero_tolerance;
+  run.sampling = chosen.sampling;
+  run.rays_per_beam = chosen.rays_per_beam;
+  if (!quiet)
+    say("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine, advice.best().setting.setting);
+  return advice;
 }
 
 std::string pings_text(const std::string& sensor, const std::vector<std::size_t>& pings, std::size_t all) {

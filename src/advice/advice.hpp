@@ -73,8 +73,8 @@ std::string left_out_by(const RunDescription& run);
 /// 700".
 std::string command_options(const RunDescription& run);
 
-/// A tolerance of the command line; throws UsageError.
-Tolerance asked_tolerance(const std::string& text);
+/// Puts the settings into the description that hold a tolerance most cheaply.
+Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet);
 
 /// "sidescan: pings 90, 270 of 360" (counted from 0).
 std::string pings_text(const std::string& sensor, const std::vector<std::size_t>& pings, std::size_t all);

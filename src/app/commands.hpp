@@ -1,45 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "run/options.hpp"
+
 namespace tubefoot {
-
-/// Options that several commands share; unset means: as the scene file says.
-struct CommonOptions {
-  std::filesystem::path scene;
-  std::optional<std::string> arithmetic;
-  std::optional<int> threads;
-  bool confined = false;  ///< nothing outside of the scene file's folder is read
-  bool quiet = false;
-};
-
-/// Pings `first` to `last`, both included; the default is all of them.
-struct PingRange {
-  std::int64_t first = 0;
-  std::int64_t last = -1;
-};
-
-/// "3", "2:5", ":5" or "2:"; throws std::invalid_argument saying what was expected.
-PingRange parse_ping_range(const std::string& text);
-
-struct RunOptions : CommonOptions {
-  std::filesystem::path output;
-  std::optional<std::string> engine;
-  std::optional<std::string> binning;
-  std::optional<std::string> sampling;
-  std::optional<std::int64_t> rays, rays_per_beam;
-  std::optional<std::uint64_t> seed;
-  bool reference = false;
-  bool resume = false;
-  /// Of a reference: its relative bound, 1e-9 if unset. Else as parse_tolerance() reads it: picks the
-  /// settings.
-  std::optional<std::string> tolerance;
-};
 
 struct AuditOptions : CommonOptions {
   std::optional<std::string> sensor;

@@ -12,10 +12,10 @@
 #include "files/utc.hpp"
 #include "geometry/work/stop.hpp"
 #include "run/abilities.hpp"
-#include "run/console/say.hpp"
 #include "run/kept/build_identity.hpp"
 #include "run/kept/partial_run.hpp"
 #include "run/own_engine.hpp"
+#include "run/settings.hpp"
 #include "sensors/products/products.hpp"
 
 namespace tubefoot {
@@ -88,28 +88,6 @@ nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRe
           {"run", json_of(description.run)},
           {"reference", request.reference_tolerance.value_or(0.0)},
           {"tolerance", request.tolerance ? to_text(*request.tolerance) : ""}};
-}
-
-Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {
-  AdviceOptions options;
-  options.measure = false;   // all of its time is the user's waiting
-  options.largest_cost = 1;  // dearer rays would not be chosen
-  options.seed = description.run.seed;
-  options.quiet = quiet;
-  Advice advice = advise(description, tolerance, options);
-  RunDescription& run = description.run;
-  const RunDescription& chosen = advice.best().setting.run;
-  // What the scene's own [run] says of seed, grid and threads stays.
-  run.engine = chosen.engine;
-  run.arithmetic = chosen.arithmetic;
-  run.binning = chosen.binning;
-  run.facets_per_split = chosen.facets_per_split;
-  run.zero_tolerance = chosen.zero_tolerance;
-  run.sampling = chosen.sampling;
-  run.rays_per_beam = chosen.rays_per_beam;
-  if (!quiet)
-    say("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine, advice.best().setting.setting);
-  return advice;
 }
 
 void refuse_changed_input(const SceneDescription& description) {

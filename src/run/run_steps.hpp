@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "advice/advice.hpp"
-#include "app/commands.hpp"
+#include "run/options.hpp"
 #include "run/survey.hpp"
 #include "sensors/recordings/recording.hpp"
+#include "study/tolerance.hpp"
 
 // The steps of a run that the command and the Python module share.
 namespace tubefoot {
@@ -26,9 +26,6 @@ RunRequest requested(const RunOptions& options, SceneDescription& description);
 
 /// What makes two runs the same: the program's build, scene and everything it names, settings.
 nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request);
-
-/// Puts the settings into the description that hold a tolerance most cheaply.
-Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet);
 
 /// Throws std::runtime_error if the scene file, or a file that it names, is no longer what was described: its
 /// hash has changed, or it cannot be read.

@@ -39,6 +39,14 @@ PingRange parse_ping_range(const std::string& text) {
           number(std::string_view(text).substr(colon + 1), -1)};
 }
 
+Tolerance asked_tolerance(const std::string& text) {
+  try {
+    return parse_tolerance(text);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--tolerance {}", error.what()));
+  }
+}
+
 PingRange resolved(const std::string& text, std::size_t pings) {
   PingRange range;
   try {

@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "app/commands.hpp"
 #include "files/outlet.hpp"
 #include "geometry/visibility/visibility.hpp"
+#include "run/options.hpp"
 #include "scene/description/scene_description.hpp"
+#include "study/tolerance.hpp"
 
 namespace tubefoot {
 
@@ -37,6 +38,9 @@ class ThreadLimit {
 
 /// Prints the warnings of a scene to stderr, unless quiet.
 void print_warnings(const std::vector<std::string>& warnings, bool quiet);
+
+/// A tolerance of the command line; throws UsageError.
+Tolerance asked_tolerance(const std::string& text);
 
 /// Checks a ping range against a number of pings; throws UsageError.
 PingRange resolved(const std::string& text, std::size_t pings);

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "app/commands.hpp"
+#include "run/options.hpp"
 #include "run/survey.hpp"
 #include "viewer/view_data.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands.hpp"
+#include "run/options.hpp"
 #include "run/ranks/rank_link.hpp"
 #include "run/survey.hpp"
 
