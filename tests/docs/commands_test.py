@@ -69,7 +69,7 @@ MADE_ELSEWHERE = {
     "out/line/sidescan-mosaic.png": DATA,
 }
 # Pages whose Python is run by tests of their own.
-PYTHON_ELSEWHERE = {"docs/python.md", "docs/echo-file.md", "docs/footprints.md", "README.md"}
+PYTHON_ELSEWHERE = {"docs/python.md", "docs/echo-file.md", "docs/footprints.md", "docs/commands.md"}
 
 failures = []
 
