@@ -13,7 +13,7 @@
 #include "files/companions.hpp"
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
-#include "files/raster_block.hpp"
+#include "files/limits.hpp"
 #include "geometry/work/stop.hpp"
 
 namespace tubefoot {
@@ -49,6 +49,21 @@ bool sends_elsewhere(GDALDataset& dataset) {
   for (int band = 1; band <= std::min(dataset.GetRasterCount(), 64); ++band)
     if (sends(*dataset.GetRasterBand(band))) return true;
   return false;
+}
+
+/// What to say of a band of a raster that is stored in blocks (strips, tiles, chunks) larger than
+/// limits::block_bytes, and what to do about it; nothing for others. GDAL holds at least one block whole,
+/// however little of it is read and however few bytes it has in the file.
+std::optional<std::string> too_large_block(GDALRasterBand& band) {
+  int columns = 0, rows = 0;
+  band.GetBlockSize(&columns, &rows);
+  const std::int64_t bytes = std::int64_t{columns} * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
+  if (rows <= 0 || bytes <= limits::block_bytes / rows) return std::nullopt;
+  return fmt::format(
+      "is stored in blocks of {} x {} cells, which are more than {} MB each: rewrite it with gdal_translate "
+      "-co "
+      "TILED=YES",
+      columns, rows, limits::block_bytes >> 20);
 }
 
 constexpr const char* overview =
