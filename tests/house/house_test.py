@@ -8,7 +8,7 @@ docs/house.md has the only table of rooms and of who may include whom. Fails for
 - a room that may include one below it in the table (upwards), and a permission that nobody uses;
 - a source file longer than 600 lines, and a test longer than 750;
 - tests in a folder that mirrors no room;
-- a file that the page names and that is not there, and a walk of a ping of more than 25 files.
+- source that a document names and that is not there, and a walk of a ping of more than 25 files.
 With --teeth it holds itself against little trees that break one of these each.
 """
 import pathlib
@@ -19,7 +19,10 @@ import tempfile
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 AREAS = ["geometry", "src", "sensors"]
 LONGEST, LONGEST_TEST = 600, 750
+# Source that a document names: a path to a file or a folder, with or without an ending.
+NAMED = re.compile(r"(?<![\w/.:-])((?:geometry|src|sensors|tests|validation|python/native)/[\w/-]*\w(?:\.\w+)?)(?![\w*]|\.\{)")
 LONGEST_WALK = 25
+MADE = {"validation/advise.md"}  # by make advise-study, for who asks
 # Helpers of tests, programs of their own, and what is no C++.
 NO_MIRRORS = {"tests"} | {f"tests/{name}" for name in (
     "determinism", "docs", "fixtures", "fuzz", "house", "mathematics", "mpi", "packaging", "prove", "sanitizers",
@@ -118,10 +121,12 @@ def wrongs(root):
         if folder not in NO_MIRRORS and not {mirrored, "src/" + mirrored} & areas:
             found.append(f"{name}:1: {folder} mirrors no room of {page}: put the test where what it tests lies")
 
-    for number, line in enumerate(house.page.read_text().splitlines(), 1):
-        for path in re.findall(r"`([\w./-]+\.(?:cpp|hpp|py|md|txt|cmake|toml))`", line):
-            if "/" in path and not (root / path).is_file():
-                found.append(f"{page}:{number}: {path} is not there")
+    for document in [root / "README.md", *sorted((root / "docs").glob("*.md"))]:
+        lines = document.read_text().splitlines() if document.exists() else []
+        for number, line in enumerate(lines, 1):
+            for path in NAMED.findall(line):
+                if path not in MADE and not any((root / (path + end)).exists() for end in ("", ".hpp", ".cpp")):
+                    found.append(f"{document.relative_to(root)}:{number}: {path} is not there")
     if len(house.walk) > LONGEST_WALK:
         found.append(f"{page}: {len(house.walk)} files are named on the way of a ping, {LONGEST_WALK} are the most")
     return found
