@@ -58,7 +58,7 @@ void check(const CameraFrame& frame, const std::string& what, int beams, int sam
                                             frame.amplitudes.size(), wanted, beams, samples));
 }
 
-void put_platform(PacketBytes& header, const CameraFrame& frame) {
+void put_platform(ByteRecord& header, const CameraFrame& frame) {
   header.put_f32(124, frame.velocity_m_s);
   header.put_f32(128, frame.depth_m);
   header.put_f32(132, frame.altitude_m);
@@ -70,8 +70,8 @@ void put_platform(PacketBytes& header, const CameraFrame& frame) {
   header.put_f32(160, heading_in_circle(camera.heading_deg));
   header.put_f32(164, camera.pitch_deg);
   header.put_f32(168, camera.roll_deg);
-  header.put<double>(172, frame.latitude_deg);
-  header.put<double>(180, frame.longitude_deg);
+  header.put_f64(172, frame.latitude_deg);
+  header.put_f64(180, frame.longitude_deg);
 }
 
 CalendarTime calendar_time(double unix_time_s) {

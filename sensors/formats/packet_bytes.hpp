@@ -17,12 +17,12 @@
 #include <type_traits>
 #include <vector>
 
-// What the writers of formats of packets and records (XTF, Reson, GSF, DDF, ARIS) share: bytes of a stated
-// order at stated offsets, and the conversion of physical values to the fields of a packet.
+// What the writers of packet formats (XTF, Reson, GSF) share: bytes of a stated order at stated offsets, and
+// the conversion of physical values to the fields of a packet.
 namespace tubefoot {
 
-/// The bytes of one packet or record. The type of a field is always written out, `put<std::uint16_t>(4,
-/// ...)`, so that a line can be held against the format's table.
+/// The bytes of one packet. The type of a field is always written out, `put<std::uint16_t>(4, ...)`, so that
+/// a line can be held against the format's table.
 class PacketBytes {
  public:
   explicit PacketBytes(std::endian order, std::size_t size = 0) : order_(order), bytes_(size, 0) {}
@@ -47,19 +47,6 @@ class PacketBytes {
   void put_text(std::size_t offset, std::string_view text) {
     for (std::size_t k = 0; k < text.size(); ++k) bytes_.at(offset + k) = static_cast<unsigned char>(text[k]);
   }
-  /// Into a field of `size` bytes, which ends in zeros and always in one: longer text is cut, never inside an
-  /// UTF-8 character.
-  void put_text(std::size_t offset, std::size_t size, std::string_view text) {
-    if (text.size() >= size) {
-      std::size_t length = size - 1;
-      while (length > 0 && (text[length] & 0xC0) == 0x80) --length;
-      text = text.substr(0, length);
-    }
-    for (std::size_t k = 0; k < size; ++k)
-      bytes_.at(offset + k) = k < text.size() ? static_cast<unsigned char>(text[k]) : 0;
-  }
-  /// IEEE single precision, rounded to nearest; the value must lie within its range.
-  void put_f32(std::size_t offset, double value) { put<float>(offset, static_cast<float>(value)); }
 
  private:
   template <typename Field>
