@@ -139,8 +139,9 @@ void print_cost(const Survey& survey, int threads) {
                 staff, fan, fan, sensor.samples(), law.law);
           }
           if (sensor.has_staff()) continue;
-          integrate_echo(history, sensor.beam_of_tube(shot),
-                         static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law.law);
+          integrate_echo(history,
+                         {static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.beam_of_tube(shot)},
+                         sensor.samples(), law.law);
         }
       }
       taken += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -9,7 +9,7 @@
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
-#include "engine/footprint_energy.hpp"
+#include "engine/echo.hpp"
 #include "engine/tube_engine.hpp"
 #include "geometry/stop.hpp"
 
@@ -62,7 +62,8 @@ FootprintEnergies energies_of(const Survey& survey, const ShotGround& ground, co
   const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot);
   const auto beams = static_cast<int>(sensor.beams_of_shot(shot).size());
   if (!sensor.has_receiver_apart())
-    return footprint_energies(history, beam_of_tube, beams, sensor.samples(), law.law,
+    return footprint_energies(history.footprints, history, beam_of_tube, {beams, beam_of_tube},
+                              sensor.samples(), law.law,
                               binning_from_name(survey.scene.description.run.binning));
   const BistaticHistory both = trace_bistatic(ground.mesh(), ground.tree(), survey.scene.grid.unit_m(),
                                               options_of(survey.scene.description.run),

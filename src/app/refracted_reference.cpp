@@ -36,9 +36,9 @@ RefractedShot certify(const Survey& survey, const SharedShots& group, std::size_
     const ApparentEnclosures enclosures =
         enclose(*found.ground.apparent(), scene.mesh, scene.grid, rays, straightening.reference_speed_m_s(),
                 law.material_mu, law.absorption_db_per_m);
-    const Echo echo =
-        integrate_echo(found.history, sensor.beam_of_tube(shot),
-                       static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law);
+    const Echo echo = integrate_echo(
+        found.history, {static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.beam_of_tube(shot)},
+        sensor.samples(), law);
     found.sensors.push_back(certify_refracted_echo(
         mesh, found.ground.tree(), found.ground.apparent()->refined.parent, enclosures, rays, found.history,
         options, sensor.beam_of_tube(shot), sensor.samples(), law, echo, tolerance));

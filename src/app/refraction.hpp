@@ -7,7 +7,7 @@
 
 #include "app/shot_ground.hpp"
 #include "app/simulation.hpp"
-#include "engine/bistatic_echo.hpp"
+#include "engine/bistatic_history.hpp"
 
 // Sonars in water that refracts (docs/refraction.md).
 namespace tubefoot {

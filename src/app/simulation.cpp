@@ -24,7 +24,6 @@
 #include "app/sensor_law.hpp"
 #include "app/settings.hpp"
 #include "app/shot_ground.hpp"
-#include "engine/bistatic_echo.hpp"
 #include "engine/echo.hpp"
 #include "engine/path_echo.hpp"
 #include "engine/ray_engine.hpp"
@@ -249,9 +248,9 @@ class PingTask {
     law.law.material = mesh.material;
     const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
-    const Echo echo = integrate_bistatic_echo(
-        history, {static_cast<int>(beams.size()), sensor.beam_of_tube(shot), fans, fans}, sensor.samples(),
-        law.law);
+    const Echo echo =
+        integrate_echo(history, {static_cast<int>(beams.size()), sensor.beam_of_tube(shot), fans, fans},
+                       sensor.samples(), law.law);
     add_order(1, echo.energy, beams, s);
     counts_.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     counts_.footprints += history.shared.facets.size();
@@ -283,9 +282,9 @@ class PingTask {
           std::copy(row->begin(), row->end(),
                     all.begin() + std::ptrdiff_t((channel++ * beams.size() + fan) * samples));
         if (survey_.relief.omitted)
-          finer_relief_ +=
-              finer_relief({history.transmit, history.upper, scene.grid.unit_m(), history.by_upper},
-                           ground.mesh(), *survey_.relief.omitted, sensor.samples().step_m);
+          finer_relief_ += finer_relief(
+              BistaticHistory{history.transmit, history.upper, scene.grid.unit_m(), history.by_upper},
+              ground.mesh(), *survey_.relief.omitted, sensor.samples().step_m);
         counts_.tubes += 3 * history.transmit.tubes.size();
         counts_.footprints += history.by_upper.facets.size() + history.by_lower.facets.size();
         counts_.pieces += history.pieces();
@@ -301,7 +300,7 @@ class PingTask {
     const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot);
     const SensorLaw sensor_law(survey_, ground, s, ping_, shot);
     const EchoLaw& law = sensor_law.law;
-    Echo echo = integrate_echo(history, sensor.beam_of_tube(shot), static_cast<int>(beams.size()),
+    Echo echo = integrate_echo(history, {static_cast<int>(beams.size()), sensor.beam_of_tube(shot)},
                                sensor.samples(), law, binning_);
     if (reference_tolerance_) {
       const CertifiedEcho certified =

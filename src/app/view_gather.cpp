@@ -12,7 +12,7 @@
 #include "app/progress.hpp"
 #include "app/sensor_law.hpp"
 #include "app/view_surroundings.hpp"
-#include "engine/contributions.hpp"
+#include "engine/echo.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/stop.hpp"
@@ -159,14 +159,15 @@ class Gatherer {
     law.patterns.fringes.clear();  // what is viewed is what the transmitter sees
     const bool patterns = law.law.patterns != nullptr;
     const Echo echo =
-        integrate_echo(history, beam_of_tube, static_cast<int>(beams.size()), samples, law.law, binning_);
+        integrate_echo(history, {static_cast<int>(beams.size()), beam_of_tube}, samples, law.law, binning_);
     const std::size_t picture = place * cells_, count = static_cast<std::size_t>(samples.count);
     for (std::size_t b = 0; b < beams.size(); ++b)
       for (std::size_t k = 0; k < count; ++k)
         view.energy_j[picture + beams[b] * count + k] += echo.energy[b * count + k];
     view.weak_links_left_out = view.weak_links_left_out || patterns;
-    for (const Contribution& c : contributions(history, beam_of_tube, samples, law.law, binning_, echo,
-                                               patterns ? least_share_with_patterns : 0)) {
+    for (const Contribution& c :
+         contributions(history, {static_cast<int>(beams.size()), beam_of_tube}, samples, law.law, binning_,
+                       echo, patterns ? least_share_with_patterns : 0)) {
       view.links.push_back({first_footprint + c.footprint,
                             static_cast<std::uint32_t>(picture + beams[c.beam] * count + c.sample),
                             c.energy_j});

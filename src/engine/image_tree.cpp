@@ -166,13 +166,13 @@ struct ImageFinder::State {
     child.mirrors = image.mirrors + 1;
     child.last = plane;
     const glm::dmat3 reflect = plane.reflection();
-    child.to_true = image.to_true * reflect;
-    child.loss = image.loss;
-    child.loss.factor *= reflection;
-    for (glm::dvec3& normal : child.loss.rough_normals) normal = reflect * normal;
+    child.leg.to_true = image.leg.to_true * reflect;
+    child.leg.loss = image.leg.loss;
+    child.leg.loss.factor *= reflection;
+    for (glm::dvec3& normal : child.leg.loss.rough_normals) normal = reflect * normal;
     if (is_surface && mirrors_.surface->roughness > 0) {
-      child.loss.rough_normals.push_back({0, 0, 1});
-      child.loss.roughness = mirrors_.surface->roughness;
+      child.leg.loss.rough_normals.push_back({0, 0, 1});
+      child.leg.loss.roughness = mirrors_.surface->roughness;
     }
     WindowTubes windows(apex, image.windows.reach);
     std::vector<glm::dvec3> mirrored;
@@ -182,7 +182,7 @@ struct ImageFinder::State {
       mirrored.clear();
       for (auto corner = cone.corners.rbegin(); corner != cone.corners.rend(); ++corner)
         mirrored.push_back(reflect * *corner);
-      const double passes = most(child.loss, mirrored);
+      const double passes = most(child.leg.loss, mirrored);
       if (passes <= least_loss_) continue;
       child.largest = std::max(child.largest, passes);
       windows.add(mirrored, cone.own_tube);

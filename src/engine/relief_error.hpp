@@ -6,8 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/bistatic_echo.hpp"
-#include "engine/history.hpp"
+#include "engine/sight.hpp"
 #include "geometry/facet_mesh.hpp"
 #include "seabed/elevation_field.hpp"
 
@@ -58,10 +57,7 @@ struct FinerRelief {
 
   FinerRelief& operator+=(const FinerRelief& o);
 };
-FinerRelief finer_relief(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
-                         double sample_m);
-/// Of a transmitter and a receiver apart.
-FinerRelief finer_relief(const BistaticHistory& history, const FacetMesh& mesh, const OmittedRelief& omitted,
+FinerRelief finer_relief(const Sight& sight, const FacetMesh& mesh, const OmittedRelief& omitted,
                          double sample_m);
 
 }  // namespace tubefoot

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/echo.hpp"
+#include "engine/range_samples.hpp"
 #include "geometry/range_cut.hpp"
 #include "seabed/scattering_law.hpp"
 

@@ -16,7 +16,7 @@
 #include "app/program.hpp"
 #include "app/sensor_law.hpp"
 #include "app/shot_ground.hpp"
-#include "engine/contributions.hpp"
+#include "engine/echo.hpp"
 #include "engine/tube_engine.hpp"
 #include "files/usage_error.hpp"
 #include "scene/scene_description.hpp"
@@ -175,10 +175,10 @@ TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
   const Binning binning = binning_from_name(survey->scene.description.run.binning);
   const auto beams = int(sensor.beams_of_shot(0).size());
   const Echo echo =
-      integrate_echo(history, sensor.beam_of_tube(0), beams, sensor.samples(), law.law, binning);
+      integrate_echo(history, {beams, sensor.beam_of_tube(0)}, sensor.samples(), law.law, binning);
   std::vector<double> sum(echo.energy.size(), 0.0);
   for (const Contribution& c :
-       contributions(history, sensor.beam_of_tube(0), sensor.samples(), law.law, binning, echo))
+       contributions(history, {beams, sensor.beam_of_tube(0)}, sensor.samples(), law.law, binning, echo))
     sum.at(std::size_t(c.beam) * echo.samples + c.sample) += c.energy_j;
   const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
   EXPECT_GT(peak, 0);

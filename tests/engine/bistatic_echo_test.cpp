@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/bistatic_echo.hpp"
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -10,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "engine/echo.hpp"
 #include "engine/tube_engine.hpp"
 #include "geometry/plane_polygons.hpp"
 #include "geometry/scenes_for_tests.hpp"
@@ -48,7 +47,7 @@ Echo echo_of(const BistaticHistory& history, const RangeSamples& samples, double
              const BeamPatterns* patterns = nullptr) {
   const std::vector<std::uint16_t> material(100000, 0);
   const std::vector<std::uint32_t> beam(history.receive.tubes.size(), 0);
-  return integrate_bistatic_echo(history, {1, beam}, samples, {material_mu, material, absorption, patterns});
+  return integrate_echo(history, {1, beam}, samples, {material_mu, material, absorption, patterns});
 }
 
 const Polygon2 endless{{-1e5, -1e5}, {1e5, -1e5}, {1e5, 1e5}, {-1e5, 1e5}};
@@ -214,8 +213,8 @@ TEST(BistaticEcho, InOnePlaceItIsTheMonostaticEcho) {
     for (const BeamPatterns* p : {static_cast<const BeamPatterns*>(nullptr), &patterns}) {
       EchoLaw law{material_mu, run.mesh.material, 0.1, p};
       law.pattern_tolerance = 1e-12;
-      const Echo expected = integrate_echo(history, beams, 6, samples, law);
-      const Echo echo = integrate_bistatic_echo(both, {6, beams}, samples, law);
+      const Echo expected = integrate_echo(history, {6, beams}, samples, law);
+      const Echo echo = integrate_echo(both, {6, beams}, samples, law);
       const double peak = *std::max_element(expected.energy.begin(), expected.energy.end());
       ASSERT_GT(peak, 0);
       for (std::size_t bin = 0; bin < echo.energy.size(); ++bin)
@@ -377,11 +376,11 @@ TEST(BistaticEcho, FansHearTheirOwnTransmissionsAndBeamsTheirOwnTubes) {
   const EchoLaw law{material_mu, run.mesh.material, 0, nullptr};
   const RangeSamples samples{0, 30, 1};
   const std::vector<std::uint32_t> beams{0, 1}, swapped{1, 0}, first{0, 0}, second{1, 1};
-  const Echo all = integrate_bistatic_echo(history, {2, beams}, samples, law);
-  const Echo other = integrate_bistatic_echo(history, {2, swapped}, samples, law);
-  const Echo own = integrate_bistatic_echo(history, {2, beams, beams, beams}, samples, law);
-  const Echo cross = integrate_bistatic_echo(history, {2, beams, swapped, beams}, samples, law);
-  EXPECT_EQ(total(integrate_bistatic_echo(history, {2, beams, first, second}, samples, law)), 0);
+  const Echo all = integrate_echo(history, {2, beams}, samples, law);
+  const Echo other = integrate_echo(history, {2, swapped}, samples, law);
+  const Echo own = integrate_echo(history, {2, beams, beams, beams}, samples, law);
+  const Echo cross = integrate_echo(history, {2, beams, swapped, beams}, samples, law);
+  EXPECT_EQ(total(integrate_echo(history, {2, beams, first, second}, samples, law)), 0);
   for (int b = 0; b < 2; ++b) {
     EXPECT_EQ(all.at(b, 0), other.at(1 - b, 0));
     EXPECT_NEAR(own.at(b, 0) + cross.at(b, 0), all.at(b, 0), 1e-13 * all.at(b, 0));
@@ -407,9 +406,9 @@ TEST(BistaticEcho, BadInputIsRefused) {
   const std::vector<std::uint32_t> beams{0}, too_far{3}, none, two{0, 0};
   const EchoLaw law{material_mu, material, 0, nullptr};
   const RangeSamples samples{0, 1, 10};
-  const auto run = [&](const BistaticBeams& b, const RangeSamples& s, const EchoLaw& l,
+  const auto run = [&](const ReceiveBeams& b, const RangeSamples& s, const EchoLaw& l,
                        double tolerance = 1e-10) {
-    return integrate_bistatic_echo(history, b, s, l, tolerance);
+    return integrate_echo(history, b, s, l, {Binning::exact, tolerance});
   };
   EXPECT_NO_THROW(run({1, beams}, samples, law));
   EXPECT_THROW(run({-1, beams}, samples, law), std::invalid_argument);
