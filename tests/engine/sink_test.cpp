@@ -75,7 +75,8 @@ class Sinks : public testing::Test {
 
   template <class Take>
   void for_all(const Take& take) {
-    for (const BeamPatterns* patterns : {static_cast<const BeamPatterns*>(nullptr), &bed.patterns})
+    const BeamPatterns* given = &bed.patterns;
+    for (const BeamPatterns* patterns : {static_cast<const BeamPatterns*>(nullptr), given})
       for (const Sight& sight : {Sight(alone), Sight(apart)}) {
         SCOPED_TRACE(testing::Message()
                      << (sight.one_apex() ? "one apex" : "two apexes") << (patterns ? ", patterns" : ""));
