@@ -43,7 +43,7 @@ void didson_figures(const std::function<void(const std::string&, double)>& figur
     for (int repeat = 0; repeat < repeats; ++repeat) {
       SimulationStats stats;
       const auto start = std::chrono::steady_clock::now();
-      simulate(*survey, true, stats);
+      simulate(*survey, request_of(survey->scene.description.run), stats);
       best_s =
           std::min(best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }

@@ -23,8 +23,9 @@ double seconds_of_a_line(const Survey& survey, const fs::path& folder) {
   fs::remove_all(folder);
   fs::create_directory(folder);
   const auto start = std::chrono::steady_clock::now();
-  const auto store = std::make_shared<PingStore>(layout_of(survey, false));
-  simulate(survey, *store, true);
+  const RunRequest request = request_of(survey.scene.description.run);
+  const auto store = std::make_shared<PingStore>(layout_of(survey, request));
+  simulate(survey, request, *store, {});
   const std::vector<Recording> recordings = recordings_of(survey, store);
   const RunContext run{survey.scene.frame, 0, 1, survey.scene.description.water, "benchmark"};
   std::vector<std::string> warnings;

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "app/survey.hpp"
+#include "app/progress.hpp"
 
 namespace tubefoot::python {
 

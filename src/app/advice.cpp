@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -43,7 +44,7 @@ double seconds_for(const std::vector<Trial>& ladder, double samples) {
 /// The probe pings, and what they say of all others.
 class Probes {
  public:
-  Probes(TrialScene& scene, const std::vector<LookedAt>& sensors, ErrorMeasure measure)
+  Probes(const TrialScene& scene, const std::vector<LookedAt>& sensors, ErrorMeasure measure)
       : scene_(scene), sensors_(sensors), measure_(measure) {}
 
   /// A candidate's errors and seconds. The trial's own errors become the predicted ones.
@@ -75,7 +76,7 @@ class Probes {
   }
 
  private:
-  TrialScene& scene_;
+  const TrialScene& scene_;
   const std::vector<LookedAt>& sensors_;
   ErrorMeasure measure_;
 };
@@ -83,10 +84,10 @@ class Probes {
 /// Finds the fewest rays with which one sampling is predicted to hold, on the probe pings.
 class RayLadder {
  public:
-  RayLadder(const Probes& probes, std::string sampling, const Tolerance& tolerance, std::uint64_t seed,
+  RayLadder(const Probes& probes, RaySampling sampling, const Tolerance& tolerance, std::uint64_t seed,
             double seconds_cap)
       : probes_(probes),
-        sampling_(std::move(sampling)),
+        sampling_(sampling),
         measure_(tolerance.measure),
         target_(tolerance.value),
         seed_(seed),
@@ -125,7 +126,7 @@ class RayLadder {
 
   EngineSetting setting(double rays) const {
     EngineSetting s = ray_setting(sampling_, static_cast<std::int64_t>(rays), probes_.beams());
-    s.run.seed = seed_;
+    s.run.rays.seed = seed_;
     return s;
   }
 
@@ -166,7 +167,7 @@ class RayLadder {
   }
 
   const Probes& probes_;
-  std::string sampling_;
+  RaySampling sampling_;
   ErrorMeasure measure_;
   double target_;
   std::uint64_t seed_;
@@ -190,7 +191,7 @@ void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint6
     if (!candidate.tried) continue;
     stop_if_wanted();
     EngineSetting setting = candidate.setting;
-    setting.run.seed = seed;
+    setting.run.rays.seed = seed;
     candidate.others = others.run(setting, repeats);
   }
 }
@@ -258,10 +259,10 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
         std::nullopt);
     advice.silent = probe_pings.silent_sensors();
     const Probes probes(probe_pings, advice.sensors, tolerance.measure);
-    const std::vector<std::string> binnings{"exact", "spread", "centroid"};
+    constexpr std::array binnings{Binning::exact, Binning::spread, Binning::centroid};
     const bool choice = advice.silent.empty();
     Progress progress("settings", choice ? binnings.size() + options.samplings.size() : 1, options.quiet);
-    for (const std::string& binning : binnings) {
+    for (const Binning binning : binnings) {
       if (const auto refused = probes.refused(tube_setting(binning)))
         advice.candidates.push_back(*refused);
       else
@@ -270,7 +271,7 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
       if (!choice) break;
     }
     const double cap = options.largest_cost * advice.candidates.front().predicted_seconds;
-    for (const std::string& sampling : options.samplings) {
+    for (const RaySampling sampling : options.samplings) {
       if (!choice) break;
       if (const auto refused = probes.refused(ray_setting(sampling, 1, probes.beams())))
         advice.candidates.push_back(*refused);
@@ -284,22 +285,23 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
   return advice;
 }
 
-std::string left_out_by(const RunDescription& run) {
-  if (run.engine == "ray") return "everything between rays";
-  if (run.binning == "spread")
+std::string left_out_by(const RunRequest& run) {
+  if (run.engine == Engine::ray) return "everything between rays";
+  if (run.binning == Binning::spread)
     return "range cuts inside footprints: each footprint's energy is the law's at its centroid, spread "
            "evenly "
            "over its slant ranges";
-  if (run.binning == "centroid")
+  if (run.binning == Binning::centroid)
     return "range cuts inside footprints: each footprint's energy sits in the sample of its centroid";
   return "nothing";
 }
 
-std::string command_options(const RunDescription& run) {
-  if (run.engine == "ray")
-    return fmt::format("--engine ray --sampling {} --rays-per-beam {}", run.sampling,
-                       run.rays_per_beam.value_or(0));
-  return fmt::format("--engine tube --arithmetic {} --binning {}", run.arithmetic, run.binning);
+std::string command_options(const RunRequest& run) {
+  if (run.engine == Engine::ray)
+    return fmt::format("--engine ray --sampling {} --rays-per-beam {}", name_of(run.rays.sampling),
+                       run.rays.rays);
+  return fmt::format("--engine tube --arithmetic {} --binning {}", name_of(run.visibility.arithmetic),
+                     name_of(run.binning));
 }
 
 Tolerance asked_tolerance(const std::string& text) {

@@ -18,7 +18,8 @@ struct AdviceOptions {
   bool measure = true;      ///< measure on other pings what the probe pings predict
   double largest_cost = 3;  ///< rays that take longer than this many exact tube runs are not tried
   std::uint64_t seed = 1;   ///< of the rays
-  std::vector<std::string> samplings{"stratified", "regular", "column"};  ///< of rays, to try
+  /// Of rays, to try.
+  std::vector<RaySampling> samplings{RaySampling::stratified, RaySampling::regular, RaySampling::column};
   bool quiet = false;
 };
 
@@ -67,11 +68,11 @@ LookedAt looked_at(std::size_t pings, std::size_t count);
 Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const AdviceOptions& options);
 
 /// What a setting does not model of a scene, in words; "nothing" for exact cuts.
-std::string left_out_by(const RunDescription& run);
+std::string left_out_by(const RunRequest& run);
 
 /// The options of `tubefoot run` that ask for a setting: "--engine ray --sampling regular --rays-per-beam
 /// 700".
-std::string command_options(const RunDescription& run);
+std::string command_options(const RunRequest& run);
 
 /// A tolerance of the command line; throws UsageError.
 Tolerance asked_tolerance(const std::string& text);

@@ -11,7 +11,6 @@
 #include "app/abilities.hpp"
 #include "app/build_identity.hpp"
 #include "app/own_engine.hpp"
-#include "app/partial_run.hpp"
 #include "app/say.hpp"
 #include "files/usage_error.hpp"
 #include "files/utc.hpp"
@@ -45,10 +44,10 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
         fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
 }
 
-RunContext context_of(const Survey& survey) {
-  const SceneDescription& description = survey.scene.description;
-  return {survey.scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
-          description.water, description.title};
+RunContext context_of(const Scene& scene) {
+  const SceneDescription& description = scene.description;
+  return {scene.frame, *unix_time_s(description.run.start_utc), description.run.seed, description.water,
+          description.title};
 }
 
 }  // namespace
@@ -63,7 +62,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   }
   if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
   if (options.seed) description.run.seed = *options.seed;
-  RunRequest request;
+  RunRequest request = request_of(description.run);
   if (options.tolerance && !options.reference) {
     refuse_what_the_tolerance_picks(options);
     request.tolerance = asked_tolerance(*options.tolerance);
@@ -76,7 +75,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   }
   if (options.reference) {
     request.reference_tolerance = bound_asked_for(options.tolerance);
-    require_able(description.run, Feature::reference);
+    require_able(request, Feature::reference);
   }
   return request;
 }
@@ -85,30 +84,27 @@ nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRe
   return {{"version", TUBEFOOT_VERSION},
           {"build", build_identity()},
           {"scene_hash", description.sha256},
-          {"run", json_of(description.run)},
+          {"run", json_of(request)},
           {"reference", request.reference_tolerance.value_or(0.0)},
           {"tolerance", request.tolerance ? to_text(*request.tolerance) : ""}};
 }
 
-Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {
+Advice pick_settings(const SceneDescription& description, RunRequest& request, bool quiet) {
   AdviceOptions options;
   options.measure = false;   // all of its time is the user's waiting
   options.largest_cost = 1;  // dearer rays would not be chosen
-  options.seed = description.run.seed;
+  options.seed = request.rays.seed;
   options.quiet = quiet;
-  Advice advice = advise(description, tolerance, options);
-  RunDescription& run = description.run;
-  const RunDescription& chosen = advice.best().setting.run;
-  // What the scene's own [run] says of seed, grid and threads stays.
-  run.engine = chosen.engine;
-  run.arithmetic = chosen.arithmetic;
-  run.binning = chosen.binning;
-  run.facets_per_split = chosen.facets_per_split;
-  run.zero_tolerance = chosen.zero_tolerance;
-  run.sampling = chosen.sampling;
-  run.rays_per_beam = chosen.rays_per_beam;
-  if (!quiet)
-    say("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine, advice.best().setting.setting);
+  Advice advice = advise(description, *request.tolerance, options);
+  const EngineSetting& chosen = advice.best().setting;
+  request.engine = chosen.run.engine;
+  request.visibility = chosen.run.visibility;
+  request.binning = chosen.run.binning;
+  if (request.engine == Engine::ray) {
+    request.rays = chosen.run.rays;
+    request.rays.seed = options.seed;
+  }
+  if (!quiet) say("for {}: {}, {}\n", to_text(*request.tolerance), chosen.engine, chosen.setting);
   return advice;
 }
 
@@ -125,20 +121,22 @@ void refuse_changed_input(const SceneDescription& description) {
       description.file.string(), why));
 }
 
-std::string engine_name(const Survey& survey) {
-  return survey.own_engine ? survey.own_engine->name : survey.scene.description.run.engine;
+std::string engine_name(const RunRequest& request) {
+  return request.own_engine ? request.own_engine->name : std::string(name_of(request.engine));
 }
 
-Provenance provenance_of(const Survey& survey, const std::optional<double>& reference_tolerance) {
-  const SceneDescription& description = survey.scene.description;
-  const RunDescription& run = description.run;
-  const std::string arithmetic = survey.own_engine ? "own" : run.engine == "tube" ? run.arithmetic : "float";
-  return {description.title, description.sha256,  engine_name(survey), arithmetic,
-          TUBEFOOT_VERSION,  reference_tolerance, run.start_utc,       survey.scene.frame};
+Provenance provenance_of(const Scene& scene, const RunRequest& request) {
+  const SceneDescription& description = scene.description;
+  const std::string_view arithmetic = request.own_engine ? "own"
+                                      : request.engine == Engine::tube
+                                          ? name_of(request.visibility.arithmetic)
+                                          : "float";
+  return {description.title, description.sha256,          engine_name(request),      std::string(arithmetic),
+          TUBEFOOT_VERSION,  request.reference_tolerance, description.run.start_utc, scene.frame};
 }
 
 std::vector<std::string> files_left_out(const Survey& survey) {
-  const RunContext context = context_of(survey);
+  const RunContext context = context_of(survey.scene);
   std::vector<std::string> warnings;
   for (const SensorPings& pings : survey.sensors) {
     Recording recording;
@@ -151,12 +149,11 @@ std::vector<std::string> files_left_out(const Survey& survey) {
 }
 
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
-                                                      const Survey& survey,
+                                                      const Survey& survey, const RunRequest& request,
                                                       const std::vector<Recording>& recordings,
-                                                      const std::optional<double>& reference_tolerance,
                                                       std::vector<std::string>& warnings) {
-  const RunContext context = context_of(survey);
-  write_echoes(folder / "echoes.nc", recordings, provenance_of(survey, reference_tolerance));
+  const RunContext context = context_of(survey.scene);
+  write_echoes(folder / "echoes.nc", recordings, provenance_of(survey.scene, request));
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
     stop_if_wanted();

@@ -3,16 +3,18 @@
 
 #include <algorithm>
 
+#include "app/shot.hpp"
+
 namespace tubefoot {
 
-SensorLaw::SensorLaw(const Survey& survey, const ShotGround& ground, std::size_t sensor, std::size_t ping,
-                     std::size_t shot) {
-  const Scene& scene = survey.scene;
-  const SensorPings& pings = survey.sensors[sensor];
+SensorLaw::SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sensor) {
+  const Scene& scene = shot.scene();
+  const SensorPings& pings = shot.survey().sensors[sensor];
   law = {scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
   law.reflectivity = scene.reflectivity;
   law.scattering = scene.scattering;
-  law.path.out.apex_m = scene.grid.to_metres(scene.grid.snap(pings.shot_pose(ping, shot).position_m));
+  law.path.out.apex_m =
+      scene.grid.to_metres(scene.grid.snap(pings.shot_pose(shot.ping(), shot.number()).position_m));
   if (ground.apparent() != nullptr) {
     law.path.facet_factor = ground.apparent()->facet_factor;
     if (std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
@@ -22,7 +24,8 @@ SensorLaw::SensorLaw(const Survey& survey, const ShotGround& ground, std::size_t
     }
   }
   if (!pings.sensor->has_patterns()) return;
-  patterns = pings.sensor->patterns(pings.shot_pose(ping, shot), pings.sound_speed_m_s, shot);
+  patterns = pings.sensor->patterns(pings.shot_pose(shot.ping(), shot.number()), pings.sound_speed_m_s,
+                                    shot.number());
   law.patterns = &patterns;
 }
 

@@ -96,14 +96,6 @@ ThreadLimit::ThreadLimit(int threads)
     : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
       control_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_)) {}
 
-VisibilityOptions options_of(const RunDescription& run) {
-  VisibilityOptions options;
-  options.arithmetic = arithmetic_from_name(run.arithmetic);
-  options.facets_per_split = static_cast<std::uint32_t>(run.facets_per_split);
-  options.tolerance = run.zero_tolerance;
-  return options;
-}
-
 void print_warnings(const std::vector<std::string>& warnings, bool quiet) {
   if (quiet) return;
   for (const std::string& warning : warnings) say("warning: {}\n", shown(warning));

@@ -24,7 +24,7 @@ TrackEstimate track_of(bool texture, bool speckle) {
   camera.signal.speckle = speckle ? "rayleigh" : "none";
   const auto survey = open_survey(scene);
   SimulationStats stats;
-  const Recording recording = simulate(*survey, true, stats).front();
+  const Recording recording = simulate(*survey, request_of(scene.run), stats).front();
   RunContext run;
   run.seed = 5;
   std::vector<std::vector<double>> frames;

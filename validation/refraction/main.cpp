@@ -22,7 +22,7 @@ PlotSeries soundings_in(const std::string& name, SceneDescription description) {
   description.sensors.front().pings = 1;
   const auto survey = open_survey(description);
   SimulationStats stats;
-  const Recording recording = simulate(*survey, true, stats).front();
+  const Recording recording = simulate(*survey, request_of(description.run), stats).front();
   const RunContext run{survey->scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
                        description.water, description.title};
   PlotSeries series{name, "", {}, true};

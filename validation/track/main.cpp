@@ -24,7 +24,7 @@ constexpr int most_shift = 12;
 TrackEstimate track_of(const SceneDescription& description, const std::filesystem::path& sheet = {}) {
   const auto survey = open_survey(description);
   SimulationStats stats;
-  const Recording camera = simulate(*survey, false, stats).front();
+  const Recording camera = simulate(*survey, request_of(description.run), stats, {false}).front();
   const RunContext run{survey->scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
                        description.water, description.title};
   std::vector<std::vector<double>> frames;
