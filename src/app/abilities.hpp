@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "files/input_error.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/run_description.hpp"
 
 // What can be combined: one table, which every command reads and docs/abilities.md shows.
 namespace tubefoot {
+
+struct SceneDescription;
 
 struct Survey;
 

@@ -10,7 +10,7 @@
 
 #include "app/ping_store.hpp"
 #include "geometry/stop.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/run_description.hpp"
 
 namespace tubefoot {
 

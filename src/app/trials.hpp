@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/survey.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/run_description.hpp"
 #include "sensors/recording.hpp"
 #include "study/work_precision.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scene/scene_description.hpp"
+#include "scene/material_map_description.hpp"
 #include "scene/toml_reader.hpp"
 
 // Keys of a scene file whose values are tables of names that the user chooses.
