@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "geometry/wide_vector.hpp"
+#include "geometry/wide_direction.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "geometry/facet_cone.hpp"
 #include "geometry/names.hpp"
-#include "geometry/wide_vector.hpp"
 
 namespace tubefoot {
 
@@ -24,7 +23,7 @@ struct NameContext {
 /// in the last place.
 glm::dvec3 point_on_facet(const NameContext& context, const CornerName& corner, const FacetCone& facet);
 
-/// Direction of a corner's ray, exactly.
-WideVec wide_direction(const NameContext& context, const CornerName& corner);
+/// Direction of a corner's ray, each component rounded once; of any length.
+glm::dvec3 direction_of(const NameContext& context, const CornerName& corner);
 
 }  // namespace tubefoot

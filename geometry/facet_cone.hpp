@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "geometry/facet_mesh.hpp"
-#include "geometry/wide_int.hpp"
+#include "geometry/int128.hpp"
 
 namespace tubefoot {
 

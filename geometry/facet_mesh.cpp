@@ -7,13 +7,12 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 
+#include "geometry/int128.hpp"
 #include "geometry/stop.hpp"
 #include "geometry/weld_table.hpp"
 
 namespace tubefoot {
 namespace {
-
-__extension__ using Int128 = __int128;
 
 std::size_t count_duplicates(const std::vector<std::array<VertexId, 3>>& facets) {
   std::vector<std::array<VertexId, 3>> keys = facets;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "geometry/coverage.hpp"
+#include "geometry/exact_corner.hpp"
 #include "geometry/plane_lines.hpp"
 
 // What looks see of one facet as convex polygons in the facet's own coordinates. Heavy: include only in .cpp

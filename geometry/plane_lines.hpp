@@ -7,8 +7,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "geometry/exact_corner.hpp"
 #include "geometry/facet_cone.hpp"
+#include "geometry/wide_vector.hpp"
 
 // Convex polygons on a facet as cyclic lists of lines with integer coefficients: a corner is two neighbouring
 // lines left unevaluated, and the only decision is the sign of a determinant of three lines.

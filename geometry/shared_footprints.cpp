@@ -6,10 +6,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "geometry/exact_corner.hpp"
 #include "geometry/footprint_builder.hpp"
 #include "geometry/plane_lines.hpp"
 #include "geometry/stop.hpp"
+#include "geometry/wide_direction.hpp"
 
 namespace tubefoot {
 namespace {

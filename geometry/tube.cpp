@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "geometry/wide_int.hpp"
+#include "geometry/int128.hpp"
 
 namespace tubefoot {
 namespace {

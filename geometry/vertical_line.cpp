@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "geometry/wide_int.hpp"
+#include "geometry/int128.hpp"
 
 namespace tubefoot {
 namespace {

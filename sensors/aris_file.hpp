@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "scene/scene_description.hpp"
+#include "scene/sensor_description.hpp"
 #include "sensors/camera_file.hpp"
 
 // ARIS files (.aris, "DDF_05"): windows in metres and any number of samples. docs/files-ddf.md.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene_description.hpp"
+#include "scene/sensor_description.hpp"
 
 namespace tubefoot {
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "scene/georeference.hpp"
+#include "scene/water_description.hpp"
 #include "sensors/heard.hpp"
 #include "sensors/receiver.hpp"
 #include "sensors/recording.hpp"

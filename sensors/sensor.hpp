@@ -10,7 +10,7 @@
 #include "engine/echo.hpp"
 #include "geometry/tube.hpp"
 #include "geometry/world_grid.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/sensor_description.hpp"
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {

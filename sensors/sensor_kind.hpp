@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/scene_description.hpp"
+#include "scene/sensor_description.hpp"
 
 namespace tubefoot {
 

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "files/input_error.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/run_description.hpp"
 
 // What can be combined: one table, which every command reads and docs/abilities.md shows.
 namespace tubefoot {
 
 struct RunRequest;
+struct SceneDescription;
 struct Survey;
 
 /// What a scene may have, what a run of it may ask for, and what else may be done with it.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/trials.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/run_description.hpp"
 #include "study/tolerance.hpp"
 
 // Which engine and settings a tolerance needs: measured on a few pings, docs/advise.md.

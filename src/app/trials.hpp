@@ -9,7 +9,7 @@
 
 #include "app/run_request.hpp"
 #include "app/survey.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/run_description.hpp"
 #include "sensors/recording.hpp"
 #include "study/work_precision.hpp"
 

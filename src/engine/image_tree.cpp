@@ -33,9 +33,7 @@ struct Cone {
 };
 
 glm::dvec3 unit_direction(const NameContext& context, const CornerName& corner) {
-  const WideVec d = wide_direction(context, corner);
-  return glm::normalize(
-      glm::dvec3(d[0].convert_to<double>(), d[1].convert_to<double>(), d[2].convert_to<double>()));
+  return glm::normalize(direction_of(context, corner));
 }
 
 /// The part of a convex cone with z >= 0.

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "geometry/steps.hpp"
-#include "geometry/wide_int.hpp"
+#include "geometry/int128.hpp"
 
 namespace tubefoot {
 namespace {

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "geometry/wide_int.hpp"
+#include "geometry/int128.hpp"
 
 namespace tubefoot {
 namespace {

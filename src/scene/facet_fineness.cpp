@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "scene/scene_description.hpp"
+
 namespace tubefoot {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "scene/scene_description.hpp"
+#include "scene/georeference_description.hpp"
 
 namespace tubefoot {
 

@@ -7,8 +7,9 @@
 
 #include "geometry/plan_cut.hpp"
 #include "scene/georeference.hpp"
+#include "scene/material_description.hpp"
 #include "scene/scene_component.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/terrain_description.hpp"
 
 namespace tubefoot {
 

@@ -3,9 +3,10 @@
 
 #include <vector>
 
+#include "scene/material_description.hpp"
 #include "scene/mesh_file.hpp"
+#include "scene/object_description.hpp"
 #include "scene/scene.hpp"
-#include "scene/scene_description.hpp"
 
 namespace tubefoot {
 

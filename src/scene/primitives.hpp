@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scene/object_description.hpp"
 #include "scene/scene_component.hpp"
-#include "scene/scene_description.hpp"
 
 namespace tubefoot {
 

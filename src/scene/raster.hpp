@@ -5,7 +5,7 @@
 
 #include "scene/georeference.hpp"
 #include "scene/scene_component.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/terrain_description.hpp"
 
 namespace tubefoot {
 

@@ -12,7 +12,7 @@
 
 #include "scene/georeference.hpp"
 #include "scene/raster_file.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/terrain_description.hpp"
 
 // What reading a raster whole (raster.hpp) and by tiles (terrain_tiles.hpp) share.
 namespace tubefoot {

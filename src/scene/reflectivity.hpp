@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "scene/georeference.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/material_description.hpp"
 #include "seabed/reflectivity_field.hpp"
 
 namespace tubefoot {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "scene/georeference.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/relief_description.hpp"
 #include "seabed/elevation_field.hpp"
 
 namespace tubefoot {

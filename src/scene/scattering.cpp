@@ -12,6 +12,7 @@
 
 #include "files/csv_file.hpp"
 #include "files/inlet.hpp"
+#include "scene/scene_description.hpp"
 #include "seabed/sediment.hpp"
 
 namespace tubefoot {

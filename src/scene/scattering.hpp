@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene_description.hpp"
 #include "seabed/scattering_law.hpp"
 
 namespace tubefoot {
+
+struct SceneDescription;
 
 /// The scattering laws of a scene by material; null where it is Lambert's, which needs no more than its mu.
 /// Throws InputError for a table that cannot be read and for a law that scatters more than it receives from

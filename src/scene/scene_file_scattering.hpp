@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scene/scene_description.hpp"
+#include "scene/material_description.hpp"
 #include "scene/toml_reader.hpp"
 
 // The keys of a material that say how it scatters.

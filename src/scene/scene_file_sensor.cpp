@@ -208,7 +208,7 @@ std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side
     fields.push_back({f.key, [read = f.read, pattern, is_file](const toml::node& node, TomlSource& source,
                                                                SensorDescription& s) {
                         read(node, source, s.*pattern);
-                        if (is_file) (s.*pattern).file_place = source.place(node.source());
+                        if (is_file) (s.*pattern).file_place = source.place(node);
                       }});
   }
   return fields;

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "scene/georeference.hpp"
+#include "scene/object_description.hpp"
 #include "scene/scene_component.hpp"
-#include "scene/scene_description.hpp"
 
 namespace tubefoot {
 

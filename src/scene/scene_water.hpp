@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "medium/water_column.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/water_description.hpp"
 
 namespace tubefoot {
 

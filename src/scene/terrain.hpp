@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/scene_component.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/terrain_description.hpp"
 
 namespace tubefoot {
 

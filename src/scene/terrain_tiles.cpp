@@ -14,6 +14,7 @@
 #include "files/limits.hpp"
 #include "geometry/stop.hpp"
 #include "scene/raster_reader.hpp"
+#include "scene/scene_description.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,9 +11,11 @@
 
 #include "scene/georeference.hpp"
 #include "scene/scene_component.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/terrain_description.hpp"
 
 namespace tubefoot {
+
+struct SceneDescription;
 
 /// Whether a raster terrain is read by tiles: as it says, or, if it leaves that open, because it is large and
 /// nothing that it asks for needs all of it at once. Throws InputError as read_raster() does.

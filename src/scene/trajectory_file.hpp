@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "scene/scene_description.hpp"
 #include "scene/trajectory.hpp"
+#include "scene/trajectory_description.hpp"
 
 namespace tubefoot {
 

@@ -8,11 +8,11 @@
 #include <string>
 
 #include "geometry/ball.hpp"
-#include "geometry/exact_corner.hpp"
 #include "geometry/footprint_builder.hpp"
 #include "geometry/looks_for_tests.hpp"
 #include "geometry/measure.hpp"
 #include "geometry/scenes_for_tests.hpp"
+#include "geometry/wide_direction.hpp"
 
 namespace tubefoot {
 namespace {

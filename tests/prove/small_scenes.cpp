@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "geometry/wide_int.hpp"
+#include "geometry/int128.hpp"
 
 namespace tubefoot::prove {
 namespace {
