@@ -10,6 +10,7 @@
 
 #include "app/trials.hpp"
 #include "scene/scene_description.hpp"
+#include "sensors/scene_file.hpp"
 #include "study/chart_page.hpp"
 
 namespace tubefoot {

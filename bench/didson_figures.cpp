@@ -8,6 +8,8 @@
 #include <filesystem>
 
 #include "app/simulation.hpp"
+#include "sensors/kind_didson.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,7 +22,7 @@ SceneDescription sequence(bool side_lobes) {
   camera.first_ping_s = 0;
   camera.pings = 16;
   camera.ping_interval_s = 0.4;
-  auto& didson = std::get<DidsonDescription>(camera.kind);
+  auto& didson = camera.kind.edit<DidsonDescription>();
   didson.beam_centres = "lens";
   didson.cycles = 8;
   if (!side_lobes) return scene;

@@ -11,7 +11,8 @@
 
 #include "app/simulation.hpp"
 #include "files/input_error.hpp"
-#include "sensors/products.hpp"
+#include "sensors/received.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -30,7 +31,8 @@ double seconds_of_a_line(const Survey& survey, const fs::path& folder) {
   const RunContext run{survey.scene.frame, 0, 1, survey.scene.description.water, "benchmark"};
   std::vector<std::string> warnings;
   write_echoes(folder / "echoes.nc", recordings, {"benchmark", "", "tube", "fixed", "", {}});
-  for (const Recording& recording : recordings) write_products(folder, recording, run, warnings);
+  for (const Recording& recording : recordings)
+    kind_of(recording.sensor->description()).write_products(folder, recording, run, warnings);
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "app/simulation.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

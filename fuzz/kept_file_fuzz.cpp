@@ -9,6 +9,7 @@
 #include "app/refined_bed_file.hpp"
 #include "files/usage_error.hpp"
 #include "fuzz.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot::fuzz {
 namespace {

@@ -80,8 +80,8 @@ class ArisFile final : public CameraFile {
   ArisFile(const std::filesystem::path& file, ArisHeader header);
 
  private:
-  ByteRecord file_header() const override;
-  ByteRecord frame_header(const CameraFrame& frame) const override;
+  PacketBytes file_header() const override;
+  PacketBytes frame_header(const CameraFrame& frame) const override;
 
   ArisHeader header_;
 };

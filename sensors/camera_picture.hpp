@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sensors/canvas.hpp"
+#include "sensors/heard.hpp"
 #include "sensors/recording.hpp"
 
 namespace tubefoot {

@@ -186,7 +186,7 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
   const RangeSamples& samples = sensor.samples();
 
   group.attribute("sensor_name", sensor.description().name);
-  group.attribute("sensor_kind", kind_of(sensor.description()));
+  group.attribute("sensor_kind", kind_of(sensor.description()).name());
   group.attribute("frequency_khz", sensor.frequency_khz());
   group.attribute("source_energy", "1 J/sr at 1 m");
   group.attribute("sound_speed_m_s", recording.sound_speed_m_s);

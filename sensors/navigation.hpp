@@ -5,7 +5,8 @@
 
 #include "scene/earth_place.hpp"
 #include "sensors/pose_angles.hpp"
-#include "sensors/products.hpp"
+#include "sensors/recording.hpp"
+#include "sensors/run_context.hpp"
 
 namespace tubefoot {
 

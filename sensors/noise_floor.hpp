@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "sensors/products.hpp"
+#include "sensors/received.hpp"
 
 namespace tubefoot {
 

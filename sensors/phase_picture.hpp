@@ -4,8 +4,8 @@
 #include <string>
 
 #include "sensors/canvas.hpp"
-#include "sensors/interferometric_soundings.hpp"
 #include "sensors/recording.hpp"
+#include "sensors/staff_soundings.hpp"
 
 namespace tubefoot {
 

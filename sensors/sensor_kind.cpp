@@ -1,20 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/sensor_kind.hpp"
 
-#include <variant>
-
 namespace tubefoot {
 
-std::string kind_of(const SensorDescription& sensor) {
-  struct Name {
-    const char* operator()(const DidsonDescription&) const { return "didson"; }
-    const char* operator()(const SidescanDescription&) const { return "sidescan"; }
-    const char* operator()(const MultibeamDescription&) const { return "multibeam"; }
-    const char* operator()(const ImagingDescription&) const { return "imaging"; }
-    const char* operator()(const EchosounderDescription&) const { return "echosounder"; }
-    const char* operator()(const InterferometricDescription&) const { return "interferometric"; }
-  };
-  return std::visit(Name(), sensor.kind);
+SensorDescription SensorKind::in_water(SensorDescription sensor, double, std::vector<std::string>*) const {
+  return sensor;
+}
+
+std::vector<std::string> SensorKind::files_left_out(const Recording&, const RunContext&) const { return {}; }
+
+const SensorKind& kind_of(const SensorDescription& sensor) {
+  return dynamic_cast<const SensorKind&>(sensor.kind.section());
+}
+
+SensorDescription in_water(const SensorDescription& sensor, double sound_speed_m_s,
+                           std::vector<std::string>* notes) {
+  return kind_of(sensor).in_water(sensor, sound_speed_m_s, notes);
+}
+
+std::unique_ptr<Sensor> make_sensor(const SensorDescription& description) {
+  std::unique_ptr<Sensor> made = kind_of(description).model(description);
+  made->refuse_narrow();
+  return made;
 }
 
 }  // namespace tubefoot

@@ -190,7 +190,7 @@ py::dict attributes_of(const NativeResult& self, std::size_t sensor) {
   const Recording& r = self.recordings.at(sensor);
   py::dict attributes;
   attributes["sensor_name"] = r.sensor->description().name;
-  attributes["sensor_kind"] = kind_of(r.sensor->description());
+  attributes["sensor_kind"] = kind_of(r.sensor->description()).name();
   attributes["frequency_khz"] = r.sensor->frequency_khz();
   attributes["source_energy"] = "1 J/sr at 1 m";
   attributes["sound_speed_m_s"] = r.sound_speed_m_s;

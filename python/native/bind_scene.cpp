@@ -9,6 +9,7 @@
 #include "bindings.hpp"
 #include "files/file_hash.hpp"
 #include "scene.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;

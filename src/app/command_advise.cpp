@@ -9,6 +9,7 @@
 #include "app/say.hpp"
 #include "app/settings.hpp"
 #include "files/checked_file.hpp"
+#include "sensors/scene_file.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {

@@ -11,6 +11,7 @@
 #include "app/trials.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
+#include "sensors/scene_file.hpp"
 #include "study/chart_page.hpp"
 
 namespace tubefoot {

@@ -12,7 +12,7 @@
 
 #include "app/simulation.hpp"
 #include "scene/scene_water.hpp"
-#include "sensors/in_water.hpp"
+#include "sensors/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

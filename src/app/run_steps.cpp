@@ -15,7 +15,7 @@
 #include "files/usage_error.hpp"
 #include "files/utc.hpp"
 #include "geometry/stop.hpp"
-#include "sensors/products.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -143,7 +143,8 @@ std::vector<std::string> files_left_out(const Survey& survey) {
     recording.sensor = pings.sensor.get();
     recording.ping_time_s = pings.times_s;
     recording.sound_speed_m_s = pings.sound_speed_m_s;
-    for (std::string& warning : files_left_out(recording, context)) warnings.push_back(std::move(warning));
+    for (std::string& warning : kind_of(recording.sensor->description()).files_left_out(recording, context))
+      warnings.push_back(std::move(warning));
   }
   return warnings;
 }
@@ -157,7 +158,9 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
     stop_if_wanted();
-    for (const auto& file : write_products(folder, recording, context, warnings)) files.push_back(file);
+    for (const auto& file :
+         kind_of(recording.sensor->description()).write_products(folder, recording, context, warnings))
+      files.push_back(file);
   }
   return files;
 }

@@ -13,6 +13,7 @@
 #include "files/input_error.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

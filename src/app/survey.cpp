@@ -23,7 +23,7 @@
 #include "geometry/mirror.hpp"
 #include "geometry/steps.hpp"
 #include "geometry/vertical_line.hpp"
-#include "sensors/in_water.hpp"
+#include "sensors/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

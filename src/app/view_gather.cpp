@@ -33,8 +33,7 @@ std::vector<double> beam_angles_deg(const Sensor& sensor) {
     flat.push_back(180 / std::numbers::pi * std::atan2(x, y));
     across.push_back(180 / std::numbers::pi * std::atan2(x, -z));
   }
-  const std::string kind = kind_of(sensor.description());
-  return kind == "multibeam" || kind == "echosounder" ? across : flat;
+  return sensor.is_across_track() ? across : flat;
 }
 
 class Gatherer {
@@ -190,7 +189,8 @@ ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional
   view.title = scene.description.title;
   view.scene_hash = scene.description.sha256;
   view.sensor = description.name;
-  view.kind = kind_of(description);
+  view.kind = kind_of(description).name();
+  view.across_track = pings.sensor->is_across_track();
   for (const ComponentReport& component : scene.report.components) view.components.push_back(component.name);
   for (const MaterialDescription& material : scene.description.materials)
     view.materials.push_back(material.name);

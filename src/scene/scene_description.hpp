@@ -46,12 +46,14 @@ struct SceneDescription {
 };
 
 /// Reads and checks a scene file: keys, types, ranges, names that refer to each other, files that must exist.
-/// Throws InputError "scene.toml:12:5: ..." that says what was expected. `confined`: what lies outside of the
-/// scene file's folder, links followed, is refused; else it is noted.
-SceneDescription read_scene_file(const std::filesystem::path& file, bool confined = false);
+/// `kinds`: of its sensors (sensors/scene_file.hpp has all that there are). Throws InputError
+/// "scene.toml:12:5: ..." that says what was expected. `confined`: what lies outside of the scene file's
+/// folder, links followed, is refused; else it is noted.
+SceneDescription read_scene_file(const std::filesystem::path& file, const SensorSections& kinds,
+                                 bool confined = false);
 /// The same from a text, as if it stood in `file`: relative paths start from that one's folder, and messages
 /// name it. It need not exist.
 SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& file,
-                                 bool confined = false);
+                                 const SensorSections& kinds, bool confined = false);
 
 }  // namespace tubefoot

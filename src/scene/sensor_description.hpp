@@ -2,84 +2,65 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
-#include <variant>
-#include <vector>
+#include <typeinfo>
+#include <utility>
 
 #include "files/input_error.hpp"
+#include "scene/sensor_section.hpp"
 
-// What a scene file says: scene/scene_description.hpp.
+// What a scene file says of a sensor: what all have, and the keys of its kind. docs/scene-file.md
 namespace tubefoot {
 
-/// Acoustic camera: a fan of beams side by side, one elevation cell.
-struct DidsonDescription {
-  double frequency_khz = 1800;
-  int beams = 96;
-  /// even: equal cells over `horizontal_deg` | lens: where the lens of a DIDSON has its 48 or 96 beams
-  std::string beam_centres = "even";
-  double horizontal_deg = 29, vertical_deg = 14;  ///< receive sector
-  /// Transmit sector, about the same axis; without it, the receive sector. Tubes cover what both look at.
-  std::optional<double> transmit_horizontal_deg, transmit_vertical_deg;
-  /// With a receive pattern: how far the sector that is lit and heard reaches beyond the outermost beams.
-  double receive_margin_deg = 0;
-  int cycles = 1;                          ///< shots of a frame: beam b belongs to cycle b mod cycles
-  std::optional<double> cycle_interval_s;  ///< else as long as the echo of the window's end takes, and 420 us
-  std::vector<int> firing_order;           ///< cycles as they follow one another; empty: 0, 1, 2, ...
-  std::optional<std::string> transmit_steering;  ///< fan | beams; else beams if there are cycles
-  int samples = 512;
-  double window_start_m = 0.84, window_length_m = 5;
-  std::string pictures = "all";  ///< all | sequence
-};
-/// Two fans about the along-track axis, port (beam 0) and starboard (beam 1).
-struct SidescanDescription {
-  double frequency_khz = 455;
-  double along_track_deg = 0.5;                            ///< one-way width of the ideal rectangular beam
-  double depression_min_deg = 2, depression_max_deg = 85;  ///< the fan's limits below the horizontal
-  std::optional<double> axis_depression_deg;               ///< what patterns are about; else the fan's middle
-  int samples = 1000;
-  std::optional<double> sampling_frequency_khz;  ///< instead of samples: each is c / (2 f) long
-  double range_min_m = 0.5, range_max_m = 50;
-};
-/// Imaging or forward-looking sonar: `beams` equal azimuth cells over `horizontal_deg`, one elevation cell.
-struct ImagingDescription {
-  double frequency_khz = 700;
-  int beams = 256;
-  double horizontal_deg = 130, vertical_deg = 20;
-  int samples = 512;
-  double range_min_m = 0.5, range_max_m = 20;
-};
-/// One beam straight down. Where no patterns are given it sends and hears with a Gaussian about its axis.
-struct EchosounderDescription {
-  double frequency_khz = 200;
-  double beam_deg = 7;               ///< full one-way width at -3 dB
-  std::optional<double> sector_deg;  ///< side of the square that is looked at; none: three beam widths
-  int samples = 1000;
-  double range_min_m = 0.5, range_max_m = 50;
-  std::string detection = "energy_centroid";  ///< first_return | energy_centroid | maximum
-  double detection_threshold_db = -20;        ///< of samples that count, over the largest
-};
-/// Sidescan whose two receivers a side sit on a staff, above and below the transmitter.
-struct InterferometricDescription : SidescanDescription {
-  double baseline_m = 0.012;   ///< from receiver to receiver
-  double staff_tilt_deg = 30;  ///< of the direction that the staff faces, below the horizontal
-  bool phase_noise = false;    ///< soundings from phases with the noise of a single look
+/// The keys of a sensor's kind, as a value of the kind's own type. That type says which kind it is of, by a
+/// static function `kind()`. Copies share the value.
+class SensorKeys {
+ public:
+  SensorKeys() = default;  ///< of no kind
+  template <class Own>
+  requires requires {
+    { Own::kind() } -> std::convertible_to<const SensorSection&>;
+  }
+  SensorKeys(Own own)
+      : section_(&Own::kind()), type_(&typeid(Own)), own_(std::make_shared<Own>(std::move(own))) {}
+
+  /// Throws std::logic_error where there is none.
+  const SensorSection& section() const;
+  /// Throws std::logic_error for keys of another type.
+  template <class Own>
+  const Own& as() const {
+    check(typeid(Own));
+    return *static_cast<const Own*>(own_.get());
+  }
+  /// To change them: a value of its own from here on, that copies do not see. Throws as as() does.
+  template <class Own>
+  Own& edit() {
+    if (own_.use_count() != 1) own_ = std::make_shared<Own>(as<Own>());
+    check(typeid(Own));
+    return *static_cast<Own*>(own_.get());
+  }
+
+ private:
+  void check(const std::type_info& asked) const;
+
+  const SensorSection* section_ = nullptr;
+  const std::type_info* type_ = nullptr;
+  std::shared_ptr<void> own_;
 };
 
-/// Multibeam echosounder: a fan of beams across the track, beam 0 port-most.
-struct MultibeamDescription {
-  double frequency_khz = 240;
-  int beams = 101;
-  double swath_deg = 150;                               ///< between the axes of the outermost beams
-  std::string spacing = "angle";                        ///< angle | distance: what is equal from beam to beam
-  double beam_across_deg = 1.5, along_track_deg = 1.5;  ///< one-way widths of the ideal rectangular beam
-  int samples = 2000;
-  double range_min_m = 0.5, range_max_m = 100;
-  std::string detection = "energy_centroid";  ///< first_return | energy_centroid | maximum
-  double detection_threshold_db = -20;        ///< of samples that count, over the beam's largest
-  double grid_cell_m = 0;                     ///< of the depth grid; 0: chosen
-};
+/// As a section of the scene file fills it (toml_reader.hpp).
+template <class Own>
+void set_kind(SensorKeys& keys) {
+  keys = Own();
+}
+template <class Own>
+Own& kind_as(SensorKeys& keys) {
+  return keys.edit<Own>();
+}
 
 /// Beam pattern (power) of a transmitter or a receiver.
 struct PatternDescription {
@@ -121,9 +102,10 @@ struct SensorDescription {
   double cone_tolerance = 4.5e-5;
   PatternDescription transmit, receive;
   SignalDescription signal;
-  std::variant<DidsonDescription, SidescanDescription, MultibeamDescription, ImagingDescription,
-               EchosounderDescription, InterferometricDescription>
-      kind;
+  SensorKeys kind;  ///< what only sensors of its kind have
 };
+
+/// What its kind makes of a sensor's keys.
+SensorFigures figures_of(const SensorDescription& sensor);
 
 }  // namespace tubefoot

@@ -224,7 +224,31 @@ TomlField<S> field(std::string_view name, T S::*member, KeyRule rule = {}) {
           }};
 }
 
-/// A section: the keys of S, and those that only one kind of it has (S::kind is a variant then).
+/// The fields of what Own is derived from, as fields of Own.
+template <class Own, class Base>
+std::vector<TomlField<Own>> inherited(const std::vector<TomlField<Base>>& fields) {
+  std::vector<TomlField<Own>> own;
+  for (const TomlField<Base>& f : fields)
+    own.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source, Own& s) {
+                     read(node, source, s);
+                   }});
+  return own;
+}
+
+/// What a section's S::kind has to offer: to become a kind, and to be filled as one. A variant does; what
+/// else holds kinds has such functions of its own.
+/// @{
+template <class K, class... Ks>
+void set_kind(std::variant<Ks...>& kind) {
+  kind.template emplace<K>();
+}
+template <class K, class... Ks>
+K& kind_as(std::variant<Ks...>& kind) {
+  return std::get<K>(kind);
+}
+/// @}
+
+/// A section: the keys of S, and those that only one kind of it has (in S::kind then).
 template <class S>
 class TomlSection {
  public:
@@ -239,12 +263,12 @@ class TomlSection {
   TomlSection& kind(std::string_view kind_key, std::string_view name, const std::vector<TomlField<K>>& own,
                     const std::vector<TomlField<S>>& more = {}) {
     kind_key_ = kind_key;
-    kinds_.emplace_back(name, [](S& s) { s.kind.template emplace<K>(); });
+    kinds_.emplace_back(name, [](S& s) { set_kind<K>(s.kind); });
     const std::string kind = fmt::format("{} = \"{}\"", kind_key, name);
     std::vector<TomlField<S>> lifted;
     for (const TomlField<K>& f : own) {
       lifted.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source, S& s) {
-                          read(node, source, std::get<K>(s.kind));
+                          read(node, source, kind_as<K>(s.kind));
                         }});
     }
     return add(lifted, kind).add(more, kind);

@@ -9,6 +9,7 @@
 #include "app/advice.hpp"
 #include "app/program.hpp"
 #include "app/settings.hpp"
+#include "sensors/scene_file.hpp"
 #include "validation/advise/unseen.hpp"
 
 namespace tubefoot {

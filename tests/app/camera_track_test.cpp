@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "app/simulation.hpp"
-#include "sensors/products.hpp"
+#include "sensors/kind_didson.hpp"
+#include "sensors/received.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -18,7 +20,7 @@ TrackEstimate track_of(bool texture, bool speckle) {
   SceneDescription scene = read_scene_file(TUBEFOOT_SOURCE_DIR "/scenes/textures/track.toml");
   SensorDescription& camera = scene.sensors.at(0);
   camera.pings = 4;
-  std::get<DidsonDescription>(camera.kind).samples = 200;
+  camera.kind.edit<DidsonDescription>().samples = 200;
   if (!texture)
     for (MaterialDescription& material : scene.materials) material.reflectivity.clear();
   camera.signal.speckle = speckle ? "rayleigh" : "none";

@@ -8,6 +8,7 @@
 #include "app/run_steps.hpp"
 #include "app/simulation.hpp"
 #include "sensors/camera_file_reader.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

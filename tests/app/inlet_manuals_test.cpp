@@ -11,6 +11,7 @@
 #include "app/inlet.hpp"
 #include "app/inlet_files.hpp"
 #include "scene/scene_description.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

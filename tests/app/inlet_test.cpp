@@ -14,6 +14,7 @@
 #include "app/hostile.hpp"
 #include "app/inlet_files.hpp"
 #include "scene/scene_description.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -15,6 +15,7 @@
 #include "app/survey.hpp"
 #include "engine/tube_engine.hpp"
 #include "sensors/packet_reader.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -16,6 +16,7 @@
 #include "files/file_hash.hpp"
 #include "scene/scene_description.hpp"
 #include "sensors/echo_reader.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,6 +11,7 @@
 #include "app/echo_reader.hpp"
 #include "scene/scene.hpp"
 #include "scene/scene_description.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

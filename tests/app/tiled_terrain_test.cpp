@@ -18,6 +18,7 @@
 #include "app/region_plan.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -18,6 +18,7 @@
 #include "engine/tube_engine.hpp"
 #include "files/usage_error.hpp"
 #include "scene/scene_description.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "scene/scene_file_keys.hpp"
 #include "scene_file_folder.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

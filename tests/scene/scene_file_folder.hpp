@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "scene/scene_description.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 

@@ -8,6 +8,12 @@
 
 #include "samples.hpp"
 #include "sensors/angles.hpp"
+#include "sensors/kind_didson.hpp"
+#include "sensors/kind_echosounder.hpp"
+#include "sensors/kind_imaging.hpp"
+#include "sensors/kind_interferometric.hpp"
+#include "sensors/kind_multibeam.hpp"
+#include "sensors/kind_sidescan.hpp"
 
 namespace tubefoot {
 namespace {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // An acoustic camera's recording as a DIDSON or ARIS file: which of the two, levels, places, and why neither.
-#include "sensors/didson_files.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,8 @@
 
 #include "camera_file_reader.hpp"
 #include "samples.hpp"
+#include "sensors/camera_files.hpp"
+#include "sensors/kind_didson.hpp"
 
 namespace tubefoot {
 namespace {
@@ -88,7 +88,7 @@ TEST_F(CameraFiles, KnowTheDidsonByItsBeamsAndFrequency) {
   } kinds[] = {{1100, 0, 4, 0.84, 10, 1}, {1200, 1, 6, 0.84, 10, 2}, {700, 0, 6, 0.84, 40, 2}};
   for (const auto& kind : kinds) {
     SensorDescription description = samples::camera(48);
-    auto& didson = std::get<DidsonDescription>(description.kind);
+    auto& didson = description.kind.edit<DidsonDescription>();
     didson.frequency_khz = kind.frequency_khz;
     didson.window_start_m = kind.start_m;
     didson.window_length_m = kind.length_m;
@@ -102,7 +102,7 @@ TEST_F(CameraFiles, KnowTheDidsonByItsBeamsAndFrequency) {
 
 TEST_F(CameraFiles, OfOtherWindowsOrBeamsAreOfAnAris) {
   SensorDescription description = samples::camera(128, 600);
-  auto& didson = std::get<DidsonDescription>(description.kind);
+  auto& didson = description.kind.edit<DidsonDescription>();
   didson.window_start_m = 1.48;               // 2 ms there and back at 1480 m/s
   didson.window_length_m = 600 * 8 * 740e-6;  // 8 us a sample
   auto made = recording(description);

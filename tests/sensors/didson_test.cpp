@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "samples.hpp"
+#include "sensors/kind_didson.hpp"
 #include "sensors/lens_beams.hpp"
 #include "sensors/sensor.hpp"
 
@@ -20,7 +21,7 @@ const WorldGrid grid(20, {0, 0, 0});
 std::unique_ptr<Sensor> camera(const std::function<void(SensorDescription&, DidsonDescription&)>& change,
                                int beams = 96) {
   SensorDescription description = samples::camera(beams);
-  change(description, std::get<DidsonDescription>(description.kind));
+  change(description, description.kind.edit<DidsonDescription>());
   return make_sensor(description);
 }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which of its angles a phase stands for: recordings of a bed that are made up from its closed form.
-#include "sensors/interferometric_soundings.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +7,9 @@
 #include <numbers>
 
 #include "samples.hpp"
+#include "sensors/kind_interferometric.hpp"
 #include "sensors/phase_noise.hpp"
+#include "sensors/staff_soundings.hpp"
 
 namespace tubefoot {
 namespace {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/multibeam.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "samples.hpp"
-#include "sensors/multibeam_soundings.hpp"
+#include "sensors/kind_multibeam.hpp"
+#include "sensors/swath_soundings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -153,7 +152,7 @@ TEST(BottomFinder, CentroidIsTheAxisRangeOnAPlaneOfAnySlope) {
         made.energy(0, beam, std::size_t((range - 4) / 0.05)) +=
             std::pow(range, -3) * std::exp(-beta * range);
       }
-    const SoundedPing sounded = BottomFinder(made.recording, {}).sound(0);
+    const SoundedPing sounded = BottomFinder(made.recording, {}, {}).sound(0);
     for (std::size_t beam = 0; beam < 81; ++beam) {
       ASSERT_TRUE(sounded.soundings[beam]);
       const Sounding& sounding = *sounded.soundings[beam];
@@ -174,13 +173,13 @@ TEST(BottomFinder, NoiseAloneIsNoBottomAndDoesNotPullAtOne) {
   samples::OwnedRecording made = samples::silent(description, 8);
   for (std::size_t ping = 0; ping < 8; ++ping)
     for (std::size_t k = 400; k < 440; ++k) made.energy(ping, 30, k) = 1e-9;
-  const BottomFinder finder(made.recording, {});
+  const BottomFinder finder(made.recording, {}, {});
   for (std::size_t ping = 0; ping < 8; ++ping) {
     const SoundedPing sounded = finder.sound(ping);
     for (std::size_t beam = 0; beam < 101; ++beam)
       ASSERT_EQ(sounded.soundings[beam].has_value(), beam == 30) << ping << " " << beam;
     EXPECT_NEAR(sounded.soundings[30]->slant_range_m,
-                BottomFinder::ideal(made.recording).sound(ping).soundings[30]->slant_range_m,
+                BottomFinder::ideal(made.recording, {}).sound(ping).soundings[30]->slant_range_m,
                 made.recording.sensor->samples().step_m);
     EXPECT_TRUE(sounded.soundings[30]->flags.empty());
   }
@@ -189,7 +188,7 @@ TEST(BottomFinder, NoiseAloneIsNoBottomAndDoesNotPullAtOne) {
 TEST(BottomFinder, ASilentBeamHasNoSounding) {
   samples::OwnedRecording made = samples::silent(multibeam(), 1);
   made.energy(0, 3, 700) = 1e-9;
-  const SoundedPing sounded = BottomFinder(made.recording, {}).sound(0);
+  const SoundedPing sounded = BottomFinder(made.recording, {}, {}).sound(0);
   ASSERT_EQ(sounded.soundings.size(), 101u);
   for (std::size_t beam = 0; beam < 101; ++beam)
     EXPECT_EQ(sounded.soundings[beam].has_value(), beam == 3) << beam;

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "samples.hpp"
-#include "sensors/products.hpp"
+#include "sensors/received.hpp"
 
 namespace tubefoot {
 namespace {

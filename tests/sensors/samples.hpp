@@ -13,6 +13,8 @@
 #include <numbers>
 #include <string>
 
+#include "sensors/kind_didson.hpp"
+#include "sensors/kind_sidescan.hpp"
 #include "sensors/recording.hpp"
 
 // Small sensors and recordings for the tests of this folder.

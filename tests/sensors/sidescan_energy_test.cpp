@@ -13,6 +13,7 @@
 #include "samples.hpp"
 #include "scene/scene.hpp"
 #include "seabed/lambert.hpp"
+#include "sensors/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/sidescan_files.hpp"
-
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +7,8 @@
 
 #include "packet_reader.hpp"
 #include "samples.hpp"
+#include "sensors/kind_sidescan.hpp"
+#include "sensors/two_sided_files.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,7 +23,7 @@ using testing::IsEmpty;
 samples::OwnedRecording line(int pings = 9, const SignalDescription& signal = {}) {
   SensorDescription description = samples::sidescan(20);
   description.signal = signal;
-  auto& fan = std::get<SidescanDescription>(description.kind);
+  auto& fan = description.kind.edit<SidescanDescription>();
   fan.range_min_m = 1;
   fan.range_max_m = 11;
   auto made = samples::silent(description, pings);
@@ -32,6 +32,8 @@ samples::OwnedRecording line(int pings = 9, const SignalDescription& signal = {}
     made.energies[k] = 1e-9 * double(1 + k * 7919 % 1000);
   return made;
 }
+
+constexpr TwoSidedWidths widths{0.5, 83};
 
 RunContext at_sea() {
   RunContext run;
@@ -59,7 +61,7 @@ TEST(SidescanFiles, WaterfallHasARowAPingPortLeftAndTheLoudestSampleWhite) {
   const samples::TemporaryFolder folder;
   auto made = line();
   std::vector<std::string> warnings;
-  write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
+  write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
   EXPECT_THAT(warnings, IsEmpty());
   int width = 0, height = 0;
   const auto pixels = waterfall_of(folder / "sidescan-waterfall.png", width, height);
@@ -80,7 +82,7 @@ TEST(SidescanFiles, AGlintIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf) {
   std::fill(made.energies.begin(), made.energies.end(), 1e-12);
   made.energy(3, 1, 5) = 1e-4;  // 80 dB above the bed
   std::vector<std::string> warnings;
-  write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
+  write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
   int width = 0, height = 0;
   const auto pixels = waterfall_of(folder / "sidescan-waterfall.png", width, height);
   EXPECT_EQ(pixels[3 * 40 + 25], 65535);
@@ -97,7 +99,7 @@ TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
     made.recording.ping_pose[k].attitude =
         attitude_from_angles(30 * samples::degree, 2 * samples::degree, -3 * samples::degree);
   std::vector<std::string> warnings;
-  write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
+  write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
   const auto bytes = file_content(folder / "sidescan.xtf");
   const std::span<const unsigned char> all(bytes);
   PacketReader header(all.first(1024), false);
@@ -152,7 +154,7 @@ TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
 TEST(SidescanFiles, WithoutAPlaceOnEarthThereIsNoXtfAndAWarningSaysWhatToDo) {
   const samples::TemporaryFolder folder;
   std::vector<std::string> warnings;
-  const auto files = write_sidescan_files(folder.path(), line().recording, {}, warnings);
+  const auto files = write_two_sided_files(folder.path(), line().recording, {}, widths, warnings);
   EXPECT_THAT(files, ElementsAre("sidescan-waterfall.png", "sidescan-mosaic.tif", "sidescan-mosaic.png"));
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("add [georeference]")));
   EXPECT_FALSE(std::filesystem::exists(folder / "sidescan.xtf"));
@@ -165,7 +167,7 @@ TEST(SidescanFiles, WithoutASeabedBelowThereIsNoMosaic) {
     made.recording.altitude_m.assign(9, std::nan(""));
     if (known_at_first) made.recording.altitude_m.front() = 4;
     std::vector<std::string> warnings;
-    const auto files = write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
+    const auto files = write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
     EXPECT_EQ(files.size(), known_at_first ? 4u : 2u);
     EXPECT_THAT(warnings.front(), HasSubstr(known_at_first ? "8 of 9 pings" : "9 of 9 pings"));
     EXPECT_EQ(warnings.size(), known_at_first ? 1u : 2u);
@@ -177,7 +179,7 @@ TEST(SidescanFiles, DatesThatXtfCannotHoldAreAWarning) {
   auto made = line();
   made.recording.ping_time_s.front() = -1e10;
   std::vector<std::string> warnings;
-  write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
+  write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("1970 to 2106")));
 }
 
@@ -190,7 +192,7 @@ TEST(SidescanFiles, ReceiverIsInTheFilesOfASonar) {
     std::vector<std::string> warnings;
     RunContext run = at_sea();
     run.seed = seed;
-    write_sidescan_files(folder.path(), line(9, signal).recording, run, warnings);
+    write_two_sided_files(folder.path(), line(9, signal).recording, run, widths, warnings);
     return samples::bytes_of(folder / "sidescan-waterfall.png");
   };
   const std::string one = codes(1);
@@ -203,7 +205,7 @@ TEST(SidescanFiles, ASilentLineIsBlack) {
   auto made = line();
   std::fill(made.energies.begin(), made.energies.end(), 0.0);
   std::vector<std::string> warnings;
-  write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
+  write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
   int width = 0, height = 0;
   const auto pixels = waterfall_of(folder / "sidescan-waterfall.png", width, height);
   EXPECT_EQ(*std::max_element(pixels.begin(), pixels.end()), 0);
@@ -213,7 +215,7 @@ TEST(SidescanFiles, AFullDiskLeavesNoFile) {
   const samples::TemporaryFolder folder;
   const samples::FullDisk disk(1500);
   std::vector<std::string> warnings;
-  EXPECT_THROW(write_sidescan_files(folder.path(), line(200).recording, at_sea(), warnings),
+  EXPECT_THROW(write_two_sided_files(folder.path(), line(200).recording, at_sea(), widths, warnings),
                std::runtime_error);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

@@ -6,6 +6,11 @@
 #include <glm/geometric.hpp>
 
 #include "samples.hpp"
+#include "sensors/kind_didson.hpp"
+#include "sensors/kind_echosounder.hpp"
+#include "sensors/kind_imaging.hpp"
+#include "sensors/kind_interferometric.hpp"
+#include "sensors/kind_sidescan.hpp"
 
 namespace tubefoot {
 namespace {

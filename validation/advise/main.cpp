@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "app/settings.hpp"
+#include "sensors/scene_file.hpp"
 #include "unseen.hpp"
 
 namespace tubefoot {

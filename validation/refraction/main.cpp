@@ -10,7 +10,8 @@
 
 #include "app/simulation.hpp"
 #include "files/utc.hpp"
-#include "sensors/multibeam_soundings.hpp"
+#include "sensors/scene_file.hpp"
+#include "sensors/swath_soundings.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
 
@@ -26,7 +27,7 @@ PlotSeries soundings_in(const std::string& name, SceneDescription description) {
   const RunContext run{survey->scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
                        description.water, description.title};
   PlotSeries series{name, "", {}, true};
-  for (const auto& sounding : BottomFinder(recording, run).sound(0).soundings)
+  for (const auto& sounding : BottomFinder(recording, run, {}).sound(0).soundings)
     if (sounding) series.points.emplace_back(sounding->position_m.x, sounding->position_m.z);
   fmt::print("{}: {} soundings at {:.2f} m/s, {} apparent facets\n", name, series.points.size(),
              recording.sound_speed_m_s, stats.refraction.facets);

@@ -9,7 +9,8 @@
 
 #include "app/simulation.hpp"
 #include "files/utc.hpp"
-#include "sensors/products.hpp"
+#include "sensors/received.hpp"
+#include "sensors/scene_file.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
 #include "track/drift_sheet.hpp"
