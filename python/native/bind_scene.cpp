@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "app/abilities.hpp"
 #include "bindings.hpp"
 #include "files/file_hash.hpp"
+#include "run/abilities.hpp"
 #include "scene.hpp"
-#include "sensors/scene_file.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "app/abilities.hpp"
 #include "files/usage_error.hpp"
+#include "run/abilities.hpp"
 
 namespace tubefoot::python {
 namespace {

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <vector>
 
-#include "app/shot.hpp"
-#include "engine/history.hpp"
+#include "engine/sight/history.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot::python {
 

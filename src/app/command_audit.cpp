@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/progress.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/shot.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/abilities.hpp"
+#include "run/console/progress.hpp"
+#include "run/console/say.hpp"
+#include "run/settings.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot {
 

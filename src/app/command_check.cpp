@@ -7,17 +7,17 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/progress.hpp"
-#include "app/run_request.hpp"
-#include "app/run_steps.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/shot.hpp"
-#include "app/survey.hpp"
-#include "app/tiles_in_view.hpp"
 #include "files/shown.hpp"
+#include "run/abilities.hpp"
+#include "run/console/progress.hpp"
+#include "run/console/say.hpp"
+#include "run/run_request.hpp"
+#include "run/run_steps.hpp"
+#include "run/settings.hpp"
+#include "run/shot.hpp"
+#include "run/survey.hpp"
+#include "run/tiles_in_view.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,18 +6,18 @@
 #include <memory>
 #include <optional>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/footprint_file.hpp"
-#include "app/footprint_rationals.hpp"
-#include "app/progress.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/shot.hpp"
-#include "app/tiles_in_view.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/stop.hpp"
+#include "footprints/footprint_file.hpp"
+#include "footprints/footprint_rationals.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/abilities.hpp"
+#include "run/console/progress.hpp"
+#include "run/console/say.hpp"
+#include "run/settings.hpp"
+#include "run/shot.hpp"
+#include "run/tiles_in_view.hpp"
 
 namespace tubefoot {
 namespace {

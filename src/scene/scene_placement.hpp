@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "scene/georeference.hpp"
-#include "scene/object_description.hpp"
-#include "scene/scene_component.hpp"
+#include "scene/description/object_description.hpp"
+#include "scene/description/scene_component.hpp"
+#include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {
 

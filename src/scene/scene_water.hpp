@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "medium/water_column.hpp"
-#include "scene/water_description.hpp"
+#include "engine/water/water_column.hpp"
+#include "scene/description/water_description.hpp"
 
 namespace tubefoot {
 

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
+#include "scene/description/trajectory_description.hpp"
 #include "scene/trajectory.hpp"
-#include "scene/trajectory_description.hpp"
 
 namespace tubefoot {
 

@@ -10,8 +10,8 @@
 #include <optional>
 #include <set>
 
-#include "app/abilities.hpp"
 #include "app/program.hpp"
+#include "run/abilities.hpp"
 
 namespace tubefoot {
 namespace {

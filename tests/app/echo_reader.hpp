@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/program.hpp"
-#include "sensors/echo_reader.hpp"
+#include "sensors/recordings/echo_reader.hpp"
 
 namespace tubefoot {
 

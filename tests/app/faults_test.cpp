@@ -13,9 +13,9 @@
 #include <random>
 #include <thread>
 
-#include "app/partial_run.hpp"
 #include "app/program.hpp"
 #include "app/small_scene.hpp"
+#include "run/kept/partial_run.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,13 +9,13 @@
 
 #include "app/echo_reader.hpp"
 #include "app/program.hpp"
-#include "app/run_steps.hpp"
-#include "app/simulation.hpp"
-#include "app/view_gather.hpp"
 #include "files/checked_file.hpp"
-#include "scene/sensor_ranges.hpp"
-#include "sensors/angles.hpp"
-#include "sensors/scene_file.hpp"
+#include "run/run_steps.hpp"
+#include "run/simulation.hpp"
+#include "scene/file/sensor_ranges.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/model/angles.hpp"
+#include "viewer/view_gather.hpp"
 
 namespace tubefoot {
 namespace {

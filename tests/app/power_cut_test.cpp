@@ -12,9 +12,9 @@
 #include <set>
 #include <sstream>
 
-#include "app/partial_run.hpp"
 #include "app/program.hpp"
 #include "app/small_scene.hpp"
+#include "run/kept/partial_run.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <random>
 
-#include "engine/echo.hpp"
-#include "engine/tube_engine.hpp"
+#include "engine/echo/echo.hpp"
+#include "engine/sight/tube_engine.hpp"
 #include "geometry/plane_polygons.hpp"
 #include "geometry/scenes_for_tests.hpp"
 

@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "geometry/facet_mesh.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
 
 namespace tubefoot::test {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include "engine/echo.hpp"
+#include "engine/echo/echo.hpp"
 #include "geometry/scenes_for_tests.hpp"
 
 // Small scenes in metres, on a grid of 2^-20 m about the origin, for tests of paths.

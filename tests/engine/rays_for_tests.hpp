@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "engine/ray_engine.hpp"
-#include "geometry/facet_mesh.hpp"
-#include "geometry/tube.hpp"
+#include "engine/rays/ray_engine.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/tubes/tube.hpp"
 
 // Pyramids, beds and statistics for the tests of the sampling engine.
 namespace tubefoot {

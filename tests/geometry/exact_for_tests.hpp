@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/visibility.hpp"
+#include "geometry/visibility/visibility.hpp"
 
 // Rational geometry for oracles, from the specification (the documented meaning of names, tubes and facets)
 // and without the kernel's own arithmetic. Slow and plain.

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <map>
 
-#include "geometry/closure.hpp"
-#include "geometry/exact_direction.hpp"
-#include "geometry/visibility.hpp"
+#include "geometry/visibility/closure.hpp"
+#include "geometry/visibility/exact_direction.hpp"
+#include "geometry/visibility/visibility.hpp"
 
 // The kernel as tests of its laws use it: all tubes of a ping at once, and areas per facet.
 namespace tubefoot::test {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "geometry/measure.hpp"
+#include "geometry/integrals/measure.hpp"
 
 namespace tubefoot::test {
 

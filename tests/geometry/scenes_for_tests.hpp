@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/facet_mesh.hpp"
-#include "geometry/tube.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/tubes/tube.hpp"
 
 // Small seeded scenes straight on the grid, for tests of the kernel. Coordinates are grid units.
 namespace tubefoot::test {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/facet_cone.hpp"
+#include "geometry/mesh/facet_cone.hpp"
 #include "layered_scenes_for_tests.hpp"
-#include "scene/mesh_file.hpp"
+#include "scene/meshes/mesh_file.hpp"
 
 // Connected surfaces, solids and real meshes, seen so narrowly that slow oracles can follow.
 namespace tubefoot::test {

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "scene/scene_description.hpp"
-#include "sensors/scene_file.hpp"
+#include "scene/description/scene_description.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 

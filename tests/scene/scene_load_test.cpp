@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "medium/absorption.hpp"
-#include "medium/sound_speed.hpp"
+#include "engine/water/absorption.hpp"
+#include "engine/water/sound_speed.hpp"
 #include "scene/scene.hpp"
 #include "scene/scene_file_folder.hpp"
 #include "scene/scene_placement.hpp"

@@ -7,8 +7,8 @@
 
 #include "camera_file_reader.hpp"
 #include "samples.hpp"
-#include "sensors/camera_files.hpp"
-#include "sensors/kind_didson.hpp"
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/products/camera_files.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,9 +7,9 @@
 #include <functional>
 
 #include "samples.hpp"
-#include "sensors/kind_didson.hpp"
-#include "sensors/lens_beams.hpp"
-#include "sensors/sensor.hpp"
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/model/lens_beams.hpp"
+#include "sensors/model/sensor.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "samples.hpp"
-#include "sensors/kind_interferometric.hpp"
-#include "sensors/phase_noise.hpp"
-#include "sensors/staff_soundings.hpp"
+#include "sensors/detection/staff_soundings.hpp"
+#include "sensors/kinds/kind_interferometric.hpp"
+#include "sensors/receiver/phase_noise.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,8 +11,8 @@
 #include <set>
 #include <string>
 
-#include "scene/sensor_presets.hpp"
-#include "sensors/sensor_kind.hpp"
+#include "scene/file/sensor_presets.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

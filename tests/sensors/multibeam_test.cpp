@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include "samples.hpp"
-#include "sensors/kind_multibeam.hpp"
-#include "sensors/swath_soundings.hpp"
+#include "sensors/kinds/kind_multibeam.hpp"
+#include "sensors/products/swath_soundings.hpp"
 
 namespace tubefoot {
 namespace {

@@ -13,9 +13,9 @@
 #include <numbers>
 #include <string>
 
-#include "sensors/kind_didson.hpp"
-#include "sensors/kind_sidescan.hpp"
-#include "sensors/recording.hpp"
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
+#include "sensors/recordings/recording.hpp"
 
 // Small sensors and recordings for the tests of this folder.
 namespace tubefoot::samples {

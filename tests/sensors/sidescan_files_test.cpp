@@ -7,8 +7,8 @@
 
 #include "packet_reader.hpp"
 #include "samples.hpp"
-#include "sensors/kind_sidescan.hpp"
-#include "sensors/two_sided_files.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
+#include "sensors/products/two_sided_files.hpp"
 
 namespace tubefoot {
 namespace {

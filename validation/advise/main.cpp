@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/settings.hpp"
-#include "sensors/scene_file.hpp"
+#include "run/settings.hpp"
+#include "sensors/kinds/scene_file.hpp"
 #include "unseen.hpp"
 
 namespace tubefoot {

@@ -8,10 +8,10 @@
 #include <exception>
 #include <filesystem>
 
-#include "app/simulation.hpp"
 #include "files/utc.hpp"
-#include "sensors/scene_file.hpp"
-#include "sensors/swath_soundings.hpp"
+#include "run/simulation.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/products/swath_soundings.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
 

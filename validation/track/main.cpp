@@ -7,10 +7,10 @@
 #include <exception>
 #include <filesystem>
 
-#include "app/simulation.hpp"
 #include "files/utc.hpp"
-#include "sensors/received.hpp"
-#include "sensors/scene_file.hpp"
+#include "run/simulation.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/products/received.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
 #include "track/drift_sheet.hpp"

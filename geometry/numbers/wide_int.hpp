@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cstdint>
+
+#include "geometry/numbers/int128.hpp"
+
+// Heavy: include only where products of more than 192 bits are taken, and in .cpp files.
+namespace tubefoot {
+
+/// 512 bits, for the rare signs that involve depth planes (at most 467 bits). No allocation.
+using WideInt = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
+    512, 512, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
+
+inline WideInt widen(Int128 x) {
+  const bool negative = x < 0;
+  const UInt128 magnitude = negative ? -static_cast<UInt128>(x) : static_cast<UInt128>(x);
+  WideInt wide = static_cast<std::uint64_t>(magnitude >> 64);
+  wide <<= 64;
+  wide += static_cast<std::uint64_t>(magnitude);
+  if (negative) wide = -wide;
+  return wide;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "advice/trials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+
+#include "compare/echo_errors.hpp"
+#include "files/json_text.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/abilities.hpp"
+#include "run/simulation.hpp"
+
+namespace tubefoot {
+namespace {
+
+EngineSetting tube(const std::string& engine, const std::string& setting) {
+  EngineSetting s;
+  s.engine = engine;
+  s.setting = setting;
+  return s;
+}
+
+std::vector<double> ranges_m(const RangeSamples& samples) {
+  std::vector<double> ranges;
+  for (int k = 0; k < samples.count; ++k) ranges.push_back(samples.first_m + (k + 0.5) * samples.step_m);
+  return ranges;
+}
+
+std::string scene_name(const std::filesystem::path& scene) {
+  const std::string stem = scene.stem().string();
+  return text_of_name(stem == "scene" ? std::filesystem::absolute(scene).parent_path().filename().string()
+                                      : stem);
+}
+
+}  // namespace
+
+EngineSetting tube_setting(Binning binning) {
+  EngineSetting s = tube(
+      binning == Binning::exact ? "tubes, exact cuts" : fmt::format("tubes, {}", name_of(binning)), "fixed");
+  s.run.binning = binning;
+  return s;
+}
+
+EngineSetting ray_setting(RaySampling sampling, std::int64_t rays_per_beam, std::size_t beams) {
+  EngineSetting s;
+  s.engine = sampling == RaySampling::column ? "rays, one column a beam"
+                                             : fmt::format("rays, {}", name_of(sampling));
+  s.setting = fmt::format("{} a beam", rays_per_beam);
+  s.run.engine = Engine::ray;
+  s.run.rays.sampling = sampling;
+  s.run.rays.rays = rays_per_beam;
+  s.run.rays.per = RaySettings::Per::beam;
+  s.rays = static_cast<double>(rays_per_beam) * static_cast<double>(beams);
+  return s;
+}
+
+std::vector<EngineSetting> tube_settings() {
+  std::vector<EngineSetting> all;
+  for (const Arithmetic arithmetic : {Arithmetic::fixed, Arithmetic::filtered}) {
+    all.push_back(tube("tubes, exact cuts", std::string(name_of(arithmetic))));
+    all.back().run.visibility.arithmetic = arithmetic;
+  }
+  for (const double tolerance : {0.0, 1e-14}) {
+    all.push_back(tube("tubes, double", fmt::format("tolerance {:g}", tolerance)));
+    all.back().run.visibility.arithmetic = Arithmetic::plain_double;
+    all.back().run.visibility.tolerance = tolerance;
+  }
+  for (const std::uint32_t split : {16u, 256u}) {
+    all.push_back(tube("tubes, exact cuts", fmt::format("fixed, split above {}", split)));
+    all.back().run.visibility.facets_per_split = split;
+  }
+  for (const Binning binning : {Binning::spread, Binning::centroid}) all.push_back(tube_setting(binning));
+  return all;
+}
+
+std::vector<EngineSetting> ray_settings(std::size_t beams) {
+  std::vector<EngineSetting> all;
+  for (const RaySampling sampling :
+       {RaySampling::stratified, RaySampling::regular, RaySampling::random, RaySampling::column})
+    for (const std::int64_t rays : {1, 11, 23, 114, 400, 1500, 5000, 17000, 60000, 200000, 700000})
+      all.push_back(ray_setting(sampling, rays, beams));
+  return all;
+}
+
+TrialScene::Choice first_pings(std::size_t count) {
+  return [count](const Survey& survey) {
+    TrialPings chosen;
+    for (std::size_t p = 0; p < std::min(count, survey.sensors.front().times_s.size()); ++p)
+      chosen.pings.push_back(p);
+    return std::vector{chosen};
+  };
+}
+
+TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
+                       std::optional<double> reference_tolerance)
+    : name_(scene_name(scene.file)) {
+  require_able(scene, Feature::trial);
+  const std::unique_ptr<const Survey> survey = open_survey(scene);
+  RunRequest request;
+  request.reference_tolerance = reference_tolerance;
+  double all = 0;
+  for (const TrialPings& chosen : choice(*survey)) {
+    weight_.push_back(static_cast<double>(survey->sensors[chosen.sensor].times_s.size()));
+    all += weight_.back();
+    surveys_.push_back({survey->site, std::make_shared<const Fleet>(
+                                          survey->fleet->some_pings(chosen.sensor, chosen.pings))});
+  }
+  for (double& w : weight_) w /= all;
+  double ignored = 0;
+  reference_ = record(request, ignored);
+  for (const Recording& r : reference_) {
+    const double total = std::accumulate(r.energy.begin(), r.energy.end(), 0.0);
+    if (total > 0)
+      bound_ = std::max(bound_, std::accumulate(r.energy_bound.begin(), r.energy_bound.end(), 0.0) / total);
+  }
+}
+
+std::size_t TrialScene::beams() const {
+  std::size_t most = 0;
+  for (const Survey& survey : surveys_) most = std::max(most, survey.sensors.front().sensor->beams().size());
+  return most;
+}
+
+std::vector<std::string> TrialScene::silent_sensors() const {
+  std::vector<std::string> names;
+  for (const Recording& r : reference_)
+    if (std::none_of(r.energy.begin(), r.energy.end(), [](double e) { return e > 0; }))
+      names.push_back(r.sensor->description().name);
+  return names;
+}
+
+std::string TrialScene::refusal_of(const EngineSetting& setting) const {
+  for (const Survey& survey : surveys_)
+    if (const auto why = refused(survey, asked_by(setting.run))) return why->what;
+  return "";
+}
+
+std::vector<Recording> TrialScene::record(const RunRequest& request, double& seconds_a_ping) const {
+  // One sensor at a time, so that each one's seconds are known.
+  std::vector<Recording> recordings;
+  seconds_a_ping = 0;
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    SimulationStats stats;
+    recordings.push_back(std::move(simulate(surveys_[s], request, stats).front()));
+    seconds_a_ping +=
+        weight_[s] * (stats.visibility_seconds + stats.echo_seconds) / static_cast<double>(stats.pings);
+  }
+  return recordings;
+}
+
+Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
+  std::vector<double> seconds(static_cast<std::size_t>(repeats));
+  const std::vector<Recording> candidate = record(setting.run, seconds.front());
+  for (std::size_t r = 1; r < seconds.size(); ++r) record(setting.run, seconds[r]);
+  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
+  Trial trial;
+  trial.scene = name_;
+  trial.engine = setting.engine;
+  trial.setting = setting.setting;
+  trial.seconds = *middle;
+  trial.bound = bound_;
+  trial.samples = setting.rays;
+  trial.counts = setting.run.visibility.arithmetic != Arithmetic::plain_double;
+  for (std::size_t s = 0; s < candidate.size(); ++s) {
+    const Recording& reference = reference_[s];
+    const std::vector<double> ranges = ranges_m(reference.sensor->samples());
+    const EchoShape ping{1, reference.sensor->beams().size(), ranges.size()};
+    const EchoShape all{reference.ping_time_s.size(), ping.beams, ping.samples};
+    const EchoErrors errors = echo_errors({all, reference.energy, candidate[s].energy, {}, ranges});
+    trial.l1_error = std::max(trial.l1_error, errors.l1);
+    trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
+    std::vector<PingError>& pings = trial.pings.emplace_back();
+    for (std::size_t p = 0; p < all.pings; ++p) {
+      const auto part = [&](std::span<const double> energies) {
+        return energies.subspan(p * ping.bins(), ping.bins());
+      };
+      const EchoErrors e = echo_errors({ping, part(reference.energy), part(candidate[s].energy), {}, ranges});
+      const auto lit = static_cast<double>(e.lit_bins);
+      pings.push_back({e.reference_total_j > 0 ? e.l1 * e.reference_total_j : e.candidate_total_j,
+                       e.reference_total_j, e.rms_db * e.rms_db * lit, lit});
+    }
+  }
+  return trial;
+}
+
+std::vector<EngineSetting> builtin_settings(std::size_t beams) {
+  std::vector<EngineSetting> settings = tube_settings();
+  for (EngineSetting& s : ray_settings(beams)) settings.push_back(std::move(s));
+  return settings;
+}
+
+std::vector<Trial> all_trials(const TrialScene& scene, const std::vector<EngineSetting>& settings,
+                              int repeats, double seconds_per_trial, const std::function<void()>& step) {
+  constexpr double next_rung = 5;  // rungs are about 4 apart
+  constexpr double slow_seconds = 0.5;
+  std::vector<Trial> trials;
+  std::map<std::string, double> last_seconds;
+  for (const EngineSetting& setting : settings) {
+    stop_if_wanted();
+    double& last = last_seconds[setting.engine];
+    if (!scene.refusal_of(setting).empty()) {
+      step();
+      continue;
+    }
+    if (setting.rays == 0 || next_rung * last <= seconds_per_trial) {
+      trials.push_back(scene.run(setting, last > slow_seconds ? 1 : repeats));
+      last = trials.back().seconds;
+    } else {
+      last = seconds_per_trial;  // nor any finer one
+    }
+    step();
+  }
+  return trials;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/echo/echo.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "engine/echo/quadratures.hpp"
+
+namespace tubefoot {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
+
+void check(const BeamPatterns& patterns, const ReceiveBeams& beams, std::size_t tubes) {
+  bool fits = patterns.receive.size() == std::size_t(beams.count) && patterns.fan_of_tube.size() == tubes &&
+              patterns.beams_of_tube.size() == tubes;
+  for (const std::uint32_t fan : patterns.fan_of_tube) fits = fits && fan < patterns.transmit.size();
+  fits = fits && (patterns.fringes.empty() || patterns.fringes.size() == patterns.transmit.size());
+  for (const TransmitPattern& fan : patterns.transmit) fits = fits && !fan.beams.empty();
+  for (const auto& [first, end] : patterns.beams_of_tube)
+    fits = fits && first <= end && end <= std::uint32_t(beams.count);
+  if (!fits) refuse("the beam patterns belong to other beams or other tubes");
+}
+
+void check_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                    const EchoLaw& law, Binning binning) {
+  if (law.path.over_mirrors() || law.path.home)
+    refuse("footprints of one apex are there and back; two legs need what both apexes share");
+  if (law.patterns == nullptr) return;
+  check(*law.patterns, beams, beams.of_tube.size());
+  for (const Fringe& fringe : law.patterns->fringes)
+    if (!(fringe.baseline_m >= 0 && fringe.baseline_m <= samples.first_m))
+      refuse(fmt::format("a baseline of {} m needs samples from there on, not from {} m", fringe.baseline_m,
+                         samples.first_m));
+  if (!law.patterns->fringes.empty() && binning == Binning::exact && sight.first() < sight.end())
+    refuse("footprints of one apex cannot be cut for the two receivers of a staff (staff_echo.hpp)");
+}
+
+void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams, const RangeSamples& samples,
+                      const EchoLaw& law, const Quadrature& how) {
+  const std::size_t sent = history.transmit.tubes.size(), heard = history.receive.tubes.size();
+  if (how.binning != Binning::exact) refuse("what two apexes share is cut exactly, not binned otherwise");
+  if (beams.of_tube.size() != heard)
+    refuse(fmt::format("the receiver has {} tubes, but {} have a beam", heard, beams.of_tube.size()));
+  for (const std::uint32_t beam : beams.of_tube)
+    if (beam >= std::uint32_t(beams.count))
+      refuse(fmt::format("a tube belongs to beam {} of {}", beam, beams.count));
+  const bool fans = !beams.fan_of_transmit_tube.empty() || !beams.fan_of_receive_tube.empty();
+  if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != heard))
+    refuse("fans must be given for all transmit and all receive tubes, or for none");
+  if (!law.path.facet_factor.empty()) refuse("apparent facets belong to one apex, not to two");
+  if (!history.paired.empty() && history.paired.size() != history.shared.facets.size())
+    refuse("the history's paired facets belong to other facets");
+  if (!(how.path_tolerance > 0))
+    refuse(fmt::format("a tolerance must be above 0, not {}", how.path_tolerance));
+  if (law.patterns != nullptr) check(*law.patterns, beams, heard);
+  const double last = samples.first_m + samples.count * samples.step_m;
+  if (samples.count < 1 || !(samples.first_m >= 0) || !std::isfinite(last) || !(samples.step_m > 0))
+    refuse(fmt::format(
+        "range samples need a first range that is not negative, a step above 0 and a count of one or "
+        "more, all finite; not {} m, {} m and {}",
+        samples.first_m, samples.step_m, samples.count));
+}
+
+}  // namespace
+
+Binning binning_from_name(std::string_view name) {
+  if (name == "exact") return Binning::exact;
+  if (name == "spread") return Binning::spread;
+  if (name == "centroid") return Binning::centroid;
+  throw std::invalid_argument(fmt::format("no binning named '{}': exact, spread or centroid", name));
+}
+
+void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+               const Quadrature& how, const Sink<double>& sink) {
+  if (beams.count < 0) refuse(fmt::format("a receiver cannot have {} beams", beams.count));
+  check(law);
+  if (sight.one_apex()) {
+    check_one_apex(sight, beams, samples, law, how.binning);
+    return integrate_one_apex(sight, beams, samples, law, how, sink);
+  }
+  check_two_apexes(*sight.two_apexes(), beams, samples, law, how);
+  const bool through_images =
+      law.path.out.to_true != glm::dmat3(1) || law.path.back().to_true != glm::dmat3(1);
+  if (law.patterns == nullptr || !through_images)
+    return integrate_two_apexes(sight, beams, samples, law, how, sink);
+  const BeamPatterns patterns = as_images_have(*law.patterns, law.path);
+  EchoLaw own = law;
+  own.patterns = &patterns;
+  integrate_two_apexes(sight, beams, samples, own, how, sink);
+}
+
+Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                    const EchoLaw& law, const Quadrature& how) {
+  if (beams.count < 0) refuse(fmt::format("a receiver cannot have {} beams", beams.count));
+  Echo echo;
+  echo.beams = beams.count;
+  echo.samples = samples.count;
+  const int channels = law.patterns != nullptr ? law.patterns->channels() : 1;
+  echo.energy.assign(std::size_t(channels) * std::size_t(beams.count) * std::size_t(samples.count), 0);
+  integrate(sight, beams, samples, law, how, [&](const Part<double>& part) {
+    echo.energy[part.beam * std::size_t(samples.count) + part.sample] += part.value;
+  });
+  return echo;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "engine/echo/sink.hpp"
+#include "engine/law/echo_law.hpp"
+#include "engine/law/range_samples.hpp"
+#include "engine/sight/sight.hpp"
+
+namespace tubefoot {
+
+/// How a footprint's energy gets into range samples.
+enum class Binning {
+  exact,     ///< cut at the samples' borders, integrated over each part
+  spread,    ///< the law at the centroid, evenly over the footprint's interval of slant range
+  centroid,  ///< the law at the centroid, all in the sample that holds the centroid's slant range
+};
+
+/// Name as in scene files; throws std::invalid_argument.
+Binning binning_from_name(std::string_view name);
+
+/// Which beams hear what.
+struct ReceiveBeams {
+  int count = 0;
+  std::span<const std::uint32_t> of_tube;  ///< the beam that a tube of the way home belongs to
+  /// Fans of the tubes of two apexes: a receiver hears the transmissions of its own fan only. Both empty: one
+  /// fan.
+  std::span<const std::uint32_t> fan_of_transmit_tube{}, fan_of_receive_tube{};
+};
+
+/// Relative error that paths between two apexes keep if they are not told otherwise.
+constexpr double bistatic_tolerance = 1e-10;
+
+/// How energies are integrated.
+struct Quadrature {
+  Quadrature(Binning by = Binning::exact, double tolerance = bistatic_tolerance)  // NOLINT: a binning is one
+      : binning(by), path_tolerance(tolerance) {}
+
+  Binning binning;        ///< of footprints, which have one apex
+  double path_tolerance;  ///< relative error between two apexes
+  bool by_owner = false;  ///< parts are told with whose they are (Part::seen, out_tube)
+};
+
+/// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With
+/// fringes (BeamPatterns) that is what the upper receiver hears, and three more such blocks follow.
+struct Echo {
+  int beams = 0;
+  int samples = 0;
+  std::vector<double> energy;
+  double at(int beam, int sample) const { return energy[std::size_t(beam) * samples + sample]; }
+};
+
+/// Integrates what a path returns of all that it sees into range samples of beams, and hands it to `sink`
+/// (rows of channels follow each other: beam = channel * beams.count + beam). Sample k covers half paths,
+/// (out + home) / 2, from first + k step on. density.hpp has what an area element returns; that is weighed by
+/// texture at its place, by the transmit pattern in the direction from the apex of the way out, by the
+/// receive pattern in that from the apex of the way home, and by what mirrors on either way take
+/// (law.path).
+///
+/// One apex: footprints are cut at the samples' borders, arcs on the facet, and integrated in closed form,
+/// with patterns or texture by polar moments (pattern_integral.hpp); or they are binned as `how.binning`
+/// says, which reads what measure() filled, the law and the texture taken at the centroid. A ray's hit falls
+/// into the sample that holds its range. With patterns a beam hears the tubes that
+/// `law.patterns->beams_of_tube` says.
+///
+/// Two apexes: cells between ellipses (path_cut.hpp), Lambert's law being mu sin(out) sin(home) and another
+/// sqrt(sigma(out) sigma(home)). `law.patterns` is about the tubes of the way home (its fans are used as
+/// theirs). The error of each energy is at most about how.path_tolerance times what it would be with
+/// patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to about 1e-6, tabulated
+/// laws, whose first does, to about 1e-5. With paired facets, ranges are travel times by the reference speed,
+/// patterns are taken in the directions in which rays leave and arrive, and each facet has paired_factor().
+///
+/// Throws std::invalid_argument for what does not fit.
+void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+               const Quadrature& how, const Sink<double>& sink);
+
+/// All of it, added up.
+Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                    const EchoLaw& law, const Quadrature& how = {});
+
+/// What one seen facet adds to one range sample of one beam.
+struct Contribution {
+  std::uint32_t footprint = 0;  ///< number in the Sight
+  std::uint32_t beam = 0, sample = 0;
+  double energy_j = 0;
+};
+
+/// Which footprints made which samples: the terms that integrate_echo() adds up, with the same arguments,
+/// ordered by footprint, beam and sample. For each beam and sample they sum to the echo's energy but for
+/// rounding (with beam patterns: rounding of their peak).
+///
+/// With patterns every footprint is heard by every beam of its fan. `least_share` leaves out what is less
+/// than this times the energy of its beam and sample in `echo` (which integrate_echo() made), but never a
+/// footprint's largest contribution; 0 keeps everything that is not zero. Throws as integrate_echo().
+std::vector<Contribution> contributions(const Sight& sight, const ReceiveBeams& beams,
+                                        const RangeSamples& samples, const EchoLaw& law,
+                                        const Quadrature& how, const Echo& echo, double least_share = 0);
+
+/// What each footprint adds to an echo, over all range samples, in the order of the footprints. Joule per
+/// J/sr sent at 1 m, as Echo.
+struct FootprintEnergies {
+  std::vector<double> all_beams;  ///< in all beams that hear it: these sum to the sum of the echo
+  /// In the beam that its tube belongs to. Without patterns no other beam hears it.
+  std::vector<double> own_beam;
+};
+
+/// The energies that integrate() puts into its bins, by footprint of the transmitter instead; of two apexes,
+/// what the receiver shares of each. `footprints`: of the way out, the Sight's own with one apex. A
+/// footprint's own beam is `beam_of_footprint_tube`'s. With fringes: what the transmitter's own place would
+/// hear.
+FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight& sight,
+                                     std::span<const std::uint32_t> beam_of_footprint_tube,
+                                     const ReceiveBeams& beams, const RangeSamples& samples,
+                                     const EchoLaw& law, const Quadrature& how = {});
+
+}  // namespace tubefoot

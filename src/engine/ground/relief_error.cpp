@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/ground/relief_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace tubefoot {
+namespace {
+
+void raise(ElevationField::LeftOut& to, const ElevationField::LeftOut& by) {
+  to.rms_height_m = std::max(to.rms_height_m, by.rms_height_m);
+  to.rms_slope = std::max(to.rms_slope, by.rms_slope);
+  to.largest_height_m = std::max(to.largest_height_m, by.largest_height_m);
+  to.largest_slope = std::max(to.largest_slope, by.largest_slope);
+}
+
+/// Facets seen edge on scatter nothing that counts.
+constexpr double lowest_sine = 0.02;
+
+double cotangent(double sine) {
+  const double s = std::max(sine, lowest_sine);
+  return std::sqrt(std::max(0.0, 1 - s * s)) / s;
+}
+
+double longest_edge2(const FacetMesh& mesh, FacetId facet, double unit_m) {
+  const auto& f = mesh.facets[facet];
+  double longest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const GridPoint a = mesh.vertices[f[k]], b = mesh.vertices[f[(k + 1) % 3]];
+    const glm::dvec3 d{double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z};
+    longest = std::max(longest, glm::dot(d, d));
+  }
+  return longest * unit_m * unit_m;
+}
+
+}  // namespace
+
+OmittedRelief::OmittedRelief(std::span<const std::shared_ptr<const ElevationField>> relief, double finest_m)
+    : finest2_m2_(finest_m * finest_m), by_material_(relief.size()) {
+  for (std::size_t m = 0; m < relief.size(); ++m) {
+    if (!relief[m]) continue;
+    largest_height_m_ = std::max(largest_height_m_, relief[m]->largest_m());
+    for (std::size_t k = 0; k < steps; ++k) {
+      by_material_[m][k] = relief[m]->left_out(finest_m * std::exp2(static_cast<double>(k) / 4));
+      if (k > 0) raise(by_material_[m][k], by_material_[m][k - 1]);
+      raise(largest_[k], by_material_[m][k]);
+    }
+  }
+}
+
+std::size_t OmittedRelief::step(double edge2_m2) const {
+  if (!(edge2_m2 > finest2_m2_)) return 0;
+  const double k = std::ceil(2 * std::log2(edge2_m2 / finest2_m2_));
+  return static_cast<std::size_t>(std::min(k, static_cast<double>(steps - 1)));
+}
+
+double omitted_change(const ElevationField::LeftOut& left_out, double edge2_m2, const Resolution& cell) {
+  const double cot = cotangent(cell.sine_grazing), s = left_out.rms_slope;
+  const double patches = std::max(1.0, cell.range_m * cell.beam_rad * cell.sample_m / edge2_m2);
+  return 2 * s * cot / std::sqrt(patches) + s * s * (0.5 + cot * cot) +
+         left_out.rms_height_m * cell.sine_grazing / cell.sample_m * std::sqrt(2 / patches);
+}
+
+namespace {
+
+/// Where rays come and go at those grazing angles.
+FinerRelief change_at(const ElevationField::LeftOut& left, double sine, double sine_back, double sample_m,
+                      double weight) {
+  const double by_slope = cotangent(sine) + cotangent(sine_back),
+               by_height = (sine + sine_back) / 2 / sample_m;
+  return {left.largest_slope * by_slope + left.largest_height_m * by_height,
+          std::hypot(left.rms_slope * by_slope, left.rms_height_m * by_height), weight};
+}
+
+struct MeasuredPiece {
+  double area_m2 = 0;
+  glm::dvec3 middle_m{0};
+};
+
+MeasuredPiece measured(std::span<const glm::dvec3> corners) {
+  glm::dvec3 doubled_area{0}, sum{0};
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    sum += corners[c];
+    if (c > 1) doubled_area += glm::cross(corners[c - 1] - corners[0], corners[c] - corners[0]);
+  }
+  return {glm::length(doubled_area) / 2, sum / static_cast<double>(corners.size())};
+}
+
+}  // namespace
+
+FinerRelief& FinerRelief::operator+=(const FinerRelief& o) {
+  if (!(o.weight > 0)) return *this;
+  const double share = o.weight / (weight + o.weight);
+  largest += share * (o.largest - largest);
+  rms += share * (o.rms - rms);
+  weight += o.weight;
+  return *this;
+}
+
+FinerRelief finer_relief(const Sight& sight, const FacetMesh& mesh, const OmittedRelief& omitted,
+                         double sample_m) {
+  FinerRelief all;
+  const auto left_out = [&](FacetId facet) -> const ElevationField::LeftOut& {
+    return omitted.at(longest_edge2(mesh, facet, sight.grid_unit_m()), mesh.material[facet]);
+  };
+  for (std::size_t number = sight.first(); number < sight.end(); ++number) {
+    const SeenFacet f = sight[number];
+    const ElevationField::LeftOut& left = left_out(f.facet);
+    for (std::uint32_t p = 0; p < f.piece_count; ++p) {
+      const MeasuredPiece m = measured(sight.part(number, f.first_piece + p).corners_m);
+      const double out = glm::length(m.middle_m), home = glm::distance(m.middle_m, sight.home_m());
+      if (!(out > 0 && home > 0)) continue;
+      const double sine_out = std::min(1.0, f.plane.distance_m / out),
+                   sine_home = std::min(1.0, f.home_distance_m / home),
+                   weight = m.area_m2 * sine_out * sine_home / (out * out * home * home);
+      all += change_at(left, sine_out, sine_home, sample_m, weight);
+    }
+  }
+  for (const RayHit& h : sight.hits())
+    all += change_at(left_out(h.facet), h.sine_grazing, h.sine_grazing, sample_m,
+                     h.solid_angle_sr * h.sine_grazing / (h.slant_range_m * h.slant_range_m));
+  return all;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/law/range_samples.hpp"
+
+namespace tubefoot {
+
+std::vector<double> sample_borders_m(const RangeSamples& samples) {
+  std::vector<double> borders;
+  for (int k = 0; k <= samples.count; ++k) borders.push_back(samples.first_m + k * samples.step_m);
+  return borders;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/regional_simulation.hpp"
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+namespace tubefoot {
+namespace {
+
+/// Deep trees and long waits cost more than what neighbouring regions load twice.
+constexpr std::size_t most_facets = 1 << 20, bytes_a_region_facet = 64;
+
+std::size_t cache_bytes(const Survey& survey) {
+  return static_cast<std::size_t>(survey.scene.description.run.terrain_cache_mb) * 1'000'000;
+}
+
+}  // namespace
+
+RegionalSimulation::RegionalSimulation(const Survey& survey, const RunRequest& request)
+    : survey_(survey),
+      request_(request),
+      plan_(Shots(survey, request), std::min(most_facets, cache_bytes(survey) / (4 * bytes_a_region_facet))),
+      cache_(cache_bytes(survey), [this](std::size_t region) { return load(region); }) {
+  survey.site->terrain_use->regions = plan_.regions().size();
+}
+
+PingCounts RegionalSimulation::run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) {
+  const std::size_t number = plan_.of(group, ping);
+  const std::shared_ptr<const PingSimulation> region = cache_.get(number);
+  // Who has a region's first ping loads the next one while others work.
+  if (plan_.regions()[number].first_ping == ping && number + 1 < plan_.regions().size() &&
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) > 1) {
+    try {
+      cache_.get(number + 1);
+    } catch (const InputError&) {
+      // Its own pings will tell.
+    }
+  }
+  survey_.site->terrain_use->loads = cache_.loads();
+  survey_.site->terrain_use->most_bytes = cache_.most_bytes_held();
+  return region->run(group, ping, store, slot);
+}
+
+BoundedCache<PingSimulation>::Loaded RegionalSimulation::load(std::size_t number) const {
+  // Who waits for a part of this must not begin a ping meanwhile, which could wait for this in turn.
+  return tbb::this_task_arena::isolate([&] {
+    const Survey survey = survey_with_tiles(survey_, plan_.regions()[number].tiles);
+    auto simulation = std::make_shared<const PingSimulation>(survey, request_);
+    const FacetMesh& mesh = survey.scene.mesh;
+    std::size_t bytes =
+        mesh.vertices.size() * sizeof(GridPoint) + mesh.facets.size() * 16 + survey.site->tree->bytes();
+    if (survey.site->ground) bytes += survey.site->tree->bytes() + mesh.vertices.size() * 32;
+    return BoundedCache<PingSimulation>::Loaded{std::move(simulation), bytes};
+  });
+}
+
+}  // namespace tubefoot

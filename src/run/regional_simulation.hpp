@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "run/bounded_cache.hpp"
+#include "run/region_plan.hpp"
+#include "run/simulation.hpp"
+
+namespace tubefoot {
+
+/// The pings of a survey whose terrain is read by tiles, each simulated in a survey that has those it needs
+/// (docs/big-terrain.md).
+class RegionalSimulation {
+ public:
+  RegionalSimulation(const Survey& survey, const RunRequest& request);
+
+  /// As PingSimulation::run(), from several threads. Throws InputError where a tile cannot be read.
+  PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot);
+
+ private:
+  BoundedCache<PingSimulation>::Loaded load(std::size_t number) const;
+
+  const Survey survey_;
+  const RunRequest request_;
+  const RegionPlan plan_;
+  BoundedCache<PingSimulation> cache_;
+};
+
+}  // namespace tubefoot

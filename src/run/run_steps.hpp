@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "advice/advice.hpp"
+#include "app/commands.hpp"
+#include "run/run_request.hpp"
+#include "run/survey.hpp"
+#include "sensors/recordings/recording.hpp"
+
+// The steps of a run that the command and the Python module share.
+namespace tubefoot {
+
+/// What a run of a scene is asked: its options override the scene's own. Throws UsageError where they
+/// contradict each other.
+RunRequest requested(const RunOptions& options, SceneDescription& description);
+
+/// What makes two runs the same: the program's build, scene and everything it names, settings.
+nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request);
+
+/// Puts the settings into the request that hold its tolerance most cheaply.
+Advice pick_settings(const SceneDescription& description, RunRequest& request, bool quiet);
+
+/// Throws std::runtime_error if the scene file, or a file that it names, is no longer what was described: its
+/// hash has changed, or it cannot be read.
+void refuse_changed_input(const SceneDescription& description);
+
+/// What computed the energies: the name of an engine of one's own, or of a built-in one.
+std::string engine_name(const RunRequest& request);
+
+/// What an echo file says of where it comes from.
+Provenance provenance_of(const Scene& scene, const RunRequest& request);
+
+/// Which files a run will not write, and why, as far as that can be said before it.
+std::vector<std::string> files_left_out(const Survey& survey);
+
+/// Writes everything that a result folder holds but stats.json, and returns the names. Throws
+/// std::runtime_error naming the file and what failed.
+std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
+                                                      const Survey& survey, const RunRequest& request,
+                                                      const std::vector<Recording>& recordings,
+                                                      std::vector<std::string>& warnings);
+
+}  // namespace tubefoot

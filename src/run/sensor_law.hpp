@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "engine/echo/echo.hpp"
+#include "run/shot_ground.hpp"
+
+namespace tubefoot {
+
+/// The echo law of a sensor at a shot, and the patterns that it refers to. Site and ground outlive it.
+struct SensorLaw {
+  SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sensor);
+  SensorLaw(const SensorLaw&) = delete;
+  SensorLaw& operator=(const SensorLaw&) = delete;
+
+  EchoLaw law;
+  BeamPatterns patterns;
+  std::vector<FacetMap> facet_maps;
+};
+
+}  // namespace tubefoot

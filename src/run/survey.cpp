@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/survey.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "engine/ground/ground.hpp"
+#include "files/memory_at_hand.hpp"
+#include "geometry/search/vertical_line.hpp"
+#include "geometry/tubes/mirror.hpp"
+#include "geometry/work/steps.hpp"
+#include "run/paths.hpp"
+#include "run/refraction.hpp"
+#include "run/shot_ground.hpp"
+#include "run/tiles_in_view.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
+
+namespace tubefoot {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool same_shots(const WorldGrid& grid, const SensorPings& a, const SensorPings& b) {
+  // Facets return by their rays' absorption, which goes by the frequency.
+  if (a.water &&
+      (a.sensor->frequency_khz() != b.sensor->frequency_khz() || a.sound_speed_m_s != b.sound_speed_m_s))
+    return false;
+  if (a.times_s != b.times_s || a.sensor->shots() != b.sensor->shots()) return false;
+  if (a.sensor->has_receiver_apart() || b.sensor->has_receiver_apart()) return false;  // two apexes
+  const auto same = [](const Pose& p, const Pose& q) {
+    return p.position_m == q.position_m && p.attitude == q.attitude;
+  };
+  if (!std::equal(a.shot_poses.begin(), a.shot_poses.end(), b.shot_poses.begin(), same)) return false;
+  for (std::size_t shot = 0; shot < a.sensor->shots(); ++shot) {
+    TubeSet first = a.sensor->tubes(a.shot_pose(0, shot), grid, shot);
+    TubeSet second = b.sensor->tubes(b.shot_pose(0, shot), grid, shot);
+    first.reach = second.reach = 0;
+    if (first != second) return false;
+  }
+  return true;
+}
+
+void find_shared_shots(const WorldGrid& grid, Fleet& fleet) {
+  for (std::size_t s = 0; s < fleet.sensors.size(); ++s) {
+    const auto group = std::find_if(fleet.shots.begin(), fleet.shots.end(), [&](const SharedShots& g) {
+      return same_shots(grid, fleet.sensors[g.sensors.front()], fleet.sensors[s]);
+    });
+    if (group != fleet.shots.end())
+      group->sensors.push_back(s);
+    else
+      fleet.shots.push_back({{s}});
+  }
+}
+
+/// A fixed trajectory lasts for ever; of others the loader has checked that they cover the pings' times.
+void place_shots(SensorPings& pings, const Trajectory& trajectory) {
+  const Sensor& sensor = *pings.sensor;
+  const std::size_t shots = pings.times_s.size() * sensor.shots();
+  pings.poses.reserve(pings.times_s.size());
+  pings.shot_poses.reserve(shots);
+  if (sensor.has_receiver_apart()) pings.receiver_poses.reserve(shots);
+  Steps placed("pings placed", pings.times_s.size());
+  for (const double time_s : pings.times_s) {
+    placed.done();
+    pings.poses.push_back(sensor.pose_on(trajectory.at(time_s)));
+    for (std::size_t shot = 0; shot < sensor.shots(); ++shot) {
+      const double at_s = time_s + sensor.shot_delay_s(shot);
+      if (!trajectory.is_fixed() && at_s > trajectory.end_s() && sensor.shot_delay_s(shot) > 0)
+        throw InputError(
+            sensor.description().place,
+            fmt::format("shot {} of the ping at {:.9g} s of sensor '{}' is fired at {:.9g} s, after "
+                        "its trajectory ends at {:.9g} s: ask for fewer pings or a longer trajectory",
+                        shot, time_s, sensor.description().name, at_s, trajectory.end_s()));
+      const Pose carrier = trajectory.at(at_s);
+      pings.shot_poses.push_back(sensor.pose_on(carrier));
+      if (sensor.has_receiver_apart()) pings.receiver_poses.push_back(sensor.receiver_pose_on(carrier));
+    }
+  }
+}
+
+/// A site with some tiles, and what shots ask of its facets; no tree yet.
+std::unique_ptr<Site> loaded_with(const Site& site, const TileChoice& choice) {
+  auto part = std::make_unique<Site>(with_tiles(site.scene, choice));
+  part->relief = site.relief;
+  if (site.ground) part->ground = relief_ground(part->scene);
+  return part;
+}
+
+/// The facets above and below one place after the other.
+class Patch {
+ public:
+  explicit Patch(const Site& site) : site_(site) {
+    if (site.is_tiled()) tiles_.emplace(site);
+  }
+  const Site& in_line_with(glm::dvec3 place_m) {
+    if (!tiles_) return site_;
+    TileChoice choice = tiles_->below(place_m);
+    if (!part_ || choice != choice_) {
+      choice_ = std::move(choice);
+      part_ = loaded_with(site_, choice_);
+      part_->tree = std::make_unique<SceneTree>(part_->scene.mesh, SceneTree::Sheets::ignored);
+    }
+    return *part_;
+  }
+
+ private:
+  const Site& site_;
+  std::optional<TilesInView> tiles_;
+  TileChoice choice_;
+  std::unique_ptr<Site> part_;
+};
+
+/// Of narrow beams: what their energies are worth.
+void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) {
+  constexpr double worth_telling = 1e-4;
+  if (sensor.wall_rounding() > worth_telling)
+    warnings.push_back(fmt::format(
+        "{}: sensor '{}' has beams so narrow that the rounding of directions to 2^-30 may be {:.2g} "
+        "of their width, and of their energy",
+        to_string(sensor.description().place), sensor.description().name, sensor.wall_rounding()));
+}
+
+std::vector<FacetId> facets_above_and_below(const ShotGround& ground, GridPoint point) {
+  std::vector<FacetId> near;
+  facets_near_vertical(ground.tree(), point, near);
+  return near;
+}
+
+/// A place of a sensor's transmitter or receiver at a ping, and what it is called.
+struct PingPlace {
+  const SensorPings& pings;
+  std::size_t ping;
+  glm::dvec3 at_m;
+  std::string what;
+};
+
+/// A surface through the apex has no side that could be seen, hides nothing, and returns nothing: that is no
+/// limit of what a sensor beside it hears, so it is no place for one.
+void refuse_on_facet(const Scene& scene, const ShotGround& ground, std::span<const FacetId> near,
+                     const PingPlace& place) {
+  const auto& [pings, ping, at_m, what] = place;
+  const std::optional<FacetContact> contact = contact_at(ground.mesh(), near, scene.grid.snap(at_m));
+  if (!contact) return;
+  constexpr std::array<const char*, 3> parts{"a vertex", "an edge", "a facet"};
+  throw InputError(
+      pings.sensor->description().place,
+      fmt::format(
+          "{} lies exactly on {} of '{}' at ping {} (t = {:.3f} s, east {:.6f}, north {:.6f}, up {:.6f} "
+          "m), from where it shows no side: move it off by as much as its housing keeps it off, a "
+          "millimetre will do ('lever_arm_m', or the trajectory)",
+          what, parts[static_cast<std::size_t>(contact->part)],
+          scene.report.components[contact->component].name, ping, pings.times_s[ping], at_m.x, at_m.y,
+          at_m.z));
+}
+
+/// Looks straight up and down from a place of a sensor's transmitter or receiver. One under the
+/// terrain is a mistake in the scene; one inside an object may be in its own housing. Returns the altitude
+/// over the terrain, not a number where there is none.
+double check_place(Scene& scene, Patch& patch, const PingPlace& where, std::set<std::uint16_t>& inside) {
+  const auto& [pings, ping, at_m, what] = where;
+  double altitude_m = std::numeric_limits<double>::quiet_NaN();
+  const SourcePlace& place = pings.sensor->description().place;
+  const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
+  const std::vector<FacetId> near = facets_above_and_below(ground, scene.grid.snap(at_m));
+  refuse_on_facet(scene, ground, near, where);
+  for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), near, scene.grid.snap(at_m))) {
+    const std::string& name = scene.report.components[c.component].name;
+    if (c.component < scene.description.terrains.size()) {
+      if (c.above > 0 && c.below == 0)
+        throw InputError(
+            place, fmt::format("{} is {:.3g} m below the seabed ('{}') at ping {} (t = {:.3f} s, "
+                               "east {:.2f}, north {:.2f}, up {:.2f} m): raise its trajectory or lever "
+                               "arm",
+                               what, c.lowest_above * scene.grid.unit_m(), name, ping, pings.times_s[ping],
+                               at_m.x, at_m.y, at_m.z));
+      if (c.below > 0) altitude_m = std::fmin(altitude_m, c.highest_below * scene.grid.unit_m());
+    } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
+      scene.report.warnings.push_back(fmt::format(
+          "{}: {} is inside object '{}' at ping {} (t = {:.3f} s): it sees the object's inner side",
+          to_string(place), what, name, ping, pings.times_s[ping]));
+    }
+  }
+  return altitude_m;
+}
+
+void check_places(Site& site, Fleet& fleet) {
+  Scene& scene = site.scene;
+  Patch patch(site);
+  for (SensorPings& pings : fleet.sensors) {
+    const Sensor& sensor = *pings.sensor;
+    std::set<std::uint16_t> inside, receiver_inside;
+    const std::string what = fmt::format("sensor '{}'", sensor.description().name),
+                      receiver = "the receiver of " + what;
+    pings.altitudes_m.reserve(pings.poses.size());
+    Steps seen("pings held against the bed", pings.poses.size());
+    for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
+      seen.done();
+      const glm::dvec3 at_m = pings.poses[ping].position_m;
+      pings.altitudes_m.push_back(check_place(scene, patch, {pings, ping, at_m, what}, inside));
+      if (sensor.has_receiver_apart())
+        check_place(scene, patch, {pings, ping, pings.receiver_pose(ping, 0).position_m, receiver},
+                    receiver_inside);
+      if (sensor.has_staff())
+        for (const Fringe& staff : sensor.patterns(pings.poses[ping], pings.sound_speed_m_s, 0).fringes)
+          for (const double end : {1.0, -1.0})
+            check_place(scene, patch,
+                        {pings, ping, at_m + end * staff.baseline_m / 2 * staff.axis,
+                         fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)},
+                        receiver_inside);
+      // Of the later shots of a ping only what would spoil them.
+      for (std::size_t shot = 1; shot < sensor.shots(); ++shot) {
+        const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
+          if (now.position_m == before.position_m) return;
+          const ShotGround ground = ground_in_line_with(patch.in_line_with(now.position_m), now.position_m);
+          refuse_on_facet(scene, ground, facets_above_and_below(ground, scene.grid.snap(now.position_m)),
+                          {pings, ping, now.position_m, who});
+        };
+        check(pings.shot_pose(ping, shot), pings.shot_pose(ping, shot - 1), what);
+        if (sensor.has_receiver_apart())
+          check(pings.receiver_pose(ping, shot), pings.receiver_pose(ping, shot - 1), receiver);
+      }
+    }
+  }
+}
+
+/// Leaves what is in the water. After check_places(), which counts the crossings of whole objects.
+void cut_at_surface(Site& site) {
+  Scene& scene = site.scene;
+  if (!scene.description.sea_surface || site.ground) return;  // no path follows ground of its own
+  const std::int32_t height = scene.surface_height();
+  const auto& vertices = scene.mesh.vertices;
+  if (std::all_of(vertices.begin(), vertices.end(), [=](GridPoint v) { return v.z <= height; })) return;
+  std::vector<FacetId> all(scene.mesh.facets.size());
+  std::iota(all.begin(), all.end(), FacetId{0});
+  MeshPart wet = in_front_of(MirrorPlane::horizontal(height), scene.mesh, all);
+  scene.mesh = std::move(wet.mesh);
+  if (!site.relief.parent.empty()) {
+    for (FacetId& facet : wet.origin) facet = site.relief.parent[facet];
+    site.relief.parent = std::move(wet.origin);
+  }
+  site.tree = std::make_unique<SceneTree>(scene.mesh);
+}
+
+SensorPings pings_of(Site& site, const SensorDescription& description, const Trajectory& trajectory) {
+  SensorPings pings;
+  pings.sound_speed_m_s = sound_speed_at(site.scene, description, trajectory);
+  pings.sensor = make_sensor(in_water(description, pings.sound_speed_m_s, &site.scene.report.warnings));
+  const double shots = static_cast<double>(pings.sensor->shots()) * description.pings;
+  require_memory(shots * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
+                     description.pings * (sizeof(Pose) + 2.0 * sizeof(double)),
+                 description.place, fmt::format("the poses of {:.3g} shots", shots),
+                 "ask for fewer pings, in several scenes");
+  pings.times_s = pings.sensor->ping_times_s();
+  place_shots(pings, trajectory);
+  warn_of_rounding(*pings.sensor, site.scene.report.warnings);
+  return pings;
+}
+
+}  // namespace
+
+std::unique_ptr<const Survey> open_survey(const SceneDescription& description) {
+  const auto load_start = std::chrono::steady_clock::now();
+  const auto site = std::make_shared<Site>(load_scene(description));
+  if (site->is_tiled()) site->terrain_use = std::make_shared<TerrainUse>();
+  site->load_seconds = seconds_since(load_start);
+  lay_relief(*site);
+  const auto tree_start = std::chrono::steady_clock::now();
+  site->tree = std::make_unique<SceneTree>(site->scene.mesh);
+  site->tree_seconds = seconds_since(tree_start);
+  const auto fleet = std::make_shared<Fleet>();
+  for (std::size_t s = 0; s < description.sensors.size(); ++s)
+    fleet->sensors.push_back(
+        pings_of(*site, description.sensors[s], site->scene.trajectories[site->scene.sensor_trajectory[s]]));
+  check_places(*site, *fleet);
+  cut_at_surface(*site);
+  put_into_water(*site, *fleet);
+  check_paths(site->scene, *fleet);
+  find_shared_shots(site->scene.grid, *fleet);
+  return std::unique_ptr<const Survey>(new Survey{site, fleet});
+}
+
+Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
+  const std::shared_ptr<Site> part = loaded_with(*survey.site, choice);
+  part->tree = std::make_unique<SceneTree>(part->scene.mesh);
+  part->lowest_m = survey.site->lowest_m;
+  cut_at_surface(*part);
+  return {part, survey.fleet};
+}
+
+double absorption_db_per_m(const Scene& scene, const Sensor& sensor) {
+  return absorption_db_per_km(scene.description.water, sensor.frequency_khz()) / 1000;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "run/fleet.hpp"
+#include "run/site.hpp"
+#include "scene/tiled_scene.hpp"
+
+namespace tubefoot {
+
+/// A site and who pings there. Both are const, and shared: a survey is cheap to copy.
+struct Survey {
+  std::shared_ptr<const Site> site;
+  std::shared_ptr<const Fleet> fleet;
+  // What of them is asked for most:
+  const Scene& scene = site->scene;
+  const std::vector<SensorPings>& sensors = fleet->sensors;
+  const std::vector<SharedShots>& shots = fleet->shots;
+};
+
+/// Loads the scene, builds the tree, lays out the pings. `arithmetic` and `threads` are the caller's
+/// business. Throws InputError: also where a sensor lies below the seabed. Adds warnings to the scene's
+/// report.
+std::unique_ptr<const Survey> open_survey(const SceneDescription& description);
+
+/// The same pings on a site whose mesh has some tiles, too. Throws InputError for a raster that can no longer
+/// be read.
+Survey survey_with_tiles(const Survey& survey, const TileChoice& choice);
+
+/// dB per metre, one way, for a sensor's frequency in the scene's water.
+double absorption_db_per_m(const Scene& scene, const Sensor& sensor);
+
+}  // namespace tubefoot

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "geometry/layered_scenes_for_tests.hpp"
+#include "geometry/looks_for_tests.hpp"
+
+// Tubes that gather their facets together see what each of them sees alone, bit for bit.
+namespace tubefoot {
+namespace {
+
+using namespace test;
+
+bool same(const CornerName& a, const CornerName& b) {
+  if (a.point != b.point) return false;
+  return a.point != no_point || (a.p == b.p && a.q == b.q && a.sign == b.sign);
+}
+
+bool same(const NamedPiece& a, const NamedPiece& b) {
+  return a.facet == b.facet && a.first == b.first && a.count == b.count;
+}
+
+template <class T>
+bool all_same(const std::vector<T>& a, const std::vector<T>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const T& x, const T& y) { return same(x, y); });
+}
+
+void expect_same(const TubeVisibility& together, const TubeVisibility& alone) {
+  EXPECT_TRUE(all_same(together.corners, alone.corners));
+  EXPECT_TRUE(all_same(together.pieces, alone.pieces));
+  EXPECT_TRUE(all_same(together.open, alone.open));
+  EXPECT_EQ(together.occluders, alone.occluders);
+  EXPECT_EQ(together.rays, alone.rays);
+  EXPECT_EQ(together.candidates, alone.candidates);
+}
+
+/// A sector straight ahead (+y) and a little down, in columns and rows of tubes.
+TubeSet sector(GridPoint apex, double reach, Random& random, int columns, int rows) {
+  AngularGrid grid;
+  const double half_width = uniform(random, 50, 900) / 1000.0,
+               half_height = uniform(random, 50, 500) / 1000.0;
+  for (int k = 0; k <= columns; ++k) grid.azimuth_edges_rad.push_back(half_width * (2.0 * k / columns - 1));
+  for (int k = 0; k <= rows; ++k) grid.elevation_edges_rad.push_back(half_height * (2.0 * k / rows - 1));
+  const double tilt = uniform(random, -100, 500) / 1000.0, c = std::cos(tilt), s = std::sin(tilt);
+  grid.frame = glm::dmat3(glm::dvec3(0, c, -s), glm::dvec3(1, 0, 0), glm::dvec3(0, s, c));
+  TubeSet tubes;
+  tubes.apex = apex;
+  tubes.reach = reach;
+  append_tubes(tubes, grid);
+  return tubes;
+}
+
+struct Compared {
+  std::size_t tubes = 0, pieces = 0, occluders = 0;
+};
+
+/// `run` together, against each tube by itself.
+void compare(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, TubeRun run,
+             const VisibilityOptions& options, Compared& compared) {
+  VisibilityScratch together_scratch, alone_scratch;
+  TubeVisibility together, alone;
+  std::uint32_t next = run.first;
+  see_run(mesh, tree, tubes, run, options, together_scratch, together, [&](std::uint32_t tube) {
+    EXPECT_EQ(tube, next++) << "in turn";
+    see(mesh, tree, tubes, tube, options, alone_scratch, alone);
+    SCOPED_TRACE(testing::Message() << "tube " << tube << " of " << run.first << " to " << run.end);
+    expect_same(together, alone);
+    ++compared.tubes;
+    compared.pieces += alone.pieces.size();
+    compared.occluders += alone.occluders.size();
+  });
+  EXPECT_EQ(next, run.end);
+}
+
+TEST(TubeRuns, SeeWhatEachTubeSeesAlone) {
+  Compared compared;
+  for (std::uint64_t seed = 1; seed <= 24 / one_in; ++seed) {
+    Random random(seed);
+    for (const Scene& scene : all_scenes(seed)) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
+      const SceneTree tree(scene.mesh);
+      const VisibilityOptions options =
+          with(seed % 4 == 0 ? Arithmetic::filtered : Arithmetic::fixed, seed % 2 == 0 ? 4 : 24);
+      const TubeSet fan = sector(scene.tubes.apex, scene.tubes.reach, random, 16, 1),
+                    grid = sector(scene.tubes.apex, scene.tubes.reach, random, 3, 5);
+      for (const TubeSet* tubes : {&scene.tubes, &fan, &grid}) {
+        for (const TubeRun run : runs_of(*tubes)) compare(scene.mesh, tree, *tubes, run, options, compared);
+        // Any tubes may run together, not only neighbours.
+        const auto last = static_cast<std::int32_t>(tubes->tubes.size()) - 1;
+        const auto first = static_cast<std::uint32_t>(uniform(random, 0, last));
+        const auto end =
+            static_cast<std::uint32_t>(uniform(random, static_cast<std::int32_t>(first), last)) + 1;
+        compare(scene.mesh, tree, *tubes, {first, end}, options, compared);
+      }
+    }
+  }
+  EXPECT_GT(compared.tubes, 5000u / one_in);
+  EXPECT_GT(compared.pieces, 100000u / one_in);
+  EXPECT_GT(compared.occluders, 20000u / one_in);
+}
+
+TEST(TubeRuns, AreAllTubesInOrderAndSplitWhereTubesDoNotShareAWall) {
+  Random random(7);
+  TubeSet tubes = sector({0, 0, 0}, 1e9, random, 4, 3);
+  append_tubes(tubes, AngularGrid{{0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1}, {-0.1, 0.1}});
+  const std::vector<TubeRun> runs = runs_of(tubes);
+  std::uint32_t next = 0;
+  for (const TubeRun& run : runs) {
+    EXPECT_EQ(run.first, next);
+    ASSERT_LT(run.first, run.end);
+    next = run.end;
+  }
+  EXPECT_EQ(next, tubes.tubes.size());
+  // Columns of three, each tube above the one before it; then a fan that has no wall of theirs.
+  ASSERT_GE(runs.size(), 6u);
+  for (std::uint32_t k = 0; k <= 4; ++k) EXPECT_EQ(runs[k].first, 3 * k);
+  EXPECT_LT(runs.size(), 4u + 11u) << "neighbours run together";
+  EXPECT_TRUE(runs_of(TubeSet{}).empty());
+}
+
+}  // namespace
+}  // namespace tubefoot

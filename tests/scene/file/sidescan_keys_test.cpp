@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scene/scene_file_folder.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A scene with a sidescan that has these keys too.
+std::string scene_with(const std::string& lines) {
+  return std::string(smallest_scene) + "[[sensors]]\nname = \"fish\"\n" + lines;
+}
+
+SidescanDescription fan_of(const SceneDescription& scene) {
+  return scene.sensors.back().kind.as<SidescanDescription>();
+}
+
+TEST(SidescanKeys, SamplingFrequencyTakesThePlaceOfSamples) {
+  const SceneFolder folder;
+  const auto plain = fan_of(folder.read(scene_with("kind = \"sidescan\"\nsampling_frequency_khz = 20\n")));
+  EXPECT_EQ(plain.sampling_frequency_khz, 20);
+  EXPECT_THAT(folder.error_of(scene_with("kind = \"sidescan\"\nsamples = 10\nsampling_frequency_khz = 20\n")),
+              AllOf(HasSubstr("'samples' and 'sampling_frequency_khz'"), HasSubstr("remove one")));
+  // A preset's number of samples gives way to the scene's own sampling frequency.
+  EXPECT_EQ(fan_of(folder.read(scene_with("preset = \"klein-3000-445\"\nsampling_frequency_khz = 20\n")))
+                .sampling_frequency_khz,
+            20);
+}
+
+TEST(SidescanKeys, AxisNeedsAPatternToTurn) {
+  const SceneFolder folder;
+  const std::string axis = "kind = \"sidescan\"\naxis_depression_deg = 20\n";
+  EXPECT_THAT(folder.error_of(scene_with(axis)), HasSubstr("add transmit_pattern or receive_pattern"));
+  for (const std::string side : {"transmit", "receive"})
+    EXPECT_EQ(fan_of(folder.read(scene_with(axis + side + "_pattern = \"gaussian\"\n" + side +
+                                            "_beam_width_deg = 50\n")))
+                  .axis_depression_deg,
+              20);
+}
+
+TEST(SidescanKeys, GainMayBeFixedBelowAnyRange) {
+  const SceneFolder folder;
+  const std::string near = "kind = \"sidescan\"\ntvg_fixed_below_m = 1.5\n";
+  EXPECT_THAT(folder.error_of(scene_with(near)), HasSubstr("'tvg_fixed_below_m' needs 'tvg_spreading'"));
+  EXPECT_EQ(folder.read(scene_with(near + "tvg_spreading = 30\n")).sensors.back().signal.tvg_fixed_below_m,
+            1.5);
+}
+
+TEST(SidescanKeys, AnySensorMayHaveAPulse) {
+  const SceneFolder folder;
+  EXPECT_EQ(folder.read(scene_with("kind = \"didson\"\npulse_length_us = 16\n"))
+                .sensors.back()
+                .signal.pulse_length_us,
+            16);
+  EXPECT_THAT(folder.error_of(scene_with("kind = \"sidescan\"\npulse_length_us = 0\n")),
+              HasSubstr("pulse_length_us"));
+}
+
+}  // namespace
+}  // namespace tubefoot
