@@ -20,6 +20,38 @@ if(TUBEFOOT_SANITIZE)
   target_link_options(tubefoot_house INTERFACE -fsanitize=${sanitizers})
 endif()
 
+# What nearly every file includes is parsed once (docs/performance.md has what that saves): tubefoot_headers(NAME
+# [headers...]) compiles it, with these headers more, and tubefoot_precompiled(TARGET NAME) has a target of the same
+# flags read it. Not with a launcher (ccache shares more without) and not with sanitizers: those builds see includes
+# that a file forgot. Files of other flags (-frounding-math) skip it.
+set(TUBEFOOT_COMMON_HEADERS
+  <algorithm> <array> <cmath> <cstddef> <cstdint> <cstring> <exception> <filesystem> <functional> <limits> <map> <memory>
+  <optional> <span> <sstream> <stdexcept> <string> <string_view> <type_traits> <unordered_map> <utility> <variant>
+  <vector> <fmt/format.h> <glm/common.hpp> <glm/geometric.hpp> <glm/vec2.hpp> <glm/vec3.hpp>)
+set(TUBEFOOT_PRECOMPILED OFF)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_CXX_COMPILER_LAUNCHER AND NOT TUBEFOOT_SANITIZE)
+  set(TUBEFOOT_PRECOMPILED ON)
+endif()
+function(tubefoot_headers name)
+  if(TUBEFOOT_PRECOMPILED)
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${name}.cpp CONTENT "// Carries precompiled headers: cmake/house.cmake.\n")
+    add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/${name}.cpp)
+    target_link_libraries(${name} PRIVATE tubefoot_house fmt::fmt)
+    target_compile_options(${name} PRIVATE -pthread)
+    target_precompile_headers(${name} PRIVATE ${TUBEFOOT_COMMON_HEADERS} ${ARGN})
+  endif()
+endfunction()
+function(tubefoot_precompiled target name)
+  if(TUBEFOOT_PRECOMPILED)
+    target_precompile_headers(${target} REUSE_FROM ${name})
+    target_compile_options(${target} PRIVATE -pthread)  # which librsvg's flags have: all have it, or none share
+    # g++ 12 takes inlined copies of std::string for overflows. In a precompiled header it does not hush them.
+    target_compile_options(${target} PRIVATE
+      -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict -Wno-maybe-uninitialized)
+  endif()
+endfunction()
+tubefoot_headers(tubefoot_library_headers)
+
 # tubefoot_library(NAME [libraries...]): a static library of all sources in the current folder and the rooms below it,
 # installed with its headers (cmake/install.cmake).
 function(tubefoot_library name)
@@ -29,5 +61,8 @@ function(tubefoot_library name)
   target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:tubefoot_house> ${ARGN} tubefoot_mathematics)
   target_include_directories(${name} PUBLIC
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR};${PROJECT_SOURCE_DIR}/src>" $<INSTALL_INTERFACE:include/tubefoot>)
+  if(ARGN)  # else it is without fmt, which is among the common headers
+    tubefoot_precompiled(${name} tubefoot_library_headers)
+  endif()
   set_property(GLOBAL APPEND PROPERTY TUBEFOOT_LIBRARIES ${name})
 endfunction()

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/arithmetic/exact_corner.hpp"
 
+#include "geometry/arithmetic/wide_direction.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -8,25 +10,11 @@ Vec64 normal_of(const NameContext& context, const PlaneName& name) {
   return cross(context.point(name.a), context.point(name.b));
 }
 
-WideVec wide_normal_of(const NameContext& context, const PlaneName& name) {
-  if (!name.depth) return widen(normal_of(context, name));
-  FacetCone i, j;
-  FacetCone::make(context.mesh, name.a, context.apex, i);
-  FacetCone::make(context.mesh, name.b, context.apex, j);
-  return depth_normal(i, j);
-}
-
 }  // namespace
 
-WideVec wide_direction(const NameContext& context, const CornerName& corner) {
-  if (corner.point != no_point) {
-    const GridPoint d = context.point(corner.point);
-    return {WideInt(d.x), WideInt(d.y), WideInt(d.z)};
-  }
-  WideVec d = cross(wide_normal_of(context, corner.p), wide_normal_of(context, corner.q));
-  if (corner.sign < 0)
-    for (WideInt& x : d) x = -x;
-  return d;
+glm::dvec3 direction_of(const NameContext& context, const CornerName& corner) {
+  const WideVec d = wide_direction(context, corner);
+  return {d[0].convert_to<double>(), d[1].convert_to<double>(), d[2].convert_to<double>()};
 }
 
 glm::dvec3 point_on_facet(const NameContext& context, const CornerName& corner, const FacetCone& facet) {
@@ -49,7 +37,7 @@ glm::dvec3 point_on_facet(const NameContext& context, const CornerName& corner, 
     return glm::dvec3(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)) *
            (offset / along.to_double());
   }
-  const WideVec d = cross(wide_normal_of(context, corner.p), wide_normal_of(context, corner.q));
+  const WideVec d = cross(wide_normal(context, corner.p), wide_normal(context, corner.q));
   const WideInt along = dot(d, widen(facet.normal));
   return glm::dvec3(d[0].convert_to<double>(), d[1].convert_to<double>(), d[2].convert_to<double>()) *
          (offset / along.convert_to<double>());

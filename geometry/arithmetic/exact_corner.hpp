@@ -4,7 +4,6 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "geometry/arithmetic/wide_vector.hpp"
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/mesh/names.hpp"
 
@@ -24,7 +23,7 @@ struct NameContext {
 /// in the last place.
 glm::dvec3 point_on_facet(const NameContext& context, const CornerName& corner, const FacetCone& facet);
 
-/// Direction of a corner's ray, exactly.
-WideVec wide_direction(const NameContext& context, const CornerName& corner);
+/// Direction of a corner's ray, each component rounded once; of any length.
+glm::dvec3 direction_of(const NameContext& context, const CornerName& corner);
 
 }  // namespace tubefoot

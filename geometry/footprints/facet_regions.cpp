@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/work/stop.hpp"
 
 namespace tubefoot {
@@ -62,14 +63,6 @@ bool is_edge_of(const std::array<VertexId, 3>& vertices, const PlaneName& plane)
     return std::find(vertices.begin(), vertices.end(), p) != vertices.end();
   };
   return !plane.depth && has(plane.a) && has(plane.b);
-}
-
-WideVec normal_of(const NameContext& context, const PlaneName& name) {
-  if (!name.depth) return widen(cross(context.point(name.a), context.point(name.b)));
-  FacetCone i, j;
-  FacetCone::make(context.mesh, name.a, context.apex, i);
-  FacetCone::make(context.mesh, name.b, context.apex, j);
-  return depth_normal(i, j);
 }
 
 }  // namespace
@@ -206,7 +199,7 @@ const PlaneLine* FacetRegions::edge(const NameContext& context, const TubeVisibi
     if (is_edge_of(sight.seen.vertex, *plane)) return nullptr;
     // The plane of a name has small coefficients. The piece lies on one side of it: the other corners say on
     // which. Doubles decide where they can.
-    const WideVec normal = normal_of(context, *plane);
+    const WideVec normal = wide_normal(context, *plane);
     const glm::dvec3 near(normal[0].convert_to<double>(), normal[1].convert_to<double>(),
                           normal[2].convert_to<double>());
     int side = 0;

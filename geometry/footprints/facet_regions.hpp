@@ -5,6 +5,7 @@
 #include <glm/vec2.hpp>
 #include <optional>
 
+#include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/footprints/coverage.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/arithmetic/wide_vector.hpp"
 #include "geometry/mesh/facet_cone.hpp"
 
 // Convex polygons on a facet as cyclic lists of lines with integer coefficients: a corner is two neighbouring

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 #include "geometry/work/stop.hpp"

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "geometry/arithmetic/wide_vector.hpp"
+#include "geometry/arithmetic/wide_direction.hpp"
 
 namespace tubefoot {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "geometry/mesh/facet_mesh.hpp"
-#include "geometry/numbers/wide_int.hpp"
+#include "geometry/numbers/int128.hpp"
 
 namespace tubefoot {
 

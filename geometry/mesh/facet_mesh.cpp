@@ -8,12 +8,11 @@
 #include <stdexcept>
 
 #include "geometry/mesh/weld_table.hpp"
+#include "geometry/numbers/int128.hpp"
 #include "geometry/work/stop.hpp"
 
 namespace tubefoot {
 namespace {
-
-__extension__ using Int128 = __int128;
 
 std::size_t count_duplicates(const std::vector<std::array<VertexId, 3>>& facets) {
   std::vector<std::array<VertexId, 3>> keys = facets;

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "geometry/numbers/wide_int.hpp"
+#include "geometry/numbers/int128.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "geometry/numbers/wide_int.hpp"
+#include "geometry/numbers/int128.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,7 +7,6 @@
 #include "footprints/footprint_place.hpp"
 #include "footprints/footprint_table.hpp"
 #include "run/abilities.hpp"
-#include "run/refraction.hpp"
 #include "run/settings.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
@@ -28,15 +27,16 @@ NativeFootprints compute(NativeScene& scene, const std::string& sensor, const st
   NativeFootprints footprints{scene.survey(), sensor, {}};
   const Survey& survey = *footprints.survey;
   const ThreadLimit limit(scene.description().run.threads);
-  const std::size_t s = survey.sensor_named(sensor);
-  require_able(survey, {Feature::footprints}, s);
+  const std::size_t s = survey.fleet->sensor_named(sensor);
+  const Shots shots(survey, request_of(scene.description().run));
+  require_able(survey, shots.request(), Feature::footprints, s);
   const SensorPings& all = survey.sensors[s];
   const PingRange range = resolved(pings, all.times_s.size());
   const std::vector<std::uint32_t> chosen = resolved_beams(beams, all.sensor->beams().size());
   watch.total = std::size_t(range.last - range.first + 1);
   for (auto ping = std::size_t(range.first); ping <= std::size_t(range.last); ++ping, ++watch.pings)
     for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot)
-      footprints.table.append(footprint_table(survey, s, ping, shot, chosen));
+      footprints.table.append(footprint_table(shots.heard_by(s, ping, shot), s, chosen));
   return footprints;
 }
 

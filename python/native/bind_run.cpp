@@ -21,8 +21,8 @@
 #include "run/simulation.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
-#include "sensors/model/sensor_kind.hpp"
 #include "sensors/recordings/pose_angles.hpp"
 
 namespace tubefoot::python {
@@ -38,44 +38,40 @@ double seconds_since(Clock::time_point start) {
 
 /// What `tubefoot run` does, into memory and, if asked to, into a folder.
 std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOptions& options,
-                                      const std::shared_ptr<const OwnEngine>& own,
-                                      const std::shared_ptr<RunWatch>& watch) {
+                                      const std::shared_ptr<const OwnEngine>& own, RunWatch& watch) {
   const Clock::time_point start = Clock::now();
   if (options.arithmetic) description.run.arithmetic = *options.arithmetic;
   if (options.threads) description.run.threads = *options.threads;
-  const RunRequest request = requested(options, description);
+  RunRequest request = requested(options, description);
+  request.own_engine = own;
   std::optional<OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output, inputs_of(description));
-  if (request.tolerance) pick_settings(description, *request.tolerance, true);
+  if (request.tolerance) pick_settings(description, request, true);
   stop_if_wanted();
   const ThreadLimit limit(description.run.threads);
 
   auto result = std::make_shared<NativeResult>();
   result->survey = open_survey(description);
-  Survey& survey = *result->survey;
-  survey.own_engine = own;
-  survey.watch = watch;
+  const Survey& survey = *result->survey;
   result->warnings = survey.scene.report.warnings;
   stop_if_wanted();
   const Clock::time_point simulation_start = Clock::now();
-  result->store = std::make_shared<PingStore>(layout_of(survey, request.reference_tolerance.has_value()));
-  simulate(survey, *result->store, true, request.reference_tolerance);
+  result->store = std::make_shared<PingStore>(layout_of(survey, request));
+  simulate(survey, request, *result->store, {true, &watch});
   stop_if_wanted();
   const SimulationStats stats = totals(survey, *result->store);
   result->recordings = recordings_of(survey, result->store);
   for (const std::string& warning : refraction_warnings(survey, stats)) result->warnings.push_back(warning);
 
-  result->provenance = provenance_of(survey, request.reference_tolerance);
-  nlohmann::ordered_json json = statistics_json(survey, stats, request.reference_tolerance);
+  result->provenance = provenance_of(survey.scene, request);
+  nlohmann::ordered_json json = statistics_json(survey, request, stats);
   json["threads"] = limit.threads();
-  json["seconds"] = {{"load", survey.load_seconds},
-                     {"tree", survey.tree_seconds},
+  json["seconds"] = {{"load", survey.site->load_seconds},
+                     {"tree", survey.site->tree_seconds},
                      {"simulation", seconds_since(simulation_start)},
                      {"visibility_of_all_pings", stats.visibility_seconds},
                      {"echo_of_all_pings", stats.echo_seconds}};
-  if (output)
-    write_result_files(output->staging(), survey, result->recordings, request.reference_tolerance,
-                       result->warnings);
+  if (output) write_result_files(output->staging(), survey, request, result->recordings, result->warnings);
   json["seconds"]["total"] = seconds_since(start);
   json["peak_memory_mb"] = peak_memory_mb();
   json["warnings"] = result->warnings;
@@ -85,7 +81,6 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
     stop_if_wanted();
     output->commit();
   }
-  survey.own_engine.reset();  // a result needs no function
   return result;
 }
 
@@ -112,9 +107,9 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   asked.reference = option<bool>(options, "reference").value_or(false);
   asked.tolerance = option<std::string>(options, "tolerance");
   const auto engine = own_name ? own_engine(*own_name, own) : nullptr;
-  const auto watch = std::make_shared<RunWatch>();
+  RunWatch watch;
   std::shared_ptr<NativeResult> result;
-  run_apart(*watch, progress, [&] { result = compute(scene.description(), asked, engine, watch); });
+  run_apart(watch, progress, [&] { result = compute(scene.description(), asked, engine, watch); });
   return result;
 }
 
@@ -196,7 +191,7 @@ py::dict attributes_of(const NativeResult& self, std::size_t sensor) {
   const Recording& r = self.recordings.at(sensor);
   py::dict attributes;
   attributes["sensor_name"] = r.sensor->description().name;
-  attributes["sensor_kind"] = kind_of(r.sensor->description());
+  attributes["sensor_kind"] = kind_of(r.sensor->description()).name();
   attributes["frequency_khz"] = r.sensor->frequency_khz();
   attributes["source_energy"] = "1 J/sr at 1 m";
   attributes["sound_speed_m_s"] = r.sound_speed_m_s;

@@ -9,6 +9,7 @@
 #include "files/file_hash.hpp"
 #include "run/abilities.hpp"
 #include "scene.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;
@@ -109,18 +110,19 @@ void bind_scene(py::module_& module) {
            [](NativeScene& s, const std::string& sensor) {
              const py::gil_scoped_release released;
              const auto survey = s.survey();
-             return survey->sensors[survey->sensor_named(sensor)].times_s.size();
+             return survey->sensors[survey->fleet->sensor_named(sensor)].times_s.size();
            })
       .def("shots",
            [](NativeScene& s, const std::string& sensor) {
              const py::gil_scoped_release released;
              const auto survey = s.survey();
-             return survey->sensors[survey->sensor_named(sensor)].sensor->shots();
+             return survey->sensors[survey->fleet->sensor_named(sensor)].sensor->shots();
            })
       .def("shot", [](NativeScene& s, const std::string& sensor, std::size_t ping, std::size_t shot) {
         const py::gil_scoped_release released;
         const auto survey = s.survey();
-        return std::make_shared<NativeShot>(survey, HeardShot{survey->sensor_named(sensor), ping, shot},
+        return std::make_shared<NativeShot>(*survey, request_of(s.description().run),
+                                            HeardShot{survey->fleet->sensor_named(sensor), ping, shot},
                                             s.vertices());
       });
   module.def(

@@ -112,7 +112,7 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
       EngineSetting& own = settings.emplace_back();
       own.engine = name;
       own.setting = "Python";
-      own.own = own_engine(name, function);
+      own.run.own_engine = own_engine(name, function);
     }
     for (Trial& trial : all_trials(scene, settings, request.repeats, request.seconds, step))
       trials.push_back(std::move(trial));
@@ -125,12 +125,15 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
   return trials;
 }
 
-std::vector<py::dict> chart_from_python(const std::vector<std::shared_ptr<NativeScene>>& scenes,
-                                        const std::vector<std::string>& builtin,
-                                        const std::vector<std::pair<std::string, py::object>>& own,
-                                        const std::string& output, std::size_t pings, int repeats,
-                                        double seconds, const py::object& progress) {
-  const ChartRequest request{scenes, builtin, own, output, pings, repeats, seconds};
+std::vector<py::dict> chart_from_python(const py::dict& asked, const py::object& progress) {
+  ChartRequest request;
+  request.scenes = asked["scenes"].cast<decltype(request.scenes)>();
+  request.builtin = asked["builtin"].cast<decltype(request.builtin)>();
+  request.own = asked["own"].cast<decltype(request.own)>();
+  request.output = asked["output"].cast<std::string>();
+  request.pings = asked["pings"].cast<std::size_t>();
+  request.repeats = asked["repeats"].cast<int>();
+  request.seconds = asked["seconds"].cast<double>();
   RunWatch watch;
   std::vector<Trial> trials;
   run_apart(watch, progress, [&] { trials = chart(request, watch); });

@@ -20,8 +20,9 @@ std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const py::o
   });
   const auto vertices = std::make_shared<SharedVertices>();
   return std::make_shared<const OwnEngine>(OwnEngine{
-      name, [held, vertices](const Survey& survey, const HeardShot& which, std::span<double> energy) {
-        const auto shot = std::make_shared<NativeShot>(survey.shared_from_this(), which, vertices);
+      name, [held, vertices](const Shot& heard, std::size_t sensor, std::span<double> energy) {
+        const auto shot = std::make_shared<NativeShot>(
+            heard.survey(), heard.request(), HeardShot{sensor, heard.ping(), heard.number()}, vertices);
         const py::gil_scoped_acquire lock;
         using Energies = py::array_t<double, py::array::c_style | py::array::forcecast>;
         const auto values = (*held)(shot).cast<Energies>();

@@ -14,7 +14,7 @@ namespace tubefoot::python {
 
 /// A finished run: everything that its arrays point into.
 struct NativeResult {
-  std::shared_ptr<Survey> survey;
+  std::shared_ptr<const Survey> survey;
   std::shared_ptr<PingStore> store;
   std::vector<Recording> recordings;
   Provenance provenance;

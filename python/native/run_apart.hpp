@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "run/survey.hpp"
+#include "run/console/progress.hpp"
 
 namespace tubefoot::python {
 

@@ -3,17 +3,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "engine/sight/tube_engine.hpp"
 #include "files/usage_error.hpp"
 #include "run/abilities.hpp"
-#include "run/settings.hpp"
 
 namespace tubefoot::python {
 namespace {
 
-const SharedShots& group_of(const Survey& survey, const HeardShot& which) {
+/// The request, of a shot that there is and that can be traced by itself. A shot needs no function to compute
+/// echoes, which might hold it in turn.
+RunRequest checked(const Survey& survey, RunRequest request, const HeardShot& which) {
   const SensorPings& pings = survey.sensors.at(which.sensor);
   const std::string& name = pings.sensor->description().name;
   if (which.ping >= pings.times_s.size())
@@ -22,36 +20,32 @@ const SharedShots& group_of(const Survey& survey, const HeardShot& which) {
   if (which.shot >= pings.sensor->shots())
     throw UsageError(fmt::format("shot {}: a ping of sensor '{}' has shots 0 to {}", which.shot, name,
                                  pings.sensor->shots() - 1));
-  require_able(survey, {Feature::shot}, which.sensor);
-  return *std::ranges::find_if(survey.shots, [&](const SharedShots& group) {
-    return std::ranges::find(group.sensors, which.sensor) != group.sensors.end();
-  });
+  request.own_engine.reset();
+  require_able(survey, request, Feature::shot, which.sensor);
+  return request;
 }
 
 }  // namespace
 
-NativeShot::NativeShot(std::shared_ptr<const Survey> survey, HeardShot which,
+NativeShot::NativeShot(const Survey& survey, RunRequest request, HeardShot which,
                        std::shared_ptr<SharedVertices> vertices)
-    : survey_(std::move(survey)),
-      which_(which),
-      ground_(ground_of(*survey_, group_of(*survey_, which), which.ping, which.shot)),
-      tubes_(sensor().tubes(pose(), survey_->scene.grid, which.shot)),
-      vertices_(ground_.is_own() ? std::make_shared<SharedVertices>() : std::move(vertices)) {}
+    : which_(which),
+      shots_(survey, checked(survey, std::move(request), which)),
+      shot_(shots_.heard_by(which.sensor, which.ping, which.shot)),
+      tubes_(shot_.tubes_of(which.sensor)),
+      vertices_(shot_.ground().is_own() ? std::make_shared<SharedVertices>() : std::move(vertices)) {}
 
 const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
   std::call_once(vertices_->once, [this] {
-    const auto& vertices = ground_.mesh().vertices;
+    const auto& vertices = ground().mesh().vertices;
     vertices_->points_m.reserve(vertices.size());
-    for (const GridPoint& p : vertices) vertices_->points_m.push_back(survey_->scene.grid.to_metres(p));
+    for (const GridPoint& p : vertices) vertices_->points_m.push_back(survey().scene.grid.to_metres(p));
   });
   return vertices_->points_m;
 }
 
 std::shared_ptr<NativeHistory> NativeShot::trace() const {
-  const Scene& scene = survey_->scene;
-  const TubeEngine engine(ground_.mesh(), ground_.tree(), scene.grid.unit_m(),
-                          options_of(scene.description.run));
-  return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), engine.trace(tubes_)});
+  return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), shot_.trace(tubes_)});
 }
 
 }  // namespace tubefoot::python

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "engine/sight/history.hpp"
-#include "run/own_engine.hpp"
-#include "run/shot_ground.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot::python {
 
@@ -16,6 +15,11 @@ namespace tubefoot::python {
 struct SharedVertices {
   std::once_flag once;
   std::vector<glm::dvec3> points_m;
+};
+
+/// A shot as one sensor hears it.
+struct HeardShot {
+  std::size_t sensor = 0, ping = 0, shot = 0;
 };
 
 class NativeShot;
@@ -30,25 +34,26 @@ struct NativeHistory {
 class NativeShot : public std::enable_shared_from_this<NativeShot> {
  public:
   /// Throws UsageError where there is no such shot.
-  NativeShot(std::shared_ptr<const Survey> survey, HeardShot which, std::shared_ptr<SharedVertices> vertices);
+  NativeShot(const Survey& survey, RunRequest request, HeardShot which,
+             std::shared_ptr<SharedVertices> vertices);
 
-  const Survey& survey() const { return *survey_; }
+  const Survey& survey() const { return shots_.survey(); }
   const HeardShot& which() const { return which_; }
-  const SensorPings& pings() const { return survey_->sensors[which_.sensor]; }
+  const SensorPings& pings() const { return survey().sensors[which_.sensor]; }
   const Sensor& sensor() const { return *pings().sensor; }
-  const Pose& pose() const { return pings().shot_pose(which_.ping, which_.shot); }
-  const ShotGround& ground() const { return ground_; }
+  const Pose& pose() const { return shot_.pose(); }
+  const ShotGround& ground() const { return shot_.ground(); }
   const TubeSet& tubes() const { return tubes_; }
   const std::vector<glm::dvec3>& vertices_m() const;
-  glm::dvec3 apex_m() const { return survey_->scene.grid.to_metres(tubes_.apex); }
+  glm::dvec3 apex_m() const { return survey().scene.grid.to_metres(tubes_.apex); }
 
   /// Visible footprints, measured, by the exact engine in the arithmetic that the scene names.
   std::shared_ptr<NativeHistory> trace() const;
 
  private:
-  std::shared_ptr<const Survey> survey_;
-  HeardShot which_;
-  ShotGround ground_;
+  const HeardShot which_;
+  const Shots shots_;
+  const Shot shot_;  ///< whose ground is made already, so that threads may share it
   TubeSet tubes_;
   std::shared_ptr<SharedVertices> vertices_;
 };

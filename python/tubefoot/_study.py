@@ -85,4 +85,6 @@ def chart(scenes: Union[Scene, Sequence[Scene]],
     if pings < 1 or repeats < 1 or not seconds > 0:
         raise UsageError("pings and repeats are 1 or more, seconds above 0")
     folder = "" if output is None else os.fspath(output)
-    return _native.chart([s._native for s in scenes], builtin, own, folder, pings, repeats, float(seconds), progress)
+    asked = dict(scenes=[s._native for s in scenes], builtin=builtin, own=own, output=folder, pings=pings,
+                 repeats=repeats, seconds=float(seconds))
+    return _native.chart(asked, progress)

@@ -131,68 +131,70 @@ ArisFile::ArisFile(const std::filesystem::path& file, ArisHeader header)
   begin();
 }
 
-ByteRecord ArisFile::file_header() const {
-  ByteRecord record(file_header_size);
-  record.put_u32(0, signature);
-  record.put_u32(4, frames());
-  record.put_u32(8, static_cast<std::uint32_t>(std::max(1.0, std::round(header_.frame_rate_hz))));
-  record.put_u32(12, header_.high_frequency ? 1 : 0);
-  record.put_u32(16, static_cast<std::uint32_t>(header_.beams));
-  record.put_f32(20, 1e6 / header_.window.sample_period_us);
-  record.put_u32(24, static_cast<std::uint32_t>(header_.samples));
-  record.put_f32(32, header_.window.start_m(header_.sound_speed_m_s));
-  record.put_f32(36, header_.window.length_m(header_.sound_speed_m_s, header_.samples));
-  record.put_u32(44, header_.serial_number);
+PacketBytes ArisFile::file_header() const {
+  PacketBytes record(std::endian::little, file_header_size);
+  record.put<std::uint32_t>(0, signature);
+  record.put<std::uint32_t>(4, frames());
+  record.put<std::uint32_t>(8, static_cast<std::uint32_t>(std::max(1.0, std::round(header_.frame_rate_hz))));
+  record.put<std::uint32_t>(12, header_.high_frequency ? 1 : 0);
+  record.put<std::uint32_t>(16, static_cast<std::uint32_t>(header_.beams));
+  record.put_single(20, 1e6 / header_.window.sample_period_us);
+  record.put<std::uint32_t>(24, static_cast<std::uint32_t>(header_.samples));
+  record.put_single(32, header_.window.start_m(header_.sound_speed_m_s));
+  record.put_single(36, header_.window.length_m(header_.sound_speed_m_s, header_.samples));
+  record.put<std::uint32_t>(44, header_.serial_number);
   record.put_text(48, 32, date());
   record.put_text(80, 256, header_.title);
   // 352 and 356, StartFrame and EndFrame, stay 0: readers would take anything else for a part to be read.
-  record.put_u32(372, 1);  // FrameInterval
-  record.put_u32(384, static_cast<std::uint32_t>(std::round(header_.sound_speed_m_s)));
+  record.put<std::uint32_t>(372, 1);  // FrameInterval
+  record.put<std::uint32_t>(384, static_cast<std::uint32_t>(std::round(header_.sound_speed_m_s)));
   // Codes: of 5 to 15, 15 to 25 and 25 to 35 degrees; of fresh, brackish and salt water.
-  record.put_u32(396, header_.water_temperature_c < 15 ? 0 : header_.water_temperature_c < 25 ? 1 : 2);
-  record.put_u32(400, header_.salinity == ArisSalinity::fresh      ? 0
-                      : header_.salinity == ArisSalinity::brackish ? 1
-                                                                   : 2);
-  record.put_u64(424, bytes());
-  record.put_u32(452, header_.telephoto_lens ? 1 : 0);
+  record.put<std::uint32_t>(396, header_.water_temperature_c < 15   ? 0
+                                 : header_.water_temperature_c < 25 ? 1
+                                                                    : 2);
+  record.put<std::uint32_t>(400, header_.salinity == ArisSalinity::fresh      ? 0
+                                 : header_.salinity == ArisSalinity::brackish ? 1
+                                                                              : 2);
+  record.put<std::uint64_t>(424, bytes());
+  record.put<std::uint32_t>(452, header_.telephoto_lens ? 1 : 0);
   return record;
 }
 
-ByteRecord ArisFile::frame_header(const CameraFrame& frame) const {
-  ByteRecord record(frame_header_size);
+PacketBytes ArisFile::frame_header(const CameraFrame& frame) const {
+  PacketBytes record(std::endian::little, frame_header_size);
   const CalendarTime time = calendar_time(frame.unix_time_s);
   const auto microseconds = static_cast<std::uint64_t>(std::llround(frame.unix_time_s * 1e6));
   const ArisPingMode mode = aris_ping_mode(header_.beams);
-  record.put_u32(0, frames());
-  record.put_u64(4, microseconds);
-  record.put_u32(12, signature);
-  record.put_u64(20, microseconds);
-  record.put_u32(28, time.day);
-  record.put_u32(32, time.hour);
-  record.put_u32(36, time.minute);
-  record.put_u32(40, time.second);
-  record.put_u32(44, time.hundredth);
-  record.put_f32(52, header_.window.start_m(header_.sound_speed_m_s));
-  record.put_f32(56, header_.window.length_m(header_.sound_speed_m_s, header_.samples));
+  record.put<std::uint32_t>(0, frames());
+  record.put<std::uint64_t>(4, microseconds);
+  record.put<std::uint32_t>(12, signature);
+  record.put<std::uint64_t>(20, microseconds);
+  record.put<std::uint32_t>(28, time.day);
+  record.put<std::uint32_t>(32, time.hour);
+  record.put<std::uint32_t>(36, time.minute);
+  record.put<std::uint32_t>(40, time.second);
+  record.put<std::uint32_t>(44, time.hundredth);
+  record.put_single(52, header_.window.start_m(header_.sound_speed_m_s));
+  record.put_single(56, header_.window.length_m(header_.sound_speed_m_s, header_.samples));
   put_platform(record, frame);
-  record.put_f32(224, header_.water_temperature_c);
-  record.put_f32(420, 1e6 / header_.window.sample_period_us);
-  record.put_u32(436, mode.code);
-  record.put_u32(440, header_.high_frequency ? 1 : 0);
-  record.put_u32(444, header_.pulse_width_us);
-  record.put_u32(448, static_cast<std::uint32_t>(cycle_us(header_.window, header_.samples)));
-  record.put_u32(452, header_.window.sample_period_us);
-  record.put_u32(456, 1);  // TransmitEnable
-  record.put_f32(460, header_.frame_rate_hz);
-  record.put_f32(464, header_.sound_speed_m_s);
-  record.put_u32(468, static_cast<std::uint32_t>(header_.samples));
-  record.put_u32(472, 1);  // Enable150V: full power
-  record.put_u32(476, header_.window.start_delay_us);
-  record.put_u32(480, header_.telephoto_lens ? 1 : 0);
-  record.put_u32(484, static_cast<std::uint32_t>(header_.model.value_or(mode.model)));
-  record.put_u32(488, header_.serial_number);
-  record.put_u32(516, 1);  // ReorderedSamples: [sample][beam] already
-  record.put_u32(520, static_cast<std::uint32_t>(header_.salinity));
+  record.put_single(224, header_.water_temperature_c);
+  record.put_single(420, 1e6 / header_.window.sample_period_us);
+  record.put<std::uint32_t>(436, mode.code);
+  record.put<std::uint32_t>(440, header_.high_frequency ? 1 : 0);
+  record.put<std::uint32_t>(444, header_.pulse_width_us);
+  record.put<std::uint32_t>(448, static_cast<std::uint32_t>(cycle_us(header_.window, header_.samples)));
+  record.put<std::uint32_t>(452, header_.window.sample_period_us);
+  record.put<std::uint32_t>(456, 1);  // TransmitEnable
+  record.put_single(460, header_.frame_rate_hz);
+  record.put_single(464, header_.sound_speed_m_s);
+  record.put<std::uint32_t>(468, static_cast<std::uint32_t>(header_.samples));
+  record.put<std::uint32_t>(472, 1);  // Enable150V: full power
+  record.put<std::uint32_t>(476, header_.window.start_delay_us);
+  record.put<std::uint32_t>(480, header_.telephoto_lens ? 1 : 0);
+  record.put<std::uint32_t>(484, static_cast<std::uint32_t>(header_.model.value_or(mode.model)));
+  record.put<std::uint32_t>(488, header_.serial_number);
+  record.put<std::uint32_t>(516, 1);  // ReorderedSamples: [sample][beam] already
+  record.put<std::uint32_t>(520, static_cast<std::uint32_t>(header_.salinity));
   return record;
 }
 

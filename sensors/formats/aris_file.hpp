@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/sensor_description.hpp"
 #include "sensors/formats/camera_file.hpp"
 
 // ARIS files (.aris, "DDF_05"): windows in metres and any number of samples. docs/files-ddf.md.
@@ -80,8 +80,8 @@ class ArisFile final : public CameraFile {
   ArisFile(const std::filesystem::path& file, ArisHeader header);
 
  private:
-  ByteRecord file_header() const override;
-  ByteRecord frame_header(const CameraFrame& frame) const override;
+  PacketBytes file_header() const override;
+  PacketBytes frame_header(const CameraFrame& frame) const override;
 
   ArisHeader header_;
 };

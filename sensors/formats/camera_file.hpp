@@ -33,8 +33,8 @@ class CameraFile {
   /// To be called once by what is derived, when file_header() has what it needs.
   void begin() { file_.append(file_header().bytes()); }
 
-  virtual ByteRecord file_header() const = 0;
-  virtual ByteRecord frame_header(const CameraFrame& frame) const = 0;
+  virtual PacketBytes file_header() const = 0;
+  virtual PacketBytes frame_header(const CameraFrame& frame) const = 0;
   /// Of the first frame; empty before it.
   const std::string& date() const { return date_; }
   std::uint64_t bytes() const { return file_.size(); }

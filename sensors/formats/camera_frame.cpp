@@ -58,20 +58,20 @@ void check(const CameraFrame& frame, const std::string& what, int beams, int sam
                                             frame.amplitudes.size(), wanted, beams, samples));
 }
 
-void put_platform(ByteRecord& header, const CameraFrame& frame) {
-  header.put_f32(124, frame.velocity_m_s);
-  header.put_f32(128, frame.depth_m);
-  header.put_f32(132, frame.altitude_m);
+void put_platform(PacketBytes& header, const CameraFrame& frame) {
+  header.put_single(124, frame.velocity_m_s);
+  header.put_single(128, frame.depth_m);
+  header.put_single(132, frame.altitude_m);
   // The rates between these (140, 148, 156) stay 0.
-  header.put_f32(136, frame.platform.pitch_deg);
-  header.put_f32(144, frame.platform.roll_deg);
-  header.put_f32(152, heading_in_circle(frame.platform.heading_deg));
+  header.put_single(136, frame.platform.pitch_deg);
+  header.put_single(144, frame.platform.roll_deg);
+  header.put_single(152, heading_in_circle(frame.platform.heading_deg));
   const CameraAttitude camera = frame.camera.value_or(frame.platform);
-  header.put_f32(160, heading_in_circle(camera.heading_deg));
-  header.put_f32(164, camera.pitch_deg);
-  header.put_f32(168, camera.roll_deg);
-  header.put_f64(172, frame.latitude_deg);
-  header.put_f64(180, frame.longitude_deg);
+  header.put_single(160, heading_in_circle(camera.heading_deg));
+  header.put_single(164, camera.pitch_deg);
+  header.put_single(168, camera.roll_deg);
+  header.put<double>(172, frame.latitude_deg);
+  header.put<double>(180, frame.longitude_deg);
 }
 
 CalendarTime calendar_time(double unix_time_s) {

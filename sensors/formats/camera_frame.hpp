@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sensors/formats/byte_record.hpp"
+#include "sensors/formats/packet_bytes.hpp"
 
 // What DIDSON and ARIS files have in common (docs/files-ddf.md).
 namespace tubefoot {
@@ -36,7 +36,7 @@ void check(const CameraFrame& frame, const std::string& what, int beams, int sam
 
 /// Puts velocity, depth, altitude, both attitudes and the position where all versions have them in the frame
 /// header (bytes 124 to 187). Headings become 0 to 360 degrees, 360 excluded.
-void put_platform(ByteRecord& header, const CameraFrame& frame);
+void put_platform(PacketBytes& header, const CameraFrame& frame);
 
 /// A time as the headers have it, all parts of the same instant: rounded to hundredths of a second first.
 struct CalendarTime {

@@ -119,47 +119,49 @@ DdfFile::DdfFile(const std::filesystem::path& file, DdfHeader header)
   begin();
 }
 
-ByteRecord DdfFile::file_header() const {
-  ByteRecord record(file_header_size);
-  record.put_u32(0, signature);
-  record.put_u32(4, frames());
-  record.put_u32(8, static_cast<std::uint32_t>(std::max(1.0, std::round(header_.frame_rate_hz))));
-  record.put_u32(12, header_.high_resolution ? 1 : 0);
-  record.put_u32(16, static_cast<std::uint32_t>(header_.beams));
-  record.put_f32(20, header_.sample_rate_hz);
-  record.put_u32(24, samples_per_beam);
-  record.put_u32(32, header_.window.start_code);
-  record.put_u32(36, header_.window.length_code);
-  record.put_u32(44, header_.serial_number);
+PacketBytes DdfFile::file_header() const {
+  PacketBytes record(std::endian::little, file_header_size);
+  record.put<std::uint32_t>(0, signature);
+  record.put<std::uint32_t>(4, frames());
+  record.put<std::uint32_t>(8, static_cast<std::uint32_t>(std::max(1.0, std::round(header_.frame_rate_hz))));
+  record.put<std::uint32_t>(12, header_.high_resolution ? 1 : 0);
+  record.put<std::uint32_t>(16, static_cast<std::uint32_t>(header_.beams));
+  record.put_single(20, header_.sample_rate_hz);
+  record.put<std::uint32_t>(24, samples_per_beam);
+  record.put<std::uint32_t>(32, header_.window.start_code);
+  record.put<std::uint32_t>(36, header_.window.length_code);
+  record.put<std::uint32_t>(44, header_.serial_number);
   record.put_text(48, 32, date());
   record.put_text(80, 256, header_.title);
   // 352 and 356, StartFrame and EndFrame, stay 0: readers would take anything else for a part to be read.
-  record.put_u32(372, 1);  // FrameInterval
-  record.put_u32(384, static_cast<std::uint32_t>(std::round(header_.sound_speed_m_s)));
+  record.put<std::uint32_t>(372, 1);  // FrameInterval
+  record.put<std::uint32_t>(384, static_cast<std::uint32_t>(std::round(header_.sound_speed_m_s)));
   return record;
 }
 
-ByteRecord DdfFile::frame_header(const CameraFrame& frame) const {
-  ByteRecord record(frame_header_size);
+PacketBytes DdfFile::frame_header(const CameraFrame& frame) const {
+  PacketBytes record(std::endian::little, frame_header_size);
   const CalendarTime time = calendar_time(frame.unix_time_s);
-  record.put_u32(0, frames());
-  record.put_u64(4, time.unix_s);
-  record.put_u32(12, signature);
-  record.put_u32(20, time.year);
-  record.put_u32(24, time.month);
-  record.put_u32(28, time.day);
-  record.put_u32(32, time.hour);
-  record.put_u32(36, time.minute);
-  record.put_u32(40, time.second);
-  record.put_u32(44, time.hundredth);
-  record.put_u32(48,
-                 header_.high_resolution ? 3 : 2);  // TransmitMode: bit 0 high resolution, bit 1 transmits
-  record.put_u32(52, header_.window.start_code);
-  record.put_u32(56, header_.window.length_code);
-  record.put_u32(64, static_cast<std::uint32_t>(ddf_full_scale_db));  // Intensity: shows all of the scale
+  record.put<std::uint32_t>(0, frames());
+  record.put<std::uint64_t>(4, time.unix_s);
+  record.put<std::uint32_t>(12, signature);
+  record.put<std::uint32_t>(20, time.year);
+  record.put<std::uint32_t>(24, time.month);
+  record.put<std::uint32_t>(28, time.day);
+  record.put<std::uint32_t>(32, time.hour);
+  record.put<std::uint32_t>(36, time.minute);
+  record.put<std::uint32_t>(40, time.second);
+  record.put<std::uint32_t>(44, time.hundredth);
+  record.put<std::uint32_t>(
+      48,
+      header_.high_resolution ? 3 : 2);  // TransmitMode: bit 0 high resolution, bit 1 transmits
+  record.put<std::uint32_t>(52, header_.window.start_code);
+  record.put<std::uint32_t>(56, header_.window.length_code);
+  record.put<std::uint32_t>(
+      64, static_cast<std::uint32_t>(ddf_full_scale_db));  // Intensity: shows all of the scale
   put_platform(record, frame);
-  record.put_u32(192, header_.config_flags);
-  record.put_f32(224, header_.water_temperature_c);
+  record.put<std::uint32_t>(192, header_.config_flags);
+  record.put_single(224, header_.water_temperature_c);
   return record;
 }
 

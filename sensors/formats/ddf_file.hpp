@@ -75,8 +75,8 @@ class DdfFile final : public CameraFile {
   DdfFile(const std::filesystem::path& file, DdfHeader header);
 
  private:
-  ByteRecord file_header() const override;
-  ByteRecord frame_header(const CameraFrame& frame) const override;
+  PacketBytes file_header() const override;
+  PacketBytes frame_header(const CameraFrame& frame) const override;
 
   DdfHeader header_;
 };

@@ -17,8 +17,8 @@
 #include <type_traits>
 #include <vector>
 
-// What the writers of packet formats (XTF, Reson, GSF) share: bytes of a stated order at stated offsets, and
-// the conversion of physical values to the fields of a packet.
+// What the writers of packet formats (XTF, Reson, GSF, DIDSON, ARIS) share: bytes of a stated order at stated
+// offsets, and the conversion of physical values to the fields of a packet.
 namespace tubefoot {
 
 /// The bytes of one packet. The type of a field is always written out, `put<std::uint16_t>(4, ...)`, so that
@@ -34,8 +34,10 @@ class PacketBytes {
   template <typename Field>
   void put(std::size_t offset, std::type_identity_t<Field> value) {
     const auto field = encoded<Field>(value);
-    for (std::size_t k = 0; k < field.size(); ++k) bytes_.at(offset + k) = field[k];
+    for (std::size_t k = field.size(); k-- > 0;) bytes_.at(offset + k) = field[k];
   }
+  /// IEEE single precision, rounded to nearest; the value must lie within its range.
+  void put_single(std::size_t offset, double value) { put<float>(offset, static_cast<float>(value)); }
   template <typename Field>
   void append(std::type_identity_t<Field> value) {
     const auto field = encoded<Field>(value);
@@ -46,6 +48,15 @@ class PacketBytes {
   void pad_to_multiple_of(std::size_t block) { append_zeros((block - bytes_.size() % block) % block); }
   void put_text(std::size_t offset, std::string_view text) {
     for (std::size_t k = 0; k < text.size(); ++k) bytes_.at(offset + k) = static_cast<unsigned char>(text[k]);
+  }
+  /// A field of `size` bytes, zero-padded and always zero-terminated: longer text is cut, never inside an
+  /// UTF-8 character.
+  void put_text(std::size_t offset, std::size_t size, std::string_view text) {
+    std::size_t length = text.size();
+    if (length >= size)
+      for (length = size - 1; length > 0 && (text[length] & 0xC0) == 0x80;) --length;
+    for (std::size_t k = size; k-- > 0;)
+      bytes_.at(offset + k) = k < length ? static_cast<unsigned char>(text[k]) : 0;
   }
 
  private:

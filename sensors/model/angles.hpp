@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/sensor_description.hpp"
 
 // What the sensor models share: the axes of a sensor's frame and the cutting of a sector into tubes.
 namespace tubefoot {

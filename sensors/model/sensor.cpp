@@ -5,13 +5,7 @@
 #include <numbers>
 
 #include "sensors/model/angles.hpp"
-#include "sensors/model/didson.hpp"
-#include "sensors/model/echosounder.hpp"
-#include "sensors/model/imaging.hpp"
-#include "sensors/model/interferometric.hpp"
-#include "sensors/model/multibeam.hpp"
 #include "sensors/model/pattern_file.hpp"
-#include "sensors/model/sidescan.hpp"
 
 namespace tubefoot {
 namespace {
@@ -97,7 +91,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
         made.receive[beam] = directivity(description_.receive, *receive_, fan,
                                          direction_of(beams_[fired.beams[beam]]), turn, sound_speed_m_s);
     if (has_staff())
-      made.fringes.push_back({glm::normalize(turn * fan.staff), baseline_m_,
+      made.fringes.push_back({glm::normalize(turn * fan.staff), staff_.baseline_m,
                               2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
   }
   made.fan_of_tube = fan_of_tube(shot);
@@ -114,7 +108,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
 
 double Sensor::reach(const WorldGrid& grid) const {
   // Half a path is no shorter than the range from the transmitter less a quarter of the baseline.
-  return (samples_.first_m + samples_.count * samples_.step_m + baseline_m_ / 2) / grid.unit_m();
+  return (samples_.first_m + samples_.count * samples_.step_m + staff_.baseline_m / 2) / grid.unit_m();
 }
 
 Pose Sensor::mounted_at(const std::array<double, 3>& arm, const Pose& carrier) const {
@@ -142,33 +136,6 @@ std::vector<double> Sensor::ping_times_s() const {
   for (int ping = 0; ping < description_.pings; ++ping)
     times.push_back(description_.first_ping_s + ping * description_.ping_interval_s);
   return times;
-}
-
-std::unique_ptr<Sensor> make_sensor(const SensorDescription& description) {
-  struct Maker {
-    const SensorDescription& sensor;
-    std::unique_ptr<Sensor> operator()(const DidsonDescription&) const {
-      return std::make_unique<Didson>(sensor);
-    }
-    std::unique_ptr<Sensor> operator()(const SidescanDescription&) const {
-      return std::make_unique<Sidescan>(sensor);
-    }
-    std::unique_ptr<Sensor> operator()(const MultibeamDescription&) const {
-      return std::make_unique<Multibeam>(sensor);
-    }
-    std::unique_ptr<Sensor> operator()(const ImagingDescription&) const {
-      return std::make_unique<Imaging>(sensor);
-    }
-    std::unique_ptr<Sensor> operator()(const EchosounderDescription&) const {
-      return std::make_unique<Echosounder>(sensor);
-    }
-    std::unique_ptr<Sensor> operator()(const InterferometricDescription&) const {
-      return std::make_unique<Interferometric>(sensor);
-    }
-  };
-  std::unique_ptr<Sensor> made = std::visit(Maker{description}, description.kind);
-  made->refuse_narrow();
-  return made;
 }
 
 }  // namespace tubefoot

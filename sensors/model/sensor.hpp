@@ -10,7 +10,7 @@
 #include "engine/law/beam_pattern.hpp"
 #include "geometry/numbers/world_grid.hpp"
 #include "geometry/tubes/tube.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/sensor_description.hpp"
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {
@@ -23,8 +23,8 @@ struct BeamAxis {
          elevation_width_rad = 0;  ///< full one-way widths of the ideal rectangular beam
 };
 
-/// What a sonar asks of an engine and what it makes of a history. It knows no engine; a new sensor needs only
-/// this class and a case in make_sensor.
+/// What a sonar asks of an engine and what it makes of a history. It knows no engine. A kind of sensor is a
+/// class derived from this one and what else sensor_kind.hpp asks for.
 class Sensor {
  public:
   virtual ~Sensor() = default;
@@ -36,8 +36,16 @@ class Sensor {
   /// What is kept of each beam and sample: 1: its energy; 4: those of the upper and of the lower receiver,
   /// and the real and the imaginary part of the mean product of their signals.
   int channels() const { return has_staff() ? 4 : 1; }
-  /// Whether each fan has two receivers, on a staff.
-  bool has_staff() const { return baseline_m_ > 0; }
+  /// Of fans with two receivers each, half a baseline above and below the transmitter.
+  struct Staff {
+    double baseline_m = 0;  ///< 0: there is no staff, and one receiver
+    double tilt_deg = 0;    ///< of the direction that it faces, below the horizontal
+  };
+  const Staff& staff() const { return staff_; }
+  bool has_staff() const { return staff_.baseline_m > 0; }
+  /// Whether the fan of beams is spread across the track and looks down, else in the sensor's horizontal
+  /// plane: what pictures of it have to know.
+  bool is_across_track() const { return across_track_; }
 
   /// A ping is one shot or several (an acoustic camera that fires groups of beams in turn), each from where
   /// the sensor is at its own time.
@@ -107,7 +115,8 @@ class Sensor {
   double frequency_khz_ = 0;
   std::vector<BeamAxis> beams_;
   RangeSamples samples_;
-  double baseline_m_ = 0;  ///< of two receivers a fan; 0: there is one
+  Staff staff_;
+  bool across_track_ = false;
   std::vector<Shot> shots_;
 
  private:
@@ -120,7 +129,7 @@ class Sensor {
   std::optional<std::shared_ptr<const PatternTable>> transmit_, receive_;
 };
 
-/// The sensor that a description asks for.
+/// The sensor that a description asks for, of its kind.
 std::unique_ptr<Sensor> make_sensor(const SensorDescription& description);
 
 }  // namespace tubefoot

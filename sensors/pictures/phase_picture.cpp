@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sensors/detection/interferometric_soundings.hpp"
+#include "sensors/detection/staff_soundings.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/pixel_span.hpp"
 
@@ -95,12 +95,12 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   canvas.text(margin, margin,
               fmt::format("{}   phase of upper against lower receiver", sensor.description().name),
               title_size, palette.ink);
-  const auto& staff = std::get<InterferometricDescription>(sensor.description().kind);
-  canvas.text(margin, margin + 30,
-              fmt::format("{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
-                          sensor.frequency_khz(), staff.baseline_m, staff.staff_tilt_deg,
-                          noise ? "; as received" : ""),
-              label_size, palette.faint_ink);
+  const Sensor::Staff& staff = sensor.staff();
+  canvas.text(
+      margin, margin + 30,
+      fmt::format("{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
+                  sensor.frequency_khz(), staff.baseline_m, staff.tilt_deg, noise ? "; as received" : ""),
+      label_size, palette.faint_ink);
   draw_legend(canvas, middle + side + margin, top, top + std::min(rows, 400));
   return canvas;
 }

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sensors/detection/interferometric_soundings.hpp"
+#include "sensors/detection/staff_soundings.hpp"
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/recordings/recording.hpp"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sensors/pictures/canvas.hpp"
+#include "sensors/recordings/heard.hpp"
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {

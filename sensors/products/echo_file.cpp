@@ -12,8 +12,8 @@
 
 #include "files/checked_file.hpp"
 #include "files/reserved_space.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
-#include "sensors/model/sensor_kind.hpp"
 #include "sensors/recordings/pose_angles.hpp"
 #include "sensors/recordings/recording.hpp"
 
@@ -186,7 +186,7 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
   const RangeSamples& samples = sensor.samples();
 
   group.attribute("sensor_name", sensor.description().name);
-  group.attribute("sensor_kind", kind_of(sensor.description()));
+  group.attribute("sensor_kind", kind_of(sensor.description()).name());
   group.attribute("frequency_khz", sensor.frequency_khz());
   group.attribute("source_energy", "1 J/sr at 1 m");
   group.attribute("sound_speed_m_s", recording.sound_speed_m_s);

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "sensors/products/products.hpp"
+#include "sensors/products/received.hpp"
 
 namespace tubefoot {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/pictures.hpp"
+
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -9,7 +11,6 @@
 #include "sensors/pictures/image_file.hpp"
 #include "sensors/pictures/scanline_picture.hpp"
 #include "sensors/pictures/waterfall_picture.hpp"
-#include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
 namespace {
@@ -34,7 +35,7 @@ OIIO::ParamValueList exr_attributes(const Recording& recording, const char* rows
   return attributes;
 }
 
-void write_camera_exr(const fs::path& file, const Recording& recording, std::size_t ping) {
+void write_fan_exr(const fs::path& file, const Recording& recording, std::size_t ping) {
   const auto beams = recording.sensor->beams().size();
   const auto samples = static_cast<std::size_t>(recording.sensor->samples().count);
   const std::span<const double> energy = recording.energy_of(ping);
@@ -49,7 +50,7 @@ void write_camera_exr(const fs::path& file, const Recording& recording, std::siz
   write_exr(file, static_cast<int>(beams), static_cast<int>(samples), values, attributes);
 }
 
-void write_sidescan_exr(const fs::path& file, const Recording& recording) {
+void write_two_sided_exr(const fs::path& file, const Recording& recording) {
   const auto samples = static_cast<std::size_t>(recording.sensor->samples().count);
   ScanlinePicture picture(
       file, static_cast<int>(2 * samples), static_cast<int>(recording.pings()),
@@ -79,37 +80,44 @@ std::string stem_of(const Sensor& sensor) {
 
 }  // namespace
 
-std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& recording,
-                                     std::vector<std::string>* warnings, const Heard* heard) {
+const std::string& font_for(const std::string& sensor, std::vector<std::string>& warnings) {
+  const std::string& font = label_font();
+  if (font.empty())
+    warnings.push_back(fmt::format(
+        "the pictures of '{}' have no labels: no font was found (on Debian, install fonts-dejavu-core)",
+        sensor));
+  return font;
+}
+
+std::vector<fs::path> write_two_sided_pictures(const fs::path& folder, const Recording& recording,
+                                               const std::optional<Heard>& heard,
+                                               std::vector<std::string>& warnings) {
   check(recording);
   const std::string stem = stem_of(*recording.sensor);
-  const std::string& font = label_font();
-  if (font.empty() && warnings)
-    warnings->push_back(fmt::format(
-        "the pictures of '{}' have no labels: no font was found (on Debian, install fonts-dejavu-core)",
-        stem));
-
-  std::vector<fs::path> files;
-  const auto& kind = recording.sensor->description().kind;
-  if (std::holds_alternative<SidescanDescription>(kind) ||
-      std::holds_alternative<InterferometricDescription>(kind)) {
-    files = {stem + ".png", stem + ".exr"};
-    draw_waterfall(recording, font).write_png(folder / files[0], stem);
-    write_sidescan_exr(folder / files[1], recording);
-    if (heard) {
-      files.push_back(stem + "-received.png");
-      draw_waterfall(recording, font, heard).write_png(folder / files.back(), stem);
-    }
-    return files;
+  const std::string& font = font_for(stem, warnings);
+  std::vector<fs::path> files{stem + ".png", stem + ".exr"};
+  draw_waterfall(recording, font).write_png(folder / files[0], stem);
+  write_two_sided_exr(folder / files[1], recording);
+  if (heard) {
+    files.push_back(stem + "-received.png");
+    draw_waterfall(recording, font, &*heard).write_png(folder / files.back(), stem);
   }
-  const auto* camera = std::get_if<DidsonDescription>(&recording.sensor->description().kind);
-  const bool sequence_alone = camera && camera->pictures == "sequence";
+  return files;
+}
+
+std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording& recording,
+                                         const std::optional<Heard>& heard, bool sequence_alone,
+                                         std::vector<std::string>& warnings) {
+  check(recording);
+  const std::string stem = stem_of(*recording.sensor);
+  const std::string& font = font_for(stem, warnings);
+  std::vector<fs::path> files;
   if (recording.pings() > 1 || sequence_alone) {
     files.push_back(stem + "-sequence.png");
     draw_camera_sequence(recording, font).write_png(folder / files.back(), stem);
     if (heard) {
       files.push_back(stem + "-sequence-received.png");
-      draw_camera_sequence(recording, font, heard).write_png(folder / files.back(), stem);
+      draw_camera_sequence(recording, font, &*heard).write_png(folder / files.back(), stem);
     }
   }
   if (sequence_alone) return files;
@@ -123,9 +131,9 @@ std::vector<fs::path> write_pictures(const fs::path& folder, const Recording& re
     draw_camera_frame(recording, ping, font)
         .write_png(folder / name(ping, "png"), fmt::format("{}, ping {}", stem, ping));
     if (heard)
-      draw_camera_frame(recording, ping, font, heard)
+      draw_camera_frame(recording, ping, font, &*heard)
           .write_png(folder / received_name(ping), fmt::format("{}, ping {}, as received", stem, ping));
-    write_camera_exr(folder / name(ping, "exr"), recording, ping);
+    write_fan_exr(folder / name(ping, "exr"), recording, ping);
     recording.let_go(ping);
   });
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {

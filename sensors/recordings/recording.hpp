@@ -12,7 +12,6 @@
 #include "geometry/work/stop.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "sensors/model/sensor.hpp"
-#include "sensors/recordings/heard.hpp"
 
 namespace tubefoot {
 
@@ -79,19 +78,5 @@ std::vector<EarthColumn> earth_columns(const Recording& recording, const Provena
 /// if the disk has room for all of it. Throws std::runtime_error naming the file and what failed.
 void write_echoes(const std::filesystem::path& file, const std::vector<Recording>& recordings,
                   const Provenance& provenance, std::size_t most_bytes_in_memory = std::size_t{16} << 20);
-
-/// Writes the pictures of a recording into `folder` (which exists) and returns their file names, relative to
-/// it: PNG (16 bit, for looking at, logarithmic) and EXR (32-bit float, for measuring, linear energy).
-/// Cameras: <sensor>-sequence.png (pings picked from several; sequence_frames), and unless the camera asks
-/// for that alone <sensor>-<ping>.png in true fan geometry with a range and angle frame, and
-/// <sensor>-<ping>.exr (beams x samples, unscaled). Sidescan: <sensor>.png waterfall, last ping on top, port
-/// left, and <sensor>.exr. With `heard` each PNG has one beside it of what the instrument shows, "-received"
-/// at the end of its name. docs/echo-file.md says how pixels are made. Throws std::runtime_error naming the
-/// file and what failed. A picture is written even without a font to label it with; `warnings`, if given,
-/// then says so.
-std::vector<std::filesystem::path> write_pictures(const std::filesystem::path& folder,
-                                                  const Recording& recording,
-                                                  std::vector<std::string>* warnings = nullptr,
-                                                  const Heard* heard = nullptr);
 
 }  // namespace tubefoot

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/water_description.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -44,7 +45,7 @@ double seconds_for(const std::vector<Trial>& ladder, double samples) {
 /// The probe pings, and what they say of all others.
 class Probes {
  public:
-  Probes(TrialScene& scene, const std::vector<LookedAt>& sensors, ErrorMeasure measure)
+  Probes(const TrialScene& scene, const std::vector<LookedAt>& sensors, ErrorMeasure measure)
       : scene_(scene), sensors_(sensors), measure_(measure) {}
 
   /// A candidate's errors and seconds. The trial's own errors become the predicted ones.
@@ -76,7 +77,7 @@ class Probes {
   }
 
  private:
-  TrialScene& scene_;
+  const TrialScene& scene_;
   const std::vector<LookedAt>& sensors_;
   ErrorMeasure measure_;
 };
@@ -84,10 +85,10 @@ class Probes {
 /// Finds the fewest rays with which one sampling is predicted to hold, on the probe pings.
 class RayLadder {
  public:
-  RayLadder(const Probes& probes, std::string sampling, const Tolerance& tolerance, std::uint64_t seed,
+  RayLadder(const Probes& probes, RaySampling sampling, const Tolerance& tolerance, std::uint64_t seed,
             double seconds_cap)
       : probes_(probes),
-        sampling_(std::move(sampling)),
+        sampling_(sampling),
         measure_(tolerance.measure),
         target_(tolerance.value),
         seed_(seed),
@@ -126,7 +127,7 @@ class RayLadder {
 
   EngineSetting setting(double rays) const {
     EngineSetting s = ray_setting(sampling_, static_cast<std::int64_t>(rays), probes_.beams());
-    s.run.seed = seed_;
+    s.run.rays.seed = seed_;
     return s;
   }
 
@@ -167,7 +168,7 @@ class RayLadder {
   }
 
   const Probes& probes_;
-  std::string sampling_;
+  RaySampling sampling_;
   ErrorMeasure measure_;
   double target_;
   std::uint64_t seed_;
@@ -191,7 +192,7 @@ void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint6
     if (!candidate.tried) continue;
     stop_if_wanted();
     EngineSetting setting = candidate.setting;
-    setting.run.seed = seed;
+    setting.run.rays.seed = seed;
     candidate.others = others.run(setting, repeats);
   }
 }
@@ -259,10 +260,10 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
         std::nullopt);
     advice.silent = probe_pings.silent_sensors();
     const Probes probes(probe_pings, advice.sensors, tolerance.measure);
-    const std::vector<std::string> binnings{"exact", "spread", "centroid"};
+    constexpr std::array binnings{Binning::exact, Binning::spread, Binning::centroid};
     const bool choice = advice.silent.empty();
     Progress progress("settings", choice ? binnings.size() + options.samplings.size() : 1, options.quiet);
-    for (const std::string& binning : binnings) {
+    for (const Binning binning : binnings) {
       if (const auto refused = probes.refused(tube_setting(binning)))
         advice.candidates.push_back(*refused);
       else
@@ -271,7 +272,7 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
       if (!choice) break;
     }
     const double cap = options.largest_cost * advice.candidates.front().predicted_seconds;
-    for (const std::string& sampling : options.samplings) {
+    for (const RaySampling sampling : options.samplings) {
       if (!choice) break;
       if (const auto refused = probes.refused(ray_setting(sampling, 1, probes.beams())))
         advice.candidates.push_back(*refused);
@@ -285,43 +286,41 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
   return advice;
 }
 
-std::string left_out_by(const RunDescription& run) {
-  if (run.engine == "ray") return "everything between rays";
-  if (run.binning == "spread")
+std::string left_out_by(const RunRequest& run) {
+  if (run.engine == Engine::ray) return "everything between rays";
+  if (run.binning == Binning::spread)
     return "range cuts inside footprints: each footprint's energy is the law's at its centroid, spread "
            "evenly "
            "over its slant ranges";
-  if (run.binning == "centroid")
+  if (run.binning == Binning::centroid)
     return "range cuts inside footprints: each footprint's energy sits in the sample of its centroid";
   return "nothing";
 }
 
-std::string command_options(const RunDescription& run) {
-  if (run.engine == "ray")
-    return fmt::format("--engine ray --sampling {} --rays-per-beam {}", run.sampling,
-                       run.rays_per_beam.value_or(0));
-  return fmt::format("--engine tube --arithmetic {} --binning {}", run.arithmetic, run.binning);
+std::string command_options(const RunRequest& run) {
+  if (run.engine == Engine::ray)
+    return fmt::format("--engine ray --sampling {} --rays-per-beam {}", name_of(run.rays.sampling),
+                       run.rays.rays);
+  return fmt::format("--engine tube --arithmetic {} --binning {}", name_of(run.visibility.arithmetic),
+                     name_of(run.binning));
 }
 
-Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet) {
+Advice pick_settings(const SceneDescription& description, RunRequest& request, bool quiet) {
   AdviceOptions options;
   options.measure = false;   // all of its time is the user's waiting
   options.largest_cost = 1;  // dearer rays would not be chosen
-  options.seed = description.run.seed;
+  options.seed = request.rays.seed;
   options.quiet = quiet;
-  Advice advice = advise(description, tolerance, options);
-  RunDescription& run = description.run;
-  const RunDescription& chosen = advice.best().setting.run;
-  // What the scene's own [run] says of seed, grid and threads stays.
-  run.engine = chosen.engine;
-  run.arithmetic = chosen.arithmetic;
-  run.binning = chosen.binning;
-  run.facets_per_split = chosen.facets_per_split;
-  run.zero_tolerance = chosen.zero_tolerance;
-  run.sampling = chosen.sampling;
-  run.rays_per_beam = chosen.rays_per_beam;
-  if (!quiet)
-    say("for {}: {}, {}\n", to_text(tolerance), advice.best().setting.engine, advice.best().setting.setting);
+  Advice advice = advise(description, *request.tolerance, options);
+  const EngineSetting& chosen = advice.best().setting;
+  request.engine = chosen.run.engine;
+  request.visibility = chosen.run.visibility;
+  request.binning = chosen.run.binning;
+  if (request.engine == Engine::ray) {
+    request.rays = chosen.run.rays;
+    request.rays.seed = options.seed;
+  }
+  if (!quiet) say("for {}: {}, {}\n", to_text(*request.tolerance), chosen.engine, chosen.setting);
   return advice;
 }
 

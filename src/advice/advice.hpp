@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "advice/trials.hpp"
-#include "scene/description/scene_description.hpp"
+#include "run/run_request.hpp"
 #include "study/tolerance.hpp"
 
 // Which engine and settings a tolerance needs: measured on a few pings, docs/advise.md.
@@ -18,7 +18,8 @@ struct AdviceOptions {
   bool measure = true;      ///< measure on other pings what the probe pings predict
   double largest_cost = 3;  ///< rays that take longer than this many exact tube runs are not tried
   std::uint64_t seed = 1;   ///< of the rays
-  std::vector<std::string> samplings{"stratified", "regular", "column"};  ///< of rays, to try
+  /// Of rays, to try.
+  std::vector<RaySampling> samplings{RaySampling::stratified, RaySampling::regular, RaySampling::column};
   bool quiet = false;
 };
 
@@ -67,14 +68,14 @@ LookedAt looked_at(std::size_t pings, std::size_t count);
 Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const AdviceOptions& options);
 
 /// What a setting does not model of a scene, in words; "nothing" for exact cuts.
-std::string left_out_by(const RunDescription& run);
+std::string left_out_by(const RunRequest& run);
 
 /// The options of `tubefoot run` that ask for a setting: "--engine ray --sampling regular --rays-per-beam
 /// 700".
-std::string command_options(const RunDescription& run);
+std::string command_options(const RunRequest& run);
 
-/// Puts the settings into the description that hold a tolerance most cheaply.
-Advice pick_settings(SceneDescription& description, const Tolerance& tolerance, bool quiet);
+/// Puts the settings into the request that hold its tolerance most cheaply.
+Advice pick_settings(const SceneDescription& description, RunRequest& request, bool quiet);
 
 /// "sidescan: pings 90, 270 of 360" (counted from 0).
 std::string pings_text(const std::string& sensor, const std::vector<std::size_t>& pings, std::size_t all);

@@ -10,8 +10,6 @@
 #include <stdexcept>
 
 #include "compare/echo_errors.hpp"
-#include "engine/ground/ground.hpp"
-#include "engine/rays/ray_engine.hpp"
 #include "files/json_text.hpp"
 #include "geometry/work/stop.hpp"
 #include "run/abilities.hpp"
@@ -24,30 +22,7 @@ EngineSetting tube(const std::string& engine, const std::string& setting) {
   EngineSetting s;
   s.engine = engine;
   s.setting = setting;
-  s.run.engine = "tube";
   return s;
-}
-
-/// Only the chosen sensors and pings, each sensor for itself.
-void trim(Survey& survey, const std::vector<TrialPings>& choice) {
-  std::vector<SensorPings> kept;
-  for (const TrialPings& chosen : choice) {
-    SensorPings& all = survey.sensors[chosen.sensor];
-    SensorPings some;
-    for (const std::size_t ping : chosen.pings) {
-      some.times_s.push_back(all.times_s[ping]);
-      some.poses.push_back(all.poses[ping]);
-      for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot)
-        some.shot_poses.push_back(all.shot_pose(ping, shot));
-      for (std::size_t shot = 0; all.sensor->has_receiver_apart() && shot < all.sensor->shots(); ++shot)
-        some.receiver_poses.push_back(all.receiver_pose(ping, shot));
-    }
-    some.sensor = std::move(all.sensor);
-    kept.push_back(std::move(some));
-  }
-  survey.sensors = std::move(kept);
-  survey.shots.clear();
-  for (std::size_t s = 0; s < survey.sensors.size(); ++s) survey.shots.push_back(SharedShots{{s}});
 }
 
 std::vector<double> ranges_m(const RangeSamples& samples) {
@@ -64,45 +39,49 @@ std::string scene_name(const std::filesystem::path& scene) {
 
 }  // namespace
 
-EngineSetting tube_setting(const std::string& binning) {
-  EngineSetting s = tube(binning == "exact" ? "tubes, exact cuts" : "tubes, " + binning, "fixed");
+EngineSetting tube_setting(Binning binning) {
+  EngineSetting s = tube(
+      binning == Binning::exact ? "tubes, exact cuts" : fmt::format("tubes, {}", name_of(binning)), "fixed");
   s.run.binning = binning;
   return s;
 }
 
-EngineSetting ray_setting(const std::string& sampling, std::int64_t rays_per_beam, std::size_t beams) {
+EngineSetting ray_setting(RaySampling sampling, std::int64_t rays_per_beam, std::size_t beams) {
   EngineSetting s;
-  s.engine = sampling == "column" ? "rays, one column a beam" : "rays, " + sampling;
+  s.engine = sampling == RaySampling::column ? "rays, one column a beam"
+                                             : fmt::format("rays, {}", name_of(sampling));
   s.setting = fmt::format("{} a beam", rays_per_beam);
-  s.run.engine = "ray";
-  s.run.sampling = sampling;
-  s.run.rays_per_beam = rays_per_beam;
+  s.run.engine = Engine::ray;
+  s.run.rays.sampling = sampling;
+  s.run.rays.rays = rays_per_beam;
+  s.run.rays.per = RaySettings::Per::beam;
   s.rays = static_cast<double>(rays_per_beam) * static_cast<double>(beams);
   return s;
 }
 
 std::vector<EngineSetting> tube_settings() {
   std::vector<EngineSetting> all;
-  for (const char* arithmetic : {"fixed", "filtered"}) {
-    all.push_back(tube("tubes, exact cuts", arithmetic));
-    all.back().run.arithmetic = arithmetic;
+  for (const Arithmetic arithmetic : {Arithmetic::fixed, Arithmetic::filtered}) {
+    all.push_back(tube("tubes, exact cuts", std::string(name_of(arithmetic))));
+    all.back().run.visibility.arithmetic = arithmetic;
   }
-  all.push_back(tube("tubes, double", "tolerance 0"));
-  all.back().run.arithmetic = "double";
-  all.push_back(tube("tubes, double", "tolerance 1e-14"));
-  all.back().run.arithmetic = "double";
-  all.back().run.zero_tolerance = 1e-14;
-  for (const int split : {16, 256}) {
+  for (const double tolerance : {0.0, 1e-14}) {
+    all.push_back(tube("tubes, double", fmt::format("tolerance {:g}", tolerance)));
+    all.back().run.visibility.arithmetic = Arithmetic::plain_double;
+    all.back().run.visibility.tolerance = tolerance;
+  }
+  for (const std::uint32_t split : {16u, 256u}) {
     all.push_back(tube("tubes, exact cuts", fmt::format("fixed, split above {}", split)));
-    all.back().run.facets_per_split = split;
+    all.back().run.visibility.facets_per_split = split;
   }
-  for (const char* binning : {"spread", "centroid"}) all.push_back(tube_setting(binning));
+  for (const Binning binning : {Binning::spread, Binning::centroid}) all.push_back(tube_setting(binning));
   return all;
 }
 
 std::vector<EngineSetting> ray_settings(std::size_t beams) {
   std::vector<EngineSetting> all;
-  for (const char* sampling : {"stratified", "regular", "random", "column"})
+  for (const RaySampling sampling :
+       {RaySampling::stratified, RaySampling::regular, RaySampling::random, RaySampling::column})
     for (const std::int64_t rays : {1, 11, 23, 114, 400, 1500, 5000, 17000, 60000, 200000, 700000})
       all.push_back(ray_setting(sampling, rays, beams));
   return all;
@@ -119,18 +98,21 @@ TrialScene::Choice first_pings(std::size_t count) {
 
 TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
                        std::optional<double> reference_tolerance)
-    : name_(scene_name(scene.file)), survey_((require_able(scene, Feature::trial), open_survey(scene))) {
-  const std::vector<TrialPings> chosen = choice(*survey_);
+    : name_(scene_name(scene.file)) {
+  require_able(scene, Feature::trial);
+  const std::unique_ptr<const Survey> survey = open_survey(scene);
+  RunRequest request;
+  request.reference_tolerance = reference_tolerance;
   double all = 0;
-  for (const TrialPings& c : chosen) {
-    weight_.push_back(static_cast<double>(survey_->sensors[c.sensor].times_s.size()));
+  for (const TrialPings& chosen : choice(*survey)) {
+    weight_.push_back(static_cast<double>(survey->sensors[chosen.sensor].times_s.size()));
     all += weight_.back();
+    surveys_.push_back({survey->site, std::make_shared<const Fleet>(
+                                          survey->fleet->some_pings(chosen.sensor, chosen.pings))});
   }
   for (double& w : weight_) w /= all;
-  trim(*survey_, chosen);
-  survey_->scene.description.run = RunDescription{};
-  SimulationStats stats;
-  reference_ = simulate(*survey_, true, stats, reference_tolerance);
+  double ignored = 0;
+  reference_ = record(request, ignored);
   for (const Recording& r : reference_) {
     const double total = std::accumulate(r.energy.begin(), r.energy.end(), 0.0);
     if (total > 0)
@@ -140,7 +122,7 @@ TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
 
 std::size_t TrialScene::beams() const {
   std::size_t most = 0;
-  for (const SensorPings& s : survey_->sensors) most = std::max(most, s.sensor->beams().size());
+  for (const Survey& survey : surveys_) most = std::max(most, survey.sensors.front().sensor->beams().size());
   return most;
 }
 
@@ -152,36 +134,29 @@ std::vector<std::string> TrialScene::silent_sensors() const {
   return names;
 }
 
-std::string TrialScene::refusal_of(const EngineSetting& setting) {
-  const auto why = refused(*survey_, setting.own ? std::vector{Feature::own_engine} : asked_by(setting.run));
-  return why ? why->what : "";
+std::string TrialScene::refusal_of(const EngineSetting& setting) const {
+  for (const Survey& survey : surveys_)
+    if (const auto why = refused(survey, asked_by(setting.run))) return why->what;
+  return "";
 }
 
-std::vector<Recording> TrialScene::record(const EngineSetting& setting, double& seconds_a_ping) {
-  survey_->scene.description.run = setting.run;
-  survey_->own_engine = setting.own;
-  if (setting.run.engine == "ray" && !survey_->rays && !survey_->ground)
-    survey_->rays = std::make_shared<RayScene>(survey_->scene.mesh, survey_->scene.grid);
+std::vector<Recording> TrialScene::record(const RunRequest& request, double& seconds_a_ping) const {
   // One sensor at a time, so that each one's seconds are known.
   std::vector<Recording> recordings;
   seconds_a_ping = 0;
-  const std::vector<SharedShots> shots = std::move(survey_->shots);
-  for (std::size_t s = 0; s < shots.size(); ++s) {
-    survey_->shots.assign(1, shots[s]);
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
     SimulationStats stats;
-    std::vector<Recording> all = simulate(*survey_, true, stats);
+    recordings.push_back(std::move(simulate(surveys_[s], request, stats).front()));
     seconds_a_ping +=
         weight_[s] * (stats.visibility_seconds + stats.echo_seconds) / static_cast<double>(stats.pings);
-    recordings.push_back(std::move(all[s]));
   }
-  survey_->shots = shots;
   return recordings;
 }
 
-Trial TrialScene::run(const EngineSetting& setting, int repeats) {
+Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
   std::vector<double> seconds(static_cast<std::size_t>(repeats));
-  const std::vector<Recording> candidate = record(setting, seconds.front());
-  for (std::size_t r = 1; r < seconds.size(); ++r) record(setting, seconds[r]);
+  const std::vector<Recording> candidate = record(setting.run, seconds.front());
+  for (std::size_t r = 1; r < seconds.size(); ++r) record(setting.run, seconds[r]);
   const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
   std::nth_element(seconds.begin(), middle, seconds.end());
   Trial trial;
@@ -191,7 +166,7 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) {
   trial.seconds = *middle;
   trial.bound = bound_;
   trial.samples = setting.rays;
-  trial.counts = setting.run.arithmetic != "double";
+  trial.counts = setting.run.visibility.arithmetic != Arithmetic::plain_double;
   for (std::size_t s = 0; s < candidate.size(); ++s) {
     const Recording& reference = reference_[s];
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());
@@ -220,8 +195,8 @@ std::vector<EngineSetting> builtin_settings(std::size_t beams) {
   return settings;
 }
 
-std::vector<Trial> all_trials(TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats,
-                              double seconds_per_trial, const std::function<void()>& step) {
+std::vector<Trial> all_trials(const TrialScene& scene, const std::vector<EngineSetting>& settings,
+                              int repeats, double seconds_per_trial, const std::function<void()>& step) {
   constexpr double next_rung = 5;  // rungs are about 4 apart
   constexpr double slow_seconds = 0.5;
   std::vector<Trial> trials;

@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "run/run_request.hpp"
 #include "run/survey.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/run_description.hpp"
 #include "sensors/recordings/recording.hpp"
 #include "study/work_precision.hpp"
 
@@ -16,17 +17,16 @@ namespace tubefoot {
 
 /// One way to compute a scene.
 struct EngineSetting {
-  std::string engine, setting;             ///< for people: "rays, stratified", "114 a beam"
-  RunDescription run;                      ///< its engine, arithmetic, binning, rays and sampling count
-  double rays = 0;                         ///< a ping; 0 for tubes
-  std::shared_ptr<const OwnEngine> own{};  ///< in place of what `run` names
+  std::string engine, setting;  ///< for people: "rays, stratified", "114 a beam"
+  RunRequest run;
+  double rays = 0;  ///< a ping; 0 for tubes
 };
 
-/// The tube engine in fixed arithmetic with one of its binnings: exact, spread or centroid.
-EngineSetting tube_setting(const std::string& binning);
+/// The tube engine in fixed arithmetic with one of its binnings.
+EngineSetting tube_setting(Binning binning);
 
 /// The ray engine with one of its samplings, on `beams` beams.
-EngineSetting ray_setting(const std::string& sampling, std::int64_t rays_per_beam, std::size_t beams);
+EngineSetting ray_setting(RaySampling sampling, std::int64_t rays_per_beam, std::size_t beams);
 
 /// Ways of the tube engine worth a chart: exact arithmetics, double, splitting, and the fast binnings.
 std::vector<EngineSetting> tube_settings();
@@ -60,17 +60,17 @@ class TrialScene {
   std::vector<std::string> silent_sensors() const;
 
   /// Why a setting cannot compute this scene (abilities.hpp); empty if it can.
-  std::string refusal_of(const EngineSetting& setting);
+  std::string refusal_of(const EngineSetting& setting) const;
   /// Runs a setting `repeats` times. The first run's energies count, and the worst sensor's errors; the
   /// median of the times, which is that of a ping, a sensor's weight being the pings it has in the scene.
-  Trial run(const EngineSetting& setting, int repeats);
+  Trial run(const EngineSetting& setting, int repeats) const;
 
  private:
-  std::vector<Recording> record(const EngineSetting& setting, double& seconds_a_ping);
+  std::vector<Recording> record(const RunRequest& request, double& seconds_a_ping) const;
 
   std::string name_;
-  std::shared_ptr<Survey> survey_;
-  std::vector<double> weight_;  ///< by sensor: its share of the scene's pings
+  std::vector<Survey> surveys_;  ///< of each chosen sensor's pings, on one site
+  std::vector<double> weight_;   ///< by sensor: its share of the scene's pings
   std::vector<Recording> reference_;
   double bound_ = 0;
 };
@@ -82,8 +82,8 @@ std::vector<EngineSetting> builtin_settings(std::size_t beams);
 /// before a rung that would probably take longer than `seconds_per_trial`; slow settings are run once instead
 /// of `repeats` times. Throws Interrupted when somebody wants to stop.
 std::vector<Trial> all_trials(
-    TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats, double seconds_per_trial,
-    const std::function<void()>& step = [] {});
+    const TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats,
+    double seconds_per_trial, const std::function<void()>& step = [] {});
 
 /// The first pings of the first sensor.
 TrialScene::Choice first_pings(std::size_t count);

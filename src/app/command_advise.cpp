@@ -9,6 +9,7 @@
 #include "files/json_text.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
+#include "sensors/kinds/scene_file.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {

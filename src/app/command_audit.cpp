@@ -5,16 +5,13 @@
 #include <cmath>
 
 #include "app/commands.hpp"
-#include "engine/sight/tube_engine.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/work/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
-#include "run/refraction.hpp"
 #include "run/settings.hpp"
-#include "run/shot_ground.hpp"
-#include "run/survey.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot {
 
@@ -24,24 +21,23 @@ int audit_command(const AuditOptions& options) {
   require_able(description, Feature::audit);
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
-  const Scene& scene = survey->scene;
-  const std::size_t only = options.sensor ? survey->sensor_named(*options.sensor) : 0;
-  require_able(*survey, {Feature::audit}, options.sensor ? std::optional(only) : std::nullopt);
-  const VisibilityOptions visibility = options_of(description.run);
+  const std::size_t only = options.sensor ? survey->fleet->sensor_named(*options.sensor) : 0;
+  const Shots all(*survey, request_of(description.run));
+  require_able(*survey, all.request(), Feature::audit, options.sensor ? std::optional(only) : std::nullopt);
 
-  struct Shot {
+  struct Asked {
     const SharedShots* group;
     std::size_t ping, shot;
     std::uint64_t label;  ///< of all three, so that a shot's share of the hash does not depend on what
                           ///< else is audited
   };
-  std::vector<Shot> shots;
+  std::vector<Asked> shots;
   for (const SharedShots& group : survey->shots) {
     if (options.sensor && std::find(group.sensors.begin(), group.sensors.end(), only) == group.sensors.end())
       continue;
-    const PingRange range = resolved(options.pings, survey->pings(group));
+    const PingRange range = resolved(options.pings, survey->fleet->pings(group));
     for (std::int64_t ping = range.first; ping <= range.last; ++ping)
-      for (std::size_t shot = 0; shot < survey->shots_a_ping(group); ++shot)
+      for (std::size_t shot = 0; shot < survey->fleet->shots_a_ping(group); ++shot)
         shots.push_back({&group, static_cast<std::size_t>(ping), shot,
                          (std::uint64_t{shot} << 40) |
                              (static_cast<std::uint64_t>(&group - survey->shots.data()) << 24) |
@@ -52,12 +48,10 @@ int audit_command(const AuditOptions& options) {
   double worst = 0;
   TopologyHash hash;
   Progress progress("audited shots", shots.size(), options.quiet);
-  for (std::size_t k = 0; k < shots.size(); ++k) {
+  for (const Asked& asked : shots) {
     stop_if_wanted();
-    const ShotGround ground = ground_of(*survey, *shots[k].group, shots[k].ping, shots[k].shot);
-    const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), visibility);
-    const TubeSet set = survey->tubes(*shots[k].group, shots[k].ping, shots[k].shot);
-    const std::vector<TubeAudit> audits = engine.audit(set, shots[k].label);
+    const Shot shot = all.of(*asked.group, asked.ping, asked.shot);
+    const std::vector<TubeAudit> audits = shot.audit(asked.label);
     for (std::size_t tube = 0; tube < audits.size(); ++tube) {
       const TubeAudit& audit = audits[tube];
       ++tubes;
@@ -67,8 +61,7 @@ int audit_command(const AuditOptions& options) {
       if (audit.closes) continue;
       if (++failures <= 10)
         say("sensor '{}', ping {}, shot {}, tube {}: off by {:.3e} of the tube\n",
-            survey->sensors[shots[k].group->sensors.front()].sensor->description().name, shots[k].ping,
-            shots[k].shot, tube, audit.defect);
+            shot.pings().sensor->description().name, asked.ping, asked.shot, tube, audit.defect);
       worst = std::max(worst, std::abs(audit.defect));
     }
     progress.step();

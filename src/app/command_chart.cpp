@@ -11,6 +11,7 @@
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
+#include "sensors/kinds/scene_file.hpp"
 #include "study/chart_page.hpp"
 
 namespace tubefoot {

@@ -8,18 +8,14 @@
 #include <limits>
 
 #include "app/commands.hpp"
-#include "engine/echo/echo.hpp"
-#include "engine/echo/staff_echo.hpp"
-#include "engine/sight/tube_engine.hpp"
 #include "files/shown.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
-#include "run/refraction.hpp"
+#include "run/run_request.hpp"
 #include "run/run_steps.hpp"
-#include "run/sensor_law.hpp"
 #include "run/settings.hpp"
-#include "run/shot_ground.hpp"
+#include "run/shot.hpp"
 #include "run/survey.hpp"
 #include "run/tiles_in_view.hpp"
 
@@ -106,52 +102,53 @@ void print_tiles(const Scene& scene) {
   tell(", read where pings look (area: not measured)\n");
 }
 
+/// What a few pings took.
+struct Probe {
+  std::size_t pings = 0, candidates = 0, footprints = 0;
+  double seconds = 0, largest_gap_m = 0;
+};
+
+/// Sees and integrates the shots of one ping.
+void probe(const Shots& shots, const SharedShots& group, std::size_t ping, Probe& sum) {
+  const Shots around(survey_around(shots, group, ping), shots.request());
+  const auto start = std::chrono::steady_clock::now();
+  for (std::size_t number = 0; number < shots.survey().fleet->shots_a_ping(group); ++number) {
+    const Shot shot = around.of(group, ping, number);
+    if (const ApparentGround* apparent = shot.ground().apparent())
+      sum.largest_gap_m = std::max(sum.largest_gap_m, apparent->largest_gap_m);
+    const History history = shot.trace(&sum.candidates);
+    sum.footprints += history.footprints.footprints.size();
+    for (const std::size_t s : group.sensors) {
+      const SensorLaw law = shot.law(s);
+      for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan)
+        shot.echo(shot.trace_staff(s, fan, law.patterns.fringes[fan]), s, fan, law);
+      if (!shot.sensor(s).has_staff()) shot.echo(history, s, law.law);
+    }
+  }
+  sum.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ++sum.pings;
+}
+
 /// Measures a few pings of each group of sensors, spread over their track, and extrapolates.
-void print_cost(const Survey& survey, int threads) {
+void print_cost(const Survey& survey, RunRequest request, int threads) {
   const Scene& scene = survey.scene;
-  const VisibilityOptions options = options_of(scene.description.run);
+  request.binning = Binning::exact;
+  const Shots shots(survey, request);
   double seconds = 0, largest_gap_m = 0;
   for (const SharedShots& group : survey.shots) {
-    const std::size_t pings = survey.pings(group), probes = std::min<std::size_t>(pings, 3);
-    std::size_t candidates = 0, footprints = 0, measured = 0;
-    double taken = 0;
+    const std::size_t pings = survey.fleet->pings(group), probes = std::min<std::size_t>(pings, 3);
+    Probe sum;
     constexpr double enough_s = 5;  // one ping that takes as long tells enough
-    for (std::size_t k = 0; k < probes && taken < enough_s; ++k, ++measured) {
-      const std::size_t ping = (2 * k + 1) * pings / (2 * probes);
-      const std::shared_ptr<const Survey> around = survey_around(survey, group, ping);
-      const auto start = std::chrono::steady_clock::now();
-      for (std::size_t shot = 0; shot < survey.shots_a_ping(group); ++shot) {
-        const ShotGround ground = ground_of(*around, group, ping, shot);
-        if (ground.apparent() != nullptr)
-          largest_gap_m = std::max(largest_gap_m, ground.apparent()->largest_gap_m);
-        const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(), options);
-        const History history = engine.trace(survey.tubes(group, ping, shot), &candidates);
-        footprints += history.footprints.footprints.size();
-        for (const std::size_t s : group.sensors) {
-          const Sensor& sensor = *survey.sensors[s].sensor;
-          SensorLaw law(*around, ground, s, ping, shot);
-          for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
-            const Fringe& staff = law.patterns.fringes[fan];
-            integrate_staff_echo(
-                trace_staff(ground.mesh(), ground.tree(), scene.grid.unit_m(), options,
-                            tubes_of_fan(survey.tubes(group, ping, shot), sensor.fan_of_tube(shot), fan),
-                            staff),
-                staff, fan, fan, sensor.samples(), law.law);
-          }
-          if (sensor.has_staff()) continue;
-          integrate_echo(history, sensor.beam_of_tube(shot),
-                         static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law.law);
-        }
-      }
-      taken += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    }
-    const double per_ping = taken / static_cast<double>(measured);
+    for (std::size_t k = 0; k < probes && sum.seconds < enough_s; ++k)
+      probe(shots, group, (2 * k + 1) * pings / (2 * probes), sum);
+    const double per_ping = sum.seconds / static_cast<double>(sum.pings);
     std::string names;
     for (const std::size_t s : group.sensors)
       names += (names.empty() ? "" : ", ") + survey.sensors[s].sensor->description().name;
-    tell("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, candidates / measured,
-         footprints / measured, per_ping * 1e3);
+    tell("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names, sum.candidates / sum.pings,
+         sum.footprints / sum.pings, per_ping * 1e3);
     seconds += per_ping * static_cast<double>(pings);
+    largest_gap_m = std::max(largest_gap_m, sum.largest_gap_m);
   }
   if (scene.water->refracts()) {
     const std::optional<double> asked_m = scene.description.water.refraction_gap_m;
@@ -163,7 +160,7 @@ void print_cost(const Survey& survey, int threads) {
       "expected cost  {:.3g} s for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
       "to 3 "
       "pings a sensor)\n",
-      seconds, scene.description.run.arithmetic, threads);
+      seconds, name_of(request.visibility.arithmetic), threads);
 }
 
 }  // namespace
@@ -176,7 +173,8 @@ int check_command(const CommonOptions& options) {
     return open_survey(description);
   }();
   const Scene& scene = survey->scene;
-  require_able_to_run(*survey, false);
+  const RunRequest request = request_of(description.run);
+  require_able_to_run(*survey, request);
   print_warnings(scene.report.warnings, options.quiet);
   print_warnings(files_left_out(*survey), options.quiet);
 
@@ -189,32 +187,32 @@ int check_command(const CommonOptions& options) {
   print_mesh_names(scene);
   std::size_t refused = 0;
   for (const ComponentReport& c : scene.report.components) refused += c.kept_outside_halfedge;
-  if (survey->is_tiled())
+  if (survey->site->is_tiled())
     print_tiles(scene);
   else
     tell(
         "\nfacets         {} ({} degenerate, {} duplicate, {} that no half-edge mesh takes; all take part)\n",
         scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
         refused);
-  if (survey->relief.cell_m > 0)
+  if (survey->site->relief.cell_m > 0)
     tell("relief         {}, cells of {}: {} facets of {} unrefined ones\n", description.refinement.mode,
-         length_text(survey->relief.cell_m),
-         survey->is_tiled() ? "not counted" : std::to_string(survey->relief.uniform_facets),
-         survey->relief.base_facets);
-  if (!survey->is_tiled()) tell("vertices       {}\n", scene.mesh.vertices.size());
+         length_text(survey->site->relief.cell_m),
+         survey->site->is_tiled() ? "not counted" : std::to_string(survey->site->relief.uniform_facets),
+         survey->site->relief.base_facets);
+  if (!survey->site->is_tiled()) tell("vertices       {}\n", scene.mesh.vertices.size());
   tell("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
-  if (!survey->is_tiled()) tell("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
+  if (!survey->site->is_tiled()) tell("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
   if (scene.water->refracts())
     tell("water          refracts: profile \"{}\" of {} points\n", description.water.profile,
          scene.water->profile().points().size());
   else
     tell("water          {:.2f} m/s\n", scene.sound_speed_m_s);
-  if (survey->is_tiled())
-    tell("loading        {:.2f} s to look at all tiles once\n\n", survey->load_seconds);
+  if (survey->site->is_tiled())
+    tell("loading        {:.2f} s to look at all tiles once\n\n", survey->site->load_seconds);
   else
-    tell("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->load_seconds,
-         survey->tree_seconds,
-         (static_cast<double>(survey->tree->bytes()) +
+    tell("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n", survey->site->load_seconds,
+         survey->site->tree_seconds,
+         (static_cast<double>(survey->site->tree->bytes()) +
           static_cast<double>(scene.mesh.vertices.size() * sizeof(GridPoint)) +
           static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
              static_cast<double>(scene.mesh.facets.size()));
@@ -230,7 +228,7 @@ int check_command(const CommonOptions& options) {
         1000 * absorption_db_per_m(scene, sensor));
     if (pings.water) tell("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);
   }
-  print_cost(*survey, limit.threads());
+  print_cost(*survey, request, limit.threads());
   return 0;
 }
 

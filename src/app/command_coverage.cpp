@@ -22,7 +22,7 @@
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
-#include "run/survey.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot {
 namespace {
@@ -34,26 +34,26 @@ struct Looks {
   std::vector<CoverageLook> looks;
 };
 
-Looks look(const Survey& survey, const CoverageOptions& options) {
+Looks look(const Shots& shots, const CoverageOptions& options) {
+  const Survey& survey = shots.survey();
   const Scene& scene = survey.scene;
   Looks all;
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     const SensorPings& sensor = survey.sensors[s];
-    if (options.sensor && survey.sensor_named(*options.sensor) != s) continue;
+    if (options.sensor && survey.fleet->sensor_named(*options.sensor) != s) continue;
     const std::string& name = sensor.sensor->description().name;
     const PingRange range = resolved(options.pings, sensor.times_s.size());
     for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
          ++ping) {
       for (std::size_t shot = 0; shot < sensor.sensor->shots(); ++shot)
         all.looks.push_back({static_cast<std::uint32_t>(all.pings.size()),
-                             sensor.sensor->tubes(sensor.shot_pose(ping, shot), scene.grid, shot),
+                             shots.heard_by(s, ping, shot).tubes_of(s),
                              {},
                              sensor.sensor->samples().first_m / scene.grid.unit_m(),
                              sensor.sensor->reach(scene.grid)});
       all.pings.push_back({name, ping});
     }
   }
-  const VisibilityOptions visibility = options_of(scene.description.run);
   struct Buffers {
     VisibilityScratch visibility;
     TubeVisibility seen;
@@ -68,13 +68,14 @@ Looks look(const Survey& survey, const CoverageOptions& options) {
     its.seen.resize(its.tubes.tubes.size());
     Steps steps("tubes", its.tubes.tubes.size());
     for (const TubeRun& run : runs_of(its.tubes))
-      see_run(scene.mesh, *survey.tree, its.tubes, run, visibility, scratch, sees, [&](std::uint32_t tube) {
-        TubeVisibility& kept = its.seen[tube];  // copies are no larger than what they hold
-        kept.corners = seen.corners;
-        kept.pieces = seen.pieces;
-        kept.rays = seen.rays;
-        steps.done();
-      });
+      see_run(scene.mesh, *survey.site->tree, its.tubes, run, shots.request().visibility, scratch, sees,
+              [&](std::uint32_t tube) {
+                TubeVisibility& kept = its.seen[tube];  // copies are no larger than what they hold
+                kept.corners = seen.corners;
+                kept.pieces = seen.pieces;
+                kept.rays = seen.rays;
+                steps.done();
+              });
     progress.step();
   });
   return all;
@@ -99,7 +100,7 @@ CoveredFacet measured(const Survey& survey, const Looks& looks, FacetCoverage&& 
     for (std::uint32_t c = 0; c < cell.count; ++c)
       middle += facet.coverage.corners[cell.first + c] / static_cast<double>(cell.count);
     const CoverageLook& first = looks.looks[cell.first_look];
-    const FacetId occluder = first_in_the_way(scene.mesh, *survey.tree, first.tubes.apex, middle);
+    const FacetId occluder = first_in_the_way(scene.mesh, *survey.site->tree, first.tubes.apex, middle);
     shadows[{first.ping, cell.in_sector, occluder}].push_back(k);
   }
   for (auto& [key, cells] : shadows)
@@ -173,12 +174,12 @@ int coverage_command(const CoverageOptions& options) {
   const auto survey = open_survey(description);
   const Scene& scene = survey->scene;
   print_warnings(scene.report.warnings, options.quiet);
-  require_able(*survey, {Feature::coverage},
-               options.sensor ? std::optional(survey->sensor_named(*options.sensor)) : std::nullopt);
-  if (options.sensor) survey->sensor_named(*options.sensor);
+  const Shots shots(*survey, request_of(description.run));
+  require_able(*survey, shots.request(), Feature::coverage,
+               options.sensor ? std::optional(survey->fleet->sensor_named(*options.sensor)) : std::nullopt);
 
-  const Looks looks = look(*survey, options);
-  const Coverage coverage(scene.mesh, *survey->tree, looks.looks);
+  const Looks looks = look(shots, options);
+  const Coverage coverage(scene.mesh, *survey->site->tree, looks.looks);
 
   std::optional<CoverageFile> layers;
   if (!table) layers.emplace(scene);

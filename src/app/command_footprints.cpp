@@ -15,9 +15,8 @@
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
-#include "run/refraction.hpp"
 #include "run/settings.hpp"
-#include "run/survey.hpp"
+#include "run/shot.hpp"
 #include "run/tiles_in_view.hpp"
 
 namespace tubefoot {
@@ -42,20 +41,22 @@ struct Places {
 /// The files in them.
 class Files {
  public:
-  Files(Places& places, FootprintFileMaker make, const Survey& survey, std::size_t sensor)
-      : survey_(survey), sensor_(sensor), places_(places) {
+  Files(Places& places, FootprintFileMaker make, const Shots& shots, std::size_t sensor)
+      : shots_(shots), sensor_(sensor), places_(places) {
+    const Survey& survey = shots.survey();
     if (places.columns)
       columns_ =
           make(places.columns->path(), {survey.scene, survey.sensors[sensor].sensor->description().name});
-    if (places.exact) exact_.emplace(places.exact->path(), survey, sensor);
+    if (places.exact) exact_.emplace(places.exact->path(), shots, sensor);
   }
 
   /// Footprints written; without columns, pieces.
-  std::size_t add(std::size_t ping, std::size_t shot, std::span<const std::uint32_t> beams) {
-    const std::size_t pieces = exact_ ? exact_->add(ping, shot, beams) : 0;
+  std::size_t add(std::size_t ping, std::size_t number, std::span<const std::uint32_t> beams) {
+    const Shot shot = shots_.heard_by(sensor_, ping, number);
+    const std::size_t pieces = exact_ ? exact_->add(shot, beams) : 0;
     if (!columns_) return pieces;
-    const FootprintTable table = survey_.is_tiled() ? table_by_tiles(ping, shot, beams)
-                                                    : footprint_table(survey_, sensor_, ping, shot, beams);
+    const FootprintTable table =
+        shot.site().is_tiled() ? table_by_tiles(shot, beams) : footprint_table(shot, sensor_, beams);
     columns_->add(table);
     return table.rows();
   }
@@ -67,22 +68,21 @@ class Files {
     if (places_.exact) places_.exact->commit();
   }
   /// Facets are named as in all of the scene.
-  FootprintTable table_by_tiles(std::size_t ping, std::size_t shot, std::span<const std::uint32_t> beams) {
-    if (!part_ || part_ping_ != ping) {
-      const auto group = std::find_if(survey_.shots.begin(), survey_.shots.end(), [&](const SharedShots& g) {
-        return std::find(g.sensors.begin(), g.sensors.end(), sensor_) != g.sensors.end();
-      });
-      const TileChoice tiles = TilesInView(survey_).of(*group, ping);
-      part_ = survey_with_tiles(survey_, tiles);
-      part_ping_ = ping;
-      numbers_ = facet_numbers(survey_.scene, tiles);
+  FootprintTable table_by_tiles(const Shot& shot, std::span<const std::uint32_t> beams) {
+    const Survey& survey = shot.survey();
+    if (!part_ || part_ping_ != shot.ping()) {
+      const TileChoice tiles = TilesInView(shot.site()).of(shots_, shot.group(), shot.ping());
+      part_ = std::make_unique<const Shots>(survey_with_tiles(survey, tiles), shot.request());
+      part_ping_ = shot.ping();
+      numbers_ = facet_numbers(survey.scene, tiles);
     }
-    FootprintTable table = footprint_table(*part_, sensor_, ping, shot, beams);
+    FootprintTable table =
+        footprint_table(part_->heard_by(sensor_, shot.ping(), shot.number()), sensor_, beams);
     const auto rename = [&](std::vector<FacetId>& facets) {
       for (FacetId& facet : facets) facet = static_cast<FacetId>(numbers_[facet]);
     };
     rename(table.base_facet);
-    if (survey_.ground || survey_.scene.water->refracts()) return table;  // facets of its own
+    if (shot.site().has_ground_a_shot()) return table;  // facets of its own
     rename(table.facet);
     rename(table.occluders);
     return table;
@@ -91,12 +91,12 @@ class Files {
   const char* counted() const { return columns_ ? "footprints" : "pieces"; }
 
  private:
-  const Survey& survey_;
+  const Shots& shots_;
   std::size_t sensor_;
   Places& places_;
   std::unique_ptr<FootprintFile> columns_;
   std::optional<RationalsFile> exact_;
-  std::unique_ptr<const Survey> part_;  ///< with the tiles of one ping
+  std::unique_ptr<const Shots> part_;  ///< with the tiles of one ping
   std::size_t part_ping_ = 0;
   std::vector<std::uint64_t> numbers_;
 };
@@ -112,14 +112,15 @@ int footprints_command(const FootprintOptions& options) {
   Places places(options, inputs_of(description));
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
-  require_able(*survey, {Feature::footprints}, survey->sensor_named(options.sensor));
+  const std::size_t index = survey->fleet->sensor_named(options.sensor);
+  const Shots shots(*survey, request_of(description.run));
+  require_able(*survey, shots.request(), Feature::footprints, index);
   std::uint64_t facets = 0;
   for (const ComponentReport& component : survey->scene.report.components) facets += component.facets;
   if (facets > std::numeric_limits<FacetId>::max())
     throw UsageError(
         fmt::format("the files of footprints cannot name {} facets: give the terrain a window", facets));
   print_warnings(survey->scene.report.warnings, options.quiet);
-  const std::size_t index = survey->sensor_named(options.sensor);
   const SensorPings& pings = survey->sensors[index];
   const PingRange range = resolved(options.pings, pings.times_s.size());
   const std::vector<std::uint32_t> beams = resolved_beams(options.beams, pings.sensor->beams().size());
@@ -128,7 +129,7 @@ int footprints_command(const FootprintOptions& options) {
                     "the energies of 'run' only"},
                    options.quiet);
 
-  Files files(places, make, *survey, index);
+  Files files(places, make, shots, index);
   std::size_t count = 0;
   Progress progress("pings", static_cast<std::size_t>(range.last - range.first + 1), options.quiet);
   for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);

@@ -79,122 +79,166 @@ void print_tolerance(const nlohmann::ordered_json& advice) {
        advice.at("error_text").get<std::string>());
 }
 
-void print_relief(const Survey& survey, const SimulationStats& stats) {
-  if (survey.is_tiled())
+void print_relief(const Site& site, const SimulationStats& stats) {
+  if (site.is_tiled())
     tell("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
-  else if (survey.ground)
+  else if (site.ground)
     tell("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n", stats.refined_facets,
-         stats.pings, survey.relief.uniform_facets, survey.relief.cell_m);
+         stats.pings, site.relief.uniform_facets, site.relief.cell_m);
   else
-    tell("relief: {} facets, made once, in cells of {:g} m\n", survey.scene.mesh.facets.size(),
-         survey.relief.cell_m);
+    tell("relief: {} facets, made once, in cells of {:g} m\n", site.scene.mesh.facets.size(),
+         site.relief.cell_m);
   tell(
       "finer relief would change a facet's energy by {:.2g} times itself (RMS), by {:.2g} times at most "
       "(first-order estimates for the worst ping, not certified)\n",
       stats.finer_relief_rms, stats.finer_relief_largest);
 }
 
+/// What the steps of a run hand on to each other.
+struct RunUnderWay {
+  explicit RunUnderWay(const RunOptions& asked) : options(asked) {}
+
+  const RunOptions& options;
+  RunRequest request;
+  nlohmann::ordered_json identity;  ///< for who goes on with it or shares it
+  const Clock::time_point start = Clock::now();
+  SimulationStats stats;
+  std::size_t kept_pings = 0;  ///< of a run before, that this one goes on with
+  int threads = 0;
+  std::optional<int> ranks;
+  double simulation_seconds = 0;
+  std::vector<std::string> warnings;
+
+  void warn(const std::vector<std::string>& more) {
+    print_warnings(more, options.quiet);
+    warnings.insert(warnings.end(), more.begin(), more.end());
+  }
+};
+
+/// Settings as the run that is gone on with had them, as the scene says, or as a tolerance picks them.
+void settle(RunUnderWay& run, const SceneDescription& description, const PartialRun& partial) {
+  const nlohmann::ordered_json asked = asked_of(description, run.request);
+  if (partial.kept()) {
+    run.identity = *partial.kept();
+    run.request = resumed(run.identity, asked, std::move(run.request));
+    return;
+  }
+  run.identity = {{"asked", asked}};
+  if (run.request.tolerance) {
+    const Clock::time_point start = Clock::now();
+    const Advice advice = pick_settings(description, run.request, run.options.quiet);
+    run.identity["advice"] = json_of(advice, seconds_since(start));
+  }
+  run.identity["run"] = json_of(run.request);
+}
+
+std::vector<Recording> simulate_all(RunUnderWay& run, const Survey& survey, PartialRun& partial,
+                                    std::optional<LeadRank>& lead) {
+  const Clock::time_point start = Clock::now();
+  const bool quiet = run.options.quiet;
+  const std::shared_ptr<PingStore> store = partial.open(layout_of(survey, run.request), run.identity);
+  run.kept_pings = store->done_units();
+  if (run.kept_pings > 0 && !quiet) say("going on after {} finished pings\n", run.kept_pings);
+  partial.keep_through([&] {
+    if (lead)
+      lead->simulate(survey, run.request, *store, quiet, run.threads);
+    else
+      simulate(survey, run.request, *store, {quiet});
+    stop_if_wanted();
+  });
+  run.stats = totals(survey, *store);
+  std::vector<Recording> recordings = recordings_of(survey, store);
+  run.warn(refraction_warnings(survey, run.stats));
+  run.simulation_seconds = seconds_since(start);
+  return recordings;
+}
+
+/// For stats.json.
+nlohmann::ordered_json whole_statistics(const RunUnderWay& run, const Survey& survey, double write_seconds) {
+  nlohmann::ordered_json json = statistics_json(survey, run.request, run.stats);
+  if (run.identity.contains("advice")) json["tolerance"] = run.identity.at("advice");
+  json["threads"] = run.threads;
+  if (run.ranks) json["ranks"] = *run.ranks;
+  if (run.kept_pings > 0) json["pings_kept_from_before"] = run.kept_pings;
+  json["seconds"] = {{"load", survey.site->load_seconds},
+                     {"tree", survey.site->tree_seconds},
+                     {"simulation", run.simulation_seconds},
+                     {"visibility_of_all_pings", run.stats.visibility_seconds},
+                     {"echo_of_all_pings", run.stats.echo_seconds},
+                     {"write", write_seconds},
+                     {"total", seconds_since(run.start)}};
+  json["peak_memory_mb"] = peak_memory_mb();
+  json["warnings"] = run.warnings;
+  return json;
+}
+
+/// Names of all files written. `foreseen`: warnings that were given before.
+std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& survey,
+                                             const std::vector<Recording>& recordings,
+                                             const std::vector<std::string>& foreseen, OutputFolder& output) {
+  const Clock::time_point start = Clock::now();
+  std::vector<std::string> warnings;
+  std::vector<std::filesystem::path> files =
+      write_result_files(output.staging(), survey, run.request, recordings, warnings);
+  run.warnings.insert(run.warnings.end(), warnings.begin(), warnings.end());
+  std::erase_if(warnings, [&](const std::string& warning) {
+    return std::ranges::find(foreseen, warning) != foreseen.end();
+  });
+  print_warnings(warnings, run.options.quiet);
+  write_file(output.staging() / "stats.json",
+             text_of(whole_statistics(run, survey, seconds_since(start))) + "\n");
+  stop_if_wanted();
+  refuse_changed_input(survey.scene.description);
+  output.commit();
+  files.emplace_back("stats.json");
+  return files;
+}
+
+void tell_all(const RunUnderWay& run, const Site& site) {
+  const SimulationStats& stats = run.stats;
+  const bool exact = run.request.engine == Engine::tube;
+  if (!run.options.quiet)
+    tell("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
+         exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits", seconds_since(run.start));
+  if (!run.options.quiet && site.relief.cell_m > 0) print_relief(site, stats);
+  if (run.request.reference_tolerance)
+    print_reference(*run.request.reference_tolerance, stats.reference, site.ground != nullptr);
+  if (run.identity.contains("advice")) print_tolerance(run.identity.at("advice"));
+}
+
 }  // namespace
 
 int run_command(const RunOptions& options) {
-  const Clock::time_point start = Clock::now();
+  RunUnderWay run(options);
   std::unique_ptr<RankLink> link = join_ranks();
   if (link && link->rank() > 0) return help_run(options, std::move(link));
   std::optional<LeadRank> lead;
   if (link) lead.emplace(std::move(link));
   SceneDescription description = described(options);
-  const RunRequest request = requested(options, description);
-  const std::optional<double>& reference_tolerance = request.reference_tolerance;
-  const std::optional<Tolerance>& tolerance = request.tolerance;
+  run.request = requested(options, description);
   OutputFolder output(options.output, inputs_of(description));
   PartialRun partial(options.output, options.resume);
-  const nlohmann::ordered_json asked = asked_of(description, request);
-  nlohmann::ordered_json identity{{"asked", asked}};
-  if (partial.kept()) {
-    identity = *partial.kept();
-    description.run = resumed(identity, asked, description.run);
-  } else {
-    if (tolerance) {
-      const Clock::time_point advice_start = Clock::now();
-      const Advice advice = pick_settings(description, *tolerance, options.quiet);
-      identity["advice"] = json_of(advice, seconds_since(advice_start));
-    }
-    identity["run"] = json_of(description.run);
-  }
+  settle(run, description, partial);
   int threads = description.run.threads;
   if (lead) {
-    lead->start(asked, identity.at("run"));
+    lead->start(run.identity.at("asked"), run.identity.at("run"));
+    run.ranks = lead->ranks();
     if (threads <= 0) threads = threads_of_rank(lead->local_ranks());
   }
   const ThreadLimit limit(threads);
+  run.threads = limit.threads();
   const auto survey = partial.unless_interrupted([&] { return open_survey(description); });
   refuse_changed_input(description);
-  const Scene& scene = survey->scene;
-  std::vector<std::string> warnings = scene.report.warnings;
+  run.warn(survey->scene.report.warnings);
   const std::vector<std::string> left_out = files_left_out(*survey);
-  print_warnings(warnings, options.quiet);
   print_warnings(left_out, options.quiet);
 
-  const Clock::time_point simulation_start = Clock::now();
-  const std::shared_ptr<PingStore> store =
-      partial.open(layout_of(*survey, reference_tolerance.has_value()), identity);
-  const std::size_t kept_pings = store->done_units();
-  if (kept_pings > 0 && !options.quiet) say("going on after {} finished pings\n", kept_pings);
-  partial.keep_through([&] {
-    if (lead)
-      lead->simulate(*survey, *store, options.quiet, reference_tolerance, limit.threads());
-    else
-      simulate(*survey, *store, options.quiet, reference_tolerance);
-    stop_if_wanted();
-  });
-  const SimulationStats stats = totals(*survey, *store);
-  const std::vector<Recording> recordings = recordings_of(*survey, store);
-  const std::vector<std::string> refraction = refraction_warnings(*survey, stats);
-  print_warnings(refraction, options.quiet);
-  warnings.insert(warnings.end(), refraction.begin(), refraction.end());
-  const double simulation_seconds = seconds_since(simulation_start);
-
-  const RunDescription& run = description.run;
-  const bool exact = run.engine == "tube";
+  const std::vector<Recording> recordings = simulate_all(run, *survey, partial, lead);
   std::vector<std::filesystem::path> files;
-  partial.keep_through([&] {
-    const Clock::time_point write_start = Clock::now();
-    std::vector<std::string> file_warnings;
-    files = write_result_files(output.staging(), *survey, recordings, reference_tolerance, file_warnings);
-    warnings.insert(warnings.end(), file_warnings.begin(), file_warnings.end());
-    std::erase_if(file_warnings, [&](const std::string& warning) {
-      return std::ranges::find(left_out, warning) != left_out.end();
-    });
-    print_warnings(file_warnings, options.quiet);
-    nlohmann::ordered_json json = statistics_json(*survey, stats, reference_tolerance);
-    if (identity.contains("advice")) json["tolerance"] = identity.at("advice");
-    json["threads"] = limit.threads();
-    if (lead) json["ranks"] = lead->ranks();
-    if (kept_pings > 0) json["pings_kept_from_before"] = kept_pings;
-    json["seconds"] = {{"load", survey->load_seconds},
-                       {"tree", survey->tree_seconds},
-                       {"simulation", simulation_seconds},
-                       {"visibility_of_all_pings", stats.visibility_seconds},
-                       {"echo_of_all_pings", stats.echo_seconds},
-                       {"write", seconds_since(write_start)},
-                       {"total", seconds_since(start)}};
-    json["peak_memory_mb"] = peak_memory_mb();
-    json["warnings"] = warnings;
-    write_file(output.staging() / "stats.json", text_of(json) + "\n");
-    stop_if_wanted();
-    refuse_changed_input(description);
-    output.commit();
-  });
+  partial.keep_through([&] { files = write_all(run, *survey, recordings, left_out, output); });
   partial.remove();
-
-  if (!options.quiet)
-    tell("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
-         exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits", seconds_since(start));
-  if (!options.quiet && survey->relief.cell_m > 0) print_relief(*survey, stats);
-  if (reference_tolerance) print_reference(*reference_tolerance, stats.reference, survey->ground != nullptr);
-  if (identity.contains("advice")) print_tolerance(identity.at("advice"));
+  tell_all(run, *survey->site);
   const std::filesystem::path folder = options.output;
-  files.emplace_back("stats.json");
   for (const auto& file : files) tell("wrote {}\n", (folder / file).string());
   return 0;
 }

@@ -14,9 +14,8 @@
 #include "files/usage_error.hpp"
 #include "run/abilities.hpp"
 #include "run/console/say.hpp"
-#include "run/refraction.hpp"
 #include "run/settings.hpp"
-#include "run/survey.hpp"
+#include "run/shot.hpp"
 #include "sensors/recordings/echo_reader.hpp"
 #include "viewer/page.hpp"
 #include "viewer/view_gather.hpp"
@@ -131,11 +130,11 @@ int view_command(const ViewOptions& options) {
   require_able(description, Feature::view);
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
-  const std::size_t sensor = options.sensor ? survey->sensor_named(*options.sensor) : 0;
+  const std::size_t sensor = options.sensor ? survey->fleet->sensor_named(*options.sensor) : 0;
   std::optional<PingRange> range;
   if (options.pings) range = resolved(*options.pings, survey->sensors[sensor].times_s.size());
 
-  ViewData view = gather_view(*survey, sensor, range, options.quiet);
+  ViewData view = gather_view(Shots(*survey, request_of(description.run)), sensor, range, options.quiet);
   view.version = TUBEFOOT_VERSION;
   view.source = options.scene.string();
   if (has_other_paths(survey->scene))

@@ -46,15 +46,15 @@ class Match {
                candidate_.pings, candidate_.beams, candidate_.samples, reference_file_, reference_.pings,
                reference_.beams, reference_.samples));
     const double step_m = sample_step_m();
-    check_axis("slant_range", "sample", "m", reference_.slant_range_m, candidate_.slant_range_m,
-               sample_share * step_m, "use the reference's range samples");
-    check_axis("slant_range_bounds", "edge", "m", reference_.slant_range_bounds_m,
-               candidate_.slant_range_bounds_m, sample_share * step_m, "use the reference's range samples");
-    const char* beams = "use the reference's beams in its order";
-    check_axis("beam_azimuth", "beam", "degrees", reference_.beam_azimuth_deg, candidate_.beam_azimuth_deg,
-               axis_tolerance_deg, beams, 360);
-    check_axis("beam_elevation", "beam", "degrees", reference_.beam_elevation_deg,
-               candidate_.beam_elevation_deg, axis_tolerance_deg, beams);
+    const char *samples = "use the reference's range samples",
+               *beams = "use the reference's beams in its order";
+    check_axis({"slant_range", "sample", "m", sample_share * step_m, samples}, &SensorEchoes::slant_range_m);
+    check_axis({"slant_range_bounds", "edge", "m", sample_share * step_m, samples},
+               &SensorEchoes::slant_range_bounds_m);
+    check_axis({"beam_azimuth", "beam", "degrees", axis_tolerance_deg, beams, 360},
+               &SensorEchoes::beam_azimuth_deg);
+    check_axis({"beam_elevation", "beam", "degrees", axis_tolerance_deg, beams},
+               &SensorEchoes::beam_elevation_deg);
   }
 
   bool ping_times_differ() const {
@@ -77,19 +77,27 @@ class Match {
     return centres.size() > 1 ? centres[1] - centres[0] : centres[0];
   }
 
-  /// `period`: values that differ by it are equal. What only one side says is not compared.
-  void check_axis(const char* variable, const char* index, const char* unit,
-                  const std::vector<double>& reference, const std::vector<double>& candidate,
-                  double tolerance, const char* advice, double period = 0) const {
+  /// How values along an axis are called and compared.
+  struct Axis {
+    const char *variable, *index, *unit;
+    double tolerance;
+    const char* advice;
+    double period = 0;  ///< values that differ by it are equal
+  };
+
+  /// What only one side says is not compared.
+  void check_axis(const Axis& axis, std::vector<double> SensorEchoes::*values) const {
+    const std::vector<double>&reference = reference_.*values, &candidate = candidate_.*values;
     if (reference.empty() || candidate.empty()) return;
     for (std::size_t k = 0; k < reference.size(); ++k) {
       double difference = candidate[k] - reference[k];
-      if (period > 0) difference = std::remainder(difference, period);
-      if (std::abs(difference) <= tolerance) continue;
-      fail(variable,
+      if (axis.period > 0) difference = std::remainder(difference, axis.period);
+      if (std::abs(difference) <= axis.tolerance) continue;
+      fail(axis.variable,
            fmt::format("is {} {} at {} {}, but {} has {} (at most {:.2g} {} apart are taken for "
                        "equal): {}",
-                       candidate[k], unit, index, k, reference_file_, reference[k], tolerance, unit, advice));
+                       candidate[k], axis.unit, axis.index, k, reference_file_, reference[k], axis.tolerance,
+                       axis.unit, axis.advice));
     }
   }
 

@@ -14,8 +14,6 @@
 #include "geometry/visibility/exact_direction.hpp"
 #include "geometry/work/steps.hpp"
 #include "run/abilities.hpp"
-#include "run/settings.hpp"
-#include "run/shot_ground.hpp"
 
 namespace tubefoot {
 namespace {
@@ -69,39 +67,39 @@ struct ShotLines {
 
 struct RationalsFile::State {
   StreamedFile file;
-  const Survey& survey;
   std::size_t sensor;
   tbb::enumerable_thread_specific<VisibilityScratch> threads;
 
   void write(const std::string& lines) { file.append(lines); }
 };
 
-RationalsFile::RationalsFile(const std::filesystem::path& file, const Survey& survey, std::size_t sensor) {
-  require_able(survey, {Feature::exact_corners}, sensor);
-  state_.reset(new State{StreamedFile(file), survey, sensor, {}});
+RationalsFile::RationalsFile(const std::filesystem::path& file, const Shots& shots, std::size_t sensor) {
+  require_able(shots.survey(), shots.request(), Feature::exact_corners, sensor);
+  state_.reset(new State{StreamedFile(file), sensor, {}});
   state_->write(fmt::format(
       "# tubefoot exact footprints, version 1\n"
       "# shot PING SHOT APEX; tube NUMBER BEAM AXIS RAY RAY RAY RAY; piece FACET N POINT...; open "
       "N DIRECTION...\n"
       "# points: metres east, north and up in the local frame; axes, rays and directions: "
       "integers of any length\nsensor {}\n",
-      survey.sensors[sensor].sensor->description().name));
+      shots.survey().sensors[sensor].sensor->description().name));
 }
 
 RationalsFile::~RationalsFile() = default;
 
-std::size_t RationalsFile::add(std::size_t ping, std::size_t shot, std::span<const std::uint32_t> beams) {
+std::size_t RationalsFile::add(const Shot& shot, std::span<const std::uint32_t> beams) {
   State& s = *state_;
-  const Scene& scene = s.survey.scene;
-  const Sensor& sensor = *s.survey.sensors[s.sensor].sensor;
-  const ChosenTubes chosen = chosen_tubes(s.survey, s.sensor, ping, shot, beams);
+  const Scene& scene = shot.scene();
+  const ChosenTubes chosen = chosen_tubes(shot, s.sensor, beams);
   if (chosen.number.empty()) return 0;
-  const ShotGround ground = ground_of(s.survey, shots_of(s.survey, s.sensor), ping, shot);
-  VisibilityOptions options = options_of(scene.description.run);
+  const std::vector<std::uint32_t>& beam_of_tube = shot.sensor(s.sensor).beam_of_tube(shot.number());
+  const std::vector<std::uint32_t>& beams_of_shot = shot.sensor(s.sensor).beams_of_shot(shot.number());
+  const ShotGround& ground = shot.ground();
+  VisibilityOptions options = shot.request().visibility;
   options.open_water = true;
   const ShotLines lines{ground.mesh(), chosen.set, exact_metres(scene.grid.to_metres(chosen.set.apex)),
                         Rational(scene.grid.unit_m())};
-  s.write(fmt::format("shot {} {}{}\n", ping, shot, text(lines.apex_m)));
+  s.write(fmt::format("shot {} {}{}\n", shot.ping(), shot.number(), text(lines.apex_m)));
   std::size_t pieces = 0;
   Steps steps("tubes", chosen.number.size());
   for (std::size_t begin = 0; begin < chosen.number.size(); begin += tubes_a_block) {
@@ -115,8 +113,7 @@ std::size_t RationalsFile::add(std::size_t ping, std::size_t shot, std::span<con
       const NameContext context{ground.mesh(), chosen.set.apex, seen.rays};
       steps.done();
       std::string& out = of_tube[tube - begin];
-      out = fmt::format("tube {} {}{}", chosen.number[tube],
-                        sensor.beams_of_shot(shot)[sensor.beam_of_tube(shot)[chosen.number[tube]]],
+      out = fmt::format("tube {} {}{}", chosen.number[tube], beams_of_shot[beam_of_tube[chosen.number[tube]]],
                         text(gnomonic_axis(chosen.set, t)));
       for (const std::uint32_t ray : chosen.set.tubes[tube]) out += text(exact(chosen.set.rays[ray]));
       out += '\n';

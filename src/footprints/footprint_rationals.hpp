@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "run/survey.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot {
 
@@ -14,10 +14,10 @@ class RationalsFile {
  public:
   /// Throws std::runtime_error where writing fails, as all else here; UsageError for a run whose corners are
   /// not exact: plain double, or water that refracts.
-  RationalsFile(const std::filesystem::path& file, const Survey& survey, std::size_t sensor);
+  RationalsFile(const std::filesystem::path& file, const Shots& shots, std::size_t sensor);
   ~RationalsFile();
   /// A shot's tubes of `beams` (sorted; empty: all). Returns the number of pieces seen.
-  std::size_t add(std::size_t ping, std::size_t shot, std::span<const std::uint32_t> beams);
+  std::size_t add(const Shot& shot, std::span<const std::uint32_t> beams);
   void close();
 
  private:

@@ -6,12 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/echo/footprint_energy.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/echo/echo.hpp"
 #include "geometry/work/stop.hpp"
-#include "run/sensor_law.hpp"
-#include "run/settings.hpp"
-#include "run/shot_ground.hpp"
 
 namespace tubefoot {
 namespace {
@@ -55,21 +51,15 @@ void append_offsets(std::vector<std::uint64_t>& to, const std::vector<std::uint6
   for (std::size_t k = 1; k < from.size(); ++k) to.push_back(base + from[k]);
 }
 
-FootprintEnergies energies_of(const Survey& survey, const ShotGround& ground, const History& history,
-                              std::size_t sensor_index, std::size_t ping, std::size_t shot) {
-  const Sensor& sensor = *survey.sensors[sensor_index].sensor;
-  const SensorLaw law(survey, ground, sensor_index, ping, shot);
-  const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot);
-  const auto beams = static_cast<int>(sensor.beams_of_shot(shot).size());
+FootprintEnergies energies_of(const Shot& shot, const History& history, std::size_t s) {
+  const Sensor& sensor = shot.sensor(s);
+  const SensorLaw law = shot.law(s);
+  const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot.number());
   if (!sensor.has_receiver_apart())
-    return footprint_energies(history, beam_of_tube, beams, sensor.samples(), law.law,
-                              binning_from_name(survey.scene.description.run.binning));
-  const BistaticHistory both = trace_bistatic(ground.mesh(), ground.tree(), survey.scene.grid.unit_m(),
-                                              options_of(survey.scene.description.run),
-                                              survey.tubes(shots_of(survey, sensor_index), ping, shot),
-                                              survey.receive_tubes(sensor_index, ping, shot));
-  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
-  return footprint_energies(history.footprints, both, beam_of_tube, {beams, beam_of_tube, fans, fans},
+    return footprint_energies(history.footprints, history, beam_of_tube, {shot.beams(s), beam_of_tube},
+                              sensor.samples(), law.law, shot.request().binning);
+  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
+  return footprint_energies(history.footprints, shot.trace_both(), beam_of_tube, shot.beams_by_fans(s, fans),
                             sensor.samples(), law.law);
 }
 
@@ -87,21 +77,13 @@ void FootprintTable::append(const FootprintTable& more) {
   append_all(occluders, more.occluders);
 }
 
-const SharedShots& shots_of(const Survey& survey, std::size_t sensor) {
-  return *std::find_if(survey.shots.begin(), survey.shots.end(), [&](const SharedShots& group) {
-    return std::find(group.sensors.begin(), group.sensors.end(), sensor) != group.sensors.end();
-  });
-}
-
-ChosenTubes chosen_tubes(const Survey& survey, std::size_t sensor_index, std::size_t ping, std::size_t shot,
-                         std::span<const std::uint32_t> beams) {
-  const SensorPings& pings = survey.sensors[sensor_index];
-  const Sensor& sensor = *pings.sensor;
-  ChosenTubes chosen{sensor.tubes(pings.shot_pose(ping, shot), survey.scene.grid, shot), {}};
+ChosenTubes chosen_tubes(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
+  const Sensor& sensor = shot.sensor(s);
+  ChosenTubes chosen{shot.tubes_of(s), {}};
   const std::vector<Tube> all = std::move(chosen.set.tubes);
   chosen.set.tubes.clear();
   for (std::uint32_t tube = 0; tube < all.size(); ++tube) {
-    const std::uint32_t beam = sensor.beams_of_shot(shot)[sensor.beam_of_tube(shot)[tube]];
+    const std::uint32_t beam = sensor.beams_of_shot(shot.number())[sensor.beam_of_tube(shot.number())[tube]];
     if (!beams.empty() && !std::binary_search(beams.begin(), beams.end(), beam)) continue;
     chosen.set.tubes.push_back(all[tube]);
     chosen.number.push_back(tube);
@@ -109,19 +91,16 @@ ChosenTubes chosen_tubes(const Survey& survey, std::size_t sensor_index, std::si
   return chosen;
 }
 
-FootprintTable footprint_table(const Survey& survey, std::size_t sensor_index, std::size_t ping,
-                               std::size_t shot, std::span<const std::uint32_t> beams) {
+FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
   FootprintTable table;
-  ChosenTubes chosen = chosen_tubes(survey, sensor_index, ping, shot, beams);
+  ChosenTubes chosen = chosen_tubes(shot, s, beams);
   if (chosen.set.tubes.empty()) return table;
-  const Scene& scene = survey.scene;
-  const Sensor& sensor = *survey.sensors[sensor_index].sensor;
-  const ShotGround ground = ground_of(survey, shots_of(survey, sensor_index), ping, shot);
-  const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(),
-                          options_of(scene.description.run));
-  History history = engine.trace(std::move(chosen.set));
+  const Scene& scene = shot.scene();
+  const Sensor& sensor = shot.sensor(s);
+  const ShotGround& ground = shot.ground();
+  History history = shot.trace(std::move(chosen.set));
   for (Footprint& footprint : history.footprints.footprints) footprint.tube = chosen.number[footprint.tube];
-  const FootprintEnergies energies = energies_of(survey, ground, history, sensor_index, ping, shot);
+  const FootprintEnergies energies = energies_of(shot, history, s);
 
   const FootprintSet& set = history.footprints;
   const ApparentGround* apparent = ground.apparent();
@@ -134,9 +113,10 @@ FootprintTable footprint_table(const Survey& survey, std::size_t sensor_index, s
       const glm::dvec3 seen_m = apex + from_apex_m;
       return apparent == nullptr ? seen_m : apparent->true_place(facet, seen_m, scene.grid);
     };
-    table.ping.push_back(static_cast<std::uint32_t>(ping));
-    table.shot.push_back(static_cast<std::uint32_t>(shot));
-    table.beam.push_back(sensor.beams_of_shot(shot)[sensor.beam_of_tube(shot)[footprint.tube]]);
+    table.ping.push_back(static_cast<std::uint32_t>(shot.ping()));
+    table.shot.push_back(static_cast<std::uint32_t>(shot.number()));
+    table.beam.push_back(
+        sensor.beams_of_shot(shot.number())[sensor.beam_of_tube(shot.number())[footprint.tube]]);
     table.tube.push_back(footprint.tube);
     table.facet.push_back(facet);
     table.base_facet.push_back(ground.base_facet(facet));

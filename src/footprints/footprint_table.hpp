@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "run/survey.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot {
 
@@ -73,15 +73,12 @@ struct FootprintColumn {
 /// All columns of numbers, in the order of files.
 std::span<const FootprintColumn> footprint_columns();
 
-/// The group of a sensor's shots.
-const SharedShots& shots_of(const Survey& survey, std::size_t sensor);
-
-/// The footprints of one shot of a ping of a sensor, in the tubes of `beams` (of the sensor; sorted; empty:
-/// all), with energies as a run of the tube engine would count them. Through refracting water corners,
-/// centroid and area are true; solid angle, grazing angle, azimuth and ranges are those of the apparent
-/// facet. With a receiver apart footprints are the transmitter's; what the receiver hears of them is their
-/// energy. Does not depend on the number of threads. Throws InputError as a run does.
-FootprintTable footprint_table(const Survey& survey, std::size_t sensor, std::size_t ping, std::size_t shot,
+/// The footprints of a shot in a sensor's tubes of `beams` (of the sensor; sorted; empty: all), with energies
+/// as a run of the tube engine would count them. Through refracting water corners, centroid and area are
+/// true; solid angle, grazing angle, azimuth and ranges are those of the apparent facet. With a receiver
+/// apart footprints are the transmitter's; what the receiver hears of them is their energy. Does not depend
+/// on the number of threads. Throws InputError as a run does.
+FootprintTable footprint_table(const Shot& shot, std::size_t sensor,
                                std::span<const std::uint32_t> beams = {});
 
 /// The tubes of a shot of a sensor that belong to some of its beams, and their numbers among all.
@@ -89,7 +86,6 @@ struct ChosenTubes {
   TubeSet set;
   std::vector<std::uint32_t> number;  ///< by tube of the set: among all of the shot
 };
-ChosenTubes chosen_tubes(const Survey& survey, std::size_t sensor, std::size_t ping, std::size_t shot,
-                         std::span<const std::uint32_t> beams);
+ChosenTubes chosen_tubes(const Shot& shot, std::size_t sensor, std::span<const std::uint32_t> beams);
 
 }  // namespace tubefoot

@@ -8,8 +8,8 @@
 
 #include "engine/certified/reference.hpp"
 #include "files/usage_error.hpp"
-#include "run/own_engine.hpp"
 #include "run/paths.hpp"
+#include "run/run_request.hpp"
 #include "run/survey.hpp"
 #include "scene/rasters/terrain_tiles.hpp"
 
@@ -159,8 +159,8 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     if (sensor.has_receiver_apart()) add(receiver_apart, "has its receiver apart");
     if (sensor.has_staff()) add(two_receivers, "has two receivers");
   }
-  if (survey.is_tiled()) add_tiles(d, found);
-  if (survey.ground)
+  if (survey.site->is_tiled()) add_tiles(d, found);
+  if (survey.site->ground)
     found.push_back({relief_each_shot, d.refinement.place, "[relief] is refined anew for each shot"});
   const auto add_material = [&](Feature feature, const auto& list, const char* what) {
     const auto with = std::ranges::find_if(list, [](const auto& one) { return one != nullptr; });
@@ -217,33 +217,36 @@ std::optional<Refused> refused(const Survey& survey, std::span<const Feature> as
   return refused(found_in(survey, sensor), asked);
 }
 
-std::vector<Feature> asked_by(const RunDescription& run) {
-  if (run.engine != "tube") return {rays};
+std::vector<Feature> asked_by(const RunRequest& request) {
   std::vector<Feature> asked;
-  if (run.arithmetic == "double") asked.push_back(double_arithmetic);
-  if (run.binning != "exact") asked.push_back(fast_binning);
+  if (request.own_engine) {
+    asked.push_back(own_engine);
+  } else if (request.engine == Engine::ray) {
+    asked.push_back(rays);
+  } else {
+    if (request.visibility.arithmetic == Arithmetic::plain_double) asked.push_back(double_arithmetic);
+    if (request.binning != Binning::exact) asked.push_back(fast_binning);
+  }
+  if (request.reference_tolerance) asked.push_back(reference);
   return asked;
 }
 
-void require_able_to_run(const Survey& survey, bool with_reference) {
-  std::vector<Feature> asked =
-      survey.own_engine ? std::vector{own_engine} : asked_by(survey.scene.description.run);
-  if (with_reference) asked.push_back(reference);
-  require(refused(survey, asked));
+void require_able_to_run(const Survey& survey, const RunRequest& request) {
+  require(refused(survey, asked_by(request)));
 }
 
-void require_able(const Survey& survey, std::initializer_list<Feature> asked,
+void require_able(const Survey& survey, const RunRequest& request, Feature asked,
                   std::optional<std::size_t> sensor) {
-  require(refused(survey, std::span(asked.begin(), asked.size()), sensor));
-  for (const Feature one : asked) require_able(survey.scene.description.run, one);
+  require(refused(survey, {&asked, 1}, sensor));
+  require_able(request, asked);
 }
 
-void require_able(const RunDescription& run, Feature asked) {
+void require_able(const RunRequest& request, Feature asked) {
   // Of tubes: rays and binnings are for runs.
   std::vector<Feature> all{asked};
   if (asked == reference)
-    all = asked_by(run), all.push_back(asked);
-  else if (run.arithmetic == "double")
+    all = asked_by(request);
+  else if (request.visibility.arithmetic == Arithmetic::plain_double)
     all.push_back(double_arithmetic);
   require(refused(std::vector<Found>{}, all));
 }

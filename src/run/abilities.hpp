@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "files/input_error.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/run_description.hpp"
 
 // What can be combined: one table, which every command reads and docs/abilities.md shows.
 namespace tubefoot {
 
+struct RunRequest;
+struct SceneDescription;
 struct Survey;
 
 /// What a scene may have, what a run of it may ask for, and what else may be done with it.
@@ -66,16 +68,16 @@ struct Refused {
 std::optional<Refused> refused(const Survey& survey, std::span<const Feature> asked,
                                std::optional<std::size_t> sensor = {});
 
-/// What [run] asks for.
-std::vector<Feature> asked_by(const RunDescription& run);
+/// What a run asks for.
+std::vector<Feature> asked_by(const RunRequest& request);
 
 /// Throw InputError at the scene's feature, or UsageError for what the command asks. Of one sensor where only
 /// that is looked at.
-void require_able_to_run(const Survey& survey, bool with_reference);
-void require_able(const Survey& survey, std::initializer_list<Feature> asked,
+void require_able_to_run(const Survey& survey, const RunRequest& request);
+void require_able(const Survey& survey, const RunRequest& request, Feature asked,
                   std::optional<std::size_t> sensor = {});
 /// Before the scene is opened: of what its description says already.
 void require_able(const SceneDescription& scene, Feature asked);
-void require_able(const RunDescription& run, Feature asked);
+void require_able(const RunRequest& request, Feature asked);
 
 }  // namespace tubefoot

@@ -31,11 +31,11 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   return settings;
 }
 
-void check_paths(const Survey& survey) {
-  const SceneDescription& d = survey.scene.description;
-  for (const SensorPings& pings : survey.sensors) {
+void check_paths(const Scene& scene, const Fleet& fleet) {
+  const SceneDescription& d = scene.description;
+  for (const SensorPings& pings : fleet.sensors) {
     const SensorDescription& sensor = pings.sensor->description();
-    if (!path_settings(survey.scene, pings.sensor->frequency_khz())) {
+    if (!path_settings(scene, pings.sensor->frequency_khz())) {
       if (d.paths.order > 1 || d.paths.only_order)
         throw InputError(d.paths.place,
                          "paths of several orders need a mirror or a second scattering: add [sea_surface], "

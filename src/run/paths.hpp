@@ -4,7 +4,8 @@
 #include <optional>
 
 #include "engine/paths/path_echo.hpp"
-#include "run/survey.hpp"
+#include "run/fleet.hpp"
+#include "scene/scene.hpp"
 
 // Paths of a run besides the straight one to a facet and back (docs/paths.md, docs/bistatic.md).
 namespace tubefoot {
@@ -14,6 +15,6 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
 
 /// Throws InputError for paths that the scene cannot have: several orders without a mirror, sensors above the
 /// sea.
-void check_paths(const Survey& survey);
+void check_paths(const Scene& scene, const Fleet& fleet);
 
 }  // namespace tubefoot

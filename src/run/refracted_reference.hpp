@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/certified/certified_refraction.hpp"
-#include "run/shot_ground.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot {
 
@@ -18,9 +18,8 @@ struct RefractedShot {
 };
 
 /// Straightens the ground of a shot ever finer, until all but a two-hundredth of the bounds that are finite
-/// are within the tolerance, until that helps no more, or until the ground would have more facets than a
-/// reference is worth.
-RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& group, std::size_t ping,
-                                     std::size_t shot, const VisibilityOptions& options, double tolerance);
+/// are within the tolerance that the run asks for, until that helps no more, or until the ground would have
+/// more facets than a reference is worth.
+RefractedShot certify_refracted_shot(const Shot& shot);
 
 }  // namespace tubefoot

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "files/usage_error.hpp"
+#include "run/simulation.hpp"
 #include "scene/scene_water.hpp"
-#include "sensors/products/in_water.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {
@@ -27,26 +27,22 @@ std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
 
 /// What `make` makes for a shot; what it throws, with the scene file's words.
 template <class Make>
-auto made_for(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
-              const Make& make) {
-  const WaterDescription& keys = survey.scene.description.water;
-  const std::string& name = survey.sensors[group.sensors.front()].sensor->description().name;
+auto made_for(const Shot& shot, const Make& make) {
+  const SourcePlace& place = shot.scene().description.water.place;
   try {
     return make();
   } catch (const RefinementTooLarge&) {
-    throw InputError(keys.place,
-                     fmt::format("shot {} of ping {} of sensor '{}' needs more than {} facets to be seen "
-                                 "through the water: raise 'refraction_gap_m' or 'refraction_tolerance_db'",
-                                 shot, ping, name, most_a_shot.facets));
+    throw InputError(place, fmt::format("{} needs more than {} facets to be seen through the water: raise "
+                                        "'refraction_gap_m' or 'refraction_tolerance_db'",
+                                        shot.name(), most_a_shot.facets));
   } catch (const GridRangeError&) {
-    throw InputError(keys.place,
-                     fmt::format("shot {} of ping {} of sensor '{}' sees facets through the water outside "
-                                 "of the scene's grid: shorten its range",
-                                 shot, ping, name));
+    throw InputError(place, fmt::format("{} sees facets through the water outside of the scene's grid: "
+                                        "shorten its range",
+                                        shot.name()));
   } catch (const std::range_error& error) {
-    throw InputError(keys.place, fmt::format("shot {} of ping {} of sensor '{}' cannot be seen through the "
-                                             "water: {}, or give the terrain smaller facets",
-                                             shot, ping, name, error.what()));
+    throw InputError(place, fmt::format("{} cannot be seen through the water: {}, or give the terrain "
+                                        "smaller facets",
+                                        shot.name(), error.what()));
   }
 }
 
@@ -54,22 +50,21 @@ auto made_for(const Survey& survey, const SharedShots& group, std::size_t ping, 
 class LyingBed {
  public:
   /// `outlooks`: of each set of tubes.
-  LyingBed(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
-           std::span<const TubeSet> tubes, std::span<const Outlook> outlooks)
-      : survey_(survey) {
-    if (!survey.ground) return;
-    std::vector<Look> looks = looks_of(survey, group, ping, shot, tubes);
+  LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks)
+      : site_(shot.site()) {
+    if (!site_.ground) return;
+    std::vector<Look> looks = shot.looks(tubes);
     for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
-    relief_ = relief_seen_by(survey, group, ping, shot, looks);
+    relief_ = relief_seen_by(shot, looks);
     tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
   }
-  const FacetMesh& mesh() const { return tree_ ? relief_.mesh : survey_.scene.mesh; }
+  const FacetMesh& mesh() const { return tree_ ? relief_.mesh : site_.scene.mesh; }
   /// Of any of the outlooks, by increasing id.
   std::vector<FacetId> facets(std::span<const Outlook> outlooks) const {
     std::vector<FacetId> all;
     for (const Outlook& outlook : outlooks) {
       const std::vector<FacetId> some =
-          outlook.facets(mesh(), tree_ ? *tree_ : *survey_.tree, survey_.scene.grid);
+          outlook.facets(mesh(), tree_ ? *tree_ : *site_.tree, site_.scene.grid);
       all.insert(all.end(), some.begin(), some.end());
     }
     std::sort(all.begin(), all.end());
@@ -84,7 +79,7 @@ class LyingBed {
   }
 
  private:
-  const Survey& survey_;
+  const Site& site_;
   RefinedMesh relief_;
   std::unique_ptr<SceneTree> tree_;  // of the relief
 };
@@ -95,19 +90,18 @@ nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
 
 }  // namespace
 
-EigenrayOptions eigenray_options(const Survey& survey) {
+EigenrayOptions eigenray_options(const Site& site) {
   EigenrayOptions options;
-  options.deepest_turn_m = survey.scene.water->surface_height_m() - survey.lowest_m;
+  options.deepest_turn_m = site.scene.water->surface_height_m() - site.lowest_m;
   return options;
 }
 
-Straightening straightening_of(const Survey& survey, const SensorPings& pings, glm::dvec3 apex_m) {
-  return Straightening(*pings.water, apex_m, survey.scene.water->surface_height_m(), eigenray_options(survey),
+Straightening straightening_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m) {
+  return Straightening(*pings.water, apex_m, site.scene.water->surface_height_m(), eigenray_options(site),
                        pings.sound_speed_m_s);
 }
 
-double sound_speed_at(const Survey& survey, const SensorDescription& sensor, const Trajectory& trajectory) {
-  const Scene& scene = survey.scene;
+double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const Trajectory& trajectory) {
   if (!scene.water->refracts()) return scene.sound_speed_m_s;
   // Only a place is asked of it: the samples may still change with the speed.
   const auto provisional = make_sensor(in_water(sensor, scene.sound_speed_m_s));
@@ -116,19 +110,18 @@ double sound_speed_at(const Survey& survey, const SensorDescription& sensor, con
   return scene.water->profile().at(scene.water->surface_height_m() - at_m.z);
 }
 
-void put_into_water(Survey& survey) {
-  const Scene& scene = survey.scene;
+void put_into_water(Site& site, Fleet& fleet) {
+  const Scene& scene = site.scene;
   if (!scene.water->refracts()) return;
-  survey.lowest_m = std::numeric_limits<double>::infinity();
+  site.lowest_m = std::numeric_limits<double>::infinity();
   for (const GridPoint& v : scene.mesh.vertices)
-    survey.lowest_m = std::min(survey.lowest_m, scene.grid.to_metres(v).z);
+    site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(v).z);
   for (const TiledTerrain& terrain : scene.tiled)
     if (terrain.tiles)
-      survey.lowest_m =
-          std::min(survey.lowest_m, scene.grid.to_metres(scene.grid.snap(terrain.tiles->lo_m())).z);
-  if (survey.ground) survey.lowest_m -= survey.ground->omitted().largest_height_m();
+      site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(scene.grid.snap(terrain.tiles->lo_m())).z);
+  if (site.ground) site.lowest_m -= site.ground->omitted().largest_height_m();
   const double surface = scene.water->surface_height_m();
-  for (SensorPings& pings : survey.sensors) {
+  for (SensorPings& pings : fleet.sensors) {
     pings.water = std::make_shared<const WaterColumn>(scene.water->column(pings.sensor->frequency_khz()));
     for (const auto* poses : {&pings.poses, &pings.shot_poses, &pings.receiver_poses})
       for (const Pose& pose : *poses)
@@ -141,86 +134,81 @@ void put_into_water(Survey& survey) {
   }
 }
 
-StraighteningSettings straightening_settings(const Survey& survey, const SharedShots& group, double reach_m) {
-  const WaterDescription& keys = survey.scene.description.water;
-  const double sample = sample_length_m(survey, group);
+StraighteningSettings straightening_settings(const Shot& shot, double reach_m) {
+  const WaterDescription& keys = shot.scene().description.water;
+  const double sample = shot.sample_length_m();
   StraighteningSettings settings;
   settings.gap_m = keys.refraction_gap_m.value_or(sample / 4);
   settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
   // Caustics and the borders of shadows take no more edges than a sector is wide.
-  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * survey.scene.grid.unit_m()});
+  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * shot.scene().grid.unit_m()});
   settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
   // A gap that is asked for is kept where rays do not cross: of an edge it is no more than g / c a quarter of
   // its square.
-  const double bend_per_m = survey.scene.water->profile().largest_bend_per_m();
+  const double bend_per_m = shot.scene().water->profile().largest_bend_per_m();
   if (keys.refraction_gap_m && bend_per_m > 0)
     settings.shortest_edge_m =
         std::min(settings.shortest_edge_m,
-                 std::max(std::sqrt(settings.gap_m / bend_per_m), 16 * survey.scene.grid.unit_m()));
+                 std::max(std::sqrt(settings.gap_m / bend_per_m), 16 * shot.scene().grid.unit_m()));
   return settings;
 }
 
-ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
-                               std::size_t shot) {
-  const TubeSet tubes = survey.tubes(group, ping, shot);
-  return refracted_ground_of(survey, group, ping, shot,
-                             straightening_settings(survey, group, tubes.reach * survey.scene.grid.unit_m()));
+ShotGround refracted_ground_of(const Shot& shot) {
+  return refracted_ground_of(shot,
+                             straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m()));
 }
 
-ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
-                               std::size_t shot, const StraighteningSettings& settings) {
-  const Scene& scene = survey.scene;
-  const SensorPings& pings = survey.sensors[group.sensors.front()];
-  const TubeSet tubes = survey.tubes(group, ping, shot);
-  const Straightening straightening = straightening_of(survey, pings, scene.grid.to_metres(tubes.apex));
+ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& settings) {
+  const Scene& scene = shot.scene();
+  const TubeSet tubes = shot.tubes();
+  const Straightening straightening =
+      straightening_of(shot.site(), shot.pings(), scene.grid.to_metres(tubes.apex));
   const Outlook outlook(tubes, scene.grid.unit_m(), straightening);
-  const LyingBed bed(survey, group, ping, shot, {&tubes, 1}, {&outlook, 1});
+  const LyingBed bed(shot, {&tubes, 1}, {&outlook, 1});
   const std::vector<FacetId> facets = bed.facets({&outlook, 1});
-  return made_for(survey, group, ping, shot, [&] {
-    ApparentGround ground =
-        straighten(bed.mesh(), facets, scene.grid, straightening, absorption_db_per_m(scene, *pings.sensor),
-                   settings, most_a_shot, scene.scattering, &outlook);
+  return made_for(shot, [&] {
+    ApparentGround ground = straighten(bed.mesh(), facets, scene.grid, straightening,
+                                       absorption_db_per_m(scene, *shot.pings().sensor), settings,
+                                       most_a_shot, scene.scattering, &outlook);
     bed.name_by_scene(ground);
-    return ShotGround(survey, std::move(ground));
+    return ShotGround(shot.site(), std::move(ground));
   });
 }
 
-RefractedPaths refracted_paths_of(const Survey& survey, const SharedShots& group, std::size_t ping,
-                                  std::size_t shot, const VisibilityOptions& options) {
-  const Scene& scene = survey.scene;
-  const std::size_t sensor = group.sensors.front();
-  const SensorPings& pings = survey.sensors[sensor];
-  const double unit = scene.grid.unit_m(), absorption = absorption_db_per_m(scene, *pings.sensor);
-  std::array<TubeSet, 2> tubes{survey.tubes(group, ping, shot), survey.receive_tubes(sensor, ping, shot)};
-  const Straightening transmit = straightening_of(survey, pings, scene.grid.to_metres(tubes[0].apex)),
-                      receive = straightening_of(survey, pings, scene.grid.to_metres(tubes[1].apex));
+RefractedPaths refracted_paths_of(const Shot& shot) {
+  const Scene& scene = shot.scene();
+  const double unit = scene.grid.unit_m(), absorption = absorption_db_per_m(scene, *shot.pings().sensor);
+  std::array<TubeSet, 2> tubes{shot.tubes(), shot.receive_tubes(shot.first())};
+  const auto water_from = [&](const TubeSet& set) {
+    return straightening_of(shot.site(), shot.pings(), scene.grid.to_metres(set.apex));
+  };
+  const Straightening transmit = water_from(tubes[0]), receive = water_from(tubes[1]);
   const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, transmit), Outlook(tubes[1], unit, receive)};
-  const LyingBed bed(survey, group, ping, shot, tubes, outlooks);
+  const LyingBed bed(shot, tubes, outlooks);
   // What either may see: what hides from one need not be seen by the other.
   const std::vector<FacetId> facets = bed.facets(outlooks);
-  return made_for(survey, group, ping, shot, [&] {
+  return made_for(shot, [&] {
     const double reach_m = std::max(tubes[0].reach, tubes[1].reach) * unit;
     RefractedPaths paths;
-    paths.pair = straighten_pair(bed.mesh(), facets, scene.grid, transmit, receive, absorption,
-                                 straightening_settings(survey, group, reach_m), most_a_shot, &outlooks[0],
-                                 &outlooks[1]);
+    paths.pair =
+        straighten_pair(bed.mesh(), facets, scene.grid, transmit, receive, absorption,
+                        straightening_settings(shot, reach_m), most_a_shot, &outlooks[0], &outlooks[1]);
     bed.name_by_scene(paths.pair.transmit);
     bed.name_by_scene(paths.pair.receive);
-    paths.history = trace_bistatic(paths.pair, scene.grid, options, std::move(tubes[0]), std::move(tubes[1]),
-                                   transmit, receive, absorption);
+    paths.history = trace_bistatic(paths.pair, scene.grid, shot.request().visibility, std::move(tubes[0]),
+                                   std::move(tubes[1]), transmit, receive, absorption);
     return paths;
   });
 }
 
-void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Survey& survey,
-                const SharedShots& group, std::size_t ping, std::size_t shot) {
+void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot) {
   StraighteningCounts own;
   own.facets = ground.refined.mesh.facets.size();
   own.in_shadow = ground.facets_in_shadow;
   own.of_several = ground.facets_of_several;
   own.folded = ground.facets_folded;
   own.largest_gap_m = ground.largest_gap_m;
-  const glm::dvec3 apex = survey.sensors[group.sensors.front()].shot_pose(ping, shot).position_m;
+  const glm::dvec3 apex = shot.pose().position_m;
   const auto keep = [&](const UnclearPlace& place, std::array<double, 3>& kept) {
     if (kept[2] == 0) kept = polar(place.direction, glm::distance(place.at_m, apex));
   };

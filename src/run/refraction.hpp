@@ -5,40 +5,37 @@
 #include <string>
 #include <vector>
 
-#include "engine/echo/bistatic_echo.hpp"
-#include "run/shot_ground.hpp"
-#include "run/simulation.hpp"
+#include "run/kept/ping_store.hpp"
+#include "run/shot.hpp"
 
 // Sonars in water that refracts (docs/refraction.md).
 namespace tubefoot {
 
+struct SimulationStats;
+
 /// Speed of sound where a sensor is first; the scene's, in even water.
-double sound_speed_at(const Survey& survey, const SensorDescription& sensor, const Trajectory& trajectory);
+double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const Trajectory& trajectory);
 
 /// Gives each sensor its water, where that refracts. Throws InputError for a sensor above the surface.
-void put_into_water(Survey& survey);
+void put_into_water(Site& site, Fleet& fleet);
 
-EigenrayOptions eigenray_options(const Survey& survey);
-Straightening straightening_of(const Survey& survey, const SensorPings& pings, glm::dvec3 apex_m);
+EigenrayOptions eigenray_options(const Site& site);
+Straightening straightening_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m);
 /// As the scene asks for.
-StraighteningSettings straightening_settings(const Survey& survey, const SharedShots& group, double reach_m);
+StraighteningSettings straightening_settings(const Shot& shot, double reach_m);
 
 /// The facets of a shot where it sees them. Throws InputError where it takes too many.
-ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
-                               std::size_t shot);
-ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
-                               std::size_t shot, const StraighteningSettings& settings);
+ShotGround refracted_ground_of(const Shot& shot);
+ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& settings);
 
 /// What transmitter and receiver, apart, see together of a shot. Throws as refracted_ground_of().
 struct RefractedPaths {
   ApparentPair pair;
   BistaticHistory history;
 };
-RefractedPaths refracted_paths_of(const Survey& survey, const SharedShots& group, std::size_t ping,
-                                  std::size_t shot, const VisibilityOptions& options);
+RefractedPaths refracted_paths_of(const Shot& shot);
 
-void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Survey& survey,
-                const SharedShots& group, std::size_t ping, std::size_t shot);
+void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot);
 void add_counts(StraighteningCounts& sum, const StraighteningCounts& more);
 
 /// For stats.json.

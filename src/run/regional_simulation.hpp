@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "run/bounded_cache.hpp"
 #include "run/region_plan.hpp"
@@ -14,23 +13,18 @@ namespace tubefoot {
 /// (docs/big-terrain.md).
 class RegionalSimulation {
  public:
-  /// The survey outlives it.
-  RegionalSimulation(const Survey& survey, std::optional<double> reference_tolerance);
+  RegionalSimulation(const Survey& survey, const RunRequest& request);
 
   /// As PingSimulation::run(), from several threads. Throws InputError where a tile cannot be read.
   PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot);
 
  private:
-  struct Region {
-    std::unique_ptr<const Survey> survey;
-    std::unique_ptr<const PingSimulation> simulation;
-  };
-  BoundedCache<Region>::Loaded load(std::size_t number) const;
+  BoundedCache<PingSimulation>::Loaded load(std::size_t number) const;
 
-  const Survey& survey_;
-  std::optional<double> reference_tolerance_;
+  const Survey survey_;
+  const RunRequest request_;
   const RegionPlan plan_;
-  BoundedCache<Region> cache_;
+  BoundedCache<PingSimulation> cache_;
 };
 
 }  // namespace tubefoot

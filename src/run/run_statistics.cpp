@@ -13,31 +13,28 @@
 
 namespace tubefoot {
 
-nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationStats& stats,
-                                       const std::optional<double>& reference_tolerance) {
-  const Scene& scene = survey.scene;
-  const RunDescription& run = scene.description.run;
+nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& request,
+                                       const SimulationStats& stats) {
+  const Site& site = *survey.site;
+  const Scene& scene = site.scene;
   nlohmann::ordered_json json;
   json["scene"] = scene.description.file.string();
   json["scene_hash"] = scene.description.sha256;
   json["version"] = TUBEFOOT_VERSION;
   json["build"] = build_identity();
   if (const std::string revision = build_revision(); !revision.empty()) json["build"]["revision"] = revision;
-  json["engine"] = engine_name(survey);
-  if (!survey.own_engine && run.engine == "tube") {
-    json["arithmetic"] = run.arithmetic;
-    json["binning"] = run.binning;
-  } else if (!survey.own_engine) {
-    json["sampling"] = run.sampling;
-    if (run.rays_per_beam)
-      json["rays_per_beam"] = *run.rays_per_beam;
-    else
-      json["rays_per_ping"] = run.rays_per_ping;
-    json["seed"] = run.seed;
+  json["engine"] = engine_name(request);
+  if (!request.own_engine && request.engine == Engine::tube) {
+    json["arithmetic"] = name_of(request.visibility.arithmetic);
+    json["binning"] = name_of(request.binning);
+  } else if (!request.own_engine) {
+    json["sampling"] = name_of(request.rays.sampling);
+    json[request.rays.per == RaySettings::Per::beam ? "rays_per_beam" : "rays_per_ping"] = request.rays.rays;
+    json["seed"] = request.rays.seed;
   }
-  if (reference_tolerance) {
+  if (request.reference_tolerance) {
     const ReferenceStats& reference = stats.reference;
-    json["reference"] = {{"tolerance", *reference_tolerance},
+    json["reference"] = {{"tolerance", *request.reference_tolerance},
                          {"bins_over_tolerance", reference.bins_over},
                          {"worst_bound_over_asked", reference.worst_ratio},
                          {"worst_sensor", reference.worst_sensor},
@@ -46,14 +43,14 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
                          {"worst_sample", reference.worst_sample}};
   }
   json["grid_unit_m"] = scene.grid.unit_m();
-  if (survey.relief.cell_m > 0) {
+  if (site.relief.cell_m > 0) {
     const RefinementDescription& keys = scene.description.refinement;
     nlohmann::ordered_json& relief = json["relief"];
-    relief = {{"mode", keys.mode}, {"cell_m", survey.relief.cell_m}, {"displace", keys.displace}};
-    if (survey.ground) relief["tolerance"] = survey.ground->settings().tolerance;
-    relief["base_facets"] = survey.relief.base_facets;
-    relief["facets_made"] = survey.ground ? stats.refined_facets : scene.mesh.facets.size();
-    if (!survey.is_tiled()) relief["uniform_facets"] = survey.relief.uniform_facets;
+    relief = {{"mode", keys.mode}, {"cell_m", site.relief.cell_m}, {"displace", keys.displace}};
+    if (site.ground) relief["tolerance"] = site.ground->settings().tolerance;
+    relief["base_facets"] = site.relief.base_facets;
+    relief["facets_made"] = site.ground ? stats.refined_facets : scene.mesh.facets.size();
+    if (!site.is_tiled()) relief["uniform_facets"] = site.relief.uniform_facets;
     relief["change_by_finer_relief"] = {
         {"of", "a facet's energy, relative; mean over the worst ping, weighed by energy"},
         {"is", "first-order estimates from what the relief's own statistics leave out: no proven bounds"},
@@ -61,11 +58,11 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationSta
         {"largest", stats.finer_relief_largest}};
   }
   if (scene.water->refracts()) json["refraction"] = refraction_json(survey, stats);
-  if (survey.is_tiled()) {
+  if (site.is_tiled()) {
     std::size_t facets = 0;
     for (const ComponentReport& component : scene.report.components) facets += component.facets;
     json["facets"] = facets;
-    const TerrainUse& use = *survey.terrain_use;
+    const TerrainUse& use = *site.terrain_use;
     json["terrain_by_tiles"] = {{"regions", use.regions.load()},
                                 {"loads", use.loads.load()},
                                 {"most_held_mb", static_cast<double>(use.most_bytes) / 1e6}};

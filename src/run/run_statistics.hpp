@@ -2,15 +2,14 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 
 #include "run/simulation.hpp"
 
 namespace tubefoot {
 
 /// What stats.json says of a run's scene, settings and counts.
-nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationStats& stats,
-                                       const std::optional<double>& reference_tolerance);
+nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& request,
+                                       const SimulationStats& stats);
 
 /// Most memory that the program had at a time, in units of 2^20 bytes.
 double peak_memory_mb();

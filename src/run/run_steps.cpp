@@ -13,10 +13,9 @@
 #include "geometry/work/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/kept/build_identity.hpp"
-#include "run/kept/partial_run.hpp"
 #include "run/own_engine.hpp"
 #include "run/settings.hpp"
-#include "sensors/products/products.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -45,10 +44,10 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
         fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
 }
 
-RunContext context_of(const Survey& survey) {
-  const SceneDescription& description = survey.scene.description;
-  return {survey.scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
-          description.water, description.title};
+RunContext context_of(const Scene& scene) {
+  const SceneDescription& description = scene.description;
+  return {scene.frame, *unix_time_s(description.run.start_utc), description.run.seed, description.water,
+          description.title};
 }
 
 }  // namespace
@@ -63,7 +62,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   }
   if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
   if (options.seed) description.run.seed = *options.seed;
-  RunRequest request;
+  RunRequest request = request_of(description.run);
   if (options.tolerance && !options.reference) {
     refuse_what_the_tolerance_picks(options);
     request.tolerance = asked_tolerance(*options.tolerance);
@@ -76,7 +75,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   }
   if (options.reference) {
     request.reference_tolerance = bound_asked_for(options.tolerance);
-    require_able(description.run, Feature::reference);
+    require_able(request, Feature::reference);
   }
   return request;
 }
@@ -85,7 +84,7 @@ nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRe
   return {{"version", TUBEFOOT_VERSION},
           {"build", build_identity()},
           {"scene_hash", description.sha256},
-          {"run", json_of(description.run)},
+          {"run", json_of(request)},
           {"reference", request.reference_tolerance.value_or(0.0)},
           {"tolerance", request.tolerance ? to_text(*request.tolerance) : ""}};
 }
@@ -103,42 +102,46 @@ void refuse_changed_input(const SceneDescription& description) {
       description.file.string(), why));
 }
 
-std::string engine_name(const Survey& survey) {
-  return survey.own_engine ? survey.own_engine->name : survey.scene.description.run.engine;
+std::string engine_name(const RunRequest& request) {
+  return request.own_engine ? request.own_engine->name : std::string(name_of(request.engine));
 }
 
-Provenance provenance_of(const Survey& survey, const std::optional<double>& reference_tolerance) {
-  const SceneDescription& description = survey.scene.description;
-  const RunDescription& run = description.run;
-  const std::string arithmetic = survey.own_engine ? "own" : run.engine == "tube" ? run.arithmetic : "float";
-  return {description.title, description.sha256,  engine_name(survey), arithmetic,
-          TUBEFOOT_VERSION,  reference_tolerance, run.start_utc,       survey.scene.frame};
+Provenance provenance_of(const Scene& scene, const RunRequest& request) {
+  const SceneDescription& description = scene.description;
+  const std::string_view arithmetic = request.own_engine ? "own"
+                                      : request.engine == Engine::tube
+                                          ? name_of(request.visibility.arithmetic)
+                                          : "float";
+  return {description.title, description.sha256,          engine_name(request),      std::string(arithmetic),
+          TUBEFOOT_VERSION,  request.reference_tolerance, description.run.start_utc, scene.frame};
 }
 
 std::vector<std::string> files_left_out(const Survey& survey) {
-  const RunContext context = context_of(survey);
+  const RunContext context = context_of(survey.scene);
   std::vector<std::string> warnings;
   for (const SensorPings& pings : survey.sensors) {
     Recording recording;
     recording.sensor = pings.sensor.get();
     recording.ping_time_s = pings.times_s;
     recording.sound_speed_m_s = pings.sound_speed_m_s;
-    for (std::string& warning : files_left_out(recording, context)) warnings.push_back(std::move(warning));
+    for (std::string& warning : kind_of(recording.sensor->description()).files_left_out(recording, context))
+      warnings.push_back(std::move(warning));
   }
   return warnings;
 }
 
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
-                                                      const Survey& survey,
+                                                      const Survey& survey, const RunRequest& request,
                                                       const std::vector<Recording>& recordings,
-                                                      const std::optional<double>& reference_tolerance,
                                                       std::vector<std::string>& warnings) {
-  const RunContext context = context_of(survey);
-  write_echoes(folder / "echoes.nc", recordings, provenance_of(survey, reference_tolerance));
+  const RunContext context = context_of(survey.scene);
+  write_echoes(folder / "echoes.nc", recordings, provenance_of(survey.scene, request));
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
     stop_if_wanted();
-    for (const auto& file : write_products(folder, recording, context, warnings)) files.push_back(file);
+    for (const auto& file :
+         kind_of(recording.sensor->description()).write_products(folder, recording, context, warnings))
+      files.push_back(file);
   }
   return files;
 }

@@ -3,11 +3,11 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "run/options.hpp"
+#include "run/run_request.hpp"
 #include "run/survey.hpp"
 #include "sensors/recordings/recording.hpp"
 #include "study/tolerance.hpp"
@@ -15,13 +15,8 @@
 // The steps of a run that the command and the Python module share.
 namespace tubefoot {
 
-/// What a run is asked beside its engine and settings.
-struct RunRequest {
-  std::optional<double> reference_tolerance;  ///< of a reference: the relative bound
-  std::optional<Tolerance> tolerance;         ///< picks the settings
-};
-
-/// Lets a run's options override the scene's own. Throws UsageError where they contradict each other.
+/// What a run of a scene is asked: its options override the scene's own. Throws UsageError where they
+/// contradict each other.
 RunRequest requested(const RunOptions& options, SceneDescription& description);
 
 /// What makes two runs the same: the program's build, scene and everything it names, settings.
@@ -32,10 +27,10 @@ nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRe
 void refuse_changed_input(const SceneDescription& description);
 
 /// What computed the energies: the name of an engine of one's own, or of a built-in one.
-std::string engine_name(const Survey& survey);
+std::string engine_name(const RunRequest& request);
 
 /// What an echo file says of where it comes from.
-Provenance provenance_of(const Survey& survey, const std::optional<double>& reference_tolerance);
+Provenance provenance_of(const Scene& scene, const RunRequest& request);
 
 /// Which files a run will not write, and why, as far as that can be said before it.
 std::vector<std::string> files_left_out(const Survey& survey);
@@ -43,9 +38,8 @@ std::vector<std::string> files_left_out(const Survey& survey);
 /// Writes everything that a result folder holds but stats.json, and returns the names. Throws
 /// std::runtime_error naming the file and what failed.
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
-                                                      const Survey& survey,
+                                                      const Survey& survey, const RunRequest& request,
                                                       const std::vector<Recording>& recordings,
-                                                      const std::optional<double>& reference_tolerance,
                                                       std::vector<std::string>& warnings);
 
 }  // namespace tubefoot

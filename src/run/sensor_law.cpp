@@ -3,26 +3,29 @@
 
 #include <algorithm>
 
+#include "run/shot.hpp"
+
 namespace tubefoot {
 
-SensorLaw::SensorLaw(const Survey& survey, const ShotGround& ground, std::size_t sensor, std::size_t ping,
-                     std::size_t shot) {
-  const Scene& scene = survey.scene;
-  const SensorPings& pings = survey.sensors[sensor];
+SensorLaw::SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sensor) {
+  const Scene& scene = shot.scene();
+  const SensorPings& pings = shot.survey().sensors[sensor];
   law = {scene.material_mu, ground.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
   law.reflectivity = scene.reflectivity;
   law.scattering = scene.scattering;
-  law.apex_m = scene.grid.to_metres(scene.grid.snap(pings.shot_pose(ping, shot).position_m));
+  law.path.out.apex_m =
+      scene.grid.to_metres(scene.grid.snap(pings.shot_pose(shot.ping(), shot.number()).position_m));
   if (ground.apparent() != nullptr) {
-    law.facet_factor = ground.apparent()->facet_factor;
+    law.path.facet_factor = ground.apparent()->facet_factor;
     if (std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
                     [](const auto& texture) { return texture != nullptr; })) {
-      facet_maps = ground.apparent()->facet_maps(law.apex_m, scene.grid);
-      law.facet_map = facet_maps;
+      facet_maps = ground.apparent()->facet_maps(law.path.out.apex_m, scene.grid);
+      law.path.out.facet_map = facet_maps;
     }
   }
   if (!pings.sensor->has_patterns()) return;
-  patterns = pings.sensor->patterns(pings.shot_pose(ping, shot), pings.sound_speed_m_s, shot);
+  patterns = pings.sensor->patterns(pings.shot_pose(shot.ping(), shot.number()), pings.sound_speed_m_s,
+                                    shot.number());
   law.patterns = &patterns;
 }
 

@@ -6,10 +6,9 @@
 
 namespace tubefoot {
 
-/// The echo law of a sensor at a shot, and the patterns that it refers to. Survey and ground outlive it.
+/// The echo law of a sensor at a shot, and the patterns that it refers to. Site and ground outlive it.
 struct SensorLaw {
-  SensorLaw(const Survey& survey, const ShotGround& ground, std::size_t sensor, std::size_t ping,
-            std::size_t shot);
+  SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sensor);
   SensorLaw(const SensorLaw&) = delete;
   SensorLaw& operator=(const SensorLaw&) = delete;
 

@@ -13,6 +13,7 @@
 #include "files/usage_error.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -103,14 +104,6 @@ Inputs inputs_of(const SceneDescription& description) {
 ThreadLimit::ThreadLimit(int threads)
     : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
       control_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_)) {}
-
-VisibilityOptions options_of(const RunDescription& run) {
-  VisibilityOptions options;
-  options.arithmetic = arithmetic_from_name(run.arithmetic);
-  options.facets_per_split = static_cast<std::uint32_t>(run.facets_per_split);
-  options.tolerance = run.zero_tolerance;
-  return options;
-}
 
 void print_warnings(const std::vector<std::string>& warnings, bool quiet) {
   if (quiet) return;

@@ -22,9 +22,6 @@ SceneDescription described(const CommonOptions& options);
 /// Every file that the scene names, and its own: what no command may write over.
 Inputs inputs_of(const SceneDescription& description);
 
-/// How a run sees: its arithmetic and what goes with it.
-VisibilityOptions options_of(const RunDescription& run);
-
 /// Limits the threads of everything while it lives; 0 is all cores.
 class ThreadLimit {
  public:

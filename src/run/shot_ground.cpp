@@ -11,6 +11,7 @@
 #include "files/memory_at_hand.hpp"
 #include "run/refined_bed_file.hpp"
 #include "run/refraction.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot {
 namespace {
@@ -98,77 +99,49 @@ RefinedMesh refined_bed(const Scene& scene, const Ground& ground) {
   }
 }
 
-void lay_relief(Survey& survey) {
-  Scene& scene = survey.scene;
+void lay_relief(Site& site) {
+  Scene& scene = site.scene;
   if (!has_relief(scene)) return;
   const RefinementDescription& keys = scene.description.refinement;
   std::unique_ptr<Ground> ground = relief_ground(scene);
-  survey.relief.cell_m = ground->settings().cell_m;
-  survey.relief.base_facets = facets_of(scene);
-  if (!survey.is_tiled()) survey.relief.uniform_facets = ground->uniform_count();
-  survey.relief.omitted = std::make_shared<const OmittedRelief>(ground->omitted());
+  site.relief.cell_m = ground->settings().cell_m;
+  site.relief.base_facets = facets_of(scene);
+  if (!site.is_tiled()) site.relief.uniform_facets = ground->uniform_count();
+  site.relief.omitted = std::make_shared<const OmittedRelief>(ground->omitted());
   if (keys.mode == "online") {
-    survey.ground = std::move(ground);
+    site.ground = std::move(ground);
     return;
   }
   RefinedMesh bed =
       keys.file ? read_refined_bed(*keys.file, keys.file_place, scene, *ground) : refined_bed(scene, *ground);
   ground.reset();
   scene.mesh = std::move(bed.mesh);
-  survey.relief.parent = std::move(bed.parent);
+  site.relief.parent = std::move(bed.parent);
 }
 
-double sample_length_m(const Survey& survey, const SharedShots& group) {
-  double shortest = survey.sensors[group.sensors.front()].sensor->samples().step_m;
-  for (const std::size_t s : group.sensors)
-    shortest = std::min(shortest, survey.sensors[s].sensor->samples().step_m);
-  return shortest;
-}
-
-std::vector<Look> looks_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
-                           std::span<const TubeSet> tubes) {
-  const std::size_t first = group.sensors.front();
-  double nearest = survey.sensors[first].sensor->samples().first_m;
-  for (const std::size_t s : group.sensors)
-    nearest = std::min(nearest, survey.sensors[s].sensor->samples().first_m);
-  if (tubes.size() >
-      1)  // half the path is longer than the way from the nearer end by up to half of what lies between
-    nearest = std::max(nearest - glm::distance(survey.sensors[first].shot_pose(ping, shot).position_m,
-                                               survey.sensors[first].receiver_pose(ping, shot).position_m) /
-                                     2,
-                       0.0);
-  std::vector<Look> looks;
-  for (const TubeSet& set : tubes) looks.push_back({&set, nearest, sample_length_m(survey, group)});
-  return looks;
-}
-
-RefinedMesh relief_seen_by(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
-                           std::span<const Look> looks) {
+RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks) {
   try {
-    return survey.ground->seen_by(looks, most_a_shot);
+    return shot.site().ground->seen_by(looks, most_a_shot);
   } catch (const RefinementTooLarge&) {
-    throw InputError(survey.scene.description.refinement.place,
-                     fmt::format("shot {} of ping {} of sensor '{}' looks at more than {} facets of its "
-                                 "ground: use a larger 'cell_m' or 'tolerance'",
-                                 shot, ping, survey.sensors[group.sensors.front()].sensor->description().name,
-                                 most_a_shot.facets));
+    throw InputError(shot.scene().description.refinement.place,
+                     fmt::format("{} looks at more than {} facets of its ground: use a larger 'cell_m' or "
+                                 "'tolerance'",
+                                 shot.name(), most_a_shot.facets));
   }
 }
 
-ShotGround ground_of(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot) {
-  if (survey.scene.water->refracts()) return refracted_ground_of(survey, group, ping, shot);
-  if (!survey.ground) return ShotGround(survey);
-  const std::size_t first = group.sensors.front();
-  std::vector<TubeSet> tubes{survey.tubes(group, ping, shot)};
-  if (survey.sensors[first].sensor->has_receiver_apart())
-    tubes.push_back(survey.receive_tubes(first, ping, shot));
-  return ShotGround(survey,
-                    relief_seen_by(survey, group, ping, shot, looks_of(survey, group, ping, shot, tubes)));
+ShotGround ground_of(const Shot& shot) {
+  const Site& site = shot.site();
+  if (site.scene.water->refracts()) return refracted_ground_of(shot);
+  if (!site.ground) return ShotGround(site);
+  std::vector<TubeSet> tubes{shot.tubes()};
+  if (shot.has_receiver_apart()) tubes.push_back(shot.receive_tubes(shot.first()));
+  return ShotGround(site, relief_seen_by(shot, shot.looks(tubes)));
 }
 
-ShotGround ground_in_line_with(const Survey& survey, glm::dvec3 place_m) {
-  if (!survey.ground) return ShotGround(survey);
-  return ShotGround(survey, survey.ground->in_line_with(place_m));
+ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m) {
+  if (!site.ground) return ShotGround(site);
+  return ShotGround(site, site.ground->in_line_with(place_m));
 }
 
 }  // namespace tubefoot

@@ -7,11 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "run/console/progress.hpp"
+#include "run/echo_parts.hpp"
 #include "run/kept/ping_store.hpp"
-#include "run/survey.hpp"
+#include "run/shot.hpp"
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
+
+class RegionalSimulation;
 
 /// How well a reference run kept its tolerance.
 struct ReferenceStats {
@@ -37,15 +41,14 @@ struct SimulationStats {
 };
 
 /// What has to be kept of a survey's pings; with bounds for a reference.
-StoreLayout layout_of(const Survey& survey, bool with_bounds);
+StoreLayout layout_of(const Survey& survey, const RunRequest& request);
 
-/// Simulates pings of a survey one by one, on any thread, with the engine that scene.description.run names.
-/// With a tolerance, energies are enclosed (engine/certified/reference.hpp) and stores must keep bounds; that
-/// takes the tube engine and an exact arithmetic.
+/// Simulates pings of a survey one by one, on any thread, as a request asks for them. With a reference
+/// tolerance stores must keep bounds.
 class PingSimulation {
  public:
-  /// Throws InputError and UsageError for what that engine cannot do. The survey outlives it.
-  PingSimulation(const Survey& survey, std::optional<double> reference_tolerance);
+  /// Throws InputError and UsageError for what cannot be combined (abilities.hpp).
+  PingSimulation(const Survey& survey, const RunRequest& request);
   ~PingSimulation();
   PingSimulation(const PingSimulation&) = delete;
   PingSimulation& operator=(const PingSimulation&) = delete;
@@ -54,16 +57,20 @@ class PingSimulation {
   PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) const;
 
  private:
-  struct Parts;
-  const Survey& survey_;
-  std::optional<double> reference_tolerance_;
-  std::unique_ptr<Parts> parts_;
+  Shots shots_;
+  std::vector<std::vector<EchoPart>> parts_;        ///< by group
+  std::unique_ptr<RegionalSimulation> by_regions_;  ///< where terrain is read by tiles; else null
+};
+
+/// Who looks on while pings are simulated.
+struct Onlookers {
+  bool quiet = true;          ///< nothing on stderr
+  RunWatch* watch = nullptr;  ///< may be null
 };
 
 /// Runs all pings of all sensors that `store` has not yet, as PingSimulation does. Returns early, with
 /// what was finished in the store, when somebody wants to stop (geometry/work/stop.hpp).
-void simulate(const Survey& survey, PingStore& store, bool quiet,
-              std::optional<double> reference_tolerance = {});
+void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers);
 
 /// The sums over a store's pings, added in the order of the pings.
 SimulationStats totals(const Survey& survey, const PingStore& store);
@@ -72,7 +79,7 @@ SimulationStats totals(const Survey& survey, const PingStore& store);
 std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store);
 
 /// All of it in memory. Throws Interrupted when somebody wants to stop.
-std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats,
-                                std::optional<double> reference_tolerance = {});
+std::vector<Recording> simulate(const Survey& survey, const RunRequest& request, SimulationStats& stats,
+                                const Onlookers& onlookers = {});
 
 }  // namespace tubefoot

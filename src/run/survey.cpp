@@ -14,8 +14,8 @@
 #include <set>
 #include <span>
 
+#include "engine/ground/ground.hpp"
 #include "files/memory_at_hand.hpp"
-#include "files/usage_error.hpp"
 #include "geometry/search/vertical_line.hpp"
 #include "geometry/tubes/mirror.hpp"
 #include "geometry/work/steps.hpp"
@@ -23,7 +23,7 @@
 #include "run/refraction.hpp"
 #include "run/shot_ground.hpp"
 #include "run/tiles_in_view.hpp"
-#include "sensors/products/in_water.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {
@@ -32,7 +32,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-bool same_shots(const Survey& survey, const SensorPings& a, const SensorPings& b) {
+bool same_shots(const WorldGrid& grid, const SensorPings& a, const SensorPings& b) {
   // Facets return by their rays' absorption, which goes by the frequency.
   if (a.water &&
       (a.sensor->frequency_khz() != b.sensor->frequency_khz() || a.sound_speed_m_s != b.sound_speed_m_s))
@@ -44,23 +44,23 @@ bool same_shots(const Survey& survey, const SensorPings& a, const SensorPings& b
   };
   if (!std::equal(a.shot_poses.begin(), a.shot_poses.end(), b.shot_poses.begin(), same)) return false;
   for (std::size_t shot = 0; shot < a.sensor->shots(); ++shot) {
-    TubeSet first = a.sensor->tubes(a.shot_pose(0, shot), survey.scene.grid, shot);
-    TubeSet second = b.sensor->tubes(b.shot_pose(0, shot), survey.scene.grid, shot);
+    TubeSet first = a.sensor->tubes(a.shot_pose(0, shot), grid, shot);
+    TubeSet second = b.sensor->tubes(b.shot_pose(0, shot), grid, shot);
     first.reach = second.reach = 0;
     if (first != second) return false;
   }
   return true;
 }
 
-void find_shared_shots(Survey& survey) {
-  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
-    const auto group = std::find_if(survey.shots.begin(), survey.shots.end(), [&](const SharedShots& g) {
-      return same_shots(survey, survey.sensors[g.sensors.front()], survey.sensors[s]);
+void find_shared_shots(const WorldGrid& grid, Fleet& fleet) {
+  for (std::size_t s = 0; s < fleet.sensors.size(); ++s) {
+    const auto group = std::find_if(fleet.shots.begin(), fleet.shots.end(), [&](const SharedShots& g) {
+      return same_shots(grid, fleet.sensors[g.sensors.front()], fleet.sensors[s]);
     });
-    if (group != survey.shots.end())
+    if (group != fleet.shots.end())
       group->sensors.push_back(s);
     else
-      survey.shots.push_back({{s}});
+      fleet.shots.push_back({{s}});
   }
 }
 
@@ -90,36 +90,36 @@ void place_shots(SensorPings& pings, const Trajectory& trajectory) {
   }
 }
 
-/// A scene with some tiles, and what shots ask of its facets.
-std::unique_ptr<Survey> loaded_with(const Survey& survey, const TileChoice& choice) {
-  auto part = std::make_unique<Survey>(with_tiles(survey.scene, choice));
-  part->relief = survey.relief;
-  if (survey.ground) part->ground = relief_ground(part->scene);
+/// A site with some tiles, and what shots ask of its facets; no tree yet.
+std::unique_ptr<Site> loaded_with(const Site& site, const TileChoice& choice) {
+  auto part = std::make_unique<Site>(with_tiles(site.scene, choice));
+  part->relief = site.relief;
+  if (site.ground) part->ground = relief_ground(part->scene);
   return part;
 }
 
 /// The facets above and below one place after the other.
 class Patch {
  public:
-  explicit Patch(const Survey& survey) : survey_(survey) {
-    if (survey.is_tiled()) tiles_.emplace(survey);
+  explicit Patch(const Site& site) : site_(site) {
+    if (site.is_tiled()) tiles_.emplace(site);
   }
-  const Survey& in_line_with(glm::dvec3 place_m) {
-    if (!tiles_) return survey_;
+  const Site& in_line_with(glm::dvec3 place_m) {
+    if (!tiles_) return site_;
     TileChoice choice = tiles_->below(place_m);
     if (!part_ || choice != choice_) {
       choice_ = std::move(choice);
-      part_ = loaded_with(survey_, choice_);
+      part_ = loaded_with(site_, choice_);
       part_->tree = std::make_unique<SceneTree>(part_->scene.mesh, SceneTree::Sheets::ignored);
     }
     return *part_;
   }
 
  private:
-  const Survey& survey_;
+  const Site& site_;
   std::optional<TilesInView> tiles_;
   TileChoice choice_;
-  std::unique_ptr<Survey> part_;
+  std::unique_ptr<Site> part_;
 };
 
 /// Of narrow beams: what their energies are worth.
@@ -138,11 +138,19 @@ std::vector<FacetId> facets_above_and_below(const ShotGround& ground, GridPoint 
   return near;
 }
 
+/// A place of a sensor's transmitter or receiver at a ping, and what it is called.
+struct PingPlace {
+  const SensorPings& pings;
+  std::size_t ping;
+  glm::dvec3 at_m;
+  std::string what;
+};
+
 /// A surface through the apex has no side that could be seen, hides nothing, and returns nothing: that is no
 /// limit of what a sensor beside it hears, so it is no place for one.
-void refuse_on_facet(const Survey& survey, const ShotGround& ground, std::span<const FacetId> near,
-                     const SensorPings& pings, std::size_t ping, glm::dvec3 at_m, const std::string& what) {
-  const Scene& scene = survey.scene;
+void refuse_on_facet(const Scene& scene, const ShotGround& ground, std::span<const FacetId> near,
+                     const PingPlace& place) {
+  const auto& [pings, ping, at_m, what] = place;
   const std::optional<FacetContact> contact = contact_at(ground.mesh(), near, scene.grid.snap(at_m));
   if (!contact) return;
   constexpr std::array<const char*, 3> parts{"a vertex", "an edge", "a facet"};
@@ -157,17 +165,16 @@ void refuse_on_facet(const Survey& survey, const ShotGround& ground, std::span<c
           at_m.z));
 }
 
-/// Looks straight up and down from a place of a sensor's transmitter or receiver (`what`). One under the
+/// Looks straight up and down from a place of a sensor's transmitter or receiver. One under the
 /// terrain is a mistake in the scene; one inside an object may be in its own housing. Returns the altitude
 /// over the terrain, not a number where there is none.
-double check_place(Survey& survey, Patch& patch, const SensorPings& pings, std::size_t ping, glm::dvec3 at_m,
-                   const std::string& what, std::set<std::uint16_t>& inside) {
-  Scene& scene = survey.scene;
+double check_place(Scene& scene, Patch& patch, const PingPlace& where, std::set<std::uint16_t>& inside) {
+  const auto& [pings, ping, at_m, what] = where;
   double altitude_m = std::numeric_limits<double>::quiet_NaN();
   const SourcePlace& place = pings.sensor->description().place;
   const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
   const std::vector<FacetId> near = facets_above_and_below(ground, scene.grid.snap(at_m));
-  refuse_on_facet(survey, ground, near, pings, ping, at_m, what);
+  refuse_on_facet(scene, ground, near, where);
   for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), near, scene.grid.snap(at_m))) {
     const std::string& name = scene.report.components[c.component].name;
     if (c.component < scene.description.terrains.size()) {
@@ -188,49 +195,50 @@ double check_place(Survey& survey, Patch& patch, const SensorPings& pings, std::
   return altitude_m;
 }
 
-void check_places(Survey& survey) {
-  Patch patch(survey);
-  for (SensorPings& pings : survey.sensors) {
+void check_places(Site& site, Fleet& fleet) {
+  Scene& scene = site.scene;
+  Patch patch(site);
+  for (SensorPings& pings : fleet.sensors) {
     const Sensor& sensor = *pings.sensor;
     std::set<std::uint16_t> inside, receiver_inside;
-    const std::string what = fmt::format("sensor '{}'", sensor.description().name);
+    const std::string what = fmt::format("sensor '{}'", sensor.description().name),
+                      receiver = "the receiver of " + what;
     pings.altitudes_m.reserve(pings.poses.size());
     Steps seen("pings held against the bed", pings.poses.size());
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
       seen.done();
-      pings.altitudes_m.push_back(
-          check_place(survey, patch, pings, ping, pings.poses[ping].position_m, what, inside));
+      const glm::dvec3 at_m = pings.poses[ping].position_m;
+      pings.altitudes_m.push_back(check_place(scene, patch, {pings, ping, at_m, what}, inside));
       if (sensor.has_receiver_apart())
-        check_place(survey, patch, pings, ping, pings.receiver_pose(ping, 0).position_m,
-                    "the receiver of " + what, receiver_inside);
+        check_place(scene, patch, {pings, ping, pings.receiver_pose(ping, 0).position_m, receiver},
+                    receiver_inside);
       if (sensor.has_staff())
         for (const Fringe& staff : sensor.patterns(pings.poses[ping], pings.sound_speed_m_s, 0).fringes)
           for (const double end : {1.0, -1.0})
-            check_place(survey, patch, pings, ping,
-                        pings.poses[ping].position_m + end * staff.baseline_m / 2 * staff.axis,
-                        fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what),
+            check_place(scene, patch,
+                        {pings, ping, at_m + end * staff.baseline_m / 2 * staff.axis,
+                         fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)},
                         receiver_inside);
       // Of the later shots of a ping only what would spoil them.
       for (std::size_t shot = 1; shot < sensor.shots(); ++shot) {
-        const auto check = [&](glm::dvec3 at_m, glm::dvec3 before_m, const std::string& who) {
-          if (at_m == before_m) return;
-          const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
-          refuse_on_facet(survey, ground, facets_above_and_below(ground, survey.scene.grid.snap(at_m)), pings,
-                          ping, at_m, who);
+        const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
+          if (now.position_m == before.position_m) return;
+          const ShotGround ground = ground_in_line_with(patch.in_line_with(now.position_m), now.position_m);
+          refuse_on_facet(scene, ground, facets_above_and_below(ground, scene.grid.snap(now.position_m)),
+                          {pings, ping, now.position_m, who});
         };
-        check(pings.shot_pose(ping, shot).position_m, pings.shot_pose(ping, shot - 1).position_m, what);
+        check(pings.shot_pose(ping, shot), pings.shot_pose(ping, shot - 1), what);
         if (sensor.has_receiver_apart())
-          check(pings.receiver_pose(ping, shot).position_m, pings.receiver_pose(ping, shot - 1).position_m,
-                "the receiver of " + what);
+          check(pings.receiver_pose(ping, shot), pings.receiver_pose(ping, shot - 1), receiver);
       }
     }
   }
 }
 
 /// Leaves what is in the water. After check_places(), which counts the crossings of whole objects.
-void cut_at_surface(Survey& survey) {
-  Scene& scene = survey.scene;
-  if (!scene.description.sea_surface || survey.ground) return;  // no path follows ground of its own
+void cut_at_surface(Site& site) {
+  Scene& scene = site.scene;
+  if (!scene.description.sea_surface || site.ground) return;  // no path follows ground of its own
   const std::int32_t height = scene.surface_height();
   const auto& vertices = scene.mesh.vertices;
   if (std::all_of(vertices.begin(), vertices.end(), [=](GridPoint v) { return v.z <= height; })) return;
@@ -238,94 +246,57 @@ void cut_at_surface(Survey& survey) {
   std::iota(all.begin(), all.end(), FacetId{0});
   MeshPart wet = in_front_of(MirrorPlane::horizontal(height), scene.mesh, all);
   scene.mesh = std::move(wet.mesh);
-  if (!survey.relief.parent.empty()) {
-    for (FacetId& facet : wet.origin) facet = survey.relief.parent[facet];
-    survey.relief.parent = std::move(wet.origin);
+  if (!site.relief.parent.empty()) {
+    for (FacetId& facet : wet.origin) facet = site.relief.parent[facet];
+    site.relief.parent = std::move(wet.origin);
   }
-  survey.tree = std::make_unique<SceneTree>(scene.mesh);
+  site.tree = std::make_unique<SceneTree>(scene.mesh);
 }
 
-/// Half of the path from transmitter to receiver is no less than the range from either of them, less half of
-/// the way between them.
-TubeSet reaching_beyond(const SensorPings& pings, std::size_t ping, std::size_t shot, double unit_m,
-                        TubeSet set) {
-  set.reach +=
-      glm::distance(pings.shot_pose(ping, shot).position_m, pings.receiver_pose(ping, shot).position_m) /
-      (2 * unit_m);
-  return set;
+SensorPings pings_of(Site& site, const SensorDescription& description, const Trajectory& trajectory) {
+  SensorPings pings;
+  pings.sound_speed_m_s = sound_speed_at(site.scene, description, trajectory);
+  pings.sensor = make_sensor(in_water(description, pings.sound_speed_m_s, &site.scene.report.warnings));
+  const double shots = static_cast<double>(pings.sensor->shots()) * description.pings;
+  require_memory(shots * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
+                     description.pings * (sizeof(Pose) + 2.0 * sizeof(double)),
+                 description.place, fmt::format("the poses of {:.3g} shots", shots),
+                 "ask for fewer pings, in several scenes");
+  pings.times_s = pings.sensor->ping_times_s();
+  place_shots(pings, trajectory);
+  warn_of_rounding(*pings.sensor, site.scene.report.warnings);
+  return pings;
 }
 
 }  // namespace
 
-Survey::Survey(Scene loaded) : scene(std::move(loaded)) {}
-Survey::~Survey() = default;
-
-TubeSet Survey::receive_tubes(std::size_t s, std::size_t ping, std::size_t shot) const {
-  const SensorPings& pings = sensors[s];
-  return reaching_beyond(pings, ping, shot, scene.grid.unit_m(),
-                         pings.sensor->tubes(pings.receiver_pose(ping, shot), scene.grid, shot));
-}
-
-TubeSet Survey::tubes(const SharedShots& group, std::size_t ping, std::size_t shot) const {
-  const SensorPings& first = sensors[group.sensors.front()];
-  TubeSet set = first.sensor->tubes(first.shot_pose(ping, shot), scene.grid, shot);
-  for (const std::size_t s : group.sensors)
-    set.reach = std::max(set.reach, sensors[s].sensor->reach(scene.grid));
-  return reaching_beyond(first, ping, shot, scene.grid.unit_m(), std::move(set));
-}
-
-std::size_t Survey::sensor_named(const std::string& name) const {
-  std::string names;
-  for (std::size_t s = 0; s < sensors.size(); ++s) {
-    const std::string& own = sensors[s].sensor->description().name;
-    if (own == name) return s;
-    names += (s == 0 ? "'" : ", '") + own + "'";
-  }
-  throw UsageError(fmt::format("the scene has no sensor '{}'; it has {}", name, names));
-}
-
-std::unique_ptr<Survey> survey_with_tiles(const Survey& survey, const TileChoice& choice) {
-  auto part = loaded_with(survey, choice);
-  part->tree = std::make_unique<SceneTree>(part->scene.mesh);
-  part->lowest_m = survey.lowest_m;
-  part->sensors = survey.sensors;
-  part->shots = survey.shots;
-  part->watch = survey.watch;
-  cut_at_surface(*part);
-  return part;
-}
-
-std::unique_ptr<Survey> open_survey(const SceneDescription& description) {
+std::unique_ptr<const Survey> open_survey(const SceneDescription& description) {
   const auto load_start = std::chrono::steady_clock::now();
-  auto survey = std::make_unique<Survey>(load_scene(description));
-  if (survey->is_tiled()) survey->terrain_use = std::make_shared<TerrainUse>();
-  survey->load_seconds = seconds_since(load_start);
-  lay_relief(*survey);
+  const auto site = std::make_shared<Site>(load_scene(description));
+  if (site->is_tiled()) site->terrain_use = std::make_shared<TerrainUse>();
+  site->load_seconds = seconds_since(load_start);
+  lay_relief(*site);
   const auto tree_start = std::chrono::steady_clock::now();
-  survey->tree = std::make_unique<SceneTree>(survey->scene.mesh);
-  survey->tree_seconds = seconds_since(tree_start);
-  for (std::size_t s = 0; s < description.sensors.size(); ++s) {
-    SensorPings pings;
-    const Trajectory& trajectory = survey->scene.trajectories[survey->scene.sensor_trajectory[s]];
-    pings.sound_speed_m_s = sound_speed_at(*survey, description.sensors[s], trajectory);
-    pings.sensor =
-        make_sensor(in_water(description.sensors[s], pings.sound_speed_m_s, &survey->scene.report.warnings));
-    const double shots = static_cast<double>(pings.sensor->shots()) * description.sensors[s].pings;
-    require_memory(shots * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
-                       description.sensors[s].pings * (sizeof(Pose) + 2.0 * sizeof(double)),
-                   description.sensors[s].place, fmt::format("the poses of {:.3g} shots", shots),
-                   "ask for fewer pings, in several scenes");
-    pings.times_s = pings.sensor->ping_times_s();
-    place_shots(pings, trajectory);
-    warn_of_rounding(*pings.sensor, survey->scene.report.warnings);
-    survey->sensors.push_back(std::move(pings));
-  }
-  check_places(*survey);
-  cut_at_surface(*survey);
-  put_into_water(*survey);
-  check_paths(*survey);
-  find_shared_shots(*survey);
-  return survey;
+  site->tree = std::make_unique<SceneTree>(site->scene.mesh);
+  site->tree_seconds = seconds_since(tree_start);
+  const auto fleet = std::make_shared<Fleet>();
+  for (std::size_t s = 0; s < description.sensors.size(); ++s)
+    fleet->sensors.push_back(
+        pings_of(*site, description.sensors[s], site->scene.trajectories[site->scene.sensor_trajectory[s]]));
+  check_places(*site, *fleet);
+  cut_at_surface(*site);
+  put_into_water(*site, *fleet);
+  check_paths(site->scene, *fleet);
+  find_shared_shots(site->scene.grid, *fleet);
+  return std::unique_ptr<const Survey>(new Survey{site, fleet});
+}
+
+Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
+  const std::shared_ptr<Site> part = loaded_with(*survey.site, choice);
+  part->tree = std::make_unique<SceneTree>(part->scene.mesh);
+  part->lowest_m = survey.site->lowest_m;
+  cut_at_surface(*part);
+  return {part, survey.fleet};
 }
 
 double absorption_db_per_m(const Scene& scene, const Sensor& sensor) {

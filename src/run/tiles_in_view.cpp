@@ -32,11 +32,10 @@ double farthest_of_paths(const PathSettings& settings, double reach) {
 
 }  // namespace
 
-TilesInView::TilesInView(const Survey& survey)
-    : survey_(survey),
-      lift_m_((survey.ground ? survey.ground->omitted().largest_height_m() : 0) +
-              2 * survey.scene.grid.unit_m()) {
-  const Scene& scene = survey.scene;
+TilesInView::TilesInView(const Site& site)
+    : site_(site),
+      lift_m_((site.ground ? site.ground->omitted().largest_height_m() : 0) + 2 * site.scene.grid.unit_m()) {
+  const Scene& scene = site.scene;
   for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
     if (!scene.tiled[i].tiles) continue;
     Boxes& boxes = boxes_.emplace_back();
@@ -65,7 +64,7 @@ void TilesInView::finish(TileChoice& choice) const {
     list.erase(std::unique(list.begin(), list.end()), list.end());
   };
   for (const Boxes& boxes : boxes_) {
-    const TerrainTiles& terrain = *survey_.scene.tiled[boxes.component].tiles;
+    const TerrainTiles& terrain = *site_.scene.tiled[boxes.component].tiles;
     std::vector<std::uint32_t>& list = choice[boxes.component];
     in_order(list);
     // An island between holes is a height sheet or not by its size: none may be cut small.
@@ -83,23 +82,22 @@ void TilesInView::finish(TileChoice& choice) const {
   }
 }
 
-TileChoice TilesInView::of(const SharedShots& group, std::size_t ping) const {
-  const Scene& scene = survey_.scene;
+TileChoice TilesInView::of(const Shots& shots, const SharedShots& group, std::size_t ping) const {
+  const Scene& scene = site_.scene;
   const WorldGrid& grid = scene.grid;
-  const std::size_t first = group.sensors.front();
-  const SensorPings& pings = survey_.sensors[first];
   TileChoice choice(scene.tiled.size());
-  for (std::size_t shot = 0; shot < survey_.shots_a_ping(group); ++shot) {
-    std::vector<TubeSet> sets{survey_.tubes(group, ping, shot)};
-    if (pings.sensor->has_receiver_apart()) sets.push_back(survey_.receive_tubes(first, ping, shot));
+  for (std::size_t number = 0; number < shots.survey().fleet->shots_a_ping(group); ++number) {
+    const Shot shot = shots.of(group, ping, number);
+    const SensorPings& pings = shot.pings();
+    std::vector<TubeSet> sets{shot.tubes()};
+    if (shot.has_receiver_apart()) sets.push_back(shot.receive_tubes(shot.first()));
     if (pings.sensor->has_staff())
-      for (const Fringe& staff :
-           pings.sensor->patterns(pings.shot_pose(ping, shot), pings.sound_speed_m_s, shot).fringes)
+      for (const Fringe& staff : pings.sensor->patterns(shot.pose(), pings.sound_speed_m_s, number).fringes)
         for (const double end : {1.0, -1.0})
           sets.push_back(moved_along(sets.front(), staff, end, grid.unit_m()));
     for (const TubeSet& tubes : sets) {
       if (scene.water->refracts()) {
-        const Straightening straightening = straightening_of(survey_, pings, grid.to_metres(tubes.apex));
+        const Straightening straightening = straightening_of(site_, pings, grid.to_metres(tubes.apex));
         const Outlook outlook(tubes, grid.unit_m(), straightening);
         for (const Boxes& boxes : boxes_)
           add(boxes, outlook.facets(boxes.mesh, *boxes.tree, grid, lift_m_), choice);
@@ -109,9 +107,9 @@ TileChoice TilesInView::of(const SharedShots& group, std::size_t ping) const {
       // its tubes may change: docs/big-terrain.md
       const Sector sector(tubes, grid.unit_m());
       for (const Boxes& boxes : boxes_)
-        add(boxes, sector.facets(survey_.ground ? *boxes.tree : *boxes.column_tree, lift_m_), choice);
+        add(boxes, sector.facets(site_.ground ? *boxes.tree : *boxes.column_tree, lift_m_), choice);
       for (const std::size_t s : group.sensors) {
-        const Sensor& sensor = *survey_.sensors[s].sensor;
+        const Sensor& sensor = shot.sensor(s);
         const std::optional<PathSettings> paths = path_settings(scene, sensor.frequency_khz());
         if (!paths) continue;
         const double farthest = farthest_of_paths(*paths, std::max(2 * sensor.reach(grid), tubes.reach)) +
@@ -135,10 +133,10 @@ TileChoice TilesInView::of(const SharedShots& group, std::size_t ping) const {
 }
 
 TileChoice TilesInView::below(glm::dvec3 place_m) const {
-  TileChoice choice(survey_.scene.tiled.size());
+  TileChoice choice(site_.scene.tiled.size());
   for (const Boxes& boxes : boxes_) {
     std::vector<FacetId> found;
-    facets_near_vertical(*boxes.tree, survey_.scene.grid.snap(place_m), lift_m_ / survey_.scene.grid.unit_m(),
+    facets_near_vertical(*boxes.tree, site_.scene.grid.snap(place_m), lift_m_ / site_.scene.grid.unit_m(),
                          found);
     add(boxes, found, choice);
   }
@@ -150,15 +148,14 @@ std::uint64_t TilesInView::facets(const TileChoice& choice) const {
   std::uint64_t sum = 0;
   for (const Boxes& boxes : boxes_)
     for (const std::uint32_t tile : choice[boxes.component])
-      sum += survey_.scene.tiled[boxes.component].tiles->tiles()[tile].facets;
+      sum += site_.scene.tiled[boxes.component].tiles->tiles()[tile].facets;
   return sum;
 }
 
-std::shared_ptr<const Survey> survey_around(const Survey& survey, const SharedShots& group,
-                                            std::size_t ping) {
-  if (!survey.is_tiled()) return {std::shared_ptr<const Survey>(), &survey};  // owns nothing
-  const TilesInView tiles(survey);
-  return survey_with_tiles(survey, tiles.of(group, ping));
+Survey survey_around(const Shots& shots, const SharedShots& group, std::size_t ping) {
+  const Survey& survey = shots.survey();
+  if (!survey.site->is_tiled()) return survey;
+  return survey_with_tiles(survey, TilesInView(*survey.site).of(shots, group, ping));
 }
 
 }  // namespace tubefoot

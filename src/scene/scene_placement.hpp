@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
+#include "scene/description/object_description.hpp"
 #include "scene/description/scene_component.hpp"
-#include "scene/description/scene_description.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/water/water_column.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/water_description.hpp"
 
 namespace tubefoot {
 

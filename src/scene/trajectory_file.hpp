@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/trajectory_description.hpp"
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {

@@ -66,7 +66,7 @@ function frameAll() { orbit.frame(shownPoints()); }
 /// From above and behind the sonar, looking at its footprints.
 function fromSonar() {
   const { middle } = ballOf(shownPoints()), sonar = facts.pings[scene.pings[0]].sensor, way = minus(middle, sonar);
-  orbit.azimuth = facts.layout === "fan" && facts.kind !== "multibeam" ? Math.atan2(-way[0], way[1]) : trackAzimuth() + 0.5;
+  orbit.azimuth = facts.layout === "fan" && !facts.acrossTrack ? Math.atan2(-way[0], way[1]) : trackAzimuth() + 0.5;
   orbit.elevation = 0.75;
   frameAll();
 }
@@ -141,7 +141,7 @@ function neighbour([right, up]) {
   const within = (v, n) => Math.min(Math.max(v, 0), n - 1);
   if (facts.layout === "fan") {
     beam = within(beam + right, facts.beams);
-    sample = within(sample + (facts.kind === "multibeam" && byId("layout").value === "fan" ? -up : up), facts.samples);
+    sample = within(sample + (facts.acrossTrack && byId("layout").value === "fan" ? -up : up), facts.samples);
   } else if (facts.layout === "echogram") {
     ping = within(ping + right, facts.pings.length);
     sample = within(sample - up, facts.samples);

@@ -87,6 +87,7 @@ class PageWriter {
                                 {"layout", data_.layout == PictureLayout::fan         ? "fan"
                                            : data_.layout == PictureLayout::waterfall ? "waterfall"
                                                                                       : "echogram"},
+                                {"acrossTrack", data_.across_track},
                                 {"beams", data_.beams},
                                 {"samples", data_.samples},
                                 {"firstRange", data_.first_m},

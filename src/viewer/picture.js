@@ -29,7 +29,7 @@ const layouts = {
   },
   /// u: metres to starboard, v: metres ahead (or up towards the sonar, for fans across the track).
   fan(ping) {
-    const down = facts.kind === "multibeam" ? -1 : 1, low = beamBorders[0], high = beamBorders[beamBorders.length - 1];
+    const down = facts.acrossTrack ? -1 : 1, low = beamBorders[0], high = beamBorders[beamBorders.length - 1];
     const rising = high > low ? 1 : -1;
     const at = (angle, range) => [range * Math.sin(angle * radians), down * range * Math.cos(angle * radians)];
     const corners = [];
@@ -54,7 +54,7 @@ const layouts = {
         return [[beam, sample], [beam + 1, sample], [beam + 1, sample + 1], [beam, sample + 1]]
           .map(([b, s]) => at(beamBorders[b], rangeOf(s)));
       },
-      axes: facts.kind === "multibeam"
+      axes: facts.acrossTrack
         ? { across: { title: "across track, m (starboard to the right)" }, up: { title: "below the sonar, m", text: (v, step) => tickText(0 - v, step) } }
         : { across: { title: "to starboard, m" }, up: { title: "ahead, m" } },
     };

@@ -60,6 +60,7 @@ struct ViewData {
   std::vector<std::string> components, materials;
 
   PictureLayout layout = PictureLayout::fan;
+  bool across_track = false;  ///< the fan hangs down from the sonar, else it lies ahead
   std::vector<ViewPing> pings;
   std::uint32_t beams = 0, samples = 0;
   double first_m = 0, step_m = 0;      ///< of range samples

@@ -8,14 +8,12 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "engine/echo/contributions.hpp"
-#include "engine/sight/tube_engine.hpp"
+#include "engine/echo/echo.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/work/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
-#include "run/sensor_law.hpp"
-#include "sensors/model/sensor_kind.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
 #include "viewer/view_surroundings.hpp"
 
 namespace tubefoot {
@@ -35,28 +33,18 @@ std::vector<double> beam_angles_deg(const Sensor& sensor) {
     flat.push_back(180 / std::numbers::pi * std::atan2(x, y));
     across.push_back(180 / std::numbers::pi * std::atan2(x, -z));
   }
-  const std::string kind = kind_of(sensor.description());
-  return kind == "multibeam" || kind == "echosounder" ? across : flat;
+  return sensor.is_across_track() ? across : flat;
 }
 
 class Gatherer {
  public:
-  Gatherer(const Survey& survey, std::size_t sensor, const ViewLimits& limits)
-      : survey_(survey),
-        pings_(survey.sensors[sensor]),
+  Gatherer(const Shots& shots, std::size_t sensor, const ViewLimits& limits)
+      : shots_(shots),
+        pings_(shots.survey().sensors[sensor]),
         sensor_(*pings_.sensor),
         index_(sensor),
         limits_(limits),
-        group_(*std::find_if(survey.shots.begin(), survey.shots.end(), [&](const SharedShots& g) {
-          return std::find(g.sensors.begin(), g.sensors.end(), sensor) != g.sensors.end();
-        })) {
-    const RunDescription& run = survey.scene.description.run;
-    binning_ = binning_from_name(run.binning);
-    visibility_.arithmetic = arithmetic_from_name(run.arithmetic);
-    visibility_.facets_per_split = static_cast<std::uint32_t>(run.facets_per_split);
-    visibility_.tolerance = run.zero_tolerance;
-    cells_ = sensor_.beams().size() * static_cast<std::size_t>(sensor_.samples().count);
-  }
+        cells_(sensor_.beams().size() * static_cast<std::size_t>(sensor_.samples().count)) {}
 
   void add_ping(std::size_t ping) {
     const auto place = static_cast<std::uint32_t>(view.pings.size());
@@ -64,26 +52,24 @@ class Gatherer {
         {static_cast<std::uint32_t>(ping), pings_.times_s[ping], pings_.poses[ping].position_m, 0});
     view.energy_j.resize(view.energy_j.size() + cells_, 0.0);
     const std::size_t shadows_before = view.shadows.corners_of.size();
-    for (std::size_t shot = 0; shot < sensor_.shots(); ++shot) {
-      const ShotGround ground = ground_of(survey_, group_, ping, shot);
-      const TubeEngine engine(ground.mesh(), ground.tree(), survey_.scene.grid.unit_m(), visibility_);
-      // The sensor's own tubes, with no more reach than it has; those of its group may reach further.
-      const History history = engine.trace(survey_.tubes(group_, ping, shot));
+    for (std::size_t number = 0; number < sensor_.shots(); ++number) {
+      const Shot shot = shots_.heard_by(index_, ping, number);
+      const ShotGround& ground = shot.ground();
+      const History history = shot.trace();
       if (view.footprints.size() + history.footprints.footprints.size() > limits_.footprints)
         throw UsageError(fmt::format("more than {} footprints up to ping {}: ask for fewer --pings",
                                      limits_.footprints, ping));
-      add_shot(ground, history, place, ping, shot);
+      add_shot(shot, history, place);
       if (!shadows_stopped_)
-        shadows_stopped_ =
-            !add_shadows(survey_.scene, ground, history, limits_.shadow_polygons, view.shadows);
-      if (view.pings.size() == 1 && shot == 0 && ground.is_own() && ground.apparent() == nullptr)
+        shadows_stopped_ = !add_shadows(shot.scene(), ground, history, limits_.shadow_polygons, view.shadows);
+      if (view.pings.size() == 1 && number == 0 && ground.is_own() && ground.apparent() == nullptr)
         own_mesh_ = ground.mesh();
     }
     view.pings.back().shadows = static_cast<std::uint32_t>(view.shadows.corners_of.size() - shadows_before);
   }
 
   void finish() {
-    const Scene& scene = survey_.scene;
+    const Scene& scene = shots_.survey().scene;
     const std::size_t left_out =
         take_mesh(scene, own_mesh_.facets.empty() ? scene.mesh : own_mesh_, limits_.mesh_facets, view);
     if (left_out > 0)
@@ -110,12 +96,12 @@ class Gatherer {
   ViewData view;
 
  private:
-  void add_shot(const ShotGround& ground, const History& history, std::uint32_t place, std::size_t ping,
-                std::size_t shot) {
-    const Scene& scene = survey_.scene;
+  void add_shot(const Shot& shot, const History& history, std::uint32_t place) {
+    const Scene& scene = shot.scene();
+    const ShotGround& ground = shot.ground();
     const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
-    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot);
-    const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(shot);
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
+    const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(shot.number());
     const RangeSamples& samples = sensor_.samples();
     const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
     const auto first_tube = static_cast<std::uint32_t>(view.tubes.size());
@@ -155,18 +141,18 @@ class Gatherer {
           view.shapes.corners_m.push_back(true_place(set.corners_m[piece.first + c]));
       }
     }
-    SensorLaw law(survey_, ground, index_, ping, shot);
+    SensorLaw law = shot.law(index_);
     law.patterns.fringes.clear();  // what is viewed is what the transmitter sees
     const bool patterns = law.law.patterns != nullptr;
-    const Echo echo =
-        integrate_echo(history, beam_of_tube, static_cast<int>(beams.size()), samples, law.law, binning_);
+    const Echo echo = shot.echo(history, index_, law.law);
     const std::size_t picture = place * cells_, count = static_cast<std::size_t>(samples.count);
     for (std::size_t b = 0; b < beams.size(); ++b)
       for (std::size_t k = 0; k < count; ++k)
         view.energy_j[picture + beams[b] * count + k] += echo.energy[b * count + k];
     view.weak_links_left_out = view.weak_links_left_out || patterns;
-    for (const Contribution& c : contributions(history, beam_of_tube, samples, law.law, binning_, echo,
-                                               patterns ? least_share_with_patterns : 0)) {
+    for (const Contribution& c :
+         contributions(history, {shot.beams(index_), beam_of_tube}, samples, law.law, shot.request().binning,
+                       echo, patterns ? least_share_with_patterns : 0)) {
       view.links.push_back({first_footprint + c.footprint,
                             static_cast<std::uint32_t>(picture + beams[c.beam] * count + c.sample),
                             c.energy_j});
@@ -174,15 +160,12 @@ class Gatherer {
     }
   }
 
-  const Survey& survey_;
+  const Shots& shots_;
   const SensorPings& pings_;
   const Sensor& sensor_;
   std::size_t index_;
   const ViewLimits& limits_;
-  const SharedShots& group_;
-  Binning binning_ = Binning::exact;
-  VisibilityOptions visibility_;
-  std::size_t cells_ = 0;
+  std::size_t cells_;
   bool shadows_stopped_ = false;
   FacetMesh own_mesh_;  // of the first shot, where relief is refined for it
 };
@@ -194,18 +177,20 @@ PictureLayout layout_of(const Sensor& sensor) {
 
 }  // namespace
 
-ViewData gather_view(const Survey& survey, std::size_t sensor, const std::optional<PingRange>& range,
+ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional<PingRange>& range,
                      bool quiet, const ViewLimits& limits) {
+  const Survey& survey = shots.survey();
   const SensorPings& pings = survey.sensors[sensor];
   const SensorDescription& description = pings.sensor->description();
-  require_able(survey, {Feature::view}, sensor);
-  Gatherer gatherer(survey, sensor, limits);
+  require_able(survey, shots.request(), Feature::view, sensor);
+  Gatherer gatherer(shots, sensor, limits);
   ViewData& view = gatherer.view;
   const Scene& scene = survey.scene;
   view.title = scene.description.title;
   view.scene_hash = scene.description.sha256;
   view.sensor = description.name;
-  view.kind = kind_of(description);
+  view.kind = kind_of(description).name();
+  view.across_track = pings.sensor->is_across_track();
   for (const ComponentReport& component : scene.report.components) view.components.push_back(component.name);
   for (const MaterialDescription& material : scene.description.materials)
     view.materials.push_back(material.name);

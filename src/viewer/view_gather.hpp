@@ -6,6 +6,7 @@
 
 #include "run/options.hpp"
 #include "run/survey.hpp"
+#include "run/shot.hpp"
 #include "viewer/view_data.hpp"
 
 namespace tubefoot {
@@ -22,7 +23,7 @@ struct ViewLimits {
 /// sensors with one or two beams, as many from there as the limits allow. Energies are those of the ordinary
 /// echo, one bounce. Throws UsageError for a sensor with a receiver apart and for more footprints than a page
 /// holds; Interrupted when somebody wants to stop.
-ViewData gather_view(const Survey& survey, std::size_t sensor, const std::optional<PingRange>& range,
+ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional<PingRange>& range,
                      bool quiet, const ViewLimits& limits = {});
 
 }  // namespace tubefoot

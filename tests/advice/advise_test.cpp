@@ -9,6 +9,7 @@
 #include "advice/advice.hpp"
 #include "app/program.hpp"
 #include "run/settings.hpp"
+#include "sensors/kinds/scene_file.hpp"
 #include "validation/advise/unseen.hpp"
 
 namespace tubefoot {
@@ -122,7 +123,7 @@ TEST_P(Advise, EveryCandidateThatHoldsDoesSoOnPingsNotSeen) {
   int rays = 0;
   for (const Candidate& c : advice.candidates) {
     if (!advice.holds(c)) continue;
-    rays += c.setting.run.engine == "ray";
+    rays += c.setting.run.engine == Engine::ray;
     EXPECT_LE(unseen(advice, scene, c.setting).l1_error, tolerance.value)
         << c.setting.engine << ", " << c.setting.setting;
   }
@@ -136,11 +137,11 @@ TEST_P(Advise, ATightToleranceTakesExactTubes) {
   options.measure = false;
   for (const char* text : {"1e-6", "1e-4dB"}) {
     const Advice advice = advise(scene, parse_tolerance(text), options);
-    EXPECT_EQ(advice.best().setting.run.engine, "tube") << text;
-    EXPECT_EQ(advice.best().setting.run.binning, "exact") << text;
+    EXPECT_EQ(advice.best().setting.run.engine, Engine::tube) << text;
+    EXPECT_EQ(advice.best().setting.run.binning, Binning::exact) << text;
     EXPECT_EQ(advice.best().predicted_error, 0);
     for (const Candidate& c : advice.candidates)
-      if (c.setting.run.engine == "ray") {
+      if (c.setting.run.engine == Engine::ray) {
         EXPECT_FALSE(c.tried);
         EXPECT_FALSE(c.note.empty());
       }
@@ -166,21 +167,21 @@ TEST_P(AdviseShipped, RaysHoldOnUnseenPingsAndAreAtMostHalfAsManyAgainAsTheFewes
   options.quiet = true;
   options.largest_cost = 1e6;
   options.measure = false;
-  options.samplings = {"stratified"};
+  options.samplings = {RaySampling::stratified};
   const Advice advice = advise(scene, tolerance, options);
   UnseenPings pings(scene, advice.sensors, 4);
   int tried = 0;
   for (const Candidate& c : advice.candidates) {
     if (!advice.holds(c)) continue;
     EXPECT_LE(error_of(pings.run(c.setting, 1), tolerance.measure), tolerance.value) << c.setting.setting;
-    if (c.setting.run.engine != "ray") continue;
+    if (c.setting.run.engine != Engine::ray) continue;
     ++tried;
-    const auto advised = static_cast<double>(*c.setting.run.rays_per_beam);
-    EXPECT_GT(
-        error_of(
-            pings.run(ray_setting("stratified", static_cast<std::int64_t>(advised / 1.5), pings.beams()), 1),
-            tolerance.measure),
-        tolerance.value)
+    const auto advised = static_cast<double>(c.setting.run.rays.rays);
+    EXPECT_GT(error_of(pings.run(ray_setting(RaySampling::stratified,
+                                             static_cast<std::int64_t>(advised / 1.5), pings.beams()),
+                                 1),
+                       tolerance.measure),
+              tolerance.value)
         << advised << " rays a beam are more than half as many again as would do";
   }
   EXPECT_EQ(tried, 1);

@@ -9,6 +9,7 @@
 #include "fuzz.hpp"
 #include "run/kept/partial_run.hpp"
 #include "run/refined_bed_file.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot::fuzz {
 namespace {
@@ -23,7 +24,7 @@ StoreLayout layout() {
 
 nlohmann::ordered_json asked() { return {{"scene_hash", "0123"}, {"reference", nullptr}}; }
 
-nlohmann::ordered_json identity() { return {{"asked", asked()}, {"run", json_of(RunDescription())}}; }
+nlohmann::ordered_json identity() { return {{"asked", asked()}, {"run", json_of(RunRequest())}}; }
 
 /// A file of pings as the program writes it, with some pings done, or of another layout or identity.
 std::string good_store(std::uint32_t kind) {
@@ -81,7 +82,7 @@ void pings(Bytes& bytes) {
   scratch_file("run.partial", kind == 3 ? std::string(bytes.rest()) : damaged(good[kind], bytes));
   may_refuse_to_resume([&] {
     PartialRun partial(output, resume);
-    if (partial.kept()) resumed(*partial.kept(), asked(), RunDescription());
+    if (partial.kept()) resumed(*partial.kept(), asked(), {});
     const auto store = partial.open(layout(), identity());
     if (store->done_units() > layout().units()) finding("more pings done than there are");
     for (std::size_t group = 0; group < 2; ++group)

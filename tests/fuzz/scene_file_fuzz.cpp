@@ -11,6 +11,7 @@
 #include "fuzz.hpp"
 #include "run/survey.hpp"
 #include "scene/description/scene_description.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot::fuzz {
 namespace {
@@ -68,13 +69,8 @@ bool is_modest(const ObjectDescription& object) {
 }
 
 bool is_modest(const SensorDescription& sensor) {
-  return sensor.pings <= 100 && std::visit(
-                                    [](const auto& kind) {
-                                      int beams = 2;
-                                      if constexpr (requires { kind.beams; }) beams = kind.beams;
-                                      return double(beams) * kind.samples <= 1e6 && beams <= 512;
-                                    },
-                                    sensor.kind);
+  const SensorFigures figures = figures_of(sensor);
+  return sensor.pings <= 100 && figures.beams * figures.samples <= 1'000'000 && figures.beams <= 512;
 }
 
 bool is_modest(const MaterialDescription& material) {

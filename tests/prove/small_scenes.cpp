@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "geometry/numbers/wide_int.hpp"
+#include "geometry/numbers/int128.hpp"
 
 namespace tubefoot::prove {
 namespace {

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "run/simulation.hpp"
-#include "sensors/products/products.hpp"
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/products/received.hpp"
 
 namespace tubefoot {
 namespace {
@@ -18,13 +20,13 @@ TrackEstimate track_of(bool texture, bool speckle) {
   SceneDescription scene = read_scene_file(TUBEFOOT_SOURCE_DIR "/scenes/textures/track.toml");
   SensorDescription& camera = scene.sensors.at(0);
   camera.pings = 4;
-  std::get<DidsonDescription>(camera.kind).samples = 200;
+  camera.kind.edit<DidsonDescription>().samples = 200;
   if (!texture)
     for (MaterialDescription& material : scene.materials) material.reflectivity.clear();
   camera.signal.speckle = speckle ? "rayleigh" : "none";
   const auto survey = open_survey(scene);
   SimulationStats stats;
-  const Recording recording = simulate(*survey, true, stats).front();
+  const Recording recording = simulate(*survey, request_of(scene.run), stats).front();
   RunContext run;
   run.seed = 5;
   std::vector<std::vector<double>> frames;

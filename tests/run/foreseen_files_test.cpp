@@ -8,6 +8,7 @@
 #include "run/run_steps.hpp"
 #include "run/simulation.hpp"
 #include "sensors/camera_file_reader.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -103,11 +104,12 @@ TEST_F(Foreseen, TheDriftingCameraWritesADidsonFile) {
   SceneDescription scene = read_scene_file(TUBEFOOT_SOURCE_DIR "/scenes/textures/track.toml");
   scene.sensors.at(0).pings = 1;
   const auto survey = open_survey(scene);
+  const RunRequest request = request_of(scene.run);
   EXPECT_TRUE(files_left_out(*survey).empty());
   SimulationStats stats;
-  const std::vector<Recording> recordings = simulate(*survey, true, stats);
+  const std::vector<Recording> recordings = simulate(*survey, request, stats);
   std::vector<std::string> warnings;
-  write_result_files(folder.path(), *survey, recordings, std::nullopt, warnings);
+  write_result_files(folder.path(), *survey, request, recordings, warnings);
   EXPECT_TRUE(warnings.empty());
   const camera_file::Reader file(folder / "camera.ddf");
   EXPECT_EQ(file.frames, 1u);

@@ -15,6 +15,7 @@
 #include "app/program.hpp"
 #include "files/file_hash.hpp"
 #include "scene/description/scene_description.hpp"
+#include "sensors/kinds/scene_file.hpp"
 #include "sensors/recordings/echo_reader.hpp"
 
 namespace tubefoot {

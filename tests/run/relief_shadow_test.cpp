@@ -11,6 +11,7 @@
 #include "app/echo_reader.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/scene.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

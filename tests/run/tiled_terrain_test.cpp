@@ -18,6 +18,7 @@
 #include "run/region_plan.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -151,8 +152,10 @@ Result simulated(const SceneDescription& description, int threads = 2,
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   const auto survey = open_survey(description);
-  const auto store = std::make_shared<PingStore>(layout_of(*survey, reference_tolerance.has_value()));
-  simulate(*survey, *store, true, reference_tolerance);
+  RunRequest request = request_of(description.run);
+  request.reference_tolerance = reference_tolerance;
+  const auto store = std::make_shared<PingStore>(layout_of(*survey, request));
+  simulate(*survey, request, *store, {});
   Result result;
   for (std::size_t s = 0; s < survey->sensors.size(); ++s) {
     const auto take = [&](std::span<const double> values) {
@@ -166,16 +169,16 @@ Result simulated(const SceneDescription& description, int threads = 2,
     result.altitude_m.push_back(std::move(altitude));
   }
   result.stats = totals(*survey, *store);
-  if (survey->terrain_use) {
-    result.regions = survey->terrain_use->regions;
-    result.loads = survey->terrain_use->loads;
-    result.most_bytes = survey->terrain_use->most_bytes;
+  if (survey->site->terrain_use) {
+    result.regions = survey->site->terrain_use->regions;
+    result.loads = survey->site->terrain_use->loads;
+    result.most_bytes = survey->site->terrain_use->most_bytes;
   }
   return result;
 }
 
 std::size_t bytes_of_mesh(const Survey& survey) {
-  return survey.tree->bytes() + survey.scene.mesh.facets.size() * 16 +
+  return survey.site->tree->bytes() + survey.scene.mesh.facets.size() * 16 +
          survey.scene.mesh.vertices.size() * sizeof(GridPoint);
 }
 
@@ -287,10 +290,10 @@ TEST(TiledTerrainFiles, NoMoreIsHeldThanTheCacheAndWhatIsInUse) {
   SceneDescription description = with_load(folder, "mosaic.vrt", "tiles", near);
   description.run.terrain_cache_mb = 0;
   const auto survey = open_survey(description);
-  const RegionPlan plan(*survey, 0);
+  const RegionPlan plan(Shots(*survey, request_of(description.run)), 0);
   std::size_t largest = 0;
   for (const RegionPlan::Region& region : plan.regions())
-    largest = std::max(largest, bytes_of_mesh(*survey_with_tiles(*survey, region.tiles)));
+    largest = std::max(largest, bytes_of_mesh(survey_with_tiles(*survey, region.tiles)));
   const Result one = simulated(description, 1);
   EXPECT_EQ(one.loads, plan.regions().size());
   EXPECT_LE(one.most_bytes, 2 * largest) << "the last one and the next";
@@ -364,11 +367,12 @@ TEST(TiledTerrainFiles, ABrokenTileStopsTheRunAndKeepsWhatWasFinished) {
   description.run.terrain_cache_mb = 0;
   const auto survey = open_survey(description);
   const std::string intact = bytes_of(last);
-  const auto store = std::make_shared<PingStore>(layout_of(*survey, false));
+  const RunRequest request = request_of(description.run);
+  const auto store = std::make_shared<PingStore>(layout_of(*survey, request));
   fs::resize_file(last, intact.size() / 3);
   try {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    simulate(*survey, *store, true);
+    simulate(*survey, request, *store, {});
     FAIL() << "the end of the line needs the south-east";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr((folder / "mosaic.vrt").string()));
@@ -377,7 +381,7 @@ TEST(TiledTerrainFiles, ABrokenTileStopsTheRunAndKeepsWhatWasFinished) {
   EXPECT_GT(store->done_units(), 1u);
   EXPECT_LT(store->done_units(), 9u);
   std::ofstream(last, std::ios::binary) << intact;
-  simulate(*survey, *store, true);
+  simulate(*survey, request, *store, {});
   const auto energy = store->energy(0);
   EXPECT_EQ(std::vector<double>(energy.begin(), energy.end()),
             simulated(with_load(folder, "mosaic.vrt", "whole")).energy[0]);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "scene/description/scene_description.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 

@@ -13,6 +13,8 @@
 #include <numbers>
 #include <string>
 
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
 #include "sensors/recordings/recording.hpp"
 
 // Small sensors and recordings for the tests of this folder.

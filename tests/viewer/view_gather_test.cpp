@@ -14,12 +14,11 @@
 
 #include "app/echo_reader.hpp"
 #include "app/program.hpp"
-#include "engine/echo/contributions.hpp"
+#include "engine/echo/echo.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "files/usage_error.hpp"
-#include "run/sensor_law.hpp"
-#include "run/shot_ground.hpp"
 #include "scene/description/scene_description.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -82,11 +81,17 @@ struct Case {
   std::string name, material, sensor, run;
 };
 
+/// As `tubefoot view` gathers it.
+ViewData view_of(const Survey& survey, std::size_t sensor, const std::optional<PingRange>& pings,
+                 const ViewLimits& limits = {}) {
+  return gather_view(Shots(survey, request_of(survey.scene.description.run)), sensor, pings, true, limits);
+}
+
 class Links : public testing::TestWithParam<Case> {
  protected:
   TestFolder folder;
   std::string scene = rough_scene(GetParam().material, GetParam().sensor) + GetParam().run;
-  std::unique_ptr<Survey> survey = open_survey(read_scene_file(folder.write("scene.toml", scene)));
+  std::unique_ptr<const Survey> survey = open_survey(read_scene_file(folder.write("scene.toml", scene)));
 };
 
 INSTANTIATE_TEST_SUITE_P(
@@ -99,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(Links, AddUpToTheEchoOfARun) {
   const Echoes run = echoes_in(folder, scene);
-  const ViewData view = gather_view(*survey, 0, PingRange{1, 1}, true);
+  const ViewData view = view_of(*survey, 0, PingRange{1, 1});
   ASSERT_EQ(view.pings.size(), 1u);
   EXPECT_EQ(view.pings[0].number, 1u);
   ASSERT_EQ(view.energy_j.size(), run.beams * run.samples);
@@ -128,7 +133,7 @@ TEST_P(Links, AddUpToTheEchoOfARun) {
 }
 
 TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
-  const ViewData view = gather_view(*survey, 0, PingRange{0, 1}, true);
+  const ViewData view = view_of(*survey, 0, PingRange{0, 1});
   const double last_m = view.first_m + view.samples * view.step_m;
   std::vector<int> links(view.footprints.size(), 0);
   std::uint32_t before = 0;
@@ -166,19 +171,15 @@ TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
 
 /// All terms, however small, with patterns too.
 TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
-  const SensorPings& pings = survey->sensors[0];
-  const Sensor& sensor = *pings.sensor;
-  const ShotGround ground = ground_of(*survey, survey->shots[0], 0, 0);
-  const TubeEngine engine(ground.mesh(), ground.tree(), survey->scene.grid.unit_m(), {});
-  const History history = engine.trace(survey->tubes(survey->shots[0], 0, 0));
-  const SensorLaw law(*survey, ground, 0, 0, 0);
-  const Binning binning = binning_from_name(survey->scene.description.run.binning);
-  const auto beams = int(sensor.beams_of_shot(0).size());
-  const Echo echo =
-      integrate_echo(history, sensor.beam_of_tube(0), beams, sensor.samples(), law.law, binning);
+  const Shots shots(*survey, request_of(survey->scene.description.run));
+  const Shot shot = shots.heard_by(0, 0, 0);
+  const Sensor& sensor = shot.sensor(0);
+  const History history = shot.trace();
+  const SensorLaw law = shot.law(0);
+  const Echo echo = shot.echo(history, 0, law.law);
   std::vector<double> sum(echo.energy.size(), 0.0);
-  for (const Contribution& c :
-       contributions(history, sensor.beam_of_tube(0), sensor.samples(), law.law, binning, echo))
+  for (const Contribution& c : contributions(history, {beams, sensor.beam_of_tube(0)}, sensor.samples(),
+                                             law.law, shots.request().binning, echo))
     sum.at(std::size_t(c.beam) * echo.samples + c.sample) += c.energy_j;
   const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
   EXPECT_GT(peak, 0);
@@ -190,24 +191,24 @@ TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
 TEST(ViewedPings, AreTheFirstOfACameraAndManyOfASidescan) {
   const TestFolder folder;
   const auto cameras = open_survey(read_scene_file(folder.write("camera.toml", rough_scene("", camera))));
-  const ViewData frame = gather_view(*cameras, 0, {}, true);
+  const ViewData frame = view_of(*cameras, 0, {});
   EXPECT_EQ(frame.pings.size(), 1u);
   EXPECT_EQ(frame.layout, PictureLayout::fan);
   EXPECT_THAT(frame.notes, testing::Contains(testing::HasSubstr("Ping 0 of 2")));
   const auto lines = open_survey(read_scene_file(folder.write("sidescan.toml", rough_scene("", sidescan))));
-  const ViewData line = gather_view(*lines, 0, {}, true);
+  const ViewData line = view_of(*lines, 0, {});
   EXPECT_EQ(line.pings.size(), 5u);
   EXPECT_EQ(line.layout, PictureLayout::waterfall);
   EXPECT_TRUE(line.notes.empty());
   // As many as the limit lets in, with a word about the rest.
   ViewLimits limits;
   limits.footprints_unasked = line.footprints.size() / 2;
-  const ViewData part = gather_view(*lines, 0, {}, true, limits);
+  const ViewData part = view_of(*lines, 0, {}, limits);
   EXPECT_LT(part.pings.size(), 5u);
   EXPECT_GE(part.footprints.size(), limits.footprints_unasked);
   EXPECT_THAT(part.notes, testing::Contains(testing::HasSubstr("of 5: tubefoot view --pings A:B")));
   limits.footprints = 10;
-  EXPECT_THROW(gather_view(*lines, 0, PingRange{0, 4}, true, limits), UsageError);
+  EXPECT_THROW(view_of(*lines, 0, PingRange{0, 4}, limits), UsageError);
 }
 
 /// A flat bed of two facets seen from 2 m, with or without a cube of 1 m on it.
@@ -255,12 +256,12 @@ int holding(const ViewPolygons& polygons, double x, double y) {
 TEST(ViewedShadows, LieBehindWhatHides) {
   const TestFolder folder;
   const auto empty = open_survey(read_scene_file(folder.write("empty.toml", flat_scene(false))));
-  const ViewData bed = gather_view(*empty, 0, {}, true);
+  const ViewData bed = view_of(*empty, 0, {});
   EXPECT_TRUE(bed.shadows.corners_of.empty()) << "nothing hides anything on a flat bed";
   EXPECT_GT(holding(bed.shapes, 0.013, 5), 0);
 
   const auto survey = open_survey(read_scene_file(folder.write("cube.toml", flat_scene(true))));
-  const ViewData view = gather_view(*survey, 0, {}, true);
+  const ViewData view = view_of(*survey, 0, {});
   EXPECT_EQ(view.pings[0].shadows, view.shadows.corners_of.size());
   // The cube's far upper edge, 5.5 m ahead and 1 m lower than the sonar, throws its shadow to 11 m.
   EXPECT_GT(holding(view.shadows, 0.013, 10.9), 0);
@@ -276,13 +277,13 @@ TEST(ViewedMesh, IsThatAboutTheFootprints) {
   const TestFolder folder;
   const auto survey = open_survey(read_scene_file(folder.write("scene.toml", rough_scene("", camera))));
   const std::size_t all = survey->scene.mesh.facets.size();
-  const ViewData view = gather_view(*survey, 0, {}, true);
+  const ViewData view = view_of(*survey, 0, {});
   EXPECT_GT(view.mesh_facets.size() / 3, 0u);
   EXPECT_LT(view.mesh_facets.size() / 3, all);
   for (const std::uint32_t v : view.mesh_facets) ASSERT_LT(v, view.mesh_vertices_m.size());
   ViewLimits limits;
   limits.mesh_facets = 100;
-  const ViewData thin = gather_view(*survey, 0, {}, true, limits);
+  const ViewData thin = view_of(*survey, 0, {}, limits);
   EXPECT_LE(thin.mesh_facets.size(), 300u);
   EXPECT_GT(thin.mesh_facets.size(), 0u);
   EXPECT_THAT(thin.notes, testing::Contains(testing::HasSubstr(fmt::format(

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "run/settings.hpp"
+#include "sensors/kinds/scene_file.hpp"
 #include "unseen.hpp"
 
 namespace tubefoot {
@@ -35,10 +36,10 @@ std::vector<Measured> all_measured(UnseenPings& unseen) {
   constexpr int repeats = 3;
   constexpr double most_rays = 1e6;
   std::vector<Measured> all;
-  for (const char* binning : {"exact", "spread", "centroid"})
+  for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid})
     all.push_back({tube_setting(binning), unseen.run(tube_setting(binning), repeats)});
   const double exact_seconds = all.front().trial.seconds;
-  for (const char* sampling : {"stratified", "regular", "column"})
+  for (const RaySampling sampling : {RaySampling::stratified, RaySampling::regular, RaySampling::column})
     for (Measured& m : fine_ladder(unseen, sampling, repeats, exact_seconds, most_rays))
       all.push_back(std::move(m));
   return all;

@@ -60,7 +60,7 @@ UnseenPings::UnseenPings(const SceneDescription& scene, const std::vector<Looked
 }
 
 Trial UnseenPings::run(EngineSetting setting, int repeats) {
-  setting.run.seed = 12345;
+  setting.run.rays.seed = 12345;
   Trial all;
   for (const auto& place : places_) {
     Trial trial = place->run(setting, repeats);
@@ -81,8 +81,8 @@ Trial UnseenPings::run(EngineSetting setting, int repeats) {
   return all;
 }
 
-std::vector<Measured> fine_ladder(UnseenPings& pings, const std::string& sampling, int repeats,
-                                  double seconds, double most_rays) {
+std::vector<Measured> fine_ladder(UnseenPings& pings, RaySampling sampling, int repeats, double seconds,
+                                  double most_rays) {
   constexpr double first = 32, step = 1.25;
   std::vector<Measured> ladder;
   for (double rays = first; rays <= most_rays; rays *= step) {

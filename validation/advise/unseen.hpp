@@ -37,7 +37,7 @@ struct Measured {
   EngineSetting setting;
   Trial trial;
 };
-std::vector<Measured> fine_ladder(UnseenPings& pings, const std::string& sampling, int repeats,
-                                  double seconds, double most_rays);
+std::vector<Measured> fine_ladder(UnseenPings& pings, RaySampling sampling, int repeats, double seconds,
+                                  double most_rays);
 
 }  // namespace tubefoot

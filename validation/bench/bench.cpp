@@ -146,7 +146,7 @@ int main(int, char** argv) {
         9, {[&] { rays_of([](const History&) {}); }, [&] { pure.trace(); },
             [&] {
               rays_of([&](const History& history) {
-                integrate_echo(history, one_beam, 1, {1, 20.0 / 512, 512}, {mu, sector.mesh.material, 0.1});
+                integrate_echo(history, {1, one_beam}, {1, 20.0 / 512, 512}, {mu, sector.mesh.material, 0.1});
               });
             }});
     figure("embree_million_rays_ms", m[0]);

@@ -10,6 +10,7 @@
 
 #include "advice/trials.hpp"
 #include "scene/description/scene_description.hpp"
+#include "sensors/kinds/scene_file.hpp"
 #include "study/chart_page.hpp"
 
 namespace tubefoot {

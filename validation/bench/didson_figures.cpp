@@ -8,6 +8,8 @@
 #include <filesystem>
 
 #include "run/simulation.hpp"
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,7 +22,7 @@ SceneDescription sequence(bool side_lobes) {
   camera.first_ping_s = 0;
   camera.pings = 16;
   camera.ping_interval_s = 0.4;
-  auto& didson = std::get<DidsonDescription>(camera.kind);
+  auto& didson = camera.kind.edit<DidsonDescription>();
   didson.beam_centres = "lens";
   didson.cycles = 8;
   if (!side_lobes) return scene;
@@ -43,7 +45,7 @@ void didson_figures(const std::function<void(const std::string&, double)>& figur
     for (int repeat = 0; repeat < repeats; ++repeat) {
       SimulationStats stats;
       const auto start = std::chrono::steady_clock::now();
-      simulate(*survey, true, stats);
+      simulate(*survey, request_of(survey->scene.description.run), stats);
       best_s =
           std::min(best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }

@@ -11,7 +11,8 @@
 
 #include "files/input_error.hpp"
 #include "run/simulation.hpp"
-#include "sensors/products/products.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/products/received.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,13 +24,15 @@ double seconds_of_a_line(const Survey& survey, const fs::path& folder) {
   fs::remove_all(folder);
   fs::create_directory(folder);
   const auto start = std::chrono::steady_clock::now();
-  const auto store = std::make_shared<PingStore>(layout_of(survey, false));
-  simulate(survey, *store, true);
+  const RunRequest request = request_of(survey.scene.description.run);
+  const auto store = std::make_shared<PingStore>(layout_of(survey, request));
+  simulate(survey, request, *store, {});
   const std::vector<Recording> recordings = recordings_of(survey, store);
   const RunContext run{survey.scene.frame, 0, 1, survey.scene.description.water, "benchmark"};
   std::vector<std::string> warnings;
   write_echoes(folder / "echoes.nc", recordings, {"benchmark", "", "tube", "fixed", "", {}});
-  for (const Recording& recording : recordings) write_products(folder, recording, run, warnings);
+  for (const Recording& recording : recordings)
+    kind_of(recording.sensor->description()).write_products(folder, recording, run, warnings);
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

@@ -70,8 +70,9 @@ void measure_patterns(int n, int tubes, int repetitions, const std::string& only
 
   EchoLaw law{material_mu, mesh.material, 0.6};
   Echo plain;
-  const double plain_ms =
-      best_ms(repetitions, [&] { plain = integrate_echo(history, beam_of_tube, 1, samples, law); });
+  const double plain_ms = best_ms(repetitions, [&] {
+    plain = integrate_echo(history, {1, beam_of_tube}, samples, law);
+  });
   fmt::print("no patterns: {:.1f} ms\n", plain_ms);
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 120},
       gaussian{Directivity::Kind::gaussian, {1, 0, 0}, false, 0, 0.3 * degree},
@@ -86,12 +87,13 @@ void measure_patterns(int n, int tubes, int repetitions, const std::string& only
         std::vector<std::pair<std::uint32_t, std::uint32_t>>(set.tubes.size(), {0, beams})};
     law.patterns = &patterns;
     law.pattern_tolerance = 1e-12;
-    const Echo fine = integrate_echo(history, beam_of_tube, beams, samples, law);
+    const Echo fine = integrate_echo(history, {beams, beam_of_tube}, samples, law);
     for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-11}) {
       law.pattern_tolerance = tolerance;
       Echo echo;
-      const double ms =
-          best_ms(repetitions, [&] { echo = integrate_echo(history, beam_of_tube, beams, samples, law); });
+      const double ms = best_ms(repetitions, [&] {
+        echo = integrate_echo(history, {beams, beam_of_tube}, samples, law);
+      });
       double error = 0;
       for (int beam = 0; beam < beams; ++beam)
         for (int k = 0; k < samples.count; ++k)

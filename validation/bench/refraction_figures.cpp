@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "run/simulation.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -16,8 +17,9 @@ constexpr int pings = 100;
 
 double seconds_of(const Survey& survey) {
   const auto start = std::chrono::steady_clock::now();
-  PingStore store(layout_of(survey, false));
-  simulate(survey, store, true);
+  const RunRequest request = request_of(survey.scene.description.run);
+  PingStore store(layout_of(survey, request));
+  simulate(survey, request, store, {});
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

@@ -10,7 +10,8 @@
 
 #include "files/utc.hpp"
 #include "run/simulation.hpp"
-#include "sensors/products/multibeam_soundings.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/products/swath_soundings.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
 
@@ -22,11 +23,11 @@ PlotSeries soundings_in(const std::string& name, SceneDescription description) {
   description.sensors.front().pings = 1;
   const auto survey = open_survey(description);
   SimulationStats stats;
-  const Recording recording = simulate(*survey, true, stats).front();
+  const Recording recording = simulate(*survey, request_of(description.run), stats).front();
   const RunContext run{survey->scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
                        description.water, description.title};
   PlotSeries series{name, "", {}, true};
-  for (const auto& sounding : BottomFinder(recording, run).sound(0).soundings)
+  for (const auto& sounding : BottomFinder(recording, run, {}).sound(0).soundings)
     if (sounding) series.points.emplace_back(sounding->position_m.x, sounding->position_m.z);
   fmt::print("{}: {} soundings at {:.2f} m/s, {} apparent facets\n", name, series.points.size(),
              recording.sound_speed_m_s, stats.refraction.facets);

@@ -9,7 +9,8 @@
 
 #include "files/utc.hpp"
 #include "run/simulation.hpp"
-#include "sensors/products/products.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/products/received.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
 #include "track/drift_sheet.hpp"
@@ -24,7 +25,7 @@ constexpr int most_shift = 12;
 TrackEstimate track_of(const SceneDescription& description, const std::filesystem::path& sheet = {}) {
   const auto survey = open_survey(description);
   SimulationStats stats;
-  const Recording camera = simulate(*survey, false, stats).front();
+  const Recording camera = simulate(*survey, request_of(description.run), stats, {false}).front();
   const RunContext run{survey->scene.frame, *unix_time_s(description.run.start_utc), description.run.seed,
                        description.water, description.title};
   std::vector<std::vector<double>> frames;

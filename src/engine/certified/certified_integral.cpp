@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/certified/certified_scattering.hpp"
+#include "engine/law/density.hpp"
 #include "geometry/integrals/certified_rule.hpp"
 #include "geometry/work/stop.hpp"
 
@@ -33,7 +34,7 @@ CertifiedIntegrator::CertifiedIntegrator(std::span<const double> borders_m, cons
     : borders_(borders_m), beta_(beta_per_m) {}
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance,
-                              const Sink& sink, const CertifiedCell* texture) {
+                              const Sink<Ball>& sink, const CertifiedCell* texture) {
   weighed_ = texture != nullptr;
   texture_ = texture;
   tabulated_ = false;
@@ -49,7 +50,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t bea
 }
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t first_beam,
-                              std::uint32_t end_beam, const Allowance& allowance, const Sink& sink) {
+                              std::uint32_t end_beam, const Allowance& allowance, const Sink<Ball>& sink) {
   if (polygon.edges.size() < 3) return;  // as thin as a line, even to these bits
   polygon_ = &polygon;
   distance2_ = squared(polygon.distance);
@@ -63,7 +64,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
     const bool clear = prepare(slabs_.crossings(slab), slab);
     integrate_slab(slab, clear, allowance.relative);
     for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
-      sink(beam, slab.sample, parts_[beam - first_beam].sum);
+      sink({beam, slab.sample, parts_[beam - first_beam].sum});
   }
   const auto enclose_gap = [&](const PolarSlabs::Gap& gap) {
     // g(r) times the area between the two circles. The arcs of a circle in a convex polygon are no longer
@@ -72,13 +73,11 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
                rho = root(squared(r) - distance2_);
     const double turn = 2 * Ball::pi().hi(), by_perimeter = (polygon.perimeter / rho).hi();
     const Ball angle(by_perimeter < turn ? by_perimeter : turn);  // also where it is not a number
-    const Ball area = (Ball(gap.hi) - Ball(gap.lo)) * angle * exp(-(beta_ * r));
-    const Ball most =
-        (law_ == nullptr ? area / (r * squared(squared(r))) : area * scattered_over(r) / (r * squared(r))) *
-        largest_gain_;
+    const Ball area = (Ball(gap.hi) - Ball(gap.lo)) * angle * r;
+    const Ball most = area * density_over(r) * largest_gain_;
     const Ball part = Ball(most.hi()) * Ball::between(0, 1);
     for (std::uint32_t sample = gap.first_sample; sample < gap.end_sample; ++sample)
-      for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) sink(beam, sample, part);
+      for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) sink({beam, sample, part});
   };
   for (const PolarSlabs::Gap& gap : slabs_.gaps()) enclose_gap(gap);
   for (const PolarSlabs::Gap& gap : corners_) enclose_gap(gap);
@@ -117,10 +116,13 @@ void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clea
   }
 }
 
-/// The law over ranges.
-Ball CertifiedIntegrator::scattered_over(const Ball& r) const {
-  return cross_section_over(*law_, atan2(root(squared(r) - distance2_), polygon_->distance),
-                            polygon_->distance / r);
+/// Over ranges, whatever pieces of the law they meet.
+Ball CertifiedIntegrator::density_over(const Ball& r) const {
+  const auto way = Way<Ball>::of(r);
+  if (law_ == nullptr) return lambert_density(way, beta_);
+  return density(cross_section_over(*law_, atan2(root(squared(r) - distance2_), polygon_->distance),
+                                    polygon_->distance / r),
+                 way, beta_);
 }
 
 /// Chooses q and pairs the arcs; false if that is not certain.
@@ -198,16 +200,15 @@ double CertifiedIntegrator::nearest_singularity() const {
   return std::sqrt(std::max(nearest2, 0.0));
 }
 
-/// t g(r), so that its integral over t is that of g(r) r over r.
+/// t times the density, so that its integral over t is that of the density times r over r.
 template <class N>
 N CertifiedIntegrator::radial(const N& t, const N& r) const {
-  if (law_piece_ != nullptr) {
-    const N rho = full_circle_ ? t : root(N(q2_ - distance2_) + squared(t));
-    const N incidence = N(Ball::pi() / Ball(2)) - turn_at(polygon_->distance, rho, size_of(rho));
-    return t * exp(-(N(beta_) * r)) * cross_section_in(*law_piece_, incidence, N(N(polygon_->distance) / r)) /
-           squared(squared(r));
-  }
-  return t * exp(-(N(beta_) * r)) / squared(r * squared(r));
+  const auto way = Way<N>::of(r);
+  const N beta(beta_);
+  if (law_piece_ == nullptr) return t * lambert_density(way, beta);
+  const N rho = full_circle_ ? t : root(N(q2_ - distance2_) + squared(t));
+  const N incidence = N(Ball::pi() / Ball(2)) - turn_at(polygon_->distance, rho, size_of(rho));
+  return t * density(cross_section_in(*law_piece_, incidence, N(N(polygon_->distance) / r)), way, beta);
 }
 
 template <class N>
@@ -256,9 +257,7 @@ void CertifiedIntegrator::enclose(const Interval& interval) {
   const Ball width = interval.to - interval.from, share((interval.v_to - interval.v_from) / 2);
   const Ball t(std::max(interval.to.hi(), 0.0)), r(root(q2_ + squared(interval.from)).lo());
   const Ball farthest = root(q2_ + squared(interval.to)), over = Ball::between(r.lo(), farthest.hi());
-  const Ball radial_most =
-      law_ == nullptr ? radial(t, r)
-                      : t * exp(-(beta_ * r)) * Ball(scattered_over(over).hi()) / squared(squared(r));
+  const Ball radial_most = law_ == nullptr ? radial(t, r) : t * density_over(over);
   const Ball largest = radial_most * Ball(2) * Ball::pi() * width * share * largest_gain_;
   const double most = std::max(largest.hi(), 0.0);
   const std::vector<Ball> range =

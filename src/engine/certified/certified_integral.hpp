@@ -6,14 +6,15 @@
 #include <vector>
 
 #include "engine/certified/certified_cells.hpp"
+#include "engine/echo/sink.hpp"
 #include "engine/law/beam_pattern.hpp"
 #include "engine/law/scattering_law.hpp"
 #include "geometry/integrals/certified_polygon.hpp"
 
 namespace tubefoot {
 
-/// Encloses the integral of r^-6 e^(-beta r), or of a scattering law times r^-4 e^(-beta r), over a polygon's
-/// part in each range sample, times the patterns of its tube and the micro-texture of its cell if there are
+/// Encloses the integral of what an even bed returns to one apex (density.hpp) over a polygon's part in each
+/// range sample, times the patterns of its tube and the micro-texture of its cell if there are
 /// any. docs/reference.md says how.
 ///
 /// The integrand is not negative, and so are all parts of the integral. In a slab (polar_slabs.hpp) it is
@@ -31,8 +32,6 @@ class CertifiedIntegrator {
     /// What is allowed besides for each slab, by beam of the receiver and sample, before the factor.
     std::function<double(std::uint32_t beam, std::uint32_t sample)> absolute;
   };
-  /// Receives the parts: beam, sample, enclosure.
-  using Sink = std::function<void(std::uint32_t beam, std::uint32_t sample, const Ball& part)>;
 
   CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m);
 
@@ -40,11 +39,11 @@ class CertifiedIntegrator {
   void take_law(const ScatteringLaw* law) { law_ = law; }
 
   /// Without patterns: all parts are of `beam`. With a texture the polygon lies in its cell.
-  void add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance, const Sink& sink,
-           const CertifiedCell* texture = nullptr);
+  void add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance,
+           const Sink<Ball>& sink, const CertifiedCell* texture = nullptr);
   /// With patterns, for all beams that hear the tube.
   void add(const CertifiedPolygon& polygon, const BeamPatterns& patterns, std::uint32_t tube,
-           const Allowance& allowance, const Sink& sink, const CertifiedCell* texture = nullptr);
+           const Allowance& allowance, const Sink<Ball>& sink, const CertifiedCell* texture = nullptr);
 
   /// Intervals that were left at the work limit, so far.
   std::size_t given_up() const { return given_up_; }
@@ -73,12 +72,12 @@ class CertifiedIntegrator {
   };
 
   void add(const CertifiedPolygon& polygon, std::uint32_t first_beam, std::uint32_t end_beam,
-           const Allowance& allowance, const Sink& sink);
+           const Allowance& allowance, const Sink<Ball>& sink);
   bool prepare(std::span<const Crossing> crossings, const PolarSlabs::Slab& slab);
   bool find_arcs(std::span<const Crossing> crossings, const Ball& t);
   void integrate_slab(const PolarSlabs::Slab& slab, bool clear, double relative);
   void integrate(const Ball& t0, const Ball& t1, double relative);
-  Ball scattered_over(const Ball& r) const;
+  Ball density_over(const Ball& r) const;
   bool try_interval(const Interval& interval, const Ball& whole, double relative);
   void halve(const Interval& interval);
   void enclose(const Interval& interval);

@@ -20,7 +20,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 }  // namespace
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPatterns& patterns,
-                              std::uint32_t tube, const Allowance& allowance, const Sink& sink,
+                              std::uint32_t tube, const Allowance& allowance, const Sink<Ball>& sink,
                               const CertifiedCell* texture) {
   const auto [first_beam, end_beam] = patterns.beams_of_tube[tube];
   if (first_beam == end_beam) return;

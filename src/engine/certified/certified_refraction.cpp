@@ -14,7 +14,6 @@
 
 #include "engine/certified/certified_integral.hpp"
 #include "engine/certified/uncertain_edges.hpp"
-#include "engine/law/radial_law.hpp"
 #include "geometry/work/steps.hpp"
 
 namespace tubefoot {
@@ -30,7 +29,7 @@ struct Between {
 };
 using Bins = std::map<std::size_t, Between>;
 
-void check(const EchoLaw& law) {
+void check_reference(const EchoLaw& law) {
   const auto any = [](const auto& list) {
     return std::any_of(list.begin(), list.end(), [](const auto& entry) { return entry != nullptr; });
   };
@@ -163,10 +162,10 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
                                           const Echo& ordinary, double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
-  check(law);
+  check_reference(law);
   const std::vector<double> borders = sample_borders_m(samples);
   const std::vector<double> target = reference_targets(ordinary, tolerance);
-  const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(5);
+  const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10);
   const auto row = std::size_t(samples.count);
   const UncertainEdges edges(apparent, parent, enclosures);
   const Unknown unknown(enclosures.unproven, rays);
@@ -233,8 +232,9 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
             const std::size_t bin = beam * row + std::min<std::size_t>(sample / 2, row - 1);
             return std::max(target[bin] / 2000 / size, 1e-300);
           }};
-      const auto sink = [&](std::uint32_t beam, std::uint32_t sample, const Ball& part) {
-        const Ball whole = factor * part;
+      const auto sink = [&](const Part<Ball>& part) {
+        const auto [beam, sample] = std::pair(part.beam, part.sample);
+        const Ball whole = factor * part.value;
         const double hi = whole.hi() * facet.factor.hi * (1 + slack),
                      lo = std::max(whole.lo() * facet.factor.lo * (1 - slack), 0.0);
         if (shift > most_shift) {

@@ -14,7 +14,6 @@
 
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/certified_integral.hpp"
-#include "engine/law/radial_law.hpp"
 #include "geometry/work/steps.hpp"
 
 namespace tubefoot {
@@ -72,7 +71,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   const std::vector<double> borders = sample_borders_m(samples);
   const std::vector<double> target = reference_targets(ordinary, working);
   const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
-  const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(5);
+  const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10);
   const auto row = std::size_t(samples.count);
   const TubeSet& tubes = history.tubes;
   std::vector<Bins> by_tube(tubes.tubes.size());
@@ -97,7 +96,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       Ball factor = scattering != nullptr
                         ? Ball(1)
                         : Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
-      if (!law.facet_factor.empty()) factor = factor * Ball(law.facet_factor[piece.facet]);
+      if (!law.path.facet_factor.empty()) factor = factor * Ball(law.path.facet_factor[piece.facet]);
       const double size = factor.hi();
       // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
       std::size_t cells = 1;
@@ -108,8 +107,8 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
             return std::max(target[bin] / 3 / sharers / size, least_allowed);
           }};
       Ball even(1);  // the factor of a texture where it is taken for one
-      const auto sink = [&](std::uint32_t beam, std::uint32_t sample, const Ball& part) {
-        by_tube[tube][beam * row + sample] += factor * even * part;
+      const auto sink = [&](const Part<Ball>& part) {
+        by_tube[tube][part.beam * row + part.sample] += factor * even * part.value;
       };
       const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
         if (law.patterns != nullptr)
@@ -124,10 +123,11 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       }
       const Ball range = texture->range();
       const bool worth_it = range.hi() - range.lo() > working / 8 * range.lo();
-      const std::size_t count = worth_it ? cut_by_cells(polygon, *texture, law.apex_m, most_cells, {}) : 0;
+      const std::size_t count =
+          worth_it ? cut_by_cells(polygon, *texture, law.path.out.apex_m, most_cells, {}) : 0;
       if (count > 0) {
         cells = count;
-        cut_by_cells(polygon, *texture, law.apex_m, most_cells,
+        cut_by_cells(polygon, *texture, law.path.out.apex_m, most_cells,
                      [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add(part, &cell); });
       } else {
         if (worth_it) any_coarse = true;
@@ -212,7 +212,7 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
                            double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
-  if (!law.facet_map.empty())
+  if (!law.path.out.facet_map.empty())
     throw std::invalid_argument("textures of facets that lie elsewhere than they are seen are not enclosed");
   // How a bin's tolerance is shared out among its parts is a guess, which a bin of very many small parts may
   // prove wrong: then all of them are done again, as much narrower as that bin needs.

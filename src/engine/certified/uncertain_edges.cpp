@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/work/stop.hpp"
 
 namespace tubefoot {
@@ -247,8 +248,7 @@ void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility
         for (const PlaneName& plane : {d.p, d.q})
           if (on(plane, c)) planes.push_back(plane);
       const auto direction = [&](const CornerName& corner) {
-        const WideVec v = wide_direction(context, corner);
-        glm::dvec3 e(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2]));
+        const glm::dvec3 e = direction_of(context, corner);
         return e / glm::length(e);
       };
       for (const PlaneName& plane : planes) {

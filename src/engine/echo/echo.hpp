@@ -2,60 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
-#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "engine/law/beam_pattern.hpp"
-#include "engine/law/facet_map.hpp"
+#include "engine/echo/sink.hpp"
+#include "engine/law/echo_law.hpp"
 #include "engine/law/range_samples.hpp"
-#include "engine/law/reflectivity_field.hpp"
-#include "engine/law/scattering_law.hpp"
-#include "engine/sight/history.hpp"
+#include "engine/sight/sight.hpp"
 
 namespace tubefoot {
-
-/// How a path's energy follows from its geometry: a scattering law per material, spherical spreading both
-/// ways, absorption both ways. Source energy: 1 J/sr at 1 m.
-struct EchoLaw {
-  std::span<const double> material_mu;      ///< Lambert parameter mu (linear) by material
-  std::span<const std::uint16_t> material;  ///< material by facet
-  double absorption_db_per_m = 0;           ///< one way
-  const BeamPatterns* patterns = nullptr;   ///< none: beams are ideal, 1 inside their tubes and 0 outside
-  /// With patterns or micro-texture: error of an energy relative to what its footprints would return at the
-  /// patterns' peak from an even bed, 1e-12 to 0.01 (pattern_integral.hpp).
-  double pattern_tolerance = 1e-6;
-  /// Micro-texture by material; empty, or null where a material is even. It is a function of position in the
-  /// local frame, where the history's apex is at `apex_m`.
-  std::span<const std::shared_ptr<const ReflectivityField>> reflectivity{};
-  glm::dvec3 apex_m{0};
-  /// Scattering laws by material; empty, or null where a material is Lambert's by `material_mu`.
-  std::span<const std::shared_ptr<const ScatteringLaw>> scattering{};
-
-  /// Micro-texture of a facet that has a material; none: even.
-  const ReflectivityField* texture(FacetId facet) const {
-    return reflectivity.empty() ? nullptr : reflectivity[material[facet]].get();
-  }
-  /// The law of a facet that has a material; null: Lambert's.
-  const ScatteringLaw* law_of(std::size_t facet) const {
-    return scattering.empty() ? nullptr : scattering[material[facet]].get();
-  }
-  /// By facet: what it returns over what the straight law makes of it (apparent facets in refracting water,
-  /// engine/water/straightening.hpp); empty: 1.
-  std::span<const double> facet_factor{};
-  /// By facet: where it lies, for textures (apparent facets); empty: where it is seen.
-  std::span<const FacetMap> facet_map{};
-
-  /// Where a place on a facet lies that is seen `from_apex_m`; local frame.
-  glm::dvec3 true_place(FacetId facet, glm::dvec3 from_apex_m) const {
-    return facet_map.empty() ? apex_m + from_apex_m : facet_map[facet].at(from_apex_m);
-  }
-  LyingPlane lying(FacetId facet, const FacetPlane& plane, const PlaneFrame& frame) const {
-    return facet_map.empty() ? LyingPlane(plane, frame, apex_m) : LyingPlane(plane, frame, facet_map[facet]);
-  }
-};
 
 /// How a footprint's energy gets into range samples.
 enum class Binning {
@@ -67,6 +23,28 @@ enum class Binning {
 /// Name as in scene files; throws std::invalid_argument.
 Binning binning_from_name(std::string_view name);
 
+/// Which beams hear what.
+struct ReceiveBeams {
+  int count = 0;
+  std::span<const std::uint32_t> of_tube;  ///< the beam that a tube of the way home belongs to
+  /// Fans of the tubes of two apexes: a receiver hears the transmissions of its own fan only. Both empty: one
+  /// fan.
+  std::span<const std::uint32_t> fan_of_transmit_tube{}, fan_of_receive_tube{};
+};
+
+/// Relative error that paths between two apexes keep if they are not told otherwise.
+constexpr double bistatic_tolerance = 1e-10;
+
+/// How energies are integrated.
+struct Quadrature {
+  Quadrature(Binning by = Binning::exact, double tolerance = bistatic_tolerance)  // NOLINT: a binning is one
+      : binning(by), path_tolerance(tolerance) {}
+
+  Binning binning;        ///< of footprints, which have one apex
+  double path_tolerance;  ///< relative error between two apexes
+  bool by_owner = false;  ///< parts are told with whose they are (Part::seen, out_tube)
+};
+
 /// Energy [J] per beam and range sample of one ping, beam-major: energy[beam * samples + sample]. With
 /// fringes (BeamPatterns) that is what the upper receiver hears, and three more such blocks follow.
 struct Echo {
@@ -76,14 +54,67 @@ struct Echo {
   double at(int beam, int sample) const { return energy[std::size_t(beam) * samples + sample]; }
 };
 
-/// Turns a history into the echo of a receiver whose beams are unions of tubes.
-/// `beam_of_tube[t]` is the beam that tube t belongs to. Footprints are cut at the range samples' borders
-/// (arcs on the facet), or binned as `binning` says, which reads what measure() filled; ray hits fall into
-/// the sample that holds their range. Micro-texture is integrated with exact binning, taken at the centroid
-/// with any other, and at a hit. With patterns the energy from an area element is weighed by transmit
-/// and receive pattern in its own direction, and a beam hears the tubes that `law.patterns->beams_of_tube`
-/// says.
-Echo integrate_echo(const History& history, std::span<const std::uint32_t> beam_of_tube, int beams,
-                    const RangeSamples& samples, const EchoLaw& law, Binning binning = Binning::exact);
+/// Integrates what a path returns of all that it sees into range samples of beams, and hands it to `sink`
+/// (rows of channels follow each other: beam = channel * beams.count + beam). Sample k covers half paths,
+/// (out + home) / 2, from first + k step on. density.hpp has what an area element returns; that is weighed by
+/// texture at its place, by the transmit pattern in the direction from the apex of the way out, by the
+/// receive pattern in that from the apex of the way home, and by what mirrors on either way take
+/// (law.path).
+///
+/// One apex: footprints are cut at the samples' borders, arcs on the facet, and integrated in closed form,
+/// with patterns or texture by polar moments (pattern_integral.hpp); or they are binned as `how.binning`
+/// says, which reads what measure() filled, the law and the texture taken at the centroid. A ray's hit falls
+/// into the sample that holds its range. With patterns a beam hears the tubes that
+/// `law.patterns->beams_of_tube` says.
+///
+/// Two apexes: cells between ellipses (path_cut.hpp), Lambert's law being mu sin(out) sin(home) and another
+/// sqrt(sigma(out) sigma(home)). `law.patterns` is about the tubes of the way home (its fans are used as
+/// theirs). The error of each energy is at most about how.path_tolerance times what it would be with
+/// patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to about 1e-6, tabulated
+/// laws, whose first does, to about 1e-5. With paired facets, ranges are travel times by the reference speed,
+/// patterns are taken in the directions in which rays leave and arrive, and each facet has paired_factor().
+///
+/// Throws std::invalid_argument for what does not fit.
+void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+               const Quadrature& how, const Sink<double>& sink);
+
+/// All of it, added up.
+Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                    const EchoLaw& law, const Quadrature& how = {});
+
+/// What one seen facet adds to one range sample of one beam.
+struct Contribution {
+  std::uint32_t footprint = 0;  ///< number in the Sight
+  std::uint32_t beam = 0, sample = 0;
+  double energy_j = 0;
+};
+
+/// Which footprints made which samples: the terms that integrate_echo() adds up, with the same arguments,
+/// ordered by footprint, beam and sample. For each beam and sample they sum to the echo's energy but for
+/// rounding (with beam patterns: rounding of their peak).
+///
+/// With patterns every footprint is heard by every beam of its fan. `least_share` leaves out what is less
+/// than this times the energy of its beam and sample in `echo` (which integrate_echo() made), but never a
+/// footprint's largest contribution; 0 keeps everything that is not zero. Throws as integrate_echo().
+std::vector<Contribution> contributions(const Sight& sight, const ReceiveBeams& beams,
+                                        const RangeSamples& samples, const EchoLaw& law,
+                                        const Quadrature& how, const Echo& echo, double least_share = 0);
+
+/// What each footprint adds to an echo, over all range samples, in the order of the footprints. Joule per
+/// J/sr sent at 1 m, as Echo.
+struct FootprintEnergies {
+  std::vector<double> all_beams;  ///< in all beams that hear it: these sum to the sum of the echo
+  /// In the beam that its tube belongs to. Without patterns no other beam hears it.
+  std::vector<double> own_beam;
+};
+
+/// The energies that integrate() puts into its bins, by footprint of the transmitter instead; of two apexes,
+/// what the receiver shares of each. `footprints`: of the way out, the Sight's own with one apex. A
+/// footprint's own beam is `beam_of_footprint_tube`'s. With fringes: what the transmitter's own place would
+/// hear.
+FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight& sight,
+                                     std::span<const std::uint32_t> beam_of_footprint_tube,
+                                     const ReceiveBeams& beams, const RangeSamples& samples,
+                                     const EchoLaw& law, const Quadrature& how = {});
 
 }  // namespace tubefoot

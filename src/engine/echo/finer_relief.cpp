@@ -53,47 +53,28 @@ FinerRelief& FinerRelief::operator+=(const FinerRelief& o) {
   return *this;
 }
 
-FinerRelief finer_relief(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
+FinerRelief finer_relief(const Sight& sight, const FacetMesh& mesh, const OmittedRelief& omitted,
                          double sample_m) {
   FinerRelief all;
-  const auto add = [&](FacetId facet, double weight, double sine) {
-    const ElevationField::LeftOut& left =
-        omitted.at(longest_edge2(mesh, facet, history.grid_unit_m), mesh.material[facet]);
-    all += change_at(left, sine, sine, sample_m, weight);
+  const auto left_out = [&](FacetId facet) -> const ElevationField::LeftOut& {
+    return omitted.at(longest_edge2(mesh, facet, sight.grid_unit_m()), mesh.material[facet]);
   };
-  const FootprintSet& set = history.footprints;
-  for (const Footprint& f : set.footprints)
+  for (std::size_t number = sight.first(); number < sight.end(); ++number) {
+    const SeenFacet f = sight[number];
+    const ElevationField::LeftOut& left = left_out(f.facet);
     for (std::uint32_t p = 0; p < f.piece_count; ++p) {
-      const Piece& piece = set.pieces[f.first_piece + p];
-      const MeasuredPiece m = measured(std::span(set.corners_m).subspan(piece.first, piece.count));
-      const double range = glm::length(m.middle_m);
-      if (!(range > 0)) continue;
-      const double sine = std::min(1.0, f.plane_distance_m / range);
-      add(f.facet, m.area_m2 * sine * sine / std::pow(range, 4), sine);
-    }
-  for (const RayHit& h : history.hits)
-    add(h.facet, h.solid_angle_sr * h.sine_grazing / (h.slant_range_m * h.slant_range_m), h.sine_grazing);
-  return all;
-}
-
-FinerRelief finer_relief(const BistaticHistory& history, const FacetMesh& mesh, const OmittedRelief& omitted,
-                         double sample_m) {
-  FinerRelief all;
-  const SharedFootprints& shared = history.shared;
-  for (const SharedFacet& f : shared.facets) {
-    const ElevationField::LeftOut& left =
-        omitted.at(longest_edge2(mesh, f.facet, history.grid_unit_m), mesh.material[f.facet]);
-    for (std::uint32_t p = 0; p < f.piece_count; ++p) {
-      const SharedPiece& piece = shared.pieces[f.first_piece + p];
-      const MeasuredPiece m = measured(std::span(shared.corners_m).subspan(piece.first, piece.count));
-      const double there = glm::length(m.middle_m), back = glm::distance(m.middle_m, shared.receiver_m);
-      if (!(there > 0 && back > 0)) continue;
-      const double sine = std::min(1.0, f.transmit_distance_m / there),
-                   sine_back = std::min(1.0, f.receive_distance_m / back),
-                   weight = m.area_m2 * sine * sine_back / (there * there * back * back);
-      all += change_at(left, sine, sine_back, sample_m, weight);
+      const MeasuredPiece m = measured(sight.part(number, f.first_piece + p).corners_m);
+      const double out = glm::length(m.middle_m), home = glm::distance(m.middle_m, sight.home_m());
+      if (!(out > 0 && home > 0)) continue;
+      const double sine_out = std::min(1.0, f.plane.distance_m / out),
+                   sine_home = std::min(1.0, f.home_distance_m / home),
+                   weight = m.area_m2 * sine_out * sine_home / (out * out * home * home);
+      all += change_at(left, sine_out, sine_home, sample_m, weight);
     }
   }
+  for (const RayHit& h : sight.hits())
+    all += change_at(left_out(h.facet), h.sine_grazing, h.sine_grazing, sample_m,
+                     h.solid_angle_sr * h.sine_grazing / (h.slant_range_m * h.slant_range_m));
   return all;
 }
 

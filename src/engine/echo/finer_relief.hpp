@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/echo/bistatic_echo.hpp"
 #include "engine/ground/relief_error.hpp"
-#include "engine/sight/history.hpp"
+#include "engine/sight/sight.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
 namespace tubefoot {
@@ -17,10 +16,7 @@ struct FinerRelief {
 
   FinerRelief& operator+=(const FinerRelief& o);
 };
-FinerRelief finer_relief(const History& history, const FacetMesh& mesh, const OmittedRelief& omitted,
-                         double sample_m);
-/// Of a transmitter and a receiver apart.
-FinerRelief finer_relief(const BistaticHistory& history, const FacetMesh& mesh, const OmittedRelief& omitted,
+FinerRelief finer_relief(const Sight& sight, const FacetMesh& mesh, const OmittedRelief& omitted,
                          double sample_m);
 
 }  // namespace tubefoot

@@ -27,8 +27,8 @@ struct PlacedTexture {
   LyingPlane plane{};
 };
 
-/// Integrates r^-6 e^(-beta r), or a scattering law times r^-4 e^(-beta r), times transmit and receive
-/// pattern over polygons cut by range samples.
+/// Integrates what an even bed returns to one apex (density.hpp), times transmit and receive pattern, over
+/// polygons cut by range samples.
 ///
 /// A pattern has no symmetry about the foot point, so this is an integral over two dimensions: over slabs of
 /// slant range (polar_slabs.hpp), and in each over the arcs of every circle. With q the range of the nearest
@@ -46,7 +46,8 @@ struct PlacedTexture {
 class PatternIntegrator {
  public:
   /// `tolerance`: about the error of an energy, relative to what the footprint would return at the patterns'
-  /// peak (a table's corners, where its second derivative jumps, may exceed it).
+  /// peak (a table's corners, where its second derivative jumps, may exceed it). `beta_per_m`: absorption,
+  /// one way.
   PatternIntegrator(std::span<const double> borders_m, double beta_per_m, const BeamPatterns& patterns,
                     double tolerance);
 

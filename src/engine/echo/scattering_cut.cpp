@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/law/radial_law.hpp"
+#include "engine/law/density.hpp"
+#include "engine/law/echo_law.hpp"
 
 namespace tubefoot {
 
@@ -16,7 +17,7 @@ std::vector<double> corner_ranges_m(const ScatteringLaw& law, double distance_m)
 }
 
 ScatteringCutter::ScatteringCutter(const RangeSamples& samples, double absorption_db_per_m)
-    : borders_(sample_borders_m(samples)), beta_(two_way_absorption_per_m(absorption_db_per_m)) {}
+    : borders_(sample_borders_m(samples)), beta_(absorption_per_m(absorption_db_per_m)) {}
 
 void ScatteringCutter::prepare(const ScatteringLaw& law, double distance_m, std::size_t first,
                                std::size_t end) {
@@ -29,9 +30,7 @@ void ScatteringCutter::prepare(const ScatteringLaw& law, double distance_m, std:
   std::vector<double> corners = corner_ranges_m(law, distance_m);
   corners.insert(corners.begin(), distance_m);  // what is nearer is not asked for
   const auto g = [&](double r) {
-    const double sine = std::min(distance_m / r, 1.0);
-    const double cosine = std::sqrt(std::max((r - distance_m) * (r + distance_m), 0.0)) / r, r2 = r * r;
-    return law.cross_section(sine, cosine) * std::exp(-beta_ * r) / (r2 * r2);
+    return density(cross_section(law, distance_m, r), Way<double>::of(r), beta_);
   };
   cutter_.reset();
   radial_ = std::make_unique<RadialIntegral>(std::span(borders_).subspan(first_, end_ - first_ + 1), g,

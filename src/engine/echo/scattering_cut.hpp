@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/echo/echo.hpp"
+#include "engine/law/range_samples.hpp"
 #include "engine/law/scattering_law.hpp"
 #include "geometry/integrals/range_cut.hpp"
 

@@ -1,54 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/echo/staff_echo.hpp"
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
 
+#include "engine/echo/path_on_facet.hpp"
 #include "engine/echo/texture_cells.hpp"
-#include "engine/law/radial_law.hpp"
 #include "geometry/integrals/convex_clip.hpp"
-#include "geometry/integrals/path_cut.hpp"
 #include "geometry/work/stop.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// Relative to the energy without interference.
-constexpr double tolerance = 1e-8, tolerance_with_corners = 1e-6;
-constexpr int most_refinements_with_tables = 12;
+constexpr double tolerance = 1e-8;
 /// Facets that a task takes: part of the summation's order.
 constexpr std::size_t facets_per_task = 64;
-
-std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
-                                 const VisibilityOptions& options) {
-  std::vector<TubeVisibility> seen(tubes.tubes.size());
-  tbb::enumerable_thread_specific<VisibilityScratch> threads;
-  tbb::parallel_for(std::uint32_t{0}, std::uint32_t(seen.size()), [&](std::uint32_t tube) {
-    see(mesh, tree, tubes, tube, options, threads.local(), seen[tube]);
-  });
-  return seen;
-}
-
-/// The largest angle, at most 1, over which something that grows so into the complex plane changes little.
-template <class Growth>
-double resolution_of(const Growth& growth) {
-  double angle = 1;
-  while (growth(angle / 2) > 3 && angle > 1e-6) angle /= 2;
-  return angle;
-}
-
-/// A receiver on the staff, as it looks at the facet at hand.
-struct End {
-  glm::dvec3 at_m{0};   // relative to the transmitter
-  double distance = 0;  // of the facet's plane
-  glm::dvec2 foot{0};   // in the plane
-  double range(glm::dvec2 p) const { return std::hypot(distance, p.x - foot.x, p.y - foot.y); }
-};
 
 /// Sums one fan's echo; one per task.
 class StaffIntegral {
@@ -60,18 +32,10 @@ class StaffIntegral {
         sent_(law.patterns->transmit[fan]),
         heard_(law.patterns->receive[beam]),
         law_(law),
-        borders_(borders),
-        cutter_(borders),
-        beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2) {
-    ends_[0].at_m = staff.baseline_m / 2 * staff.axis;
-    ends_[1].at_m = -ends_[0].at_m;
-    patterns_rad_ = resolution_of([&](double y) {
-      double most = 0;
-      for (const Directivity& beam_sent : sent_.beams) most = std::max(most, beam_sent.growth(y));
-      return most + heard_.growth(y);
-    });
-    const auto is_table = [](const Directivity& d) { return d.kind == Directivity::Kind::table; };
-    tables_ = is_table(heard_) || std::any_of(sent_.beams.begin(), sent_.beams.end(), is_table);
+        cutter_(borders) {
+    at_m_[0] = staff.baseline_m / 2 * staff.axis;
+    at_m_[1] = -at_m_[0];
+    for (const Directivity& beam_sent : sent_.beams) patterns_.take(beam_sent, heard_);
     weighed_ = heard_.kind != Directivity::Kind::uniform || sent_.beams.size() != 1 ||
                sent_.beams[0].kind != Directivity::Kind::uniform;
     fringe_rad_ = resolution_of([&](double y) { return staff.wavenumber_rad_m * staff.baseline_m * y; });
@@ -87,7 +51,7 @@ class StaffIntegral {
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SharedPiece& piece = shared.pieces[facet.first_piece + k];
       polygon_.assign(std::span(shared.corners_m).subspan(piece.first, piece.count), plane_, frame_);
-      integrate(std::span(&ends_[end], 1), energy_[end]);
+      integrate(std::span(&paths_[end], 1), energy_[end]);
     }
   }
 
@@ -105,7 +69,7 @@ class StaffIntegral {
         stop_if_wanted();
         polygon_.assign(corners, plane_, frame_);
         other.assign(std::span(by_lower.corners_m).subspan(two.first, two.count), plane_, frame_);
-        if (clip_convex(polygon_, other)) integrate(ends_, cross_);
+        if (clip_convex(polygon_, other)) integrate(paths_, cross_);
       }
     }
   }
@@ -118,78 +82,56 @@ class StaffIntegral {
   bool place(const SharedFacet& facet) {
     plane_ = {facet.plane_normal, facet.transmit_distance_m};
     frame_ = PlaneFrame(plane_);
-    for (End& end : ends_) {
-      end.distance = plane_.distance_m + glm::dot(plane_.normal, end.at_m);
-      end.foot = frame_.project(end.at_m);
-      if (!(end.distance > 0)) return false;
+    for (std::size_t end = 0; end < 2; ++end) {
+      const double distance_m = plane_.distance_m + glm::dot(plane_.normal, at_m_[end]);
+      if (!(distance_m > 0)) return false;
+      paths_[end] = PathOnFacet(plane_, frame_, at_m_[end], distance_m, facet.facet, law_);
     }
     along_ = {glm::dot(frame_.u, staff_.axis), glm::dot(frame_.v, staff_.axis),
               -plane_.distance_m * glm::dot(plane_.normal, staff_.axis)};
-    scattering_ = law_.law_of(facet.facet);
-    own_ = law_.facet_factor.empty() ? 1 : law_.facet_factor[facet.facet];
-    if (scattering_ == nullptr) own_ *= law_.material_mu[law_.material[facet.facet]] * plane_.distance_m;
-    cornered_ = scattering_ != nullptr && (scattering_->pieces().size() > 1 || scattering_->is_pointed());
-    smooth_rad_ = patterns_rad_;
-    if (scattering_ != nullptr)
-      smooth_rad_ = std::min(smooth_rad_, resolution_of([&](double y) { return scattering_->growth(y); }));
-    if (cornered_) smooth_rad_ = std::min(smooth_rad_, 0.1);  // rules of few nodes do not see a corner
-    texture_ = law_.texture(facet.facet);
-    if (texture_ != nullptr) lies_ = law_.lying(facet.facet, plane_, frame_);
+    smooth_ = patterns_;
+    smooth_.take(paths_[0].bed.scattering);
     return true;
   }
 
-  double cross_section(double distance, double range) const {
-    const double sine = std::min(distance / range, 1.0);
-    return scattering_->cross_section(sine,
-                                      std::sqrt(std::max(range * range - distance * distance, 0.0)) / range);
+  /// What a square metre sends by way of a receiver, but for texture.
+  double even(const PathOnFacet& path, glm::dvec2 p, double out, double home) const {
+    const double density = path.density_at(out, home);
+    if (!weighed_) return density;
+    return density * (sent_.gain(path.out.direction(p, out)) * heard_.gain(path.home.direction(p, home)));
   }
 
-  /// What a square metre sends by way of a receiver, but for texture and patterns.
-  double density(const End& end, double rt, double rr) const {
-    const double loss = own_ * std::exp(-beta_ * (rt + rr)) / (rt * rt * (rr * rr));
-    if (scattering_ == nullptr) return loss * end.distance / (rt * rr);
-    return loss * std::sqrt(cross_section(plane_.distance_m, rt) * cross_section(end.distance, rr));
+  /// One path: its energies. Two: the size of the products, and their real and imaginary parts.
+  void integrate(std::span<const PathOnFacet> paths, std::vector<double>& out) {
+    const ReflectivityField* texture = paths[0].bed.texture;
+    if (texture == nullptr) return integrate_part(polygon_, paths, out);
+    cells_.cut(polygon_, paths[0].lies, texture->cells(),
+               [&](const PlanarPolygon& part) { integrate_part(part, paths, out); });
   }
 
-  /// The two gains of a path.
-  double gain(glm::dvec2 p, double rt, const End& end, double rr) const {
-    if (!weighed_) return 1;
-    const glm::dvec3 from_transmitter = p.x * frame_.u + p.y * frame_.v - plane_.distance_m * plane_.normal;
-    return sent_.gain(from_transmitter / rt) * heard_.gain((from_transmitter - end.at_m) / rr);
-  }
-
-  /// One end: its energies. Both: the size of the products, and their real and imaginary parts.
-  void integrate(std::span<const End> ends, std::vector<double>& out) {
-    if (texture_ == nullptr) return integrate_part(polygon_, ends, out);
-    cells_.cut(polygon_, lies_, texture_->cells(),
-               [&](const PlanarPolygon& part) { integrate_part(part, ends, out); });
-  }
-
-  void integrate_part(const PlanarPolygon& part, std::span<const End> ends, std::vector<double>& out) {
-    PathCutter::Work work;
-    work.values = ends.size() == 1 ? 1 : 3;
-    work.resolution_rad = ends.size() == 1 ? smooth_rad_ : std::min(smooth_rad_, fringe_rad_);
-    work.tolerance = cornered_ ? tolerance_with_corners : tolerance;
-    work.agreements = cornered_ ? 2 : 1;
-    if (cornered_ || tables_) work.most_refinements = most_refinements_with_tables;
+  void integrate_part(const PlanarPolygon& part, std::span<const PathOnFacet> paths,
+                      std::vector<double>& out) {
+    PathCutter::Work work = smooth_.work(tolerance);
+    if (paths.size() > 1) {
+      work.values = 3;
+      work.resolution_rad = std::min(work.resolution_rad, fringe_rad_);
+    }
     std::array<PathCutter::Receiver, 2> receivers;
-    for (std::size_t k = 0; k < ends.size(); ++k) receivers[k] = {ends[k].distance, ends[k].foot};
-    const auto even = [&](glm::dvec2 p, double rt, const End& end, double rr) {
-      return density(end, rt, rr) * gain(p, rt, end, rr);
-    };
+    for (std::size_t k = 0; k < paths.size(); ++k) receivers[k] = paths[k].home.over;
     cutter_.add(
-        part, std::span(receivers).first(ends.size()),
+        part, std::span(receivers).first(paths.size()),
         [&](glm::dvec2 p, double rt, double rr, std::span<double> values) {
-          values[0] = even(p, rt, ends[0], rr);
-          if (ends.size() > 1) {
-            const double other = ends[1].range(p);
-            values[0] = std::sqrt(values[0] * even(p, rt, ends[1], other));
+          values[0] = even(paths[0], p, rt, rr);
+          double other = 0;
+          if (paths.size() > 1) {
+            other = paths[1].home.range(p);
+            values[0] = std::sqrt(values[0] * even(paths[1], p, rt, other));
           }
-          if (texture_ != nullptr) values[0] *= texture_->factor(lies_.at(p));
-          if (ends.size() == 1) return;
+          values[0] *= paths[0].texture_at(p);
+          if (paths.size() == 1) return;
           // (upper^2 - lower^2) / (upper + lower): no cancellation where the baseline is short.
           const double along = along_.x * p.x + along_.y * p.y + along_.z;
-          const double further = -2 * staff_.baseline_m * along / (rr + ends[1].range(p));
+          const double further = -2 * staff_.baseline_m * along / (rr + other);
           const std::complex<double> product = std::polar(values[0], staff_.wavenumber_rad_m * further);
           values[1] = product.real();
           values[2] = product.imag();
@@ -202,21 +144,17 @@ class StaffIntegral {
   const TransmitPattern& sent_;
   const Directivity& heard_;
   const EchoLaw& law_;
-  std::span<const double> borders_;
   PathCutter cutter_;
-  double beta_;  // of the ways there and back, each
-  double patterns_rad_ = 1, fringe_rad_ = 1;
-  bool tables_ = false, weighed_ = false;
-  std::array<End, 2> ends_;
+  Smoothness patterns_;
+  double fringe_rad_ = 1;
+  bool weighed_ = false;
+  std::array<glm::dvec3, 2> at_m_;  // the receivers, relative to the transmitter
   // Of the facet at hand.
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
-  glm::dvec3 along_{0};  // the staff's axis times a place: of x, of y, and of the foot point
-  const ScatteringLaw* scattering_ = nullptr;
-  const ReflectivityField* texture_ = nullptr;
-  LyingPlane lies_;
-  double own_ = 1, smooth_rad_ = 1;
-  bool cornered_ = false;
+  glm::dvec3 along_{0};               // the staff's axis times a place: of x, of y, and of the foot point
+  std::array<PathOnFacet, 2> paths_;  // by way of either receiver
+  Smoothness smooth_;
   PlanarPolygon polygon_;
   TextureCells cells_;
   std::array<std::vector<double>, 2> energy_;

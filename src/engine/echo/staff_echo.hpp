@@ -36,7 +36,7 @@ struct StaffEcho {
 /// Of scatterers that are independent of each other, two channels a and b have the covariance
 ///     R_ab = integral over what a and b both see, in sample k of a and of b, of
 ///            sqrt(e_a e_b) exp(i k (r_a - r_b)) dA,
-/// with e_a the energy that an area element sends by way of receiver a (integrate_bistatic_echo()'s law;
+/// with e_a the energy that an area element sends by way of receiver a (density.hpp;
 /// energies are a = b). Sample k of a receiver holds the half paths (r_transmit + r_a) / 2 from first + k
 /// step on, its own. `fan`, `beam`: which patterns of law.patterns are the fan's. Ranges and phases are those
 /// from the staff's true ends, which the grid may have moved by half a unit for the visibility. What both

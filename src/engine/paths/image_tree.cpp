@@ -33,9 +33,7 @@ struct Cone {
 };
 
 glm::dvec3 unit_direction(const NameContext& context, const CornerName& corner) {
-  const WideVec d = wide_direction(context, corner);
-  return glm::normalize(
-      glm::dvec3(d[0].convert_to<double>(), d[1].convert_to<double>(), d[2].convert_to<double>()));
+  return glm::normalize(direction_of(context, corner));
 }
 
 /// The part of a convex cone with z >= 0.
@@ -166,13 +164,13 @@ struct ImageFinder::State {
     child.mirrors = image.mirrors + 1;
     child.last = plane;
     const glm::dmat3 reflect = plane.reflection();
-    child.to_true = image.to_true * reflect;
-    child.loss = image.loss;
-    child.loss.factor *= reflection;
-    for (glm::dvec3& normal : child.loss.rough_normals) normal = reflect * normal;
+    child.leg.to_true = image.leg.to_true * reflect;
+    child.leg.loss = image.leg.loss;
+    child.leg.loss.factor *= reflection;
+    for (glm::dvec3& normal : child.leg.loss.rough_normals) normal = reflect * normal;
     if (is_surface && mirrors_.surface->roughness > 0) {
-      child.loss.rough_normals.push_back({0, 0, 1});
-      child.loss.roughness = mirrors_.surface->roughness;
+      child.leg.loss.rough_normals.push_back({0, 0, 1});
+      child.leg.loss.roughness = mirrors_.surface->roughness;
     }
     WindowTubes windows(apex, image.windows.reach);
     std::vector<glm::dvec3> mirrored;
@@ -182,7 +180,7 @@ struct ImageFinder::State {
       mirrored.clear();
       for (auto corner = cone.corners.rbegin(); corner != cone.corners.rend(); ++corner)
         mirrored.push_back(reflect * *corner);
-      const double passes = most(child.loss, mirrored);
+      const double passes = most(child.leg.loss, mirrored);
       if (passes <= least_loss_) continue;
       child.largest = std::max(child.largest, passes);
       windows.add(mirrored, cone.own_tube);

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/law/path_loss.hpp"
+#include "engine/law/path.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/tubes/mirror.hpp"
@@ -37,9 +37,8 @@ struct Image {
   std::optional<MirrorPlane> last;
   TubeSet windows;                      ///< of the image; the apex's own tubes if there is no mirror
   std::vector<std::uint32_t> own_tube;  ///< by window: the true apex's tube that it belongs to
-  glm::dmat3 to_true{1};                ///< a direction of the image as the true apex has it
-  MirrorLoss loss;
-  double largest = 1;  ///< of the loss over all windows, at least
+  Leg leg;                              ///< from it, but for its place
+  double largest = 1;                   ///< of the loss over all windows, at least
 
   /// What it sees: `origin` empty if that is the whole mesh.
   const FacetMesh* mesh = nullptr;

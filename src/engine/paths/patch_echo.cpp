@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <tuple>
 
-#include "engine/law/radial_law.hpp"
+#include "engine/law/density.hpp"
 #include "geometry/work/stop.hpp"
 
 namespace tubefoot {
@@ -101,11 +101,11 @@ const HeardFacets::Facet* HeardFacets::find(FacetId facet) const {
   return at == facets_.end() || at->facet != facet ? nullptr : &*at;
 }
 
-PatchEcho::PatchEcho(const EchoLaw& law, const BistaticBeams& beams, double longest_m)
+PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m)
     : law_(law),
       beams_(beams),
       longest_m_(longest_m),
-      beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2),
+      beta_(absorption_per_m(law.absorption_db_per_m)),
       levels_(1) {}
 
 std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, const HeardFacets& heard,
@@ -225,15 +225,16 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
   const glm::dvec3 down = facet_->plane.normal,
                    sent = (-distance_ * down + away.x * frame.u + away.y * frame.v) / rt,
                    foot = -height * down + p.x * frame.u + p.y * frame.v, back = foot / rr;
-  double energy = scattering_lobe(point_->scattering, glm::dot(sent, point_->axis));
-  if (energy == 0) return;
-  energy *= mu_ * scattering_lobe(scattering_, distance_ / rt) * scattering_lobe(scattering_, height / rr) *
-            point_->loss.at(sent) * image_->loss.at(back) * std::exp(-beta_ * (rt + rr)) / (rt2 * rr2) *
-            std::abs(area) / 2;
+  const double lobe = scattering_lobe(point_->scattering, glm::dot(sent, point_->axis));
+  if (lobe == 0) return;
+  const double sigma =
+      mu_ * scattering_lobe(scattering_, distance_ / rt) * scattering_lobe(scattering_, height / rr);
+  double energy = density(sigma, Way<double>::of(rt, rr), beta_) * (std::abs(area) / 2) * lobe *
+                  point_->loss.at(sent) * image_->leg.loss.at(back);
   if (texture_ != nullptr) energy *= texture_->factor(image_local_ + foot);
   const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
-  if (law_.patterns == nullptr) return out_->add(bin(beams_.of_receive_tube[own_tube_]), energy);
-  const glm::dvec3 true_back = image_->to_true * back;
+  if (law_.patterns == nullptr) return out_->add(bin(beams_.of_tube[own_tube_]), energy);
+  const glm::dvec3 true_back = image_->leg.to_true * back;
   const auto [begin, end] = law_.patterns->beams_of_tube[own_tube_];
   for (std::uint32_t beam = begin; beam < end; ++beam)
     out_->add(bin(beam), energy * law_.patterns->receive[beam].gain(true_back));

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/echo/bistatic_echo.hpp"
+#include "engine/echo/echo.hpp"
 #include "engine/paths/image_tree.hpp"
 #include "geometry/integrals/measure.hpp"
 
@@ -75,7 +75,7 @@ class SparseEnergy {
 class PatchEcho {
  public:
   /// No part is longer than `longest_m`. Beams, fans and patterns are those of the true receiver's tubes.
-  PatchEcho(const EchoLaw& law, const BistaticBeams& beams, double longest_m);
+  PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m);
 
   struct Point {
     glm::dvec3 at_m{0};      ///< the point, or its image
@@ -99,7 +99,7 @@ class PatchEcho {
   void take(const Polygon& polygon, double sample);
 
   const EchoLaw& law_;
-  const BistaticBeams& beams_;
+  const ReceiveBeams& beams_;
   double longest_m_, beta_;
   // Of the facet and the piece at hand.
   const Point* point_ = nullptr;

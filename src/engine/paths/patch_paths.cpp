@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/law/radial_law.hpp"
+#include "engine/law/density.hpp"
 #include "engine/paths/patch_echo.hpp"
 #include "engine/paths/patches.hpp"
 #include "geometry/work/steps.hpp"
@@ -164,7 +164,7 @@ class PatchPaths {
       : scene_(scene),
         echo_(echo),
         least_(std::pow(10, -scene.settings.cutoff_db / 10)),
-        beta_(two_way_absorption_per_m(scene.law.absorption_db_per_m) / 2),
+        beta_(absorption_per_m(scene.law.absorption_db_per_m)),
         workers_([&] {
           return Worker{PatchEcho(scene.law, scene.beams, scene.settings.patch_m), {}, {}};
         }) {
@@ -226,7 +226,7 @@ class PatchPaths {
     double gain = scattering == nullptr ? scene_.law.material_mu[scene_.law.material[patch.facet]] : 1;
     gain *= scattering_lobe(scattering, sine) / sine * std::exp(-beta_ * range);
     if (const ReflectivityField* texture = scene_.law.texture(patch.facet))
-      gain *= texture->factor(scene_.law.apex_m + from_apex(from) + patch.from_apex_m);
+      gain *= texture->factor(scene_.law.path.out.apex_m + from_apex(from) + patch.from_apex_m);
     return gain;
   }
 
@@ -251,9 +251,9 @@ class PatchPaths {
       source.facet = patch.facet;
       source.normal = patch.normal;
       // By its whole solid angle: no patch receives more than is sent there.
-      source.strength = scattered_by(apex, patch) * patch.solid_angle_sr * image.loss.at(direction);
+      source.strength = scattered_by(apex, patch) * patch.solid_angle_sr * image.leg.loss.at(direction);
       if (scene_.law.patterns != nullptr)
-        source.strength *= scene_.law.patterns->transmit[source.fan].gain(image.to_true * direction);
+        source.strength *= scene_.law.patterns->transmit[source.fan].gain(image.leg.to_true * direction);
       source.at = in_front(scene_.mesh, patch.facet, apex, patch.from_apex_m / scene_.unit_m, patch.normal);
       source.signal.push_back({range, source.strength});
       sources.push_back(std::move(source));
@@ -288,8 +288,8 @@ class PatchPaths {
       stop_if_wanted();
       const int interactions = source.interactions + int(image.mirrors) + 1;
       const SharedFootprints seen = shared_with_itself(scene_.mesh, image.look(), scene_.unit_m);
-      const PatchEcho::Point point{from_apex(image.windows.apex), image.loss,
-                                   glm::transpose(image.to_true) * source.normal, scattering, source.fan};
+      const PatchEcho::Point point{from_apex(image.windows.apex), image.leg.loss,
+                                   glm::transpose(image.leg.to_true) * source.normal, scattering, source.fan};
       for (const HeardFacets& heard : heard_) {
         const int order = interactions + int(heard.image().mirrors);
         if (order <= scene_.settings.order && image.largest * heard.image().largest > least_)
@@ -304,7 +304,7 @@ class PatchPaths {
         if (!(sine > 0)) continue;
         // By the whole projected solid angle: of pi times what Lambert's law sends along the normal no more
         // arrives anywhere, however near.
-        const double gain = scattered_by(image.windows.apex, patch) * image.loss.at(direction) *
+        const double gain = scattered_by(image.windows.apex, patch) * image.leg.loss.at(direction) *
                             scattering_lobe(scattering, sine) / sine * patch.projected_sr;
         if (gain > 0) sent.links.push_back({interactions, patch, image.windows.apex, range, gain});
       }
@@ -315,28 +315,31 @@ class PatchPaths {
             const HeardFacets& heard, std::size_t order, Sent& sent) {
     Worker& worker = workers_.local();
     const RangeSamples& samples = scene_.samples;
-    RangeSamples leg = samples;
+    RangeSamples last_legs = samples;
     if (source.signal.size() == 1) {
       const Delayed& only = source.signal.front();
-      leg.first_m -= only.way_m / 2;
-      sent.pieces += worker.gather.add(seen, point, heard, scene_.law.apex_m, leg, worker.direct);
+      last_legs.first_m -= only.way_m / 2;
+      sent.pieces +=
+          worker.gather.add(seen, point, heard, scene_.law.path.out.apex_m, last_legs, worker.direct);
       worker.direct.drain([&](std::size_t bin, double energy) {
         sent.bins.push_back({order, bin, energy * only.strength});
       });
       return;
     }
     // The last two legs' response in half samples, then once for each delay, which are whole ones of path.
-    leg.step_m = samples.step_m / 2;
+    last_legs.step_m = samples.step_m / 2;
     const double soonest = source.signal.front().way_m / 2;
-    leg.first_m = std::max(samples.first_m - source.signal.back().way_m / 2, 0.0);
-    leg.count = int(
-        std::ceil((samples.first_m + samples.step_m * samples.count - soonest - leg.first_m) / leg.step_m));
-    if (leg.count <= 0) return;
-    sent.pieces += worker.gather.add(seen, point, heard, scene_.law.apex_m, leg, worker.direct);
+    last_legs.first_m = std::max(samples.first_m - source.signal.back().way_m / 2, 0.0);
+    last_legs.count = int(std::ceil(
+        (samples.first_m + samples.step_m * samples.count - soonest - last_legs.first_m) / last_legs.step_m));
+    if (last_legs.count <= 0) return;
+    sent.pieces +=
+        worker.gather.add(seen, point, heard, scene_.law.path.out.apex_m, last_legs, worker.direct);
     const double step = samples.step_m;
     worker.direct.drain([&](std::size_t bin, double energy) {
-      const std::size_t beam = bin / std::size_t(leg.count);
-      const double from = leg.first_m + double(bin % std::size_t(leg.count)) * leg.step_m - samples.first_m;
+      const std::size_t beam = bin / std::size_t(last_legs.count);
+      const double from =
+          last_legs.first_m + double(bin % std::size_t(last_legs.count)) * last_legs.step_m - samples.first_m;
       stop_if_wanted();
       for (const Delayed& delayed : source.signal) {
         const double place = (from + delayed.way_m / 2) / step, sample = std::floor(place);

@@ -13,7 +13,7 @@ struct PathScene {
   const FacetMesh& mesh;
   double unit_m;
   const ImageFinder& finder;
-  const BistaticBeams& beams;
+  const ReceiveBeams& beams;
   const RangeSamples& samples;
   const EchoLaw& law;
   const PathSettings& settings;

@@ -11,7 +11,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/law/radial_law.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/tubes/window_tubes.hpp"
@@ -35,7 +34,7 @@ glm::dvec3 difference_m(GridPoint a, GridPoint b, double unit_m) {
 class PathTracer {
  public:
   PathTracer(const FacetMesh& mesh, const SceneTree& tree, double unit_m, const VisibilityOptions& options,
-             const TubeSet& transmit, const TubeSet& receive, const BistaticBeams& beams,
+             const TubeSet& transmit, const TubeSet& receive, const ReceiveBeams& beams,
              const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings)
       : mesh_(mesh),
         unit_m_(unit_m),
@@ -44,7 +43,7 @@ class PathTracer {
         law_(law),
         settings_(settings),
         least_(std::pow(10, -settings.cutoff_db / 10)),
-        beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2),
+        beta_(absorption_per_m(law.absorption_db_per_m)),
         true_apex_(transmit.apex),
         true_receive_(receive),
         one_place_(transmit == receive),
@@ -166,27 +165,23 @@ class PathTracer {
 
   Echo scattered(const Image& sent, const Image& heard, SharedFootprints shared) const {
     const BistaticHistory history{sent.windows, heard.windows, unit_m_, std::move(shared)};
-    const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_receive_tube),
+    const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_tube),
                                      from = of_windows(sent, beams_.fan_of_transmit_tube),
                                      to = of_windows(heard, beams_.fan_of_receive_tube);
     EchoLaw law = law_;
-    law.apex_m += difference_m(sent.windows.apex, true_apex_, unit_m_);
+    law.path.home = heard.leg;
+    law.path.out = sent.leg;
+    law.path.out.apex_m = law_.path.out.apex_m + difference_m(sent.windows.apex, true_apex_, unit_m_);
     BeamPatterns patterns;
     if (law_.patterns != nullptr) {
       patterns = *law_.patterns;
-      // A direction d of an image is M d at the true apex, and M d . axis = d . M^T axis.
-      for (TransmitPattern& transmit : patterns.transmit)
-        for (Directivity& one : transmit.beams) one.axis = glm::transpose(sent.to_true) * one.axis;
-      for (Directivity& one : patterns.receive) one.axis = glm::transpose(heard.to_true) * one.axis;
       patterns.fan_of_tube = of_windows(heard, law_.patterns->fan_of_tube);
       patterns.beams_of_tube.clear();
       for (const std::uint32_t tube : heard.own_tube)
         patterns.beams_of_tube.push_back(law_.patterns->beams_of_tube[tube]);
       law.patterns = &patterns;
     }
-    const PathLoss loss{sent.loss, heard.loss};
-    return integrate_bistatic_echo(history, {beams_.count, beam, from, to}, samples_, law, bistatic_tolerance,
-                                   &loss);
+    return integrate_echo(history, {beams_.count, beam, from, to}, samples_, law);
   }
 
   /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
@@ -233,7 +228,7 @@ class PathTracer {
     const double sample = std::floor((length / 2 - samples_.first_m) / samples_.step_m);
     if (!(sample >= 0 && sample < samples_.count)) return;
     const glm::dvec3 direction = path_m / length;
-    const double passes = image.loss.at(direction);
+    const double passes = image.leg.loss.at(direction);
     if (!(passes > least_)) return;
     const double energy = passes * std::exp(-beta_ * length) / (length * length);
     const auto add = [&](std::uint32_t beam, double weight) {
@@ -241,17 +236,18 @@ class PathTracer {
           .energy[std::size_t(beam) * std::size_t(samples_.count) + std::size_t(sample)] += weight * energy;
     };
     ++echo_.arrivals;
-    if (law_.patterns == nullptr) return add(beams_.of_receive_tube[receive_tube], 1);
+    if (law_.patterns == nullptr) return add(beams_.of_tube[receive_tube], 1);
     const BeamPatterns& patterns = *law_.patterns;
     const auto [first, end] = patterns.beams_of_tube[receive_tube];
-    const double sent = patterns.transmit[patterns.fan_of_tube[receive_tube]].gain(image.to_true * direction);
+    const double sent =
+        patterns.transmit[patterns.fan_of_tube[receive_tube]].gain(image.leg.to_true * direction);
     for (std::uint32_t beam = first; beam < end; ++beam)
       add(beam, sent * patterns.receive[beam].gain(-direction));
   }
 
   const FacetMesh& mesh_;
   double unit_m_;
-  const BistaticBeams& beams_;
+  const ReceiveBeams& beams_;
   const RangeSamples& samples_;
   const EchoLaw& law_;
   const PathSettings& settings_;
@@ -269,7 +265,7 @@ class PathTracer {
 
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
-                   const BistaticBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
                    const PathSettings& settings) {
   return PathTracer(mesh, tree, grid_unit_m, options, transmit, receive, beams, samples, law, settings)
       .trace();

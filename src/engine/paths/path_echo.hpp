@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/echo/bistatic_echo.hpp"
+#include "engine/echo/echo.hpp"
 #include "engine/paths/image_tree.hpp"
 
 // Echoes over mirrors. docs/paths.md
@@ -32,7 +32,7 @@ struct PathEcho {
 /// The echoes over mirrors of a transmission from `transmit`'s apex, heard at `receive`'s (both the same for
 /// a sonar in one place). A path of order n is
 ///  - scattered once: a chain of i mirrors from the transmitter, a facet, a chain of j mirrors to the
-///    receiver, i + j + 1 = n, i + j > 0. integrate_bistatic_echo()'s law between the two images, times the
+///    receiver, i + j + 1 = n, i + j > 0. integrate()'s law between the two images, times the
 ///    reflections;
 ///  - scattered n times, up to `scatterings`: chains of mirrors, or none, between facets that scatter
 ///    sqrt(sigma(incident) sigma(scattered)). All but the last scatter as patches, which are points to those
@@ -43,13 +43,13 @@ struct PathEcho {
 ///  - not scattered: a chain of n mirrors from transmitter to receiver, of whole length L: reflections
 ///    * B_T B_R 10^(-alpha L / 10) / L^2, in the sample that holds L / 2. Once for each chain and fan,
 ///    however many windows meet in its direction.
-/// Patterns are taken in the directions at the true apexes. `beams.of_receive_tube` and the fans are those of
+/// Patterns are taken in the directions at the true apexes. `beams.of_tube` and the fans are those of
 /// the true tubes, as are `law.patterns`' tubes; `law.material` that of the mesh. TubeSet::reach must be
 /// twice the end of the last sample (in grid units). Throws std::length_error if there are more images (or
 /// pairs of them, patches, or their delays) than may be.
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
-                   const BistaticBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
                    const PathSettings& settings);
 
 }  // namespace tubefoot

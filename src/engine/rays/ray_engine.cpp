@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "geometry/numbers/wide_int.hpp"
+#include "geometry/numbers/int128.hpp"
 #include "geometry/work/steps.hpp"
 
 namespace tubefoot {

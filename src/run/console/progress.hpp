@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -9,6 +10,11 @@
 #include <thread>
 
 namespace tubefoot {
+
+/// Between a run and somebody who waits for it on another thread, and may stop it (geometry/work/stop.hpp).
+struct RunWatch {
+  std::atomic<std::size_t> pings{0}, total{0};  ///< finished, and to do
+};
 
 /// Progress on stderr: a bar with an estimate of the time left on a terminal, a plain line every tenth
 /// otherwise, nothing if quiet. Where one step takes long, also how far the work within it is (Steps of

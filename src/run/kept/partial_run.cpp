@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "files/durable.hpp"
+#include "files/input_error.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/work/stop.hpp"
 #include "run/kept/build_identity.hpp"
@@ -22,11 +23,6 @@ fs::path partial_of(const fs::path& output) {
   fs::path file = fs::weakly_canonical(fs::absolute(output), ignored);
   if (!file.has_filename()) file = file.parent_path();
   return file += ".partial";
-}
-
-template <typename Value>
-Json json_of_optional(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
 }
 
 /// Throws UsageError naming the first thing that differs between what a kept run was asked and what this one
@@ -164,45 +160,26 @@ void PartialRun::remove() {
   }
 }
 
-Json json_of(const RunDescription& run) {
-  return {{"engine", run.engine},
-          {"arithmetic", run.arithmetic},
-          {"binning", run.binning},
-          {"facets_per_split", run.facets_per_split},
-          {"zero_tolerance", run.zero_tolerance},
-          {"sampling", run.sampling},
-          {"rays_per_ping", run.rays_per_ping},
-          {"rays_per_beam", json_of_optional(run.rays_per_beam)},
-          {"seed", run.seed},
-          {"grid_exponent", json_of_optional(run.grid_exponent)}};
-}
-
-RunDescription run_of(const Json& json, RunDescription otherwise) {
-  RunDescription run = std::move(otherwise);
-  run.engine = json.at("engine");
-  run.arithmetic = json.at("arithmetic");
-  run.binning = json.at("binning");
-  run.facets_per_split = json.at("facets_per_split");
-  run.zero_tolerance = json.at("zero_tolerance");
-  run.sampling = json.at("sampling");
-  run.rays_per_ping = json.at("rays_per_ping");
-  run.rays_per_beam.reset();
-  if (!json.at("rays_per_beam").is_null()) run.rays_per_beam = json.at("rays_per_beam");
-  run.seed = json.at("seed");
-  run.grid_exponent.reset();
-  if (!json.at("grid_exponent").is_null()) run.grid_exponent = json.at("grid_exponent");
-  return run;
-}
-
-RunDescription resumed(const Json& kept, const Json& asked, RunDescription otherwise) {
-  try {
-    refuse_other_request(kept.at("asked"), asked);
-    return run_of(kept.at("run"), std::move(otherwise));
-  } catch (const Json::exception& error) {
-    throw UsageError(
+RunRequest resumed(const Json& kept, const Json& asked, RunRequest otherwise) {
+  const auto damaged = [](const std::exception& error) {
+    return UsageError(
         fmt::format("what the run that --resume would go on with says of itself is damaged ({}): delete the "
                     ".partial file to begin anew",
                     error.what()));
+  };
+  Json run;
+  try {
+    refuse_other_request(kept.at("asked"), asked);
+    run = kept.at("run");
+  } catch (const Json::exception& error) {
+    throw damaged(error);
+  }
+  try {
+    return request_of(run, std::move(otherwise));
+  } catch (const Json::exception& error) {
+    throw damaged(error);
+  } catch (const UsageError& error) {
+    throw damaged(error);
   }
 }
 

@@ -10,7 +10,7 @@
 
 #include "geometry/work/stop.hpp"
 #include "run/kept/ping_store.hpp"
-#include "scene/description/scene_description.hpp"
+#include "run/run_request.hpp"
 
 namespace tubefoot {
 
@@ -54,13 +54,9 @@ class PartialRun {
   std::size_t units_ = 0, kept_done_ = 0;
 };
 
-/// All settings of a run that its energies depend on, and back.
-nlohmann::ordered_json json_of(const RunDescription& run);
-RunDescription run_of(const nlohmann::ordered_json& json, RunDescription otherwise);
-
 /// The settings of a kept run, if it was asked what this one is. Throws UsageError naming the first thing
 /// that differs, or saying that what was kept is damaged.
-RunDescription resumed(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked,
-                       RunDescription otherwise);
+RunRequest resumed(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked,
+                   RunRequest otherwise);
 
 }  // namespace tubefoot

@@ -8,7 +8,6 @@
 #include "files/usage_error.hpp"
 #include "geometry/work/stop.hpp"
 #include "run/kept/build_identity.hpp"
-#include "run/kept/partial_run.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/ranks/outbox.hpp"
 #include "run/ranks/ping_crew.hpp"
@@ -50,7 +49,7 @@ class HelpingRank {
 
   void work(const RunOptions& options) {
     SceneDescription description = described(options);
-    const RunRequest request = requested(options, description);
+    RunRequest request = requested(options, description);
     const Json asked = asked_of(description, request);
     std::optional<std::string> start;
     while (!start && !over())
@@ -71,11 +70,11 @@ class HelpingRank {
           "rank {} on '{}' is asked for another run than rank 0, or reads another scene: all need "
           "the same command and the same files",
           link_.rank(), link_.host()));
-    description.run = run_of(told.at("run"), description.run);
+    request = request_of(told.at("run"), std::move(request));
     const ThreadLimit limit(description.run.threads > 0 ? description.run.threads
                                                         : threads_of_rank(link_.local_ranks()));
     const auto survey = open_survey(description);
-    simulate(*survey, request.reference_tolerance, limit.threads());
+    simulate(*survey, request, limit.threads());
   }
 
   /// Says the last word, and leaves with rank 0.
@@ -105,9 +104,9 @@ class HelpingRank {
     return std::nullopt;
   }
 
-  void simulate(const Survey& survey, std::optional<double> reference_tolerance, int threads) {
-    const StoreLayout layout = layout_of(survey, reference_tolerance.has_value());
-    const PingSimulation simulation(survey, reference_tolerance);
+  void simulate(const Survey& survey, const RunRequest& request, int threads) {
+    const StoreLayout layout = layout_of(survey, request);
+    const PingSimulation simulation(survey, request);
     Outbox outbox(most_unsent);
     PingCrew crew(threads, [&](const PingUnit& unit) {
       PingStore room(room_for_one(layout, unit.group));

@@ -88,10 +88,10 @@ void LeadRank::note_end(const RankMessage& message) {
     over_[static_cast<std::size_t>(message.from)] = true;
 }
 
-void LeadRank::simulate(const Survey& survey, PingStore& store, bool quiet,
-                        std::optional<double> reference_tolerance, int threads) {
-  const StoreLayout layout = layout_of(survey, reference_tolerance.has_value());
-  const PingSimulation simulation(survey, reference_tolerance);
+void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingStore& store, bool quiet,
+                        int threads) {
+  const StoreLayout layout = layout_of(survey, request);
+  const PingSimulation simulation(survey, request);
   Deal deal(layout, store);
   Progress progress("pings", layout.units() - store.done_units(), quiet);
   PingCrew crew(threads, [&](const PingUnit& unit) {

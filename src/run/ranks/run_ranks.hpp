@@ -10,6 +10,7 @@
 
 #include "run/options.hpp"
 #include "run/ranks/rank_link.hpp"
+#include "run/run_request.hpp"
 #include "run/survey.hpp"
 
 namespace tubefoot {
@@ -32,8 +33,7 @@ class LeadRank {
   /// have chosen.
   void start(const nlohmann::ordered_json& asked, const nlohmann::ordered_json& run);
   /// As simulate() in run/simulation.hpp, on all ranks. Throws what any of them throws.
-  void simulate(const Survey& survey, PingStore& store, bool quiet, std::optional<double> reference_tolerance,
-                int threads);
+  void simulate(const Survey& survey, const RunRequest& request, PingStore& store, bool quiet, int threads);
 
  private:
   void stop_all();

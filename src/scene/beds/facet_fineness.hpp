@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/object_description.hpp"
 
 namespace tubefoot {
+
+struct SceneDescription;
 
 /// How finely a curved object is cut into facets.
 struct FacetFineness {

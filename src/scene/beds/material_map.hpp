@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "geometry/mesh/plan_cut.hpp"
+#include "scene/description/material_description.hpp"
 #include "scene/description/scene_component.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/terrain_description.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/law/reflectivity_field.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/material_description.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/relief/elevation_field.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/relief_description.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {

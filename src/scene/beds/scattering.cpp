@@ -13,6 +13,7 @@
 #include "engine/law/sediment.hpp"
 #include "files/csv_file.hpp"
 #include "files/inlet.hpp"
+#include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
 namespace {
@@ -93,10 +94,6 @@ ScatteringLaw make_law(const MaterialDescription& m) {
   return ScatteringLaw::table(table.grazing_deg, table.strength_db);
 }
 
-double frequency_khz(const SensorDescription& sensor) {
-  return std::visit([](const auto& kind) { return kind.frequency_khz; }, sensor.kind);
-}
-
 }  // namespace
 
 std::vector<std::shared_ptr<const ScatteringLaw>> load_scattering(const SceneDescription& scene,
@@ -125,12 +122,13 @@ std::vector<std::shared_ptr<const ScatteringLaw>> load_scattering(const SceneDes
     }
     if (m.law != "sediment") continue;
     for (const SensorDescription& sensor : scene.sensors)
-      if (const double ratio = frequency_khz(sensor) / m.sediment_khz;
+      if (const double frequency_khz = figures_of(sensor).frequency_khz,
+          ratio = frequency_khz / m.sediment_khz;
           ratio > sediment_frequency_ratio || ratio < 1 / sediment_frequency_ratio)
         warnings.push_back(fmt::format(
             "material '{}' is '{}' as it scatters at {:g} kHz, but sensor '{}' works at {:g} kHz: its "
             "table is meant for {:.3g} to {:.3g} kHz",
-            m.name, *m.sediment, m.sediment_khz, sensor.name, frequency_khz(sensor),
+            m.name, *m.sediment, m.sediment_khz, sensor.name, frequency_khz,
             m.sediment_khz / sediment_frequency_ratio, m.sediment_khz * sediment_frequency_ratio));
   }
   return laws;

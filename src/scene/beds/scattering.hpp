@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "engine/law/scattering_law.hpp"
-#include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
+
+struct SceneDescription;
 
 /// The scattering laws of a scene by material; null where it is Lambert's, which needs no more than its mu.
 /// Throws InputError for a table that cannot be read and for a law that scatters more than it receives from

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <toml++/toml.h>
+
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -202,7 +204,8 @@ struct SceneEntries {
   std::vector<Entry<RunDescription>> run;
 };
 
-SceneEntries read_entries(const toml::table& root, TomlSource& source) {
+SceneEntries read_entries(const toml::table& root, const TomlSection<SensorDescription>& sensors,
+                          TomlSource& source) {
   SceneEntries all;
   using Read = std::function<void(const TomlEntry&)>;
   const auto into = [&source](const auto& section, auto& entries) -> Read {
@@ -219,7 +222,7 @@ SceneEntries read_entries(const toml::table& root, TomlSource& source) {
       {"objects", into(object_section(), all.objects)},
       {"trajectories", into(trajectory_section(), all.trajectories)},
       {"trajectory", into(trajectory_section(), all.trajectories)},
-      {"sensors", into(sensor_section(), all.sensors)},
+      {"sensors", into(sensors, all.sensors)},
       {"relief", into(refinement_section(), all.refinement)},
       {"run", into(run_section(), all.run)},
   };
@@ -275,7 +278,7 @@ void resolve(std::string& name, SourcePlace& place, const TomlTable& table, std:
                                                     : fmt::format("did you mean \"{}\"?", meant)));
 }
 
-void check_scene(SceneEntries& all, const fs::path& file) {
+void check_scene(SceneEntries& all, const TomlSection<SensorDescription>& sensors, const fs::path& file) {
   const SourcePlace whole{file.string()};
   if (all.terrains.empty() && all.objects.empty()) {
     throw InputError(whole, "the scene has no terrain and no object: add [[terrain]] or [[objects]]");
@@ -286,7 +289,7 @@ void check_scene(SceneEntries& all, const fs::path& file) {
   }
   unique_names(all.terrains, terrain_section());
   unique_names(all.objects, object_section());
-  unique_names(all.sensors, sensor_section());
+  unique_names(all.sensors, sensors);
   std::vector<std::string> materials;
   for (const auto& material : all.materials) materials.push_back(material.description.name);
   const auto resolve_material = [names = unique_names(all.materials, material_section())](auto& entry) {
@@ -341,7 +344,7 @@ void append_keys(const TomlSection<S>& section, std::vector<SceneKey>& keys) {
 
 }  // namespace
 
-std::vector<SceneKey> scene_file_keys() {
+std::vector<SceneKey> scene_file_keys(const SensorSections& kinds) {
   std::vector<SceneKey> keys{title_field().key};
   append_keys(georeference_section(), keys);
   append_keys(water_section(), keys);
@@ -353,23 +356,25 @@ std::vector<SceneKey> scene_file_keys() {
   append_keys(material_map_section(), keys);
   append_keys(object_section(), keys);
   append_keys(trajectory_section(), keys);
-  append_keys(sensor_section(), keys);
+  append_keys(sensor_section(kinds), keys);
   append_keys(refinement_section(), keys);
   append_keys(paths_section(), keys);
   append_keys(run_section(), keys);
   return keys;
 }
 
-SceneDescription read_scene_file(const fs::path& file, bool confined) {
-  return read_scene_text(scene_text(file), file, confined);
+SceneDescription read_scene_file(const fs::path& file, const SensorSections& kinds, bool confined) {
+  return read_scene_text(scene_text(file), file, kinds, confined);
 }
 
-SceneDescription read_scene_text(const std::string& text, const fs::path& file, bool confined) {
+SceneDescription read_scene_text(const std::string& text, const fs::path& file, const SensorSections& kinds,
+                                 bool confined) {
   TomlSource source{file, {}};
   toml::table root = parse(text, source);
   apply_presets(root, source);
-  SceneEntries all = read_entries(root, source);
-  check_scene(all, file);
+  const TomlSection<SensorDescription> sensors = sensor_section(kinds);
+  SceneEntries all = read_entries(root, sensors, source);
+  check_scene(all, sensors, file);
 
   SceneDescription scene = std::move(all.scene);
   scene.file = file;

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/description/sensor_section.hpp"
+
 namespace tubefoot {
 
 /// What docs/scene-file.md says about one key, in the same words; the reader and its messages use it too.
@@ -17,7 +19,7 @@ struct SceneKey {
   std::string range;          ///< e.g. "> 0, <= 170", or the texts to choose from; empty for any
 };
 
-/// Every key that read_scene_file knows, section by section.
-std::vector<SceneKey> scene_file_keys();
+/// Every key that read_scene_file knows, section by section, with those of the sensors' kinds.
+std::vector<SceneKey> scene_file_keys(const SensorSections& kinds);
 
 }  // namespace tubefoot

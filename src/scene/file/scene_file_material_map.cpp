@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <toml++/toml.h>
+
 #include <algorithm>
 #include <charconv>
 #include <set>

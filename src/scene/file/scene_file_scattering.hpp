@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/material_description.hpp"
 #include "scene/file/toml_reader.hpp"
 
 // The keys of a material that say how it scatters.

@@ -23,7 +23,8 @@ TomlField<TerrainDescription> material_map_field();
 void check_materials(const MaterialMapDescription& map, const std::vector<std::string>& materials);
 const TomlSection<ObjectDescription>& object_section();
 const TomlSection<TrajectoryDescription>& trajectory_section();
-const TomlSection<SensorDescription>& sensor_section();
+/// With the keys of those kinds.
+TomlSection<SensorDescription> sensor_section(const SensorSections& kinds);
 const TomlSection<RefinementDescription>& refinement_section();
 const TomlSection<RunDescription>& run_section();
 

@@ -1,23 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/material_map_description.hpp"
 #include "scene/file/toml_reader.hpp"
 
 // Keys of a scene file whose values are tables of names that the user chooses.
 namespace tubefoot {
+
+/// Throws InputError for what is no table, and for one without entries.
+const toml::table& table_with_entries(const toml::node& node, const TomlKey& key, const TomlSource& source);
 
 /// A key whose value is a table, which `read(entry, source, s)` reads.
 template <class S, class Read>
 TomlField<S> table_field(std::string_view name, KeyRule rule, Read read) {
   const TomlKey key = make_key(name, "table", "none", std::move(rule));
   return {key, [key, read](const toml::node& node, TomlSource& source, S& s) {
-            const toml::table* table = node.as_table();
-            if (table == nullptr || table->empty())
-              throw InputError(source.place(node.source()),
-                               fmt::format("'{}' must be a table{}", key.name,
-                                           table == nullptr ? "" : " with at least one entry"));
-            read(*table, source, s);
+            read(table_with_entries(node, key, source), source, s);
           }};
 }
 
@@ -28,7 +26,7 @@ TomlField<S> classes_field(std::string_view name, std::vector<MaterialClass> S::
     for (const TomlEntry& entry : entries_in_file_order(table, source)) {
       MaterialClass& c = (s.*classes).emplace_back();
       c.value = entry.key;
-      c.place = source.place(entry.node->source());
+      c.place = source.place(*entry.node);
       read_value(*entry.node, make_key(entry.key, "text", "", {}), source, c.material);
     }
   });

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/file/toml_reader.hpp"
 
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -33,6 +36,12 @@ std::string type_in_words(const toml::node& node) {
     default:
       return "a date or time";
   }
+}
+
+std::vector<const toml::node*> elements_of(const toml::array& array) {
+  std::vector<const toml::node*> elements;
+  for (const toml::node& element : array) elements.push_back(&element);
+  return elements;
 }
 
 [[noreturn]] void fail_type(const toml::node& node, const TomlKey& key, const TomlSource& source) {
@@ -71,6 +80,13 @@ std::string to_string(const ValueRange& range) {
   return below ? lo : above ? hi : "";
 }
 
+TomlKey::TomlKey() = default;
+TomlKey::TomlKey(const TomlKey&) = default;
+TomlKey::TomlKey(TomlKey&&) noexcept = default;
+TomlKey& TomlKey::operator=(const TomlKey&) = default;
+TomlKey& TomlKey::operator=(TomlKey&&) noexcept = default;
+TomlKey::~TomlKey() = default;
+
 std::string TomlKey::expected() const {
   if (!choices.empty()) return one_of(choices, '"');
   std::string text;
@@ -93,9 +109,13 @@ SourcePlace TomlSource::place(const toml::source_region& region) const {
   return {file.string(), static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
+SourcePlace TomlSource::place(const toml::node& value) const { return place(value.source()); }
+
+const toml::node* TomlTable::value(std::string_view key) const { return table->get(key); }
+
 SourcePlace TomlTable::place_of(std::string_view key) const {
-  const toml::node* node = table->get(key);
-  return node == nullptr ? place : source->place(node->source());
+  const toml::node* node = value(key);
+  return node == nullptr ? place : source->place(*node);
 }
 
 std::vector<TomlEntry> entries_in_file_order(const toml::table& table, const TomlSource& source) {
@@ -198,21 +218,27 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source,
   source.named_files.push_back({value, name, place});
 }
 
-const toml::array& array_of_length(const toml::node& node, const TomlKey& key, const TomlSource& source,
-                                   std::size_t length) {
+std::string array_text(const std::vector<std::string>& elements) {
+  return fmt::format("[{}]", fmt::join(elements, ", "));
+}
+std::string number_text(double value) { return fmt::format("{}", value); }
+
+std::vector<const toml::node*> array_of_length(const toml::node& node, const TomlKey& key,
+                                               const TomlSource& source, std::size_t length) {
   const toml::array* elements = node.as_array();
   if (elements == nullptr) fail_type(node, key, source);
   if (elements->size() != length) {
     throw InputError(source.place(node.source()),
                      fmt::format("'{}' must be {}, not of {}", key.name, key.expected(), elements->size()));
   }
-  return *elements;
+  return elements_of(*elements);
 }
 
-const toml::array& array_of_any_length(const toml::node& node, const TomlKey& key, const TomlSource& source) {
+std::vector<const toml::node*> array_of_any_length(const toml::node& node, const TomlKey& key,
+                                                   const TomlSource& source) {
   const toml::array* elements = node.as_array();
   if (elements == nullptr || elements->empty()) fail_type(node, key, source);
-  return *elements;
+  return elements_of(*elements);
 }
 
 TomlKey element_key(const TomlKey& key, std::size_t index) {

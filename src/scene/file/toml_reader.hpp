@@ -2,8 +2,7 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <toml++/toml.h>
+#include <toml++/impl/forward_declarations.h>
 
 #include <array>
 #include <concepts>
@@ -52,6 +51,14 @@ struct KeyRule {
 struct TomlKey : SceneKey, KeyRule {
   using SceneKey::default_value;
 
+  // Not inline: every key of every section makes and copies some.
+  TomlKey();
+  TomlKey(const TomlKey&);
+  TomlKey(TomlKey&&) noexcept;
+  TomlKey& operator=(const TomlKey&);
+  TomlKey& operator=(TomlKey&&) noexcept;
+  ~TomlKey();
+
   /// "a number in metres (0 to 10000)", for "expected ...".
   std::string expected() const;
 };
@@ -68,6 +75,7 @@ struct TomlSource {
   std::vector<NamedFile> named_files;  ///< met so far
 
   SourcePlace place(const toml::source_region& region) const;
+  SourcePlace place(const toml::node& value) const;
 };
 
 /// One table of the file and where it stands.
@@ -78,7 +86,8 @@ struct TomlTable {
 
   /// The place of a key's value, or of the table where the key is left to its default.
   SourcePlace place_of(std::string_view key) const;
-  bool has(std::string_view key) const { return table->contains(key); }
+  bool has(std::string_view key) const { return value(key) != nullptr; }
+  const toml::node* value(std::string_view key) const;  ///< null: the table has no such key
 };
 
 struct TomlEntry {
@@ -116,30 +125,33 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, 
 }
 
 /// The elements of an array of the length that the key wants.
-const toml::array& array_of_length(const toml::node& node, const TomlKey& key, const TomlSource& source,
-                                   std::size_t length);
+std::vector<const toml::node*> array_of_length(const toml::node& node, const TomlKey& key,
+                                               const TomlSource& source, std::size_t length);
 /// The key as it holds for one element of its array.
 TomlKey element_key(const TomlKey& key, std::size_t index);
 
 template <class T, std::size_t n>
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::array<T, n>& value) {
-  const toml::array& elements = array_of_length(node, key, source, n);
-  for (std::size_t i = 0; i < n; ++i) {
-    read_value(*elements.get(i), element_key(key, i), source, value[i]);
-  }
+  const std::vector<const toml::node*> elements = array_of_length(node, key, source, n);
+  for (std::size_t i = 0; i < n; ++i) read_value(*elements[i], element_key(key, i), source, value[i]);
 }
 
 /// The elements of an array of any length but 0.
-const toml::array& array_of_any_length(const toml::node& node, const TomlKey& key, const TomlSource& source);
+std::vector<const toml::node*> array_of_any_length(const toml::node& node, const TomlKey& key,
+                                                   const TomlSource& source);
 
 template <class T>
 void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::vector<T>& value) {
-  const toml::array& elements = array_of_any_length(node, key, source);
+  const std::vector<const toml::node*> elements = array_of_any_length(node, key, source);
   value.resize(elements.size());
   for (std::size_t i = 0; i < elements.size(); ++i)
-    read_value(*elements.get(i), element_key(key, i), source, value[i]);
+    read_value(*elements[i], element_key(key, i), source, value[i]);
 }
 /// @}
+
+/// "[0, 1, 2]".
+std::string array_text(const std::vector<std::string>& elements);
+std::string number_text(double value);
 
 /// The type's name in the documentation, and a default as TOML writes it.
 template <class T>
@@ -147,7 +159,7 @@ struct TomlType;
 template <>
 struct TomlType<double> {
   static std::string name() { return "number"; }
-  static std::string text(double value) { return fmt::format("{}", value); }
+  static std::string text(double value) { return number_text(value); }
 };
 template <>
 struct TomlType<bool> {
@@ -157,7 +169,7 @@ struct TomlType<bool> {
 template <std::integral T>
 struct TomlType<T> {
   static std::string name() { return "integer"; }
-  static std::string text(T value) { return fmt::format("{}", value); }
+  static std::string text(T value) { return std::to_string(value); }
 };
 template <>
 struct TomlType<std::string> {
@@ -171,14 +183,19 @@ struct TomlType<std::filesystem::path> {
 };
 template <class T, std::size_t n>
 struct TomlType<std::array<T, n>> {
-  static std::string name() { return fmt::format("{} {}s", n, TomlType<T>::name()); }
-  static std::string text(const std::array<T, n>& value) { return fmt::format("{}", value); }
+  static std::string name() { return std::to_string(n) + ' ' + TomlType<T>::name() + 's'; }
+  static std::string text(const std::array<T, n>& value) {
+    return TomlType<std::vector<T>>::text({value.begin(), value.end()});
+  }
 };
 template <class T>
 struct TomlType<std::vector<T>> {
-  static std::string name() { return fmt::format("{}s", TomlType<T>::name()); }
+  static std::string name() { return TomlType<T>::name() + 's'; }
   static std::string text(const std::vector<T>& value) {
-    return value.empty() ? "none" : fmt::format("{}", value);
+    if (value.empty()) return "none";
+    std::vector<std::string> elements;
+    for (const T& element : value) elements.push_back(TomlType<T>::text(element));
+    return array_text(elements);
   }
 };
 template <class T>
@@ -207,7 +224,31 @@ TomlField<S> field(std::string_view name, T S::*member, KeyRule rule = {}) {
           }};
 }
 
-/// A section: the keys of S, and those that only one kind of it has (S::kind is a variant then).
+/// The fields of what Own is derived from, as fields of Own.
+template <class Own, class Base>
+std::vector<TomlField<Own>> inherited(const std::vector<TomlField<Base>>& fields) {
+  std::vector<TomlField<Own>> own;
+  for (const TomlField<Base>& f : fields)
+    own.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source, Own& s) {
+                     read(node, source, s);
+                   }});
+  return own;
+}
+
+/// What a section's S::kind has to offer: to become a kind, and to be filled as one. A variant does; what
+/// else holds kinds has such functions of its own.
+/// @{
+template <class K, class... Ks>
+void set_kind(std::variant<Ks...>& kind) {
+  kind.template emplace<K>();
+}
+template <class K, class... Ks>
+K& kind_as(std::variant<Ks...>& kind) {
+  return std::get<K>(kind);
+}
+/// @}
+
+/// A section: the keys of S, and those that only one kind of it has (in S::kind then).
 template <class S>
 class TomlSection {
  public:
@@ -222,12 +263,12 @@ class TomlSection {
   TomlSection& kind(std::string_view kind_key, std::string_view name, const std::vector<TomlField<K>>& own,
                     const std::vector<TomlField<S>>& more = {}) {
     kind_key_ = kind_key;
-    kinds_.emplace_back(name, [](S& s) { s.kind.template emplace<K>(); });
+    kinds_.emplace_back(name, [](S& s) { set_kind<K>(s.kind); });
     const std::string kind = fmt::format("{} = \"{}\"", kind_key, name);
     std::vector<TomlField<S>> lifted;
     for (const TomlField<K>& f : own) {
       lifted.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source, S& s) {
-                          read(node, source, std::get<K>(s.kind));
+                          read(node, source, kind_as<K>(s.kind));
                         }});
     }
     return add(lifted, kind).add(more, kind);
@@ -305,7 +346,7 @@ S TomlSection<S>::read(const TomlTable& table, TomlSource& source) const {
   for (const TomlField<S>& f : tables_) keys.push_back(f.key);
   check_key_names(table, keys);
   std::string kind;
-  if (const toml::node* node = table.table->get(kind_key_); !kinds_.empty() && node != nullptr) {
+  if (const toml::node* node = table.value(kind_key_); !kinds_.empty() && node != nullptr) {
     std::string chosen;
     read_value(*node, keys.front(), source, chosen);
     for (const auto& [kind_name, select] : kinds_) {

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/material_description.hpp"
+#include "scene/description/object_description.hpp"
 #include "scene/meshes/mesh_file.hpp"
 
 namespace tubefoot {

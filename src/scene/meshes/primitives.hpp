@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scene/description/object_description.hpp"
 #include "scene/description/scene_component.hpp"
-#include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
 

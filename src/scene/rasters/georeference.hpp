@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/georeference_description.hpp"
 
 namespace tubefoot {
 

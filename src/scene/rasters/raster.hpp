@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "scene/description/scene_component.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/terrain_description.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/description/scene_description.hpp"
+#include "scene/description/terrain_description.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/raster_file.hpp"
 

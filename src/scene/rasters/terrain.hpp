@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/description/scene_component.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/terrain_description.hpp"
 
 namespace tubefoot {
 

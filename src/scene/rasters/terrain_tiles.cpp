@@ -13,6 +13,7 @@
 
 #include "files/limits.hpp"
 #include "geometry/work/stop.hpp"
+#include "scene/description/scene_description.hpp"
 #include "scene/rasters/raster_reader.hpp"
 
 namespace tubefoot {

@@ -10,10 +10,12 @@
 #include <vector>
 
 #include "scene/description/scene_component.hpp"
-#include "scene/description/scene_description.hpp"
+#include "scene/description/terrain_description.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {
+
+struct SceneDescription;
 
 /// Whether a raster terrain is read by tiles: as it says, or, if it leaves that open, because it is large and
 /// nothing that it asks for needs all of it at once. Throws InputError as read_raster() does.

@@ -66,10 +66,10 @@ RefractedReference certified(const Site& site, const WaterColumn& water, const T
   const SceneTree tree(mesh);
   const std::vector<double> material_mu{mu, 3 * mu};
   EchoLaw law{material_mu, mesh.material, absorption, nullptr};
-  law.facet_factor = ground.facet_factor;
+  law.path.facet_factor = ground.facet_factor;
   const std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
   const History history = TubeEngine(mesh, tree, site.grid.unit_m(), {}).trace(tubes);
-  const Echo ordinary = integrate_echo(history, beams, 1, samples, law);
+  const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
   const RayEnclosure rays(straightening, options);
   const ApparentEnclosures enclosures = enclose(ground, site.base, site.grid, rays,
                                                 straightening.reference_speed_m_s(), material_mu, absorption);
@@ -152,7 +152,7 @@ TEST(CertifiedRefraction, EvenWaterIsTheStraightReference) {
   const EchoLaw law{material_mu, site.base.material, 0, nullptr};
   const std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
   const History history = TubeEngine(site.base, tree, site.grid.unit_m(), {}).trace(tubes);
-  const Echo ordinary = integrate_echo(history, beams, 1, samples, law);
+  const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
   const CertifiedEcho straight =
       certify_echo(site.base, tree, history, {}, beams, samples, law, ordinary, 1e-9);
   for (std::size_t k = 0; k < straight.bound.size(); ++k) {

@@ -68,7 +68,7 @@ struct Bed {
     const std::vector<std::uint32_t> beam_of_tube{0};
     const VisibilityOptions options;
     const History history = TubeEngine(mesh, *tree, grid.unit_m(), options).trace(set);
-    Result result{integrate_echo(history, beam_of_tube, 1, samples, echo_law), {}};
+    Result result{integrate_echo(history, {1, beam_of_tube}, samples, echo_law), {}};
     result.certified = certify_echo(mesh, *tree, history, options, beam_of_tube, samples, echo_law,
                                     result.ordinary, tolerance);
     return result;

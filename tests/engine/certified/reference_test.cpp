@@ -74,7 +74,7 @@ struct Bench {
     const TubeEngine engine(mesh, *tree, grid.unit_m(), options);
     const History history = engine.trace(set);
     const int beams = int(set.tubes.size());
-    Result result{integrate_echo(history, beam_of_tube, beams, samples, law), {}};
+    Result result{integrate_echo(history, {beams, beam_of_tube}, samples, law), {}};
     result.certified =
         certify_echo(mesh, *tree, history, options, beam_of_tube, samples, law, result.ordinary, tolerance);
     return result;

@@ -49,7 +49,7 @@ std::vector<double> energies(const History& history, const RangeSamples& samples
   law.material_mu = material_mu;
   law.material = material;
   law.absorption_db_per_m = 0.05;
-  return integrate_echo(history, beam_of_tube, 1, samples, law, binning).energy;
+  return integrate_echo(history, {1, beam_of_tube}, samples, law, binning).energy;
 }
 
 double total(const std::vector<double>& energy) { return std::accumulate(energy.begin(), energy.end(), 0.0); }

@@ -12,7 +12,7 @@
 #include <random>
 
 #include "engine/certified/reference.hpp"
-#include "engine/echo/bistatic_echo.hpp"
+#include "engine/echo/echo.hpp"
 #include "engine/law/layered_reflectivity.hpp"
 #include "engine/law/map_reflectivity.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
@@ -130,7 +130,8 @@ struct Given {
 struct Laws {
   explicit Laws(const Given& g, std::size_t facets = 4)
       : mu{g.law.mu}, material(facets, 0), fields{g.texture}, scattering{g.law.law} {
-    law = {mu, material, g.absorption_db_per_m, g.patterns, g.tolerance, fields, g.apex_m, scattering};
+    law = {mu,          material, g.absorption_db_per_m, g.patterns,
+           g.tolerance, fields,   Path{Leg{g.apex_m}},   scattering};
   }
   Laws(const Laws&) = delete;
   Laws& operator=(const Laws&) = delete;
@@ -224,7 +225,7 @@ TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
         Given own = given;
         own.tolerance = tolerance;
         const Laws l(own);
-        const Echo echo = integrate_echo(history, beam_of_tube, int(given.beams()), {0.1, 0.31, 80}, l.law);
+        const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, {0.1, 0.31, 80}, l.law);
         for (std::size_t b = 0; b < given.beams(); ++b) {
           const auto row = echo.energy.begin() + std::ptrdiff_t(b) * echo.samples;
           EXPECT_NEAR(std::accumulate(row, row + echo.samples, 0.0) / peak, expected[b] / peak,
@@ -241,7 +242,7 @@ TEST(CombinedLaws, RangeSamplesAreRings) {
   const RangeSamples samples{4.07, 0.11, 4};  // between the ranges where the table bends
   for_all(1, [&](const Given& given) {
     const Laws l(given);
-    const Echo echo = integrate_echo(history, beam_of_tube, int(given.beams()), samples, l.law);
+    const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.law);
     for (int k = 0; k < samples.count; ++k) {
       const auto rho = [&](int i) {
         return std::sqrt(std::pow(samples.first_m + i * samples.step_m, 2) - height * height);
@@ -277,13 +278,13 @@ TEST(CombinedLaws, ToleranceIsKeptByTheProductOfAllFactors) {
           const auto energies = [&](double tolerance) {
             const Laws l(
                 {law, texture, patterns ? &*patterns : nullptr, 0.2, {123.456, -78.9, 4.2}, tolerance});
-            return integrate_echo(history, beam_of_tube, patterns ? int(patterns->receive.size()) : 1,
+            return integrate_echo(history, {patterns ? int(patterns->receive.size()) : 1, beam_of_tube},
                                   {0.1, 100, 1}, l.law)
                 .energy;
           };
           const Laws ideal({law, nullptr});
           const double peak =
-              2 * integrate_echo(history, beam_of_tube, 1, {0.1, 100, 1}, ideal.law).energy[0];
+              2 * integrate_echo(history, {1, beam_of_tube}, {0.1, 100, 1}, ideal.law).energy[0];
           const auto exact = energies(1e-12);
           for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
             const auto own = energies(tolerance);
@@ -319,15 +320,15 @@ TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
     EchoLaw law{mu, material, 0.2, patterns ? &*patterns : nullptr};
     law.reflectivity = reflectivity;
     law.scattering = scattering;
-    law.apex_m = {123.456, -78.9, 4.2};
+    law.path.out.apex_m = {123.456, -78.9, 4.2};
     const int beams = patterns ? int(patterns->receive.size()) : 1;
-    const Echo together = integrate_echo(history_of(parts), beam_of_tube, beams, samples, law);
+    const Echo together = integrate_echo(history_of(parts), {beams, beam_of_tube}, samples, law);
     std::vector<double> sum(together.energy.size(), 0);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       EchoLaw own = law;
       const std::vector<std::uint16_t> own_material{material[i]};
       own.material = own_material;
-      const Echo one = integrate_echo(history_of({parts[i]}), beam_of_tube, beams, samples, own);
+      const Echo one = integrate_echo(history_of({parts[i]}), {beams, beam_of_tube}, samples, own);
       EXPECT_GT(std::accumulate(one.energy.begin(), one.energy.end(), 0.0), 0);
       for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += one.energy[k];
     }
@@ -345,7 +346,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
     const Laws l(given);
     const auto total = [&](const History& history, Binning binning, std::size_t beam) {
       const RangeSamples samples{0.1, 0.2, 60};
-      const Echo echo = integrate_echo(history, beam_of_tube, int(given.beams()), samples, l.law, binning);
+      const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.law, binning);
       const auto row = echo.energy.begin() + std::ptrdiff_t(beam) * echo.samples;
       return std::accumulate(row, row + echo.samples, 0.0);
     };
@@ -377,7 +378,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
 // --- transmitter and receiver apart, and loss of mirrors
 
 /// By the two angles of one place: sqrt(sigma sigma), as the law's page says.
-double apart_density(const Given& g, const PathLoss* loss, glm::dvec3 t, double ht, glm::dvec3 r, double hr,
+double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, glm::dvec3 r, double hr,
                      std::size_t beam, const glm::dmat3& mirrored = glm::dmat3(1)) {
   const double rt = glm::length(t), rr = glm::length(r);
   double value = std::sqrt(g.law.value(std::acos(ht / rt)) * g.law.value(std::acos(hr / rr))) *
@@ -385,7 +386,7 @@ double apart_density(const Given& g, const PathLoss* loss, glm::dvec3 t, double 
   if (g.texture) value *= g.texture->factor(g.apex_m + t);
   if (g.patterns)
     value *= g.patterns->transmit[0].gain(mirrored * t / rt) * g.patterns->receive[beam].gain(r / rr);
-  if (loss) value *= loss->transmit.at(t / rt) * loss->receive.at(r / rr);
+  if (path) value *= path->out.loss.at(t / rt) * path->back().loss.at(r / rr);
   return value;
 }
 
@@ -404,25 +405,27 @@ TEST(CombinedLaws, BistaticEchoAndLossAgreeWithBruteForce) {
   facet.transmit_distance_m = height;
   facet.receive_distance_m = height + receiver.z;
   history.shared.facets = {facet};
-  PathLoss loss;
-  loss.transmit.factor = 0.7;
-  loss.transmit.rough_normals = {{0, 0, 1}};
-  loss.transmit.roughness = 3;
-  loss.receive.rough_normals = {{0, 0, 1}, glm::normalize(glm::dvec3(1, 0, 1))};
-  loss.receive.roughness = 0.6;
+  Path over_mirrors;
+  over_mirrors.out.loss = {0.7, {{0, 0, 1}}, 3};
+  over_mirrors.home = Leg{};
+  over_mirrors.home->loss = {1, {{0, 0, 1}, glm::normalize(glm::dvec3(1, 0, 1))}, 0.6};
   for_all(1, [&](const Given& given) {
-    const Laws l(given);
-    for (const PathLoss* lost :
-         {static_cast<const PathLoss*>(nullptr), static_cast<const PathLoss*>(&loss)}) {
+    Laws l(given);
+    for (const Path* mirrors : {static_cast<const Path*>(nullptr), static_cast<const Path*>(&over_mirrors)}) {
+      const Leg at_place = l.law.path.out;
+      if (mirrors != nullptr) {
+        l.law.path = *mirrors;
+        l.law.path.out.apex_m = at_place.apex_m;
+      }
       const auto expected = panels<4>(lo, hi, {25, 25}, given.beams(), [&](glm::dvec2 p, std::size_t b) {
         const glm::dvec3 t = on_bed(p);
-        return apart_density(given, lost, t, height, t - receiver, height + receiver.z, b);
+        return apart_density(given, mirrors, t, height, t - receiver, height + receiver.z, b);
       });
       const double most = *std::max_element(expected.begin(), expected.end());
       const double tolerance = given.law.name == "table" ? 1e-5 : 1e-6;
       for (const RangeSamples samples : {RangeSamples{0, 100, 1}, RangeSamples{0, 0.09, 1000}}) {
-        const Echo echo =
-            integrate_bistatic_echo(history, {int(given.beams()), beam_of_tube}, samples, l.law, 1e-8, lost);
+        const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.law,
+                                         {Binning::exact, 1e-8});
         for (std::size_t b = 0; b < given.beams(); ++b) {
           const auto row = echo.energy.begin() + std::ptrdiff_t(b) * echo.samples;
           EXPECT_NEAR(std::accumulate(row, row + echo.samples, 0.0) / most, expected[b] / most, tolerance)
@@ -484,7 +487,7 @@ TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
       given.apex_m = {32.25, -17.5, 4.125};
       SCOPED_TRACE(given.name());
       const Laws l(given);
-      const Echo ordinary = integrate_echo(history, beam_of_tube, 1, samples, l.law);
+      const Echo ordinary = integrate_echo(history, {1, beam_of_tube}, samples, l.law);
       const double tolerance = 1e-7;
       const CertifiedEcho certified =
           certify_echo(bench.mesh, tree, history, options, beam_of_tube, samples, l.law, ordinary, tolerance);

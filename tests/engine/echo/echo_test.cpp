@@ -65,7 +65,7 @@ const std::vector<std::uint16_t> one_facet{0};
 Echo echo_of(const History& history, const RangeSamples& samples, double absorption_db_per_m = 0) {
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint32_t> beam_of_tube{0};
-  return integrate_echo(history, beam_of_tube, 1, samples,
+  return integrate_echo(history, {1, beam_of_tube}, samples,
                         EchoLaw{material_mu, one_facet, absorption_db_per_m});
 }
 
@@ -205,7 +205,7 @@ TEST(Echo, TubesGoToTheirBeamsAndFacetsHaveTheirMaterials) {
   const std::vector<double> material_mu{0.001, 0.003};
   const std::vector<std::uint16_t> material{1, 0};
   const std::vector<std::uint32_t> beam_of_tube{2, 0, 2};
-  const Echo echo = integrate_echo(history, beam_of_tube, 3, {20, 1, 4}, {material_mu, material, 0});
+  const Echo echo = integrate_echo(history, {3, beam_of_tube}, {20, 1, 4}, {material_mu, material, 0});
   ASSERT_EQ(echo.energy.size(), 12u);
   for (int k = 0; k < 4; ++k) {
     EXPECT_GT(echo.at(0, k), 0);
@@ -257,20 +257,20 @@ TEST(Echo, BadInputIsRefused) {
   const std::vector<std::uint32_t> beams{0, 0}, too_few{0}, too_far{0, 7};
   const EchoLaw law{material_mu, one_facet, 0};
   const RangeSamples samples{20, 1, 4};
-  EXPECT_NO_THROW(integrate_echo(history, beams, 1, samples, law));
-  EXPECT_THROW(integrate_echo(history, too_few, 1, samples, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, too_far, 1, samples, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, -1, samples, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, 1, {20, 1, 0}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, 1, {20, 0, 3}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, 1, {-20, 1, 3}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, 1, {20, std::nan(""), 3}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, 1, samples, {material_mu, one_facet, -1}),
+  EXPECT_NO_THROW(integrate_echo(history, {1, beams}, samples, law));
+  EXPECT_THROW(integrate_echo(history, {1, too_few}, samples, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, too_far}, samples, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {-1, beams}, samples, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, 1, 0}, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, 0, 3}, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {-20, 1, 3}, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {20, std::nan(""), 3}, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, samples, {material_mu, one_facet, -1}),
                std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, 1, samples, {material_mu, one_facet, std::nan("")}),
+  EXPECT_THROW(integrate_echo(history, {1, beams}, samples, {material_mu, one_facet, std::nan("")}),
                std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, 1, samples, {material_mu, {}, 0}), std::invalid_argument);
-  EXPECT_THROW(integrate_echo(history, beams, 1, samples, {{}, one_facet, 0}), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, samples, {material_mu, {}, 0}), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, samples, {{}, one_facet, 0}), std::invalid_argument);
 }
 
 }  // namespace

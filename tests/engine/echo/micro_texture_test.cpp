@@ -9,7 +9,6 @@
 #include <numeric>
 #include <random>
 
-#include "engine/echo/bistatic_echo.hpp"
 #include "engine/echo/echo.hpp"
 #include "engine/echo/staff_echo.hpp"
 #include "engine/law/layered_reflectivity.hpp"
@@ -81,10 +80,10 @@ Echo echo_of(const History& history, const Field& texture, const Settings& s = {
                                                 0);
   const std::vector<Field> reflectivity{texture};
   const int beams = s.patterns != nullptr ? int(s.patterns->receive.size()) : 1;
-  return integrate_echo(
-      history, beam_of_tube, beams, s.samples,
-      EchoLaw{material_mu, material, s.absorption_db_per_m, s.patterns, s.tolerance, reflectivity, s.apex_m},
-      s.binning);
+  return integrate_echo(history, {beams, beam_of_tube}, s.samples,
+                        EchoLaw{material_mu, material, s.absorption_db_per_m, s.patterns, s.tolerance,
+                                reflectivity, Path{Leg{s.apex_m}}},
+                        s.binning);
 }
 
 double even_density(const FacetPlane& plane, double r, double absorption_db_per_m) {
@@ -281,10 +280,10 @@ TEST(MicroTexture, AnEvenMaterialBesideATexturedOneKeepsEveryBit) {
   for (const BeamPatterns* p : {static_cast<const BeamPatterns*>(nullptr), &patterns}) {
     const RangeSamples samples{0, 0.1, 120};
     EchoLaw law{material_mu, material, 0.2, p};
-    const Echo even = integrate_echo(history, beam_of_tube, 2, samples, law);
+    const Echo even = integrate_echo(history, {2, beam_of_tube}, samples, law);
     law.reflectivity = one;
-    law.apex_m = apex;
-    const Echo echo = integrate_echo(history, beam_of_tube, 2, samples, law);
+    law.path.out.apex_m = apex;
+    const Echo echo = integrate_echo(history, {2, beam_of_tube}, samples, law);
     double differ = 0;
     for (int k = 0; k < samples.count; ++k) {
       EXPECT_EQ(echo.at(0, k), even.at(0, k)) << k;
@@ -384,7 +383,7 @@ TEST(MicroTexture, TwoReceiversOnAStaffAgreeWithBruteForce) {
     const std::vector<std::uint16_t> one_facet{0};
     EchoLaw law{material_mu, one_facet, 0.2, &patterns};
     law.reflectivity = fields;
-    law.apex_m = apex;
+    law.path.out.apex_m = apex;
     const StaffEcho echo = integrate_staff_echo(history, staff, 0, 0, {0.1, 100, 1}, law);
     // quadrature() has the law of one apex: what is more by way of a receiver.
     const auto further = [&](glm::dvec3 p, glm::dvec3 receiver) {
@@ -445,8 +444,8 @@ TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
     for (const BeamPatterns* p : {static_cast<const BeamPatterns*>(nullptr), &patterns}) {
       const std::vector<Field> reflectivity{texture};
       const auto energy = [&](const RangeSamples& samples) {
-        return total(integrate_bistatic_echo(history, {1, beam}, samples,
-                                             {material_mu, material, 0, p, 1e-6, reflectivity, apex}));
+        return total(integrate_echo(history, {1, beam}, samples,
+                                    {material_mu, material, 0, p, 1e-6, reflectivity, apex}));
       };
       const auto density = [&, texture = texture](double x, double y) {
         const glm::dvec3 t = -bed.distance_m * bed.normal + x * frame.u + y * frame.v, r = t - receiver;
@@ -469,8 +468,8 @@ TEST(MicroTexture, RefusesTexturesOfOtherMaterials) {
   const std::vector<Field> two{perlin(1), perlin(2)};
   EchoLaw law{material_mu, material};
   law.reflectivity = two;
-  EXPECT_THROW(integrate_echo(history, beam_of_tube, 1, {0, 1, 10}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_bistatic_echo({}, {1, {}}, {0, 1, 10}, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beam_of_tube}, {0, 1, 10}, law), std::invalid_argument);
+  EXPECT_THROW(integrate_echo(BistaticHistory{}, {1, {}}, {0, 1, 10}, law), std::invalid_argument);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/echo/bistatic_echo.hpp"
+#include "engine/echo/echo.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
 #include "engine/sight/tube_engine.hpp"
 
@@ -101,8 +101,8 @@ struct Scenery {
     const std::vector<std::shared_ptr<const ReflectivityField>> textures{texture};
     EchoLaw law{material_mu, material, absorption, nullptr};
     if (texture) law.reflectivity = textures;
-    law.apex_m = grid.to_metres(of.transmit.apex);
-    return integrate_bistatic_echo(of, {1, beam}, samples, law);
+    law.path.out.apex_m = grid.to_metres(of.transmit.apex);
+    return integrate_echo(of, {1, beam}, samples, law);
   }
   mutable std::vector<std::uint16_t> material{};
 };
@@ -239,11 +239,11 @@ TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
       straighten(base, all, grid, Straightening(water, transmitter, surface_m, {}, 1500), 0, {.gap_m = gap});
   const FacetMesh& mesh = ground.refined.mesh;
   EchoLaw law{material_mu, mesh.material, 0, nullptr};
-  law.facet_factor = ground.facet_factor;
+  law.path.facet_factor = ground.facet_factor;
   const std::vector<std::uint32_t> beam(tubes.tubes.size(), 0);
   const SceneTree tree(mesh);
   const Echo one =
-      integrate_echo(TubeEngine(mesh, tree, grid.unit_m(), {}).trace(tubes), beam, 1, samples, law);
+      integrate_echo(TubeEngine(mesh, tree, grid.unit_m(), {}).trace(tubes), {1, beam}, samples, law);
   int lit = 0;
   for (std::size_t k = 0; k < one.energy.size(); ++k) {
     EXPECT_NEAR(apart.energy[k], one.energy[k], 1e-3 * one.energy[k]) << k;

@@ -10,7 +10,6 @@
 #include <numeric>
 #include <random>
 
-#include "engine/echo/bistatic_echo.hpp"
 #include "engine/echo/echo.hpp"
 #include "engine/law/sediment.hpp"
 #include "geometry/plane_polygons.hpp"
@@ -65,7 +64,7 @@ Echo echo_of(const History& history, const RangeSamples& samples, const Law& law
   const std::vector<Law> laws{law};
   EchoLaw echo_law{material_mu, one_facet, absorption, patterns, pattern_tolerance};
   echo_law.scattering = laws;
-  return integrate_echo(history, beam_of_tube, 1, samples, echo_law, binning);
+  return integrate_echo(history, {1, beam_of_tube}, samples, echo_law, binning);
 }
 
 /// A tube between two vertical planes that meet below the apex; straight walls near and far.
@@ -330,7 +329,7 @@ Echo bistatic_echo(const BistaticHistory& history, const RangeSamples& samples, 
   const std::vector<Law> laws{law};
   EchoLaw echo_law{material_mu, material, absorption, patterns};
   echo_law.scattering = laws;
-  return integrate_bistatic_echo(history, {1, beam}, samples, echo_law);
+  return integrate_echo(history, {1, beam}, samples, echo_law);
 }
 
 TEST(ScatteringBistatic, LambertAndOneApexAreWhatTheyWere) {
@@ -404,10 +403,10 @@ TEST(ScatteringEcho, RefusesLawsThatDoNotFitTheMaterials) {
   const std::vector<Law> laws{three_terms(), nullptr};
   EchoLaw law{material_mu, one_facet, 0};
   law.scattering = laws;
-  EXPECT_THROW(integrate_echo(history, beam_of_tube, 1, {1, 1, 30}, law), std::invalid_argument);
-  EXPECT_THROW(integrate_bistatic_echo(piece_on(flat_bed(5), wedge(0.1, 20), {0, 0, 1}), {1, beam_of_tube},
-                                       {1, 1, 30}, law),
-               std::invalid_argument);
+  EXPECT_THROW(integrate_echo(history, {1, beam_of_tube}, {1, 1, 30}, law), std::invalid_argument);
+  EXPECT_THROW(
+      integrate_echo(piece_on(flat_bed(5), wedge(0.1, 20), {0, 0, 1}), {1, beam_of_tube}, {1, 1, 30}, law),
+      std::invalid_argument);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ struct Site {
     const EchoLaw law{material_mu, mesh.material, 0, nullptr};
     const std::vector<std::uint32_t> beams(set.tubes.size(), 0);
     const History history = TubeEngine(mesh, *tree, 0x1p-20, {}).trace(set);
-    const Echo ordinary = integrate_echo(history, beams, 1, samples, law);
+    const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
     const CertifiedEcho certified =
         certify_echo(mesh, *tree, history, {}, beams, samples, law, ordinary, tolerance);
     EXPECT_EQ(certified.bins_over, 0u);

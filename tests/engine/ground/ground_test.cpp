@@ -100,7 +100,7 @@ Shot fired(const RefinedMesh& ground, const TubeSet& tubes) {
   std::vector<std::uint32_t> beams(tubes.tubes.size());
   std::iota(beams.begin(), beams.end(), 0u);
   const std::vector<double> mu(4, 0.01);
-  shot.echo = integrate_echo(shot.history, beams, static_cast<int>(beams.size()), samples,
+  shot.echo = integrate_echo(shot.history, {static_cast<int>(beams.size()), beams}, samples,
                              {mu, shot.ground.mesh.material, 0});
   return shot;
 }

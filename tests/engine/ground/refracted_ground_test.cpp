@@ -62,11 +62,11 @@ Heard hear(const FacetMesh& mesh, std::span<const double> factor, const RangeSam
   const SceneTree tree(mesh);
   const std::vector<double> material_mu{mu};
   EchoLaw law{material_mu, mesh.material, absorption, nullptr};
-  law.facet_factor = factor;
+  law.path.facet_factor = factor;
   const TubeSet tubes = fan();
   const std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
   const History history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
-  Heard heard{integrate_echo(history, beams, 1, samples, law), {}};
+  Heard heard{integrate_echo(history, {1, beams}, samples, law), {}};
   if (tolerance > 0) {
     const CertifiedEcho certified =
         certify_echo(mesh, tree, history, {}, beams, samples, law, heard.echo, tolerance);
@@ -304,15 +304,15 @@ TEST(RefractedGround, FactorsAreReadByEveryIntegrator) {
   // A ray's hit.
   const std::vector<double> material_mu{mu};
   EchoLaw law{material_mu, site.base.material, 0, nullptr};
-  law.facet_factor = factor;
+  law.path.facet_factor = factor;
   History history;
   history.hits.push_back(
       {.facet = 3, .tube = 0, .slant_range_m = 27, .sine_grazing = 0.5, .solid_angle_sr = 0.1});
   const std::vector<std::uint32_t> beams{0};
-  EXPECT_NEAR(integrate_echo(history, beams, 1, {25, 5, 6}, law).energy[0], 4 * mu * 0.5 * 0.1 / 27 / 27,
+  EXPECT_NEAR(integrate_echo(history, {1, beams}, {25, 5, 6}, law).energy[0], 4 * mu * 0.5 * 0.1 / 27 / 27,
               1e-18);
-  law.facet_factor = std::span(factor).first(2);
-  EXPECT_THROW(integrate_echo(history, beams, 1, {25, 5, 6}, law), std::invalid_argument);
+  law.path.facet_factor = std::span(factor).first(2);
+  EXPECT_THROW(integrate_echo(history, {1, beams}, {25, 5, 6}, law), std::invalid_argument);
 }
 
 TEST(RefractedGround, RefusesGapsThatAreNone) {

@@ -117,7 +117,7 @@ Echo echo_of(const History& history, const RangeSamples& samples, double absorpt
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube(patterns ? patterns->fan_of_tube.size() : 1, 0);
-  return integrate_echo(history, beam_of_tube, patterns ? int(patterns->receive.size()) : 1, samples,
+  return integrate_echo(history, {patterns ? int(patterns->receive.size()) : 1, beam_of_tube}, samples,
                         EchoLaw{material_mu, one_facet, absorption_db_per_m, patterns, tolerance});
 }
 
@@ -318,7 +318,7 @@ Echo echo_of(const History& history, const BeamPatterns* patterns, double tolera
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube(history.footprints.footprints.size(), 0);
-  return integrate_echo(history, beam_of_tube, patterns ? int(patterns->receive.size()) : 1, {3, 0.05, 200},
+  return integrate_echo(history, {patterns ? int(patterns->receive.size()) : 1, beam_of_tube}, {3, 0.05, 200},
                         EchoLaw{material_mu, one_facet, 0.3, patterns, tolerance}, binning);
 }
 

@@ -58,7 +58,7 @@ struct Setting {
     EchoLaw law{mu, mesh.material};
     law.reflectivity = texture;
     law.scattering = scattering;
-    law.apex_m = apex_m;
+    law.path.out.apex_m = apex_m;
     return law;
   }
   PathEcho run() const {
@@ -73,8 +73,8 @@ struct Setting {
   Echo first_order(const TubeSet& there, const TubeSet& back) const {
     const SceneTree tree(mesh);
     const std::vector<std::uint32_t> beam(back.tubes.size(), 0);
-    return integrate_bistatic_echo(trace_bistatic(mesh, tree, unit, VisibilityOptions(), there, back),
-                                   {1, beam}, samples, law(metres(there.apex)));
+    return integrate_echo(trace_bistatic(mesh, tree, unit, VisibilityOptions(), there, back), {1, beam},
+                          samples, law(metres(there.apex)));
   }
 };
 

@@ -43,7 +43,7 @@ struct Ping {
     exact = echo_of(TubeEngine(mesh, tree, grid.unit_m(), {}).trace(tubes));
   }
   Echo echo_of(const History& history) const {
-    return integrate_echo(history, beam_of_tube, beams, samples, {mu, mesh.material, 0.05});
+    return integrate_echo(history, {beams, beam_of_tube}, samples, {mu, mesh.material, 0.05});
   }
   Echo echo_of(const RaySettings& settings) const {
     return echo_of(trace_rays(scene, tubes, grid.unit_m(), settings, beam_of_tube));

@@ -103,13 +103,13 @@ TEST(RayEngine, EnergyOfEverySampleConvergesToTheExactFootprint) {
   measure(exact.footprints);
   EXPECT_NEAR(exact.footprints.footprints[0].solid_angle_sr, corner_solid_angle(tubes, tubes.tubes[0]),
               1e-14);
-  const Echo expected = integrate_echo(exact, beam_of_tube, 1, samples, law);
+  const Echo expected = integrate_echo(exact, {1, beam_of_tube}, samples, law);
 
   for (const std::int64_t rays : {1, 16, 2500}) {  // one ray: the density inside a wide cell
     std::vector<Statistics> statistics(8);
     for (std::uint64_t seed = 0; seed < (rays < 100 ? 4000u : 60u); ++seed) {
       const Echo echo = integrate_echo(trace_rays(scene, tubes, grid.unit_m(), stratified(rays, seed)),
-                                       beam_of_tube, 1, samples, law);
+                                       {1, beam_of_tube}, samples, law);
       for (int k = 0; k < 8; ++k) statistics[k].add(echo.at(0, k));
     }
     for (int k = 0; k < 8; ++k)

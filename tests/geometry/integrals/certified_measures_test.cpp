@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/looks_for_tests.hpp"

@@ -34,13 +34,15 @@ TEST(FuzzFindings, KeptRunThatSaysNothingOfItselfIsInTheWay) {
 
 TEST(FuzzFindings, KeptRunOfOtherWordsIsRefused) {
   const ordered_json asked{{"scene_hash", "12"}};
-  const ordered_json good{{"asked", asked}, {"run", json_of(RunDescription())}};
-  EXPECT_EQ(resumed(good, asked, {}).arithmetic, "fixed");
-  ordered_json without_seed = good, odd_seed = good, without_asked = good;
+  const ordered_json good{{"asked", asked}, {"run", json_of(RunRequest())}};
+  EXPECT_EQ(resumed(good, asked, {}).visibility.arithmetic, Arithmetic::fixed);
+  ordered_json without_seed = good, odd_seed = good, odd_word = good, without_asked = good;
   without_seed["run"].erase("seed");
   odd_seed["run"]["seed"] = "\xff";
+  odd_word["run"]["binning"] = "fast";
   without_asked.erase("asked");
-  for (const ordered_json& kept : {without_seed, odd_seed, without_asked, ordered_json(7), ordered_json()})
+  for (const ordered_json& kept :
+       {without_seed, odd_seed, odd_word, without_asked, ordered_json(7), ordered_json()})
     EXPECT_THAT(
         [&] { resumed(kept, asked, {}); },
         ThrowsMessage<UsageError>(AllOf(HasSubstr("is damaged"), HasSubstr("delete the .partial file"))));

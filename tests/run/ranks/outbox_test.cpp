@@ -126,8 +126,7 @@ pings = 90
   options.threads = 2;
   SceneDescription description = described(options);
   const RunRequest request = requested(options, description);
-  const nlohmann::ordered_json start{{"asked", asked_of(description, request)},
-                                     {"run", json_of(description.run)}};
+  const nlohmann::ordered_json start{{"asked", asked_of(description, request)}, {"run", json_of(request)}};
   std::vector<PingUnit> all;
   for (std::size_t ping = 0; ping < pings; ++ping) all.push_back({0, ping});
   SlowLead::Figures figures;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/scene_file_folder.hpp"
+#include "sensors/kinds/kind_multibeam.hpp"
 
 namespace tubefoot {
 namespace {
@@ -15,7 +16,7 @@ std::string scene_with(const std::string& lines) {
 }
 
 MultibeamDescription fan_of(const std::string& lines) {
-  return std::get<MultibeamDescription>(SceneFolder().read(scene_with(lines)).sensors.back().kind);
+  return SceneFolder().read(scene_with(lines)).sensors.back().kind.as<MultibeamDescription>();
 }
 
 TEST(MultibeamKeys, AreAllRead) {
@@ -51,7 +52,7 @@ TEST(MultibeamKeys, PresetHasThePublishedFiguresOfThe8101) {
   const SceneFolder folder;
   const SensorDescription sensor = folder.read(scene_with("preset = \"reson-8101\"\n")).sensors.back();
   EXPECT_EQ(sensor.signal.source_level_db, 210);
-  const auto& fan = std::get<MultibeamDescription>(sensor.kind);
+  const auto& fan = sensor.kind.as<MultibeamDescription>();
   EXPECT_EQ(fan.frequency_khz, 240);
   EXPECT_EQ(fan.beams, 101);
   EXPECT_EQ(fan.swath_deg, 150);

@@ -10,6 +10,7 @@
 #include "scene/beds/scattering.hpp"
 #include "scene/scene.hpp"
 #include "scene/scene_file_folder.hpp"
+#include "sensors/kinds/kind_didson.hpp"
 
 namespace tubefoot {
 namespace {
@@ -111,10 +112,10 @@ TEST(ScatteringKeys, SensorsOutsideASedimentsFrequencyAreWarnedOf) {
   SceneDescription scene =
       folder.read(scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"));
   std::vector<std::string> warnings;
-  std::get<DidsonDescription>(scene.sensors[0].kind).frequency_khz = 30;
+  scene.sensors[0].kind.edit<DidsonDescription>().frequency_khz = 30;
   EXPECT_NEAR(10 * std::log10(load_scattering(scene, warnings)[0]->cross_section(90 * degree)), -1.55, 1e-9);
   EXPECT_TRUE(warnings.empty());
-  std::get<DidsonDescription>(scene.sensors[0].kind).frequency_khz = 12;
+  scene.sensors[0].kind.edit<DidsonDescription>().frequency_khz = 12;
   load_scattering(scene, warnings);
   EXPECT_EQ(warnings.size(), 1u);
 }

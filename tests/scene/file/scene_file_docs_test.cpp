@@ -9,6 +9,7 @@
 
 #include "scene/file/scene_file_keys.hpp"
 #include "scene/scene_file_folder.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

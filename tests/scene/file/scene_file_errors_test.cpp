@@ -13,6 +13,7 @@
 #include "files/words.hpp"
 #include "scene/file/scene_file_keys.hpp"
 #include "scene/scene_file_folder.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -151,7 +152,8 @@ TEST(SceneFileErrors, KeysOfAnotherKindSaySo) {
       {length, "length_m = 30\nhurst = 0.5", "7:1",
        "'hurst' goes with kind = \"fractal\" and not with kind = \"flat\""},
       {didson, "kind = \"didson\"\nrange_max_m = 5", "12:1",
-       "'range_max_m' goes with kind = \"sidescan\", kind = "},
+       "'range_max_m' goes with kind = \"echosounder\", kind = \"imaging\", kind = \"interferometric\", kind "
+       "= "},
       {didson, "kind = \"didson\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\nradius_m = 1", "15:1",
        "'radius_m' goes with shape = \"sphere\", shape = \"cylinder\", shape = \"cone\" and not with shape = "
        "\"box\""},

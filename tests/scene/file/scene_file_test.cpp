@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/kinds/scene_file.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +8,11 @@
 
 #include "scene/file/scene_file_keys.hpp"
 #include "scene/scene_file_folder.hpp"
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/kind_echosounder.hpp"
+#include "sensors/kinds/kind_imaging.hpp"
+#include "sensors/kinds/kind_interferometric.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
 
 namespace tubefoot {
 namespace {
@@ -462,7 +469,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(camera.pings, 7);
   EXPECT_EQ(camera.ping_interval_s, 0.25);
   EXPECT_EQ(camera.cone_tolerance, 1e-6);
-  const auto& didson = std::get<DidsonDescription>(camera.kind);
+  const auto& didson = camera.kind.as<DidsonDescription>();
   EXPECT_EQ(didson.frequency_khz, 1100);
   EXPECT_EQ(didson.beams, 48);
   EXPECT_EQ(didson.horizontal_deg, 28);
@@ -481,7 +488,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(didson.window_length_m, 10);
   EXPECT_EQ(scene.sensors[1].name, "fish_1-B");
   EXPECT_EQ(scene.sensors[1].trajectory, "track");
-  const auto& sidescan = std::get<SidescanDescription>(scene.sensors[1].kind);
+  const auto& sidescan = scene.sensors[1].kind.as<SidescanDescription>();
   EXPECT_EQ(sidescan.frequency_khz, 900);
   EXPECT_EQ(sidescan.along_track_deg, 0.2);
   EXPECT_EQ(sidescan.depression_min_deg, 5);
@@ -489,7 +496,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(sidescan.samples, 2000);
   EXPECT_EQ(sidescan.range_min_m, 1);
   EXPECT_EQ(sidescan.range_max_m, 75);
-  const auto& imaging = std::get<ImagingDescription>(scene.sensors.at(2).kind);
+  const auto& imaging = scene.sensors.at(2).kind.as<ImagingDescription>();
   EXPECT_EQ(imaging.frequency_khz, 1200);
   EXPECT_EQ(imaging.beams, 130);
   EXPECT_EQ(imaging.horizontal_deg, 60);
@@ -497,7 +504,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(imaging.samples, 300);
   EXPECT_EQ(imaging.range_min_m, 0.2);
   EXPECT_EQ(imaging.range_max_m, 9);
-  const auto& sounder = std::get<EchosounderDescription>(scene.sensors.at(3).kind);
+  const auto& sounder = scene.sensors.at(3).kind.as<EchosounderDescription>();
   EXPECT_EQ(sounder.frequency_khz, 38);
   EXPECT_EQ(sounder.beam_deg, 12);
   EXPECT_EQ(sounder.sector_deg, 50);
@@ -516,7 +523,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(signal.tvg_absorption_db_per_km, 12);
   EXPECT_EQ(signal.tvg_gain_db, 6);
   EXPECT_EQ(scene.sensors[4].preset, "geoswath-500");
-  const auto& swath = std::get<InterferometricDescription>(scene.sensors.at(4).kind);
+  const auto& swath = scene.sensors.at(4).kind.as<InterferometricDescription>();
   EXPECT_EQ(swath.frequency_khz, 500);
   EXPECT_EQ(swath.along_track_deg, 0.9);
   EXPECT_EQ(swath.range_max_m, 120);
@@ -632,7 +639,7 @@ TEST(SceneFile, LeavesTheRestAtTheDefaults) {
   EXPECT_TRUE(scene.objects.empty());
   ASSERT_EQ(scene.sensors.size(), 1u);
   EXPECT_EQ(scene.sensors[0].pings, 1);
-  const auto& didson = std::get<DidsonDescription>(scene.sensors[0].kind);
+  const auto& didson = scene.sensors[0].kind.as<DidsonDescription>();
   EXPECT_EQ(didson.beams, 96);
   EXPECT_EQ(didson.horizontal_deg, 29);
   EXPECT_EQ(didson.samples, 512);

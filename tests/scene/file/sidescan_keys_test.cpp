@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/scene_file_folder.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
 
 namespace tubefoot {
 namespace {
@@ -16,7 +17,7 @@ std::string scene_with(const std::string& lines) {
 }
 
 SidescanDescription fan_of(const SceneDescription& scene) {
-  return std::get<SidescanDescription>(scene.sensors.back().kind);
+  return scene.sensors.back().kind.as<SidescanDescription>();
 }
 
 TEST(SidescanKeys, SamplingFrequencyTakesThePlaceOfSamples) {

@@ -302,34 +302,34 @@ TEST(StreamedFile, a_disk_that_fills_with_the_last_block_is_told_and_leaves_noth
   EXPECT_TRUE(std::filesystem::is_symlink(path));
 }
 
-TEST(ByteRecord, puts_little_endian_bytes_where_told_and_nowhere_else) {
-  ByteRecord record(40);
-  record.put_u8(1, 0xFE);
-  record.put_u16(3, 0x0102);
-  record.put_u32(6, 0x03040506);
-  record.put_u64(11, 0x0708090A0B0C0D0E);
-  record.put_i32(20, -2);
-  record.put_f32(25, 1.5);   // 3F C0 00 00
-  record.put_f64(30, -2.5);  // C0 04 00 ...
+TEST(PacketBytes, puts_little_endian_bytes_where_told_and_nowhere_else) {
+  PacketBytes record(std::endian::little, 40);
+  record.put<std::uint8_t>(1, 0xFE);
+  record.put<std::uint16_t>(3, 0x0102);
+  record.put<std::uint32_t>(6, 0x03040506);
+  record.put<std::uint64_t>(11, 0x0708090A0B0C0D0E);
+  record.put<std::int32_t>(20, -2);
+  record.put_single(25, 1.5);    // 3F C0 00 00
+  record.put<double>(30, -2.5);  // C0 04 00 ...
   const std::array<std::uint8_t, 40> wanted{
       0,    0xFE, 0,    2,    1, 0, 6, 5,    4,    3, 0, 0x0E, 0x0D, 0x0C, 0x0B, 0x0A, 9, 8,    7, 0,
       0xFE, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0xC0, 0x3F, 0, 0, 0,    0,    0,    0,    0,    4, 0xC0, 0, 0};
   EXPECT_THAT(record.bytes(), testing::ElementsAreArray(wanted));
 }
 
-TEST(ByteRecord, refuses_a_field_outside) {
-  ByteRecord record(8);
-  EXPECT_NO_THROW(record.put_u32(4, 1));
-  EXPECT_THROW(record.put_u32(5, 1), std::out_of_range);
-  EXPECT_THROW(record.put_u64(1, 1), std::out_of_range);
-  EXPECT_THROW(record.put_u8(8, 1), std::out_of_range);
-  EXPECT_THROW(record.put_u8(static_cast<std::size_t>(-1), 1), std::out_of_range);
+TEST(PacketBytes, refuses_a_field_outside) {
+  PacketBytes record(std::endian::little, 8);
+  EXPECT_NO_THROW(record.put<std::uint32_t>(4, 1));
+  EXPECT_THROW(record.put<std::uint32_t>(5, 1), std::out_of_range);
+  EXPECT_THROW(record.put<std::uint64_t>(1, 1), std::out_of_range);
+  EXPECT_THROW(record.put<std::uint8_t>(8, 1), std::out_of_range);
+  EXPECT_THROW(record.put<std::uint8_t>(static_cast<std::size_t>(-1), 1), std::out_of_range);
   EXPECT_THROW(record.put_text(0, 9, "x"), std::out_of_range);
 }
 
-TEST(ByteRecord, text_is_padded_cut_and_always_terminated) {
+TEST(PacketBytes, text_is_padded_cut_and_always_terminated) {
   const auto kept = [](std::string_view text) {
-    ByteRecord record(6);
+    PacketBytes record(std::endian::little, 6);
     record.put_text(0, 6, "******");  // what was there before goes
     record.put_text(0, 5, text);
     return std::string(record.bytes().begin(), record.bytes().end());

@@ -6,6 +6,12 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/kind_echosounder.hpp"
+#include "sensors/kinds/kind_imaging.hpp"
+#include "sensors/kinds/kind_interferometric.hpp"
+#include "sensors/kinds/kind_multibeam.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/samples.hpp"
 

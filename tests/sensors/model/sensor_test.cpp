@@ -6,8 +6,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "sensors/model/sidescan.hpp"
-#include "sensors/products/in_water.hpp"
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
 #include "sensors/samples.hpp"
 
 namespace tubefoot {
@@ -63,7 +64,7 @@ TEST(Didson, SamplesCoverTheWindowAndTubesReachItsEnd) {
 
 TEST(Didson, TubesCoverWhatTransmitterAndReceiverBothLookAt) {
   SensorDescription description = samples::camera();
-  auto& didson = std::get<DidsonDescription>(description.kind);
+  auto& didson = description.kind.edit<DidsonDescription>();
   didson.transmit_horizontal_deg = 10;
   didson.transmit_vertical_deg = 20;  // more than the receiver's 14
   const auto sensor = make_sensor(description);
@@ -86,7 +87,7 @@ TEST(Didson, TubesCoverWhatTransmitterAndReceiverBothLookAt) {
 
 TEST(Didson, WideBeamsAndHighFansAreSeveralTubesOfOneBeam) {
   SensorDescription description = samples::camera(4);
-  auto& didson = std::get<DidsonDescription>(description.kind);
+  auto& didson = description.kind.edit<DidsonDescription>();
   didson.horizontal_deg = 360;
   didson.vertical_deg = 100;
   const auto sensor = make_sensor(description);
@@ -121,7 +122,7 @@ TEST(Sidescan, PortFanLooksToNegativeXAndStarboardMirrorsItRayByRay) {
 
 TEST(Sidescan, FanKeepsItsAlongTrackWidthAtEveryDepression) {
   SensorDescription description = samples::sidescan();
-  auto& fan = std::get<SidescanDescription>(description.kind);
+  auto& fan = description.kind.edit<SidescanDescription>();
   fan.along_track_deg = 1;
   const auto sensor = make_sensor(description);
   const TubeSet set = sensor->tubes(Pose{}, grid);
@@ -146,7 +147,7 @@ TEST(Sidescan, FanKeepsItsAlongTrackWidthAtEveryDepression) {
 
 TEST(Sidescan, SamplingFrequencyMakesSamplesOfTheWatersSoundSpeed) {
   SensorDescription description = samples::sidescan();
-  auto& fan = std::get<SidescanDescription>(description.kind);
+  auto& fan = description.kind.edit<SidescanDescription>();
   fan.sampling_frequency_khz = 15;
   EXPECT_THROW(make_sensor(description), std::invalid_argument);
   const auto sensor = make_sensor(in_water(description, 1500));  // 5 cm: 990 of them from 0.5 to 50 m
@@ -169,7 +170,7 @@ TEST(Sidescan, AxisOfItsPatternsMayLieApartFromTheFansMiddle) {
   description.transmit.pattern = description.receive.pattern = "gaussian";
   description.transmit.angle = description.receive.angle = "elevation";
   description.transmit.width_deg = description.receive.width_deg = 40;
-  auto& fan = std::get<SidescanDescription>(description.kind);
+  auto& fan = description.kind.edit<SidescanDescription>();
   fan.axis_depression_deg = 20;
   const auto sensor = make_sensor(description);
   EXPECT_NEAR(sensor->beams()[1].elevation_rad / degree, -20, 1e-12);
@@ -189,7 +190,7 @@ TEST(Sidescan, AxisOfItsPatternsMayLieApartFromTheFansMiddle) {
 
 TEST(Sidescan, FansThatMeetBelowShareTheirRays) {
   SensorDescription description = samples::sidescan();
-  std::get<SidescanDescription>(description.kind).depression_max_deg = 90;
+  description.kind.edit<SidescanDescription>().depression_max_deg = 90;
   const TubeSet set = make_sensor(description)->tubes(Pose{}, grid);
   const std::size_t half = set.rays.size() / 2;
   EXPECT_EQ(set.rays[half - 1], set.rays.back());  // straight down: no gap and no overlap between the sides
@@ -257,7 +258,7 @@ TEST(PingTimes, AreEvenFromTheFirst) {
 TEST(MakeSensor, RefusesWhatMakesNoSonar) {
   const auto refused_camera = [](auto change) {
     SensorDescription description = samples::camera();
-    change(std::get<DidsonDescription>(description.kind));
+    change(description.kind.edit<DidsonDescription>());
     EXPECT_THROW(make_sensor(description), std::invalid_argument);
   };
   refused_camera([](DidsonDescription& d) { d.beams = 0; });
@@ -270,7 +271,7 @@ TEST(MakeSensor, RefusesWhatMakesNoSonar) {
   refused_camera([](DidsonDescription& d) { d.window_length_m = 0; });
   const auto refused_sidescan = [](auto change) {
     SensorDescription description = samples::sidescan();
-    change(std::get<SidescanDescription>(description.kind));
+    change(description.kind.edit<SidescanDescription>());
     EXPECT_THROW(make_sensor(description), std::invalid_argument);
   };
   refused_sidescan([](SidescanDescription& d) { d.depression_max_deg = 95; });

@@ -5,6 +5,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/kind_echosounder.hpp"
+#include "sensors/kinds/kind_imaging.hpp"
+#include "sensors/kinds/kind_interferometric.hpp"
+#include "sensors/kinds/kind_sidescan.hpp"
 #include "sensors/samples.hpp"
 
 namespace tubefoot {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <thread>
 
+#include "sensors/products/pictures.hpp"
 #include "sensors/recordings/recording.hpp"
 #include "sensors/samples.hpp"
 
@@ -313,7 +314,9 @@ TEST(EchoFile, RefusesRecordingsThatDoNotAddUp) {
     auto made = noisy_camera();
     change(made.recording);
     EXPECT_THROW(write_echoes(file, {made.recording}, provenance), std::invalid_argument);
-    EXPECT_THROW(write_pictures(folder.path(), made.recording), std::invalid_argument);
+    std::vector<std::string> warnings;
+    EXPECT_THROW(write_fan_pictures(folder.path(), made.recording, {}, false, warnings),
+                 std::invalid_argument);
   };
   refused([](Recording& r) { r.sensor = nullptr; });
   refused([](Recording& r) { r.energy = r.energy.first(r.energy.size() - 1); });

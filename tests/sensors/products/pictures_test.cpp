@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/pictures.hpp"
+
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +10,8 @@
 #include <random>
 #include <thread>
 
+#include "sensors/kinds/kind_didson.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
 #include "sensors/pictures/camera_picture.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/waterfall_picture.hpp"
@@ -79,6 +83,20 @@ Spot camera_spot(std::size_t beam, std::size_t sample, const SensorDescription& 
   return difference(before, read(draw_camera_frame(made.recording, 0, "")));
 }
 
+std::vector<std::filesystem::path> camera_pictures(const std::filesystem::path& folder,
+                                                   const Recording& recording,
+                                                   const std::optional<Heard>& heard) {
+  std::vector<std::string> warnings;
+  return write_fan_pictures(folder, recording, heard, false, warnings);
+}
+
+std::vector<std::filesystem::path> sidescan_pictures(const std::filesystem::path& folder,
+                                                     const Recording& recording,
+                                                     const std::optional<Heard>& heard) {
+  std::vector<std::string> warnings;
+  return write_two_sided_pictures(folder, recording, heard, warnings);
+}
+
 TEST(CameraPicture, IsATrueFanWithPortLeftAndForwardUp) {
   const auto sensor = make_sensor(samples::camera());
   const double azimuth = sensor->beams()[70].azimuth_rad;
@@ -106,7 +124,7 @@ TEST(CameraPicture, ShowsTheCellsAreaAtItsRange) {
 TEST(CameraPicture, FansOfAnyWidthAreDrawn) {
   for (const double horizontal_deg : {0.3, 29.0, 130.0, 200.0, 360.0}) {
     SensorDescription description = samples::camera(horizontal_deg < 1 ? 1 : 24, 16);
-    std::get<DidsonDescription>(description.kind).horizontal_deg = horizontal_deg;
+    description.kind.edit<DidsonDescription>().horizontal_deg = horizontal_deg;
     auto made = samples::silent(description, 1);
     std::fill(made.energies.begin(), made.energies.end(), 1e-9);
     const Canvas canvas = draw_camera_frame(made.recording, 0, label_font());
@@ -167,7 +185,7 @@ TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
   std::uniform_real_distribution<double> decades(-30, 3);
   for (double& energy : made.energies) energy = std::pow(10, decades(random));
   made.energy(1, 2, 3) = 0;
-  EXPECT_THAT(write_pictures(folder.path(), made.recording),
+  EXPECT_THAT(camera_pictures(folder.path(), made.recording, {}),
               ElementsAre("camera-sequence.png", "camera-0000.png", "camera-0000.exr", "camera-0001.png",
                           "camera-0001.exr"));
   for (const std::size_t ping : {0u, 1u}) {
@@ -222,8 +240,10 @@ TEST(Pictures, ASequenceIsOnOneScale) {
 TEST(Pictures, ACameraMayAskForItsSequenceAlone) {
   const samples::TemporaryFolder folder;
   SensorDescription description = samples::camera(5, 7);
-  std::get<DidsonDescription>(description.kind).pictures = "sequence";
-  EXPECT_THAT(write_pictures(folder.path(), samples::silent(description, 3).recording),
+  description.kind.edit<DidsonDescription>().pictures = "sequence";
+  const auto made = samples::silent(description, 3);
+  std::vector<std::string> warnings;
+  EXPECT_THAT(kind_of(description).write_products(folder.path(), made.recording, {}, warnings),
               ElementsAre("camera-sequence.png"));
 }
 
@@ -254,8 +274,9 @@ TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
       for (double& energy : energies) energy = 1e-9 * speckle(random);
       return energies;
     };
-    write_pictures(plain.path(), recording);
-    const auto files = write_pictures(both.path(), recording, nullptr, &heard);
+    const auto pictures_of = camera ? camera_pictures : sidescan_pictures;
+    pictures_of(plain.path(), recording, {});
+    const auto files = pictures_of(both.path(), recording, heard);
     const std::vector<std::pair<std::string, std::string>> pairs =
         camera ? std::vector<std::pair<std::string, std::string>>{{"camera-sequence.png",
                                                                    "camera-sequence-received.png"},
@@ -279,7 +300,8 @@ TEST(Pictures, SidescanFilesArePingByPingPortTurnedOver) {
   const samples::TemporaryFolder folder;
   auto made = samples::silent(samples::sidescan(6), 4);
   for (std::size_t k = 0; k < made.energies.size(); ++k) made.energies[k] = 1e-12 * double(k + 1) / 3;
-  EXPECT_THAT(write_pictures(folder.path(), made.recording), ElementsAre("sidescan.png", "sidescan.exr"));
+  EXPECT_THAT(sidescan_pictures(folder.path(), made.recording, {}),
+              ElementsAre("sidescan.png", "sidescan.exr"));
   const Image exr = read(folder / "sidescan.exr");
   ASSERT_EQ(exr.spec.width, 12);
   ASSERT_EQ(exr.spec.height, 4);
@@ -296,9 +318,9 @@ TEST(Pictures, AreTheSameByteForByteAtAnotherTime) {
   const samples::TemporaryFolder a, b;
   auto made = samples::silent(samples::camera(5, 7), 1);
   made.energy(0, 2, 3) = 1e-9;
-  const auto files = write_pictures(a.path(), made.recording);
+  const auto files = camera_pictures(a.path(), made.recording, {});
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // EXR files like to say at which second
-  write_pictures(b.path(), made.recording);
+  camera_pictures(b.path(), made.recording, {});
   for (const auto& file : files)
     EXPECT_EQ(samples::bytes_of(a / file.string()), samples::bytes_of(b / file.string())) << file;
 }
@@ -307,7 +329,7 @@ TEST(Pictures, NameTheFileThatCannotBeWritten) {
   const samples::TemporaryFolder folder;
   auto made = samples::silent(samples::camera(5, 7), 1);
   const auto fails_in = [&](const std::filesystem::path& where, const char* file) {
-    return samples::failure_naming(where / file, [&] { write_pictures(where, made.recording); });
+    return samples::failure_naming(where / file, [&] { camera_pictures(where, made.recording, {}); });
   };
   EXPECT_THAT(fails_in(folder / "absent", "camera-0000.png"), HasSubstr("No such file"));
   fails_in("/proc", "camera-0000.png");
@@ -319,7 +341,7 @@ TEST(Pictures, NameTheFileThatCannotBeWritten) {
   for (const auto room : {0u, 300u, 2000u}) {
     const samples::TemporaryFolder small;
     const samples::FullDisk full(room);
-    EXPECT_THROW(write_pictures(small.path(), made.recording), std::runtime_error);
+    EXPECT_THROW(camera_pictures(small.path(), made.recording, {}), std::runtime_error);
     EXPECT_FALSE(std::filesystem::exists(small / "camera-0000.png")) << "room for " << room << " bytes";
   }
 }
@@ -330,7 +352,7 @@ TEST(Pictures, RefuseANameThatLeadsElsewhere) {
     SensorDescription description = samples::camera(2, 3);
     description.name = name;
     const auto made = samples::silent(description, 1);
-    EXPECT_THROW(write_pictures(folder.path(), made.recording), std::runtime_error) << name;
+    EXPECT_THROW(camera_pictures(folder.path(), made.recording, {}), std::runtime_error) << name;
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
@@ -340,7 +362,7 @@ TEST(Pictures, AreLabelledWhereThereIsAFont) {
   EXPECT_EQ(find_font({"NoSuchFontAnywhere"}), "");
   const samples::TemporaryFolder folder;
   std::vector<std::string> warnings;
-  write_pictures(folder.path(), made.recording, &warnings);
+  write_fan_pictures(folder.path(), made.recording, {}, false, warnings);
   if (label_font().empty()) {
     EXPECT_THAT(warnings, ElementsAre(HasSubstr("fonts-dejavu-core")));
     GTEST_SKIP() << "no font is installed";

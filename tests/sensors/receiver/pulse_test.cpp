@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-#include "sensors/products/products.hpp"
+#include "sensors/products/received.hpp"
 #include "sensors/samples.hpp"
 
 namespace tubefoot {

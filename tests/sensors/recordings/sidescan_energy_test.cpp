@@ -12,6 +12,7 @@
 #include "engine/law/lambert.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "scene/scene.hpp"
+#include "sensors/kinds/scene_file.hpp"
 #include "sensors/samples.hpp"
 
 namespace tubefoot {
@@ -95,7 +96,7 @@ samples = 1180
   const Pose pose = sensor->pose_on(scene.trajectories.front().at(0));
   const History history = engine.trace(sensor->tubes(pose, scene.grid));
   const EchoLaw echo_law{scene.material_mu, scene.mesh.material, absorption_db_per_m};
-  const Echo echo = integrate_echo(history, sensor->beam_of_tube(), 2, sensor->samples(), echo_law);
+  const Echo echo = integrate_echo(history, {2, sensor->beam_of_tube()}, sensor->samples(), echo_law);
 
   std::array<double, 2> expected{};
   for (const Footprint& footprint : history.footprints.footprints)

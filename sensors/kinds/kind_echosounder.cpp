@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/kinds/kind_echosounder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "files/checked_file.hpp"
+#include "scene/file/sensor_ranges.hpp"
+#include "scene/file/toml_reader.hpp"
+#include "sensors/detection/bottom_detection.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/pictures/canvas.hpp"
+#include "sensors/pictures/echogram.hpp"
+#include "sensors/pictures/image_file.hpp"
+#include "sensors/products/noise_floor.hpp"
+#include "sensors/products/pictures.hpp"
+#include "sensors/products/received.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Single beam along the sensor's down axis. A square sector about it is looked at; transmitter and receiver
+/// each have their pattern, by default a Gaussian of the beam's width about the axis.
+class Echosounder : public Sensor {
+ public:
+  /// Throws std::invalid_argument for a beam, a sector, ranges or counts that make no echosounder.
+  explicit Echosounder(const SensorDescription& description);
+};
+
+SensorDescription with_beam(SensorDescription description) {
+  const auto& sounder = description.kind.as<EchosounderDescription>();
+  for (PatternDescription* pattern : {&description.transmit, &description.receive})
+    if (pattern->pattern == "none") {
+      pattern->pattern = "gaussian";
+      pattern->angle = "off_axis";
+      pattern->width_deg = sounder.beam_deg;
+    }
+  return description;
+}
+
+Echosounder::Echosounder(const SensorDescription& description) : Sensor(with_beam(description)) {
+  const auto& sounder = description.kind.as<EchosounderDescription>();
+  constexpr double widest_deg = 170;
+  const double sector_deg = sounder.sector_deg.value_or(std::min(3 * sounder.beam_deg, widest_deg));
+  require(sounder.samples >= 1, description, "samples", sounder.samples, "1 or more");
+  require(sounder.beam_deg > 0 && sounder.beam_deg < 180, description, "beam_deg", sounder.beam_deg,
+          "above 0 and below 180");
+  require(sector_deg > 0 && sector_deg <= widest_deg, description, "sector_deg", sector_deg,
+          "above 0 and at most 170");
+  require(sounder.range_min_m >= 0, description, "range_min_m", sounder.range_min_m, "0 or more");
+  require(sounder.range_max_m > sounder.range_min_m, description, "range_max_m", sounder.range_max_m,
+          "above range_min_m");
+
+  frequency_khz_ = sounder.frequency_khz;
+  samples_ = {sounder.range_min_m, (sounder.range_max_m - sounder.range_min_m) / sounder.samples,
+              sounder.samples};
+  across_track_ = true;
+  beams_.push_back({0, -radians(90), radians(sounder.beam_deg), radians(sounder.beam_deg)});
+
+  const double half_rad = radians(sector_deg) / 2;
+  // The grid's azimuth leans to starboard, its elevation forward. Two rows or more and as many columns: no
+  // tube comes close to a half space.
+  const int cells = half_rad > radians(45) ? 2 : 1;
+  const int slices = std::max(cells, slices_for(2 * half_rad, description.cone_tolerance));
+  const double corner_rad = height_of_corners(half_rad, 2 * half_rad / slices, description.cone_tolerance);
+  Shot shot;
+  shot.beams = {0};
+  shot.sectors.push_back({even_edges(-half_rad, half_rad, slices), even_edges(-corner_rad, corner_rad, cells),
+                          glm::dmat3(-up_axis, starboard_axis, forward_axis)});
+  shot.beam_of_tube.assign(static_cast<std::size_t>(slices * cells), 0u);
+  shot.fans.push_back(
+      {0, 1, static_cast<std::uint32_t>(shot.beam_of_tube.size()), -up_axis, starboard_axis, forward_axis});
+  shots_.push_back(std::move(shot));
+}
+
+DetectionRule rule_of(const EchosounderDescription& sounder) {
+  DetectionRule rule;
+  rule.method = detection_method_from_name(sounder.detection);
+  rule.relative_db = sounder.detection_threshold_db;
+  return rule;
+}
+
+/// Not a number where nothing was detected.
+double range_of(const std::optional<Detection>& bottom) {
+  return bottom ? bottom->range_m : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Empty for what is not known.
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : ""; }
+
+void append_line(std::string& text, const Recording& recording, std::size_t ping,
+                 const std::optional<Detection>& bottom) {
+  const double altitude_m = ping < recording.altitude_m.size() ? recording.altitude_m[ping]
+                                                               : std::numeric_limits<double>::quiet_NaN();
+  fmt::format_to(std::back_inserter(text), "{},{:.9g},", ping, recording.ping_time_s[ping]);
+  if (bottom) {
+    const glm::dvec3 place = sounding_position(recording.ping_pose[ping], {0, 0, -1}, bottom->range_m);
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
+                   bottom->range_m, bottom->range_sigma_m, bottom->energy_j, bottom->quality, place.x,
+                   place.y, place.z);
+  } else {
+    text += ",,,,,,";
+  }
+  const glm::dvec3 own = recording.ping_pose[ping].position_m;
+  fmt::format_to(std::back_inserter(text), ",{:.9g},{:.9g},{:.9g},{},{}\n", own.x, own.y, own.z,
+                 cell(altitude_m), bottom ? name_of(bottom->flags) : "none");
+}
+
+void write_exr_of(const fs::path& file, const Recording& recording, const std::vector<float>& energies) {
+  const RangeSamples& samples = recording.sensor->samples();
+  OIIO::ParamValueList attributes;
+  attributes.attribute("sensor", recording.sensor->description().name);
+  attributes.attribute("quantity", "echo energy [J] for a source of 1 J/sr at 1 m");
+  attributes.attribute("rows", "pings, the first on top");
+  attributes.attribute("columns", "range samples, the nearest first");
+  attributes.attribute("slant_range_first_m", OIIO::TypeDesc::DOUBLE, 1, &samples.first_m);
+  attributes.attribute("slant_range_step_m", OIIO::TypeDesc::DOUBLE, 1, &samples.step_m);
+  write_exr(file, samples.count, static_cast<int>(recording.pings()), energies, attributes);
+}
+
+/// Writes what an echosounder makes: <name>.csv, the bottom that each ping detects; <name>.png, an echogram
+/// of what is received; <name>.exr, the energies (pings x samples, unscaled). Returns
+/// the files' names.
+std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Recording& recording,
+                                              const RunContext& run, std::vector<std::string>& warnings) {
+  check(recording);
+  const Sensor& sensor = *recording.sensor;
+  const std::string stem = sensor.description().name;
+  const DetectionRule rule = rule_of(sensor.description().kind.as<EchosounderDescription>());
+  const std::optional<Heard> heard = heard_by(recording, run);
+  const std::vector<double> floor_j = noise_floor_j(recording, run);
+  std::vector<float> energies, received;
+  std::vector<double> bottoms, ideal_bottoms;
+  std::string csv =
+      "ping,time_s,range_m,range_sigma_m,energy_j,quality,bottom_east_m,bottom_north_m,bottom_up_m,"
+      "sensor_east_m,sensor_north_m,sensor_up_m,true_altitude_m,status\n";
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    const std::span<const double> energy = recording.energy_of(ping);
+    energies.insert(energies.end(), energy.begin(), energy.end());
+    const std::optional<Detection> ideal = detect_bottom(energy, sensor.samples(), rule);
+    ideal_bottoms.push_back(range_of(ideal));
+    const std::vector<double> own =
+        heard ? heard->energy_of(ping) : std::vector<double>(energy.begin(), energy.end());
+    received.insert(received.end(), own.begin(), own.end());
+    recording.let_go(ping);
+    std::vector<double> standing_out = own;
+    for (std::size_t k = 0; k < own.size(); ++k)
+      if (own[k] < floor_j[k]) standing_out[k] = 0;
+    const std::optional<Detection> bottom = detect_bottom(standing_out, sensor.samples(), rule);
+    bottoms.push_back(range_of(bottom));
+    append_line(csv, recording, ping, bottom);
+  }
+
+  const std::string& font = font_for(stem, warnings);
+  std::vector<fs::path> files{stem + ".csv", stem + ".png", stem + ".exr"};
+  write_file(folder / files[0], csv);
+  draw_echogram(recording, energies, ideal_bottoms, font).write_png(folder / files[1], stem);
+  write_exr_of(folder / files[2], recording, energies);
+  if (heard) {
+    files.emplace_back(stem + "-received.png");
+    draw_echogram(recording, received, bottoms, font, heard->said).write_png(folder / files.back(), stem);
+  }
+  return files;
+}
+
+class EchosounderKind : public SensorKind {
+ public:
+  EchosounderKind() : SensorKind("echosounder") {}
+
+  void add_keys(TomlSection<SensorDescription>& section) const override {
+    using E = EchosounderDescription;
+    section.kind<E>(
+        "kind", name(),
+        {field("frequency_khz", &E::frequency_khz, {.ranges = {frequency}}),
+         field("beam_deg", &E::beam_deg, {.ranges = {sector(90, false)}}),
+         field("sector_deg", &E::sector_deg,
+               {.ranges = {sector(170, false)}, .default_value = "3 beam_deg, at most 170"}),
+         field("samples", &E::samples, {.ranges = {range_samples}}),
+         field("range_min_m", &E::range_min_m, {.ranges = {sonar_range}}),
+         field("range_max_m", &E::range_max_m, {.ranges = {sonar_range}}),
+         field("detection", &E::detection, {.choices = {"first_return", "energy_centroid", "maximum"}}),
+         field("detection_threshold_db", &E::detection_threshold_db, {.ranges = {{.lo = -300, .hi = 0}}})});
+  }
+  void check(const SensorDescription& sensor, const TomlTable& table) const override {
+    const auto& sounder = sensor.kind.as<EchosounderDescription>();
+    check_ranges(sounder.range_min_m, sounder.range_max_m, table);
+  }
+  SensorFigures figures(const SensorDescription& sensor) const override {
+    const auto& sounder = sensor.kind.as<EchosounderDescription>();
+    SensorFigures figures;
+    figures.frequency_khz = sounder.frequency_khz;
+    figures.samples = sounder.samples;
+    figures.sample_m = (sounder.range_max_m - sounder.range_min_m) / sounder.samples;
+    figures.beam_deg = sounder.beam_deg;
+    figures.farthest_m = sounder.range_max_m;
+    return figures;
+  }
+
+  std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
+    return std::make_unique<Echosounder>(sensor);
+  }
+
+  std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
+                                       const RunContext& run,
+                                       std::vector<std::string>& warnings) const override {
+    return write_echosounder_files(folder, recording, run, warnings);
+  }
+};
+
+}  // namespace
+
+const SensorSection& EchosounderDescription::kind() {
+  static const EchosounderKind kind;
+  return kind;
+}
+const SensorSection& echosounder_kind() { return EchosounderDescription::kind(); }
+
+}  // namespace tubefoot

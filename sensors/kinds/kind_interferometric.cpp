@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/kinds/kind_interferometric.hpp"
+
+#include <cmath>
+
+#include "scene/file/sensor_ranges.hpp"
+#include "scene/file/toml_reader.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/products/pictures.hpp"
+#include "sensors/products/received.hpp"
+#include "sensors/products/staff_files.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A sidescan with a staff on each side: two receivers, half a baseline above and below the transmitter, on a
+/// line across the direction that the staff faces. Each has its own ranges and sees for itself.
+class Interferometric : public Sidescan {
+ public:
+  /// Throws std::invalid_argument for what makes no sidescan, or a baseline that is not above 0 and at most
+  /// as long as the nearest range.
+  explicit Interferometric(const SensorDescription& description);
+};
+
+Interferometric::Interferometric(const SensorDescription& description)
+    : Sidescan(description, description.kind.as<InterferometricDescription>()) {
+  const auto& staff = description.kind.as<InterferometricDescription>();
+  require(staff.baseline_m > 0 && staff.baseline_m <= staff.range_min_m, description, "baseline_m",
+          staff.baseline_m, "above 0 and at most range_min_m");
+  staff_ = {staff.baseline_m, staff.staff_tilt_deg};
+  const double tilt_rad = radians(staff.staff_tilt_deg);
+  for (Fan& fan : shots_.front().fans) {
+    const double side = fan.first_beam == 0 ? -1.0 : 1.0;
+    fan.staff = std::sin(tilt_rad) * side * starboard_axis + std::cos(tilt_rad) * up_axis;
+  }
+}
+
+class InterferometricKind : public SensorKind {
+ public:
+  InterferometricKind() : SensorKind("interferometric") {}
+
+  void add_keys(TomlSection<SensorDescription>& section) const override {
+    using I = InterferometricDescription;
+    std::vector<TomlField<I>> fields = inherited<I>(sidescan_fields());
+    fields.push_back(
+        field("baseline_m", &I::baseline_m, {.ranges = {{.lo = 0, .hi = 10, .lo_excluded = true}}}));
+    fields.push_back(field("staff_tilt_deg", &I::staff_tilt_deg, {.ranges = {pitch}}));
+    fields.push_back(field("phase_noise", &I::phase_noise));
+    section.kind<I>("kind", name(), fields);
+  }
+  void check(const SensorDescription& sensor, const TomlTable& table) const override {
+    const auto& own = sensor.kind.as<InterferometricDescription>();
+    if (own.baseline_m > own.range_min_m)
+      throw InputError(place_of_pair(table, "baseline_m", "range_min_m"),
+                       fmt::format("'baseline_m' ({}) must not be more than 'range_min_m' ({})",
+                                   own.baseline_m, own.range_min_m));
+    check_sidescan(own, table);
+    check_ranges(own.range_min_m, own.range_max_m, table);
+  }
+  SensorFigures figures(const SensorDescription& sensor) const override {
+    return sidescan_figures(sensor.kind.as<InterferometricDescription>());
+  }
+
+  std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
+    return std::make_unique<Interferometric>(sensor);
+  }
+
+  std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
+                                       const RunContext& run,
+                                       std::vector<std::string>& warnings) const override {
+    const bool phase_noise =
+        recording.sensor->description().kind.as<InterferometricDescription>().phase_noise;
+    std::vector<fs::path> files =
+        write_two_sided_pictures(folder, recording, heard_by(recording, run), warnings);
+    append(files, write_staff_files(folder, recording, run, phase_noise));
+    return files;
+  }
+};
+
+}  // namespace
+
+const SensorSection& InterferometricDescription::kind() {
+  static const InterferometricKind kind;
+  return kind;
+}
+const SensorSection& interferometric_kind() { return InterferometricDescription::kind(); }
+
+}  // namespace tubefoot

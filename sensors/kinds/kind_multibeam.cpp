@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/kinds/kind_multibeam.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "scene/file/sensor_ranges.hpp"
+#include "scene/file/toml_reader.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/products/received.hpp"
+#include "sensors/products/swath_files.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Multibeam echosounder with ideal rectangular beams: a fan across the track, turned about the along-track
+/// (forward) axis. Beam 0 is the port-most; of an odd number of beams the middle one looks straight down.
+/// Each beam is a sector of beam_across_deg by along_track_deg, along_track_deg at every angle.
+class Multibeam : public Sensor {
+ public:
+  /// Throws std::invalid_argument for a fan, ranges or counts that make no multibeam.
+  explicit Multibeam(const SensorDescription& description);
+};
+
+constexpr double straight_down_rad = std::numbers::pi / 2;
+
+/// Angles of the beams' axes from straight down.
+std::vector<double> across_angles_rad(const MultibeamDescription& fan) {
+  if (fan.beams == 1) return {0};
+  const double outermost_rad = radians(fan.swath_deg) / 2;
+  std::vector<double> angles;
+  for (int beam = 0; beam < fan.beams; ++beam) {
+    // An integer over an integer: exactly 0 in the middle and -1 and 1 at the ends.
+    const double place = static_cast<double>(2 * beam - (fan.beams - 1)) / (fan.beams - 1);
+    angles.push_back(fan.spacing == "distance" ? std::atan(place * std::tan(outermost_rad))
+                                               : place * outermost_rad);
+  }
+  return angles;
+}
+
+/// Whether each beam begins where the one before it ends: neighbours then share their rays.
+bool side_by_side(const MultibeamDescription& fan) {
+  if (fan.beams == 1) return true;
+  const double step_deg = fan.swath_deg / (fan.beams - 1);
+  return fan.spacing == "angle" && std::abs(step_deg - fan.beam_across_deg) < 1e-9 * fan.beam_across_deg;
+}
+
+/// With a receive pattern the transmission opens so far beyond the outermost beams, either side: three widths
+/// of those, as they are steered (beam_across_deg / cosine), up to 1 degree short of the horizontal. 0 for
+/// ideal beams, which hear nothing from there.
+double lit_beyond_rad(const SensorDescription& description) {
+  const auto& fan = description.kind.as<MultibeamDescription>();
+  if (description.receive.pattern == "none") return 0;
+  const double outermost_rad = fan.beams > 1 ? radians(fan.swath_deg) / 2 : 0,
+               edge_rad = outermost_rad + radians(fan.beam_across_deg) / 2;
+  constexpr double widths = 3, grazing_deg = 1;
+  const double wanted_rad = widths * radians(fan.beam_across_deg) / std::cos(outermost_rad);
+  return std::max(0.0, std::min(wanted_rad, radians(90 - grazing_deg) - edge_rad));
+}
+
+Multibeam::Multibeam(const SensorDescription& description) : Sensor(description) {
+  const auto& fan = description.kind.as<MultibeamDescription>();
+  require(fan.beams >= 1, description, "beams", fan.beams, "1 or more");
+  require(fan.samples >= 1, description, "samples", fan.samples, "1 or more");
+  require(fan.swath_deg > 0 && fan.swath_deg < 180, description, "swath_deg", fan.swath_deg,
+          "above 0 and below 180");
+  require(fan.beam_across_deg > 0 && (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg <= 180,
+          description, "beam_across_deg", fan.beam_across_deg,
+          "above 0, and no beam may reach above the horizontal");
+  require(fan.along_track_deg > 0 && fan.along_track_deg < 180, description, "along_track_deg",
+          fan.along_track_deg, "above 0 and below 180");
+  require(fan.range_min_m >= 0, description, "range_min_m", fan.range_min_m, "0 or more");
+  require(fan.range_max_m > fan.range_min_m, description, "range_max_m", fan.range_max_m,
+          "above range_min_m");
+
+  across_track_ = true;
+  frequency_khz_ = fan.frequency_khz;
+  samples_ = {fan.range_min_m, (fan.range_max_m - fan.range_min_m) / fan.samples, fan.samples};
+
+  const std::vector<double> angles = across_angles_rad(fan);
+  const double half_across_rad = radians(fan.beam_across_deg) / 2,
+               half_along_rad = radians(fan.along_track_deg) / 2;
+  for (const double angle : angles)
+    beams_.push_back({std::copysign(radians(90), angle), std::abs(angle) - straight_down_rad,
+                      2 * half_along_rad, 2 * half_across_rad});
+
+  // The grid's azimuth is the angle from straight down to starboard, its elevation that towards ahead.
+  const glm::dmat3 frame(-up_axis, starboard_axis, forward_axis);
+  const int slices = slices_for(2 * half_across_rad, description.cone_tolerance);
+  const double corner_rad =
+      height_of_corners(half_along_rad, 2 * half_across_rad / slices, description.cone_tolerance);
+  const std::vector<double> along_rad{-corner_rad, corner_rad};
+  Shot shot;
+  const auto cut = [&](double from, double to, int parts) {
+    const std::vector<double> edges = even_edges(from, to, parts);
+    std::vector<double>& all = shot.sectors.back().azimuth_edges_rad;
+    all.insert(all.end(), edges.begin() + (all.empty() ? 0 : 1), edges.end());
+  };
+  const auto name = [&](std::uint32_t beam, int parts) {
+    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(parts), beam);
+  };
+  const bool hears_all = description.receive.pattern != "none";
+  const double from = angles.front() - half_across_rad, to = angles.back() + half_across_rad;
+  const double margin_rad = lit_beyond_rad(description);
+  const int beyond = margin_rad > 0 ? slices_for(margin_rad, description.cone_tolerance) : 0;
+  const auto last = static_cast<std::uint32_t>(angles.size() - 1);
+  if (hears_all || side_by_side(fan)) shot.sectors.push_back({{}, along_rad, frame});
+  if (beyond > 0) {
+    cut(from - margin_rad, from, beyond);
+    name(0, beyond);
+  }
+  if (side_by_side(fan)) {
+    cut(from, to, fan.beams * slices);
+    for (std::uint32_t beam = 0; beam <= last; ++beam) name(beam, slices);
+  } else if (hears_all) {
+    // No beam has a tube of its own, and none is to be heard twice where beams overlap: the fan is cut midway
+    // between them.
+    for (std::uint32_t beam = 0; beam <= last; ++beam) {
+      const double begin = beam == 0 ? from : (angles[beam - 1] + angles[beam]) / 2,
+                   end = beam == last ? to : (angles[beam] + angles[beam + 1]) / 2;
+      cut(begin, end, slices_for(end - begin, description.cone_tolerance));
+      name(beam, slices_for(end - begin, description.cone_tolerance));
+    }
+  } else {
+    for (std::uint32_t beam = 0; beam <= last; ++beam) {
+      const double angle = angles[beam];
+      shot.sectors.push_back(
+          {even_edges(angle - half_across_rad, angle + half_across_rad, slices), along_rad, frame});
+      name(beam, slices);
+    }
+  }
+  if (beyond > 0) {
+    cut(to, to + margin_rad, beyond);
+    name(last, beyond);
+  }
+  shot.beams.resize(angles.size());
+  std::iota(shot.beams.begin(), shot.beams.end(), 0u);
+  shot.fans.push_back({0, static_cast<std::uint32_t>(angles.size()),
+                       static_cast<std::uint32_t>(shot.beam_of_tube.size()), -up_axis, forward_axis,
+                       starboard_axis});
+  shots_.push_back(std::move(shot));
+}
+
+bool is_like_8101(const MultibeamDescription& fan) {
+  return fan.frequency_khz == 240 && fan.beams == 101 && fan.swath_deg == 150 && fan.spacing == "angle" &&
+         fan.along_track_deg == 1.5 && fan.range_max_m < 65535;
+}
+
+SwathSettings settings_of(const SensorDescription& sensor) {
+  const auto& fan = sensor.kind.as<MultibeamDescription>();
+  SwathSettings settings;
+  settings.rule.method = detection_method_from_name(fan.detection);
+  settings.rule.relative_db = fan.detection_threshold_db;
+  settings.grid_cell_m = fan.grid_cell_m;
+  settings.receive_across_deg = fan.beam_across_deg;
+  settings.along_track_deg = fan.along_track_deg;
+  settings.fan_deg = (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg;
+  settings.transmit_across_deg = settings.fan_deg + 2 * degrees(lit_beyond_rad(sensor));
+  settings.range_max_m = fan.range_max_m;
+  settings.is_like_8101 = is_like_8101(fan);
+  return settings;
+}
+
+class MultibeamKind : public SensorKind {
+ public:
+  MultibeamKind() : SensorKind("multibeam") {}
+
+  void add_keys(TomlSection<SensorDescription>& section) const override {
+    using M = MultibeamDescription;
+    section.kind<M>(
+        "kind", name(),
+        {field("frequency_khz", &M::frequency_khz, {.ranges = {frequency}}),
+         field("beams", &M::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
+         field("swath_deg", &M::swath_deg, {.ranges = {sector(180, true)}}),
+         field("spacing", &M::spacing, {.choices = {"angle", "distance"}}),
+         field("beam_across_deg", &M::beam_across_deg, {.ranges = {sector(90, false)}}),
+         field("along_track_deg", &M::along_track_deg, {.ranges = {sector(90, false)}}),
+         field("samples", &M::samples, {.ranges = {range_samples}}),
+         field("range_min_m", &M::range_min_m, {.ranges = {sonar_range}}),
+         field("range_max_m", &M::range_max_m, {.ranges = {sonar_range}}),
+         field("detection", &M::detection, {.choices = {"first_return", "energy_centroid", "maximum"}}),
+         field("detection_threshold_db", &M::detection_threshold_db, {.ranges = {{.lo = -300, .hi = 0}}}),
+         field("grid_cell_m", &M::grid_cell_m, {.ranges = {{.lo = 0, .hi = 100000}}})});
+  }
+  void check(const SensorDescription& sensor, const TomlTable& table) const override {
+    const auto& fan = sensor.kind.as<MultibeamDescription>();
+    if (fan.beams > 1 && fan.swath_deg + fan.beam_across_deg > 180) {
+      throw InputError(
+          place_of_pair(table, "swath_deg", "beam_across_deg"),
+          fmt::format("'swath_deg' ({}) and 'beam_across_deg' ({}) together must be at most 180: "
+                      "the outermost beams reach above the horizontal",
+                      fan.swath_deg, fan.beam_across_deg));
+    }
+    check_ranges(fan.range_min_m, fan.range_max_m, table);
+  }
+  SensorFigures figures(const SensorDescription& sensor) const override {
+    const auto& fan = sensor.kind.as<MultibeamDescription>();
+    SensorFigures figures;
+    figures.frequency_khz = fan.frequency_khz;
+    figures.beams = fan.beams;
+    figures.samples = fan.samples;
+    figures.sample_m = (fan.range_max_m - fan.range_min_m) / fan.samples;
+    figures.beam_deg = std::min(fan.beam_across_deg, fan.along_track_deg);
+    figures.farthest_m = fan.range_max_m;
+    return figures;
+  }
+
+  std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
+    return std::make_unique<Multibeam>(sensor);
+  }
+
+  std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
+                                       const RunContext& run,
+                                       std::vector<std::string>& warnings) const override {
+    return write_swath_files(folder, recording, run, settings_of(recording.sensor->description()), warnings);
+  }
+  std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {
+    return swath_files_left_out(recording, run);
+  }
+};
+
+}  // namespace
+
+const SensorSection& MultibeamDescription::kind() {
+  static const MultibeamKind kind;
+  return kind;
+}
+const SensorSection& multibeam_kind() { return MultibeamDescription::kind(); }
+
+}  // namespace tubefoot

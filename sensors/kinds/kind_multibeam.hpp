@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "scene/description/sensor_section.hpp"
+
+namespace tubefoot {
+
+/// Multibeam echosounder: a fan of beams across the track, beam 0 port-most.
+struct MultibeamDescription {
+  double frequency_khz = 240;
+  int beams = 101;
+  double swath_deg = 150;                               ///< between the axes of the outermost beams
+  std::string spacing = "angle";                        ///< angle | distance: what is equal from beam to beam
+  double beam_across_deg = 1.5, along_track_deg = 1.5;  ///< one-way widths of the ideal rectangular beam
+  int samples = 2000;
+  double range_min_m = 0.5, range_max_m = 100;
+  std::string detection = "energy_centroid";  ///< first_return | energy_centroid | maximum
+  double detection_threshold_db = -20;        ///< of samples that count, over the beam's largest
+  double grid_cell_m = 0;                     ///< of the depth grid; 0: chosen
+
+  static const SensorSection& kind();
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/kinds/kind_sidescan.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "scene/file/sensor_ranges.hpp"
+#include "scene/file/toml_reader.hpp"
+#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/products/pictures.hpp"
+#include "sensors/products/received.hpp"
+#include "sensors/products/two_sided_files.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of the two limits of a sidescan's fan: together they keep it narrower than 170 degrees.
+constexpr ValueRange depression{.lo = -80, .hi = 90, .if_below = too_wide, .if_above = "90 is straight down"};
+
+/// A speed of sound turns the sampling frequency f into samples of c / (2 f) each, as many whole ones as the
+/// range holds.
+void sample_at_frequency(SensorDescription& description, SidescanDescription& fan, double sound_speed_m_s) {
+  const double step_m = sound_speed_m_s / (2000 * *fan.sampling_frequency_khz);
+  const double whole = std::floor((fan.range_max_m - fan.range_min_m) / step_m * (1 + 1e-12));
+  constexpr double most = 65536;
+  if (!(whole >= 1 && whole <= most))
+    throw InputError(
+        description.place,
+        fmt::format(
+            "sensor '{}': at sampling_frequency_khz = {} and {:.1f} m/s a sample is {:.4g} m long, and "
+            "range_min_m to range_max_m hold {:.0f} of them: choose 1 to {:.0f}",
+            description.name, *fan.sampling_frequency_khz, sound_speed_m_s, step_m, whole, most));
+  fan.samples = static_cast<int>(whole);
+  fan.range_max_m = fan.range_min_m + whole * step_m;
+  fan.sampling_frequency_khz.reset();
+}
+
+class SidescanKind : public SensorKind {
+ public:
+  SidescanKind() : SensorKind("sidescan") {}
+
+  void add_keys(TomlSection<SensorDescription>& section) const override {
+    using S = SidescanDescription;
+    std::vector<TomlField<S>> fields = sidescan_fields();
+    fields.push_back(field("axis_depression_deg", &S::axis_depression_deg,
+                           {.ranges = {depression}, .default_value = "the fan's middle"}));
+    fields.push_back(field("sampling_frequency_khz", &S::sampling_frequency_khz,
+                           {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}}));
+    section.kind<S>("kind", name(), fields);
+  }
+  void check(const SensorDescription& sensor, const TomlTable& table) const override {
+    const auto& fan = sensor.kind.as<SidescanDescription>();
+    check_sidescan(fan, table);
+    if (table.has("samples") && table.has("sampling_frequency_khz")) {
+      throw InputError(table.place_of("sampling_frequency_khz"),
+                       "'samples' and 'sampling_frequency_khz' both say how long a sample is: remove one of "
+                       "the two");
+    }
+    if (fan.axis_depression_deg && sensor.transmit.pattern == "none" && sensor.receive.pattern == "none")
+      throw InputError(table.place_of("axis_depression_deg"),
+                       "'axis_depression_deg' is the axis of patterns: add transmit_pattern or "
+                       "receive_pattern, or remove the key");
+    check_ranges(fan.range_min_m, fan.range_max_m, table);
+  }
+  SensorFigures figures(const SensorDescription& sensor) const override {
+    return sidescan_figures(sensor.kind.as<SidescanDescription>());
+  }
+
+  SensorDescription in_water(SensorDescription sensor, double sound_speed_m_s,
+                             std::vector<std::string>*) const override {
+    if (sensor.kind.as<SidescanDescription>().sampling_frequency_khz)
+      sample_at_frequency(sensor, sensor.kind.edit<SidescanDescription>(), sound_speed_m_s);
+    return sensor;
+  }
+  std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
+    return std::make_unique<Sidescan>(sensor);
+  }
+
+  std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
+                                       const RunContext& run,
+                                       std::vector<std::string>& warnings) const override {
+    const auto& fan = recording.sensor->description().kind.as<SidescanDescription>();
+    std::vector<fs::path> files =
+        write_two_sided_pictures(folder, recording, heard_by(recording, run), warnings);
+    append(files, write_two_sided_files(
+                      folder, recording, run,
+                      {fan.along_track_deg, fan.depression_max_deg - fan.depression_min_deg}, warnings));
+    return files;
+  }
+  std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {
+    return two_sided_files_left_out(recording, run);
+  }
+};
+
+}  // namespace
+
+std::vector<TomlField<SidescanDescription>> sidescan_fields() {
+  using S = SidescanDescription;
+  return {field("frequency_khz", &S::frequency_khz, {.ranges = {frequency}}),
+          field("along_track_deg", &S::along_track_deg, {.ranges = {sector(90, false)}}),
+          field("depression_min_deg", &S::depression_min_deg, {.ranges = {depression}}),
+          field("depression_max_deg", &S::depression_max_deg, {.ranges = {depression}}),
+          field("samples", &S::samples, {.ranges = {range_samples}}),
+          field("range_min_m", &S::range_min_m, {.ranges = {sonar_range}}),
+          field("range_max_m", &S::range_max_m, {.ranges = {sonar_range}})};
+}
+
+void check_sidescan(const SidescanDescription& fan, const TomlTable& table) {
+  if (fan.depression_min_deg >= fan.depression_max_deg) {
+    throw InputError(place_of_pair(table, "depression_min_deg", "depression_max_deg"),
+                     fmt::format("'depression_min_deg' ({}) must be less than 'depression_max_deg' ({}): {}",
+                                 fan.depression_min_deg, fan.depression_max_deg, no_width));
+  }
+}
+
+SensorFigures sidescan_figures(const SidescanDescription& fan) {
+  constexpr double usual_sound_speed_m_s = 1500;
+  SensorFigures figures;
+  figures.frequency_khz = fan.frequency_khz;
+  figures.beams = 2;
+  figures.samples = fan.samples;
+  figures.sample_m = fan.sampling_frequency_khz ? usual_sound_speed_m_s / (2000 * *fan.sampling_frequency_khz)
+                                                : (fan.range_max_m - fan.range_min_m) / fan.samples;
+  figures.beam_deg = fan.along_track_deg;
+  figures.farthest_m = fan.range_max_m;
+  return figures;
+}
+
+Sidescan::Sidescan(const SensorDescription& description)
+    : Sidescan(description, description.kind.as<SidescanDescription>()) {}
+
+Sidescan::Sidescan(const SensorDescription& description, const SidescanDescription& fan)
+    : Sensor(description) {
+  require(fan.samples >= 1, description, "samples", fan.samples, "1 or more");
+  require(fan.along_track_deg > 0 && fan.along_track_deg < 180, description, "along_track_deg",
+          fan.along_track_deg, "above 0 and below 180");
+  require(fan.depression_min_deg >= -90 && fan.depression_min_deg < fan.depression_max_deg, description,
+          "depression_min_deg", fan.depression_min_deg, "-90 or more and below depression_max_deg");
+  require(fan.depression_max_deg <= 90, description, "depression_max_deg", fan.depression_max_deg,
+          "at most 90: beyond, the fans of port and starboard overlap");
+  require(fan.range_min_m >= 0, description, "range_min_m", fan.range_min_m, "0 or more");
+  require(fan.range_max_m > fan.range_min_m, description, "range_max_m", fan.range_max_m,
+          "above range_min_m");
+
+  if (fan.sampling_frequency_khz)
+    throw std::invalid_argument(fmt::format(
+        "sensor '{}': its sampling frequency makes samples only with a speed of sound", description.name));
+
+  frequency_khz_ = fan.frequency_khz;
+  samples_ = {fan.range_min_m, (fan.range_max_m - fan.range_min_m) / fan.samples, fan.samples};
+
+  const double shallow_rad = radians(fan.depression_min_deg), steep_rad = radians(fan.depression_max_deg);
+  const double half_width_rad = radians(fan.along_track_deg) / 2;
+  const double axis_rad =
+      fan.axis_depression_deg ? radians(*fan.axis_depression_deg) : (shallow_rad + steep_rad) / 2;
+  const int slices = slices_for(steep_rad - shallow_rad, description.cone_tolerance);
+  const double corner_rad =
+      height_of_corners(half_width_rad, (steep_rad - shallow_rad) / slices, description.cone_tolerance);
+  Shot shot;
+  shot.beams = {0, 1};
+  for (const double side : {-1.0, 1.0}) {
+    beams_.push_back({side * radians(90), -axis_rad, 2 * half_width_rad, steep_rad - shallow_rad});
+    // The grid's azimuth is the depression angle: 0 horizontal to the side, 90 degrees straight down.
+    shot.sectors.push_back({even_edges(shallow_rad, steep_rad, slices),
+                            {-corner_rad, corner_rad},
+                            glm::dmat3(side * starboard_axis, -up_axis, forward_axis)});
+    shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(slices), side < 0 ? 0u : 1u);
+    const glm::dvec3 axis = std::cos(axis_rad) * side * starboard_axis - std::sin(axis_rad) * up_axis;
+    const glm::dvec3 across = std::sin(axis_rad) * side * starboard_axis + std::cos(axis_rad) * up_axis;
+    const auto beam = static_cast<std::uint32_t>(beams_.size());
+    shot.fans.push_back(
+        {beam - 1, beam, static_cast<std::uint32_t>(shot.beam_of_tube.size()), axis, forward_axis, across});
+  }
+  shots_.push_back(std::move(shot));
+}
+
+const SensorSection& SidescanDescription::kind() {
+  static const SidescanKind kind;
+  return kind;
+}
+const SensorSection& sidescan_kind() { return SidescanDescription::kind(); }
+
+}  // namespace tubefoot

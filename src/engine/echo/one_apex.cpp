@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "engine/echo/pattern_integral.hpp"
+#include "engine/echo/quadratures.hpp"
+#include "engine/echo/scattering_cut.hpp"
+#include "engine/echo/texture_cells.hpp"
+#include "engine/law/density.hpp"
+#include "engine/law/radial_law.hpp"
+#include "geometry/integrals/range_cut.hpp"
+#include "geometry/work/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Finds the sample that holds a slant range.
+class SampleFinder {
+ public:
+  explicit SampleFinder(const RangeSamples& samples)
+      : borders_(sample_borders_m(samples)),
+        samples_per_m_(samples.count / (borders_.back() - borders_.front())) {}
+  const std::vector<double>& borders() const { return borders_; }
+  bool holds(double range_m) const { return range_m >= borders_.front() && range_m < borders_.back(); }
+  /// Of a range that the samples hold. The borders decide, not the division: footprints are cut at the same
+  /// numbers.
+  std::size_t at(double range_m) const {
+    auto k = std::min(std::size_t((range_m - borders_.front()) * samples_per_m_), borders_.size() - 2);
+    while (range_m < borders_[k]) --k;
+    while (range_m >= borders_[k + 1]) ++k;
+    return k;
+  }
+  /// Samples that hold ranges from near to far, one to spare on both sides: [first, second).
+  std::pair<std::size_t, std::size_t> between(double near_m, double far_m) const {
+    const double samples = double(borders_.size() - 1);
+    const auto sample = [&](double range_m) {
+      return std::clamp(std::floor((range_m - borders_.front()) * samples_per_m_), -1.0, samples);
+    };
+    return {std::size_t(std::max(sample(near_m) - 1, 0.0)),
+            std::size_t(std::min(sample(far_m) + 2, samples))};
+  }
+
+ private:
+  std::vector<double> borders_;
+  double samples_per_m_;
+};
+
+/// Beams that hear what is in their own tubes, all of it alike.
+BeamPatterns ideal_beams(const ReceiveBeams& beams) {
+  BeamPatterns patterns;
+  patterns.transmit.resize(1);
+  patterns.receive.resize(std::size_t(beams.count));
+  patterns.fan_of_tube.assign(beams.of_tube.size(), 0);
+  for (const std::uint32_t beam : beams.of_tube) patterns.beams_of_tube.emplace_back(beam, beam + 1);
+  return patterns;
+}
+
+/// Energies of all bins while they are summed up, and what they are summed up from.
+class OneApex {
+ public:
+  OneApex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+          const Quadrature& how, const Sink<double>& sink)
+      : sight_(sight),
+        beams_(beams),
+        samples_(samples),
+        law_(law),
+        how_(how),
+        sink_(sink),
+        finder_(samples),
+        beta_(absorption_per_m(law.absorption_db_per_m)),
+        energy_(std::size_t(law.patterns != nullptr ? law.patterns->channels() : 1) *
+                std::size_t(beams.count) * std::size_t(samples.count)) {
+    if (law.patterns == nullptr) return;
+    for (const Fringe& fringe : law.patterns->fringes) spread_m_ = std::max(spread_m_, fringe.baseline_m);
+  }
+
+  void integrate() {
+    if (how_.binning != Binning::exact)
+      whole();
+    else if (law_.patterns != nullptr)
+      weighed(*law_.patterns, false);
+    else if (!even())
+      weighed(ideal_beams(beams_), true);
+    hits();
+    const auto samples = std::size_t(samples_.count);
+    for (std::size_t bin = 0; bin < energy_.size(); ++bin)
+      if (energy_[bin] != 0)
+        sink_({std::uint32_t(bin / samples), std::uint32_t(bin % samples), energy_[bin]});
+  }
+
+ private:
+  std::uint32_t beam_of(std::uint32_t tube) const {
+    if (tube >= beams_.of_tube.size())
+      throw std::invalid_argument(
+          fmt::format("the history has tube {}, but only {} tubes have a beam", tube, beams_.of_tube.size()));
+    const std::uint32_t beam = beams_.of_tube[tube];
+    if (beam >= std::uint32_t(beams_.count))
+      throw std::invalid_argument(fmt::format("tube {} belongs to beam {} of {}", tube, beam, beams_.count));
+    return beam;
+  }
+  std::uint32_t tube_of(std::size_t number) const { return sight_.footprint(number)->tube; }
+
+  /// Hands over what a footprint has just added, and takes it away.
+  void told(std::size_t number) {
+    if (!how_.by_owner) return;
+    const std::uint32_t tube = tube_of(number);
+    const auto [first, end] = finder_.between(near_m_ - spread_m_, far_m_ + spread_m_);
+    std::pair<std::uint32_t, std::uint32_t> heard{beams_.of_tube[tube], beams_.of_tube[tube] + 1};
+    if (law_.patterns != nullptr) heard = law_.patterns->beams_of_tube[tube];
+    const auto samples = std::size_t(samples_.count);
+    for (std::size_t channel = 0; channel < energy_.size(); channel += std::size_t(beams_.count) * samples)
+      for (std::uint32_t beam = heard.first; beam < heard.second; ++beam) {
+        const std::size_t row = channel + beam * samples;
+        for (std::size_t k = first; k < end; ++k)
+          if (const double energy = std::exchange(energy_[row + k], 0); energy != 0)
+            sink_({std::uint32_t(row / samples), std::uint32_t(k), energy, std::uint32_t(number), tube});
+      }
+  }
+  void begin_footprint() {
+    near_m_ = finder_.borders().back();
+    far_m_ = 0;
+  }
+  void assign(const SeenFacet& facet, std::size_t number, std::uint32_t piece, const PlaneFrame& frame) {
+    polygon_.assign(sight_.part(number, facet.first_piece + piece).corners_m, facet.plane, frame);
+    if (!how_.by_owner || polygon_.offsets.empty()) return;
+    near_m_ = std::min(near_m_, nearest_point(polygon_).range);
+    far_m_ = std::max(far_m_, farthest_range(polygon_));
+  }
+
+  /// All but those of facets with micro-texture; false if there are some.
+  bool even() {
+    const RadialIntegral radial = lambert_radial_integral(samples_, law_.absorption_db_per_m);
+    RangeCutter cutter(radial);
+    ScatteringCutter scattering_cutter(samples_, law_.absorption_db_per_m);
+    bool all = true;
+    for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
+      stop_if_wanted();
+      const SeenFacet facet = sight_[number];
+      const std::span<double> row = std::span(energy_).subspan(
+          beam_of(tube_of(number)) * std::size_t(samples_.count), std::size_t(samples_.count));
+      const FacetBed bed = law_.bed(facet.facet);
+      if (bed.texture != nullptr) {
+        all = false;
+        continue;
+      }
+      const PlaneFrame frame(facet.plane);
+      const double factor = bed.mu * facet.plane.distance_m * facet.plane.distance_m;
+      begin_footprint();
+      for (std::uint32_t p = 0; p < facet.piece_count; ++p) {
+        assign(facet, number, p, frame);
+        if (bed.scattering != nullptr)
+          scattering_cutter.add(polygon_, *bed.scattering, row, bed.factor);
+        else
+          cutter.add(polygon_, factor, row);
+      }
+      told(number);
+    }
+    return all;
+  }
+
+  /// `only_textured`: those of facets with micro-texture.
+  void weighed(const BeamPatterns& patterns, bool only_textured) {
+    PatternIntegrator integrator(finder_.borders(), beta_, patterns, law_.pattern_tolerance);
+    TextureCells cells;
+    Steps steps("footprints", sight_.end() - sight_.first());
+    for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
+      steps.done();
+      const SeenFacet facet = sight_[number];
+      const FacetBed bed = law_.bed(facet.facet);
+      if (only_textured && bed.texture == nullptr) continue;
+      const std::uint32_t tube = tube_of(number);
+      const PlaneFrame frame(facet.plane);
+      const double lambert_or_one =
+          bed.scattering != nullptr ? bed.factor : bed.mu * facet.plane.distance_m * facet.plane.distance_m;
+      beam_of(tube);  // refuses a tube that has no beam
+      begin_footprint();
+      for (std::uint32_t p = 0; p < facet.piece_count; ++p) {
+        assign(facet, number, p, frame);
+        if (bed.texture == nullptr) {
+          integrator.add(polygon_, facet.plane, frame, tube, lambert_or_one, energy_, bed.scattering);
+          continue;
+        }
+        const LyingPlane lies = law_.path.out.lying(facet.facet, facet.plane, frame);
+        cells.cut(polygon_, lies, bed.texture->cells(), [&](const PlanarPolygon& part) {
+          stop_if_wanted();
+          integrator.add(part, facet.plane, frame, tube, lambert_or_one, energy_, bed.scattering,
+                         {bed.texture, lies});
+        });
+      }
+      if (!how_.by_owner) continue;
+      integrator.settle(energy_);
+      told(number);
+    }
+    integrator.finish(energy_);
+  }
+
+  /// The micro-texture at a place relative to the apex.
+  double texture_at(const FacetBed& bed, FacetId facet, glm::dvec3 place_m) const {
+    return bed.texture == nullptr ? 1 : bed.texture->factor(law_.path.out.true_place(facet, place_m));
+  }
+
+  void whole() {
+    for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
+      stop_if_wanted();
+      const Footprint& footprint = *sight_.footprint(number);
+      const double range = glm::length(footprint.centroid_m);
+      if (!(range > 0 && footprint.area_m2 > 0)) continue;
+      beam_of(footprint.tube);  // refuses a tube that has no beam
+      const FacetBed bed = law_.bed(footprint.facet);
+      const double energy = density(bed.cross_section(std::sin(footprint.grazing_angle_rad),
+                                                      std::cos(footprint.grazing_angle_rad)),
+                                    Way<double>::of(range), beta_) *
+                            texture_at(bed, footprint.facet, footprint.centroid_m) * footprint.area_m2;
+      near_m_ = footprint.slant_range_min_m;
+      far_m_ = footprint.slant_range_max_m;
+      const bool at_once = how_.binning == Binning::centroid || !(far_m_ > near_m_);
+      share(footprint.tube, energy, range, at_once ? range : near_m_, at_once ? range : far_m_,
+            [&] { return footprint.centroid_m / range; });
+      told(number);
+    }
+  }
+
+  /// A hit stands for the area solid_angle r^2 / sin(grazing).
+  void hits() {
+    const bool staffs = law_.patterns != nullptr && !law_.patterns->fringes.empty();
+    for (const RayHit& hit : sight_.hits()) {
+      const double r = hit.slant_range_m, sine = hit.sine_grazing;
+      beam_of(hit.tube);  // refuses a tube that has no beam
+      const FacetBed bed = law_.bed(hit.facet);
+      if (!(r > 0 && sine > 0 && (staffs || finder_.holds(r)))) continue;
+      const double cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
+      const auto direction = [&] { return glm::normalize(glm::dvec3(hit.direction)); };
+      const double texture = bed.texture == nullptr ? 1 : texture_at(bed, hit.facet, r * direction());
+      const double energy = density(bed.cross_section(sine, cosine), Way<double>::of(r), beta_) * texture *
+                            (hit.solid_angle_sr * (r * r) / sine);
+      share(hit.tube, energy, r, r, r, direction);
+    }
+  }
+
+  /// Puts energy that comes from one direction, evenly from slant ranges near to far (or all from one), into
+  /// the rows of the beams that hear the tube. The direction, a unit vector, is asked for only where there
+  /// are patterns. The receivers of a staff have ranges of their own; visibility and loss are the
+  /// transmitter's.
+  template <class Direction>
+  void share(std::uint32_t tube, double energy, double range_m, double near_m, double far_m,
+             const Direction& direction) {
+    const auto samples = std::size_t(samples_.count);
+    if (law_.patterns == nullptr) {
+      double* row = energy_.data() + beams_.of_tube[tube] * samples;
+      in_samples(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * energy; });
+      return;
+    }
+    const BeamPatterns& patterns = *law_.patterns;
+    const glm::dvec3 d = direction();
+    const std::uint32_t fan = patterns.fan_of_tube[tube];
+    const double sent = energy * patterns.transmit[fan].gain(d);
+    const auto [first, end] = patterns.beams_of_tube[tube];
+    const std::size_t channel = samples * std::size_t(beams_.count);
+    for (std::uint32_t beam = first; beam < end; ++beam) {
+      const double heard = sent * patterns.receive[beam].gain(d);
+      double* row = energy_.data() + beam * samples;
+      if (patterns.fringes.empty()) {
+        in_samples(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * heard; });
+        continue;
+      }
+      const Fringe& fringe = patterns.fringes[fan];
+      const double cosine = glm::dot(d, fringe.axis);
+      // Half a path is longer than the range from the transmitter by half of the difference.
+      const double upper = (fringe.range_from(1, range_m, cosine) - range_m) / 2,
+                   lower = (fringe.range_from(-1, range_m, cosine) - range_m) / 2;
+      const std::complex<double> cross = heard * fringe.product(range_m, cosine);
+      in_samples(near_m, far_m, upper, upper, [&](std::size_t k, double part) { row[k] += part * heard; });
+      in_samples(near_m, far_m, lower, lower,
+                 [&](std::size_t k, double part) { row[channel + k] += part * heard; });
+      in_samples(near_m, far_m, std::min(upper, lower), std::max(upper, lower),
+                 [&](std::size_t k, double part) {
+                   row[2 * channel + k] += part * cross.real();
+                   row[3 * channel + k] += part * cross.imag();
+                 });
+    }
+  }
+
+  /// Calls take(sample, part) with the parts of [near, far] that, moved by either of two shifts, lie in the
+  /// same sample.
+  template <class Take>
+  void in_samples(double near_m, double far_m, double least, double most, const Take& take) const {
+    const std::vector<double>& borders = finder_.borders();
+    if (!(far_m > near_m)) {
+      if (!finder_.holds(near_m + least) || !finder_.holds(near_m + most)) return;
+      const std::size_t k = finder_.at(near_m + least);
+      if (k == finder_.at(near_m + most)) take(k, 1);
+      return;
+    }
+    if (!(far_m + most > borders.front() && near_m + least < borders.back())) return;
+    for (std::size_t k = near_m + least <= borders.front() ? 0 : finder_.at(near_m + least);
+         k + 1 < borders.size() && borders[k] - least < far_m; ++k) {
+      const double part = std::min(far_m, borders[k + 1] - most) - std::max(near_m, borders[k] - least);
+      if (part > 0) take(k, part / (far_m - near_m));
+    }
+  }
+
+  const Sight& sight_;
+  const ReceiveBeams& beams_;
+  const RangeSamples& samples_;
+  const EchoLaw& law_;
+  const Quadrature& how_;
+  const Sink<double>& sink_;
+  SampleFinder finder_;
+  double beta_, spread_m_ = 0;
+  std::vector<double> energy_;
+  PlanarPolygon polygon_;
+  double near_m_ = 0, far_m_ = 0;  // of the footprint at hand, for its owner
+};
+
+}  // namespace
+
+void integrate_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                        const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
+  OneApex(sight, beams, samples, law, how, sink).integrate();
+}
+
+}  // namespace tubefoot

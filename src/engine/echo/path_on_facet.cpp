@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/echo/path_on_facet.hpp"
+
+#include <algorithm>
+
+namespace tubefoot {
+
+PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 home_m,
+                         double home_distance_m, FacetId facet, const EchoLaw& law) {
+  out.over = {plane.distance_m, glm::dvec2(0)};
+  home.over = {home_distance_m, frame.project(home_m)};
+  for (EndOverPlane* end : {&out, &home}) {
+    end->seen.foot_m =
+        -end->over.distance * plane.normal - end->over.foot.x * frame.u - end->over.foot.y * frame.v;
+    end->seen.u = frame.u;
+    end->seen.v = frame.v;
+  }
+  bed = law.bed(facet);
+  if (bed.texture != nullptr) lies = law.path.out.lying(facet, plane, frame);
+  finish(law);
+}
+
+PathOnFacet::PathOnFacet(const PairedFacet& paired, FacetId facet, const EchoLaw& law) {
+  out = {{paired.transmit_distance_m, glm::dvec2(0)}, paired.transmit_seen, true};
+  home = {{paired.receive_distance_m, paired.receive_foot_m}, paired.receive_seen, true};
+  bed = law.bed(facet);
+  const double own = paired_factor(paired, bed.scattering);
+  bed.factor *= own;
+  bed.mu *= own;
+  lies = paired.lies;
+  finish(law);
+}
+
+void PathOnFacet::finish(const EchoLaw& law) {
+  lambert = bed.mu * out.over.distance * home.over.distance;
+  beta_per_m = absorption_per_m(law.absorption_db_per_m);
+  if (!law.path.out.loss.none()) out_loss = &law.path.out.loss;
+  if (!law.path.back().loss.none()) home_loss = &law.path.back().loss;
+}
+
+void Smoothness::take(const ScatteringLaw* law) {
+  if (law == nullptr) return;
+  angle_rad = std::min(angle_rad, resolution_of([&](double y) { return law->growth(y); }));
+  if (law->pieces().size() == 1 && !law->is_pointed()) return;
+  cornered = true;
+  angle_rad = std::min(angle_rad, 0.1);  // rules of few nodes do not see a corner
+}
+
+void Smoothness::take(const Directivity& sent, const Directivity& heard) {
+  angle_rad = std::min(angle_rad, resolution_of([&](double y) { return sent.growth(y) + heard.growth(y); }));
+  for (const Directivity* pattern : {&sent, &heard})
+    tables = tables || pattern->kind == Directivity::Kind::table;
+}
+
+/// No rule converges across a corner of a law or a row of a table: there, cells are halved so often and then
+/// taken as they are.
+PathCutter::Work Smoothness::work(double tolerance) const {
+  constexpr int most_refinements_with_tables = 12;
+  constexpr double tolerance_with_corners = 1e-6;
+  PathCutter::Work work;
+  work.resolution_rad = angle_rad;
+  work.tolerance = cornered ? std::max(tolerance, tolerance_with_corners) : tolerance;
+  work.agreements = cornered ? 2 : 1;
+  if (cornered || tables) work.most_refinements = most_refinements_with_tables;
+  return work;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <glm/vec2.hpp>
+
+#include "engine/law/density.hpp"
+#include "engine/law/echo_law.hpp"
+#include "engine/sight/sight.hpp"
+#include "geometry/integrals/measure.hpp"
+#include "geometry/integrals/path_cut.hpp"
+
+namespace tubefoot {
+
+/// Where an apex is over a facet's plane.
+struct EndOverPlane {
+  PathCutter::Receiver over;  ///< distance from the plane, and foot point
+  LyingPlane seen;            ///< the plane as the apex sees it, relative to itself
+  bool laid_out = false;      ///< ranges are not the lengths of what is seen (PairedFacet)
+
+  double range(glm::dvec2 p) const { return std::hypot(over.distance, p.x - over.foot.x, p.y - over.foot.y); }
+  /// Unit; `range_m`: to p.
+  glm::dvec3 direction(glm::dvec2 p, double range_m) const {
+    return laid_out ? seen.towards(p) : seen.at(p) / range_m;
+  }
+};
+
+/// A path on the plane of one facet, in the coordinates of a PlaneFrame whose origin is the foot point of the
+/// way out's apex: what an element there returns (density.hpp), weighed by all but patterns.
+struct PathOnFacet {
+  EndOverPlane out, home;
+  FacetBed bed;
+  LyingPlane lies;     ///< for the texture
+  double lambert = 0;  ///< mu and both distances
+  double beta_per_m = 0;
+  const MirrorLoss *out_loss = nullptr, *home_loss = nullptr;  ///< null: none
+
+  PathOnFacet() = default;
+  /// A facet that lies where it is seen. `home_m`: the apex of the way home relative to that of the way out.
+  PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 home_m, double home_distance_m,
+              FacetId facet, const EchoLaw& law);
+  /// One that both ends see elsewhere.
+  PathOnFacet(const PairedFacet& paired, FacetId facet, const EchoLaw& law);
+
+  /// Of an even bed, without mirrors.
+  double density_at(double out_range_m, double home_range_m) const {
+    const auto way = Way<double>::of(out_range_m, home_range_m);
+    if (bed.scattering == nullptr) return lambert * lambert_density(way, beta_per_m);
+    const double sigma = std::sqrt(cross_section(*bed.scattering, out.over.distance, out_range_m) *
+                                   cross_section(*bed.scattering, home.over.distance, home_range_m));
+    return bed.factor * density(sigma, way, beta_per_m);
+  }
+  double texture_at(glm::dvec2 p) const {
+    return bed.texture == nullptr ? 1 : bed.texture->factor(lies.at(p));
+  }
+  /// What mirrors leave of what goes and comes in these directions.
+  double passed(glm::dvec3 out_direction, glm::dvec3 home_direction) const {
+    double part = 1;
+    if (out_loss != nullptr) part *= out_loss->at(out_direction);
+    if (home_loss != nullptr) part *= home_loss->at(home_direction);
+    return part;
+  }
+  bool over_mirrors() const { return out_loss != nullptr || home_loss != nullptr; }
+
+ private:
+  void finish(const EchoLaw& law);
+};
+
+/// The largest angle, at most 1, over which something that grows so into the complex plane changes little:
+/// there, rules of few nodes resolve it.
+template <class Growth>
+double resolution_of(const Growth& growth) {
+  double angle = 1;
+  while (growth(angle / 2) > 3 && angle > 1e-6) angle /= 2;
+  return angle;
+}
+
+/// How smooth an integrand is over a facet.
+struct Smoothness {
+  double angle_rad = 1;   ///< as seen from either apex, over which it is smooth
+  bool cornered = false;  ///< a law with corners
+  bool tables = false;    ///< tabulated patterns
+
+  void take(const ScatteringLaw* law);
+  /// Patterns that are multiplied.
+  void take(const Directivity& sent, const Directivity& heard);
+  PathCutter::Work work(double tolerance) const;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "engine/echo/echo.hpp"
+
+// The quadratures behind integrate() (echo.hpp), which has looked at what they are given.
+namespace tubefoot {
+
+void integrate_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                        const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
+void integrate_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                          const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
+
+}  // namespace tubefoot

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/echo/path_on_facet.hpp"
+#include "engine/echo/quadratures.hpp"
+#include "engine/echo/texture_cells.hpp"
+#include "geometry/work/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Facets that one task takes: results are gathered by task, so the number is part of the summation's order.
+constexpr std::size_t facets_per_task = 32;
+
+/// An angle over which rough mirrors' losses change little: by e where the sum of the sines' squares changes
+/// by 1 / roughness. Below the least, cells are halved where the loss asks for it.
+double smooth_angle_rad(const Path& path) {
+  constexpr double least = 1e-3;
+  double angle = 1;
+  for (const MirrorLoss* loss : {&path.out.loss, &path.back().loss})
+    if (!loss->rough_normals.empty())
+      angle = std::min(angle, 1 / std::sqrt(loss->roughness * double(loss->rough_normals.size())));
+  return std::max(angle, least);
+}
+
+/// One per thread.
+class FacetEcho {
+ public:
+  FacetEcho(const Sight& sight, const ReceiveBeams& beams, std::span<const double> borders,
+            const EchoLaw& law, double tolerance)
+      : sight_(sight),
+        beams_(beams),
+        law_(law),
+        borders_(borders),
+        cutter_(borders),
+        mirrors_angle_rad_(smooth_angle_rad(law.path)),
+        tolerance_(tolerance) {}
+
+  /// `number`: the facet's in the sight.
+  void add(std::size_t number, std::vector<Part<double>>& parts) {
+    const SeenFacet facet = sight_[number];
+    const PairedFacet* paired = sight_.paired(number);
+    const PlaneFrame frame(facet.plane);
+    path_ = paired == nullptr
+                ? PathOnFacet(facet.plane, frame, sight_.home_m(), facet.home_distance_m, facet.facet, law_)
+                : PathOnFacet(*paired, facet.facet, law_);
+    smooth_ = {mirrors_angle_rad_};
+    smooth_.take(path_.bed.scattering);
+    for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
+      const SeenPart seen = sight_.part(number, facet.first_piece + k);
+      if (!same_fan(seen)) continue;
+      if (paired == nullptr)
+        polygon_.assign(seen.corners_m, facet.plane, frame);
+      else
+        lay_out(seen.corners_m, *paired);
+      const auto add_part = [&](const PlanarPolygon& part) {
+        const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.out_tube};
+        law_.patterns == nullptr ? add_plain(part, seen, owned, parts)
+                                 : add_weighed(part, seen, owned, parts);
+      };
+      if (path_.bed.texture == nullptr)
+        add_part(polygon_);
+      else
+        cells_.cut(polygon_, path_.lies, path_.bed.texture->cells(), add_part);
+    }
+  }
+
+ private:
+  void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired) {
+    polygon_.distance = paired.transmit_distance_m;
+    polygon_.first = glm::dvec2(paired.to_plane.at(corners_m[0]));
+    polygon_.offsets.clear();
+    for (const glm::dvec3& corner : corners_m)
+      polygon_.offsets.emplace_back(glm::dvec2(paired.to_plane.linear * (corner - corners_m[0])));
+  }
+
+  bool same_fan(const SeenPart& part) const {
+    return beams_.fan_of_transmit_tube.empty() ||
+           beams_.fan_of_transmit_tube[part.out_tube] == beams_.fan_of_receive_tube[part.home_tube];
+  }
+
+  void integrate(const PlanarPolygon& polygon, const PathCutter::Integrand& integrand,
+                 const PathCutter::Work& work, std::uint32_t first_beam, Part<double> part,
+                 std::vector<Part<double>>& parts) {
+    const auto [first, end] = cutter_.samples_of(polygon, path_.home.over);
+    if (first == end) return;
+    sum_.resize(work.values * (borders_.size() - 1), 0);
+    cutter_.add(polygon, path_.home.over, integrand, work, sum_);
+    const std::size_t skipped = work.values > 1 ? 1 : 0;  // the integral without patterns
+    for (std::size_t k = first; k < end; ++k)
+      for (std::size_t v = 0; v < work.values; ++v) {
+        part.value = std::exchange(sum_[k * work.values + v], 0);
+        if (part.value == 0 || v < skipped) continue;
+        part.beam = first_beam + std::uint32_t(v - skipped);
+        part.sample = std::uint32_t(k);
+        parts.push_back(part);
+      }
+  }
+
+  void add_plain(const PlanarPolygon& polygon, const SeenPart& seen, const Part<double>& owned,
+                 std::vector<Part<double>>& parts) {
+    integrate(
+        polygon,
+        [&](glm::dvec2 p, double out, double home, std::span<double> values) {
+          values[0] = path_.density_at(out, home) * path_.texture_at(p);
+          if (path_.over_mirrors())
+            values[0] *= path_.passed(path_.out.direction(p, out), path_.home.direction(p, home));
+        },
+        smooth_.work(tolerance_), beams_.of_tube[seen.home_tube], owned, parts);
+  }
+
+  void add_weighed(const PlanarPolygon& polygon, const SeenPart& seen, const Part<double>& owned,
+                   std::vector<Part<double>>& parts) {
+    const BeamPatterns& patterns = *law_.patterns;
+    const auto [first, end] = patterns.beams_of_tube[seen.home_tube];
+    if (first == end) return;
+    const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[seen.home_tube]];
+    Smoothness smooth = smooth_;
+    for (const Directivity& sent : transmit.beams)
+      for (std::uint32_t beam = first; beam < end; ++beam) smooth.take(sent, patterns.receive[beam]);
+    PathCutter::Work work = smooth.work(tolerance_);
+    work.values = 1 + end - first;
+    integrate(
+        polygon,
+        [&, first = first, end = end](glm::dvec2 p, double out, double home, std::span<double> values) {
+          const glm::dvec3 there = path_.out.direction(p, out), back = path_.home.direction(p, home);
+          values[0] = path_.density_at(out, home) * path_.texture_at(p);
+          if (path_.over_mirrors()) values[0] *= path_.passed(there, back);
+          const double sent = values[0] * transmit.gain(there);
+          for (std::uint32_t beam = first; beam < end; ++beam)
+            values[1 + beam - first] = sent * patterns.receive[beam].gain(back);
+        },
+        work, first, owned, parts);
+  }
+
+  const Sight& sight_;
+  const ReceiveBeams& beams_;
+  const EchoLaw& law_;
+  std::span<const double> borders_;
+  PathCutter cutter_;
+  double mirrors_angle_rad_, tolerance_;
+  PathOnFacet path_;
+  Smoothness smooth_;
+  PlanarPolygon polygon_;
+  TextureCells cells_;
+  std::vector<double> sum_;  // all 0 between pieces
+};
+
+}  // namespace
+
+void integrate_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                          const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
+  const std::vector<double> borders = sample_borders_m(samples);
+  const std::size_t facets = sight.end() - sight.first();
+  std::vector<std::vector<Part<double>>> parts((facets + facets_per_task - 1) / facets_per_task);
+  tbb::enumerable_thread_specific<FacetEcho> threads(
+      [&] { return FacetEcho(sight, beams, borders, law, how.path_tolerance); });
+  Steps steps("facets", facets);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
+    FacetEcho& facet_echo = threads.local();
+    const std::size_t begin = sight.first() + task * facets_per_task,
+                      end = std::min(begin + facets_per_task, sight.end());
+    for (std::size_t number = begin; number < end; ++number) {
+      facet_echo.add(number, parts[task]);
+      steps.done();
+    }
+  });
+  for (const auto& task : parts)
+    for (const Part<double>& part : task) sink(part);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/law/scattering_law.hpp"
+
+// What an element of the bed returns along a path, per square metre: the integrand of every quadrature, in
+// doubles and in balls.
+//
+//     sigma e^(-beta (r_out + r_home)) / (r_out^2 r_home^2)  [J/m^2 for 1 J/sr at 1 m]
+//
+// times what depends on direction or place alone: texture, patterns, losses at mirrors (PathOnFacet).
+// beta = alpha ln(10) / 10, alpha in dB/m one way. sigma(out, home) = sqrt(sigma(out) sigma(home)) of a
+// scattering law; Lambert's is mu sin(out) sin(home), the sines of the grazing angles being the distances of
+// the apexes from the facet's plane over the ranges.
+namespace tubefoot {
+
+inline double squared(double x) { return x * x; }
+
+/// The ranges of a point from both ends of its path.
+template <class N>
+struct Way {
+  N product, sum;
+
+  /// From one apex and back to it.
+  static Way of(const N& range) { return {squared(range), range + range}; }
+  static Way of(const N& out, const N& home) { return {out * home, out + home}; }
+};
+
+template <class N>
+N absorbed(const Way<N>& way, const N& beta) {
+  using std::exp;
+  return exp(-(beta * way.sum));
+}
+
+template <class N>
+N density(const N& sigma, const Way<N>& way, const N& beta) {
+  return sigma * absorbed(way, beta) / squared(way.product);
+}
+
+/// Of Lambert's law, over mu and the distances of both apexes from the plane: all that depends on ranges.
+template <class N>
+N lambert_density(const Way<N>& way, const N& beta) {
+  return absorbed(way, beta) / (squared(way.product) * way.product);
+}
+
+/// A law's cross-section on a plane at a distance from an apex, at a range from there.
+inline double cross_section(const ScatteringLaw& law, double distance_m, double range_m) {
+  const double sine = std::min(distance_m / range_m, 1.0);
+  return law.cross_section(
+      sine, std::sqrt(std::max((range_m - distance_m) * (range_m + distance_m), 0.0)) / range_m);
+}
+
+/// The part of sigma(out, home) that belongs to one of the two grazing angles: sqrt(sigma); for Lambert's law
+/// (no `law`) the sine, whose mu stands elsewhere.
+inline double scattering_lobe(const ScatteringLaw* law, double sine) {
+  sine = std::min(sine, 1.0);
+  if (!(sine > 0)) return 0;
+  return law == nullptr ? sine : std::sqrt(law->cross_section(sine, std::sqrt(1 - sine * sine)));
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/law/echo_law.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace tubefoot {
+
+FacetBed EchoLaw::bed(FacetId facet) const {
+  if (facet >= material.size() || material[facet] >= material_mu.size())
+    throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
+  if (!path.facet_factor.empty() && facet >= path.facet_factor.size())
+    throw std::invalid_argument(fmt::format("facet {} has no factor, others have", facet));
+  if (!path.out.facet_map.empty() && facet >= path.out.facet_map.size())
+    throw std::invalid_argument(fmt::format("facet {} has no true place, others have", facet));
+  const double factor = path.facet_factor.empty() ? 1 : path.facet_factor[facet];
+  return {factor, material_mu[material[facet]] * factor, law_of(facet), texture(facet)};
+}
+
+void check(const EchoLaw& law) {
+  if (!(law.absorption_db_per_m >= 0 && std::isfinite(law.absorption_db_per_m)))
+    throw std::invalid_argument(
+        fmt::format("absorption must be finite and not negative, not {} dB/m", law.absorption_db_per_m));
+  if (!law.scattering.empty() && law.scattering.size() != law.material_mu.size())
+    throw std::invalid_argument(fmt::format("{} scattering laws do not fit {} materials",
+                                            law.scattering.size(), law.material_mu.size()));
+  if (!(law.pattern_tolerance >= 1e-12 && law.pattern_tolerance <= 0.01))
+    throw std::invalid_argument(fmt::format(
+        "the tolerance of beam patterns must be from 1e-12 to 0.01, not {}", law.pattern_tolerance));
+  if (!law.reflectivity.empty() && law.reflectivity.size() != law.material_mu.size())
+    throw std::invalid_argument(fmt::format("{} materials have a Lambert parameter, but {} a texture or none",
+                                            law.material_mu.size(), law.reflectivity.size()));
+}
+
+double absorption_per_m(double absorption_db_per_m) { return absorption_db_per_m * std::numbers::ln10 / 10; }
+
+BeamPatterns as_images_have(const BeamPatterns& patterns, const Path& path) {
+  BeamPatterns seen = patterns;
+  // A direction d of an image is M d at the true apex, and M d . axis = d . M^T axis.
+  for (TransmitPattern& transmit : seen.transmit)
+    for (Directivity& one : transmit.beams) one.axis = glm::transpose(path.out.to_true) * one.axis;
+  for (Directivity& one : seen.receive) one.axis = glm::transpose(path.back().to_true) * one.axis;
+  return seen;
+}
+
+}  // namespace tubefoot

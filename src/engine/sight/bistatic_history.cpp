@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/sight/bistatic_history.hpp"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "geometry/work/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Facets that one task takes. No result depends on it.
+constexpr std::size_t facets_per_task = 32;
+
+void check_exact(const VisibilityOptions& options) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument(
+        "a transmitter and a receiver apart need an exact arithmetic: fixed, filtered or rational");
+}
+
+void share(const FootprintSharer& sharer, SharedFootprints& shared) {
+  std::vector<SharedFootprints> parts((sharer.facets() + facets_per_task - 1) / facets_per_task);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * facets_per_task, sharer.facets());
+    for (std::size_t k = task * facets_per_task; k < end; ++k) sharer.append(k, parts[task]);
+  });
+  shared.receiver_m = sharer.receiver_m();
+  for (const SharedFootprints& part : parts) append(shared, part);
+}
+
+}  // namespace
+
+std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
+                                 const VisibilityOptions& options) {
+  std::vector<TubeVisibility> seen(tubes.tubes.size());
+  tbb::enumerable_thread_specific<VisibilityScratch> threads;
+  Steps steps("tubes", seen.size());
+  tbb::parallel_for(std::uint32_t{0}, std::uint32_t(seen.size()), [&](std::uint32_t tube) {
+    see(mesh, tree, tubes, tube, options, threads.local(), seen[tube]);
+    steps.done();
+  });
+  return seen;
+}
+
+BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive) {
+  check_exact(options);
+  BistaticHistory history{std::move(transmit), std::move(receive), grid_unit_m, {}};
+  const auto sent = look(mesh, tree, history.transmit, options),
+             heard = look(mesh, tree, history.receive, options);
+  share(FootprintSharer(mesh, {history.transmit, sent}, {history.receive, heard}, grid_unit_m),
+        history.shared);
+  return history;
+}
+
+BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
+                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
+                               const Straightening& transmit_water, const Straightening& receive_water,
+                               double reference_absorption_db_per_m) {
+  check_exact(options);
+  BistaticHistory history{std::move(transmit), std::move(receive), grid.unit_m(), {}};
+  const FacetMesh &sent_to = pair.transmit.refined.mesh, &heard_from = pair.receive.refined.mesh;
+  const SceneTree sent_tree(sent_to, SceneTree::Sheets::ignored),
+      heard_tree(heard_from, SceneTree::Sheets::ignored);
+  const auto sent = look(sent_to, sent_tree, history.transmit, options),
+             heard = look(heard_from, heard_tree, history.receive, options);
+  share(FootprintSharer({history.transmit, sent, &sent_to, pair.transmit_origin},
+                        {history.receive, heard, &heard_from, pair.receive_origin}, grid.unit_m()),
+        history.shared);
+  history.paired =
+      paired_facets(history.shared, pair, grid, transmit_water, receive_water, reference_absorption_db_per_m);
+  return history;
+}
+
+}  // namespace tubefoot

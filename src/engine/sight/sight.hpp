@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <span>
+
+#include "engine/sight/bistatic_history.hpp"
+#include "engine/sight/history.hpp"
+#include "geometry/integrals/measure.hpp"
+
+namespace tubefoot {
+
+/// A facet as both ends of a path see it: all of what they share of it, or a footprint, which is what one
+/// tube of the only apex sees.
+struct SeenFacet {
+  FacetId facet = 0;
+  FacetPlane plane;            ///< as the way out sees it
+  double home_distance_m = 0;  ///< of the plane from the apex of the way home
+  std::uint32_t first_piece = 0, piece_count = 0;
+};
+
+/// A convex part of it.
+struct SeenPart {
+  std::span<const glm::dvec3> corners_m;  ///< relative to the apex of the way out
+  std::uint32_t out_tube = 0, home_tube = 0;
+};
+
+/// What both ends of a path see of the bed; one apex is the case where both are the same. A view of a
+/// history, which outlives it.
+class Sight {
+ public:
+  Sight(const History& history) : one_(&history) {}          // NOLINT: every history is one
+  Sight(const BistaticHistory& history) : two_(&history) {}  // NOLINT
+
+  bool one_apex() const { return one_ != nullptr; }
+  /// Null with one.
+  const BistaticHistory* two_apexes() const { return two_; }
+  /// The apex of the way home relative to that of the way out.
+  glm::dvec3 home_m() const { return one_ ? glm::dvec3(0) : two_->shared.receiver_m; }
+  double grid_unit_m() const { return one_ ? one_->grid_unit_m : two_->grid_unit_m; }
+
+  /// Numbers of its facets: [first(), end()).
+  std::size_t first() const { return first_; }
+  std::size_t end() const {
+    return std::min(end_, one_ ? one_->footprints.footprints.size() : two_->shared.facets.size());
+  }
+  /// Facets [first, end) alone, with their numbers.
+  Sight within(std::size_t first, std::size_t end) const {
+    Sight part = *this;
+    part.first_ = first;
+    part.end_ = end;
+    return part;
+  }
+  SeenFacet operator[](std::size_t number) const {
+    if (one_ != nullptr) {
+      const Footprint& f = one_->footprints.footprints[number];
+      return {
+          f.facet, {f.plane_normal, f.plane_distance_m}, f.plane_distance_m, f.first_piece, f.piece_count};
+    }
+    const SharedFacet& f = two_->shared.facets[number];
+    return {
+        f.facet, {f.plane_normal, f.transmit_distance_m}, f.receive_distance_m, f.first_piece, f.piece_count};
+  }
+  /// `number`: the facet's.
+  SeenPart part(std::size_t number, std::uint32_t piece) const {
+    if (one_ != nullptr) {
+      const Piece& p = one_->footprints.pieces[piece];
+      const std::uint32_t tube = one_->footprints.footprints[number].tube;
+      return {std::span(one_->footprints.corners_m).subspan(p.first, p.count), tube, tube};
+    }
+    const SharedPiece& p = two_->shared.pieces[piece];
+    return {std::span(two_->shared.corners_m).subspan(p.first, p.count), p.transmit_tube, p.receive_tube};
+  }
+  /// Where else both ends see the facet, in refracting water; null: where it lies.
+  const PairedFacet* paired(std::size_t number) const {
+    return two_ != nullptr && !two_->paired.empty() ? &two_->paired[number] : nullptr;
+  }
+  /// Measures of footprints, which binnings other than exact read; null with two apexes.
+  const Footprint* footprint(std::size_t number) const {
+    return one_ ? &one_->footprints.footprints[number] : nullptr;
+  }
+  /// What rays met; none with two apexes.
+  std::span<const RayHit> hits() const {
+    return one_ != nullptr && with_hits_ ? std::span(one_->hits) : std::span<const RayHit>();
+  }
+  Sight without_hits() const {
+    Sight part = *this;
+    part.with_hits_ = false;
+    return part;
+  }
+
+ private:
+  const History* one_ = nullptr;
+  const BistaticHistory* two_ = nullptr;
+  std::size_t first_ = 0, end_ = std::numeric_limits<std::size_t>::max();
+  bool with_hits_ = true;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "run/ping_sums.hpp"
+#include "run/shot.hpp"
+
+namespace tubefoot {
+
+/// A part of what the sensors of a shot hear of it: adds its energies, bounds and counts to the ping's.
+struct EchoPart {
+  std::string_view name;
+  void (*add)(const Shot& shot, PingSums& sums);
+};
+
+/// The parts that make up the echoes of a group's shots, in the order in which they are added: chosen here
+/// alone, by what the scene has and what is asked for.
+std::vector<EchoPart> echo_parts(const Shots& shots, const SharedShots& group);
+
+}  // namespace tubefoot

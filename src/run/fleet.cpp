@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/fleet.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "files/usage_error.hpp"
+
+namespace tubefoot {
+
+const SharedShots& Fleet::shots_of(std::size_t sensor) const {
+  return *std::ranges::find_if(shots, [&](const SharedShots& group) {
+    return std::ranges::find(group.sensors, sensor) != group.sensors.end();
+  });
+}
+
+std::size_t Fleet::sensor_named(const std::string& name) const {
+  std::string names;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    const std::string& own = sensors[s].sensor->description().name;
+    if (own == name) return s;
+    names += (s == 0 ? "'" : ", '") + own + "'";
+  }
+  throw UsageError(fmt::format("the scene has no sensor '{}'; it has {}", name, names));
+}
+
+Fleet Fleet::some_pings(std::size_t sensor, const std::vector<std::size_t>& pings) const {
+  const SensorPings& all = sensors[sensor];
+  SensorPings some;
+  some.sensor = all.sensor;
+  some.sound_speed_m_s = all.sound_speed_m_s;
+  some.water = all.water;
+  for (const std::size_t ping : pings) {
+    some.times_s.push_back(all.times_s[ping]);
+    some.poses.push_back(all.poses[ping]);
+    some.altitudes_m.push_back(all.altitudes_m[ping]);
+    for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot) {
+      some.shot_poses.push_back(all.shot_pose(ping, shot));
+      if (all.sensor->has_receiver_apart()) some.receiver_poses.push_back(all.receiver_pose(ping, shot));
+    }
+  }
+  return {{std::move(some)}, {SharedShots{{0}}}};
+}
+
+}  // namespace tubefoot

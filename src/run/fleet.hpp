@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/water/water_column.hpp"
+#include "sensors/model/sensor.hpp"
+
+namespace tubefoot {
+
+/// All pings of one sensor: times and poses of the sensor itself.
+struct SensorPings {
+  std::shared_ptr<const Sensor> sensor;  ///< never null
+  std::vector<double> times_s;
+  std::vector<Pose> poses;           ///< at the pings' times
+  std::vector<Pose> shot_poses;      ///< [ping][shot], each at its own time
+  std::vector<Pose> receiver_poses;  ///< [ping][shot], of a receiver that is apart; else empty
+  /// At its first place; the scene's, in even water. Travel times times this are slant ranges.
+  double sound_speed_m_s = 1500;
+  std::shared_ptr<const WaterColumn>
+      water;                        ///< with absorption at its frequency; null: even, rays are straight
+  std::vector<double> altitudes_m;  ///< above the terrain straight below; not a number where there is none
+
+  const Pose& shot_pose(std::size_t ping, std::size_t shot) const {
+    return shot_poses.at(ping * sensor->shots() + shot);
+  }
+  const Pose& receiver_pose(std::size_t ping, std::size_t shot) const {
+    return receiver_poses.empty() ? shot_pose(ping, shot) : receiver_poses.at(ping * sensor->shots() + shot);
+  }
+};
+
+/// Sensors that fire the same tubes from the same places at the same times: one history serves them all.
+struct SharedShots {
+  std::vector<std::size_t> sensors;  ///< indices into Fleet::sensors
+};
+
+/// Who pings where.
+struct Fleet {
+  std::vector<SensorPings> sensors;
+  std::vector<SharedShots> shots;
+
+  std::size_t pings(const SharedShots& group) const { return sensors[group.sensors.front()].times_s.size(); }
+  std::size_t shots_a_ping(const SharedShots& group) const {
+    return sensors[group.sensors.front()].sensor->shots();
+  }
+  /// The group of a sensor's shots.
+  const SharedShots& shots_of(std::size_t sensor) const;
+  /// Index of the sensor of that name; throws UsageError naming the nearest ones.
+  std::size_t sensor_named(const std::string& name) const;
+  /// Some pings of one sensor, by their numbers, as a fleet of its own.
+  Fleet some_pings(std::size_t sensor, const std::vector<std::size_t>& pings) const;
+};
+
+}  // namespace tubefoot

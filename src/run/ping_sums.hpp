@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <span>
+
+#include "engine/certified/reference.hpp"
+#include "engine/ground/ground.hpp"
+#include "run/kept/ping_store.hpp"
+#include "run/shot.hpp"
+
+namespace tubefoot {
+
+/// Keeps the worse of two pings' bounds; of equals the one met first.
+void keep_worst(PingCounts& kept, const PingCounts& met);
+
+/// Where the parts of a ping's echoes are added up: energies and bounds in a store, and what was counted.
+class PingSums {
+ public:
+  /// `slot`: the ping of the store that it becomes; what is there, of a ping that was cut off, is cleared.
+  PingSums(const SharedShots& group, PingStore& store, std::size_t slot);
+
+  PingCounts counts;
+  FinerRelief finer_relief;
+
+  /// Energies of paths with `order` interactions that a sensor hears of a shot:
+  /// [channel][beam of the shot][sample].
+  void add(const Shot& shot, std::size_t sensor, std::size_t order, std::span<const double> energy);
+  /// Of order 1, with their bounds.
+  void add(const Shot& shot, std::size_t sensor, const CertifiedEcho& certified);
+  /// What finer relief than a history's facets would change of it.
+  template <class Met>
+  void add_finer_relief(const Shot& shot, const Met& history, const FacetMesh& mesh, double sample_m) {
+    if (const auto& omitted = shot.site().relief.omitted)
+      finer_relief += tubefoot::finer_relief(history, mesh, *omitted, sample_m);
+  }
+  /// Does a part of the work whose seconds are the echo's, not those of what is seen.
+  template <class Work>
+  void as_echo(const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    counts.echo_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+
+ private:
+  PingStore& store_;
+  std::size_t slot_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string_view>
+
+#include "engine/echo/echo.hpp"
+#include "engine/rays/ray_sampling.hpp"
+#include "geometry/visibility/visibility.hpp"
+#include "study/tolerance.hpp"
+
+namespace tubefoot {
+
+struct OwnEngine;
+struct RunDescription;
+
+enum class Engine { tube, ray };
+
+/// All that is asked of a run's energies. Scene files, command lines and kept runs say it in words; inside
+/// there are none.
+struct RunRequest {
+  Engine engine = Engine::tube;
+  VisibilityOptions visibility;      ///< of tubes: arithmetic, and what goes with it
+  Binning binning = Binning::exact;  ///< of tubes
+  RaySettings rays{RaySampling::stratified, 100000, RaySettings::Per::ping, 1};
+  std::optional<double> reference_tolerance;      ///< energies are enclosed, to this relative bound
+  std::optional<Tolerance> tolerance;             ///< picks the settings above
+  std::shared_ptr<const OwnEngine> own_engine{};  ///< in place of a built-in one
+};
+
+/// Of the words of [run]. Throws UsageError for words that mean nothing.
+RunRequest request_of(const RunDescription& run);
+
+std::string_view name_of(Engine engine);
+std::string_view name_of(Binning binning);
+std::string_view name_of(RaySampling sampling);
+
+/// All settings of a built-in engine that energies depend on, and back, everything else as in `otherwise`.
+/// The way back throws nlohmann::json::exception, and UsageError as request_of().
+nlohmann::ordered_json json_of(const RunRequest& request);
+RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwise);
+
+}  // namespace tubefoot

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "geometry/search/scene_tree.hpp"
+#include "scene/scene.hpp"
+
+namespace tubefoot {
+
+class Ground;
+class OmittedRelief;
+class RayScene;
+
+/// How relief is in a scene's facets; nothing of it without relief.
+struct SiteRelief {
+  double cell_m = 0;                                ///< 0: no relief
+  std::size_t base_facets = 0, uniform_facets = 0;  ///< unrefined; textured ones in cells
+  std::vector<FacetId> parent;                      ///< offline: by facet of the scene, the unrefined one
+  std::shared_ptr<const OmittedRelief> omitted;
+};
+
+/// What was loaded of terrain that is read by tiles.
+struct TerrainUse {
+  std::atomic<std::size_t> regions{0}, loads{0};  ///< regions that pings are grouped into; loaded, also again
+  std::atomic<std::size_t> most_bytes{0};         ///< held at a time
+};
+
+/// A loaded scene, ready for pings: relief is in its facets or ready to be refined for each shot, and the
+/// facets are in a tree. open_survey() and survey_with_tiles() build sites; to all others they are const.
+/// Where terrain is read by tiles (scene.tiled), the scene's mesh has all but that.
+struct Site {
+  explicit Site(Scene loaded);
+  ~Site();
+  Site(const Site&) = delete;  // tree and ground point into the scene
+  Site& operator=(const Site&) = delete;
+
+  Scene scene;
+  SiteRelief relief;
+  std::unique_ptr<const Ground> ground;  ///< relief online: what shots refine, each for itself
+  std::unique_ptr<const SceneTree> tree;
+  double lowest_m = 0;  ///< of the scene, where water refracts: rays do not turn below
+  double load_seconds = 0, tree_seconds = 0;
+  std::shared_ptr<TerrainUse> terrain_use;  ///< null without tiles
+
+  bool is_tiled() const { return !scene.tiled.empty(); }
+  /// Whether each shot meets facets of its own.
+  bool has_ground_a_shot() const { return ground != nullptr || scene.water->refracts(); }
+  /// The facets made ready for rays, at the first call. Thread-safe. Throws as RayScene().
+  const RayScene& rays() const;
+
+ private:
+  mutable std::once_flag rays_made_;
+  mutable std::unique_ptr<const RayScene> rays_;
+};
+
+}  // namespace tubefoot

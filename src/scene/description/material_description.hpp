@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/input_error.hpp"
+#include "scene/description/reflectivity_description.hpp"
+#include "scene/description/relief_description.hpp"
+
+// What a scene file says: scene/description/scene_description.hpp.
+namespace tubefoot {
+
+struct MaterialDescription {
+  SourcePlace place;
+  std::string name;
+  double lambert_db = -27;      ///< 10 log10 mu; energy conservation wants <= -4.9715
+  std::string law = "lambert";  ///< lambert | gsab | table | sediment; docs/scattering.md
+  std::optional<double> specular_db, specular_width_deg;      ///< gsab: A and B
+  std::optional<double> oblique_db, oblique_exponent;         ///< gsab: C and D
+  std::optional<double> transition_db, transition_width_deg;  ///< gsab: E and F
+  std::vector<double> table_grazing_deg, table_db;            ///< table, in the scene file
+  std::optional<std::filesystem::path> table_file;            ///< table, apart
+  std::optional<std::string> sediment;                        ///< sediment: its name
+  double sediment_khz = 300;                                  ///< sediment: frequency of its table
+  bool unbounded = false;                                     ///< may scatter more than it receives
+  std::vector<ReliefDescription> relief;                      ///< their sum; none: facets are flat
+  std::vector<ReflectivityDescription> reflectivity;          ///< their product; none: even
+  std::optional<double> specular_loss_db;  ///< of what it mirrors; none: it mirrors nothing
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scene/file/toml_reader.hpp"
+
+// Ranges of values that sensors' keys share, and what holds between two keys.
+namespace tubefoot {
+
+inline constexpr ValueRange pitch{.lo = -90, .hi = 90};
+inline constexpr ValueRange range_samples{.lo = 1, .hi = 65536};
+inline constexpr ValueRange sonar_range{.lo = 0, .hi = 100000, .lo_excluded = true};
+inline constexpr ValueRange frequency{.lo = 1, .hi = 10000};
+
+inline constexpr const char* no_width = "a sector of no width sees nothing";
+inline constexpr const char* too_wide =
+    "a sector so wide does not project onto a plane, share it among several sensors";
+constexpr ValueRange sector(double hi, bool hi_excluded) {
+  return {.lo = 0,
+          .hi = hi,
+          .lo_excluded = true,
+          .hi_excluded = hi_excluded,
+          .if_below = no_width,
+          .if_above = too_wide};
+}
+
+/// The place of the later key, or of the earlier one where the later is left to its default.
+inline SourcePlace place_of_pair(const TomlTable& table, std::string_view earlier, std::string_view later) {
+  return table.place_of(table.has(later) ? later : earlier);
+}
+
+/// Of a sensor's range window.
+inline void check_ranges(double range_min_m, double range_max_m, const TomlTable& table) {
+  if (range_min_m >= range_max_m)
+    throw InputError(
+        place_of_pair(table, "range_min_m", "range_max_m"),
+        fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})", range_min_m, range_max_m));
+}
+
+}  // namespace tubefoot

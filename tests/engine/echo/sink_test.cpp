@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One integrand, one integral, any sink.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "engine/echo/echo.hpp"
+#include "engine/law/density.hpp"
+#include "engine/sight/tube_engine.hpp"
+#include "geometry/numbers/ball.hpp"
+#include "geometry/scenes_for_tests.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double unit = 0x1p-20;
+const std::vector<double> material_mu{0.002};
+const RangeSamples samples{2, 0.0625, 300};
+const std::vector<std::uint32_t> beams{0, 1, 2, 3, 4, 5}, none(6, 0);
+
+TEST(Density, InBallsItHoldsWhatItIsInDoubles) {
+  const std::uint64_t seed = 20271;
+  SCOPED_TRACE(seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> range(0.1, 500), beta(0, 0.1), part(1e-3, 1);
+  for (int k = 0; k < 200; ++k) {
+    const double out = range(random), home = range(random), b = beta(random), sigma = part(random);
+    const double apart = density(sigma, Way<double>::of(out, home), b),
+                 lambert = lambert_density(Way<double>::of(out, home), b),
+                 together = lambert_density(Way<double>::of(out), b);
+    const auto way = Way<Ball>::of(Ball(out), Ball(home));
+    EXPECT_NEAR(density(Ball(sigma), way, Ball(b)).middle() / apart, 1, 1e-14);
+    EXPECT_NEAR(lambert_density(way, Ball(b)).middle() / lambert, 1, 1e-14);
+    EXPECT_NEAR(lambert_density(Way<Ball>::of(Ball(out)), Ball(b)).middle() / together, 1, 1e-14);
+    // Lambert's sigma by heights, and the definition.
+    const double heights = 0.03, sines = heights / (out * home);
+    EXPECT_NEAR(heights * lambert / density(sines, Way<double>::of(out, home), b), 1, 1e-14);
+    EXPECT_NEAR(apart / (sigma * std::exp(-b * (out + home)) / std::pow(out * home, 2)), 1, 1e-13);
+  }
+}
+
+/// A rough bed seen by six beams, with and without patterns; one apex, or a receiver 2 m aside.
+struct Bed {
+  FacetMesh mesh;
+  SceneTree tree;
+  TubeSet tubes = test::forward_tubes({0, 0, 0}, 6, 1, 50, 30, 20),
+          aside = test::forward_tubes({0, 2000000, 0}, 6, 1, 50, 30, 20);
+  BeamPatterns patterns;
+
+  explicit Bed(FacetMesh m) : mesh(std::move(m)), tree(mesh) {
+    const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 5};
+    patterns.transmit = {line};
+    patterns.fan_of_tube = none;
+    patterns.beams_of_tube.assign(6, {0, 6});
+    for (int b = 0; b < 6; ++b) {
+      patterns.receive.push_back(line);
+      patterns.receive.back().centre = 0.1 * (b - 2.5);
+    }
+  }
+  static FacetMesh rough() {
+    test::Random random(20266);
+    return test::rough_terrain(random, 10, 20000000, -3000000, 500000);
+  }
+};
+
+class Sinks : public testing::Test {
+ protected:
+  Sinks()
+      : bed(Bed::rough()),
+        alone(TubeEngine(bed.mesh, bed.tree, unit, {}).trace(bed.tubes)),
+        apart(trace_bistatic(bed.mesh, bed.tree, unit, {}, bed.tubes, bed.aside)) {}
+
+  template <class Take>
+  void for_all(const Take& take) {
+    const BeamPatterns* given = &bed.patterns;
+    for (const BeamPatterns* patterns : {static_cast<const BeamPatterns*>(nullptr), given})
+      for (const Sight& sight : {Sight(alone), Sight(apart)}) {
+        SCOPED_TRACE(testing::Message()
+                     << (sight.one_apex() ? "one apex" : "two apexes") << (patterns ? ", patterns" : ""));
+        take(sight, EchoLaw{material_mu, bed.mesh.material, 0.1, patterns, 1e-12});
+      }
+  }
+
+  Bed bed;
+  History alone;
+  BistaticHistory apart;
+};
+
+TEST_F(Sinks, PartsByOwnerSumToTheEcho) {
+  for_all([&](const Sight& sight, const EchoLaw& law) {
+    const Echo echo = integrate_echo(sight, {6, beams}, samples, law);
+    const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
+    ASSERT_GT(peak, 0);
+    std::vector<double> sum(echo.energy.size());
+    Quadrature owned;
+    owned.by_owner = true;
+    std::map<std::uint32_t, int> owners;
+    integrate(sight, {6, beams}, samples, law, owned, [&](const Part<double>& part) {
+      ASSERT_LT(part.seen, sight.end());
+      ++owners[part.seen];
+      sum[part.beam * 300 + part.sample] += part.value;
+    });
+    EXPECT_GT(owners.size(), 20u);
+    for (std::size_t bin = 0; bin < sum.size(); ++bin)
+      ASSERT_NEAR(sum[bin], echo.energy[bin], 1e-12 * peak) << bin;
+  });
+}
+
+TEST_F(Sinks, ContributionsSumToTheEchoAndAreEachOnce) {
+  for_all([&](const Sight& sight, const EchoLaw& law) {
+    const Echo echo = integrate_echo(sight, {6, beams}, samples, law);
+    const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
+    std::vector<double> sum(echo.energy.size());
+    const auto all = contributions(sight, {6, beams}, samples, law, {}, echo);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      sum[all[k].beam * 300 + all[k].sample] += all[k].energy_j;
+      if (k == 0) continue;
+      const auto key = [](const Contribution& c) { return std::tuple(c.footprint, c.beam, c.sample); };
+      ASSERT_LT(key(all[k - 1]), key(all[k]));
+    }
+    for (std::size_t bin = 0; bin < sum.size(); ++bin)
+      ASSERT_NEAR(sum[bin], echo.energy[bin], 1e-12 * peak) << bin;
+  });
+}
+
+TEST_F(Sinks, EnergiesOfFootprintsSumToTheEcho) {
+  for_all([&](const Sight& sight, const EchoLaw& law) {
+    const Echo echo = integrate_echo(sight, {6, beams}, samples, law);
+    const double whole = std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0);
+    const FootprintEnergies energies =
+        footprint_energies(alone.footprints, sight, beams, {6, beams}, samples, law);
+    ASSERT_EQ(energies.all_beams.size(), alone.footprints.footprints.size());
+    EXPECT_NEAR(std::accumulate(energies.all_beams.begin(), energies.all_beams.end(), 0.0) / whole, 1, 1e-10);
+    for (std::size_t k = 0; k < energies.all_beams.size(); ++k)
+      ASSERT_LE(energies.own_beam[k], energies.all_beams[k] * (1 + 1e-12));
+  });
+}
+
+TEST_F(Sinks, PartsOfASightAddUp) {
+  for_all([&](const Sight& sight, const EchoLaw& law) {
+    const Echo echo = integrate_echo(sight, {6, beams}, samples, law);
+    std::vector<double> sum(echo.energy.size());
+    for (std::size_t first = 0; first < sight.end(); first += 7) {
+      const Echo part = integrate_echo(sight.within(first, first + 7), {6, beams}, samples, law);
+      for (std::size_t bin = 0; bin < sum.size(); ++bin) sum[bin] += part.energy[bin];
+    }
+    const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
+    for (std::size_t bin = 0; bin < sum.size(); ++bin)
+      ASSERT_NEAR(sum[bin], echo.energy[bin], 1e-12 * peak) << bin;
+  });
+}
+
+TEST_F(Sinks, LegsThatDoNotFitAreRefused) {
+  EchoLaw law{material_mu, bed.mesh.material, 0.1};
+  law.path.out.loss.factor = 0.5;
+  EXPECT_THROW(integrate_echo(alone, {6, beams}, samples, law), std::invalid_argument);
+  EXPECT_NO_THROW(integrate_echo(apart, {6, beams}, samples, law));
+  EXPECT_THROW(integrate_echo(apart, {6, beams}, samples, law, Binning::centroid), std::invalid_argument);
+}
+
+TEST_F(Sinks, MirrorsOnEitherLegTakeTheirPart) {
+  EchoLaw law{material_mu, bed.mesh.material, 0.1};
+  const Echo whole = integrate_echo(apart, {6, beams}, samples, law);
+  law.path.out.loss.factor = 0.5;
+  law.path.home = Leg{};
+  law.path.home->loss.factor = 0.25;
+  const Echo lost = integrate_echo(apart, {6, beams}, samples, law);
+  for (std::size_t bin = 0; bin < whole.energy.size(); ++bin)
+    ASSERT_NEAR(lost.energy[bin], whole.energy[bin] / 8, 1e-12 * whole.energy[bin]) << bin;
+}
+
+}  // namespace
+}  // namespace tubefoot
