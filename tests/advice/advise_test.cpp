@@ -148,6 +148,24 @@ TEST_P(Advise, ATightToleranceTakesExactTubes) {
   }
 }
 
+// A sensor's pings are chosen with the water that they are fired in.
+TEST(AdviseThroughWater, TriesTubesWhereItRefracts) {
+  const TestFolder folder;
+  const SceneDescription scene = read_scene_file(
+      folder.write("scene.toml",
+                   "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = -1\n"
+                   "profile_bottom_m = 30\nsurface_height_m = 10\n" +
+                       sphere_and_box));
+  AdviceOptions options;
+  options.quiet = true;
+  options.pings = 2;
+  options.measure = false;
+  options.samplings.clear();
+  const Advice advice = advise(scene, parse_tolerance("10%"), options);
+  ASSERT_FALSE(advice.candidates.empty());
+  for (const Candidate& candidate : advice.candidates) EXPECT_TRUE(candidate.tried) << candidate.note;
+}
+
 INSTANTIATE_TEST_SUITE_P(SmallScenes, Advise, testing::Values(sphere_and_box, rough_bed),
                          [](const auto& run) { return run.index == 0 ? "SphereAndBox" : "RoughBed"; });
 
