@@ -14,6 +14,7 @@
 #include "sensors/detection/bottom_detection.hpp"
 #include "sensors/kinds/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/model/range_window.hpp"
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/pictures/echogram.hpp"
 #include "sensors/pictures/image_file.hpp"
@@ -49,18 +50,13 @@ Echosounder::Echosounder(const SensorDescription& description) : Sensor(with_bea
   const auto& sounder = description.kind.as<EchosounderDescription>();
   constexpr double widest_deg = 170;
   const double sector_deg = sounder.sector_deg.value_or(std::min(3 * sounder.beam_deg, widest_deg));
-  require(sounder.samples >= 1, description, "samples", sounder.samples, "1 or more");
   require(sounder.beam_deg > 0 && sounder.beam_deg < 180, description, "beam_deg", sounder.beam_deg,
           "above 0 and below 180");
   require(sector_deg > 0 && sector_deg <= widest_deg, description, "sector_deg", sector_deg,
           "above 0 and at most 170");
-  require(sounder.range_min_m >= 0, description, "range_min_m", sounder.range_min_m, "0 or more");
-  require(sounder.range_max_m > sounder.range_min_m, description, "range_max_m", sounder.range_max_m,
-          "above range_min_m");
 
   frequency_khz_ = sounder.frequency_khz;
-  samples_ = {sounder.range_min_m, (sounder.range_max_m - sounder.range_min_m) / sounder.samples,
-              sounder.samples};
+  samples_ = range_window(description, sounder);
   across_track_ = true;
   beams_.push_back({0, -radians(90), radians(sounder.beam_deg), radians(sounder.beam_deg)});
 
@@ -194,13 +190,7 @@ class EchosounderKind : public SensorKind {
   }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& sounder = sensor.kind.as<EchosounderDescription>();
-    SensorFigures figures;
-    figures.frequency_khz = sounder.frequency_khz;
-    figures.samples = sounder.samples;
-    figures.sample_m = (sounder.range_max_m - sounder.range_min_m) / sounder.samples;
-    figures.beam_deg = sounder.beam_deg;
-    figures.farthest_m = sounder.range_max_m;
-    return figures;
+    return range_figures(sounder, 1, sounder.beam_deg);
   }
 
   std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {

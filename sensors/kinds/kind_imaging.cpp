@@ -9,6 +9,7 @@
 #include "sensors/kinds/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/model/fan_sector.hpp"
+#include "sensors/model/range_window.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/products/received.hpp"
 
@@ -28,17 +29,13 @@ class Imaging : public Sensor {
 Imaging::Imaging(const SensorDescription& description) : Sensor(description) {
   const auto& fan = description.kind.as<ImagingDescription>();
   require(fan.beams >= 1, description, "beams", fan.beams, "1 or more");
-  require(fan.samples >= 1, description, "samples", fan.samples, "1 or more");
   require(fan.horizontal_deg > 0 && fan.horizontal_deg <= 360, description, "horizontal_deg",
           fan.horizontal_deg, "above 0 and at most 360");
   require(fan.vertical_deg > 0 && fan.vertical_deg < 180, description, "vertical_deg", fan.vertical_deg,
           "above 0 and below 180");
-  require(fan.range_min_m >= 0, description, "range_min_m", fan.range_min_m, "0 or more");
-  require(fan.range_max_m > fan.range_min_m, description, "range_max_m", fan.range_max_m,
-          "above range_min_m");
 
   frequency_khz_ = fan.frequency_khz;
-  samples_ = {fan.range_min_m, (fan.range_max_m - fan.range_min_m) / fan.samples, fan.samples};
+  samples_ = range_window(description, fan);
   const double half_width_rad = radians(fan.horizontal_deg) / 2;
   const double half_height_rad = radians(fan.vertical_deg) / 2;
   const double beam_width_rad = 2 * half_width_rad / fan.beams;
@@ -80,14 +77,7 @@ class ImagingKind : public SensorKind {
   }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& fan = sensor.kind.as<ImagingDescription>();
-    SensorFigures figures;
-    figures.frequency_khz = fan.frequency_khz;
-    figures.beams = fan.beams;
-    figures.samples = fan.samples;
-    figures.sample_m = (fan.range_max_m - fan.range_min_m) / fan.samples;
-    figures.beam_deg = std::min(fan.horizontal_deg / fan.beams, fan.vertical_deg);
-    figures.farthest_m = fan.range_max_m;
-    return figures;
+    return range_figures(fan, fan.beams, std::min(fan.horizontal_deg / fan.beams, fan.vertical_deg));
   }
 
   std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {

@@ -10,6 +10,7 @@
 #include "scene/file/toml_reader.hpp"
 #include "sensors/kinds/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/model/range_window.hpp"
 #include "sensors/products/received.hpp"
 #include "sensors/products/swath_files.hpp"
 
@@ -66,7 +67,6 @@ double lit_beyond_rad(const SensorDescription& description) {
 Multibeam::Multibeam(const SensorDescription& description) : Sensor(description) {
   const auto& fan = description.kind.as<MultibeamDescription>();
   require(fan.beams >= 1, description, "beams", fan.beams, "1 or more");
-  require(fan.samples >= 1, description, "samples", fan.samples, "1 or more");
   require(fan.swath_deg > 0 && fan.swath_deg < 180, description, "swath_deg", fan.swath_deg,
           "above 0 and below 180");
   require(fan.beam_across_deg > 0 && (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg <= 180,
@@ -74,13 +74,10 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
           "above 0, and no beam may reach above the horizontal");
   require(fan.along_track_deg > 0 && fan.along_track_deg < 180, description, "along_track_deg",
           fan.along_track_deg, "above 0 and below 180");
-  require(fan.range_min_m >= 0, description, "range_min_m", fan.range_min_m, "0 or more");
-  require(fan.range_max_m > fan.range_min_m, description, "range_max_m", fan.range_max_m,
-          "above range_min_m");
 
   across_track_ = true;
   frequency_khz_ = fan.frequency_khz;
-  samples_ = {fan.range_min_m, (fan.range_max_m - fan.range_min_m) / fan.samples, fan.samples};
+  samples_ = range_window(description, fan);
 
   const std::vector<double> angles = across_angles_rad(fan);
   const double half_across_rad = radians(fan.beam_across_deg) / 2,
@@ -200,14 +197,7 @@ class MultibeamKind : public SensorKind {
   }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& fan = sensor.kind.as<MultibeamDescription>();
-    SensorFigures figures;
-    figures.frequency_khz = fan.frequency_khz;
-    figures.beams = fan.beams;
-    figures.samples = fan.samples;
-    figures.sample_m = (fan.range_max_m - fan.range_min_m) / fan.samples;
-    figures.beam_deg = std::min(fan.beam_across_deg, fan.along_track_deg);
-    figures.farthest_m = fan.range_max_m;
-    return figures;
+    return range_figures(fan, fan.beams, std::min(fan.beam_across_deg, fan.along_track_deg));
   }
 
   std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {

@@ -10,6 +10,7 @@
 #include "scene/file/toml_reader.hpp"
 #include "sensors/kinds/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/model/range_window.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/products/received.hpp"
 #include "sensors/products/two_sided_files.hpp"
@@ -120,14 +121,9 @@ void check_sidescan(const SidescanDescription& fan, const TomlTable& table) {
 
 SensorFigures sidescan_figures(const SidescanDescription& fan) {
   constexpr double usual_sound_speed_m_s = 1500;
-  SensorFigures figures;
-  figures.frequency_khz = fan.frequency_khz;
-  figures.beams = 2;
-  figures.samples = fan.samples;
-  figures.sample_m = fan.sampling_frequency_khz ? usual_sound_speed_m_s / (2000 * *fan.sampling_frequency_khz)
-                                                : (fan.range_max_m - fan.range_min_m) / fan.samples;
-  figures.beam_deg = fan.along_track_deg;
-  figures.farthest_m = fan.range_max_m;
+  SensorFigures figures = range_figures(fan, 2, fan.along_track_deg);
+  if (fan.sampling_frequency_khz)
+    figures.sample_m = usual_sound_speed_m_s / (2000 * *fan.sampling_frequency_khz);
   return figures;
 }
 
@@ -136,23 +132,19 @@ Sidescan::Sidescan(const SensorDescription& description)
 
 Sidescan::Sidescan(const SensorDescription& description, const SidescanDescription& fan)
     : Sensor(description) {
-  require(fan.samples >= 1, description, "samples", fan.samples, "1 or more");
   require(fan.along_track_deg > 0 && fan.along_track_deg < 180, description, "along_track_deg",
           fan.along_track_deg, "above 0 and below 180");
   require(fan.depression_min_deg >= -90 && fan.depression_min_deg < fan.depression_max_deg, description,
           "depression_min_deg", fan.depression_min_deg, "-90 or more and below depression_max_deg");
   require(fan.depression_max_deg <= 90, description, "depression_max_deg", fan.depression_max_deg,
           "at most 90: beyond, the fans of port and starboard overlap");
-  require(fan.range_min_m >= 0, description, "range_min_m", fan.range_min_m, "0 or more");
-  require(fan.range_max_m > fan.range_min_m, description, "range_max_m", fan.range_max_m,
-          "above range_min_m");
 
   if (fan.sampling_frequency_khz)
     throw std::invalid_argument(fmt::format(
         "sensor '{}': its sampling frequency makes samples only with a speed of sound", description.name));
 
   frequency_khz_ = fan.frequency_khz;
-  samples_ = {fan.range_min_m, (fan.range_max_m - fan.range_min_m) / fan.samples, fan.samples};
+  samples_ = range_window(description, fan);
 
   const double shallow_rad = radians(fan.depression_min_deg), steep_rad = radians(fan.depression_max_deg);
   const double half_width_rad = radians(fan.along_track_deg) / 2;

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "app/hostile.hpp"
+#include "sensors/kinds/scene_file.hpp"
 
 // Files that a stranger could send, and scenes that name them.
 namespace tubefoot {

@@ -10,8 +10,6 @@
 
 #include "app/inlet.hpp"
 #include "app/inlet_files.hpp"
-#include "scene/description/scene_description.hpp"
-#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {

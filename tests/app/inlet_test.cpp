@@ -13,8 +13,6 @@
 
 #include "app/hostile.hpp"
 #include "app/inlet_files.hpp"
-#include "scene/description/scene_description.hpp"
-#include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
