@@ -13,7 +13,7 @@
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "sensors/formats/aris_file.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/model/lens_beams.hpp"
 #include "sensors/products/camera_files.hpp"

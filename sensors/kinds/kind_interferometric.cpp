@@ -5,7 +5,7 @@
 
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/products/received.hpp"

@@ -3,7 +3,7 @@
 
 #include "scene/description/scene_description.hpp"
 #include "scene/file/scene_file_keys.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 // Scene files with sensors of every kind there is.
 namespace tubefoot {

@@ -12,7 +12,7 @@
 #include "sensors/formats/gsf_file.hpp"
 #include "sensors/formats/sonar_netcdf.hpp"
 #include "sensors/formats/xtf_file.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 
 namespace tubefoot {

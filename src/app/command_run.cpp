@@ -13,7 +13,7 @@
 #include "files/usage_error.hpp"
 #include "geometry/work/stop.hpp"
 #include "run/console/say.hpp"
-#include "run/kept/partial_run.hpp"
+#include "run/partial_run.hpp"
 #include "run/ranks/run_ranks.hpp"
 #include "run/refraction.hpp"
 #include "run/run_statistics.hpp"

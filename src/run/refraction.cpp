@@ -12,7 +12,7 @@
 
 #include "run/simulation.hpp"
 #include "scene/scene_water.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

@@ -23,7 +23,7 @@
 #include "run/refraction.hpp"
 #include "run/shot_ground.hpp"
 #include "run/tiles_in_view.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

@@ -13,7 +13,7 @@
 #include "geometry/work/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 #include "viewer/view_surroundings.hpp"
 
 namespace tubefoot {

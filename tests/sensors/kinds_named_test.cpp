@@ -12,7 +12,7 @@
 #include <string>
 
 #include "scene/file/sensor_presets.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

@@ -24,7 +24,7 @@ struct SensorFigures {
 };
 
 /// A kind of sensor as scene files know it: `kind = "name"` in [[sensors]], and the keys that go with it.
-/// What such a sensor does is not the scene's business (sensors/kinds/sensor_kind.hpp).
+/// What such a sensor does is not the scene's business (sensors/recordings/sensor_kind.hpp).
 class SensorSection {
  public:
   explicit SensorSection(std::string name) : name_(std::move(name)) {}

@@ -8,7 +8,7 @@
 
 #include "app/program.hpp"
 #include "app/small_scene.hpp"
-#include "run/kept/partial_run.hpp"
+#include "run/partial_run.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "app/program.hpp"
-#include "run/kept/partial_run.hpp"
+#include "run/partial_run.hpp"
 
 namespace tubefoot {
 namespace {

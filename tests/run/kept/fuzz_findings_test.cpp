@@ -7,7 +7,7 @@
 
 #include "app/program.hpp"
 #include "files/usage_error.hpp"
-#include "run/kept/partial_run.hpp"
+#include "run/partial_run.hpp"
 
 namespace tubefoot {
 namespace {

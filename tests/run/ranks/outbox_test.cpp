@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "app/program.hpp"
-#include "run/kept/partial_run.hpp"
+#include "run/partial_run.hpp"
 #include "run/ranks/ping_crew.hpp"
 #include "run/ranks/rank_notes.hpp"
 #include "run/ranks/run_ranks.hpp"

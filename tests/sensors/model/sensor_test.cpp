@@ -8,7 +8,7 @@
 
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/kinds/kind_sidescan.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/samples.hpp"
 
 namespace tubefoot {

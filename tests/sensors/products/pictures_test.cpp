@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "sensors/kinds/kind_didson.hpp"
-#include "sensors/kinds/sensor_kind.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/pictures/camera_picture.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/waterfall_picture.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/kept/partial_run.hpp"
+#include "run/partial_run.hpp"
 
 #include <fmt/format.h>
 
