@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/partial_run.hpp"
-#include "app/program.hpp"
 #include "files/usage_error.hpp"
+#include "fixtures/program.hpp"
 
 namespace tubefoot {
 namespace {

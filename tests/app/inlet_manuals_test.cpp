@@ -8,8 +8,8 @@
 
 #include <fstream>
 
-#include "app/inlet.hpp"
-#include "app/inlet_files.hpp"
+#include "fixtures/strangers_files.hpp"
+#include "fixtures/watched_run.hpp"
 #include "scene/scene_description.hpp"
 
 namespace tubefoot {

@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "app/program.hpp"
 #include "files/file_hash.hpp"
+#include "fixtures/program.hpp"
 #include "scene/scene_description.hpp"
 #include "sensors/echo_reader.hpp"
 

@@ -12,12 +12,13 @@
 #include <fstream>
 #include <memory>
 
-#include "app/mpirun.hpp"
 #include "app/ping_store.hpp"
-#include "app/program.hpp"
 #include "app/region_plan.hpp"
 #include "app/simulation.hpp"
 #include "app/survey.hpp"
+#include "fixtures/mpirun.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,9 +10,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/flat_bed_for_tests.hpp"
 #include "engine/reference.hpp"
 #include "engine/tube_engine.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
 
 namespace tubefoot {
 namespace {

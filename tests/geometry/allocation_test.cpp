@@ -4,8 +4,8 @@
 #include <new>
 
 #include "bench/allocations.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
 #include "geometry/footprint_builder.hpp"
-#include "layered_scenes_for_tests.hpp"
 
 // In the steady state nothing is allocated: not per predicate, not per facet, not per footprint. A program of
 // its own, because it replaces operator new.

@@ -4,9 +4,9 @@
 #include <map>
 #include <string>
 
-#include "exact_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/small_views.hpp"
 #include "geometry/closure.hpp"
-#include "small_views_for_tests.hpp"
 
 // The arithmetic that constructs everything in rationals against the two that decide by names, doubles and
 // intervals first: the same topology hash, and the same area of every facet as rationals in a common plane,

@@ -8,10 +8,10 @@
 #include <numeric>
 #include <vector>
 
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/arithmetic_double.hpp"
 #include "geometry/arithmetic_fixed.hpp"
 #include "geometry/wide_vector.hpp"
-#include "scenes_for_tests.hpp"
 
 // Laws of the one predicate, sign det(n1, n2, n3), and agreement of its tiers with plain big integers.
 namespace tubefoot {

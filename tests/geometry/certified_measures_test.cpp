@@ -7,12 +7,12 @@
 #include <cmath>
 #include <string>
 
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/ball.hpp"
 #include "geometry/exact_corner.hpp"
 #include "geometry/footprint_builder.hpp"
-#include "geometry/looks_for_tests.hpp"
 #include "geometry/measure.hpp"
-#include "geometry/scenes_for_tests.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
-#include "looks_for_tests.hpp"
-#include "scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 
 // The audit must have teeth: any tampering with a result shows.
 namespace tubefoot {

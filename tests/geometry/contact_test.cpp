@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/vertical_line.hpp"
-#include "scenes_for_tests.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,9 +11,9 @@
 #include <map>
 #include <numbers>
 
-#include "geometry/exact_for_tests.hpp"
-#include "geometry/looks_for_tests.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 
 namespace tubefoot {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/closure.hpp"
-#include "looks_for_tests.hpp"
-#include "scenes_for_tests.hpp"
 
 namespace tubefoot {
 namespace {

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <set>
 
-#include "scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,9 +11,9 @@
 #include <map>
 #include <string>
 
-#include "exact_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/small_views.hpp"
 #include "geometry/visibility.hpp"
-#include "small_views_for_tests.hpp"
 
 // What the kernel sees, against CGAL's lower envelope of triangles. The projective map
 // (x, y, z) -> (z/y, x/y, -1/y) about the apex makes rays of the apex vertical and keeps planes and their

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/closure.hpp"
-#include "scenes_for_tests.hpp"
 
 // The law: what a tube sees does not depend on whether sheets were looked for. And the proof of a sheet must
 // refuse whatever a vertical line meets twice.

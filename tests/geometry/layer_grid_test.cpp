@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 
-#include "exact_for_tests.hpp"
-#include "layered_scenes_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
 
 // What the layer grid says of facets and pairs, against what is so: every facet is clipped by every other, in
 // rationals, with no grid and no reasoning about surfaces.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 #include <random>
 
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/line_of_sight.hpp"
-#include "geometry/looks_for_tests.hpp"
-#include "geometry/scenes_for_tests.hpp"
 #include "geometry/window_tubes.hpp"
 
 namespace tubefoot {

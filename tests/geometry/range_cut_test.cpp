@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/facet_cone.hpp"
 #include "geometry/visibility.hpp"
-#include "scenes_for_tests.hpp"
 
 namespace tubefoot {
 namespace {

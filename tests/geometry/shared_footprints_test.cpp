@@ -10,11 +10,11 @@
 #include <numeric>
 #include <tuple>
 
-#include "geometry/exact_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/footprint_builder.hpp"
-#include "geometry/looks_for_tests.hpp"
 #include "geometry/measure.hpp"
-#include "geometry/scenes_for_tests.hpp"
 
 namespace tubefoot {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/arithmetic_filtered.hpp"
 #include "geometry/arithmetic_fixed.hpp"
 #include "geometry/arithmetic_rational.hpp"
 #include "geometry/visibility_solver.hpp"
 #include "prove/small_scenes.hpp"
-#include "scenes_for_tests.hpp"
 
 // Which tier decides: names before any arithmetic, the double or the interval nearly always, integers where
 // they must. Whole views are solved with an arithmetic that counts.

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "layered_scenes_for_tests.hpp"
-#include "looks_for_tests.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 
 // Tubes that gather their facets together see what each of them sees alone, bit for bit.
 namespace tubefoot {

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <set>
 
-#include "layered_scenes_for_tests.hpp"
-#include "looks_for_tests.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 
 // Laws that what is seen obeys on every scene, whatever the algorithm. All are equalities of rationals.
 namespace tubefoot {

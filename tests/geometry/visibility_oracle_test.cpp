@@ -8,10 +8,10 @@
 #include <numeric>
 #include <string>
 
-#include "exact_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/small_views.hpp"
 #include "geometry/exact_direction.hpp"
 #include "geometry/visibility.hpp"
-#include "small_views_for_tests.hpp"
 
 // What the kernel sees, against two methods that share nothing with it: rays cast by brute force, and Boolean
 // operations on polygons in the tube's gnomonic plane (CGAL Polygon_set_2). All in rationals; equalities.

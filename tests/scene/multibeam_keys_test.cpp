@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -15,7 +15,7 @@ std::string scene_with(const std::string& lines) {
 }
 
 MultibeamDescription fan_of(const std::string& lines) {
-  return std::get<MultibeamDescription>(SceneFolder().read(scene_with(lines)).sensors.back().kind);
+  return std::get<MultibeamDescription>(read_scene(TestFolder(), scene_with(lines)).sensors.back().kind);
 }
 
 TEST(MultibeamKeys, AreAllRead) {
@@ -48,8 +48,8 @@ grid_cell_m = 0.5
 }
 
 TEST(MultibeamKeys, PresetHasThePublishedFiguresOfThe8101) {
-  const SceneFolder folder;
-  const SensorDescription sensor = folder.read(scene_with("preset = \"reson-8101\"\n")).sensors.back();
+  const TestFolder folder;
+  const SensorDescription sensor = read_scene(folder, scene_with("preset = \"reson-8101\"\n")).sensors.back();
   EXPECT_EQ(sensor.signal.source_level_db, 210);
   const auto& fan = std::get<MultibeamDescription>(sensor.kind);
   EXPECT_EQ(fan.frequency_khz, 240);
@@ -63,7 +63,7 @@ TEST(MultibeamKeys, PresetHasThePublishedFiguresOfThe8101) {
 
 TEST(MultibeamKeys, MustAgree) {
   const auto error_of = [](const std::string& lines) {
-    return SceneFolder().error_of(scene_with("kind = \"multibeam\"\n" + lines));
+    return scene_error(TestFolder(), scene_with("kind = \"multibeam\"\n" + lines));
   };
   EXPECT_THAT(error_of("range_min_m = 100\n"),
               HasSubstr("'range_min_m' (100) must be less than 'range_max_m'"));

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "samples.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "sensors/angles.hpp"
 
 namespace tubefoot {

@@ -7,8 +7,8 @@
 
 #include <cmath>
 
-#include "camera_file_reader.hpp"
-#include "samples.hpp"
+#include "fixtures/camera_file_reader.hpp"
+#include "fixtures/world/recordings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -25,7 +25,7 @@ class CameraFiles : public testing::Test {
     return write_camera_files(folder.path(), made.recording, run, warnings);
   }
 
-  samples::TemporaryFolder folder;
+  TestFolder folder;
   RunContext run;
   std::vector<std::string> warnings;
 };

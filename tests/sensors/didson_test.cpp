@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "samples.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "sensors/lens_beams.hpp"
 #include "sensors/sensor.hpp"
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "samples.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "sensors/phase_noise.hpp"
 
 namespace tubefoot {

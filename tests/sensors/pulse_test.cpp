@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-#include "samples.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "sensors/products.hpp"
 
 namespace tubefoot {

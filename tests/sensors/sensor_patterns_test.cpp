@@ -2,9 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <glm/geometric.hpp>
 
-#include "samples.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "sensors/pattern_file.hpp"
 #include "sensors/sensor.hpp"
 
@@ -116,7 +117,7 @@ class PatternFile : public testing::Test {
     }
     return {};
   }
-  samples::TemporaryFolder folder;
+  TestFolder folder;
   std::filesystem::path file = folder / "beam.csv";
 };
 

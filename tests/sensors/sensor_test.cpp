@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "samples.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "sensors/in_water.hpp"
 #include "sensors/sidescan.hpp"
 

@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "engine/tube_engine.hpp"
-#include "samples.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "scene/scene.hpp"
 #include "seabed/lambert.hpp"
 
@@ -55,7 +55,7 @@ double over_footprint(const FootprintSet& set, const Footprint& footprint, doubl
 }
 
 TEST(Sidescan, SamplesAddUpToTheFootprints) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::ofstream(folder / "scene.toml") << R"(
 [[materials]]
 name = "sand"

@@ -7,8 +7,8 @@
 
 #include <cmath>
 
-#include "packet_reader.hpp"
-#include "samples.hpp"
+#include "fixtures/packet_reader.hpp"
+#include "fixtures/world/recordings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -56,7 +56,7 @@ unsigned code(double energy, double largest) {
 }
 
 TEST(SidescanFiles, WaterfallHasARowAPingPortLeftAndTheLoudestSampleWhite) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   auto made = line();
   std::vector<std::string> warnings;
   write_sidescan_files(folder.path(), made.recording, at_sea(), warnings);
@@ -75,7 +75,7 @@ TEST(SidescanFiles, WaterfallHasARowAPingPortLeftAndTheLoudestSampleWhite) {
 }
 
 TEST(SidescanFiles, AGlintIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   auto made = line();
   std::fill(made.energies.begin(), made.energies.end(), 1e-12);
   made.energy(3, 1, 5) = 1e-4;  // 80 dB above the bed
@@ -86,12 +86,12 @@ TEST(SidescanFiles, AGlintIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf) {
   EXPECT_EQ(pixels[3 * 40 + 25], 65535);
   // 360 samples: the glint lifts the mean level by 80 / 360 dB.
   EXPECT_NEAR(pixels[0], 65535 * std::pow(10, -(15 + 80.0 / 360) / 20), 2);
-  const std::string xtf = samples::bytes_of(folder / "sidescan.xtf");
+  const std::string xtf = bytes_of(folder / "sidescan.xtf");
   EXPECT_NE(xtf.find(std::string("\7\0\7\0\7\0\xff\xff\7", 9)), std::string::npos);  // 65535 * 1e-4 is 6.6
 }
 
 TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   auto made = line();
   for (std::size_t k = 0; k < 9; ++k)
     made.recording.ping_pose[k].attitude =
@@ -150,7 +150,7 @@ TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
 }
 
 TEST(SidescanFiles, WithoutAPlaceOnEarthThereIsNoXtfAndAWarningSaysWhatToDo) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::vector<std::string> warnings;
   const auto files = write_sidescan_files(folder.path(), line().recording, {}, warnings);
   EXPECT_THAT(files, ElementsAre("sidescan-waterfall.png", "sidescan-mosaic.tif", "sidescan-mosaic.png"));
@@ -159,7 +159,7 @@ TEST(SidescanFiles, WithoutAPlaceOnEarthThereIsNoXtfAndAWarningSaysWhatToDo) {
 }
 
 TEST(SidescanFiles, WithoutASeabedBelowThereIsNoMosaic) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   for (const bool known_at_first : {true, false}) {
     auto made = line();
     made.recording.altitude_m.assign(9, std::nan(""));
@@ -173,7 +173,7 @@ TEST(SidescanFiles, WithoutASeabedBelowThereIsNoMosaic) {
 }
 
 TEST(SidescanFiles, DatesThatXtfCannotHoldAreAWarning) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   auto made = line();
   made.recording.ping_time_s.front() = -1e10;
   std::vector<std::string> warnings;
@@ -183,7 +183,7 @@ TEST(SidescanFiles, DatesThatXtfCannotHoldAreAWarning) {
 
 TEST(SidescanFiles, ReceiverIsInTheFilesOfASonar) {
   // Speckle from the run's seed: another seed, other codes; the same seed, the same.
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   SignalDescription signal;
   signal.speckle = "rayleigh";
   const auto codes = [&](std::uint64_t seed) {
@@ -191,7 +191,7 @@ TEST(SidescanFiles, ReceiverIsInTheFilesOfASonar) {
     RunContext run = at_sea();
     run.seed = seed;
     write_sidescan_files(folder.path(), line(9, signal).recording, run, warnings);
-    return samples::bytes_of(folder / "sidescan-waterfall.png");
+    return bytes_of(folder / "sidescan-waterfall.png");
   };
   const std::string one = codes(1);
   EXPECT_NE(one, codes(2));
@@ -199,7 +199,7 @@ TEST(SidescanFiles, ReceiverIsInTheFilesOfASonar) {
 }
 
 TEST(SidescanFiles, ASilentLineIsBlack) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   auto made = line();
   std::fill(made.energies.begin(), made.energies.end(), 0.0);
   std::vector<std::string> warnings;
@@ -210,7 +210,7 @@ TEST(SidescanFiles, ASilentLineIsBlack) {
 }
 
 TEST(SidescanFiles, AFullDiskLeavesNoFile) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const samples::FullDisk disk(1500);
   std::vector<std::string> warnings;
   EXPECT_THROW(write_sidescan_files(folder.path(), line(200).recording, at_sea(), warnings),

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "samples.hpp"
+#include "fixtures/world/recordings.hpp"
 
 namespace tubefoot {
 namespace {
