@@ -6,6 +6,8 @@
 #include <cstdint>
 
 // Fixed-width integers of the exact arithmetic. Widths follow from 30-bit coordinates: docs/bit-budget.md.
+// Law W3 (wide integers): sums and products are those of big integers, doubles within two units in the last
+//   place.
 namespace tubefoot {
 
 __extension__ using Int128 = __int128;

@@ -37,6 +37,7 @@ Answer answer(const Scene& scene, const SceneTree& tree, std::uint32_t tube, Ari
   return found;
 }
 
+// Law V2.
 TEST(ArithmeticOracle, FixedAndFilteredSeeWhatRationalSees) {
   std::map<std::string, std::size_t> compared;
   for (std::uint64_t seed = 1; seed < 1 + (4 + one_in - 1) / one_in; ++seed) {

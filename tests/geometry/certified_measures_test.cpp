@@ -62,6 +62,7 @@ Ball area(const std::vector<Vector>& d, const Vector& n, const Integer& offset) 
   return sum * squared(ball(offset)) / (Ball(2) * root(ball(dot(n, n))));
 }
 
+// Law M4.
 TEST(CertifiedMeasures, AreasAndSolidAnglesOfFootprintsAreThoseOfTheirExactCorners) {
   constexpr double unit = 0x1p-10;
   std::size_t compared = 0;

@@ -361,6 +361,7 @@ Shares oracle(const FacetMesh& mesh, const std::vector<CoverageLook>& looks) {
   return shares;
 }
 
+// Law O1.
 TEST(Coverage, IsThatOfInclusionAndExclusionInRationals) {
   std::size_t cut = 0, shadows = 0, several = 0;
   for (std::uint64_t seed = 1; seed <= 24 / test::one_in; ++seed) {
@@ -392,6 +393,7 @@ TEST(Coverage, IsThatOfInclusionAndExclusionInRationals) {
   EXPECT_GT(several, 30 / test::one_in);
 }
 
+// Law O2.
 TEST(Coverage, NeitherOrderOfPingsNorSplittingOfTubesChangesAnything) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -61,6 +61,7 @@ TEST(CrowdedEdge, WhatIsSeenIsWhatIsSeenOfPagesThatShareNothing) {
   EXPECT_EQ(shared.audit.hash, apart.audit.hash);
 }
 
+// Law V2.
 TEST(CrowdedEdge, EveryArithmeticSeesTheSame) {
   const FacetMesh mesh = book(60, true);
   const Book fixed = open_book(mesh, Arithmetic::fixed);

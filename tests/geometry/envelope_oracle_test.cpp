@@ -118,6 +118,7 @@ std::size_t compare_with_envelope(const Scene& scene) {
   return compared;
 }
 
+// Law V1.
 TEST(EnvelopeOracle, AreasEqualThoseOfTheLowerEnvelope) {
   std::size_t compared = 0, scenes = 0;
   for (std::uint64_t seed = 201; seed < 201 + (12 + one_in - 1) / one_in; ++seed)

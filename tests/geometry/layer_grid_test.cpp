@@ -213,6 +213,7 @@ void check(const Scene& scene, Tally& tally) {
   }
 }
 
+// Laws L1 and L2.
 TEST(LayerGrid, HidesOnlyTheHiddenAndMissesNoOccluder) {
   Tally tally;
   const std::uint64_t seed = 1;

@@ -148,6 +148,7 @@ bool is_sheet(const FacetMesh& mesh) {
   return true;
 }
 
+// Laws U1 and U2.
 TEST(PlanCut, RandomLinesOverRandomHills) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(seed);
@@ -179,6 +180,7 @@ bool stands_vertical(const Mesh& mesh) {
 }
 
 // Coordinates of few bits: lines run through vertices, along edges, over each other and end on edges often.
+// Laws U1 and U2.
 TEST(PlanCut, LinesThroughVerticesAndAlongEdges) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
@@ -292,6 +294,7 @@ TEST(PlanCut, ManyLinesInOneFacet) {
   EXPECT_EQ(parts.points.size(), 4u + 3 * 199);
 }
 
+// Law U3.
 TEST(VoronoiEdges, LieMidwayAndHaveNoNearerSite) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> anywhere(0, 10);

@@ -152,6 +152,7 @@ TYPED_TEST(TiersOf, NamesSettleTheZerosOfSharedVertices) {
   }
 }
 
+// Law A8.
 TYPED_TEST(TiersOf, IntegersSettleTheZerosThatNoNameTells) {
   // A ray through a vertex, walls through edges, coplanar facets: coincidences of numbers, not of names.
   Random random(5);

@@ -74,6 +74,7 @@ void compare(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
   EXPECT_EQ(next, run.end);
 }
 
+// Law V12.
 TEST(TubeRuns, SeeWhatEachTubeSeesAlone) {
   Compared compared;
   for (std::uint64_t seed = 1; seed <= 24 / one_in; ++seed) {
