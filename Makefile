@@ -17,7 +17,7 @@
 #   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
 #   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, docs/scaling.md (a quarter of an hour)
 #   make long-run  memory of 10 000 pings of a sidescan and a multibeam: docs/figures/long-run.svg (minutes)
-#   make reference  certify the echoes of reference/v1 anew and write its checksums (half a minute)
+#   make reference  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
 #   make docs    build the documents as a site: build/docs/html/index.html
 #   make figures  draw the figures of docs/tutorial.md and docs/theory.md anew, from the program's output
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
@@ -96,7 +96,7 @@ FUZZ_JOBS := 2
 fuzz: setup
 	@cmake --preset dev -Wno-dev >build/configure-dev.log 2>&1 || { cat build/configure-dev.log; exit 1; }
 	cmake --build --preset dev --parallel $(JOBS) --target fuzz_targets
-	@fuzz/run build/dev/fuzz --seconds $(FUZZ_SECONDS) --targets $(FUZZ_TARGETS) --jobs $(FUZZ_JOBS)
+	@tests/fuzz/run build/dev/fuzz --seconds $(FUZZ_SECONDS) --targets $(FUZZ_TARGETS) --jobs $(FUZZ_JOBS)
 
 bench: setup
 	cmake --preset bench -Wno-dev
@@ -137,7 +137,7 @@ long-run: build
 	/usr/bin/python3 -B validation/scaling/long_run.py $(PROGRAM) docs/figures/long-run.svg $(LONG_RUN_PINGS)
 
 reference: build
-	tools/reference_pack $(PROGRAM) reference/v1
+	tools/reference_pack $(PROGRAM) validation/reference/v1
 
 docs: setup
 	@/usr/bin/python3 docs/site/build.py build/docs
@@ -151,7 +151,7 @@ format:
 	clang-format -i $(SOURCES)
 
 tidy: build
-	clang-tidy -p build/release $(filter %.cpp,$(filter-out tests/% bench/%,$(SOURCES)))
+	clang-tidy -p build/release $(filter %.cpp,$(filter-out tests/% validation/bench/%,$(SOURCES)))
 
 clean:
 	rm -rf build out

@@ -6,7 +6,7 @@ target_compile_options(tubefoot_house INTERFACE
   # A contracted multiply-add would break every floating-point error bound (docs/visibility.md).
   -ffp-contract=off)
 if(TUBEFOOT_SANITIZE STREQUAL "address")
-  # The counters are for the fuzz targets (fuzz/), which steer by them; clang has them, g++ does not.
+  # The counters are for the fuzz targets (tests/fuzz/), which steer by them; clang has them, g++ does not.
   set(sanitizers address,undefined $<$<CXX_COMPILER_ID:Clang>:,fuzzer-no-link>)
   list(JOIN sanitizers "" sanitizers)
 elseif(TUBEFOOT_SANITIZE STREQUAL "thread")
@@ -20,10 +20,10 @@ if(TUBEFOOT_SANITIZE)
   target_link_options(tubefoot_house INTERFACE -fsanitize=${sanitizers})
 endif()
 
-# tubefoot_library(NAME [libraries...]): a static library of all sources in the current folder, installed with its
-# headers (cmake/install.cmake).
+# tubefoot_library(NAME [libraries...]): a static library of all sources in the current folder and the rooms below it,
+# installed with its headers (cmake/install.cmake).
 function(tubefoot_library name)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp)
   add_library(${name} STATIC ${sources})
   target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:tubefoot_house> ${ARGN} tubefoot_mathematics)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What `make install` and `cmake --install` put where, and in which package (cmake/package.cmake): "program" is the
 # program with man pages, shell completion, documents and scenes; "development", for programs of one's own, is
-# libraries, headers and find_package(tubefoot) (examples/own-sonar).
+# libraries, headers and find_package(tubefoot) (docs/examples/own-sonar).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -34,7 +34,7 @@ install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT 
 
 get_property(libraries GLOBAL PROPERTY TUBEFOOT_LIBRARIES)
 install(TARGETS ${libraries} EXPORT tubefoot-targets COMPONENT development)
-# Included as "geometry/tube.hpp", "engine/echo.hpp": as in here.
+# Included as "geometry/tubes/tube.hpp", "engine/echo/echo.hpp": as in here.
 foreach(folder geometry sensors src/)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tubefoot COMPONENT development
     FILES_MATCHING PATTERN *.hpp)
@@ -44,7 +44,7 @@ install(EXPORT tubefoot-targets NAMESPACE tubefoot:: DESTINATION ${package_folde
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/tubefoot-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES cmake/tubefoot-config.cmake cmake/dependencies.cmake ${PROJECT_BINARY_DIR}/tubefoot-config-version.cmake
   DESTINATION ${package_folder} COMPONENT development)
-install(DIRECTORY examples/own-sonar DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libtubefoot-dev/examples
+install(DIRECTORY docs/examples/own-sonar DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libtubefoot-dev/examples
   COMPONENT development)
 
 set(packages program:tubefoot development:libtubefoot-dev)

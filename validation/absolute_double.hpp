@@ -5,13 +5,14 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "geometry/facet_cone.hpp"
+#include "geometry/mesh/facet_cone.hpp"
 
 namespace tubefoot::atlas {
 
 /// The double arithmetic of an engine that subtracts no origin: points are absolute coordinates in metres,
-/// and planes are n . x = c in them. (Concept: geometry/arithmetic_fixed.hpp.) Rays and constructed corners
-/// are points at `arm_m` from the apex along their direction, as far away as the scene is.
+/// and planes are n . x = c in them. (Concept: geometry/arithmetic/arithmetic_fixed.hpp.) Rays and
+/// constructed corners are points at `arm_m` from the apex along their direction, as far away as the scene
+/// is.
 struct AbsoluteDouble {
   static constexpr bool uses_names = true;
   double tolerance = 0;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/facet_mesh.hpp"
-#include "geometry/tube.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/tubes/tube.hpp"
 
 namespace tubefoot::atlas {
 

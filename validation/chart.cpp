@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "geometry/exact_direction.hpp"
+#include "geometry/visibility/exact_direction.hpp"
 
 namespace tubefoot::atlas {
 namespace {

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "geometry/exact_corner.hpp"
-#include "geometry/exact_vector.hpp"
-#include "geometry/visibility.hpp"
+#include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/numbers/exact_vector.hpp"
+#include "geometry/visibility/visibility.hpp"
 
 namespace tubefoot::atlas {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "geometry/visibility_solver.hpp"
+#include "geometry/visibility/visibility_solver.hpp"
 #include "validation/absolute_double.hpp"
 
 namespace tubefoot::atlas {

@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "geometry/closure.hpp"
+#include "geometry/visibility/closure.hpp"
 #include "validation/case.hpp"
 #include "validation/chart.hpp"
 

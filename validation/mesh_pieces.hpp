@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <random>
 
-#include "geometry/facet_mesh.hpp"
-#include "geometry/tube.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/tubes/tube.hpp"
 
 // What the cases are built from, straight on the grid.
 namespace tubefoot::atlas {

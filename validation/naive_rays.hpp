@@ -12,8 +12,8 @@
 namespace tubefoot::atlas {
 
 /// Embree as a ray engine in a hurry uses it: absolute float coordinates in metres, rays from the apex on,
-/// the first hit counts. (src/engine/ray_engine subtracts the grid's origin and passes through facets whose
-/// plane holds the apex.)
+/// the first hit counts. (src/engine/rays/ray_engine subtracts the grid's origin and passes through facets
+/// whose plane holds the apex.)
 class NaiveRays {
  public:
   enum class Flags { usual, robust };

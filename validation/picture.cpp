@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sensors/canvas.hpp"
+#include "sensors/pictures/canvas.hpp"
 #include "validation/page.hpp"
 
 namespace tubefoot::atlas {

@@ -19,7 +19,7 @@ import urllib.parse
 from xml.sax.saxutils import quoteattr
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
-PAGES = ["README.md", "docs/*.md", "validation/*.md", "reference/*/README.md"]
+PAGES = ["README.md", "docs/*.md", "validation/*.md", "validation/reference/*/README.md"]
 HEADERS = ["geometry", "sensors", "src"]
 PICTURES = ["docs/pictures", "docs/gallery", "docs/figures", "validation/pictures"]
 LINK = re.compile(r"\]\(([^()\s]+)\)")  # its text may begin a line earlier

@@ -2,13 +2,13 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include "app/abilities.hpp"
-#include "app/footprint_place.hpp"
-#include "app/footprint_table.hpp"
-#include "app/refraction.hpp"
-#include "app/settings.hpp"
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "footprints/footprint_place.hpp"
+#include "footprints/footprint_table.hpp"
+#include "run/abilities.hpp"
+#include "run/refraction.hpp"
+#include "run/settings.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
 

@@ -5,24 +5,24 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "app/json_text.hpp"
-#include "app/refraction.hpp"
-#include "app/run_statistics.hpp"
-#include "app/run_steps.hpp"
-#include "app/settings.hpp"
-#include "app/simulation.hpp"
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "files/checked_file.hpp"
+#include "files/json_text.hpp"
 #include "files/outlet.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
+#include "run/refraction.hpp"
+#include "run/run_statistics.hpp"
+#include "run/run_steps.hpp"
+#include "run/settings.hpp"
+#include "run/simulation.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
-#include "sensors/angles.hpp"
-#include "sensors/pose_angles.hpp"
-#include "sensors/sensor_kind.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/recordings/pose_angles.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;

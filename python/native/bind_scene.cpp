@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "app/abilities.hpp"
 #include "bindings.hpp"
 #include "files/file_hash.hpp"
+#include "run/abilities.hpp"
 #include "scene.hpp"
 
 namespace tubefoot::python {

@@ -5,20 +5,20 @@
 #include <set>
 #include <variant>
 
-#include "app/chart_folder.hpp"
-#include "app/comparison.hpp"
-#include "app/json_text.hpp"
-#include "app/settings.hpp"
-#include "app/trials.hpp"
+#include "advice/chart_folder.hpp"
+#include "advice/trials.hpp"
 #include "bindings.hpp"
+#include "compare/comparison.hpp"
+#include "files/json_text.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
+#include "run/settings.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
-#include "sensors/angles.hpp"
+#include "sensors/model/angles.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;

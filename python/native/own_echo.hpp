@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "app/own_engine.hpp"
+#include "run/own_engine.hpp"
 
 namespace tubefoot::python {
 

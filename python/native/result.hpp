@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ping_store.hpp"
-#include "app/survey.hpp"
-#include "sensors/recording.hpp"
+#include "run/kept/ping_store.hpp"
+#include "run/survey.hpp"
+#include "sensors/recordings/recording.hpp"
 
 namespace tubefoot::python {
 

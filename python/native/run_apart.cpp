@@ -12,7 +12,7 @@
 #include <mutex>
 #include <thread>
 
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;

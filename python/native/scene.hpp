@@ -4,7 +4,7 @@
 #include <memory>
 #include <mutex>
 
-#include "app/survey.hpp"
+#include "run/survey.hpp"
 #include "shot.hpp"
 
 namespace tubefoot::python {

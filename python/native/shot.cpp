@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-#include "app/abilities.hpp"
-#include "app/settings.hpp"
-#include "engine/tube_engine.hpp"
+#include "engine/sight/tube_engine.hpp"
 #include "files/usage_error.hpp"
+#include "run/abilities.hpp"
+#include "run/settings.hpp"
 
 namespace tubefoot::python {
 namespace {

@@ -6,9 +6,9 @@
 #include <mutex>
 #include <vector>
 
-#include "app/own_engine.hpp"
-#include "app/shot_ground.hpp"
-#include "engine/history.hpp"
+#include "engine/sight/history.hpp"
+#include "run/own_engine.hpp"
+#include "run/shot_ground.hpp"
 
 namespace tubefoot::python {
 

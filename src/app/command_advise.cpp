@@ -3,12 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/advice.hpp"
+#include "advice/advice.hpp"
 #include "app/commands.hpp"
-#include "app/json_text.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
 #include "files/checked_file.hpp"
+#include "files/json_text.hpp"
+#include "run/console/say.hpp"
+#include "run/settings.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {

@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/progress.hpp"
-#include "app/refraction.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/shot_ground.hpp"
-#include "app/survey.hpp"
-#include "engine/tube_engine.hpp"
+#include "engine/sight/tube_engine.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/abilities.hpp"
+#include "run/console/progress.hpp"
+#include "run/console/say.hpp"
+#include "run/refraction.hpp"
+#include "run/settings.hpp"
+#include "run/shot_ground.hpp"
+#include "run/survey.hpp"
 
 namespace tubefoot {
 

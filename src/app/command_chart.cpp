@@ -3,14 +3,14 @@
 
 #include <set>
 
-#include "app/chart_folder.hpp"
+#include "advice/chart_folder.hpp"
+#include "advice/trials.hpp"
 #include "app/commands.hpp"
-#include "app/progress.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/trials.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
+#include "run/console/progress.hpp"
+#include "run/console/say.hpp"
+#include "run/settings.hpp"
 #include "study/chart_page.hpp"
 
 namespace tubefoot {

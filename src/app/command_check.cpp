@@ -7,21 +7,21 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/progress.hpp"
-#include "app/refraction.hpp"
-#include "app/run_steps.hpp"
-#include "app/say.hpp"
-#include "app/sensor_law.hpp"
-#include "app/settings.hpp"
-#include "app/shot_ground.hpp"
-#include "app/survey.hpp"
-#include "app/tiles_in_view.hpp"
-#include "engine/echo.hpp"
-#include "engine/staff_echo.hpp"
-#include "engine/tube_engine.hpp"
+#include "engine/echo/echo.hpp"
+#include "engine/echo/staff_echo.hpp"
+#include "engine/sight/tube_engine.hpp"
 #include "files/shown.hpp"
+#include "run/abilities.hpp"
+#include "run/console/progress.hpp"
+#include "run/console/say.hpp"
+#include "run/refraction.hpp"
+#include "run/run_steps.hpp"
+#include "run/sensor_law.hpp"
+#include "run/settings.hpp"
+#include "run/shot_ground.hpp"
+#include "run/survey.hpp"
+#include "run/tiles_in_view.hpp"
 
 namespace tubefoot {
 namespace {

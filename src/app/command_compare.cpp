@@ -6,15 +6,15 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
-#include "app/comparison.hpp"
-#include "app/echo_pairs.hpp"
-#include "app/json_text.hpp"
-#include "app/say.hpp"
+#include "compare/comparison.hpp"
+#include "compare/comparison_picture.hpp"
+#include "compare/echo_pairs.hpp"
 #include "files/checked_file.hpp"
+#include "files/json_text.hpp"
 #include "files/outlet.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
-#include "sensors/comparison_picture.hpp"
+#include "run/console/say.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,20 +9,20 @@
 #include <map>
 #include <tuple>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/coverage_file.hpp"
-#include "app/coverage_picture.hpp"
-#include "app/progress.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/survey.hpp"
 #include "files/checked_file.hpp"
 #include "files/input_error.hpp"
 #include "files/outlet.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/steps.hpp"
+#include "footprints/coverage_file.hpp"
+#include "footprints/coverage_picture.hpp"
+#include "geometry/work/steps.hpp"
+#include "run/abilities.hpp"
+#include "run/console/progress.hpp"
+#include "run/console/say.hpp"
+#include "run/settings.hpp"
+#include "run/survey.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,19 +6,19 @@
 #include <memory>
 #include <optional>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/footprint_file.hpp"
-#include "app/footprint_rationals.hpp"
-#include "app/progress.hpp"
-#include "app/refraction.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/survey.hpp"
-#include "app/tiles_in_view.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/stop.hpp"
+#include "footprints/footprint_file.hpp"
+#include "footprints/footprint_rationals.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/abilities.hpp"
+#include "run/console/progress.hpp"
+#include "run/console/say.hpp"
+#include "run/refraction.hpp"
+#include "run/settings.hpp"
+#include "run/survey.hpp"
+#include "run/tiles_in_view.hpp"
 
 namespace tubefoot {
 namespace {

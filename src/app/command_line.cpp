@@ -16,15 +16,15 @@
 #include <string>
 #include <vector>
 
-#include "app/build_identity.hpp"
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
-#include "app/rank_link.hpp"
-#include "app/say.hpp"
 #include "files/input_error.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/console/interrupt.hpp"
+#include "run/console/say.hpp"
+#include "run/kept/build_identity.hpp"
+#include "run/ranks/rank_link.hpp"
 
 namespace tubefoot {
 namespace {

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
-#include "app/say.hpp"
 #include "files/usage_error.hpp"
-#include "scene/sensor_presets.hpp"
+#include "run/console/say.hpp"
+#include "scene/file/sensor_presets.hpp"
 
 namespace tubefoot {
 

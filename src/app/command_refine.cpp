@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/refined_bed_file.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/shot_ground.hpp"
 #include "files/outlet.hpp"
+#include "run/abilities.hpp"
+#include "run/console/say.hpp"
+#include "run/refined_bed_file.hpp"
+#include "run/settings.hpp"
+#include "run/shot_ground.hpp"
 
 namespace tubefoot {
 

@@ -5,21 +5,21 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/abilities.hpp"
 #include "app/commands.hpp"
-#include "app/refraction.hpp"
-#include "app/say.hpp"
-#include "app/settings.hpp"
-#include "app/survey.hpp"
-#include "app/view_gather.hpp"
 #include "files/checked_file.hpp"
 #include "files/companions.hpp"
 #include "files/inlet.hpp"
 #include "files/input_error.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
-#include "sensors/echo_reader.hpp"
+#include "run/abilities.hpp"
+#include "run/console/say.hpp"
+#include "run/refraction.hpp"
+#include "run/settings.hpp"
+#include "run/survey.hpp"
+#include "sensors/recordings/echo_reader.hpp"
 #include "viewer/page.hpp"
+#include "viewer/view_gather.hpp"
 
 namespace tubefoot {
 namespace fs = std::filesystem;

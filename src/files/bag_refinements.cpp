@@ -11,7 +11,7 @@
 #include "files/input_error.hpp"
 #include "files/library_settings.hpp"
 #include "files/limits.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -14,7 +14,7 @@
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
 #include "files/raster_block.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
 
 namespace tubefoot {
 namespace {

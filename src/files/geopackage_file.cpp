@@ -10,7 +10,7 @@
 #include <string>
 
 #include "files/inlet.hpp"
-#include "geometry/stop.hpp"
+#include "geometry/work/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <ext/stdio_filebuf.h>
 
-#include "geometry/steps.hpp"
+#include "geometry/work/steps.hpp"
 
 namespace tubefoot {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/rank_link.hpp"
+#include "run/ranks/rank_link.hpp"
 
 namespace tubefoot {
 namespace {

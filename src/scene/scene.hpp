@@ -5,17 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "geometry/facet_mesh.hpp"
-#include "geometry/world_grid.hpp"
-#include "scene/facet_fineness.hpp"
-#include "scene/georeference.hpp"
-#include "scene/scene_description.hpp"
+#include "engine/law/reflectivity_field.hpp"
+#include "engine/law/scattering_law.hpp"
+#include "engine/relief/elevation_field.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/numbers/world_grid.hpp"
+#include "scene/beds/facet_fineness.hpp"
+#include "scene/description/scene_description.hpp"
+#include "scene/rasters/georeference.hpp"
+#include "scene/rasters/terrain_tiles.hpp"
 #include "scene/scene_water.hpp"
-#include "scene/terrain_tiles.hpp"
 #include "scene/trajectory.hpp"
-#include "seabed/elevation_field.hpp"
-#include "seabed/reflectivity_field.hpp"
-#include "seabed/scattering_law.hpp"
 
 namespace tubefoot {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "scene/georeference.hpp"
-#include "scene/scene_component.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/description/scene_component.hpp"
+#include "scene/description/scene_description.hpp"
+#include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {
 

@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "engine/water/absorption.hpp"
+#include "engine/water/sound_speed.hpp"
 #include "files/csv_file.hpp"
-#include "medium/absorption.hpp"
-#include "medium/sound_speed.hpp"
 
 namespace tubefoot {
 namespace {
@@ -83,7 +83,7 @@ std::vector<ProfilePoint> SceneWater::read_table() const {
 
 std::vector<ProfilePoint> SceneWater::read_cast() {
   constexpr std::array<std::string_view, 3> columns = {"depth_m", "temperature_c", "salinity_psu"};
-  // Where the formulas hold: Mackenzie 25 to 40, Leroy up to 42 (medium/sound_speed.hpp).
+  // Where the formulas hold: Mackenzie 25 to 40, Leroy up to 42 (engine/water/sound_speed.hpp).
   const bool leroy = description_.sound_speed_formula == "leroy";
   std::vector<ProfilePoint> points;
   read_csv(*description_.profile_file, columns, [&](const CsvRow& row) {

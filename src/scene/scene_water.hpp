@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "medium/water_column.hpp"
-#include "scene/scene_description.hpp"
+#include "engine/water/water_column.hpp"
+#include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "files/csv_file.hpp"
-#include "scene/scene_file_ranges.hpp"
+#include "scene/file/scene_file_ranges.hpp"
 
 namespace tubefoot {
 namespace {

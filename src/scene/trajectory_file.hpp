@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "scene/scene_description.hpp"
+#include "scene/description/scene_description.hpp"
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {

@@ -12,7 +12,7 @@
 #include "fixtures/hostile.hpp"
 #include "fixtures/strangers_files.hpp"
 #include "fixtures/watched_run.hpp"
-#include "scene/scene_description.hpp"
+#include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
 namespace {

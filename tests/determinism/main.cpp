@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "geometry/closure.hpp"
-#include "geometry/visibility.hpp"
+#include "geometry/visibility/closure.hpp"
+#include "geometry/visibility/visibility.hpp"
 #include "prove/small_scenes.hpp"
 
 // Prints the topology hash of fixed scenes, from one thread and from four, and compares it with the known

@@ -38,7 +38,7 @@ INSTEAD = {
     "make fuzz": ("hours, by another compiler", "make -n fuzz"),
     "make fuzz FUZZ_SECONDS=60 FUZZ_TARGETS=mesh,csv": ("minutes, by another compiler", "make -n fuzz FUZZ_SECONDS=60"),
     "sudo apt install ./build/tubefoot_0.1.0_amd64.deb": ("changes the machine; Package.IsWhole unpacks it", None),
-    "cmake -S examples/own-sonar -B build/own-sonar -DCMAKE_PREFIX_PATH=$HOME/.local": (
+    "cmake -S docs/examples/own-sonar -B build/own-sonar -DCMAKE_PREFIX_PATH=$HOME/.local": (
         "is the test Install.ServesAProgramOfOnesOwn", None),
     "cmake --build build/own-sonar && build/own-sonar/own_sonar": (
         "is the test Install.ServesAProgramOfOnesOwn", None),

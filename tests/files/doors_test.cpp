@@ -54,12 +54,12 @@ TEST(Doors, FilesAreReadThroughTheInlet) {
   EXPECT_THAT(
       outside_of_the_doors(R"(\bifstream\b|\bfstream\b|\bfopen\s*\(|\bfreopen\s*\(|H5Fopen|sqlite3_open)"),
       IsEmpty());
-  EXPECT_THAT(
-      outside_of_the_doors(R"(\bnc_open\s*\()", {"sensors/echo_reader.cpp", "sensors/netcdf_stream.cpp"}),
-      IsEmpty());
+  EXPECT_THAT(outside_of_the_doors(R"(\bnc_open\s*\()", {"sensors/recordings/echo_reader.cpp",
+                                                         "sensors/formats/netcdf_stream.cpp"}),
+              IsEmpty());
   EXPECT_THAT(
       outside_of_the_doors(R"(GDALDataset::Open|\bGDALOpen|\bOGROpen|GDALAllRegister|ImageInput::open)",
-                           {"src/app/footprint_file_ogr.cpp"}),  // looks at what it wrote
+                           {"src/footprints/footprint_file_ogr.cpp"}),  // looks at what it wrote
       IsEmpty());
   EXPECT_THAT(outside_of_the_doors(R"(parse_file\s*\(|CPLParseXMLFile|VSIFOpen)"), IsEmpty());
 }

@@ -5,8 +5,8 @@
 
 #include "fixtures/geometry/exact_oracles.hpp"
 #include "fixtures/geometry/layered_scenes.hpp"
-#include "geometry/gathering.hpp"
-#include "geometry/gnomonic_frame.hpp"
+#include "geometry/visibility/gathering.hpp"
+#include "geometry/visibility/gnomonic_frame.hpp"
 
 // What doubles say surely is so, in rationals.
 namespace tubefoot {

@@ -11,7 +11,7 @@ extern "C" double exp10(double);
 
 namespace {
 
-// What proofs take for granted is 8 (medium/interval.hpp, docs/reference.md).
+// What proofs take for granted is 8 (geometry/numbers/interval.hpp, docs/reference.md).
 constexpr double units_allowed = 4;
 constexpr int trials = 5000;
 

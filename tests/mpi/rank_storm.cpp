@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "app/rank_link.hpp"
+#include "run/ranks/rank_link.hpp"
 
 namespace {
 

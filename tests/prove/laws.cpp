@@ -7,8 +7,8 @@
 #include <numeric>
 #include <vector>
 
-#include "geometry/exact_direction.hpp"
-#include "geometry/visibility.hpp"
+#include "geometry/visibility/exact_direction.hpp"
+#include "geometry/visibility/visibility.hpp"
 #include "prove/plane_signs.hpp"
 
 namespace tubefoot::prove {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string_view>
 
-#include "geometry/closure.hpp"
+#include "geometry/visibility/closure.hpp"
 #include "prove/small_scenes.hpp"
 
 namespace tubefoot::prove {

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "geometry/arithmetic_filtered.hpp"
-#include "geometry/arithmetic_fixed.hpp"
-#include "geometry/arithmetic_rational.hpp"
+#include "geometry/arithmetic/arithmetic_filtered.hpp"
+#include "geometry/arithmetic/arithmetic_fixed.hpp"
+#include "geometry/arithmetic/arithmetic_rational.hpp"
 
 namespace tubefoot::prove {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "geometry/facet_cone.hpp"
-#include "geometry/tube.hpp"
+#include "geometry/mesh/facet_cone.hpp"
+#include "geometry/tubes/tube.hpp"
 #include "prove/random.hpp"
 
 namespace tubefoot::prove {

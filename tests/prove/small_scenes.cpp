@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "geometry/wide_int.hpp"
+#include "geometry/numbers/wide_int.hpp"
 
 namespace tubefoot::prove {
 namespace {

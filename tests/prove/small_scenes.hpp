@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "geometry/facet_mesh.hpp"
-#include "geometry/tube.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/tubes/tube.hpp"
 #include "prove/random.hpp"
 
 // Seeded scenes of some few facets and four tubes each, by integers alone: small, so that millions of tubes

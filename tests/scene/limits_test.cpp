@@ -12,10 +12,10 @@
 #include <iterator>
 #include <sstream>
 
+#include "engine/relief/spectral_relief.hpp"
 #include "files/csv_file.hpp"
 #include "files/memory_at_hand.hpp"
-#include "scene/material_map.hpp"
-#include "seabed/spectral_relief.hpp"
+#include "scene/beds/material_map.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "engine/water/absorption.hpp"
+#include "engine/water/sound_speed.hpp"
 #include "fixtures/world/read_scenes.hpp"
-#include "medium/absorption.hpp"
-#include "medium/sound_speed.hpp"
 #include "scene/scene.hpp"
 #include "scene/scene_placement.hpp"
 

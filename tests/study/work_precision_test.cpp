@@ -91,7 +91,7 @@ TEST(WorkPrecision, CrossingIsWhereTheCostsMeet) {
       << "the exact side reaches 0.5 only, where rays are far cheaper";
 }
 
-TEST(Chart, VerdictsAreRatiosAtTheAskedErrors) {
+TEST(ChartPage, VerdictsAreRatiosAtTheAskedErrors) {
   auto trials = ladder("rays", 3, -0.5);
   trials.push_back(exact(0.01, 1e-10));
   const SceneVerdict v = verdict_of("bed", trials);
@@ -106,7 +106,7 @@ TEST(Chart, VerdictsAreRatiosAtTheAskedErrors) {
   EXPECT_NEAR(verdict_of("bed", trials).crossing_l1, 0.03, 0.002);
 }
 
-TEST(Chart, RowsAreTrials) {
+TEST(ChartPage, RowsAreTrials) {
   Trial t = exact(0.5, 1e-3);
   t.setting = "a, \"b\"";
   EXPECT_EQ(to_csv(std::vector<Trial>{t}),
@@ -114,7 +114,7 @@ TEST(Chart, RowsAreTrials) {
             "bed,tube,\"a, \"\"b\"\"\",0.001,0.02,0.5,1e-09\n");
 }
 
-TEST(Chart, LinearAxesHoldNegativeNumbers) {
+TEST(ChartPage, LinearAxesHoldNegativeNumbers) {
   Diagram diagram;
   diagram.scale = Scale::linear;
   diagram.series.push_back({"track", "", {{-0.5, -12}, {0, 3}, {2.5, 38}}, true});
@@ -125,7 +125,7 @@ TEST(Chart, LinearAxesHoldNegativeNumbers) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
-TEST(Chart, DrawsWhatItIsGivenAndEscapesNames) {
+TEST(ChartPage, DrawsWhatItIsGivenAndEscapesNames) {
   auto trials = ladder("rays <random> & \"co\"", 3, -0.5);
   trials.push_back(exact(0.01, 0));
   const std::string svg = to_svg(work_precision_plot("bed", trials, ErrorMeasure::l1));

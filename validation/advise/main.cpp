@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/settings.hpp"
+#include "run/settings.hpp"
 #include "unseen.hpp"
 
 namespace tubefoot {

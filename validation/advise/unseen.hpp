@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/advice.hpp"
+#include "advice/advice.hpp"
 
 namespace tubefoot {
 

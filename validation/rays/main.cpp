@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "medium/eigenray.hpp"
-#include "medium/ray_trace.hpp"
+#include "engine/water/eigenray.hpp"
+#include "engine/water/ray_trace.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,9 +8,9 @@
 #include <exception>
 #include <filesystem>
 
-#include "app/simulation.hpp"
 #include "files/utc.hpp"
-#include "sensors/multibeam_soundings.hpp"
+#include "run/simulation.hpp"
+#include "sensors/products/multibeam_soundings.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dealing pings to ranks, event by event, as src/app/run_lead.cpp, run_helper.cpp and ping_crew.cpp do it."""
+"""Dealing pings to ranks, event by event, as src/run/ranks/run_lead.cpp, run_helper.cpp and ping_crew.cpp do it."""
 import collections
 import dataclasses
 import heapq

@@ -39,7 +39,7 @@ along_track_deg = {along}
 CHEAP_PINGS = {"cell": 0, "along": 0.5}
 DEAR_PINGS = {"cell": 1, "along": 40}
 LEAD_RANKS = 5  # most results come from others; rank 0's own wake it less often
-HEAD = 8 + 1 + 16 + 304  # of a result's message: length, letter, PingUnit, PingCounts (src/app/rank_notes.cpp)
+HEAD = 8 + 1 + 16 + 304  # of a result's message: length, letter, PingUnit, PingCounts (src/run/ranks/rank_notes.cpp)
 
 
 def camera(folder, pings):

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sensors/recording.hpp"
+#include "sensors/recordings/recording.hpp"
 #include "study/frame_motion.hpp"
 
 namespace tubefoot {

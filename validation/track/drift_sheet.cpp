@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sensors/decibel_scale.hpp"
+#include "sensors/pictures/decibel_scale.hpp"
 
 namespace tubefoot {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sensors/canvas.hpp"
+#include "sensors/pictures/canvas.hpp"
 #include "track/camera_track.hpp"
 
 namespace tubefoot {

@@ -7,9 +7,9 @@
 #include <exception>
 #include <filesystem>
 
-#include "app/simulation.hpp"
 #include "files/utc.hpp"
-#include "sensors/products.hpp"
+#include "run/simulation.hpp"
+#include "sensors/products/products.hpp"
 #include "study/diagram.hpp"
 #include "study/svg_png.hpp"
 #include "track/drift_sheet.hpp"

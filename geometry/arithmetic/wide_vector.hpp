@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+#include "geometry/mesh/facet_cone.hpp"
+#include "geometry/numbers/wide_int.hpp"
+
+// Vectors of 512-bit integers, for whatever involves a depth plane.
+namespace tubefoot {
+
+using WideVec = std::array<WideInt, 3>;
+
+inline WideVec widen(const Vec64& v) { return {WideInt(v.x), WideInt(v.y), WideInt(v.z)}; }
+
+inline WideVec cross(const WideVec& a, const WideVec& b) {
+  return {WideInt(a[1] * b[2] - a[2] * b[1]), WideInt(a[2] * b[0] - a[0] * b[2]),
+          WideInt(a[0] * b[1] - a[1] * b[0])};
+}
+
+inline WideInt dot(const WideVec& a, const WideVec& b) {
+  return WideInt(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+}
+
+/// Normal of the plane on which two facets are equally deep; its positive side is where j is the nearer one.
+inline WideVec depth_normal(const FacetCone& i, const FacetCone& j) {
+  const WideInt ci = widen(i.offset), cj = widen(j.offset);
+  const WideVec ni = widen(i.normal), nj = widen(j.normal);
+  return {WideInt(ci * nj[0] - cj * ni[0]), WideInt(ci * nj[1] - cj * ni[1]),
+          WideInt(ci * nj[2] - cj * ni[2])};
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/search/scene_tree.hpp"
+#include "geometry/tubes/tube.hpp"
+#include "geometry/visibility/visibility.hpp"
+
+// How often each part of each facet is seen by many pings: exactly. docs/coverage.md
+namespace tubefoot {
+
+/// What one transmission of a ping sees.
+struct CoverageLook {
+  std::uint32_t ping = 0;  ///< what several looks of one ping see counts once
+  TubeSet tubes;
+  std::vector<TubeVisibility> seen;  ///< per tube, by an exact arithmetic
+  /// The window of ranges, grid units. A facet that reaches beyond it is cut (docs/coverage.md).
+  double nearest = 0, farthest = std::numeric_limits<double>::infinity();
+};
+
+/// A part of a facet's area that so many pings see.
+struct AreaShare {
+  std::uint32_t pings = 0;
+  double share = 0;   ///< of the facet's area
+  std::string exact;  ///< the same as a reduced fraction, "p/q" (or "0", "1")
+};
+
+/// A convex part of a facet, the same pings seeing all of it.
+struct CoverageCell {
+  std::uint32_t pings = 0;       ///< that see it
+  std::uint32_t in_sector = 0;   ///< where none sees it: pings in whose tubes and window it lies, hidden
+  std::uint32_t first_look = 0;  ///< where it lies hidden: the first look that has it in its tubes
+  std::uint32_t first = 0, count = 0;  ///< corners, counter-clockwise about the facet's normal
+};
+
+struct FacetCoverage {
+  FacetId facet = 0;
+  bool closes = false;              ///< whether the shares add up to 1, as an equality of rationals
+  std::vector<AreaShare> by_pings;  ///< by increasing number of pings, 0 (never seen) included; no empty ones
+  AreaShare seen;                   ///< by one ping or more; `pings` is the most
+  AreaShare shadow;  ///< never seen, though in the tubes and window of a ping; `pings`: the most that have it
+  std::vector<CoverageCell> cells;  ///< they partition the facet
+  std::vector<glm::dvec3> corners;  ///< grid units; the exact ones, rounded once
+  bool met() const { return seen.share > 0 || shadow.share > 0; }
+};
+
+/// Overlays what many looks see, facet by facet.
+/// Law O1 (coverage): shares by number of pings are those of inclusion and exclusion in rationals.
+/// Law O2 (order): neither the order of pings nor how tubes are split changes them.
+class Coverage {
+ public:
+  /// Mesh, tree and looks must outlive it; looks are ordered by ping.
+  Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const CoverageLook> looks);
+
+  /// Facets that may lie in the tubes of a look.
+  std::size_t facets() const { return groups_.size(); }
+  /// The facet of that number, in the order of facet ids. Thread-safe; the result does not depend on threads.
+  FacetCoverage facet(std::size_t number) const;
+
+ private:
+  struct Part {
+    FacetId facet = 0;
+    std::uint32_t look = 0, tube = 0, piece = 0;  ///< piece: no_piece for the tube itself
+  };
+  struct Group {
+    std::size_t seen = 0, seen_end = 0, within = 0, within_end = 0;
+  };
+  void index();
+
+  const FacetMesh& mesh_;
+  const SceneTree& tree_;
+  std::span<const CoverageLook> looks_;
+  std::vector<Part> seen_, within_;  ///< by facet, then look, tube and piece
+  std::vector<Group> groups_;
+};
+
+/// The facet that the line from an apex to a point meets first, before the point; `none` if there is none.
+/// In double.
+inline constexpr FacetId no_facet = std::numeric_limits<FacetId>::max();
+FacetId first_in_the_way(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, glm::dvec3 point);
+
+}  // namespace tubefoot

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "geometry/footprints/footprint.hpp"
+#include "geometry/tubes/tube.hpp"
+#include "geometry/visibility/visibility.hpp"
+
+namespace tubefoot {
+
+/// Appends what tube `tube` sees as footprints with coordinates in metres (grid unit `unit_m`), planes filled
+/// and not yet measured (measure.hpp). Coordinates are the exact ones, rounded once.
+void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
+                       const TubeVisibility& seen, double unit_m, FootprintSet& set);
+
+/// All of the sets, in their order, as one.
+FootprintSet joined(std::span<const FootprintSet> sets);
+
+}  // namespace tubefoot

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/footprints/shared_footprints.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/footprints/footprint_builder.hpp"
+#include "geometry/footprints/plane_lines.hpp"
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Which edges of the facet a corner lies on, by name alone: bit e for the edge from vertex e to the next.
+unsigned edges_of(const CornerName& corner, const std::array<VertexId, 3>& vertex) {
+  const auto index = [&](PointId id) {
+    return id == no_point ? 3 : int(std::find(vertex.begin(), vertex.end(), id) - vertex.begin());
+  };
+  const auto both_ends = [](int i) { return (1u << i) | (1u << ((i + 2) % 3)); };
+  if (corner.point != no_point) return index(corner.point) < 3 ? both_ends(index(corner.point)) : 0;
+  unsigned edges = 0;
+  for (const PlaneName& plane : {corner.p, corner.q}) {
+    if (plane.depth) continue;
+    const int i = index(plane.a), j = index(plane.b);
+    if (i < 3 && j < 3 && i != j) edges |= both_ends(i) & both_ends(j);
+  }
+  return edges;
+}
+
+/// A piece that one of the apexes sees, on its facet.
+class SeenPiece {
+ public:
+  SeenPiece(const FacetMesh& mesh, const ApexLook& look, std::uint32_t tube, std::uint32_t piece,
+            const FacetCone& facet, const FacetChart& chart, const FacetCone* charted = nullptr)
+      : tube_(tube),
+        charted_(charted),
+        context_{look.mesh == nullptr ? mesh : *look.mesh, look.tubes.apex, look.seen[tube].rays},
+        seen_(&look.seen[tube]),
+        piece_(seen_->pieces[piece]),
+        facet_(&facet),
+        chart_(chart) {
+    if (look.mesh != nullptr) {
+      // Names are those of the facet as it was seen, which may be a part of what it is.
+      FacetCone own;
+      if (FacetCone::make(*look.mesh, piece_.facet, look.tubes.apex, own) && own.point == facet.point)
+        vertex_ = own.vertex;
+      else
+        vertex_.fill(no_point);
+    } else {
+      vertex_ = facet.vertex;
+    }
+    lo_[0] = lo_[1] = std::numeric_limits<double>::infinity();
+    hi_[0] = hi_[1] = -lo_[0];
+    const glm::dvec3 vertex(facet.point[0].x, facet.point[0].y, facet.point[0].z);
+    const int axis[2] = {chart.u, chart.v};
+    for (std::uint32_t k = 0; k < piece_.count; ++k) {
+      points_.push_back(point_on_facet(context_, corner(k), seen_as(facet)));
+      whole_ = whole_ && on_facet_edge(k);
+      for (int i = 0; i < 2; ++i) {
+        const double x = points_.back()[axis[i]], origin = vertex[axis[i]];
+        const double error = 1e-14 * (std::abs(x) + std::abs(origin));
+        lo_[i] = std::min(lo_[i], x - origin - error);
+        hi_[i] = std::max(hi_[i], x - origin + error);
+      }
+    }
+  }
+
+  std::uint32_t tube() const { return tube_; }
+  /// Relative to its apex, grid units.
+  const std::vector<glm::dvec3>& points() const { return points_; }
+  /// True only if every edge lies on one of the facet's.
+  bool is_whole_facet() const { return whole_; }
+  /// False only if they have no point in common.
+  bool may_meet(const SeenPiece& o) const {
+    return lo_[0] <= o.hi_[0] && o.lo_[0] <= hi_[0] && lo_[1] <= o.hi_[1] && o.lo_[1] <= hi_[1];
+  }
+  bool on_facet_edge(std::uint32_t k) const {
+    const std::uint32_t next = k + 1 == piece_.count ? 0 : k + 1;
+    return (edges_of(corner(k), vertex_) & edges_of(corner(next), vertex_)) != 0;
+  }
+
+  /// Lines of its edges, edge k from corner k to the next. Made when first asked for.
+  const std::vector<PlaneLine>& lines() {
+    if (!lines_.empty()) return lines_;
+    lines_.reserve(piece_.count);
+    for (std::uint32_t k = 0; k < piece_.count; ++k)
+      lines_.push_back(line_between(wide_direction(context_, corner(k)),
+                                    wide_direction(context_, corner(k + 1 == piece_.count ? 0 : k + 1))));
+    return lines_;
+  }
+  const LinePolygon& polygon() {
+    if (!polygon_made_) polygon_ = line_polygon(lines());
+    polygon_made_ = true;
+    return polygon_;
+  }
+
+ private:
+  /// The facet under the names that it was seen by.
+  FacetCone seen_as(FacetCone facet) const {
+    facet.vertex = vertex_;
+    return facet;
+  }
+  PlaneLine line_between(const WideVec& from, const WideVec& to) const {
+    return charted_ == nullptr ? PlaneLine::through(*facet_, chart_, from, to)
+                               : PlaneLine::through_image(*facet_, *charted_, chart_, from, to);
+  }
+  const CornerName& corner(std::uint32_t k) const { return seen_->corners[piece_.first + k]; }
+
+  std::uint32_t tube_;
+  const FacetCone* charted_;  // what the facet is an image of; none: itself
+  NameContext context_;
+  const TubeVisibility* seen_;
+  NamedPiece piece_;
+  const FacetCone* facet_;
+  std::array<VertexId, 3> vertex_{};  // names of its vertices
+  FacetChart chart_;
+  std::vector<glm::dvec3> points_;
+  double lo_[2], hi_[2];  // of u and v, with their errors
+  bool whole_ = true, polygon_made_ = false;
+  std::vector<PlaneLine> lines_;
+  LinePolygon polygon_;
+};
+
+}  // namespace
+
+std::vector<FootprintSharer::Seen> FootprintSharer::pieces_of(const ApexLook& look) {
+  std::vector<Seen> pieces;
+  for (std::uint32_t tube = 0; tube < look.seen.size(); ++tube)
+    for (std::uint32_t k = 0; k < look.seen[tube].pieces.size(); ++k)
+      pieces.push_back({look.origin_of(look.seen[tube].pieces[k].facet), tube, k});
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const Seen& a, const Seen& b) { return a.facet < b.facet; });
+  return pieces;
+}
+
+FootprintSharer::FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive,
+                                 double unit_m)
+    : mesh_(mesh),
+      transmit_(transmit),
+      receive_(receive),
+      unit_m_(unit_m),
+      transmit_pieces_(pieces_of(transmit)),
+      receive_pieces_(pieces_of(receive)) {
+  find_facets();
+}
+
+FootprintSharer::FootprintSharer(const ApexLook& transmit, const ApexLook& receive, double unit_m)
+    : mesh_(*transmit.mesh),
+      images_(true),
+      transmit_(transmit),
+      receive_(receive),
+      unit_m_(unit_m),
+      transmit_pieces_(pieces_of(transmit)),
+      receive_pieces_(pieces_of(receive)) {
+  find_facets();
+}
+
+bool FootprintSharer::make_cones(const Both& both, FacetCone& from_transmitter,
+                                 FacetCone& from_receiver) const {
+  const Seen &sent = transmit_pieces_[both.transmit_first], &heard = receive_pieces_[both.receive_first];
+  const FacetMesh& other = images_ ? *receive_.mesh : mesh_;
+  const FacetId seen = images_ ? transmit_.seen[sent.tube].pieces[sent.piece].facet : both.facet,
+                seen_there = images_ ? receive_.seen[heard.tube].pieces[heard.piece].facet : both.facet;
+  return FacetCone::make(mesh_, seen, transmit_.tubes.apex, from_transmitter) &&
+         FacetCone::make(other, seen_there, receive_.tubes.apex, from_receiver);
+}
+
+void FootprintSharer::find_facets() {
+  const auto end_of = [](const std::vector<Seen>& pieces, std::uint32_t first) {
+    std::uint32_t end = first;
+    while (end < pieces.size() && pieces[end].facet == pieces[first].facet) ++end;
+    return end;
+  };
+  std::uint32_t t = 0, r = 0;
+  while (t < transmit_pieces_.size() && r < receive_pieces_.size()) {
+    const FacetId facet = transmit_pieces_[t].facet, other = receive_pieces_[r].facet;
+    const std::uint32_t t_end = end_of(transmit_pieces_, t), r_end = end_of(receive_pieces_, r);
+    if (facet == other) {
+      const Both both{facet, t, t_end, r, r_end};
+      FacetCone from_transmitter, from_receiver;
+      if (make_cones(both, from_transmitter, from_receiver) &&
+          from_transmitter.reversed == from_receiver.reversed)
+        facets_.push_back(both);
+    }
+    if (facet <= other) t = t_end;
+    if (other <= facet) r = r_end;
+  }
+}
+
+glm::dvec3 FootprintSharer::receiver_m() const {
+  const GridPoint &t = transmit_.tubes.apex, &r = receive_.tubes.apex;
+  return glm::dvec3(double(r.x) - t.x, double(r.y) - t.y, double(r.z) - t.z) * unit_m_;
+}
+
+void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
+  stop_if_wanted();
+  const Both& both = facets_[number];
+  FacetCone from_transmitter, from_receiver;
+  make_cones(both, from_transmitter, from_receiver);
+  const FacetChart chart(from_transmitter);
+
+  std::vector<SeenPiece> sent, heard;
+  for (std::uint32_t k = both.transmit_first; k < both.transmit_end; ++k)
+    sent.emplace_back(mesh_, transmit_, transmit_pieces_[k].tube, transmit_pieces_[k].piece, from_transmitter,
+                      chart);
+  for (std::uint32_t k = both.receive_first; k < both.receive_end; ++k)
+    heard.emplace_back(mesh_, receive_, receive_pieces_[k].tube, receive_pieces_[k].piece, from_receiver,
+                       chart, images_ ? &from_transmitter : nullptr);
+
+  const auto first_piece = static_cast<std::uint32_t>(out.pieces.size());
+  const glm::dvec3 baseline = receiver_m();
+  LinePolygon polygon;
+  std::vector<int> sides;
+  for (SeenPiece& s : sent) {
+    stop_if_wanted();
+    for (SeenPiece& h : heard) {
+      if (!images_ && !s.may_meet(h)) continue;
+      SharedPiece piece{s.tube(), h.tube(), static_cast<std::uint32_t>(out.corners_m.size()), 0};
+      if (h.is_whole_facet()) {
+        for (const glm::dvec3& p : s.points()) out.corners_m.push_back(p * unit_m_);
+      } else if (s.is_whole_facet() && !images_) {
+        for (const glm::dvec3& p : h.points()) out.corners_m.push_back(p * unit_m_ + baseline);
+      } else {
+        const bool others = s.is_whole_facet();
+        polygon = others ? h.polygon() : s.polygon();
+        const auto& walls = h.lines();
+        // What is seen lies on the facet: its own edges cut nothing off.
+        for (std::uint32_t k = 0; k < walls.size() && !polygon.empty() && !others; ++k)
+          if (!walls[k].is_none() && !h.on_facet_edge(k)) clip(polygon, walls[k], sides);
+        for (std::size_t k = 0; k < polygon.size(); ++k)
+          out.corners_m.push_back(meeting_point(from_transmitter, chart,
+                                                *polygon[k == 0 ? polygon.size() - 1 : k - 1], *polygon[k]) *
+                                  unit_m_);
+      }
+      piece.count = static_cast<std::uint32_t>(out.corners_m.size()) - piece.first;
+      if (piece.count > 0) out.pieces.push_back(piece);
+    }
+  }
+  if (out.pieces.size() == first_piece) return;
+
+  SharedFacet facet;
+  facet.facet = both.facet;
+  facet.first_piece = first_piece;
+  facet.piece_count = static_cast<std::uint32_t>(out.pieces.size()) - first_piece;
+  const Vec64& n = from_transmitter.normal;
+  const glm::dvec3 normal(static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z));
+  const double length = glm::length(normal);
+  facet.plane_normal = -normal / length;
+  facet.transmit_distance_m = static_cast<double>(from_transmitter.offset) / length * unit_m_;
+  facet.receive_distance_m = static_cast<double>(from_receiver.offset) / length * unit_m_;
+  out.facets.push_back(facet);
+}
+
+SharedFootprints FootprintSharer::all() const {
+  SharedFootprints shared;
+  shared.receiver_m = receiver_m();
+  for (std::size_t k = 0; k < facets(); ++k) append(k, shared);
+  return shared;
+}
+
+SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m) {
+  const FacetMesh& seen_mesh = look.mesh == nullptr ? mesh : *look.mesh;
+  std::vector<FootprintSet> sets(look.seen.size());
+  for (std::uint32_t tube = 0; tube < sets.size(); ++tube)
+    append_footprints(seen_mesh, look.tubes, tube, look.seen[tube], unit_m, sets[tube]);
+  SharedFootprints shared;
+  for (const FootprintSet& set : sets)
+    for (const Footprint& footprint : set.footprints) {
+      SharedFacet facet;
+      facet.facet = look.origin_of(footprint.facet);
+      facet.first_piece = static_cast<std::uint32_t>(shared.pieces.size());
+      facet.piece_count = footprint.piece_count;
+      facet.plane_normal = footprint.plane_normal;
+      facet.transmit_distance_m = facet.receive_distance_m = footprint.plane_distance_m;
+      for (std::uint32_t k = 0; k < footprint.piece_count; ++k) {
+        const Piece& piece = set.pieces[footprint.first_piece + k];
+        shared.pieces.push_back({footprint.tube, footprint.tube,
+                                 static_cast<std::uint32_t>(shared.corners_m.size()), piece.count});
+        const auto first = set.corners_m.begin() + piece.first;
+        shared.corners_m.insert(shared.corners_m.end(), first, first + piece.count);
+      }
+      shared.facets.push_back(facet);
+    }
+  return shared;
+}
+
+SharedFootprints exchanged(SharedFootprints shared) {
+  for (SharedFacet& facet : shared.facets) std::swap(facet.transmit_distance_m, facet.receive_distance_m);
+  for (SharedPiece& piece : shared.pieces) std::swap(piece.transmit_tube, piece.receive_tube);
+  for (glm::dvec3& corner : shared.corners_m) corner -= shared.receiver_m;
+  shared.receiver_m = -shared.receiver_m;
+  return shared;
+}
+
+void append(SharedFootprints& all, const SharedFootprints& more) {
+  const auto first_piece = static_cast<std::uint32_t>(all.pieces.size()),
+             first_corner = static_cast<std::uint32_t>(all.corners_m.size());
+  for (SharedFacet facet : more.facets) {
+    facet.first_piece += first_piece;
+    all.facets.push_back(facet);
+  }
+  for (SharedPiece piece : more.pieces) {
+    piece.first += first_corner;
+    all.pieces.push_back(piece);
+  }
+  all.corners_m.insert(all.corners_m.end(), more.corners_m.begin(), more.corners_m.end());
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/integrals/certified_polygon.hpp"
+
+#include <flint/fmpz.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "geometry/arithmetic/wide_vector.hpp"
+
+namespace tubefoot {
+namespace {
+
+using BallVector = std::array<Ball, 3>;
+
+/// Exact, then rounded outwards once.
+Ball ball(const WideInt& x) {
+  std::vector<mp_limb_t> limbs;
+  export_bits(x, std::back_inserter(limbs), 64, false);
+  fmpz_t integer;
+  fmpz_init(integer);
+  if (!limbs.empty()) fmpz_set_ui_array(integer, limbs.data(), slong(limbs.size()));
+  Ball result;
+  arb_set_round_fmpz(result.get(), integer, ball_bits);
+  fmpz_clear(integer);
+  return x < 0 ? -result : result;
+}
+
+BallVector balls(const WideVec& v) { return {ball(v[0]), ball(v[1]), ball(v[2])}; }
+
+Ball dot(const BallVector& a, const BallVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+BallVector scaled(const BallVector& a, const Ball& factor) {
+  return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
+RangeEnclosure enclosure(const Ball& x) { return {x.fine_lo(), x.fine_hi()}; }
+
+int sign(const Ball& x) { return x.surely_positive() ? 1 : x.surely_negative() ? -1 : 0; }
+
+/// Angle of a vector; no ball around pi falls apart into pi and -pi.
+Ball angle_of(const Ball& x, const Ball& y) {
+  if (x.surely_negative()) return Ball::pi() + atan2(-y, -x);
+  return atan2(y, x);
+}
+
+/// Edges and ranges from the points.
+void finish(CertifiedPolygon& polygon) {
+  const std::vector<CertifiedPolygon::Point>& points = polygon.points;
+  const std::size_t n = points.size();
+  const Ball distance2 = squared(polygon.distance);
+  std::vector<RangeEnclosure> range(n);
+  for (std::size_t i = 0; i < n; ++i)
+    range[i] = enclosure(root(distance2 + squared(points[i].x) + squared(points[i].y)));
+
+  bool maybe_inside = true;
+  polygon.foot_inside = true;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t next = i + 1 == n ? 0 : i + 1;
+    const Ball x = points[next].x - points[i].x, y = points[next].y - points[i].y;
+    const Ball length = root(squared(x) + squared(y));
+    polygon.perimeter += length;
+    if (!length.surely_positive()) continue;
+    const Ball ax = x / length, ay = y / length;
+    CertifiedPolygon::Edge edge;
+    edge.angle = angle_of(ax, ay);
+    edge.height = points[i].x * ay - points[i].y * ax;
+    edge.nearest2 = distance2 + squared(edge.height);
+    polygon.ranges.push_back({range[i], range[next], enclosure(root(edge.nearest2)),
+                              sign(points[i].x * ax + points[i].y * ay),
+                              sign(points[next].x * ax + points[next].y * ay)});
+    polygon.foot_inside = polygon.foot_inside && edge.height.surely_positive();
+    maybe_inside = maybe_inside && !edge.height.surely_negative();
+    polygon.edges.push_back(std::move(edge));
+  }
+  if (maybe_inside) polygon.foot = enclosure(polygon.distance);
+}
+
+}  // namespace
+
+CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
+                                   const NamedPiece& piece, double unit_m) {
+  FacetCone facet;
+  FacetCone::make(context.mesh, piece.facet, context.apex, facet);
+  const WideVec normal = widen(facet.normal);
+  const WideInt offset = widen(facet.offset);
+  const GridPoint side = facet.point[1] - facet.point[0];
+  const WideVec along{WideInt(side.x), WideInt(side.y), WideInt(side.z)};
+
+  CertifiedPolygon polygon;
+  const Ball per_normal = Ball(1) / root(ball(dot(normal, normal)));
+  polygon.away = scaled(balls(normal), per_normal);
+  const Ball per_along = Ball(1) / root(ball(dot(along, along)));
+  polygon.u = scaled(balls(along), per_along);
+  polygon.v = scaled(balls(cross(normal, along)), per_normal * per_along);
+  polygon.distance = ball(offset) * per_normal * Ball(unit_m);
+
+  const std::size_t n = piece.count;
+  std::vector<CertifiedPolygon::Point>& points = polygon.points;
+  points.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const WideVec d = wide_direction(context, corners[piece.first + i]);
+    const BallVector p = scaled(balls(d), ball(offset) / ball(dot(d, normal)) * Ball(unit_m));
+    points[i] = {dot(p, polygon.u), dot(p, polygon.v)};
+  }
+  finish(polygon);
+  return polygon;
+}
+
+CertifiedPolygon part_of(const CertifiedPolygon& whole, std::vector<CertifiedPolygon::Point> points) {
+  CertifiedPolygon part;
+  part.distance = whole.distance;
+  part.u = whole.u;
+  part.v = whole.v;
+  part.away = whole.away;
+  part.points = std::move(points);
+  finish(part);
+  return part;
+}
+
+std::array<std::vector<CertifiedPolygon::Point>, 2> split(const std::vector<CertifiedPolygon::Point>& points,
+                                                          const std::vector<Ball>& height, double level) {
+  std::vector<int> side;
+  for (const Ball& h : height) side.push_back(h.lo() > level ? 1 : h.hi() < -level ? -1 : 0);
+  std::array<std::vector<CertifiedPolygon::Point>, 2> parts;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t next = i + 1 == points.size() ? 0 : i + 1;
+    if (side[i] <= 0) parts[0].push_back(points[i]);
+    if (side[i] >= 0) parts[1].push_back(points[i]);
+    if (side[i] * side[next] >= 0) continue;
+    const Ball along = height[i] / (height[i] - height[next]);
+    const CertifiedPolygon::Point cut{points[i].x + along * (points[next].x - points[i].x),
+                                      points[i].y + along * (points[next].y - points[i].y)};
+    for (auto& part : parts) part.push_back(cut);
+  }
+  for (const int which : {0, 1})
+    if (std::find(side.begin(), side.end(), 2 * which - 1) == side.end()) parts[which].clear();
+  return parts;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where a second receiver hears a point in the same sample.
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "geometry/integrals/path_cut.hpp"
+
+namespace tubefoot {
+
+/// Angles at which an ellipse of the first receiver meets one of the second. On an ellipse of path P about a
+/// receiver at foot f and height d, 2 P r_t = 2 p.f + P^2 + h^2 - d^2 - |f|^2, all from the transmitter's
+/// foot point and height; eliminating r_t leaves a straight line.
+void PathCutter::add_meetings(double first_path, double second_path, const Sector& sector,
+                              std::vector<double>& angles) const {
+  const auto level = [&](const Apex& apex, double path) {
+    const glm::dvec2 foot = apex.foot - transmit_.foot;
+    return path * path + (transmit_.height - apex.height) * (transmit_.height + apex.height) -
+           glm::dot(foot, foot);
+  };
+  const glm::dvec2 normal =
+      2.0 * (second_path * (receive_.foot - transmit_.foot) - first_path * (second_->foot - transmit_.foot));
+  const double size2 = glm::dot(normal, normal);
+  if (!(size2 > 0)) return;  // about one centre
+  const double offset = first_path * level(*second_, second_path) - second_path * level(receive_, first_path);
+  const glm::dvec2 middle = transmit_.foot + normal * (offset / size2);
+  const double reach = first_path + glm::length(transmit_.foot);  // no farther is the ellipse from c
+  if (!(glm::dot(middle, middle) < reach * reach)) return;
+  Line chord;
+  chord.along = glm::dvec2(-normal.y, normal.x) / std::sqrt(size2);
+  chord.length = 4 * reach;
+  chord.from = middle - 2 * reach * chord.along;
+  add_crossings(chord, first_path, receive_, sector, angles);
+}
+
+/// Angles at which a ray from c only touches an ellipse of the second receiver that does not hold c: the
+/// discriminant (v.d)^2 - a c with a = 4 (P^2 - (m.d)^2) is 0, quadratic in the tangent of the angle.
+void PathCutter::add_tangents(double path, const Sector& sector, std::vector<double>& angles) const {
+  const glm::dvec2 t = -transmit_.foot, r = -second_->foot;
+  const double rt = transmit_range_, rr = second_->range({0, 0});
+  const double c = EllipseOnRay(path, rt, rr, 0, 0).c;
+  if (!(c > 0)) return;
+  const glm::dvec2 m = t - r, aside{-sector.middle.y, sector.middle.x};
+  const glm::dvec2 v = 4 * path * path * t - 2 * (path * path + (rt - rr) * (rt + rr)) * m;
+  const double v1 = glm::dot(v, sector.middle), v2 = glm::dot(v, aside), m1 = glm::dot(m, sector.middle),
+               m2 = glm::dot(m, aside), round = 4 * c * path * path;
+  const double p2 = v2 * v2 + 4 * c * m2 * m2 - round, p1 = v1 * v2 + 4 * c * m1 * m2,
+               p0 = v1 * v1 + 4 * c * m1 * m1 - round;
+  const double discriminant = p1 * p1 - p2 * p0;
+  if (!(discriminant >= 0)) return;
+  const double q = -(p1 + std::copysign(std::sqrt(discriminant), p1));
+  for (const double tangent : {q / p2, p0 / q})
+    if (const double angle = std::atan(tangent); std::abs(angle) < sector.half) angles.push_back(angle);
+}
+
+/// Where a ray from c is inside an ellipse of the second receiver.
+std::optional<PathCutter::Stretch> PathCutter::in_second(double path, glm::dvec2 direction) const {
+  const EllipseOnRay on(path, transmit_range_, second_->range({0, 0}), -glm::dot(transmit_.foot, direction),
+                        -glm::dot(second_->foot, direction));
+  if (!(on.a > 0)) return std::nullopt;
+  const double root = std::sqrt(std::max(on.discriminant(), 0.0));
+  if (on.c < 0) return Stretch{0, on.b > 0 ? -on.c / (on.b + root) : (root - on.b) / on.a};
+  if (on.b >= 0 || on.discriminant() < 0) return std::nullopt;
+  return Stretch{on.c / (root - on.b), (root - on.b) / on.a};
+}
+
+/// The part of a cell that the second receiver hears in the sample, too.
+void PathCutter::integrate_both(const Curve& near, const Curve& far, double from, double to, const Cell& cell,
+                                std::span<double> out) {
+  const std::optional<Stretch> outer = in_second(to, cell.middle), inner = in_second(from, cell.middle);
+  if (!outer) return;
+  const Curve begin{nullptr, to, true, true}, end{nullptr, to, true, false};
+  const auto take = [&](const Curve& a, double a_at, const Curve& b, double b_at) {
+    integrate_whole(distance(near, cell.middle) < a_at ? a : near,
+                    distance(far, cell.middle) > b_at ? b : far, cell, out);
+  };
+  if (!inner) return take(begin, outer->enter, end, outer->leave);
+  if (inner->enter > 0) take(begin, outer->enter, Curve{nullptr, from, true, true}, inner->enter);
+  take(Curve{nullptr, from, true, false}, inner->leave, end, outer->leave);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/integrals/range_cut.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <stdexcept>
+
+namespace tubefoot {
+namespace {
+
+using Cell = RadialIntegral::Cell;
+
+constexpr int nodes = 12;  // of the Chebyshev interpolant of g(s) s: degree 11, its primitive 12
+
+struct ChebyshevTables {
+  std::array<double, nodes> x{};                            // Chebyshev points
+  std::array<std::array<double, nodes>, nodes> cosine{};    // T_k(x_j)
+  std::array<std::array<double, nodes>, nodes> monomial{};  // T_k = sum of monomial[k][i] x^i
+  ChebyshevTables() {
+    for (int j = 0; j < nodes; ++j) {
+      const double angle = std::numbers::pi * (j + 0.5) / nodes;
+      x[j] = std::cos(angle);
+      for (int k = 0; k < nodes; ++k) cosine[k][j] = std::cos(k * angle);
+    }
+    monomial[0][0] = 1;
+    monomial[1][1] = 1;
+    for (int k = 2; k < nodes; ++k)
+      for (int i = 0; i < nodes; ++i)
+        monomial[k][i] = (i > 0 ? 2 * monomial[k - 1][i - 1] : 0.0) - monomial[k - 2][i];
+  }
+};
+
+/// What a RadialIntegral integrates.
+struct Radial {
+  const std::function<double(double)>& g;
+  std::span<const double> corners;
+  double roundings;
+};
+
+/// Interpolates g(s) s on [cell.lo, cell.hi]; false if the interpolant does not hold it to rounding and that
+/// is not to be put up with.
+bool fit(Cell& cell, const Radial& radial, bool anyway) {
+  static const ChebyshevTables tables;
+  const double half = (cell.hi - cell.lo) / 2;
+  cell.middle = cell.lo + half;
+  cell.per_half = 1 / half;
+
+  std::array<double, nodes> value{}, chebyshev{};
+  for (int j = 0; j < nodes; ++j) {
+    const double s = cell.middle + half * tables.x[j];
+    value[j] = radial.g(s) * s;
+    if (!std::isfinite(value[j]))
+      throw std::invalid_argument(fmt::format("the function to integrate is not finite at range {} m", s));
+  }
+  double largest = 0;
+  for (int k = 0; k < nodes; ++k) {
+    for (int j = 0; j < nodes; ++j) chebyshev[k] += value[j] * tables.cosine[k][j];
+    chebyshev[k] *= (k == 0 ? 1.0 : 2.0) / nodes;
+    largest = std::max(largest, std::abs(chebyshev[k]));
+  }
+  // The range itself is rounded, which shows as slope * range * rounding: where absorption is strong the
+  // values carry many times their own rounding, and no finer cell makes them smoother.
+  const double slope = std::abs(value[0] - value[nodes - 1]) / (cell.hi - cell.lo);
+  const double noise = 1e-15 * (radial.roundings * largest + slope * cell.hi) + 1e-300;
+  if (std::max(std::abs(chebyshev[nodes - 1]), std::abs(chebyshev[nodes - 2])) > noise && !anyway)
+    return false;
+
+  int degree =
+      nodes - 1;  // what is below the rounding of s and g(s) is left off: narrow samples need degree 3 or 4
+  while (degree > 0 && std::abs(chebyshev[degree]) <= noise) --degree;
+  std::array<double, nodes> coefficient{};
+  for (int k = 0; k <= degree; ++k)
+    for (int i = 0; i <= k; ++i) coefficient[i] += chebyshev[k] * tables.monomial[k][i];
+  cell.degree = degree + 1;
+  cell.primitive.fill(0);
+  for (int i = 0; i <= degree; ++i) cell.primitive[i + 1] = half * coefficient[i] / (i + 1);
+  return true;
+}
+
+void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sample, const Radial& radial) {
+  Cell cell;
+  cell.lo = lo;
+  cell.hi = hi;
+  cell.sample = sample;
+  const bool narrow = hi - lo < 1e-10 * hi;
+  const auto corner = std::lower_bound(radial.corners.begin(), radial.corners.end(), lo);
+  if (fit(cell, radial, narrow && corner != radial.corners.end() && *corner <= hi)) {
+    cells.push_back(cell);
+    return;
+  }
+  if (narrow)
+    throw std::invalid_argument(fmt::format("the function to integrate is not smooth at range {} m", lo));
+  // Geometric halving far from the apex's singularity needs few cells; it is plain halving for narrow
+  // samples.
+  const double cut = hi > 2 * lo ? std::sqrt(lo * hi) : lo + (hi - lo) / 2;
+  append_cells(cells, lo, cut, sample, radial);
+  append_cells(cells, cut, hi, sample, radial);
+}
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+/// Two nodes of a quadrature at once, each reckoned as one double would be.
+using Pair = double __attribute__((vector_size(16)));
+
+/// Gauss-Legendre's rule of n nodes on [-1, 1], in pairs; an odd one's last node is a blank of weight 0.
+template <unsigned n>
+struct PairedRule {
+  static constexpr std::size_t pairs = (n + 1) / 2;
+  std::array<Pair, pairs> x{}, weight{};
+  PairedRule() {
+    using Rule = boost::math::quadrature::gauss<double, n>;
+    std::size_t k = 0;
+    const auto put = [&](double position, double w) {
+      x[k / 2][k % 2] = position;
+      weight[k / 2][k % 2] = w;
+      ++k;
+    };
+    for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
+      put(Rule::abscissa()[i], Rule::weights()[i]);
+      if (Rule::abscissa()[i] != 0) put(-Rule::abscissa()[i], Rule::weights()[i]);
+    }
+  }
+};
+const PairedRule<3> rule_of_3;
+const PairedRule<4> rule_of_4;
+const PairedRule<5> rule_of_5;
+const PairedRule<8> rule_of_8;
+
+}  // namespace
+
+RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::function<double(double)>& g,
+                               std::span<const double> corners_m, double roundings)
+    : samples_(borders_m.size() - 1) {
+  if (borders_m.size() < 2) throw std::invalid_argument("range samples need at least two borders");
+  for (std::size_t k = 0; k < borders_m.size(); ++k)
+    if (!(borders_m[k] >= 0 && std::isfinite(borders_m[k]) && (k == 0 || borders_m[k] > borders_m[k - 1])))
+      throw std::invalid_argument(fmt::format(
+          "borders of range samples must be finite, not negative and increasing; border {} is {} m", k,
+          borders_m[k]));
+  const Radial radial{g, corners_m, roundings};
+  for (std::size_t k = 0; k < samples_; ++k) {
+    double lo = std::max(borders_m[k], nearest_range_m);
+    const double hi = borders_m[k + 1];
+    for (auto corner = std::upper_bound(corners_m.begin(), corners_m.end(), lo);
+         corner != corners_m.end() && *corner < hi; ++corner) {
+      append_cells(cells_, lo, *corner, k, radial);
+      lo = *corner;
+    }
+    if (hi > lo) append_cells(cells_, lo, hi, k, radial);
+  }
+  if (cells_.empty()) throw std::invalid_argument("all range samples are nearer than a nanometre");
+  from_front_.reserve(cells_.size());
+  for (Cell& cell : cells_) {
+    from_front_.emplace_back(cell, cell.lo);
+    cell.whole = from_front_.back().over(cell.hi - cell.lo);
+  }
+  cells_per_m_ = static_cast<double>(cells_.size()) / (back() - front());
+}
+
+std::size_t RadialIntegral::cell_at(double range_m) const {
+  if (!(range_m >= cells_.front().hi)) return 0;
+  if (range_m >= cells_.back().hi) return cells_.size();
+  // Samples are even and most of them one cell: the guess is nearly always right.
+  auto k = std::min(static_cast<std::size_t>((range_m - front()) * cells_per_m_), cells_.size() - 1);
+  while (range_m >= cells_[k].hi) ++k;
+  while (k > 0 && range_m < cells_[k - 1].hi) --k;
+  return k;
+}
+
+RadialIntegral::From::From(const Cell& cell, double from_m)
+    : x0_((from_m - cell.middle) * cell.per_half), per_half_(cell.per_half), degree_(cell.degree) {
+  // Horner's scheme for (P(x) - P(x0)) / (x - x0): the quotient's coefficients are P's partial values at x0.
+  double partial = cell.primitive[static_cast<std::size_t>(degree_)];
+  for (auto i = static_cast<std::size_t>(degree_); i-- > 0;) {
+    quotient_[i] = partial;
+    partial = partial * x0_ + cell.primitive[i];
+  }
+}
+
+/// A boundary edge in its line's coordinates: s along the line from the line's nearest point to the foot.
+struct RangeCutter::Edge {
+  glm::dvec2 from, from_foot;  ///< start: as the polygon's offset, and relative to the foot
+  glm::dvec2 along;            ///< unit
+  double length = 0;
+  double start = 0;   ///< s of the edge's start; positions on the edge are y = s - start
+  double height = 0;  ///< signed distance of the line from the foot: dphi = height ds / (height^2 + s^2)
+  double range2 = 0;  ///< squared slant range of the line's nearest point
+  double range = 0;
+  double range_at(double y) const { return std::sqrt(range2 + (start + y) * (start + y)); }
+};
+
+RangeCutter::RangeCutter(const RadialIntegral& radial) : radial_(radial) {}
+
+void RangeCutter::add(std::span<const glm::dvec3> corners_m, const FacetPlane& plane, double factor,
+                      std::span<double> out) {
+  polygon_.assign(corners_m, plane, PlaneFrame(plane));
+  add(polygon_, factor, out);
+}
+
+void RangeCutter::add(const PlanarPolygon& polygon, double factor, std::span<double> out) {
+  const std::size_t n = polygon.offsets.size();
+  if (n < 3) return;
+  nearest_ = nearest_point(polygon);
+  nearest_from_foot_ = polygon.first + nearest_.offset;
+  const double farthest = farthest_range(polygon);
+  if (!(farthest > radial_.front() && nearest_.range < radial_.back())) return;
+
+  // F counts from the polygon's nearest point instead of the sample's border. That changes nothing (either
+  // the foot is outside, and the angles add up to zero, or it is inside and is itself the nearest point), and
+  // a small polygon inside a sample is no longer a small difference of large numbers.
+  const auto& cells = radial_.cells();
+  first_ = radial_.cell_at(nearest_.range);
+  last_ = radial_.cell_at(farthest);
+  const std::size_t end = std::min(last_ + 1, cells.size());
+  if (nearest_.range > cells[first_].lo) from_nearest_ = {cells[first_], nearest_.range};
+  inside_.assign(end - first_, 0);
+  angle_.assign(end - first_ + 1, 0);
+
+  for (std::size_t i = 0; i < n; ++i) {
+    Edge edge;
+    edge.from = polygon.offsets[i];
+    const glm::dvec2 to = polygon.offsets[i + 1 == n ? 0 : i + 1];
+    edge.length = glm::length(to - edge.from);
+    if (!(edge.length > 0)) continue;
+    edge.along = (to - edge.from) / edge.length;
+    edge.from_foot = polygon.first + edge.from;
+    edge.start = glm::dot(edge.from_foot, edge.along);
+    edge.height = cross(edge.from_foot, edge.along);
+    edge.range2 = polygon.distance * polygon.distance + edge.height * edge.height;
+    edge.range = std::sqrt(edge.range2);
+    walk(edge);
+  }
+
+  double beyond = angle_.back();
+  for (std::size_t k = end; k-- > first_;) {
+    const Cell& cell = cells[k];
+    const double all = nearest_.range > cell.lo ? from_nearest_.over(cell.hi - nearest_.range) : cell.whole;
+    out[cell.sample] += factor * (inside_[k - first_] + beyond * all);
+    beyond += angle_[k - first_];
+  }
+}
+
+void RangeCutter::walk(const Edge& edge) {
+  // An edge whose line runs through the foot, but for rounding, counts nothing: away from the foot it has no
+  // angle, and at the foot, where it may turn by pi, F has only begun.
+  if (std::abs(edge.height) <= 1e-14 * (std::abs(edge.start) + edge.length)) return;
+  const double nearest = -edge.start;
+  if (nearest < edge.length) walk_outwards(edge, std::max(nearest, 0.0), edge.length);
+  if (nearest > 0) walk_outwards(edge, std::min(nearest, edge.length), 0);
+}
+
+/// Goes along the edge from its nearest position to an end, cell by cell.
+void RangeCutter::walk_outwards(const Edge& edge, double from, double to) {
+  const auto& cells = radial_.cells();
+  const double direction = to >= from ? 1 : -1;
+  const double range_to = edge.range_at(to);
+  // Where the range crosses a border; rounding must not carry it off the rest of the edge.
+  const auto crossing = [&](double border, double y) {
+    const double s = std::sqrt(std::max((border - edge.range) * (border + edge.range), 0.0));
+    return std::clamp(direction * s - edge.start, std::min(y, to), std::max(y, to));
+  };
+
+  double y = from, range = edge.range_at(from);
+  if (range < radial_.front()) {
+    if (range_to <= radial_.front()) return;
+    y = crossing(radial_.front(), y);
+    range = radial_.front();
+  }
+  // Rounding may put these ranges a whisker outside of the polygon's own.
+  for (std::size_t k = std::clamp(radial_.cell_at(range), first_, last_); k < cells.size(); ++k) {
+    const bool ends = range_to <= cells[k].hi || k == last_;
+    const double end = ends ? to : crossing(cells[k].hi, y);
+    integrate(edge, k, y, end);
+    if (ends) return;
+    y = end;
+  }
+  const glm::dvec2 a = edge.from_foot + y * edge.along, b = edge.from_foot + to * edge.along;
+  angle_.back() += direction * std::atan2(cross(a, b), glm::dot(a, b));
+}
+
+/// Adds one stretch of an edge that lies in one cell. The integrand's singularities nearest to the stretch
+/// are those of 1 / (height^2 + s^2), as far from it as the foot is: intervals of at most half that distance
+/// make Gauss-Legendre converge like 8^-2n, and shorter ones, which are the rule, need fewer nodes.
+void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double to) {
+  const Cell& cell = radial_.cells()[k];
+  const bool from_nearest = nearest_.range > cell.lo;
+  const RadialIntegral::From& radial = from_nearest ? from_nearest_ : radial_.from_front(k);
+  const double skipped = (from_nearest ? nearest_.range : cell.lo) - nearest_.range;
+  const double direction = to >= from ? 1 : -1;
+  const double height2 = edge.height * edge.height, near_range = nearest_.range;
+  const glm::dvec2 from_nearest_point = edge.from - nearest_.offset, along_edge = edge.along,
+                   from_foot = edge.from_foot, nearest_from_foot = nearest_from_foot_;
+  double inside = 0, angle = 0;
+
+  double y = from, rest = std::abs(to - from);
+  while (rest > 0) {
+    const double s = edge.start + y, distance = std::sqrt(s * s + height2);
+    double step = std::min(rest, distance / 2);
+    if (rest - step < step / 4) step = rest;  // no splinter at the end
+    const double half = direction * step / 2, centre = y + half;
+
+    const auto quadrature = [&]<unsigned n>(const PairedRule<n>& rule) {
+      constexpr std::size_t pairs = PairedRule<n>::pairs;
+      std::array<Pair, pairs> turned, gain;
+#pragma GCC unroll 4
+      for (std::size_t p = 0; p < pairs; ++p) {
+        const Pair along = centre + half * rule.x[p], at = edge.start + along, at2 = at * at;
+        turned[p] = step / 2 * (rule.weight[p] * edge.height / (height2 + at2));
+        const Pair range2 = edge.range2 + at2, range{std::sqrt(range2[0]), std::sqrt(range2[1])};
+        const Pair reach_x = along * along_edge.x, reach_y = along * along_edge.y;
+        // range - nearest range, without cancellation
+        gain[p] = ((from_nearest_point.x + reach_x) * (from_foot.x + reach_x + nearest_from_foot.x) +
+                   (from_nearest_point.y + reach_y) * (from_foot.y + reach_y + nearest_from_foot.y)) /
+                      (range + near_range) -
+                  skipped;
+      }
+      const std::array<Pair, pairs> gained = radial.over(gain);
+#pragma GCC unroll 8
+      for (std::size_t i = 0; i < n; ++i) {
+        angle += turned[i / 2][i % 2];
+        inside += turned[i / 2][i % 2] * gained[i / 2][i % 2];
+      }
+    };
+    // n nodes leave about (step / 2 distance)^2n: rounding, at each of these limits.
+    if (step <= 0.006 * distance)
+      quadrature(rule_of_3);
+    else if (step <= 0.03 * distance)
+      quadrature(rule_of_4);
+    else if (step <= 0.08 * distance)
+      quadrature(rule_of_5);
+    else
+      quadrature(rule_of_8);
+    y += direction * step;
+    rest -= step;
+  }
+  inside_[k - first_] += inside;
+  angle_[k - first_] += angle;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <CGAL/Exact_rational.h>
+
+#include <array>
+
+#include "geometry/numbers/world_grid.hpp"
+
+// Vectors of rationals: for the oracle, the closure audit and the topology hash. Heavy: include only in .cpp
+// files.
+namespace tubefoot {
+
+using ExactVector = std::array<CGAL::Exact_rational, 3>;
+
+inline ExactVector exact(GridPoint p) { return {p.x, p.y, p.z}; }
+
+inline ExactVector cross(const ExactVector& a, const ExactVector& b) {
+  return {CGAL::Exact_rational(a[1] * b[2] - a[2] * b[1]), CGAL::Exact_rational(a[2] * b[0] - a[0] * b[2]),
+          CGAL::Exact_rational(a[0] * b[1] - a[1] * b[0])};
+}
+
+inline CGAL::Exact_rational dot(const ExactVector& a, const ExactVector& b) {
+  return CGAL::Exact_rational(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+}
+
+inline ExactVector difference(const ExactVector& a, const ExactVector& b) {
+  return {CGAL::Exact_rational(a[0] - b[0]), CGAL::Exact_rational(a[1] - b[1]),
+          CGAL::Exact_rational(a[2] - b[2])};
+}
+
+}  // namespace tubefoot

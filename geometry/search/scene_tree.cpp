@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/search/scene_tree.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <type_traits>
+
+#include "geometry/search/height_sheets.hpp"
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr std::uint32_t facets_per_leaf = 8;
+
+GridPoint min(GridPoint a, GridPoint b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+GridPoint max(GridPoint a, GridPoint b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+
+/// Distance from the origin to the interval [lo, hi].
+double gap(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? -hi : 0; }
+
+/// Relative to the apex and to the size of the products: far more than their rounding.
+constexpr double slack = 1e-12;
+
+/// The products of a normal's coordinates with the corner of a box that lies farthest along it.
+struct Products {
+  double x, y, z;
+  double sum() const { return x + y + z; }
+  double size() const { return std::abs(x) + std::abs(y) + std::abs(z); }
+};
+
+/// A box relative to the apex.
+struct Reach {
+  double lx, hx, ly, hy, lz, hz;
+  Products farthest(const SceneTree::HalfSpace& h) const {
+    return {h.x * (h.x > 0 ? hx : lx), h.y * (h.y > 0 ? hy : ly), h.z * (h.z > 0 ? hz : lz)};
+  }
+  Products nearest(const SceneTree::HalfSpace& h) const {
+    return {h.x * (h.x > 0 ? lx : hx), h.y * (h.y > 0 ? ly : hy), h.z * (h.z > 0 ? lz : hz)};
+  }
+};
+
+/// Moves the facets [begin, end) that are no copies (the same three vertices) of one with a lower id to the
+/// front, and returns their end.
+std::uint32_t drop_copies(const FacetMesh& mesh, std::vector<FacetId>& order, std::uint32_t begin,
+                          std::uint32_t end) {
+  const auto key = [&mesh](FacetId f) {
+    std::array<VertexId, 3> vertices = mesh.facets[f];
+    std::sort(vertices.begin(), vertices.end());
+    return vertices;
+  };
+  const auto first = order.begin() + begin, last = order.begin() + end;
+  std::sort(first, last, [&](FacetId f, FacetId g) { return std::pair(key(f), f) < std::pair(key(g), g); });
+  const auto distinct = std::unique(first, last, [&](FacetId f, FacetId g) { return key(f) == key(g); });
+  return static_cast<std::uint32_t>(distinct - order.begin());
+}
+
+}  // namespace
+
+SceneTree::Fan::Fan(std::span<const HalfSpace> half_spaces)
+    : first(half_spaces.front()), last(half_spaces.back()) {
+  const double n = static_cast<double>(half_spaces.size());
+  for (const HalfSpace& h : half_spaces) middle = {middle.x + h.x, middle.y + h.y, middle.z + h.z};
+  middle = {middle.x / n, middle.y / n, middle.z / n};
+  for (const HalfSpace& h : half_spaces)
+    spread = {std::max(spread.x, std::abs(h.x - middle.x)), std::max(spread.y, std::abs(h.y - middle.y)),
+              std::max(spread.z, std::abs(h.z - middle.z))};
+}
+
+SceneTree::SceneTree(const FacetMesh& mesh, Sheets sheets) : mesh_(&mesh), order_(mesh.facets.size()) {
+  std::iota(order_.begin(), order_.end(), 0u);
+  if (order_.empty()) return;
+  // Three times the centroid, in single precision: it only decides the tree's shape.
+  std::vector<std::array<float, 3>> centre(order_.size());
+  for (std::size_t f = 0; f < centre.size(); ++f) {
+    centre[f] = {0, 0, 0};
+    for (const VertexId v : mesh.facets[f]) {
+      const GridPoint p = mesh.vertices[v];
+      centre[f][0] += static_cast<float>(p.x);
+      centre[f][1] += static_cast<float>(p.y);
+      centre[f][2] += static_cast<float>(p.z);
+    }
+  }
+  nodes_.reserve(2 * (order_.size() / (facets_per_leaf / 2) + 1));
+  const auto build = [&](const auto& self, std::uint32_t begin, std::uint32_t end) -> std::uint32_t {
+    stop_if_wanted();
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.emplace_back();
+    if (end - begin <= facets_per_leaf) {
+      constexpr auto top = std::numeric_limits<std::int32_t>::max();
+      Box box{{top, top, top}, {-top, -top, -top}};
+      for (std::uint32_t k = begin; k < end; ++k)
+        for (const VertexId v : mesh.facets[order_[k]]) {
+          box.lo = min(box.lo, mesh.vertices[v]);
+          box.hi = max(box.hi, mesh.vertices[v]);
+        }
+      nodes_[index] = {box, begin, end - begin};
+      return index;
+    }
+    std::array<float, 3> lo = centre[order_[begin]], hi = lo;
+    for (std::uint32_t k = begin; k < end; ++k)
+      for (int a = 0; a < 3; ++a) {
+        lo[a] = std::min(lo[a], centre[order_[k]][a]);
+        hi[a] = std::max(hi[a], centre[order_[k]][a]);
+      }
+    int axis = 0;
+    for (int a = 1; a < 3; ++a)
+      if (hi[a] - lo[a] > hi[axis] - lo[axis]) axis = a;
+    // No cut parts facets on one spot, and each would be held against each: of copies, the one that is seen
+    // is enough.
+    if (hi[axis] == lo[axis])
+      if (const std::uint32_t distinct = drop_copies(mesh, order_, begin, end); distinct < end) {
+        nodes_.pop_back();
+        return self(self, begin, distinct);
+      }
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                     [&](FacetId f, FacetId g) { return centre[f][axis] < centre[g][axis]; });
+    const std::uint32_t first = self(self, begin, middle), second = self(self, middle, end);
+    nodes_[index] = {
+        {min(nodes_[first].box.lo, nodes_[second].box.lo), max(nodes_[first].box.hi, nodes_[second].box.hi)},
+        second,
+        0};
+    return index;
+  };
+  build(build, 0, static_cast<std::uint32_t>(order_.size()));
+  nodes_.shrink_to_fit();
+  if (sheets == Sheets::proven)
+    if (auto found = std::make_shared<const HeightSheets>(mesh); found->count() > 0)
+      sheets_ = std::move(found);
+}
+
+std::size_t SceneTree::bytes() const {
+  return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(FacetId) +
+         (sheets_ ? sheets_->bytes() : 0);
+}
+
+void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
+                      std::vector<FacetId>& out) const {
+  query_sides(apex, half_spaces, reach, 0, out);
+}
+
+void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach, double margin,
+                      std::vector<FacetId>& out) const {
+  query_sides(apex, half_spaces, reach, margin, out);
+}
+
+void SceneTree::query(GridPoint apex, std::span<const Fan> fans, double reach,
+                      std::vector<FacetId>& out) const {
+  query_sides(apex, fans, reach, 0, out);
+}
+
+void SceneTree::query(const std::function<bool(const GridPoint&, const GridPoint&)>& may_meet,
+                      std::vector<FacetId>& out) const {
+  if (nodes_.empty()) return;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t index = stack[--depth];
+    const Node& node = nodes_[index];
+    if (!may_meet(node.box.lo, node.box.hi)) continue;
+    if (node.count == 0) {
+      stack[depth++] = node.link;
+      stack[depth++] = index + 1;
+    } else {
+      out.insert(out.end(), order_.begin() + node.link, order_.begin() + node.link + node.count);
+    }
+  }
+}
+
+template <class Side>
+void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double reach, double margin,
+                            std::vector<FacetId>& out) const {
+  if (nodes_.empty()) return;
+  const double reach2 = reach * reach;
+  // Whether a box may meet what `checks` still asks of it: bit k side k, the last bit the reach. What a box
+  // keeps wholly is not asked of the boxes inside it.
+  const unsigned reach_bit = 1u << sides.size();
+  const auto may_meet = [](const Reach& box, const Side& side) {
+    if constexpr (std::is_same_v<Side, HalfSpace>) {
+      const Products far = box.farthest(side);
+      return !(far.sum() < -slack * far.size());
+    } else {
+      const Products far = box.farthest(side.middle);
+      const double x = side.spread.x * std::max(-box.lx, box.hx),
+                   y = side.spread.y * std::max(-box.ly, box.hy),
+                   z = side.spread.z * std::max(-box.lz, box.hz),
+                   more = std::abs(x) + std::abs(y) + std::abs(z);
+      return !(far.sum() + more < -slack * (far.size() + more));
+    }
+  };
+  const auto keeps = [](const Reach& box, const Side& side) {
+    if constexpr (std::is_same_v<Side, HalfSpace>)
+      return box.nearest(side).sum() >= 0;
+    else
+      return box.nearest(side.first).sum() >= 0 || box.nearest(side.last).sum() >= 0;
+  };
+  const auto meets = [&](const Box& box, unsigned& checks) {
+    const double lx = double(box.lo.x) - apex.x - margin, hx = double(box.hi.x) - apex.x + margin,
+                 ly = double(box.lo.y) - apex.y - margin, hy = double(box.hi.y) - apex.y + margin,
+                 lz = double(box.lo.z) - apex.z - margin, hz = double(box.hi.z) - apex.z + margin;
+    const Reach own{lx, hx, ly, hy, lz, hz};
+    if (checks & reach_bit) {
+      const double dx = gap(lx, hx), dy = gap(ly, hy), dz = gap(lz, hz);
+      if (dx * dx + dy * dy + dz * dz > reach2) return false;
+      const double fx = std::max(-lx, hx), fy = std::max(-ly, hy), fz = std::max(-lz, hz);
+      if (fx * fx + fy * fy + fz * fz <= reach2) checks &= ~reach_bit;
+    }
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      if (!(checks >> k & 1u)) continue;
+      if (!may_meet(own, sides[k])) return false;
+      if (keeps(own, sides[k])) checks &= ~(1u << k);
+    }
+    return true;
+  };
+  struct Visit {
+    std::uint32_t node;
+    unsigned checks;
+  };
+  std::array<Visit, 64> stack;
+  std::size_t depth = 0;
+  stack[depth++] = {0, 2 * reach_bit - 1};
+  while (depth > 0) {
+    auto [index, checks] = stack[--depth];
+    const Node& node = nodes_[index];
+    if (!meets(node.box, checks)) continue;
+    if (node.count == 0) {
+      stack[depth++] = {node.link, checks};
+      stack[depth++] = {index + 1, checks};
+      continue;
+    }
+    for (std::uint32_t k = node.link; k < node.link + node.count; ++k) {
+      // The facet's own box decides, so that the answer does not depend on the shape of the tree.
+      unsigned own = checks;
+      const auto& facet = mesh_->facets[order_[k]];
+      const GridPoint a = mesh_->vertices[facet[0]], b = mesh_->vertices[facet[1]],
+                      c = mesh_->vertices[facet[2]];
+      if (own == 0 || meets({min(min(a, b), c), max(max(a, b), c)}, own)) out.push_back(order_[k]);
+    }
+  }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/tubes/tube.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <stdexcept>
+
+#include "geometry/numbers/wide_int.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// Sign of det(a, b, c), exact: |coordinate| <= 2^30 makes each of the six products at most 2^90.
+int orientation(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
+  const Int128 nx = Int128(a.y) * b.z - Int128(a.z) * b.y;
+  const Int128 ny = Int128(a.z) * b.x - Int128(a.x) * b.z;
+  const Int128 nz = Int128(a.x) * b.y - Int128(a.y) * b.x;
+  const Int128 det = nx * c.x + ny * c.y + nz * c.z;
+  return det > 0 ? 1 : det < 0 ? -1 : 0;
+}
+
+/// The common sign of all walls seen from all rays that are not on them: +1 if the four rays turn
+/// counter-clockwise about a convex pyramid, -1 if clockwise, 0 if they are no strictly convex pyramid.
+int winding(const std::vector<GridPoint>& rays, const Tube& tube) {
+  int common = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const GridPoint& a = rays[tube[k]];
+    const GridPoint& b = rays[tube[(k + 1) % 4]];
+    for (std::size_t other = 2; other < 4; ++other) {
+      const int sign = orientation(a, b, rays[tube[(k + other) % 4]]);
+      if (sign == 0 || (common != 0 && sign != common)) return 0;
+      common = sign;
+    }
+  }
+  return common;
+}
+
+void check_edges(const std::vector<double>& edges_rad, const char* angle) {
+  if (edges_rad.size() < 2)
+    throw std::invalid_argument(
+        fmt::format("a tube grid needs two {} edges at least, not {}", angle, edges_rad.size()));
+  for (std::size_t k = 0; k < edges_rad.size(); ++k) {
+    if (!std::isfinite(edges_rad[k]))
+      throw std::invalid_argument(fmt::format("{} edge {} of a tube grid is not finite", angle, k));
+    if (k > 0 && !(edges_rad[k] > edges_rad[k - 1]))
+      throw std::invalid_argument(
+          fmt::format("{} edges of a tube grid must increase: edge {} is {} rad, edge {} is {} rad", angle,
+                      k - 1, edges_rad[k - 1], k, edges_rad[k]));
+  }
+}
+
+void check_grid(const AngularGrid& grid) {
+  check_edges(grid.azimuth_edges_rad, "azimuth");
+  check_edges(grid.elevation_edges_rad, "elevation");
+  const auto& azimuth = grid.azimuth_edges_rad;
+  for (std::size_t k = 1; k < azimuth.size(); ++k)
+    if (azimuth[k] - azimuth[k - 1] >= pi)
+      throw std::invalid_argument(
+          fmt::format("azimuth cell {} of a tube grid spans {} rad: a tube must stay below pi", k - 1,
+                      azimuth[k] - azimuth[k - 1]));
+  // A few roundings of 2 pi are allowed for: edges are often sums of steps.
+  if (azimuth.back() - azimuth.front() > 2 * pi + 1e-12)
+    throw std::invalid_argument(
+        fmt::format("a tube grid spans {} rad of azimuth: beyond 2 pi its tubes overlap",
+                    azimuth.back() - azimuth.front()));
+  if (grid.elevation_edges_rad.front() <= -pi / 2 || grid.elevation_edges_rad.back() >= pi / 2)
+    throw std::invalid_argument(
+        fmt::format("elevation edges of a tube grid must lie inside (-pi/2, pi/2), not [{}, {}] rad",
+                    grid.elevation_edges_rad.front(), grid.elevation_edges_rad.back()));
+}
+
+}  // namespace
+
+glm::dvec3 direction(const AngularGrid& grid, double azimuth_rad, double elevation_rad) {
+  const double horizontal = std::cos(elevation_rad);
+  return grid.frame[0] * (std::cos(azimuth_rad) * horizontal) +
+         grid.frame[1] * (std::sin(azimuth_rad) * horizontal) + grid.frame[2] * std::sin(elevation_rad);
+}
+
+GridPoint integer_ray(glm::dvec3 unit_direction) {
+  constexpr double scale = (1 << 30) - 1;
+  // A unit vector's coordinate may exceed 1 by a rounding, never by enough to leave the 2^30.
+  const auto rounded = [](double coordinate) {
+    return static_cast<std::int32_t>(std::llround(coordinate * scale));
+  };
+  return {rounded(unit_direction.x), rounded(unit_direction.y), rounded(unit_direction.z)};
+}
+
+std::uint32_t append_tubes(TubeSet& set, const AngularGrid& grid) {
+  check_grid(grid);
+  const auto& azimuth = grid.azimuth_edges_rad;
+  const auto& elevation = grid.elevation_edges_rad;
+  // A grid that closes on itself reuses its first column of rays, so that it has no seam.
+  const bool closed = azimuth.back() - azimuth.front() > 2 * pi - 1e-12;
+  const std::size_t columns = azimuth.size() - (closed ? 1 : 0);
+  const std::size_t rows = elevation.size();
+
+  std::vector<GridPoint> rays;
+  rays.reserve(columns * rows);
+  for (std::size_t i = 0; i < columns; ++i)
+    for (const double angle_rad : elevation)
+      rays.push_back(integer_ray(direction(grid, azimuth[i], angle_rad)));
+
+  const auto ray = [&](std::size_t i, std::size_t j) {
+    return static_cast<std::uint32_t>((i % columns) * rows + j);
+  };
+  std::vector<Tube> tubes;
+  tubes.reserve((azimuth.size() - 1) * (rows - 1));
+  for (std::size_t i = 0; i + 1 < azimuth.size(); ++i) {
+    for (std::size_t j = 0; j + 1 < rows; ++j) {
+      Tube tube{ray(i, j), ray(i + 1, j), ray(i + 1, j + 1), ray(i, j + 1)};
+      const int turn = winding(rays, tube);
+      if (turn == 0)
+        throw std::invalid_argument(fmt::format(
+            "tube grid cell (azimuth {}, elevation {}) is no pyramid once its rays are rounded to 2^-30: "
+            "it is {} x {} rad, too narrow or too close to the axis",
+            i, j, azimuth[i + 1] - azimuth[i], elevation[j + 1] - elevation[j]));
+      if (turn < 0) std::swap(tube[1], tube[3]);
+      tubes.push_back(tube);
+    }
+  }
+
+  // Only a whole grid is appended: an exception above leaves `set` as it was.
+  const auto first_ray = static_cast<std::uint32_t>(set.rays.size());
+  const auto first_tube = static_cast<std::uint32_t>(set.tubes.size());
+  set.rays.insert(set.rays.end(), rays.begin(), rays.end());
+  for (Tube& tube : tubes)
+    for (std::uint32_t& corner : tube) corner += first_ray;
+  set.tubes.insert(set.tubes.end(), tubes.begin(), tubes.end());
+  return first_tube;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/visibility/edge_rings.hpp"
+
+#include <bit>
+#include <utility>
+
+namespace tubefoot {
+
+void EdgeRings::build(const std::vector<RangedFacet>& facets) {
+  constexpr std::uint32_t nobody = 0xffffffffu;
+  const std::size_t size = std::bit_ceil(facets.size() * 4 + 1);
+  table_.assign(size, Slot{0, 0, nobody});
+  next_.resize(3 * facets.size());
+  for (std::uint32_t f = 0; f < facets.size(); ++f)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto& vertex = facets[f].cone.vertex;
+      VertexId a = vertex[k], b = vertex[(k + 1) % 3];
+      if (a > b) std::swap(a, b);
+      const std::uint32_t half_edge = 3 * f + k;
+      std::uint64_t h = (std::uint64_t(a) << 32 | b) * 0x9e3779b97f4a7c15u;
+      h ^= h >> 29;
+      std::size_t at = h & (size - 1);
+      while (table_[at].half_edge != nobody && !(table_[at].a == a && table_[at].b == b))
+        at = (at + 1) & (size - 1);
+      Slot& slot = table_[at];
+      if (slot.half_edge == nobody) {
+        slot = {a, b, half_edge};
+        next_[half_edge] = half_edge;
+      } else {
+        next_[half_edge] = next_[slot.half_edge];
+        next_[slot.half_edge] = half_edge;
+      }
+    }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/visibility/gnomonic_frame.hpp"
+
+namespace tubefoot {
+
+/// Which facets of a list share an edge. A half-edge is 3 f + k: edge k of facet f, from corner k of its cone
+/// to the next. The half-edges of one edge form a ring. Keeps its table from list to list.
+class EdgeRings {
+ public:
+  void build(const std::vector<RangedFacet>& facets);
+
+  /// The next half-edge on the same edge; the half-edge itself if it is alone there.
+  std::uint32_t next(std::uint32_t half_edge) const { return next_[half_edge]; }
+
+ private:
+  struct Slot {
+    VertexId a, b;
+    std::uint32_t half_edge;
+  };
+  std::vector<std::uint32_t> next_;
+  std::vector<Slot> table_;
+};
+
+}  // namespace tubefoot

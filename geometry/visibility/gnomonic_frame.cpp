@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/visibility/gnomonic_frame.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Side of p against the line from a to b, all with coordinates known to `slack`: +1 left, -1 right, 0
+/// unknown.
+int side_of_line(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p, double slack) {
+  const double ux = b.x - a.x, uy = b.y - a.y, vx = p.x - a.x, vy = p.y - a.y;
+  const double cross = ux * vy - uy * vx;
+  const double bound = 8 * slack * (std::abs(ux) + std::abs(uy) + std::abs(vx) + std::abs(vy) + slack);
+  return cross > bound ? 1 : cross < -bound ? -1 : 0;
+}
+
+double slack_of(double largest_coordinate) { return GnomonicFrame::margin * (1 + largest_coordinate); }
+
+/// True only if an edge of `a` has all of `b`, whose bounds meet those of `a`, on its far side. `extent`: of
+/// both together, so that no corner of one is farther from a corner of the other.
+bool edge_parts(const SeenFacet& a, const SeenFacet& b, double slack, double extent) {
+  if (a.turn == 0) return false;
+  const auto shared = [&](VertexId v) {
+    return static_cast<unsigned>(v == a.cone.vertex[0]) | static_cast<unsigned>(v == a.cone.vertex[1]) << 1 |
+           static_cast<unsigned>(v == a.cone.vertex[2]) << 2;
+  };
+  const std::array<unsigned, 3> same{shared(b.cone.vertex[0]), shared(b.cone.vertex[1]),
+                                     shared(b.cone.vertex[2])};
+  constexpr std::array<unsigned, 3> ends{0b011, 0b110, 0b101};
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3& line = a.line[k];
+    // As in side_of_line, where a corner's distance from the edge's start is at most the extent; the line's
+    // constant carries the rounding of products with the coordinates, of which slack is a large multiple.
+    const double bound = 8 * slack * (std::abs(line.x) + std::abs(line.y) + extent + slack);
+    bool apart = true;
+    for (int v = 0; v < 3; ++v) {
+      const double s = line.x * b.corner[v].x + line.y * b.corner[v].y - line.z;
+      apart = apart & ((s < -bound) | ((same[v] & ends[k]) != 0));
+    }
+    if (apart) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+GnomonicFrame::GnomonicFrame(const std::array<GridPoint, 4>& rays) {
+  glm::dvec3 sum{0};
+  for (const GridPoint& ray : rays) sum += glm::normalize(as_double(ray));
+  axis_ = glm::normalize(sum);
+  right_ = glm::normalize(as_double(rays[1]) - as_double(rays[0]));
+  right_ = glm::normalize(right_ - axis_ * glm::dot(right_, axis_));
+  up_ = glm::cross(axis_, right_);
+  tube_ = Bounds::nothing();
+  for (int k = 0; k < 4; ++k) {
+    const glm::dvec3 ray = as_double(rays[k]);
+    if (!project(ray, glm::length(ray), corner_[k])) {
+      tube_ = Bounds::everything();
+      return;
+    }
+    tube_.add(corner_[k]);
+  }
+}
+
+bool GnomonicFrame::surely_inside(glm::dvec2 p) const {
+  if (!tube_.is_finite()) return false;
+  const double slack =
+      slack_of(std::max({std::abs(tube_.x0), std::abs(tube_.x1), std::abs(tube_.y0), std::abs(tube_.y1)}));
+  const int first = side_of_line(corner_[0], corner_[1], p, slack);
+  if (first == 0) return false;
+  for (int k = 1; k < 4; ++k)
+    if (side_of_line(corner_[k], corner_[(k + 1) % 4], p, slack) != first) return false;
+  return true;
+}
+
+void RangedFacet::measure_ranges() {
+  double low = std::numeric_limits<double>::infinity(), high = 0, longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 d = as_double(cone.point[k]), edge = as_double(cone.point[(k + 1) % 3]) - d;
+    const double square = glm::dot(d, d);
+    range[k] = std::sqrt(square);
+    low = std::min(low, square);
+    high = std::max(high, square);
+    longest = std::max(longest, glm::dot(edge, edge));
+  }
+  // No point of a triangle is farther than its longest side / sqrt(3) from a vertex, nor nearer than its
+  // plane.
+  const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
+  const double plane = static_cast<double>(cone.offset) / std::sqrt(glm::dot(normal, normal));
+  nearest = std::max(std::sqrt(low) - 0.57736 * std::sqrt(longest), plane) * (1 - 1e-12);
+  farthest = std::sqrt(high) * (1 + 1e-12);
+}
+
+void SeenFacet::place(const GnomonicFrame& frame) {
+  bounds = Bounds::nothing();
+  bool finite = true;
+  for (int k = 0; k < 3; ++k) {
+    finite = finite && frame.project(as_double(cone.point[k]), range[k], corner[k]);
+    if (finite) bounds.add(corner[k]);
+  }
+  if (finite) {
+    slack = slack_of(
+        std::max({std::abs(bounds.x0), std::abs(bounds.x1), std::abs(bounds.y0), std::abs(bounds.y1)}));
+    bounds.widen(slack);
+    turn = side_of_line(corner[0], corner[1], corner[2], slack);
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec2 a = corner[k], along = static_cast<double>(turn) * (corner[(k + 1) % 3] - a);
+      line[k] = {-along.y, along.x, along.x * a.y - along.y * a.x};
+    }
+  } else {
+    bounds = Bounds::everything();
+    turn = 0;
+  }
+}
+
+int where(const SeenFacet& facet, glm::dvec2 p) {
+  if (p.x < facet.bounds.x0 || p.x > facet.bounds.x1 || p.y < facet.bounds.y0 || p.y > facet.bounds.y1)
+    return -1;
+  if (facet.turn == 0) return 0;
+  bool inside = true;
+  for (int k = 0; k < 3; ++k) {
+    const int s = side_of_line(facet.corner[k], facet.corner[(k + 1) % 3], p, facet.slack);
+    if (s == -facet.turn) return -1;
+    inside = inside && s != 0;
+  }
+  return inside ? 1 : 0;
+}
+
+bool surely_apart(const SeenFacet& a, const SeenFacet& b) {
+  if (!a.bounds.is_finite() || !b.bounds.is_finite()) return false;
+  const double slack = std::max(a.slack, b.slack);
+  const double extent = (a.bounds.x1 - a.bounds.x0) + (a.bounds.y1 - a.bounds.y0) +
+                        (b.bounds.x1 - b.bounds.x0) + (b.bounds.y1 - b.bounds.y0);
+  return edge_parts(a, b, slack, extent) || edge_parts(b, a, slack, extent);
+}
+
+bool surely_covers(const SeenFacet& outer, const SeenFacet& inner) {
+  if (!outer.bounds.is_finite() || !inner.bounds.is_finite() || outer.turn == 0) return false;
+  const double slack = std::max(outer.slack, inner.slack);
+  for (int v = 0; v < 3; ++v) {
+    const VertexId id = inner.cone.vertex[v];
+    if (std::ranges::find(outer.cone.vertex, id) != outer.cone.vertex.end()) continue;
+    for (int k = 0; k < 3; ++k)
+      if (side_of_line(outer.corner[k], outer.corner[(k + 1) % 3], inner.corner[v], slack) != outer.turn)
+        return false;
+  }
+  return true;
+}
+
+}  // namespace tubefoot

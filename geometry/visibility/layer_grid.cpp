@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/visibility/layer_grid.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Facets a cell should hold about, when all have the same size. Measured: docs/performance.md.
+constexpr double facets_per_cell = 4;
+/// More entries than this for each facet, on average, and the cells are made larger.
+constexpr double entries_per_facet = 6;
+constexpr int most_cells_a_side = 512;
+
+std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
+  while (parent[k] != k) k = parent[k] = parent[parent[k]];
+  return k;
+}
+
+/// The bits of the negative float nearest to zero.
+constexpr auto least_negative = static_cast<std::int32_t>(0x80000001u);
+
+float below(double x) {
+  const auto rounded = static_cast<float>(x);
+  if (rounded <= x) return rounded;
+  // The next float down; nextafterf is a call. Rounded up, so neither -inf nor the lowest float.
+  const auto bits = std::bit_cast<std::int32_t>(rounded);
+  return std::bit_cast<float>(rounded > 0 ? bits - 1 : rounded < 0 ? bits + 1 : least_negative);
+}
+
+}  // namespace
+
+LayerGrid::RoundedBounds::RoundedBounds(const Bounds& b)
+    : x0(below(b.x0)), x1(-below(-b.x1)), y0(below(b.y0)), y1(-below(-b.y1)) {}
+
+void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& facets,
+                      const std::vector<Neighbours>& neighbours) {
+  frame_ = &frame;
+  facets_ = &facets;
+  neighbours_ = &neighbours;
+  place_.resize(facets.size());
+  cells_of_facet_.resize(facets.size());
+  stamp_.assign(facets.size(), 0);
+  stamp_now_ = 0;
+  choose_size();
+  fill();
+  for (int y = 0; y < rows_; ++y)
+    for (int x = 0; x < columns_; ++x) {
+      stop_if_wanted();
+      find_layers(x, y);
+    }
+  find_hidden();
+  drop_hidden();
+}
+
+void LayerGrid::choose_size() {
+  columns_ = rows_ = 1;
+  const Bounds& tube = frame_->tube();
+  if (tube.is_finite()) {
+    const double width = tube.x1 - tube.x0, height = tube.y1 - tube.y0;
+    double cells = static_cast<double>(facets_->size()) / facets_per_cell;
+    for (int attempt = 0; attempt < 12 && cells > 1; ++attempt, cells /= 2) {
+      columns_ = std::clamp(static_cast<int>(std::sqrt(cells * width / height)), 1, most_cells_a_side);
+      rows_ = std::clamp(static_cast<int>(cells / columns_), 1, most_cells_a_side);
+      cell_width_ = width / columns_;
+      cell_height_ = height / rows_;
+      double entries = 0;
+      for (const SeenFacet& facet : *facets_) {
+        const Cells c = cells_of(facet.bounds);
+        entries += static_cast<double>(c.x1 - c.x0 + 1) * (c.y1 - c.y0 + 1);
+      }
+      if (entries <= entries_per_facet * static_cast<double>(facets_->size())) break;
+      columns_ = rows_ = 1;
+    }
+    cell_width_ = width / columns_;
+    cell_height_ = height / rows_;
+  }
+  cells_.assign(static_cast<std::size_t>(columns_) * rows_, Cell{});
+}
+
+LayerGrid::Cells LayerGrid::cells_of(const Bounds& bounds) const {
+  const Bounds& tube = frame_->tube();
+  // Clamped as doubles: bounds may be infinite or far outside.
+  const auto index = [](double coordinate, double origin, double size, int count) {
+    return static_cast<int>(std::clamp((coordinate - origin) / size, 0.0, count - 1.0));
+  };
+  // One cell in a direction needs no arithmetic, which an infinite tube would not allow.
+  return {columns_ == 1 ? 0 : index(bounds.x0, tube.x0, cell_width_, columns_),
+          columns_ == 1 ? 0 : index(bounds.x1, tube.x0, cell_width_, columns_),
+          rows_ == 1 ? 0 : index(bounds.y0, tube.y0, cell_height_, rows_),
+          rows_ == 1 ? 0 : index(bounds.y1, tube.y0, cell_height_, rows_)};
+}
+
+void LayerGrid::fill() {
+  const auto each_cell = [&](std::uint32_t f, const auto& visit) {
+    const Cells c = cells_of_facet_[f];
+    for (int y = c.y0; y <= c.y1; ++y)
+      for (int x = c.x0; x <= c.x1; ++x) visit(cells_[static_cast<std::size_t>(y) * columns_ + x]);
+  };
+  for (std::uint32_t f = 0; f < facets_->size(); ++f) {
+    cells_of_facet_[f] = cells_of((*facets_)[f].bounds);
+    each_cell(f, [](Cell& cell) { ++cell.end; });
+  }
+  std::uint32_t total = 0;
+  for (Cell& cell : cells_) {
+    const std::uint32_t count = cell.end;
+    cell.begin = cell.end = total;
+    total += count;
+  }
+  entries_.resize(total, Entry{0, 0, no_layer, RoundedBounds(Bounds::everything())});
+  rounded_.clear();
+  for (std::uint32_t f = 0; f < facets_->size(); ++f) {
+    rounded_.emplace_back((*facets_)[f].bounds);
+    const Entry entry{(*facets_)[f].nearest, f, no_layer, rounded_.back()};
+    each_cell(f, [&](Cell& cell) { entries_[cell.end++] = entry; });
+  }
+  for (const Cell& cell : cells_)
+    std::sort(entries_.begin() + cell.begin, entries_.begin() + cell.end, [](const Entry& a, const Entry& b) {
+      return a.nearest != b.nearest ? a.nearest < b.nearest : a.facet < b.facet;
+    });
+}
+
+bool LayerGrid::has_silhouette_in(std::uint32_t f, const Bounds& cell) const {
+  const SeenFacet& facet = (*facets_)[f];
+  for (int k = 0; k < 3; ++k) {
+    const std::int32_t n = (*neighbours_)[f][k];
+    if (n == outside_tube || (n >= 0 && (*facets_)[n].bounds.is_finite())) continue;
+    Bounds edge = Bounds::nothing();
+    edge.add(facet.corner[k]);
+    edge.add(facet.corner[(k + 1) % 3]);
+    edge.widen(GnomonicFrame::margin *
+               (1 + std::max({std::abs(edge.x0), std::abs(edge.x1), std::abs(edge.y0), std::abs(edge.y1)})));
+    if (edge.meets(cell)) return true;
+  }
+  return false;
+}
+
+Bounds LayerGrid::bounds_of(int x, int y) const {
+  const Bounds& tube = frame_->tube();
+  return {tube.x0 + x * cell_width_, tube.x0 + (x + 1) * cell_width_, tube.y0 + y * cell_height_,
+          tube.y0 + (y + 1) * cell_height_};
+}
+
+void LayerGrid::find_layers(int x, int y) {
+  Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
+  if (cell.begin == cell.end || !frame_->tube().is_finite()) return;
+  const std::uint32_t count = cell.end - cell.begin;
+  ++stamp_now_;
+  parent_.resize(count);
+  std::iota(parent_.begin(), parent_.end(), 0u);
+  // A facet that reaches behind the apex has no place in the plane: it joins no layer, and where it adjoins
+  // one, that one ends.
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::uint32_t f = entries_[cell.begin + k].facet;
+    if (!(*facets_)[f].bounds.is_finite()) continue;
+    stamp_[f] = stamp_now_;
+    place_[f] = k;
+  }
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::uint32_t f = entries_[cell.begin + k].facet;
+    if (stamp_[f] != stamp_now_) continue;
+    for (const std::int32_t n : (*neighbours_)[f])
+      if (n >= 0 && stamp_[n] == stamp_now_) parent_[root(parent_, k)] = root(parent_, place_[n]);
+  }
+  for (std::uint32_t k = 0; k < count; ++k) parent_[k] = root(parent_, k);  // from here on, its layer
+  const Bounds box = bounds_of(x, y);
+  broken_.assign(count, 0);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::uint32_t f = entries_[cell.begin + k].facet, layer = parent_[k];
+    if (!broken_[layer]) broken_[layer] = stamp_[f] != stamp_now_ || has_silhouette_in(f, box);
+  }
+
+  // A point of the cell that is surely inside the tube and surely on one side or the other of every facet
+  // there.
+  constexpr std::array<glm::dvec2, 5> tries{
+      {{0.5, 0.5}, {0.31, 0.37}, {0.67, 0.29}, {0.35, 0.71}, {0.73, 0.66}}};
+  bool certain = false;
+  for (const glm::dvec2& t : tries) {
+    const glm::dvec2 p{box.x0 + t.x * cell_width_, box.y0 + t.y * cell_height_};
+    if (!frame_->surely_inside(p)) continue;
+    covering_.clear();
+    certain = true;
+    for (std::uint32_t k = 0; k < count && certain; ++k) {
+      if (broken_[parent_[k]]) continue;
+      const int s = where((*facets_)[entries_[cell.begin + k].facet], p);
+      if (s == 0) certain = false;
+      if (s > 0) covering_.push_back(k);
+    }
+    if (certain) break;
+  }
+  if (!certain) return;
+
+  for (const std::uint32_t covers : covering_) {
+    const std::uint32_t layer = parent_[covers];
+    const bool simple = std::none_of(covering_.begin(), covering_.end(), [&](std::uint32_t other) {
+      return other != covers && parent_[other] == layer;
+    });
+    cell.has_simple_layer |= simple;
+    double farthest = 0;
+    for (std::uint32_t k = 0; k < count; ++k)
+      if (parent_[k] == layer) {
+        farthest = std::max(farthest, (*facets_)[entries_[cell.begin + k].facet].farthest);
+        if (simple) entries_[cell.begin + k].simple_layer = static_cast<std::int32_t>(layer);
+      }
+    cell.closed_beyond = std::min(cell.closed_beyond, farthest);
+  }
+}
+
+void LayerGrid::find_hidden() {
+  hidden_.resize(facets_->size());
+  for (std::uint32_t f = 0; f < facets_->size(); ++f) {
+    const Cells c = cells_of_facet_[f];
+    bool hidden = true;
+    for (int y = c.y0; y <= c.y1 && hidden; ++y)
+      for (int x = c.x0; x <= c.x1 && hidden; ++x)
+        hidden = (*facets_)[f].nearest > cells_[static_cast<std::size_t>(y) * columns_ + x].closed_beyond;
+    hidden_[f] = hidden;
+  }
+}
+
+void LayerGrid::drop_hidden() {
+  for (Cell& cell : cells_) {
+    const auto end =
+        std::remove_if(entries_.begin() + cell.begin, entries_.begin() + cell.end,
+                       [&](const Entry& e) { return hidden_[e.facet] || e.nearest > cell.closed_beyond; });
+    cell.end = static_cast<std::uint32_t>(end - entries_.begin());
+    const auto begin = entries_.begin() + cell.begin;
+    cell.is_simple_layer =
+        cell.has_simple_layer && begin != end && begin->simple_layer != no_layer &&
+        std::all_of(begin, end, [&](const Entry& e) { return e.simple_layer == begin->simple_layer; });
+  }
+}
+
+void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
+  found_.clear();
+  const SeenFacet& receiver = (*facets_)[facet];
+  const RoundedBounds bounds = rounded_[facet];
+  const double farthest = receiver.farthest;
+  ++stamp_now_;
+  stamp_[facet] = stamp_now_;
+  const Cells c = cells_of_facet_[facet];
+  for (int y = c.y0; y <= c.y1; ++y)
+    for (int x = c.x0; x <= c.x1; ++x) {
+      const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
+      // Not hidden in this cell, the facet is one of its entries, and so of the layer.
+      if (cell.is_simple_layer && !(receiver.nearest > cell.closed_beyond)) continue;
+      const Entry *const begin = entries_.data() + cell.begin, *const end = entries_.data() + cell.end;
+      std::int32_t own_layer = no_layer;
+      if (cell.has_simple_layer)
+        for (const Entry* e = begin; e != end; ++e)
+          if (e->facet == facet) own_layer = e->simple_layer;
+      for (const Entry* e = begin; e != end && e->nearest < farthest; ++e) {
+        if (!e->bounds.meets(bounds)) continue;
+        // A simple layer does not overlap itself here.
+        if (own_layer != no_layer && e->simple_layer == own_layer) continue;
+        if (stamp_[e->facet] == stamp_now_) continue;
+        stamp_[e->facet] = stamp_now_;
+        found_.push_back({e->nearest, e->facet});
+      }
+    }
+  std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+    return a.nearest != b.nearest ? a.nearest < b.nearest : a.facet < b.facet;
+  });
+  out.clear();
+  for (const Found& found : found_) out.push_back(found.facet);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/visibility/visibility.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <string>
+
+#include "geometry/visibility/visibility_state.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr std::array<std::pair<Arithmetic, std::string_view>, 4> arithmetic_names{
+    {{Arithmetic::fixed, "fixed"},
+     {Arithmetic::filtered, "filtered"},
+     {Arithmetic::rational, "rational"},
+     {Arithmetic::plain_double, "double"}}};
+
+/// Longer runs share more, but every tube looks through all that its run has gathered. Measured:
+/// docs/performance.md.
+constexpr std::uint32_t most_tubes_a_run = 8;
+
+bool share_a_wall(const Tube& a, const Tube& b) {
+  return std::count_if(a.begin(), a.end(),
+                       [&](std::uint32_t ray) { return std::find(b.begin(), b.end(), ray) != b.end(); }) == 2;
+}
+
+std::unique_ptr<TubeSolver> make_solver(Arithmetic arithmetic) {
+  switch (arithmetic) {
+    case Arithmetic::fixed:
+      return make_fixed_solver();
+    case Arithmetic::filtered:
+      return make_filtered_solver();
+    case Arithmetic::rational:
+      return make_rational_solver();
+    case Arithmetic::plain_double:
+      return make_double_solver();
+  }
+  throw std::invalid_argument("no such arithmetic");
+}
+
+}  // namespace
+
+struct VisibilityScratch::State {
+  std::array<std::unique_ptr<TubeSolver>, arithmetic_names.size()> solvers;
+  Gathering gathering;
+};
+
+VisibilityScratch::VisibilityScratch() : state_(std::make_unique<State>()) {}
+VisibilityScratch::~VisibilityScratch() = default;
+VisibilityScratch::VisibilityScratch(VisibilityScratch&&) noexcept = default;
+
+Arithmetic arithmetic_from_name(std::string_view name) {
+  for (const auto& [arithmetic, text] : arithmetic_names)
+    if (text == name) return arithmetic;
+  throw std::invalid_argument("no arithmetic named '" + std::string(name) +
+                              "': fixed, filtered, rational or double");
+}
+
+std::string_view name_of(Arithmetic arithmetic) {
+  for (const auto& [a, text] : arithmetic_names)
+    if (a == arithmetic) return text;
+  return "?";
+}
+
+void TubeVisibility::clear() {
+  corners.clear();
+  pieces.clear();
+  open.clear();
+  occluders.clear();
+  rays.clear();
+  candidates = 0;
+}
+
+namespace {
+
+TubeSolver& solver_of(VisibilityScratch::State& state, Arithmetic arithmetic) {
+  auto& solver = state.solvers[static_cast<std::size_t>(arithmetic)];
+  if (!solver) solver = make_solver(arithmetic);
+  return *solver;
+}
+
+void see_gathered(const TubeSet& tubes, std::uint32_t tube, const VisibilityOptions& options,
+                  TubeSolver& solver, TubeVisibility& out) {
+  out.clear();
+  for (const std::uint32_t ray : tubes.tubes.at(tube)) out.rays.push_back(tubes.rays[ray]);
+  solver.run(options, out);
+}
+
+}  // namespace
+
+void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
+         const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out) {
+  see_run(mesh, tree, tubes, {tube, tube + 1}, options, scratch, out, [](std::uint32_t) {});
+}
+
+std::vector<TubeRun> runs_of(const TubeSet& tubes) {
+  std::vector<TubeRun> runs;
+  for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
+    if (!runs.empty() && tube - runs.back().first < most_tubes_a_run &&
+        share_a_wall(tubes.tubes[tube - 1], tubes.tubes[tube]))
+      runs.back().end = tube + 1;
+    else
+      runs.push_back({tube, tube + 1});
+  }
+  return runs;
+}
+
+void see_run(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, TubeRun run,
+             const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out,
+             const std::function<void(std::uint32_t)>& take) {
+  VisibilityScratch::State& state = scratch.state();
+  if (!state.gathering.gather(mesh, tree, tubes, run.first, run.end)) {
+    const std::uint32_t middle = run.first + (run.end - run.first) / 2;
+    see_run(mesh, tree, tubes, {run.first, middle}, options, scratch, out, take);
+    see_run(mesh, tree, tubes, {middle, run.end}, options, scratch, out, take);
+    return;
+  }
+  TubeSolver& solver = solver_of(state, options.arithmetic);
+  solver.begin(mesh, tubes.apex, state.gathering);
+  for (std::uint32_t tube = run.first; tube < run.end; ++tube) {
+    see_gathered(tubes, tube, options, solver, out);
+    take(tube);
+  }
+}
+
+}  // namespace tubefoot

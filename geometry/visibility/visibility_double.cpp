@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/arithmetic/arithmetic_double.hpp"
+#include "geometry/visibility/visibility_solver.hpp"
+#include "geometry/visibility/visibility_state.hpp"
+
+namespace tubefoot {
+namespace {
+
+class DoubleSolver final : public TubeSolver {
+ public:
+  void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) override {
+    solver_.begin(mesh, apex, gathering);
+  }
+  void run(const VisibilityOptions& options, TubeVisibility& out) override {
+    solver_.run(DoubleArithmetic{options.tolerance}, options, out);
+  }
+
+ private:
+  VisibilitySolver<DoubleArithmetic> solver_;
+};
+
+}  // namespace
+
+std::unique_ptr<TubeSolver> make_double_solver() { return std::make_unique<DoubleSolver>(); }
+
+}  // namespace tubefoot

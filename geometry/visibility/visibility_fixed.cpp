@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/arithmetic/arithmetic_fixed.hpp"
+#include "geometry/visibility/visibility_solver.hpp"
+#include "geometry/visibility/visibility_state.hpp"
+
+namespace tubefoot {
+namespace {
+
+class FixedSolver final : public TubeSolver {
+ public:
+  void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) override {
+    solver_.begin(mesh, apex, gathering);
+  }
+  void run(const VisibilityOptions& options, TubeVisibility& out) override {
+    solver_.run(FixedArithmetic{}, options, out);
+  }
+
+ private:
+  VisibilitySolver<FixedArithmetic> solver_;
+};
+
+}  // namespace
+
+std::unique_ptr<TubeSolver> make_fixed_solver() { return std::make_unique<FixedSolver>(); }
+
+}  // namespace tubefoot

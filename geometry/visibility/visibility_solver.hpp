@@ -1,0 +1,573 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "geometry/arithmetic/cone_clip.hpp"
+#include "geometry/mesh/facet_cone.hpp"
+#include "geometry/visibility/gathering.hpp"
+#include "geometry/visibility/gnomonic_frame.hpp"
+#include "geometry/visibility/layer_grid.hpp"
+#include "geometry/visibility/visibility.hpp"
+#include "geometry/work/reused_list.hpp"
+#include "geometry/work/stop.hpp"
+
+// The visibility algorithm, once for all arithmetics; instantiated in visibility_<arithmetic>.cpp.
+// Steps and their proofs: docs/visibility.md.
+namespace tubefoot {
+
+template <class A>
+class VisibilitySolver {
+ public:
+  /// One thread's work on the tubes that `gathering` was made for, which must outlive it. The solver is
+  /// reused from tube to tube and keeps its buffers.
+  void begin(const FacetMesh& mesh, GridPoint apex, const Gathering& gathering) {
+    mesh_ = &mesh;
+    apex_ = apex;
+    gathering_ = &gathering;
+    place_.assign(gathering.facets().size(), absent);
+    folds_.assign(3 * gathering.facets().size(), Fold::unknown);
+  }
+
+  /// One tube.
+  void run(const A& arithmetic, const VisibilityOptions& options, TubeVisibility& out) {
+    arithmetic_ = arithmetic;
+    options_ = options;
+    out_ = &out;
+    buffer_.clear();
+    walls_.clear();
+    frame_ = GnomonicFrame({out.rays[0], out.rays[1], out.rays[2], out.rays[3]});
+    tube_ = make_tube_cone();
+    gather();
+    out.candidates = facets_.size();
+    find_layers();
+    const std::size_t mark = buffer_.size();
+    for (std::uint32_t f = 0; f < facets_.size(); ++f) {
+      stop_if_wanted();
+      see_facet(f);
+      buffer_.resize(mark);
+    }
+    if (options_.open_water) {
+      gather_hidden();
+      find_open_water();
+    }
+  }
+
+ private:
+  enum class Hides { no, where_covered, where_nearer };
+
+  struct Occluder {
+    std::uint32_t facet;
+    Hides how;
+  };
+
+  /// Planes of a facet, made when first needed: most facets never are.
+  struct FacetPlanes {
+    bool made = false;
+    typename A::Facet facet;
+    std::array<ClipPlane<A>, 3> edges;
+    std::array<Half<A>, 3> halves;
+  };
+
+  /// On which sides of the tube's walls a facet's vertices lie: bit 3 w + k for vertex k strictly inside wall
+  /// w; bit w of `crossed` for a wall that has a vertex outside.
+  struct WallSides {
+    std::uint16_t inside = 0;
+    std::uint8_t crossed = 0;
+  };
+
+  enum class Fold : std::uint8_t { unknown, no, yes };
+  static constexpr std::uint32_t absent = 0xffffffffu;
+
+  /// Halvings of a facet's bounds, at most: below that integer rays no longer tell the halves apart.
+  static constexpr int deepest_split = 40;
+
+  /// Facets on one edge beyond its first, of which there is more to gain by drop_covered() than to lose.
+  static constexpr std::uint32_t crowd = 32;
+  static constexpr std::size_t most_covering = 16;
+
+  ClipPlane<A> plane_through(PointId a, GridPoint pa, PointId b, GridPoint pb) const {
+    ClipPlane<A> plane;
+    if (a > b) {
+      std::swap(a, b);
+      std::swap(pa, pb);
+    }
+    plane.name = {a, b, false};
+    plane.points[0] = pa;
+    plane.points[1] = pb;
+    arithmetic_.through(plane.plane, pa, pb);
+    return plane;
+  }
+
+  Half<A> wall(PointId a, PointId b) {
+    ClipPlane<A>& plane = walls_.next();
+    plane = plane_through(a, out_->rays[a & ~ray_bit], b, out_->rays[b & ~ray_bit]);
+    return {&plane, a < b ? 1 : -1};
+  }
+
+  PieceRange make_tube_cone() {
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const Half<A> edge = wall(ray_bit | k, ray_bit | (k + 1) % 4);
+      buffer_.push_back(point_corner(arithmetic_, ray_bit | k, out_->rays[k], edge));
+    }
+    return {0, 4};
+  }
+
+  /// The tube's own of the facets gathered.
+  void gather() {
+    const auto& rays = out_->rays;
+    const auto inwards = [&](int k) { return Gathering::Wall(cross(rays[k], rays[(k + 1) % 4])); };
+    const std::array<Gathering::Wall, 4> walls{inwards(0), inwards(1), inwards(2), inwards(3)};
+    facets_.clear();
+    gathered_.clear();
+    sides_of_walls_.clear();
+    const std::vector<RangedFacet>& all = gathering_->facets();
+    for (std::uint32_t f = 0; f < all.size(); ++f)
+      if (WallSides sides; gathering_->admits(f, walls) && enters_tube(all[f].cone, sides)) {
+        gathered_.push_back(f);
+        add_facet(all[f], sides);
+      }
+    make_room_for_planes(0);
+  }
+
+  void gather_hidden() {
+    const std::size_t first = facets_.size();
+    RangedFacet facet;
+    for (const FacetId id : gathering_->hidden())
+      if (WallSides sides; FacetCone::make(*mesh_, id, apex_, facet.cone) && enters_tube(facet.cone, sides)) {
+        facet.measure_ranges();
+        add_facet(facet, sides);
+      }
+    make_room_for_planes(first);
+  }
+
+  void add_facet(const RangedFacet& facet, WallSides sides) {
+    facets_.emplace_back(facet).place(frame_);
+    sides_of_walls_.push_back(sides);
+  }
+
+  void make_room_for_planes(std::size_t first) {
+    if (planes_.size() < facets_.size()) planes_.resize(facets_.size());
+    for (std::size_t f = first; f < facets_.size(); ++f) planes_[f].made = false;
+  }
+
+  /// False if some wall of the tube has no vertex strictly inside. Exact.
+  bool enters_tube(const FacetCone& cone, WallSides& sides) const {
+    for (unsigned w = 0; w < 4; ++w) {
+      const Half<A> half = buffer_[w].edge;
+      unsigned inside = 0;
+      for (unsigned k = 0; k < 3; ++k) {
+        const int s = half.sign * arithmetic_.side(cone.point[k], half.plane->plane);
+        inside |= static_cast<unsigned>(s > 0) << k;
+        if (s < 0) sides.crossed = static_cast<std::uint8_t>(sides.crossed | 1u << w);
+      }
+      if (inside == 0) return false;
+      sides.inside = static_cast<std::uint16_t>(sides.inside | inside << 3 * w);
+    }
+    return true;
+  }
+
+  const FacetPlanes& planes_of(std::uint32_t f) {
+    FacetPlanes& planes = planes_[f];
+    if (planes.made) return planes;
+    planes.made = true;
+    const FacetCone& cone = facets_[f].cone;
+    arithmetic_.facet(planes.facet, cone);
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      planes.edges[k] = plane_through(cone.vertex[k], cone.point[k], cone.vertex[next], cone.point[next]);
+      planes.halves[k] = {&planes.edges[k], cone.vertex[k] < cone.vertex[next] ? 1 : -1};
+    }
+    return planes;
+  }
+
+  void find_layers() {
+    const auto count = static_cast<std::uint32_t>(facets_.size());
+    const EdgeRings& rings = gathering_->rings();
+    neighbours_.assign(count, Neighbours{silhouette, silhouette, silhouette});
+    crowded_.assign(count, 0);
+    for (std::uint32_t f = 0; f < count; ++f) place_[gathered_[f]] = f;
+    for (std::uint32_t f = 0; f < count; ++f)
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t half_edge = 3 * gathered_[f] + k;
+        std::uint32_t others = 0, mate = half_edge;
+        for (std::uint32_t h = rings.next(half_edge); h != half_edge && others < crowd; h = rings.next(h))
+          if (place_[h / 3] != absent) {
+            ++others;
+            mate = h;
+          }
+        if (others == crowd) crowded_[f] = 1;
+        // Three facets on an edge: a silhouette of each.
+        if (others == 0) {
+          if (edge_is_outside(f, k)) neighbours_[f][k] = outside_tube;
+        } else if (others == 1 && mate > half_edge && unfolded(half_edge, mate)) {
+          neighbours_[f][k] = static_cast<std::int32_t>(place_[mate / 3]);
+          neighbours_[place_[mate / 3]][mate % 3] = static_cast<std::int32_t>(f);
+        }
+      }
+    for (const std::uint32_t f : gathered_) place_[f] = absent;
+    grid_.build(frame_, facets_, neighbours_);
+  }
+
+  bool edge_is_outside(std::uint32_t f, std::uint32_t k) const {
+    const unsigned ends = 1u << k | 1u << (k + 1) % 3;
+    for (unsigned w = 0; w < 4; ++w)
+      if (!(sides_of_walls_[f].inside >> 3 * w & ends)) return true;
+    return false;
+  }
+
+  /// Whether the facets of two half-edges of one edge lie on opposite sides of its plane. Exact.
+  bool unfolded(std::uint32_t half_edge, std::uint32_t mate) {
+    if (folds_[half_edge] == Fold::unknown || gathering_->rings().next(mate) != half_edge)
+      folds_[half_edge] = are_unfolded(half_edge, mate) ? Fold::no : Fold::yes;
+    return folds_[half_edge] == Fold::no;
+  }
+
+  bool are_unfolded(std::uint32_t half_edge, std::uint32_t mate) const {
+    // The first facet lies on the positive side of its edge's plane; the other one must lie on the negative.
+    const FacetCone &cone = gathering_->facets()[half_edge / 3].cone,
+                    &other = gathering_->facets()[mate / 3].cone;
+    const std::uint32_t k = half_edge % 3, next = (k + 1) % 3;
+    typename A::Plane plane;
+    arithmetic_.through(plane, cone.point[k], cone.point[next]);
+    return arithmetic_.side(other.point[(mate % 3 + 2) % 3], plane) < 0;
+  }
+
+  /// The facet's cone within the tube; false if nothing with an interior is left.
+  bool facet_in_tube(std::uint32_t f, PieceRange& piece) {
+    const FacetCone& cone = facets_[f].cone;
+    const FacetPlanes& planes = planes_of(f);
+    piece = {static_cast<std::uint32_t>(buffer_.size()), 3};
+    for (int k = 0; k < 3; ++k)
+      buffer_.push_back(point_corner(arithmetic_, cone.vertex[k], cone.point[k], planes.halves[k]));
+    for (std::uint32_t w = 0; w < tube_.count; ++w)
+      if (sides_of_walls_[f].crossed >> w & 1u)
+        if (!clip_to(piece, Half<A>(buffer_[tube_.first + w].edge))) return false;
+    return true;
+  }
+
+  void see_facet(std::uint32_t f) {
+    PieceRange piece;
+    if (grid_.is_hidden(f) || !facet_in_tube(f, piece)) return;
+    // Only facets that can hide some of it are worth a cut.
+    grid_.occluder_candidates(f, candidates_);
+    list_.clear();
+    for (const std::uint32_t o : candidates_)
+      if (!surely_apart(facets_[f], facets_[o]))
+        if (const Hides how = hides(f, o); how != Hides::no) list_.push_back({o, how});
+    if (crowded_[f]) drop_covered();
+    depth_planes_.clear();
+    const auto first_occluder = static_cast<std::ptrdiff_t>(out_->occluders.size());
+    receiver_ = f;
+    const Bounds tube = frame_.tube(), own = facets_[f].bounds;
+    carve(piece, 0, list_.size(),
+          {std::max(tube.x0, own.x0), std::min(tube.x1, own.x1), std::max(tube.y0, own.y0),
+           std::min(tube.y1, own.y1)},
+          0);
+    const auto begin = out_->occluders.begin() + first_occluder;
+    std::sort(begin, out_->occluders.end());
+    out_->occluders.erase(std::unique(begin, out_->occluders.end()), out_->occluders.end());
+  }
+
+  /// Takes out of list_ what lies within the cone of another of its facets that hides all it covers, as far
+  /// as a few large ones tell: of thousands of facets about one edge nearly all do. What is left hides the
+  /// same.
+  void drop_covered() {
+    const auto size = [this](std::uint32_t k) {
+      const Bounds& b = facets_[list_[k].facet].bounds;
+      return b.is_finite() ? (b.x1 - b.x0) * (b.y1 - b.y0) : -1;
+    };
+    largest_first_.resize(list_.size());
+    for (std::uint32_t k = 0; k < list_.size(); ++k) largest_first_[k] = {size(k), k};
+    std::sort(largest_first_.begin(), largest_first_.end(), [](const auto& a, const auto& b) {
+      return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
+    covered_.assign(list_.size(), 0);
+    covering_.clear();
+    for (const auto& [area, k] : largest_first_) {
+      if (area < 0) break;  // what reaches behind the apex has no place in the plane
+      const auto& [facet, how] = list_[k];
+      covered_[k] = std::any_of(covering_.begin(), covering_.end(), [&, inner = facet](std::uint32_t outer) {
+        return surely_covers(facets_[outer], facets_[inner]);
+      });
+      if (!covered_[k] && how == Hides::where_covered && covering_.size() < most_covering)
+        covering_.push_back(facet);
+    }
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < list_.size(); ++k)
+      if (!covered_[k]) list_[kept++] = Occluder(list_[k]);
+    list_.resize(kept);
+  }
+
+  /// What no facet covers, found without regard to depth or to what else was found: the closure law's other
+  /// half.
+  void find_open_water() {
+    receiver_ = nobody;
+    list_.clear();
+    for (std::uint32_t f = 0; f < facets_.size(); ++f) list_.push_back({f, Hides::where_covered});
+    carve(tube_, 0, list_.size(), frame_.tube(), 0);
+  }
+
+  /// Takes the facets list_[begin, end) away from a piece, or, if they are many and lie apart, from its two
+  /// halves separately: a large facet behind many small ones would otherwise be cut up across its whole width
+  /// again and again.
+  void carve(PieceRange piece, std::size_t begin, std::size_t end, Bounds box, int depth) {
+    if (end - begin > options_.facets_per_split && depth < deepest_split && box.is_finite() &&
+        split(piece, begin, end, box, depth))
+      return;
+    pieces_.assign(1, piece);
+    for (std::size_t k = begin; k < end && !pieces_.empty(); ++k) {
+      stop_if_wanted();
+      const auto [o, how] = list_[k];
+      const FacetPlanes& planes = planes_of(o);
+      std::array<Half<A>, 4> halves{planes.halves[0], planes.halves[1], planes.halves[2], Half<A>{}};
+      int count = 3;
+      if (how == Hides::where_nearer) {
+        ClipPlane<A>& plane = depth_planes_.next();
+        plane.name = {facets_[receiver_].cone.id, facets_[o].cone.id, true};
+        arithmetic_.depth(plane.plane, planes_of(receiver_).facet, planes.facet);
+        halves[count++] = {&plane, 1};
+      }
+      if (take_away(facets_[o], halves.data(), count) && receiver_ != nobody)
+        out_->occluders.emplace_back(facets_[receiver_].cone.id, facets_[o].cone.id);
+    }
+    for (const PieceRange& left : pieces_)
+      emit(receiver_ == nobody ? out_->open : out_->pieces,
+           receiver_ == nobody ? no_point : facets_[receiver_].cone.id, left);
+  }
+
+  bool split(PieceRange piece, std::size_t begin, std::size_t end, Bounds box, int depth) {
+    const std::size_t corner_mark = buffer_.size(), list_mark = list_.size(), ray_mark = out_->rays.size();
+    const bool across = box.x1 - box.x0 >= box.y1 - box.y0;
+    const double xm = (box.x0 + box.x1) / 2, ym = (box.y0 + box.y1) / 2;
+    const auto ray = [&](double x, double y) {
+      out_->rays.push_back(integer_ray(frame_.direction({x, y})));
+      return ray_bit | static_cast<PointId>(out_->rays.size() - 1);
+    };
+    const PointId a = across ? ray(xm, box.y0) : ray(box.x0, ym),
+                  b = across ? ray(xm, box.y1) : ray(box.x1, ym);
+    const auto undo = [&] {
+      buffer_.resize(corner_mark);
+      list_.resize(list_mark);
+      out_->rays.resize(ray_mark);
+      return false;
+    };
+    if (out_->rays[a & ~ray_bit] == out_->rays[b & ~ray_bit]) return undo();
+    const Half<A> half = wall(a, b), other{half.plane, -half.sign};
+
+    where_.clear();
+    std::size_t positive = 0, negative = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      unsigned mask = 0;
+      for (const GridPoint& p : facets_[list_[k].facet].cone.point) {
+        const int s = half.sign * arithmetic_.side(p, half.plane->plane);
+        mask |= s > 0 ? 1u : s < 0 ? 2u : 0u;
+      }
+      where_.push_back(static_cast<std::uint8_t>(mask));
+      positive += mask & 1;
+      negative += mask >> 1;
+    }
+    // Facets that pile up in the same place are not set apart by splitting: clip them where they are.
+    const std::size_t count = end - begin;
+    if (positive + negative > count * 3 / 2 && std::max(positive, negative) > count * 9 / 10) return undo();
+    if (sides_of(piece, half) != 3) return undo();
+    flip_sides();
+    const PieceRange first = clip(arithmetic_, buffer_, piece, half, sides_.data());
+    const PieceRange second = clip(arithmetic_, buffer_, piece, other, flipped_.data());
+    for (std::size_t k = 0; k < count; ++k)
+      if (where_[k] & 1) list_.push_back(Occluder(list_[begin + k]));
+    const std::size_t middle = list_.size();
+    for (std::size_t k = 0; k < count; ++k)
+      if (where_[k] & 2) list_.push_back(Occluder(list_[begin + k]));
+    const std::size_t last = list_.size();
+
+    Bounds low = box, high = box;
+    (across ? low.x1 : low.y1) = (across ? high.x0 : high.y0) = across ? xm : ym;
+    const bool first_is_low = positive_is_low(half, across, xm, ym, box);
+    carve(first, list_mark, middle, first_is_low ? low : high, depth + 1);
+    carve(second, middle, last, first_is_low ? high : low, depth + 1);
+    buffer_.resize(corner_mark);
+    list_.resize(list_mark);
+    return true;
+  }
+
+  /// On which half of the box the split plane's positive side lies: tells the children's boxes apart, no
+  /// more.
+  bool positive_is_low(Half<A> half, bool across, double xm, double ym, const Bounds& box) const {
+    const double x = across ? (box.x0 + xm) / 2 : xm, y = across ? ym : (box.y0 + ym) / 2;
+    return half.sign * arithmetic_.side(integer_ray(frame_.direction({x, y})), half.plane->plane) > 0;
+  }
+
+  /// Fills sides_ with the side of each corner; returns 1 if any is positive, plus 2 if any is negative.
+  int sides_of(PieceRange piece, Half<A> half) {
+    if (sides_.size() < piece.count) sides_.resize(piece.count);
+    int signs = 0;
+    for (std::uint32_t k = 0; k < piece.count; ++k) {
+      const int s = side(arithmetic_, buffer_[piece.first + k], half);
+      sides_[k] = s;
+      signs |= s > 0 ? 1 : s < 0 ? 2 : 0;
+    }
+    return signs;
+  }
+
+  void flip_sides() {
+    if (flipped_.size() < sides_.size()) flipped_.resize(sides_.size());
+    std::transform(sides_.begin(), sides_.end(), flipped_.begin(), [](int s) { return -s; });
+  }
+
+  /// Clips `piece` to `half`; false if nothing with an interior is left.
+  bool clip_to(PieceRange& piece, Half<A> half) {
+    const int signs = sides_of(piece, half);
+    if (!(signs & 1)) return false;
+    if (signs & 2) piece = clip(arithmetic_, buffer_, piece, half, sides_.data());
+    return piece.count >= 3;
+  }
+
+  /// Which way `occluder` can hide `receiver`, from the sides of vertices alone: it hides where it covers,
+  /// only on the near side of the depth plane, or not at all.
+  Hides hides(std::uint32_t receiver, std::uint32_t occluder) {
+    bool near = false, far = false;
+    sort_vertices(receiver, occluder, near, far);
+    if (!near && far) return Hides::no;
+    if (!near)
+      return wins_tie(*mesh_, facets_[occluder].cone.id, facets_[receiver].cone.id) ? Hides::where_covered
+                                                                                    : Hides::no;
+    if (!far) return Hides::where_covered;
+    bool receiver_near = false, receiver_far = false;
+    sort_vertices(occluder, receiver, receiver_near, receiver_far);
+    if (!receiver_far) return Hides::no;
+    return receiver_near ? Hides::where_nearer : Hides::where_covered;
+  }
+
+  /// Whether `facet` has vertices nearer and farther than the plane of `reference`.
+  void sort_vertices(std::uint32_t reference, std::uint32_t facet, bool& near, bool& far) {
+    const typename A::Facet& plane = planes_of(reference).facet;
+    const FacetCone &own = facets_[reference].cone, &other = facets_[facet].cone;
+    for (int k = 0; k < 3; ++k) {
+      if constexpr (A::uses_names) {
+        const auto& v = own.vertex;
+        const VertexId id = other.vertex[k];
+        if (id == v[0] || id == v[1] || id == v[2]) continue;
+      }
+      const int s = arithmetic_.nearer(plane, other.point[k]);
+      near |= s > 0;
+      far |= s < 0;
+    }
+  }
+
+  /// Replaces pieces_ by what is left of them outside of the cone of the halves; true if anything was taken.
+  bool take_away(const SeenFacet& facet, const Half<A>* halves, int half_count) {
+    bool taken = false;
+    kept_.clear();
+    for (const PieceRange& piece : pieces_) taken |= take_away(piece, facet, halves, half_count);
+    pieces_.swap(kept_);
+    return taken;
+  }
+
+  bool take_away(PieceRange piece, const SeenFacet& facet, const Half<A>* halves, int half_count) {
+    std::array<Half<A>, 4> cutting;
+    int cuts = 0;
+    for (int h = 0; h < half_count; ++h) {
+      const int signs = sides_of(piece, halves[h]);
+      if (!(signs & 1)) {  // wholly outside
+        kept_.push_back(piece);
+        return false;
+      }
+      if (!(signs & 2)) continue;
+      if (cuts == 0) sides_.swap(first_sides_);
+      cutting[cuts++] = halves[h];
+    }
+    // Two convex cones in one half-space with disjoint interiors are set apart by an edge plane of one of
+    // them; without this test the piece would be cut up for nothing.
+    for (std::uint32_t k = 0; cuts > 0 && k < piece.count; ++k) {
+      const Half<A> edge = buffer_[piece.first + k].edge;
+      if (!any_vertex_inside(facet, edge)) {
+        kept_.push_back(piece);
+        return false;
+      }
+    }
+    const std::size_t mark = buffer_.size(), kept_mark = kept_.size();
+    PieceRange rest = piece;
+    for (int h = 0; h < cuts; ++h) {
+      if (h == 0) sides_.swap(first_sides_);
+      const int signs = h == 0 ? 3 : sides_of(rest, cutting[h]);
+      if (!(signs &
+            1)) {  // they do not meet after all (set apart by a depth plane, or by the apex): undo the cuts
+        buffer_.resize(mark);
+        kept_.resize(kept_mark);
+        kept_.push_back(piece);
+        return false;
+      }
+      if (!(signs & 2)) continue;
+      flip_sides();
+      const PieceRange outside =
+          clip(arithmetic_, buffer_, rest, Half<A>{cutting[h].plane, -cutting[h].sign}, flipped_.data());
+      if (outside.count >= 3) kept_.push_back(outside);
+      rest = clip(arithmetic_, buffer_, rest, cutting[h], sides_.data());
+    }
+    return true;
+  }
+
+  bool any_vertex_inside(const SeenFacet& facet, Half<A> half) const {
+    for (int k = 0; k < 3; ++k) {
+      if constexpr (A::uses_names)
+        if (half.plane->name.contains(facet.cone.vertex[k])) continue;
+      if (half.sign * arithmetic_.side(facet.cone.point[k], half.plane->plane) > 0) return true;
+    }
+    return false;
+  }
+
+  void emit(std::vector<NamedPiece>& pieces, FacetId facet, PieceRange piece) {
+    pieces.push_back({facet, static_cast<std::uint32_t>(out_->corners.size()), piece.count});
+    for (std::uint32_t k = 0; k < piece.count; ++k) {
+      const ClipCorner<A>& c = buffer_[piece.first + k];
+      CornerName name;
+      name.point = c.point;
+      if (c.point == no_point) {
+        name.p = c.p.plane->name;
+        name.q = c.q.plane->name;
+        name.sign = c.p.sign * c.q.sign;
+      }
+      out_->corners.push_back(name);
+    }
+  }
+
+  static constexpr std::uint32_t nobody = 0xffffffffu;
+
+  A arithmetic_{};
+  const FacetMesh* mesh_ = nullptr;
+  GridPoint apex_;
+  const Gathering* gathering_ = nullptr;
+  std::vector<std::uint32_t> place_;  ///< by gathered facet: its index in facets_, or absent
+  std::vector<Fold> folds_;           ///< by half-edge of the gathering
+  VisibilityOptions options_;
+  TubeVisibility* out_ = nullptr;
+  GnomonicFrame frame_;
+  PieceRange tube_;
+  std::uint32_t receiver_ = nobody;  ///< facet at hand; nobody: open water
+  std::vector<SeenFacet> facets_;
+  std::vector<WallSides> sides_of_walls_;  ///< by facet
+  std::vector<std::uint32_t> gathered_;    ///< by facet: its index in the gathering (not for hidden ones)
+  std::deque<FacetPlanes> planes_;         ///< by facet; a deque, because halves point into it
+  std::vector<Neighbours> neighbours_;
+  std::vector<std::uint8_t> crowded_;  ///< by facet: whether more than `crowd` others share an edge of it
+  std::vector<std::pair<double, std::uint32_t>> largest_first_;
+  std::vector<std::uint8_t> covered_;    ///< by place in list_
+  std::vector<std::uint32_t> covering_;  ///< facets
+  LayerGrid grid_;
+  std::vector<std::uint32_t> candidates_;
+  std::vector<Occluder> list_;
+  CornerBuffer<A> buffer_;
+  ReusedList<ClipPlane<A>> walls_, depth_planes_;
+  std::vector<PieceRange> pieces_, kept_;
+  std::vector<int> sides_, first_sides_, flipped_;
+  std::vector<std::uint8_t>
+      where_;  ///< per listed facet: 1 on the positive side of a split, 2 on the negative
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/detection/bottom_detection.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+#include <tuple>
+#include <vector>
+
+namespace tubefoot {
+namespace {
+
+const double evenly = 1 / std::sqrt(12.0);  // standard deviation of a place anywhere in a unit length
+
+void check(std::span<const double> energies_j, const RangeSamples& samples, const DetectionRule& rule) {
+  const auto refuse = [](const std::string& what) {
+    throw std::invalid_argument("bottom detection: " + what);
+  };
+  if (!(samples.step_m > 0 && std::isfinite(samples.step_m) && std::isfinite(samples.first_m)))
+    refuse(fmt::format("samples of {} m from {} m are none", samples.step_m, samples.first_m));
+  if (samples.count < 0 || energies_j.size() != static_cast<std::size_t>(samples.count))
+    refuse(fmt::format("{} energies for {} samples", energies_j.size(), samples.count));
+  if (!(rule.relative_db <= 0))
+    refuse(fmt::format("the relative threshold is {} dB, must be 0 or less", rule.relative_db));
+  if (!(rule.absolute_j >= 0))
+    refuse(fmt::format("the absolute threshold is {} J, must be 0 or more", rule.absolute_j));
+  if (!(rule.nearest_m <= rule.farthest_m))
+    refuse(fmt::format("the range gate is {} to {} m, must not be empty", rule.nearest_m, rule.farthest_m));
+  for (std::size_t k = 0; k < energies_j.size(); ++k)
+    if (!(energies_j[k] >= 0 && std::isfinite(energies_j[k])))
+      refuse(
+          fmt::format("the energy of sample {} is {} J, must be finite and not negative", k, energies_j[k]));
+}
+
+/// The samples of a beam inside a gate: [begin, end).
+struct Gate {
+  std::span<const double> energies_j;
+  const RangeSamples& samples;
+  int begin = 0, end = 0, largest = 0;
+
+  Gate(std::span<const double> energies, const RangeSamples& range_samples, const DetectionRule& rule)
+      : energies_j(energies), samples(range_samples) {
+    while (begin < samples.count && middle(begin) < rule.nearest_m) ++begin;
+    end = begin;
+    while (end < samples.count && middle(end) <= rule.farthest_m) ++end;
+    largest = static_cast<int>(std::max_element(energies.begin() + begin, energies.begin() + end) -
+                               energies.begin());
+  }
+
+  double middle(int k) const { return samples.first_m + (k + 0.5) * samples.step_m; }
+  double energy(int k) const { return energies_j[static_cast<std::size_t>(k)]; }
+
+  /// Root-mean-square distance of the energy from a range.
+  double spread(double range_m) const {
+    double sum = 0, moment = 0;
+    for (int k = begin; k < end; ++k) {
+      const double share = energy(k) / energy(largest), away = middle(k) - range_m;
+      sum += share;
+      moment += share * away * away;
+    }
+    return std::sqrt(moment / sum);
+  }
+};
+
+/// The samples that count and belong together: [begin, end), of which the first and the last count.
+struct Echo {
+  int begin, end;
+  double energy;  ///< of those that count, over that of the gate's largest sample
+  int gap;        ///< the widest one between samples that count
+};
+
+/// What counts in a gate, and where it parts.
+class Counted {
+ public:
+  Counted(const Gate& gate, double threshold_j) : gate_(gate) {
+    for (int k = gate.begin; k < gate.end; ++k)
+      if (gate.energy(k) > 0 && gate.energy(k) >= threshold_j) places_.push_back(k);
+  }
+  bool has(int k) const { return std::binary_search(places_.begin(), places_.end(), k); }
+  int first() const { return places_.front(); }
+
+  /// The echo that is looked at, and the energy of the strongest one that was parted from it.
+  struct Choice {
+    Echo echo;
+    double next_energy = 0;
+  };
+  /// Of the parts the one that holds a sample that counts; without one, that of more energy.
+  Choice choose(std::optional<int> holding) const {
+    Choice choice{};
+    std::size_t from = 0, to = places_.size();
+    for (;;) {
+      std::size_t middle = from,
+                  smaller = 0;  // where the widest gap ends, and what counts on its lesser side
+      int gap = 0;
+      for (std::size_t k = from + 1; k < to; ++k) {
+        const int own = places_[k] - places_[k - 1] - 1;
+        const std::size_t lesser = std::min(k - from, to - k);
+        if (own < gap || (own == gap && lesser <= smaller)) continue;
+        gap = own;
+        middle = k;
+        smaller = lesser;
+      }
+      if (static_cast<std::size_t>(gap) <= smaller) break;
+      const double near = energy(from, middle), far = energy(middle, to);
+      const bool nearer = holding ? *holding < places_[middle] : near >= far;
+      (nearer ? to : from) = middle;
+      choice.next_energy = std::max(choice.next_energy, nearer ? far : near);
+    }
+    int widest = 0;
+    for (std::size_t k = from + 1; k < to; ++k) widest = std::max(widest, places_[k] - places_[k - 1] - 1);
+    choice.echo = {places_[from], places_[to - 1] + 1, energy(from, to), widest};
+    return choice;
+  }
+
+ private:
+  /// Shares of the largest energy: no sum of energies can overflow or vanish.
+  double energy(std::size_t from, std::size_t to) const {
+    double sum = 0;
+    for (std::size_t k = from; k < to; ++k) sum += gate_.energy(places_[k]) / gate_.energy(gate_.largest);
+    return sum;
+  }
+
+  const Gate& gate_;
+  std::vector<int> places_;  ///< samples that count
+};
+
+/// Range and its standard deviation.
+struct Estimate {
+  double range_m, sigma_m;
+};
+
+Estimate centroid(const Gate& gate, const Counted& counted, const Echo& echo) {
+  // Ranges from the largest sample.
+  const double origin = gate.middle(gate.largest), within = gate.samples.step_m * evenly;
+  double moment = 0, variance = 0;
+  const auto each = [&](auto use) {
+    for (int k = echo.begin; k < echo.end; ++k)
+      if (counted.has(k))
+        use(gate.energy(k) / gate.energy(gate.largest) / echo.energy, gate.middle(k) - origin);
+  };
+  each([&](double share, double away) { moment += share * away; });
+  each([&](double share, double away) {
+    variance += share * share * ((away - moment) * (away - moment) + within * within);
+  });
+  return {origin + moment, std::sqrt(variance)};
+}
+
+/// A range in the echo and the sample that holds it. Where that one does not count, the middle of the
+/// nearest one that does; of two as near the nearer one's.
+std::pair<double, int> onto_energy(double range_m, const Gate& gate, const Counted& counted,
+                                   const Echo& echo) {
+  const RangeSamples& samples = gate.samples;
+  const auto border = [&](int k) { return samples.first_m + k * samples.step_m; };
+  const int place = std::clamp(static_cast<int>(std::floor((range_m - samples.first_m) / samples.step_m)),
+                               echo.begin, echo.end - 1);
+  if (counted.has(place)) return {range_m, place};
+  int before = place, after = place;
+  while (!counted.has(before)) --before;
+  while (!counted.has(after)) ++after;
+  if (range_m - border(before + 1) <= border(after) - range_m) return {gate.middle(before), before};
+  return {gate.middle(after), after};
+}
+
+Estimate top(const Gate& gate) {
+  const int k = gate.largest;
+  double offset = 0;
+  if (k > gate.begin && k + 1 < gate.end) {
+    const double before = gate.energy(k - 1) / gate.energy(k), after = gate.energy(k + 1) / gate.energy(k);
+    // The nearest of equal samples is the largest, so `before` is below 1: this never divides by 0.
+    offset = (after - before) / (2 * ((1 - before) + (1 - after)));
+  }
+  return {gate.middle(k) + offset * gate.samples.step_m, gate.samples.step_m * evenly};
+}
+
+}  // namespace
+
+const char* name_of(DetectionFlags flags) {
+  const bool cut = flags.has(DetectionFlag::cut_by_window), more = flags.has(DetectionFlag::several_echoes);
+  return cut && more ? "cut_by_window+several_echoes"
+         : cut       ? "cut_by_window"
+         : more      ? "several_echoes"
+                     : "good";
+}
+
+const char* name_of(DetectionMethod method) {
+  switch (method) {
+    case DetectionMethod::first_return:
+      return "first_return";
+    case DetectionMethod::energy_centroid:
+      return "energy_centroid";
+    case DetectionMethod::maximum:
+      return "maximum";
+  }
+  throw std::invalid_argument("no detection method");
+}
+
+DetectionMethod detection_method_from_name(std::string_view name) {
+  for (const DetectionMethod method :
+       {DetectionMethod::first_return, DetectionMethod::energy_centroid, DetectionMethod::maximum})
+    if (name == name_of(method)) return method;
+  throw std::invalid_argument(
+      fmt::format("no detection named '{}': first_return, energy_centroid or maximum", name));
+}
+
+std::optional<Detection> detect_bottom(std::span<const double> energies_j, const RangeSamples& samples,
+                                       const DetectionRule& rule) {
+  check(energies_j, samples, rule);
+  const Gate gate(energies_j, samples, rule);
+  if (gate.begin == gate.end || gate.energy(gate.largest) == 0) return std::nullopt;
+  const double threshold =
+      std::max(rule.absolute_j, gate.energy(gate.largest) * std::pow(10, rule.relative_db / 10));
+  if (gate.energy(gate.largest) < threshold) return std::nullopt;
+
+  const Counted counted(gate, threshold);
+  const auto [echo, next_energy] =
+      counted.choose(rule.method == DetectionMethod::first_return ? std::optional(counted.first())
+                     : rule.method == DetectionMethod::maximum    ? std::optional(gate.largest)
+                                                                  : std::nullopt);
+  Detection detection;
+  switch (rule.method) {
+    case DetectionMethod::first_return:
+      detection.sample = counted.first();
+      detection.range_m = gate.middle(detection.sample);
+      detection.range_sigma_m = samples.step_m * evenly;
+      detection.energy_j = gate.energy(detection.sample);
+      break;
+    case DetectionMethod::energy_centroid: {
+      const Estimate mean = centroid(gate, counted, echo);
+      std::tie(detection.range_m, detection.sample) = onto_energy(mean.range_m, gate, counted, echo);
+      detection.range_sigma_m = mean.sigma_m;
+      // Between two that no gap parts: the range is one's of them.
+      if (std::abs(detection.range_m - mean.range_m) > 2 * samples.step_m)
+        detection.flags.set(DetectionFlag::several_echoes);
+      for (int k = echo.begin; k < echo.end; ++k)
+        detection.energy_j = std::max(detection.energy_j, gate.energy(k));
+      break;
+    }
+    case DetectionMethod::maximum: {
+      const Estimate peak = top(gate);
+      detection.range_m = peak.range_m;
+      detection.sample = gate.largest;
+      detection.range_sigma_m = peak.sigma_m;
+      detection.energy_j = gate.energy(gate.largest);
+      break;
+    }
+  }
+  // Whatever of its echo the method looks at: at the gate's border it goes on outside. There samples may fade
+  // as they do within it.
+  const int faded = std::max(1, echo.gap);
+  if (echo.begin - gate.begin <= faded || gate.end - echo.end <= faded)
+    detection.flags.set(DetectionFlag::cut_by_window);
+  constexpr double worth_telling = 0.1;
+  if (next_energy >= worth_telling * echo.energy) detection.flags.set(DetectionFlag::several_echoes);
+  const double noise_spread = (gate.end - gate.begin) * samples.step_m * evenly;
+  detection.quality = std::max(0.0, 1 - gate.spread(detection.range_m) / noise_spread);
+  return detection;
+}
+
+glm::dvec3 sounding_position(const Pose& sensor_pose, glm::dvec3 beam_axis, double range_m) {
+  if (!(std::abs(glm::length(beam_axis) - 1) <= 1e-6))
+    throw std::invalid_argument(
+        fmt::format("sounding: the beam's axis has length {}, must be 1", glm::length(beam_axis)));
+  if (!(range_m >= 0 && std::isfinite(range_m)))
+    throw std::invalid_argument(
+        fmt::format("sounding: the slant range is {} m, must be finite and not negative", range_m));
+  return sensor_pose.position_m + sensor_pose.attitude * (range_m * beam_axis);
+}
+
+}  // namespace tubefoot

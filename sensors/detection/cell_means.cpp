@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/detection/cell_means.hpp"
+
+#include <cpl_vsi.h>
+#include <fmt/format.h>
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "files/checked_file.hpp"
+#include "files/gdal_door.hpp"
+#include "files/gdal_messages.hpp"
+
+namespace tubefoot {
+namespace {
+
+std::int64_t floor_divided(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((-a - 1) / b) - 1; }
+
+}  // namespace
+
+CellMeans::CellMeans(double cell_m, std::size_t most_bytes) : cell_m_(cell_m), most_bytes_(most_bytes) {
+  if (!(cell_m > 0) || !std::isfinite(cell_m))
+    throw std::invalid_argument(fmt::format("a cell of {} m, must be positive", cell_m));
+}
+
+void CellMeans::add(double east_m, double north_m, double value, double weight) {
+  constexpr double on_the_border = 1e-6;  // cells
+  const double x = std::floor(east_m / cell_m_ + on_the_border),
+               y = std::floor(north_m / cell_m_ + on_the_border);
+  constexpr double farthest = 1e15;  // cells; beyond, neighbouring cells are no longer told apart
+  if (!(std::abs(x) < farthest) || !(std::abs(y) < farthest) || !std::isfinite(value) || !(weight > 0))
+    throw std::invalid_argument(
+        fmt::format("value {} at east {} m, north {} m has no cell", value, east_m, north_m));
+  const auto column = static_cast<std::int64_t>(x), row = static_cast<std::int64_t>(y);
+  const Key key{floor_divided(row, tile_cells), floor_divided(column, tile_cells)};
+  if (key != last_key_) {
+    auto found = tiles_.find(key);
+    if (found == tiles_.end()) {
+      if ((tiles_.size() + 1) * sizeof(Tile) > most_bytes_)
+        throw std::runtime_error(
+            fmt::format("cells of {} m over this area take more than {} MiB: make them larger", cell_m_,
+                        most_bytes_ >> 20));
+      found = tiles_.emplace(key, std::make_unique<Tile>()).first;
+    }
+    last_key_ = key;
+    last_ = found->second.get();
+  }
+  const std::int64_t in_tile =
+      (row - key.first * tile_cells) * tile_cells + (column - key.second * tile_cells);
+  Sum& sum = (*last_)[static_cast<std::size_t>(in_tile)];
+  sum.value += weight * value;
+  sum.weight += weight;
+  if (extent_.east == extent_.west) extent_ = {column, row, column + 1, row + 1};
+  extent_ = {std::min(extent_.west, column), std::min(extent_.south, row), std::max(extent_.east, column + 1),
+             std::max(extent_.north, row + 1)};
+}
+
+double CellMeans::mean(std::int64_t column, std::int64_t row) const {
+  const Key key{floor_divided(row, tile_cells), floor_divided(column, tile_cells)};
+  const auto found = tiles_.find(key);
+  if (found == tiles_.end()) return std::numeric_limits<double>::quiet_NaN();
+  const std::int64_t in_tile =
+      (row - key.first * tile_cells) * tile_cells + (column - key.second * tile_cells);
+  const Sum& sum = (*found->second)[static_cast<std::size_t>(in_tile)];
+  return sum.weight > 0 ? sum.value / sum.weight : std::numeric_limits<double>::quiet_NaN();
+}
+
+void write_cells(const std::filesystem::path& file, const CellMeans& cells, const LocalFrame& frame,
+                 const char* band_name, const char* unit) {
+  const GdalMessages messages;
+  const auto require = [&](bool good, const std::string& reason) {
+    if (!good) throw write_error(file, reason + messages.in_brackets());
+  };
+  require(!cells.empty(), "there is nothing to write: no value fell into any cell");
+  const CellMeans::Extent& extent = cells.extent();
+  constexpr std::int64_t most_side = 1 << 20, most_cells = std::int64_t{1} << 32;
+  require(extent.columns() <= most_side && extent.rows() <= most_side &&
+              extent.columns() * extent.rows() <= most_cells,
+          fmt::format("{} x {} cells of {} m are too many for one raster: make them larger", extent.columns(),
+                      extent.rows(), cells.cell_m()));
+
+  // Encoded in memory, where it is smaller than the cells themselves, and written by write_file.
+  register_gdal_drivers();
+  struct MemoryFile {
+    std::string name;
+    ~MemoryFile() { VSIUnlink(name.c_str()); }
+  } const memory{fmt::format("/vsimem/cells-{}.tif", static_cast<const void*>(&cells))};
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  require(driver != nullptr, "GDAL has no GeoTIFF");
+  const std::array<const char*, 6> options{"COMPRESS=DEFLATE", "PREDICTOR=3",    "TILED=YES",
+                                           "BIGTIFF=IF_SAFER", "SPARSE_OK=TRUE", nullptr};
+  const auto columns = static_cast<int>(extent.columns()), rows = static_cast<int>(extent.rows());
+  std::unique_ptr<GDALDataset> dataset(
+      driver->Create(memory.name.c_str(), columns, rows, 1, GDT_Float32, const_cast<char**>(options.data())));
+  require(dataset != nullptr, "cannot encode the raster");
+
+  const LocalFrame::Map map = frame.map();
+  const double cell = cells.cell_m() / map.metres_per_unit;
+  std::array<double, 6> transform{map.easting + static_cast<double>(extent.west) * cell,   cell, 0,
+                                  map.northing + static_cast<double>(extent.north) * cell, 0,    -cell};
+  dataset->SetGeoTransform(transform.data());
+  if (!map.crs_wkt.empty()) {
+    OGRSpatialReference crs;
+    require(crs.importFromWkt(map.crs_wkt.c_str()) == OGRERR_NONE,
+            "cannot write the coordinate reference system");
+    crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    dataset->SetSpatialRef(&crs);
+  }
+  GDALRasterBand* band = dataset->GetRasterBand(1);
+  band->SetNoDataValue(no_data);
+  band->SetDescription(band_name);
+  band->SetUnitType(unit);
+  std::vector<float> line(static_cast<std::size_t>(columns));
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const double mean = cells.mean(extent.west + column, extent.north - 1 - row);
+      line[static_cast<std::size_t>(column)] = std::isnan(mean) ? no_data : static_cast<float>(mean);
+    }
+    require(
+        band->RasterIO(GF_Write, 0, row, columns, 1, line.data(), columns, 1, GDT_Float32, 0, 0) == CE_None,
+        "cannot encode the raster");
+  }
+  GDALClose(dataset.release());
+  require(messages.failures().empty(), "cannot encode the raster");
+  vsi_l_offset size = 0;
+  const GByte* bytes = VSIGetMemFileBuffer(memory.name.c_str(), &size, FALSE);
+  require(bytes != nullptr, "cannot encode the raster");
+  write_file(file, {bytes, static_cast<std::size_t>(size)});
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/detection/interferometric_soundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sensors/model/angles.hpp"
+#include "sensors/receiver/phase_noise.hpp"
+
+namespace tubefoot {
+
+InterferometricSample interferometric_sample(const Recording& recording, std::size_t ping, std::size_t beam,
+                                             std::size_t sample) {
+  const std::size_t cell = beam * static_cast<std::size_t>(recording.sensor->samples().count) + sample;
+  const auto channel = [&](std::size_t number) { return recording.channel_of(ping, number)[cell]; };
+  return {channel(0), channel(1), {channel(2), channel(3)}};
+}
+
+InterferometricSample received_sample(const Recording& recording, std::size_t ping, std::size_t beam,
+                                      std::size_t sample, const InterferometricNoise& noise) {
+  InterferometricSample products = interferometric_sample(recording, ping, beam, sample);
+  products.add_noise(noise.receiver_noise_j, noise.receiver_noise_j);
+  if (!noise.phase_noise || !products.phase_rad()) return products;
+  const SampleRandom random(noise.seed, static_cast<std::uint32_t>(ping), static_cast<std::uint32_t>(beam),
+                            static_cast<std::uint32_t>(sample));
+  products.cross_j *= std::polar(1.0, draw_phase_error(random, products.coherence()));
+  return products;
+}
+
+std::vector<InterferometricSounding> interferometric_soundings(const Recording& recording, std::size_t ping,
+                                                               const InterferometricNoise& noise) {
+  const Sensor& sensor = *recording.sensor;
+  const auto& staff = std::get<InterferometricDescription>(sensor.description().kind);
+  const Interferometer interferometer(staff.baseline_m,
+                                      recording.sound_speed_m_s / (1000 * sensor.frequency_khz()),
+                                      radians(staff.staff_tilt_deg));
+  const Pose& pose = recording.ping_pose[ping];
+  std::vector<InterferometricSounding> found;
+  for (std::uint32_t beam = 0; beam < 2; ++beam) {
+    std::optional<double> depth_m;
+    if (ping < recording.altitude_m.size() && std::isfinite(recording.altitude_m[ping]))
+      depth_m = recording.altitude_m[ping];
+    for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(sensor.samples().count); ++k) {
+      InterferometricSounding sounding{beam, k};
+      InterferometricSample products = interferometric_sample(recording, ping, beam, k);
+      sounding.energy_j = products.upper_j;
+      products.add_noise(noise.receiver_noise_j, noise.receiver_noise_j);
+      const std::optional<double> phase = products.phase_rad();
+      if (!phase) continue;
+      sounding.coherence = products.coherence();
+      sounding.phase_rad = *phase;
+      if (noise.phase_noise)
+        sounding.phase_rad = wrapped(
+            *phase + draw_phase_error(SampleRandom(noise.seed, static_cast<std::uint32_t>(ping), beam, k),
+                                      sounding.coherence));
+      sounding.range_m = sensor.samples().first_m + (k + 0.5) * sensor.samples().step_m;
+      if (!depth_m) depth_m = sounding.range_m;
+      const double expected_rad = std::asin(std::clamp(*depth_m / sounding.range_m, -1.0, 1.0));
+      const double angle = interferometer.angle_near(sounding.phase_rad, expected_rad);
+      sounding.estimate =
+          interferometer.point(sounding.range_m, angle, std::sqrt(phase_variance(sounding.coherence)));
+      const double weight = 0.2 * sounding.coherence * sounding.coherence;
+      *depth_m += weight * (sounding.estimate.depth_m - *depth_m);
+      const double side = beam == 0 ? -1 : 1;
+      sounding.position_m =
+          pose.position_m + glm::normalize(pose.attitude) * glm::dvec3(side * sounding.estimate.horizontal_m,
+                                                                       0, -sounding.estimate.depth_m);
+      found.push_back(sounding);
+    }
+  }
+  return found;
+}
+
+}  // namespace tubefoot

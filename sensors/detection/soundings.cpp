@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/detection/soundings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "sensors/pictures/decibel_scale.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, axis_width = 92,
+              legend_width = 150;
+constexpr int longest_side = 900, shortest_side = 320;
+
+/// Shallow to deep: sand, green, blue, night; lightness falls evenly.
+Colour depth_colour(double part) {
+  constexpr std::array<Colour, 5> stops{{{0.98f, 0.90f, 0.66f},
+                                         {0.62f, 0.80f, 0.52f},
+                                         {0.24f, 0.64f, 0.66f},
+                                         {0.16f, 0.40f, 0.62f},
+                                         {0.13f, 0.16f, 0.38f}}};
+  const double at = std::clamp(part, 0.0, 1.0) * (stops.size() - 1);
+  const auto k = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+  return mix(stops[k], stops[k + 1], at - static_cast<double>(k));
+}
+
+/// Depths drawn: the extremes of the cells.
+struct DepthRange {
+  double shallow = std::numeric_limits<double>::infinity(), deep = -shallow;
+  double part(double depth) const { return deep > shallow ? (depth - shallow) / (deep - shallow) : 0.5; }
+};
+
+DepthRange range_of(const CellMeans& cells) {
+  DepthRange range;
+  const CellMeans::Extent& e = cells.extent();
+  for (std::int64_t row = e.south; row < e.north; ++row)
+    for (std::int64_t column = e.west; column < e.east; ++column) {
+      const double depth = cells.mean(column, row);
+      if (std::isnan(depth)) continue;
+      range.shallow = std::min(range.shallow, depth);
+      range.deep = std::max(range.deep, depth);
+    }
+  return range;
+}
+
+/// Of a cell under a light from the north-west, 45 degrees high: 1 on a level bed. Slopes by central
+/// differences, one-sided at the rim.
+double shade(const CellMeans& cells, std::int64_t column, std::int64_t row) {
+  const double here = cells.mean(column, row);
+  const auto slope = [&](std::int64_t dx, std::int64_t dy) {  // of the height
+    const double before = cells.mean(column - dx, row - dy), after = cells.mean(column + dx, row + dy);
+    const double first = std::isnan(before) ? here : before, last = std::isnan(after) ? here : after;
+    const int steps = (std::isnan(before) ? 0 : 1) + (std::isnan(after) ? 0 : 1);
+    return steps == 0 ? 0 : -(last - first) / (steps * cells.cell_m());
+  };
+  const double east = slope(1, 0), north = slope(0, 1);
+  const double lit = (east * 0.5 - north * 0.5 + std::sqrt(0.5)) / std::sqrt(1 + east * east + north * north);
+  return std::clamp(lit / std::sqrt(0.5), 0.0, 1.4);
+}
+
+Colour lit_colour(Colour colour, double shade) {
+  constexpr Colour black{0, 0, 0}, white{1, 1, 1};
+  return shade < 1 ? mix(black, colour, 0.25 + 0.75 * shade) : mix(colour, white, 0.8 * (shade - 1));
+}
+
+bool belongs_into_a_grid(const Sounding& sounding) {
+  const glm::dvec3& p = sounding.position_m;
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
+         !sounding.flags.has(DetectionFlag::cut_by_window);
+}
+
+}  // namespace
+
+SoundingGrid::SoundingGrid(LocalFrame frame, double cell_m) : frame_(std::move(frame)), depths_(cell_m) {}
+
+void SoundingGrid::add(const Sounding& sounding) {
+  if (belongs_into_a_grid(sounding)) add(sounding.position_m, 1);
+}
+
+void SoundingGrid::add_between(const Sounding& from, const Sounding& to) {
+  if (!belongs_into_a_grid(from) || !belongs_into_a_grid(to)) return;
+  const glm::dvec3 way = to.position_m - from.position_m;
+  // Twice a cell, so that no cell is stepped over that the line crosses by more than half of one.
+  const int steps = static_cast<int>(std::ceil(2 * std::hypot(way.x, way.y) / depths_.cell_m()));
+  constexpr double next_to_nothing = 1e-9;
+  for (int k = 1; k < steps; ++k)
+    add(from.position_m + way * (static_cast<double>(k) / steps), next_to_nothing);
+}
+
+void SoundingGrid::add(glm::dvec3 p, double weight) {
+  depths_.add(p.x, p.y, -(p.z + frame_.origin_height_m()), weight);
+}
+
+void SoundingGrid::write_tiff(const std::filesystem::path& file) const {
+  write_cells(file, depths_, frame_, "Depth", "m");
+}
+
+Canvas SoundingGrid::draw(const std::string& title, const std::string& font) const {
+  if (depths_.empty()) throw std::runtime_error("there are no soundings to draw");
+  const CellMeans::Extent& extent = depths_.extent();
+  const double cell = depths_.cell_m();
+  const double longest = static_cast<double>(std::max(extent.columns(), extent.rows()));
+  const double pixels_per_cell = longest_side / longest;
+  const auto pixels = [&](std::int64_t cells) {
+    return std::max(1, static_cast<int>(std::lround(static_cast<double>(cells) * pixels_per_cell)));
+  };
+  const int width = pixels(extent.columns()), height = pixels(extent.rows());
+  const int left = margin + axis_width, top = header_height;
+  const int page_width = std::max(width, shortest_side), page_height = std::max(height, shortest_side);
+  Canvas canvas(left + page_width + legend_width + margin, top + page_height + axis_height + margin,
+                palette.background, font);
+  const DepthRange range = range_of(depths_);
+
+  // Large grids: each pixel shows the cell under its middle.
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::int64_t column = extent.west + static_cast<std::int64_t>((x + 0.5) / pixels_per_cell);
+      const std::int64_t row = extent.north - 1 - static_cast<std::int64_t>((y + 0.5) / pixels_per_cell);
+      const double depth = depths_.mean(column, row);
+      if (std::isnan(depth)) continue;
+      canvas.blend(left + x, top + y,
+                   lit_colour(depth_colour(range.part(depth)), shade(depths_, column, row)));
+    }
+
+  const int right = left + width, bottom = top + height;
+  canvas.fill(left - 1, top - 1, right + 1, top, palette.grid, 0.55);
+  canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);
+  canvas.fill(left - 1, top, left, bottom, palette.grid, 0.55);
+  canvas.fill(right, top, right + 1, bottom, palette.grid, 0.55);
+  const double west_m = static_cast<double>(extent.west) * cell,
+               east_m = static_cast<double>(extent.east) * cell;
+  const double south_m = static_cast<double>(extent.south) * cell,
+               north_m = static_cast<double>(extent.north) * cell;
+  const double pixels_per_m = pixels_per_cell / cell;
+  const double step = tick_step(longest * cell, 6);
+  for (const double east : ticks(west_m, east_m, step)) {
+    const int x = left + static_cast<int>(std::lround((east - west_m) * pixels_per_m));
+    canvas.fill(x, bottom + 1, x + 1, bottom + 7, palette.faint_ink);
+    canvas.text(x, bottom + 20, tick_label(east, step), label_size, palette.ink, Anchor::centre);
+  }
+  for (const double north : ticks(south_m, north_m, step)) {
+    const int y = bottom - static_cast<int>(std::lround((north - south_m) * pixels_per_m));
+    canvas.fill(left - 7, y, left - 1, y + 1, palette.faint_ink);
+    canvas.text(left - 12, y, tick_label(north, step), label_size, palette.ink, Anchor::right);
+  }
+  canvas.text(left + width / 2, bottom + 44, "east (m)", label_size, palette.ink, Anchor::centre);
+  canvas.text(left - 12, top - 16, "north (m)", label_size, palette.ink, Anchor::right);
+
+  constexpr int bar_width = 22, bar_height = 260;
+  const int bar_x = left + page_width + 34, bar_top = top + 24;
+  for (int y = 0; y < bar_height; ++y)
+    canvas.fill(bar_x, bar_top + y, bar_x + bar_width, bar_top + y + 1, depth_colour((y + 0.5) / bar_height));
+  canvas.text(bar_x, top, "depth (m)", label_size, palette.ink);
+  const double span = range.deep - range.shallow;
+  const double depth_step = span > 0 ? tick_step(span, 6) : 1;
+  for (const double depth :
+       span > 0 ? ticks(range.shallow, range.deep, depth_step) : std::vector<double>{range.shallow}) {
+    const int y = bar_top + static_cast<int>(std::lround(range.part(depth) * bar_height));
+    canvas.fill(bar_x + bar_width, y, bar_x + bar_width + 6, y + 1, palette.faint_ink);
+    canvas.text(bar_x + bar_width + 12, y,
+                span > 0 ? tick_label(depth, depth_step) : fmt::format("{:.2f}", depth), label_size,
+                palette.ink);
+  }
+
+  constexpr double longest_scale = 110;  // pixels
+  const double scale_m = tick_step(longest_scale / pixels_per_m, 3);
+  const int scale_pixels = static_cast<int>(std::lround(scale_m * pixels_per_m));
+  const int scale_y = bar_top + bar_height + 34;
+  canvas.fill(bar_x, scale_y, bar_x + scale_pixels, scale_y + 3, palette.ink);
+  canvas.text(bar_x, scale_y + 20, fmt::format("{:g} m", scale_m), label_size, palette.ink);
+  canvas.text(margin, margin, title, title_size, palette.ink);
+  canvas.text(
+      margin, margin + 30,
+      fmt::format("mean depth of soundings in cells of {:g} m, {:.2f} to {:.2f} m; lit from the north-west",
+                  cell, range.shallow, range.deep),
+      label_size, palette.faint_ink);
+  return canvas;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The group Beam_group1.
+#include <fmt/format.h>
+
+#include <numbers>
+#include <string>
+
+#include "sensors/formats/sonar_netcdf_builder.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+void SonarNetcdfBuilder::beam_group(const NetcdfGroup& sonar) {
+  beam_group_ = sonar.group("Beam_group1");
+  const NetcdfGroup& group = beam_group_;
+  group.attribute("beam_mode", "vertical");
+  group.code_attribute("conversion_equation_type", conversion_, conversion_type_5);
+  for (const char* sensor : {"MRU", "position", "gyro", "heading", "depth"})
+    group.attribute(NC_GLOBAL, fmt::format("preferred_{}", sensor).c_str(), NC_INT, {0});
+  const nc_type sample = group.float_list("sample_t");
+  group.float_list("angle_t");
+  group.float_list("pulse_t");
+  ping_ = group.dimension("ping_time", NC_UNLIMITED);
+  beam_ = group.dimension("beam", header_.beams);
+  const int subbeam = group.dimension("subbeam", 1);
+  tx_beam_ = group.dimension("tx_beam", 1);
+  const int frequency = group.dimension("frequency", 1);
+
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < header_.beams; ++k) names.push_back(std::to_string(k));
+  group.put_text("beam", beam_, "Beam name", names);
+  group.put({"beam_type", beam_type_, {beam_}, nullptr, "Type of beam"}, Values(header_.beams, 0));
+  group.put({"frequency", NC_FLOAT, {frequency}, "Hz", "Acoustic frequency", "sound_frequency", 0.0},
+            {header_.frequency_hz});
+  group.put({"receive_transducer_index", NC_INT, {beam_}, nullptr, "Receive transducer index", nullptr, 0},
+            Values(header_.beams, 0));
+  time(group, "ping_time", ping_, "Time-stamp of each ping");
+
+  layout_.backscatter = {
+      group.id(),
+      group.define(
+          {"backscatter_r", sample, {ping_, beam_, subbeam}, "dB", "Backscatter level per beam and sample"},
+          SonarNetcdfLayout::chunk_pings)};
+  each_beam(
+      group,
+      {"sample_count",
+       NC_INT,
+       {ping_, beam_, subbeam},
+       "1",
+       "Number of samples in each beam, per ping",
+       nullptr,
+       0},
+      [](const Ping& p, std::size_t beam) { return static_cast<double>(p.backscatter_db[beam].size()); });
+  navigation(group);
+  beam_geometry(group);
+  transmission(group);
+}
+
+void SonarNetcdfBuilder::navigation(const NetcdfGroup& g) {
+  const auto shared = [&] {
+    g.attribute(last_, "coordinates", "ping_time platform_latitude platform_longitude");
+  };
+  for (const char* sensor : {"MRU", "position_sensor", "gyro_sensor", "heading_sensor", "depth_sensor"}) {
+    const std::string name = fmt::format("active_{}", sensor);
+    every_ping(
+        g, {name.c_str(), NC_INT, {ping_}, nullptr, fmt::format("Active {} index", sensor), nullptr, 0}, 0);
+    shared();
+  }
+  each_ping(
+      g, {"platform_latitude", NC_DOUBLE, {ping_}, "degrees_north", "latitude", "Platform latitude", -90, 90},
+      [](const Ping& p) { return p.latitude_deg; });
+  shared();
+  each_ping(g,
+            {"platform_longitude",
+             NC_DOUBLE,
+             {ping_},
+             "degrees_east",
+             "longitude",
+             "Platform longitude",
+             -180,
+             180},
+            [](const Ping& p) { return p.longitude_deg; });
+  shared();
+  each_ping(g,
+            {"platform_heading",
+             NC_FLOAT,
+             {ping_},
+             "degrees_north",
+             "Platform heading (true)",
+             "platform_orientation",
+             0,
+             360},
+            [](const Ping& p) { return sonar_full_circle(p.heading_deg); });
+  shared();
+  each_ping(g,
+            {"platform_pitch",
+             NC_FLOAT,
+             {ping_},
+             "arc_degree",
+             "pitch angle, bow up positive",
+             "platform_pitch_angle",
+             -90,
+             90},
+            [](const Ping& p) { return p.pitch_deg; });
+  shared();
+  each_ping(g,
+            {"platform_roll",
+             NC_FLOAT,
+             {ping_},
+             "arc_degree",
+             "roll angle, starboard down positive",
+             "platform_roll_angle"},
+            [](const Ping& p) { return p.roll_deg; });
+  shared();
+  each_ping(g,
+            {"platform_vertical_offset",
+             NC_FLOAT,
+             {ping_},
+             "m",
+             "Distance from the platform's reference point to the water line, positive down"},
+            [](const Ping& p) { return p.waterline_below_reference_m; });
+  shared();
+  each_ping(g,
+            {"tx_transducer_depth", NC_FLOAT, {ping_}, "m", "Transmit transducer depth below the water line"},
+            [](const Ping& p) { return p.transducer_depth_m; });
+  shared();
+  each_ping(g,
+            {"waterline_to_chart_datum",
+             NC_FLOAT,
+             {ping_},
+             "m",
+             "Vertical distance from the water line to the chart datum, positive down"},
+            [](const Ping& p) { return p.waterline_to_chart_datum_m; });
+  g.attribute(last_, "vertical_coordinate_reference_system", "MSL depth");
+  shared();
+  each_ping(g,
+            {"sound_speed_at_transducer",
+             NC_FLOAT,
+             {ping_},
+             "m/s",
+             "Sound speed at ping time and transducer depth",
+             "speed_of_sound_in_sea_water",
+             0.0},
+            [](const Ping& p) { return p.sound_speed_m_s; });
+  shared();
+}
+
+void SonarNetcdfBuilder::beam_geometry(const NetcdfGroup& g) {
+  const auto nominal = [&] { g.attribute(last_, "substitute_value_used", NC_INT, {0}); };
+  // The beam's z axis is the beam, its x axis forward: what the convention calls its vertical is across
+  // track.
+  every_beam(g,
+             {"beamwidth_receive_major",
+              NC_FLOAT,
+              {ping_, beam_},
+              "arc_degree",
+              "Half power one-way receive beam width along major (horizontal) axis of beam: along track",
+              nullptr,
+              0,
+              360},
+             header_.receive_width_along_deg);
+  nominal();
+  every_beam(g,
+             {"beamwidth_receive_minor",
+              NC_FLOAT,
+              {ping_, beam_},
+              "arc_degree",
+              "Half power one-way receive beam width along minor (vertical) axis of beam: across track",
+              nullptr,
+              0,
+              360},
+             header_.receive_width_across_deg);
+  nominal();
+  every_ping(g,
+             {"beamwidth_transmit_major",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "arc_degree",
+              "Half power one-way transmit beam width along major (horizontal) axis of beam: along track",
+              nullptr,
+              0,
+              360},
+             header_.transmit_width_along_deg);
+  every_ping(g,
+             {"beamwidth_transmit_minor",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "arc_degree",
+              "Half power one-way transmit beam width along minor (vertical) axis of beam: across track",
+              nullptr,
+              0,
+              360},
+             header_.transmit_width_across_deg);
+  // A right-handed turn about the forward axis takes down towards port.
+  each_beam(g,
+            {"rx_beam_rotation_phi",
+             NC_FLOAT,
+             {ping_, beam_},
+             "arc_degree",
+             "receive beam angular rotation about the x axis, port positive",
+             nullptr,
+             -180,
+             180},
+            [](const Ping& p, std::size_t beam) { return -p.across_angle_deg[beam] + 0.0; });
+  every_beam(g,
+             {"rx_beam_rotation_theta",
+              NC_FLOAT,
+              {ping_, beam_},
+              "arc_degree",
+              "receive beam angular rotation about the y axis",
+              nullptr,
+              -90,
+              90},
+             0);
+  every_beam(g,
+             {"rx_beam_rotation_psi",
+              NC_FLOAT,
+              {ping_, beam_},
+              "arc_degree",
+              "receive beam angular rotation about the z axis",
+              nullptr,
+              -180,
+              180},
+             0);
+  every_ping(g,
+             {"tx_beam_rotation_phi",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "arc_degree",
+              "transmit beam angular rotation about the x axis",
+              nullptr,
+              -180,
+              180},
+             0);
+  every_ping(g,
+             {"tx_beam_rotation_theta",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "arc_degree",
+              "transmit beam angular rotation about the y axis",
+              nullptr,
+              -90,
+              90},
+             0);
+  every_ping(g,
+             {"tx_beam_rotation_psi",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "arc_degree",
+              "transmit beam angular rotation about the z axis",
+              nullptr,
+              -180,
+              180},
+             0);
+  every_ping(g,
+             {"beam_stabilisation", stabilisation_, {ping_}, nullptr, "Beam stabilisation applied (or not)"},
+             header_.beams_stabilised ? 1 : 0);
+  every_beam(g,
+             {"equivalent_beam_angle",
+              NC_FLOAT,
+              {ping_, beam_},
+              "sr",
+              "Equivalent beam angle",
+              nullptr,
+              0,
+              4 * std::numbers::pi},
+             header_.equivalent_beam_angle_sr);
+  nominal();
+  every_ping(g,
+             {"transmit_transducer_index",
+              NC_INT,
+              {ping_, tx_beam_},
+              nullptr,
+              "Transmit transducer index",
+              nullptr,
+              0},
+             0);
+  every_beam(g,
+             {"transmit_beam_index",
+              NC_INT,
+              {ping_, beam_},
+              nullptr,
+              "Transmit beam index associated with the given beam",
+              nullptr,
+              0},
+             0);
+  each_beam(
+      g,
+      {"detected_bottom_range", NC_FLOAT, {ping_, beam_}, "m", "Detected range of the bottom", nullptr, 0.0},
+      [](const Ping& p, std::size_t beam) {
+        const SonarDetection& d = p.detections[beam];
+        return d.found ? p.sound_speed_m_s * d.two_way_travel_time_s / 2 : none;
+      });
+}
+
+void SonarNetcdfBuilder::transmission(const NetcdfGroup& g) {
+  each_ping(
+      g,
+      {"sample_interval", NC_FLOAT, {ping_}, "s", "Interval between recorded raw data samples", nullptr, 0.0},
+      [](const Ping& p) { return p.sample_interval_s; });
+  every_ping(g,
+             {"sample_time_offset",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "s",
+              "Time offset that is subtracted from the timestamp of each sample"},
+             0);
+  each_beam(g,
+            {"blanking_interval",
+             NC_FLOAT,
+             {ping_, beam_},
+             "s",
+             "Amount of time during reception where samples are discarded",
+             nullptr,
+             0.0},
+            [](const Ping& p, std::size_t) { return p.blanking_interval_s; });
+  every_ping(g,
+             {"transmit_duration_nominal",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "s",
+              "Nominal duration of transmitted pulse",
+              nullptr,
+              0.0},
+             header_.pulse_length_s);
+  every_ping(g,
+             {"receive_duration_effective",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "s",
+              "Effective duration of received pulse",
+              nullptr,
+              0.0},
+             header_.pulse_length_s);
+  every_ping(g,
+             {"transmit_bandwidth",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "Hz",
+              "Nominal bandwidth of transmitted pulse",
+              nullptr,
+              0.0},
+             header_.bandwidth_hz);
+  every_ping(g,
+             {"transmit_frequency_start",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "Hz",
+              "Start frequency in transmitted pulse",
+              "sound_frequency",
+              0.0},
+             header_.frequency_hz);
+  every_ping(g,
+             {"transmit_frequency_stop",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "Hz",
+              "Stop frequency in transmitted pulse",
+              "sound_frequency",
+              0.0},
+             header_.frequency_hz);
+  every_ping(g, {"transmit_type", transmit_, {ping_, tx_beam_}, nullptr, "Type of transmitted pulse"}, 0);
+  if (header_.source_level_db)
+    every_ping(g,
+               {"transmit_source_level",
+                NC_FLOAT,
+                {ping_, tx_beam_},
+                "dB",
+                "Transmit source level, dB re 1 uPa at 1 m"},
+               *header_.source_level_db);
+  every_ping(g,
+             {"non_quantitative_processing",
+              NC_SHORT,
+              {ping_},
+              nullptr,
+              "Presence or not of non-quantitative processing applied to the backscattering data"},
+             0);
+  g.attribute(last_, "flag_meanings", "no_non_quantitative_processing");
+  g.attribute(last_, "flag_values", NC_SHORT, {0});
+}
+
+}  // namespace tubefoot

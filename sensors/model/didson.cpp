@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/model/didson.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "sensors/model/angles.hpp"
+#include "sensors/model/lens_beams.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// An echo of the window's end, there and back, and what an ARIS takes besides for each of its shots. The
+/// ranges of camera windows count on 1500 m/s.
+double default_cycle_interval_s(const DidsonDescription& camera) {
+  constexpr double nominal_sound_speed_m_s = 1500, overhead_s = 420e-6;
+  return 2 * (camera.window_start_m + camera.window_length_m) / nominal_sound_speed_m_s + overhead_s;
+}
+
+void check_camera(const SensorDescription& description) {
+  const auto& camera = std::get<DidsonDescription>(description.kind);
+  require(camera.beams >= 1, description, "beams", camera.beams, "1 or more");
+  require(camera.samples >= 1, description, "samples", camera.samples, "1 or more");
+  require(camera.horizontal_deg > 0 && camera.horizontal_deg <= 360, description, "horizontal_deg",
+          camera.horizontal_deg, "above 0 and at most 360");
+  require(camera.vertical_deg > 0 && camera.vertical_deg < 180, description, "vertical_deg",
+          camera.vertical_deg, "above 0 and below 180");
+  for (const auto& transmit : {camera.transmit_horizontal_deg, camera.transmit_vertical_deg})
+    require(!transmit || (*transmit > 0 && *transmit < 360), description, "transmit sector",
+            transmit.value_or(0), "above 0 and below 360");
+  require(camera.window_start_m >= 0, description, "window_start_m", camera.window_start_m, "0 or more");
+  require(camera.window_length_m > 0, description, "window_length_m", camera.window_length_m, "above 0");
+  require(camera.beam_centres == "even" || camera.beams == 48 || camera.beams == 96, description, "beams",
+          camera.beams, "48 or 96 with beam_centres = \"lens\"");
+  require(camera.receive_margin_deg >= 0 && camera.horizontal_deg + 2 * camera.receive_margin_deg <= 360,
+          description, "receive_margin_deg", camera.receive_margin_deg,
+          "0 or more, and at most 360 degrees together with horizontal_deg");
+  require(camera.cycles >= 1 && camera.beams % camera.cycles == 0, description, "cycles", camera.cycles,
+          "1 or more, a divisor of beams");
+  require(camera.cycle_interval_s.value_or(0) >= 0, description, "cycle_interval_s",
+          camera.cycle_interval_s.value_or(0), "0 or more");
+  std::vector<int> order = camera.firing_order, all(static_cast<std::size_t>(camera.cycles));
+  std::iota(all.begin(), all.end(), 0);
+  std::sort(order.begin(), order.end());
+  require(order.empty() || order == all, description, "firing_order", fmt::format("{}", camera.firing_order),
+          "each cycle from 0 to cycles - 1 once");
+  // The same pattern in every beam's direction would only be counted once for each.
+  require(camera.transmit_steering != "beams" || description.transmit.angle != "elevation", description,
+          "transmit_steering", "\"beams\"", "\"fan\" with transmit_pattern_angle = \"elevation\"");
+}
+
+}  // namespace
+
+Didson::Didson(const SensorDescription& description) : Sensor(description) {
+  check_camera(description);
+  const auto& camera = std::get<DidsonDescription>(description.kind);
+  frequency_khz_ = camera.frequency_khz;
+  samples_ = {camera.window_start_m, camera.window_length_m / camera.samples, camera.samples};
+
+  const double half_vertical_rad = radians(camera.vertical_deg) / 2;
+  Sector sector;
+  if (camera.beam_centres == "lens") {
+    const std::vector<double> centres = lens_beam_centres(camera.beams);
+    sector.borders_rad = borders_between(centres);
+    for (std::size_t b = 0; b < centres.size(); ++b)
+      beams_.push_back(
+          {centres[b], 0, sector.borders_rad[b + 1] - sector.borders_rad[b], 2 * half_vertical_rad});
+  } else {
+    const double half_horizontal_rad = radians(camera.horizontal_deg) / 2;
+    const double beam_width_rad = 2 * half_horizontal_rad / camera.beams;
+    sector.borders_rad = even_edges(-half_horizontal_rad, half_horizontal_rad, camera.beams);
+    for (int beam = 0; beam < camera.beams; ++beam)
+      beams_.push_back(
+          {-half_horizontal_rad + (beam + 0.5) * beam_width_rad, 0, beam_width_rad, 2 * half_vertical_rad});
+  }
+  // An echo needs both: of what is received, only the part within the transmit sector is cut into tubes. The
+  // two sectors share apex and axes, so that their intersection is one of angles.
+  constexpr double whole_circle_deg = 360;
+  sector.half_width_rad = radians(camera.transmit_horizontal_deg.value_or(whole_circle_deg)) / 2;
+  sector.half_height_rad =
+      radians(std::min(camera.transmit_vertical_deg.value_or(camera.vertical_deg), camera.vertical_deg)) / 2;
+
+  const double interval_s = camera.cycle_interval_s.value_or(default_cycle_interval_s(camera));
+  for (std::size_t place = 0; place < static_cast<std::size_t>(camera.cycles); ++place) {
+    const std::size_t cycle =
+        camera.firing_order.empty() ? place : static_cast<std::size_t>(camera.firing_order[place]);
+    shots_.push_back(shot_of(cycle, sector));
+    shots_.back().delay_s = static_cast<double>(place) * interval_s;
+  }
+}
+
+Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
+  const auto& camera = std::get<DidsonDescription>(description_.kind);
+  const bool hears_all = description_.receive.pattern != "none";
+  const auto cycles = static_cast<std::size_t>(camera.cycles);
+  Shot shot;
+  for (std::size_t beam = cycle; beam < beams_.size(); beam += cycles)
+    shot.beams.push_back(static_cast<std::uint32_t>(beam));
+
+  // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
+  const std::size_t rows = sector.half_height_rad > radians(45) ? 2 : 1;
+  const double tolerance = description_.cone_tolerance;
+  std::vector<double> heights;  // once it is known how wide slices are
+  bool apart = true;
+  /// A cell of the fan, next to the one before unless they are `apart`.
+  const auto add = [&](double from, double to, std::uint32_t own) {
+    from = std::max(from, -sector.half_width_rad);
+    to = std::min(to, sector.half_width_rad);
+    if (to - from < 1e-8) return;  // unlit, or so narrow that integer rays cannot tell its walls apart
+    // Walls of constant elevation are cones, tubes have planes: wide cells are several slices (see
+    // slice_width_rad).
+    const std::vector<double> edges = even_edges(from, to, slices_for(to - from, tolerance));
+    if (apart) shot.sectors.push_back({{from}, heights, glm::dmat3(forward_axis, starboard_axis, up_axis)});
+    std::vector<double>& azimuths = shot.sectors.back().azimuth_edges_rad;
+    azimuths.insert(azimuths.end(), edges.begin() + 1, edges.end());
+    shot.beam_of_tube.insert(shot.beam_of_tube.end(), rows * (edges.size() - 1), own);
+    apart = false;
+  };
+  const std::vector<double>& borders = sector.borders_rad;
+  const double margin_rad = hears_all ? radians(camera.receive_margin_deg) : 0;
+  double widest_rad = 0;
+  const auto widen = [&](double width_rad) {
+    widest_rad = std::max(widest_rad, width_rad / slices_for(width_rad, tolerance));
+  };
+  for (std::size_t beam = 0; beam + 1 < borders.size(); ++beam) widen(borders[beam + 1] - borders[beam]);
+  if (margin_rad > 0) widen(margin_rad);
+  if (hears_all && cycles > 1) widen(2 * sector.half_width_rad);
+  const double corner_rad = height_of_corners(sector.half_height_rad, widest_rad, tolerance);
+  heights = even_edges(-corner_rad, corner_rad, static_cast<int>(rows));
+  const auto last = static_cast<std::uint32_t>(shot.beams.size() - 1);
+  if (hears_all && cycles > 1) {
+    // No beam has a tube of its own: as few slices as the walls allow, each in the name of the beam that
+    // looks nearest to it.
+    const double from = std::max(borders.front() - margin_rad, -sector.half_width_rad),
+                 to = std::min(borders.back() + margin_rad, sector.half_width_rad);
+    const std::vector<double> edges = even_edges(from, to, slices_for(to - from, tolerance));
+    for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
+      const double middle = (edges[k] + edges[k + 1]) / 2;
+      std::uint32_t nearest = 0;
+      while (nearest < last &&
+             middle >
+                 (beams_[shot.beams[nearest]].azimuth_rad + beams_[shot.beams[nearest + 1]].azimuth_rad) / 2)
+        ++nearest;
+      add(edges[k], edges[k + 1], nearest);
+    }
+  } else {
+    if (margin_rad > 0) add(borders.front() - margin_rad, borders.front(), 0);
+    for (std::uint32_t place = 0; place < shot.beams.size(); ++place) {
+      const std::size_t beam = shot.beams[place];
+      apart = apart || cycles > 1;
+      add(borders[beam], borders[beam + 1], place);
+    }
+    if (margin_rad > 0) add(borders.back(), borders.back() + margin_rad, last);
+  }
+  const std::string steering = camera.transmit_steering.value_or(
+      cycles > 1 && description_.transmit.angle != "elevation" ? "beams" : "fan");
+  shot.fans.push_back({0, last + 1, static_cast<std::uint32_t>(shot.beam_of_tube.size()), forward_axis,
+                       starboard_axis, up_axis, steering == "beams"});
+  return shot;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/model/fan_sector.hpp"
+
+#include <algorithm>
+
+#include "sensors/model/angles.hpp"
+
+namespace tubefoot {
+
+SectorTubes even_sector(int beams, double half_width_rad, double half_lit_rad, double half_height_rad,
+                        double cone_tolerance) {
+  // Walls of constant elevation are cones, tubes have planes: wide beams are several slices (see
+  // slice_width_rad).
+  const int slices = slices_for(2 * half_width_rad / beams, cone_tolerance);
+  const double corner_rad =
+      height_of_corners(half_height_rad, 2 * half_width_rad / beams / slices, cone_tolerance);
+  // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
+  const int rows = half_height_rad > radians(45) ? 2 : 1;
+  const std::vector<double> edges = even_edges(-half_width_rad, half_width_rad, beams * slices);
+  SectorTubes made{
+      {{}, even_edges(-corner_rad, corner_rad, rows), glm::dmat3(forward_axis, starboard_axis, up_axis)}, {}};
+  std::vector<double>& azimuths = made.grid.azimuth_edges_rad;
+  for (std::size_t cell = 0; cell + 1 < edges.size(); ++cell) {
+    const double from = std::max(edges[cell], -half_lit_rad), to = std::min(edges[cell + 1], half_lit_rad);
+    if (to - from < 1e-8) continue;  // unlit, or so narrow that integer rays cannot tell its walls apart
+    if (azimuths.empty()) azimuths.push_back(from);
+    azimuths.push_back(to);
+    made.beam_of_tube.insert(made.beam_of_tube.end(), static_cast<std::size_t>(rows),
+                             static_cast<std::uint32_t>(cell) / static_cast<std::uint32_t>(slices));
+  }
+  return made;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "sensors/model/angles.hpp"
+#include "sensors/model/sensor.hpp"
+
+// What integer rays can still tell apart. A wall is a plane through two rays, each coordinate of which is
+// rounded to 2^-30 (geometry/tubes/tube.hpp).
+namespace tubefoot {
+namespace {
+
+double span(const std::vector<double>& edges) { return edges.empty() ? 0 : edges.back() - edges.front(); }
+
+}  // namespace
+
+void Sensor::refuse_narrow() const {
+  const auto refuse = [this](double width_rad, const char* what, const char* remedy) {
+    // A width that is asked for exactly may come out a rounding less.
+    if (width_rad < narrowest_rad * (1 - 1e-9))
+      throw InputError(
+          description_.place,
+          fmt::format("{} of sensor '{}' {:.3g} degrees, and directions are told apart to 6e-8 degrees only: "
+                      "at least {:g} degrees are taken; {}",
+                      what, description_.name, degrees(width_rad), degrees(narrowest_rad), remedy));
+  };
+  const char* widen = "widen them, or ask for fewer beams";
+  for (const BeamAxis& beam : beams_) {
+    refuse(beam.azimuth_width_rad, "the beams across", widen);
+    refuse(beam.elevation_width_rad, "the beams along", widen);
+  }
+  for (const Shot& shot : shots_)
+    for (const AngularGrid& sector : shot.sectors) {
+      const char* overlap = "widen what is lit, heard, or both";
+      refuse(span(sector.azimuth_edges_rad), "the sector that is lit and heard", overlap);
+      refuse(span(sector.elevation_edges_rad), "the sector that is lit and heard", overlap);
+    }
+}
+
+double Sensor::wall_rounding() const {
+  double narrowest = std::numeric_limits<double>::infinity();
+  for (const BeamAxis& beam : beams_)
+    narrowest = std::min({narrowest, beam.azimuth_width_rad, beam.elevation_width_rad});
+  constexpr double of_two_walls = 1.7320508 * 0x1p-30;  // half a unit in each of three coordinates
+  return of_two_walls / narrowest;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/pictures/canvas.hpp"
+
+#include <OpenImageIO/imagebufalgo.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+
+#include "files/shown.hpp"
+#include "sensors/pictures/image_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr std::string_view degree_sign = "\u00b0";
+
+/// OpenImageIO 2.4 draws the last six bits of a character beyond ASCII. A degree sign at the end of a line is
+/// drawn as a ring instead; any other such character (of a sensor's name) becomes a question mark.
+std::string drawable(std::string_view line) {
+  if (line.ends_with(degree_sign)) line.remove_suffix(degree_sign.size());
+  std::string ascii;
+  for (const char c : line) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte < 0x7f)
+      ascii += c;
+    else if (byte >= 0xc0)
+      ascii += '?';  // the first byte of a longer character; the others are left out
+  }
+  return ascii;
+}
+
+int ring_width(int size) { return static_cast<int>(std::lround(0.4 * size)); }
+
+}  // namespace
+
+Colour mix(Colour a, Colour b, double amount) {
+  const auto t = static_cast<float>(amount);
+  return {a.red + t * (b.red - a.red), a.green + t * (b.green - a.green), a.blue + t * (b.blue - a.blue)};
+}
+
+Canvas::Canvas(int width, int height, Colour background, std::string font)
+    : width_(width),
+      height_(height),
+      components_(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      font_(std::move(font)) {
+  fill(0, 0, width, height, background);
+}
+
+void Canvas::blend(int x, int y, Colour colour, double alpha) {
+  if (x < 0 || y < 0 || x >= width() || y >= height()) return;
+  float* pixel = &components_[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                   static_cast<std::size_t>(x))];
+  const Colour mixed = mix({pixel[0], pixel[1], pixel[2]}, colour, alpha);
+  pixel[0] = mixed.red;
+  pixel[1] = mixed.green;
+  pixel[2] = mixed.blue;
+}
+
+void Canvas::fill(int x0, int y0, int x1, int y1, Colour colour, double alpha) {
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) blend(x, y, colour, alpha);
+}
+
+void Canvas::text(int x, int y, const std::string& line, int size, Colour colour, Anchor anchor) {
+  if (font_.empty() || line.empty()) return;
+  const int length = text_width(line, size, font_);
+  if (anchor == Anchor::right) x -= length;
+  if (anchor == Anchor::centre) x -= length / 2;
+  const int baseline =
+      y + static_cast<int>(std::lround(0.365 * size));  // half the height of DejaVu's capitals
+  const float components[] = {colour.red, colour.green, colour.blue};
+  OIIO::ImageBuf image(OIIO::ImageSpec(width_, height_, 3, OIIO::TypeDesc::FLOAT), components_.data());
+  if (!OIIO::ImageBufAlgo::render_text(image, x, baseline, drawable(line), size, font_, components))
+    throw std::runtime_error("cannot draw a label: " + image.geterror());
+  if (!line.ends_with(degree_sign)) return;
+  const double radius = ring_width(size) / 2.0 - 1.5, centre_x = x + length - 1 - radius,
+               centre_y = y - 0.27 * size;
+  for (int v = y - size; v < y; ++v)
+    for (int u = x; u < x + length + 1; ++u)
+      blend(u, v, colour,
+            std::clamp(1.2 - std::abs(std::hypot(u - centre_x, v - centre_y) - radius), 0.0, 1.0));
+}
+
+void Canvas::write_png(const std::filesystem::path& file, const std::string& description) const {
+  OIIO::ImageSpec spec(width(), height(), 3, OIIO::TypeDesc::UINT16);
+  spec.attribute("ImageDescription", shown(description));
+  write_image(file, spec, components_.data());
+}
+
+std::string find_font(const std::vector<std::string>& candidates) {
+  for (const std::string& name : candidates)
+    if (OIIO::ImageBufAlgo::text_size("0", 16, name).defined()) return name;
+  return {};
+}
+
+const std::string& label_font() {
+  static const std::string font =
+      find_font({"DejaVuSans", "LiberationSans-Regular", "NotoSans-Regular", "FreeSans"});
+  return font;
+}
+
+int text_width(const std::string& line, int size, const std::string& font) {
+  if (font.empty() || line.empty()) return 0;
+  const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(drawable(line), size, font);
+  return (box.defined() ? box.width() : 0) + (line.ends_with(degree_sign) ? ring_width(size) + 1 : 0);
+}
+
+double tick_step(double extent, int wanted) {
+  const double power = std::pow(10, std::floor(std::log10(extent / wanted)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power * wanted >= extent * (1 - 1e-12)) return factor * power;
+  return 10 * power;
+}
+
+std::vector<double> ticks(double first, double last, double step) {
+  std::vector<double> values;
+  for (double k = std::ceil(first / step - 1e-9); k * step <= last + 1e-9 * step; ++k)
+    values.push_back(k * step + 0.0);
+  return values;
+}
+
+std::string tick_label(double value, double step) {
+  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+  // No "-0": the tick nearest to zero is zero.
+  const std::string number =
+      fmt::format("{:.{}f}", std::abs(value) < step / 2 ? 0.0 : std::abs(value), decimals);
+  return value <= -step / 2 ? "-" + number : number;
+}
+
+}  // namespace tubefoot

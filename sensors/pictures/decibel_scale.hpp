@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "sensors/pictures/canvas.hpp"
+
+namespace tubefoot {
+
+/// How a picture shows energies: in dB below its brightest echoes, dark copper to pale.
+class DecibelScale {
+ public:
+  /// Dynamic range of the pictures: what is weaker than this is as dark as no echo.
+  static constexpr double range_db = 50;
+
+  /// 0 dB is the 99.9th percentile of the energies above zero: a few glints do not darken the rest.
+  explicit DecibelScale(std::span<const double> energies_j);
+
+  /// Energy [J] that is shown as 0 dB; 0 if there is no echo at all.
+  double reference_j() const { return reference_j_; }
+  /// 0 (no echo, or range_db below the reference) to 1 (the reference and above).
+  double level(double energy_j) const;
+  Colour colour(double energy_j) const { return at_level(level(energy_j)); }
+  /// Lightness grows evenly with the level, so the picture reads the same in grey.
+  static Colour at_level(double level);
+
+  /// Draws a bar with its labels into the pixels [x, x + legend_width) x [y0, y1).
+  void draw_legend(Canvas& canvas, int x, int y0, int y1) const;
+  static constexpr int legend_width = 96;
+
+ private:
+  double reference_j_ = 0;
+};
+
+/// The colours around the data.
+struct Palette {
+  Colour background{0.155f, 0.165f, 0.18f};
+  Colour ink{0.90f, 0.90f, 0.88f};
+  Colour faint_ink{0.62f, 0.64f, 0.66f};
+  Colour grid{0.75f, 0.85f, 0.90f};
+};
+inline constexpr Palette palette;
+
+inline constexpr int title_size = 22, label_size = 17;
+
+}  // namespace tubefoot

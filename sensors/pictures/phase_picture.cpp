@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/pictures/phase_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sensors/detection/interferometric_soundings.hpp"
+#include "sensors/pictures/decibel_scale.hpp"
+#include "sensors/pictures/pixel_span.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int margin = 28, header_height = 2 * margin + 44, axis_height = 62, axis_width = 72;
+
+/// Round the circle of hues once per turn.
+Colour colour_of(double phase_rad, double brightness) {
+  const auto component = [&](int k) {
+    const double turn = phase_rad - k * 2 * std::numbers::pi / 3;
+    return static_cast<float>(brightness * (0.5 + 0.45 * std::cos(turn)));
+  };
+  return {component(0), component(1), component(2)};
+}
+
+Colour colour_under(const Recording& recording, PixelSpan pings, PixelSpan samples, std::size_t beam,
+                    const InterferometricNoise* noise) {
+  InterferometricSample sum;
+  for (std::size_t ping = pings.first; ping < pings.end; ++ping)
+    for (std::size_t k = samples.first; k < samples.end; ++k) {
+      const InterferometricSample own = noise ? received_sample(recording, ping, beam, k, *noise)
+                                              : interferometric_sample(recording, ping, beam, k);
+      sum.upper_j += own.upper_j;
+      sum.lower_j += own.lower_j;
+      sum.cross_j += own.cross_j;
+    }
+  const std::optional<double> phase = sum.phase_rad();
+  return phase ? colour_of(*phase, sum.coherence()) : colour_of(0, 0);
+}
+
+void draw_legend(Canvas& canvas, int x, int y0, int y1) {
+  const int bar = 20, top = y0 + 2 * label_size, bottom = y1 - 2 * label_size;
+  canvas.text(x, y0 + label_size / 2, "phase", label_size, palette.ink);
+  for (int y = top; y < bottom; ++y)
+    canvas.fill(x, y, x + bar, y + 1,
+                colour_of(std::numbers::pi * (1 - 2 * (y - top + 0.5) / (bottom - top)), 1));
+  for (const int degrees : {-180, -90, 0, 90, 180}) {
+    const int y = top + (180 - degrees) * (bottom - top - 1) / 360;
+    canvas.fill(x + bar + 1, y, x + bar + 6, y + 1, palette.faint_ink);
+    canvas.text(x + bar + 11, y, fmt::format("{}\u00b0", degrees), label_size, palette.ink);
+  }
+}
+
+}  // namespace
+
+Canvas draw_phases(const Recording& recording, const std::string& font, const InterferometricNoise* noise) {
+  const Sensor& sensor = *recording.sensor;
+  const RangeSamples& samples = sensor.samples();
+  const auto count = static_cast<std::size_t>(samples.count);
+  const int side = static_cast<int>(std::clamp<std::size_t>(count, 300, 600));
+  const int rows = static_cast<int>(std::clamp<std::size_t>(recording.pings(), 240, 1500));
+  const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
+  Canvas canvas(middle + side + DecibelScale::legend_width + 2 * margin, bottom + axis_height + margin,
+                palette.background, font);
+  for (int row = 0; row < rows; ++row) {
+    const PixelSpan pings = items_under(row, rows, recording.pings());
+    for (int x = 0; x < side; ++x) {
+      const PixelSpan under = items_under(x, side, count);
+      canvas.blend(middle - 1 - x, bottom - 1 - row, colour_under(recording, pings, under, 0, noise));
+      canvas.blend(middle + x, bottom - 1 - row, colour_under(recording, pings, under, 1, noise));
+    }
+    for (std::size_t ping = pings.first; ping + 1 < pings.end; ++ping) recording.let_go(ping);
+  }
+
+  const double near_m = samples.first_m, far_m = samples.first_m + samples.count * samples.step_m;
+  const double step_m = tick_step(far_m - near_m, 5);
+  for (const double range : ticks(near_m, far_m, step_m)) {
+    const int offset = static_cast<int>(std::lround((range - near_m) / (far_m - near_m) * side));
+    for (const int x : {middle - offset, middle + offset}) {
+      canvas.fill(x, bottom, x + 1, bottom + 6, palette.faint_ink);
+      canvas.text(x, bottom + 18, tick_label(range, step_m), label_size, palette.ink, Anchor::centre);
+      if (offset == 0) break;
+    }
+  }
+  canvas.text(left, bottom + 42, "port", label_size, palette.ink);
+  canvas.text(middle, bottom + 42, "slant range (m)", label_size, palette.ink, Anchor::centre);
+  canvas.text(middle + side, bottom + 42, "starboard", label_size, palette.ink, Anchor::right);
+  canvas.text(left - 12, top - 16, "ping", label_size, palette.ink, Anchor::right);
+  const auto pings = static_cast<double>(recording.pings());
+  const double ping_step = std::max(1.0, tick_step(pings, std::max(2, rows / 60)));
+  for (const double ping : ticks(0, pings - 1, ping_step))
+    canvas.text(left - 12, bottom - 1 - static_cast<int>((ping + 0.5) / pings * rows), tick_label(ping, 1),
+                label_size, palette.ink, Anchor::right);
+  canvas.text(margin, margin,
+              fmt::format("{}   phase of upper against lower receiver", sensor.description().name),
+              title_size, palette.ink);
+  const auto& staff = std::get<InterferometricDescription>(sensor.description().kind);
+  canvas.text(margin, margin + 30,
+              fmt::format("{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
+                          sensor.frequency_khz(), staff.baseline_m, staff.staff_tilt_deg,
+                          noise ? "; as received" : ""),
+              label_size, palette.faint_ink);
+  draw_legend(canvas, middle + side + margin, top, top + std::min(rows, 400));
+  return canvas;
+}
+
+}  // namespace tubefoot

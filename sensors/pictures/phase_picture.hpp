@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "sensors/detection/interferometric_soundings.hpp"
+#include "sensors/pictures/canvas.hpp"
+#include "sensors/recordings/recording.hpp"
+
+namespace tubefoot {
+
+/// Draws the phases of an interferometric sidescan as a waterfall, last ping on top, port left: hue is the
+/// phase of the mean product under a pixel, brightness its coherence.
+/// With `noise`, as the receivers have them.
+Canvas draw_phases(const Recording& recording, const std::string& font,
+                   const InterferometricNoise* noise = nullptr);
+
+}  // namespace tubefoot

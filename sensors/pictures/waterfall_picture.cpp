@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/pictures/waterfall_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <span>
+
+#include "sensors/pictures/decibel_scale.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, axis_width = 72;
+constexpr int narrowest_side = 300, widest_side = 600, lowest = 240, highest = 3000;
+
+/// Cells [first, first + weights.size()) of a row of unit cells under an interval, and the part that each
+/// fills.
+struct CellSpan {
+  std::size_t first = 0;
+  std::vector<double> weights;
+  double covered = 0;  ///< part of the interval that has cells, 0..1
+};
+
+CellSpan cells_under(double begin, double end, std::size_t count) {
+  CellSpan span;
+  const double from = std::max(begin, 0.0), to = std::min(end, static_cast<double>(count));
+  if (!(to > from)) return span;
+  span.first = static_cast<std::size_t>(from);
+  for (std::size_t cell = span.first; static_cast<double>(cell) < to; ++cell) {
+    const auto left = static_cast<double>(cell);
+    span.weights.push_back(std::min(to, left + 1) - std::max(from, left));
+  }
+  span.covered = (to - from) / (end - begin);
+  return span;
+}
+
+/// Mean distance between neighbouring pings, metres; 0 for a sensor at rest.
+double ping_spacing_m(const Recording& recording) {
+  double path = 0;
+  for (std::size_t k = 1; k < recording.ping_pose.size(); ++k)
+    path += glm::distance(recording.ping_pose[k - 1].position_m, recording.ping_pose[k].position_m);
+  if (path < 1e-6) return 0;  // at rest, or a single ping
+  return path / static_cast<double>(recording.ping_pose.size() - 1);
+}
+
+/// A time-varied gain that undoes spreading and absorption both ways, 40 log R + 2 alpha R, as every sidescan
+/// display does: without it the far half of a waterfall is dark. For looking at only.
+std::vector<double> gain_by_sample(const Recording& recording) {
+  const RangeSamples& samples = recording.sensor->samples();
+  std::vector<double> gain(static_cast<std::size_t>(samples.count));
+  for (std::size_t k = 0; k < gain.size(); ++k) {
+    const double range_m = samples.first_m + (static_cast<double>(k) + 0.5) * samples.step_m;
+    gain[k] = std::pow(range_m, 4) * std::pow(10, 2 * recording.absorption_db_per_km * range_m / 1e4);
+  }
+  return gain;
+}
+
+/// The picture's rows, the first ping's first: of each beam and sample the mean over the pings under the row,
+/// after the gain. However long the line, this is as large as the picture.
+std::vector<double> rows_of(const Recording& recording, int rows, const Heard* heard) {
+  std::vector<double> gain = gain_by_sample(recording);
+  if (heard && heard->has_gain) std::fill(gain.begin(), gain.end(), 1.0);
+  const std::size_t cells = recording.cells();
+  const double rows_per_ping = rows / static_cast<double>(recording.pings());
+  std::vector<double> all(static_cast<std::size_t>(rows) * cells, 0.0);
+  for (int row = 0; row < rows; ++row) {
+    const CellSpan under = cells_under(row / rows_per_ping, (row + 1) / rows_per_ping, recording.pings());
+    double* mean = all.data() + static_cast<std::size_t>(row) * cells;
+    const double weight = std::accumulate(under.weights.begin(), under.weights.end(), 0.0);
+    for (std::size_t p = 0; p < under.weights.size(); ++p) {
+      const std::vector<double> received = heard ? heard->energy_of(under.first + p) : std::vector<double>();
+      const std::span<const double> energy =
+          heard ? std::span<const double>(received) : recording.energy_of(under.first + p);
+      for (std::size_t k = 0; k < cells; ++k)
+        mean[k] += under.weights[p] / weight * energy[k] * gain[k % gain.size()];
+      if (p + 1 < under.weights.size()) recording.let_go(under.first + p);
+    }
+  }
+  return all;
+}
+
+/// Mean over the samples under a column.
+double mean_energy(std::span<const double> energy, const CellSpan& samples) {
+  double sum = 0, weight = 0;
+  for (std::size_t s = 0; s < samples.weights.size(); ++s) {
+    sum += samples.weights[s] * energy[samples.first + s];
+    weight += samples.weights[s];
+  }
+  return sum / weight;
+}
+
+}  // namespace
+
+Canvas draw_waterfall(const Recording& recording, const std::string& font, const Heard* heard) {
+  const Sensor& sensor = *recording.sensor;
+  const RangeSamples& samples = sensor.samples();
+  const auto pings = recording.ping_time_s.size();
+  const double far_m = samples.first_m + samples.count * samples.step_m;
+
+  const int side =
+      std::clamp(static_cast<int>(std::ceil(far_m / samples.step_m)), narrowest_side, widest_side);
+  const double pixels_per_m = side / far_m;
+  const double spacing_m = ping_spacing_m(recording);
+  const double wanted_rows =
+      spacing_m > 0 ? static_cast<double>(pings) * spacing_m * pixels_per_m : static_cast<double>(pings);
+  const int rows = std::clamp(static_cast<int>(std::lround(std::min(wanted_rows, 1e6))), lowest, highest);
+  const double rows_per_ping = rows / static_cast<double>(pings);
+  const double stretch = rows / wanted_rows;
+  const bool own_gain = heard && heard->has_gain;
+  const std::vector<double> energies = rows_of(recording, rows, heard);
+  const DecibelScale scale(heard && !own_gain ? rows_of(recording, rows, nullptr) : energies);
+
+  const std::string title =
+      fmt::format("{}   pings 0 to {}   t = {:.2f} to {:.2f} s", sensor.description().name, pings - 1,
+                  recording.ping_time_s.front(), recording.ping_time_s.back());
+  std::string subtitle = fmt::format("{:g} kHz, {} samples over {:.2f} to {:.2f} m each side",
+                                     sensor.frequency_khz(), samples.count, samples.first_m, far_m);
+  if (spacing_m <= 0)
+    subtitle += ", sensor at rest";
+  else if (std::abs(stretch - 1) > 0.02)
+    subtitle += ", along-track scale x " +
+                (stretch < 10 ? fmt::format("{:.2g}", stretch) : fmt::format("{:.0f}", stretch));
+  else
+    subtitle += ", equal scales";
+  if (heard) subtitle += "; " + heard->said;
+  const std::string footer = scale.reference_j() > 0
+                                 ? fmt::format("{}; 0 dB: {} dB re 1 J at 1 m; darkest: no echo",
+                                               own_gain ? "the sonar's own time-varied gain"
+                                                        : "time-varied gain 40 log R + 2 alpha R",
+                                               tick_label(10 * std::log10(scale.reference_j()), 0.1))
+                                 : "no echo";
+
+  const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
+  const int right = middle + side;
+  Canvas canvas(right + axis_width + DecibelScale::legend_width + margin, bottom + axis_height + margin + 10,
+                palette.background, font);
+
+  std::vector<CellSpan> columns;  // from the track outwards
+  for (int x = 0; x < side; ++x)
+    columns.push_back(cells_under((x / pixels_per_m - samples.first_m) / samples.step_m,
+                                  ((x + 1) / pixels_per_m - samples.first_m) / samples.step_m,
+                                  static_cast<std::size_t>(samples.count)));
+  for (int row = 0; row < rows; ++row) {  // from the bottom: the first ping is the lowest
+    const auto count = static_cast<std::size_t>(samples.count);
+    const std::span<const double> port =
+        std::span(energies).subspan(static_cast<std::size_t>(row) * 2 * count, count);
+    const std::span<const double> starboard(port.data() + count, count);
+    for (int x = 0; x < side; ++x) {
+      const CellSpan& column = columns[static_cast<std::size_t>(x)];
+      if (column.weights.empty()) continue;
+      const int y = bottom - 1 - row;
+      canvas.blend(middle - 1 - x, y, scale.colour(mean_energy(port, column)), column.covered);
+      canvas.blend(middle + x, y, scale.colour(mean_energy(starboard, column)), column.covered);
+    }
+  }
+
+  canvas.fill(left - 1, top - 1, right + 1, top, palette.grid, 0.55);
+  canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);
+  canvas.fill(left - 1, top, left, bottom, palette.grid, 0.55);
+  canvas.fill(right, top, right + 1, bottom, palette.grid, 0.55);
+  const double range_step_m = tick_step(far_m, 5);
+  for (const double range : ticks(0, far_m, range_step_m)) {
+    const int offset = static_cast<int>(std::lround(range * pixels_per_m));
+    for (const int x : {middle - offset, middle + offset}) {
+      if (x > left && x < right) canvas.fill(x, top, x + 1, bottom, palette.grid, 0.16);
+      canvas.fill(x, bottom + 1, x + 1, bottom + 7, palette.faint_ink);
+      canvas.text(x, bottom + 20, tick_label(range, range_step_m), label_size, palette.ink, Anchor::centre);
+      if (offset == 0) break;
+    }
+  }
+  canvas.text(left, bottom + 44, "port", label_size, palette.ink);
+  canvas.text(middle, bottom + 44, "slant range (m)", label_size, palette.ink, Anchor::centre);
+  canvas.text(right, bottom + 44, "starboard", label_size, palette.ink, Anchor::right);
+
+  const int most_labels = std::max(2, rows / 60);
+  const auto row_of_ping = [&](double ping) {
+    return bottom - 1 - static_cast<int>(std::floor((ping + 0.5) * rows_per_ping));
+  };
+  canvas.text(left - 12, top - 16, "ping", label_size, palette.ink, Anchor::right);
+  const double ping_step = std::max(1.0, tick_step(static_cast<double>(pings), most_labels));
+  for (const double ping : ticks(0, static_cast<double>(pings - 1), ping_step)) {
+    canvas.fill(left - 7, row_of_ping(ping), left - 1, row_of_ping(ping) + 1, palette.faint_ink);
+    canvas.text(left - 12, row_of_ping(ping), tick_label(ping, 1), label_size, palette.ink, Anchor::right);
+  }
+  if (spacing_m > 0) {
+    canvas.text(right + 12, top - 16, "along track (m)", label_size, palette.ink);
+    const double length_m = static_cast<double>(pings - 1) * spacing_m;
+    const double step_m = tick_step(length_m, most_labels);
+    for (const double distance : ticks(0, length_m, step_m)) {
+      const int y = row_of_ping(distance / spacing_m);
+      canvas.fill(right + 1, y, right + 7, y + 1, palette.faint_ink);
+      canvas.text(right + 12, y, tick_label(distance, step_m), label_size, palette.ink);
+    }
+  }
+  canvas.text(margin, margin, title, title_size, palette.ink);
+  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  canvas.text(margin, canvas.height() - margin + 6, footer, label_size, palette.faint_ink);
+  scale.draw_legend(canvas, right + axis_width + 20, std::max(top, bottom - 400), bottom);
+  return canvas;
+}
+
+}  // namespace tubefoot

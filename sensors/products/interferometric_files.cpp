@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/interferometric_files.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "files/streamed_file.hpp"
+#include "sensors/detection/interferometric_soundings.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/pictures/image_file.hpp"
+#include "sensors/pictures/phase_picture.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_soundings(const fs::path& path, const Recording& recording, const InterferometricNoise& noise) {
+  StreamedFile file(path);
+  file.append(
+      "ping,time_s,side,sample,range_m,energy_j,phase_rad,coherence,angle_deg,angle_sigma_deg,"
+      "depth_m,depth_sigma_m,east_m,north_m,up_m\n");
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    std::string lines;
+    for (const InterferometricSounding& s : interferometric_soundings(recording, ping, noise))
+      fmt::format_to(std::back_inserter(lines),
+                     "{},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},"
+                     "{:.9g}\n",
+                     ping, recording.ping_time_s[ping], s.beam == 0 ? "port" : "starboard", s.sample,
+                     s.range_m, s.energy_j, s.phase_rad, s.coherence, degrees(s.estimate.angle_rad),
+                     degrees(s.estimate.angle_sigma_rad), s.estimate.depth_m, s.estimate.depth_sigma_m,
+                     s.position_m.x, s.position_m.y, s.position_m.z);
+    file.append(lines);
+    recording.let_go(ping);
+  }
+  file.close();
+}
+
+/// Rows and columns as in a sidescan's EXR. Cells without a common signal are 0.
+template <typename Value>
+void write_cells_exr(const fs::path& file, const Recording& recording, const char* quantity, Value value) {
+  const auto count = static_cast<std::size_t>(recording.sensor->samples().count);
+  std::vector<float> cells;
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    for (std::size_t k = count; k-- > 0;)
+      cells.push_back(static_cast<float>(value(interferometric_sample(recording, ping, 0, k))));
+    for (std::size_t k = 0; k < count; ++k)
+      cells.push_back(static_cast<float>(value(interferometric_sample(recording, ping, 1, k))));
+    recording.let_go(ping);
+  }
+  OIIO::ParamValueList attributes;
+  attributes.attribute("sensor", recording.sensor->description().name);
+  attributes.attribute("quantity", quantity);
+  attributes.attribute("rows", "pings, the first on top");
+  attributes.attribute("columns",
+                       "port samples, the farthest first, then starboard samples, the nearest first");
+  write_exr(file, static_cast<int>(2 * count), static_cast<int>(recording.pings()), cells, attributes);
+}
+
+}  // namespace
+
+std::vector<fs::path> write_interferometric_files(const fs::path& folder, const Recording& recording,
+                                                  const RunContext& run) {
+  check(recording);
+  const SensorDescription& sensor = recording.sensor->description();
+  std::vector<fs::path> files{sensor.name + "-phase.png", sensor.name + "-phase.exr",
+                              sensor.name + "-coherence.exr", sensor.name + "-soundings.csv"};
+  draw_phases(recording, label_font()).write_png(folder / files[0], sensor.name + ", phase");
+  write_cells_exr(folder / files[1], recording, "phase of upper against lower receiver [rad]",
+                  [](const InterferometricSample& s) { return s.phase_rad().value_or(0); });
+  write_cells_exr(folder / files[2], recording, "coherence of the two receivers [1]",
+                  [](const InterferometricSample& s) { return s.coherence(); });
+  const auto& staff = std::get<InterferometricDescription>(sensor.kind);
+  const InterferometricNoise noise{receiver_of(recording, run).noise_j(), staff.phase_noise, run.seed};
+  write_soundings(folder / files[3], recording, noise);
+  if (noise.phase_noise || noise.receiver_noise_j > 0) {
+    files.emplace_back(sensor.name + "-phase-received.png");
+    draw_phases(recording, label_font(), &noise)
+        .write_png(folder / files.back(), sensor.name + ", phase as received");
+  }
+  return files;
+}
+
+}  // namespace tubefoot

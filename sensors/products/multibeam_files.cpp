@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/multibeam_files.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "sensors/formats/soundings_file.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/products/multibeam_formats.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Pings that are looked at together: shared out among threads, their places found at once.
+std::size_t pings_a_block(const Recording& recording) {
+  constexpr std::size_t block_bytes = std::size_t{48} << 20, bytes_per_sample = 12, most = 64;
+  return std::clamp<std::size_t>(block_bytes / (bytes_per_sample * recording.cells()), 1, most);
+}
+
+std::vector<PlacedPing> sounded_block(const Recording& recording, const BottomFinder& finder,
+                                      const BottomFinder* ideal, std::size_t first, std::size_t count) {
+  std::vector<PlacedPing> block(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    PlacedPing& placed = block[k];
+    const std::size_t ping = first + k;
+    placed.ping = ping;
+    placed.position_m = recording.ping_pose[ping].position_m;
+    placed.sounded = finder.sound(ping);
+    if (ideal) placed.ideal = ideal->sound(ping).soundings;
+    recording.let_go(ping);
+  });
+  return block;
+}
+
+/// A transformation to longitude and latitude takes long to set up: one for the block's pings, and one for
+/// its soundings.
+void place_on_earth(std::vector<PlacedPing>& block, const Recording& recording, const RunContext& run,
+                    const fs::path& file) {
+  const std::vector<NavigationFix> fixes = navigation(recording, run, block.front().ping, block.size());
+  std::vector<glm::dvec3> points;
+  for (const PlacedPing& placed : block)
+    for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+      if (sounding) points.push_back(sounding->position_m);
+  run.frame.to_lon_lat(points, {file.string()});
+  auto next = points.begin();
+  for (PlacedPing& placed : block) {
+    placed.fix = fixes[placed.ping - block.front().ping];
+    for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+      placed.soundings_lon_lat.push_back(sounding ? *next++
+                                                  : glm::dvec3(std::numeric_limits<double>::quiet_NaN()));
+  }
+}
+
+bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
+
+/// The next of 1, 2 and 5 times a power of ten, from `value` on.
+double rounded_up(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.0, 5.0})
+    if (value <= step * power * (1 + 1e-9)) return step * power;
+  return 10 * power;
+}
+
+/// Of the depth grid, where the scene names none: the width of a beam straight down at the median depth below
+/// the sonar, or the distance from ping to ping if that is larger.
+double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& block) {
+  std::vector<double> depths;
+  for (const PlacedPing& placed : block)
+    for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+      if (sounding && !is_cut(*sounding))
+        depths.push_back(std::abs(recording.ping_pose[placed.ping].position_m.z - sounding->position_m.z));
+  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
+                   depths.end());
+  double path_m = 0;
+  for (std::size_t ping = 1; ping < recording.pings(); ++ping)
+    path_m += glm::distance(recording.ping_pose[ping - 1].position_m, recording.ping_pose[ping].position_m);
+  const double spacing_m = path_m / static_cast<double>(std::max<std::size_t>(recording.pings() - 1, 1));
+  const double beam_rad = recording.sensor->beams().front().elevation_width_rad;
+  return rounded_up(std::max({2 * depths[depths.size() / 2] * std::tan(beam_rad / 2), spacing_m, 0.01}));
+}
+
+/// Adds a ping's soundings, and what lies on straight lines between those of neighbouring beams and, where
+/// the sonar moved by two cells at most, to those of the same beams in the ping before: pings a cell apart
+/// step over a cell now and then as the sonar rolls and pitches.
+void add_to_grid(SoundingGrid& grid, const PlacedPing& ping, const PlacedPing* before,
+                 const std::vector<std::optional<Sounding>>& (*soundings_of)(const PlacedPing&)) {
+  const std::vector<std::optional<Sounding>>& soundings = soundings_of(ping);
+  const bool close =
+      before && glm::distance(before->position_m, ping.position_m) <= 2 * grid.depths().cell_m();
+  for (std::size_t beam = 0; beam < soundings.size(); ++beam) {
+    const std::optional<Sounding>& sounding = soundings[beam];
+    if (!sounding) continue;
+    grid.add(*sounding);
+    if (beam > 0 && soundings[beam - 1]) grid.add_between(*soundings[beam - 1], *sounding);
+    if (close && soundings_of(*before)[beam]) grid.add_between(*soundings_of(*before)[beam], *sounding);
+  }
+}
+
+const std::vector<std::optional<Sounding>>& received_of(const PlacedPing& ping) {
+  return ping.sounded.soundings;
+}
+const std::vector<std::optional<Sounding>>& ideal_of(const PlacedPing& ping) { return ping.ideal; }
+
+bool has_depths(const std::vector<PlacedPing>& block) {
+  return std::ranges::any_of(block, [](const PlacedPing& placed) {
+    return std::ranges::any_of(placed.sounded.soundings,
+                               [](const auto& sounding) { return sounding && !is_cut(*sounding); });
+  });
+}
+
+/// Which formats keep a recording's places and dates.
+struct Kept {
+  bool on_earth = false, gsf = false;
+  std::vector<std::string> left_out;
+};
+
+Kept kept_of(const Recording& recording, const RunContext& run) {
+  const std::string& name = recording.sensor->description().name;
+  const double first_s = run.start_unix_s + recording.ping_time_s.front(),
+               last_s = run.start_unix_s + recording.ping_time_s.back();
+  if (!run.frame.is_georeferenced())
+    return {
+        false,
+        false,
+        {fmt::format("'{0}': {0}-sonar.nc, {0}.gsf and {0}.xtf need a place on Earth and are left out: add "
+                     "[georeference]",
+                     name)}};
+  if (first_s < 0)
+    return {false,
+            false,
+            {fmt::format("'{0}': its first ping is before 1970, {0}-sonar.nc, {0}.gsf and {0}.xtf are left "
+                         "out: see 'start_utc' and 'first_ping_s'",
+                         name)}};
+  constexpr double gsf_ends_s = 2147483647;
+  if (last_s < gsf_ends_s) return {true, true, {}};
+  return {true,
+          false,
+          {fmt::format("'{0}': {0}.gsf is left out, its seconds end in 2038: see 'start_utc'", name)}};
+}
+
+/// All files of a recording that are open at a time.
+class MultibeamFiles {
+ public:
+  MultibeamFiles(const fs::path& folder, const Recording& recording, const RunContext& run,
+                 std::vector<std::string>& warnings)
+      : folder_(folder),
+        recording_(recording),
+        run_(run),
+        warnings_(warnings),
+        name_(recording.sensor->description().name),
+        finder_(recording, run) {
+    if (heard_by(recording, run)) ideal_finder_.emplace(BottomFinder::ideal(recording));
+    for (const char* ending : {".csv", ".gpkg"})
+      tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame));
+    open_formats();
+  }
+
+  std::vector<fs::path> write() {
+    // Soundings of the next block are found while this one is written.
+    const std::size_t size = pings_a_block(recording_);
+    const auto found_from = [this, size](std::size_t first) {
+      return std::async(std::launch::async, [this, size, first] {
+        return sounded_block(recording_, finder_, ideal_finder_ ? &*ideal_finder_ : nullptr, first,
+                             std::min(size, recording_.pings() - first));
+      });
+    };
+    std::future<std::vector<PlacedPing>> next = found_from(0);
+    for (std::size_t first = 0; first < recording_.pings(); first += size) {
+      std::vector<PlacedPing> block = next.get();
+      if (first + size < recording_.pings()) next = found_from(first + size);
+      add(std::move(block));
+    }
+    for (const auto& table : tables_) table->finish();
+    for (const auto& format : formats_) format->finish();
+    write_grid();
+    return files_;
+  }
+
+ private:
+  fs::path new_file(const std::string& part, const char* ending) {
+    files_.push_back(name_ + part + ending);
+    return folder_ / files_.back();
+  }
+
+  void open_formats() {
+    const Kept kept = kept_of(recording_, run_);
+    warnings_.insert(warnings_.end(), kept.left_out.begin(), kept.left_out.end());
+    if (!kept.on_earth) return;
+    formats_.push_back(make_sonar_netcdf(new_file("-sonar", ".nc"), recording_, run_, finder_.receiver()));
+    formats_.push_back(make_xtf(new_file("", ".xtf"), recording_, run_));
+    if (kept.gsf) formats_.push_back(make_gsf(new_file("", ".gsf"), recording_, run_));
+  }
+
+  void add(std::vector<PlacedPing> block) {
+    if (run_.frame.is_georeferenced()) place_on_earth(block, recording_, run_, folder_ / name_);
+    if (!grid_ && has_depths(block)) {
+      const double asked_m =
+          std::get<MultibeamDescription>(recording_.sensor->description().kind).grid_cell_m;
+      grid_.emplace(run_.frame, asked_m > 0 ? asked_m : chosen_cell_m(recording_, block));
+      if (ideal_finder_) ideal_grid_.emplace(run_.frame, grid_->depths().cell_m());
+    }
+    for (PlacedPing& placed : block) {
+      std::vector<Sounding> found;
+      for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+        if (sounding) found.push_back(*sounding);
+      for (const auto& table : tables_) table->add(found);
+      for (const auto& format : formats_) format->add(placed);
+      const PlacedPing* before = last_ ? &*last_ : nullptr;
+      if (grid_) add_to_grid(*grid_, placed, before, received_of);
+      if (ideal_grid_) add_to_grid(*ideal_grid_, placed, before, ideal_of);
+      last_ = std::move(placed);
+    }
+  }
+
+  void write_grid() {
+    if (!grid_) {
+      warnings_.push_back(
+          fmt::format("'{}': no beam found the bed within its range window, there is no depth grid", name_));
+      return;
+    }
+    grid_->write_tiff(new_file("-depth", ".tif"));
+    const std::string& font = label_font();
+    if (font.empty())
+      warnings_.push_back(fmt::format(
+          "the picture of '{}' has no labels: no font was found (on Debian, install fonts-dejavu-core)",
+          name_));
+    grid_->draw(name_, font).write_png(new_file("-depth", ".png"), name_);
+    if (ideal_grid_ && !ideal_grid_->depths().empty())
+      ideal_grid_->draw(name_ + "   by an ideal receiver", font)
+          .write_png(new_file("-depth-ideal", ".png"), name_);
+  }
+
+  const fs::path& folder_;
+  const Recording& recording_;
+  const RunContext& run_;
+  std::vector<std::string>& warnings_;
+  std::string name_;
+  BottomFinder finder_;
+  std::optional<BottomFinder> ideal_finder_;  ///< where the receiver is not ideal
+  std::vector<std::unique_ptr<SoundingsFile>> tables_;
+  std::vector<std::unique_ptr<MultibeamFormat>> formats_;
+  std::optional<SoundingGrid> grid_, ideal_grid_;
+  std::optional<PlacedPing> last_;  ///< the ping before
+  std::vector<fs::path> files_;
+};
+
+}  // namespace
+
+std::vector<std::string> multibeam_files_left_out(const Recording& recording, const RunContext& run) {
+  return kept_of(recording, run).left_out;
+}
+
+std::vector<fs::path> write_multibeam_files(const fs::path& folder, const Recording& recording,
+                                            const RunContext& run, std::vector<std::string>& warnings) {
+  check(recording);
+  return MultibeamFiles(folder, recording, run, warnings).write();
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/multibeam_formats.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "sensors/formats/gsf_file.hpp"
+#include "sensors/formats/sonar_netcdf.hpp"
+#include "sensors/formats/xtf_file.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/model/multibeam.hpp"
+
+namespace tubefoot {
+namespace {
+
+std::vector<double> across_angles_deg(const Sensor& sensor) {
+  std::vector<double> angles;
+  for (const BeamAxis& axis : sensor.beams()) angles.push_back(degrees(across_angle_rad(axis)));
+  return angles;
+}
+
+/// Level of the sample that holds a sounding, within what files hold.
+double level_db(const Sounding& sounding) {
+  constexpr double lowest = -600, highest = 600;
+  return std::clamp(20 * std::log10(sounding.amplitude), lowest, highest);
+}
+
+bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
+bool is_one_of_several(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::several_echoes); }
+
+/// Beam flags of GSF as its library has them: bit 0 means ignore, the others say why.
+std::uint8_t gsf_flags(const std::optional<Sounding>& sounding) {
+  constexpr std::uint8_t accepted = 0, no_detection = 0x01, taken_by_a_filter = 0x09, informational = 0x10;
+  if (!sounding) return no_detection;
+  return is_cut(*sounding) ? taken_by_a_filter : is_one_of_several(*sounding) ? informational : accepted;
+}
+
+class SonarNetcdfFormat : public MultibeamFormat {
+ public:
+  SonarNetcdfFormat(const std::filesystem::path& file, const Recording& recording, const RunContext& run,
+                    const ReceiverChain& receiver)
+      : recording_(recording),
+        receiver_(receiver),
+        angles_deg_(across_angles_deg(*recording.sensor)),
+        file_(file, header(recording, run)) {}
+
+  void add(const PlacedPing& placed) override {
+    const RangeSamples& samples = recording_.sensor->samples();
+    const double c = recording_.sound_speed_m_s;
+    const NavigationFix& fix = placed.fix;
+    const double above_water_m = fix.place.lon_lat_height.z;
+    SonarNetcdfPing ping;
+    ping.unix_time_ns = std::llround(fix.unix_time_s * 1e9);
+    ping.longitude_deg = fix.place.lon_lat_height.x;
+    ping.latitude_deg = fix.place.lon_lat_height.y;
+    ping.height_m = above_water_m;
+    ping.heading_deg = fix.lie.heading_deg;
+    ping.pitch_deg = fix.lie.pitch_deg;
+    ping.roll_deg = fix.lie.roll_deg;
+    ping.waterline_below_reference_m = above_water_m;
+    ping.transducer_depth_m = -above_water_m;
+    ping.sound_speed_m_s = c;
+    ping.sample_interval_s = 2 * samples.step_m / c;
+    ping.blanking_interval_s = 2 * (samples.first_m + samples.step_m / 2) / c;
+    ping.across_angle_deg = angles_deg_;
+    for (std::size_t beam = 0; beam < angles_deg_.size(); ++beam) {
+      ping.backscatter_db.push_back(levels_db(placed.sounded, beam));
+      ping.detections.push_back(detection(placed, beam));
+    }
+    file_.add(ping);
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  /// Up to a beam's last echo: silence after it is not written.
+  std::vector<float> levels_db(const SoundedPing& sounded, std::size_t beam) const {
+    const auto count = static_cast<std::size_t>(recording_.sensor->samples().count);
+    std::span<const double> received(sounded.received_j.data() + beam * count, count);
+    while (!received.empty() && received.back() == 0) received = received.first(received.size() - 1);
+    std::vector<float> levels(received.size(), -std::numeric_limits<float>::infinity());
+    for (std::size_t k = 0; k < received.size(); ++k)
+      if (received[k] > 0) levels[k] = static_cast<float>(receiver_.level_db(received[k]));
+    return levels;
+  }
+
+  SonarDetection detection(const PlacedPing& placed, std::size_t beam) const {
+    SonarDetection detection;
+    detection.beam_angle_deg = angles_deg_[beam];
+    const std::optional<Sounding>& sounding = placed.sounded.soundings[beam];
+    if (!sounding) return detection;
+    detection.found = true;
+    detection.rejected = is_cut(*sounding);
+    detection.doubtful = is_one_of_several(*sounding);
+    detection.two_way_travel_time_s = sounding->two_way_travel_time_s;
+    detection.forward_starboard_down_m = placed.forward_starboard_down_m(beam);
+    detection.longitude_deg = placed.soundings_lon_lat[beam].x;
+    detection.latitude_deg = placed.soundings_lon_lat[beam].y;
+    detection.backscatter_db = level_db(*sounding);
+    detection.quality = 100 * placed.sounded.range_sigma_m[beam] / sounding->slant_range_m;
+    return detection;
+  }
+
+  static SonarNetcdfHeader header(const Recording& recording, const RunContext& run) {
+    const Sensor& sensor = *recording.sensor;
+    const auto& fan = std::get<MultibeamDescription>(sensor.description().kind);
+    const double c = recording.sound_speed_m_s, step_m = sensor.samples().step_m;
+    const auto second = static_cast<std::time_t>(run.start_unix_s);
+    SonarNetcdfHeader header;
+    header.title = run.title.empty() ? sensor.description().name : run.title;
+    header.summary =
+        "Simulated. Levels are those of the receiver: spreading and absorption are in them, unless the "
+        "sensor "
+        "has a time-varied gain. The reference point is the transducer, whose attitude is given.";
+    header.keywords = "multibeam, simulation";
+    header.date_created = fmt::format("{:%Y-%m-%dT%H:%M:%S}Z", fmt::gmtime(second));
+    header.history = header.date_created + " tubefoot: simulated";
+    header.sonar_manufacturer = "simulated";
+    header.sonar_model = sensor.description().preset == "none" ? "multibeam" : sensor.description().preset;
+    header.platform_name = sensor.description().trajectory;
+    header.platform_type = "simulated";
+    header.beams = sensor.beams().size();
+    header.frequency_hz = 1000 * sensor.frequency_khz();
+    header.pulse_length_s = 2 * step_m / c;
+    header.bandwidth_hz = 1 / header.pulse_length_s;
+    header.absorption_db_per_m = recording.absorption_db_per_km / 1000;
+    header.sound_speed_m_s = c;
+    header.source_level_db = sensor.description().signal.source_level_db;
+    header.receive_width_across_deg = fan.beam_across_deg;
+    header.receive_width_along_deg = fan.along_track_deg;
+    header.transmit_width_across_deg = (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg +
+                                       2 * degrees(lit_beyond_rad(sensor.description()));
+    header.transmit_width_along_deg = fan.along_track_deg;
+    header.equivalent_beam_angle_sr =
+        radians(fan.beam_across_deg) * 2 * std::sin(radians(fan.along_track_deg) / 2);
+    return header;
+  }
+
+  const Recording& recording_;
+  const ReceiverChain& receiver_;
+  std::vector<double> angles_deg_;
+  SonarNetcdfFile file_;
+};
+
+/// What must be added to depths below height 0 so that none is negative: whole metres.
+int depth_offset_m(const Recording& recording, const RunContext& run) {
+  const Sensor& sensor = *recording.sensor;
+  const RangeSamples& samples = sensor.samples();
+  const double far_m = samples.first_m + samples.count * samples.step_m;
+  double highest_m = 0;
+  for (const Pose& pose : recording.ping_pose) {
+    double up = 0;
+    for (const BeamAxis& axis : sensor.beams())
+      up = std::max(up, (pose.attitude * across_direction(across_angle_rad(axis))).z);
+    // The Earth falls away from under a tangent plane.
+    constexpr double least_radius_m = 6.3e6;
+    const double away_m = std::hypot(pose.position_m.x, pose.position_m.y) + far_m;
+    const double below_plane_m = run.frame.is_tangent() ? away_m * away_m / (2 * least_radius_m) : 0;
+    highest_m =
+        std::max(highest_m, pose.position_m.z + run.frame.origin_height_m() + up * far_m + below_plane_m);
+  }
+  return static_cast<int>(std::ceil(highest_m));
+}
+
+GsfOptions gsf_options(const Recording& recording, const RunContext& run) {
+  GsfOptions options;
+  options.depth.offset = depth_offset_m(recording, run);
+  options.mean_amplitude = {50, 0, 2};
+  return options;
+}
+
+bool is_like_8101(const MultibeamDescription& fan) {
+  return fan.frequency_khz == 240 && fan.beams == 101 && fan.swath_deg == 150 && fan.spacing == "angle" &&
+         fan.along_track_deg == 1.5 && fan.range_max_m < 65535;
+}
+
+Reson8101Settings settings_8101(const Recording& recording, const MultibeamDescription& fan) {
+  const SignalDescription& signal = recording.sensor->description().signal;
+  constexpr double fastest_hz = 65, largest_absorption = 255;  // that the fields hold
+  Reson8101Settings settings;
+  settings.sound_speed_m_s = recording.sound_speed_m_s;
+  settings.range_m = std::ceil(fan.range_max_m);
+  settings.ping_rate_hz = std::min(fastest_hz, 1 / recording.sensor->description().ping_interval_s);
+  settings.time_varied_gain = signal.tvg_spreading.has_value();
+  settings.spreading = signal.tvg_spreading.value_or(settings.spreading);
+  settings.absorption_db_per_km =
+      std::min(largest_absorption, signal.tvg_absorption_db_per_km.value_or(recording.absorption_db_per_km));
+  return settings;
+}
+
+/// What has been done to the soundings, in the format's own words.
+std::vector<std::string> gsf_parameters() {
+  return {"REFERENCE TIME=1970/001 00:00:00",
+          "ROLL_COMPENSATED=YES",
+          "PITCH_COMPENSATED=YES",
+          "HEAVE_COMPENSATED=YES",  // heave is in the depth corrector, which is in the depths
+          "TIDE_COMPENSATED=NO",
+          "DEPTH_CALCULATION=CORRECTED",
+          "RAY_TRACING=NO",  // travel times and angles are those at the transducer
+          "ROLL_REFERENCE=ROTATED_PITCH_AXIS",
+          "NUMBER_OF_TRANSMITTERS=1",
+          "NUMBER_OF_RECEIVERS=1",
+          "APPLIED_DRAFT=+00.00",
+          "APPLIED_PITCH_BIAS=+00.00",
+          "APPLIED_ROLL_BIAS=+00.00",
+          "APPLIED_GYRO_BIAS=+00.00",
+          "APPLIED_POSITION_OFFSET=+00.00,+00.00,+00.00",  // of the transducer, which is the reference point
+          "APPLIED_TRANSDUCER_OFFSET=+00.00,+00.00,+00.00",
+          "GEOID=WGS-84",
+          "TIDAL_DATUM=UNKNOWN",
+          "UTC_OFFSET=0"};
+}
+
+class GsfFormat : public MultibeamFormat {
+ public:
+  GsfFormat(const std::filesystem::path& file, const Recording& recording, const RunContext& run)
+      : recording_(recording),
+        fan_(std::get<MultibeamDescription>(recording.sensor->description().kind)),
+        file_(file, gsf_options(recording, run)) {}
+
+  void add(const PlacedPing& placed) override {
+    const NavigationFix& fix = placed.fix;
+    if (placed.ping == 0) file_.add_processing_parameters(fix.unix_time_s, gsf_parameters());
+    GsfPing ping;
+    ping.unix_time_s = fix.unix_time_s;
+    ping.longitude_deg = fix.place.lon_lat_height.x;
+    ping.latitude_deg = fix.place.lon_lat_height.y;
+    ping.heading_deg = fix.lie.heading_deg;
+    ping.pitch_deg = fix.lie.pitch_deg;
+    ping.roll_deg = fix.lie.roll_deg;
+    ping.course_deg = fix.course_deg;
+    ping.speed_m_s = fix.speed_m_s;
+    ping.height_m = fix.place.lon_lat_height.z;
+    ping.depth_corrector_m = -fix.place.lon_lat_height.z;
+    if (is_like_8101(fan_)) {
+      ping.reson_8101 = settings_8101(recording_, fan_);
+      ping.ping_number = static_cast<std::uint32_t>(placed.ping);
+    }
+    const glm::dquat attitude = recording_.ping_pose[placed.ping].attitude;
+    for (std::size_t beam = 0; beam < placed.sounded.soundings.size(); ++beam) {
+      const glm::dvec3 axis = forward_starboard_down(
+          fix.place.direction(attitude *
+                              across_direction(across_angle_rad(recording_.sensor->beams()[beam]))),
+          fix.lie.heading_deg);
+      ping.beam_angle_deg.push_back(degrees(std::atan2(axis.y, axis.z)));
+      const std::optional<Sounding>& sounding = placed.sounded.soundings[beam];
+      ping.flags.push_back(gsf_flags(sounding));
+      const glm::dvec3 place = sounding ? placed.forward_starboard_down_m(beam) : glm::dvec3(0);
+      ping.along_m.push_back(place.x);
+      ping.across_m.push_back(place.y);
+      ping.depth_m.push_back(sounding ? -placed.soundings_lon_lat[beam].z : 0);
+      ping.two_way_time_s.push_back(sounding ? sounding->two_way_travel_time_s : 0);
+      ping.mean_amplitude_db.push_back(sounding ? level_db(*sounding) : 0);
+    }
+    file_.add_ping(ping);
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  const Recording& recording_;
+  const MultibeamDescription& fan_;
+  GsfFile file_;
+};
+
+class XtfFormat : public MultibeamFormat {
+ public:
+  XtfFormat(const std::filesystem::path& file, const Recording& recording, const RunContext& run)
+      : recording_(recording),
+        fan_(std::get<MultibeamDescription>(recording.sensor->description().kind)),
+        angles_deg_(across_angles_deg(*recording.sensor)),
+        depth_m_(middle_depth_m(recording, run)),
+        file_(file, header(recording, fan_, depth_m_)) {}
+
+  void add(const PlacedPing& placed) override {
+    const NavigationFix& fix = placed.fix;
+    XtfPlace place;
+    place.unix_time_s = fix.unix_time_s;
+    place.ping_number = static_cast<std::uint32_t>(placed.ping);
+    place.x = fix.place.lon_lat_height.x;
+    place.y = fix.place.lon_lat_height.y;
+    place.heading_deg = fix.lie.heading_deg;
+    place.pitch_deg = fix.lie.pitch_deg;
+    place.roll_deg = fix.lie.roll_deg;
+    place.depth_m = -fix.place.lon_lat_height.z;
+    place.heave_m = depth_m_ - place.depth_m;
+    if (placed.ping < recording_.altitude_m.size() && recording_.altitude_m[placed.ping] > 0)
+      place.altitude_m = recording_.altitude_m[placed.ping];
+    place.speed_m_s = fix.speed_m_s;
+    file_.add_attitude(
+        {place.unix_time_s, place.heading_deg, place.pitch_deg, place.roll_deg, place.heave_m});
+    file_.add_navigation({place.unix_time_s, place.x, place.y, fix.place.lon_lat_height.z});
+    if (is_like_8101(fan_))
+      add_8101(place, placed.sounded);
+    else
+      add_generic(place, placed.sounded);
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  /// Readers add the sonar's depth to soundings from the header, where it stands once, and take heave off:
+  /// half way between the least and the greatest, so that heave is the rest.
+  static double middle_depth_m(const Recording& recording, const RunContext& run) {
+    constexpr std::size_t block = 4096;
+    double lowest_m = std::numeric_limits<double>::infinity(), highest_m = -lowest_m;
+    for (std::size_t first = 0; first < recording.pings(); first += block) {
+      std::vector<glm::dvec3> places;
+      for (std::size_t ping = first; ping < std::min(first + block, recording.pings()); ++ping)
+        places.push_back(recording.ping_pose[ping].position_m);
+      run.frame.to_lon_lat(places, recording.sensor->description().place);
+      for (const glm::dvec3& place : places) {
+        lowest_m = std::min(lowest_m, place.z);
+        highest_m = std::max(highest_m, place.z);
+      }
+    }
+    return -(lowest_m + highest_m) / 2;
+  }
+
+  static XtfHeader header(const Recording& recording, const MultibeamDescription& fan, double depth_m) {
+    XtfHeader header;
+    header.sonar_name = recording.sensor->description().name.substr(0, 15);
+    header.sonar_type = is_like_8101(fan) ? 15 : 45;
+    header.sound_speed_m_s = recording.sound_speed_m_s;
+    XtfChannel channel;
+    channel.frequency_khz = fan.frequency_khz;
+    channel.along_track_width_deg = fan.along_track_deg;
+    channel.across_track_width_deg = (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg;
+    channel.tilt_deg = 90;
+    channel.down_m = header.motion_down_m = depth_m;  // both at the transducer: no lever between them
+    header.bathymetry = channel;
+    return header;
+  }
+
+  void add_8101(const XtfPlace& place, const SoundedPing& sounded) {
+    std::vector<Reson8101Beam> beams;
+    for (const std::optional<Sounding>& sounding : sounded.soundings) {
+      beams.emplace_back();
+      if (!sounding) continue;
+      constexpr double codes_per_db = 10, largest = 65535;
+      beams.back().two_way_time_s = sounding->two_way_travel_time_s;
+      beams.back().quality = kBrightness | kAmplitudeDetection;
+      if (!is_cut(*sounding)) beams.back().quality |= kColinearity;
+      beams.back().intensity = static_cast<std::uint16_t>(
+          std::clamp(std::round(codes_per_db * level_db(*sounding)), 0.0, largest));
+    }
+    file_.add_reson_8101_ping(place, settings_8101(recording_, fan_), beams);
+  }
+
+  void add_generic(const XtfPlace& place, const SoundedPing& sounded) {
+    std::vector<XtfSounding> soundings;
+    for (std::size_t beam = 0; beam < sounded.soundings.size(); ++beam) {
+      const std::optional<Sounding>& sounding = sounded.soundings[beam];
+      if (!sounding) continue;
+      constexpr std::int32_t cut = 0, good = 1, of_several = 2;
+      soundings.push_back({static_cast<std::int32_t>(beam), sounding->two_way_travel_time_s,
+                           angles_deg_[beam], 0, level_db(*sounding),
+                           is_cut(*sounding)              ? cut
+                           : is_one_of_several(*sounding) ? of_several
+                                                          : good});
+    }
+    file_.add_soundings(place, soundings);
+  }
+
+  const Recording& recording_;
+  const MultibeamDescription& fan_;
+  std::vector<double> angles_deg_;
+  double depth_m_;
+  XtfFile file_;
+};
+
+}  // namespace
+
+std::unique_ptr<MultibeamFormat> make_sonar_netcdf(const std::filesystem::path& file,
+                                                   const Recording& recording, const RunContext& run,
+                                                   const ReceiverChain& receiver) {
+  return std::make_unique<SonarNetcdfFormat>(file, recording, run, receiver);
+}
+
+std::unique_ptr<MultibeamFormat> make_gsf(const std::filesystem::path& file, const Recording& recording,
+                                          const RunContext& run) {
+  return std::make_unique<GsfFormat>(file, recording, run);
+}
+
+std::unique_ptr<MultibeamFormat> make_xtf(const std::filesystem::path& file, const Recording& recording,
+                                          const RunContext& run) {
+  return std::make_unique<XtfFormat>(file, recording, run);
+}
+
+glm::dvec3 PlacedPing::forward_starboard_down_m(std::size_t beam) const {
+  return forward_starboard_down(east_north_up_between(fix.place.lon_lat_height, soundings_lon_lat[beam]),
+                                fix.lie.heading_deg);
+}
+
+}  // namespace tubefoot

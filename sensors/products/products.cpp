@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/products.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sensors/products/didson_files.hpp"
+#include "sensors/products/echosounder_files.hpp"
+#include "sensors/products/interferometric_files.hpp"
+#include "sensors/products/multibeam_files.hpp"
+#include "sensors/products/noise_floor.hpp"
+#include "sensors/products/sidescan_files.hpp"
+#include "sensors/receiver/pulse.hpp"
+
+namespace tubefoot {
+
+ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
+  const SignalDescription& signal = recording.sensor->description().signal;
+  ReceiverDescription receiver;
+  receiver.source_level_db = signal.source_level_db;
+  receiver.noise_level_db = signal.noise_level_db;
+  receiver.speckle.law = signal.speckle == "rayleigh" ? SpeckleLaw::rayleigh
+                         : signal.speckle == "k"      ? SpeckleLaw::k
+                                                      : SpeckleLaw::none;
+  receiver.speckle.looks = signal.speckle_looks;
+  receiver.speckle.shape = signal.speckle_shape;
+  receiver.tvg = gain_of(recording);
+  if (signal.pulse_length_us)
+    receiver.source_level_db +=
+        10 * std::log10(pulse_extent_m(*signal.pulse_length_us, recording.sound_speed_m_s) /
+                        recording.sensor->samples().step_m);
+  receiver.seed = run.seed;
+  return ReceiverChain(receiver);
+}
+
+std::vector<double> received(const Recording& recording, const RunContext& run, std::size_t ping) {
+  const RangeSamples& samples = recording.sensor->samples();
+  const auto number = static_cast<std::uint32_t>(ping);
+  const ReceiverChain receiver = receiver_of(recording, run);
+  const std::optional<double> pulse_us = recording.sensor->description().signal.pulse_length_us;
+  if (!pulse_us) return receiver.receive(number, recording.energy_of(ping), samples);
+  const double extent_m = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
+  return receiver.receive(number, spread_over_pulse(recording.energy_of(ping), samples, extent_m), samples);
+}
+
+std::optional<Heard> heard_by(const Recording& recording, const RunContext& run) {
+  const SignalDescription& signal = recording.sensor->description().signal;
+  std::vector<std::string> parts;
+  if (signal.speckle != "none") parts.push_back("speckle");
+  if (signal.noise_level_db) parts.push_back("noise");
+  if (signal.tvg_spreading) parts.push_back("the sonar's own gain");
+  if (signal.pulse_length_us) parts.push_back("the pulse's length");
+  if (parts.empty()) return std::nullopt;
+  return Heard{[&recording, &run](std::size_t ping) { return received(recording, run, ping); },
+               signal.tvg_spreading.has_value(), fmt::format("as received, with {}", fmt::join(parts, ", "))};
+}
+
+std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
+                                                  const Recording& recording, const RunContext& run,
+                                                  std::vector<std::string>& warnings) {
+  const auto& kind = recording.sensor->description().kind;
+  if (std::holds_alternative<MultibeamDescription>(kind))
+    return write_multibeam_files(folder, recording, run, warnings);
+  if (std::holds_alternative<EchosounderDescription>(kind))
+    return write_echosounder_files(folder, recording, run, warnings);
+  const std::optional<Heard> heard = heard_by(recording, run);
+  std::vector<std::filesystem::path> files =
+      write_pictures(folder, recording, &warnings, heard ? &*heard : nullptr);
+  std::vector<std::filesystem::path> own;
+  if (std::holds_alternative<DidsonDescription>(kind))
+    own = write_camera_files(folder, recording, run, warnings);
+  else if (std::holds_alternative<SidescanDescription>(kind))
+    own = write_sidescan_files(folder, recording, run, warnings);
+  else if (std::holds_alternative<InterferometricDescription>(kind))
+    own = write_interferometric_files(folder, recording, run);
+  files.insert(files.end(), own.begin(), own.end());
+  return files;
+}
+
+std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) {
+  const auto& kind = recording.sensor->description().kind;
+  if (std::holds_alternative<DidsonDescription>(kind)) return camera_files_left_out(recording, run);
+  if (std::holds_alternative<MultibeamDescription>(kind)) return multibeam_files_left_out(recording, run);
+  if (std::holds_alternative<SidescanDescription>(kind)) return sidescan_files_left_out(recording, run);
+  return {};
+}
+
+}  // namespace tubefoot

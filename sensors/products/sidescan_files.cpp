@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/sidescan_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "sensors/detection/sidescan_mosaic.hpp"
+#include "sensors/formats/xtf_file.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/pictures/mosaic_picture.hpp"
+#include "sensors/pictures/scanline_picture.hpp"
+#include "sensors/receiver/quantisation.hpp"
+#include "sensors/recordings/navigation.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Way from the first ping's place to the last one's, along the track.
+double track_length_m(const Recording& recording) {
+  double length = 0;
+  for (std::size_t k = 1; k < recording.pings(); ++k)
+    length += glm::distance(recording.ping_pose[k - 1].position_m, recording.ping_pose[k].position_m);
+  return length;
+}
+
+double altitude_m(const Recording& recording, std::size_t ping) {
+  return recording.altitude_m.empty() ? std::nan("") : recording.altitude_m[ping];
+}
+
+/// Pings as the files have them. All are read twice: the first time for the scales of the codes.
+class Amplitudes {
+ public:
+  Amplitudes(const Recording& recording, const RunContext& run)
+      : recording_(recording), run_(run), receiver_(receiver_of(recording, run)) {
+    for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+      for (const float value : of(ping)) {
+        largest_ = std::max(largest_, value);
+        if (value <= 0) continue;
+        sum_of_logarithms_ += std::log(value);
+        ++echoes_;
+      }
+      recording.let_go(ping);
+    }
+  }
+
+  /// [port, starboard][sample], uPa.
+  std::vector<float> of(std::size_t ping) const {
+    std::vector<float> amplitudes;
+    amplitudes.reserve(recording_.cells());
+    for (const double energy : received(recording_, run_, ping))
+      amplitudes.push_back(static_cast<float>(receiver_.amplitude_upa(energy)));
+    return amplitudes;
+  }
+  /// That of the loudest sample.
+  double largest_upa() const { return largest_ > 0 ? largest_ : 1; }
+  /// White for the eye: 15 dB above the mean level, lest a quay wall leave the seabed black.
+  double white_upa() const {
+    if (echoes_ == 0) return 1;
+    const double mean_level_upa = std::exp(sum_of_logarithms_ / static_cast<double>(echoes_));
+    return std::min(largest_upa(), mean_level_upa * std::pow(10, 15.0 / 20));
+  }
+
+ private:
+  const Recording& recording_;
+  const RunContext& run_;
+  ReceiverChain receiver_;
+  float largest_ = 0;
+  double sum_of_logarithms_ = 0;
+  std::size_t echoes_ = 0;
+};
+
+/// The XTF file of a recording. Its samples begin at range 0 and are as many as bring the last one to its
+/// place: none is farther than half a sample from where it was heard.
+class XtfRecord {
+ public:
+  XtfRecord(const fs::path& file, const Recording& recording, const RunContext& run, double full_scale_upa)
+      : recording_(recording),
+        before_(static_cast<std::size_t>(samples_before(recording))),
+        file_(file, header(recording, run, before_, full_scale_upa)),
+        track_(recording, run) {}
+
+  static double samples_before(const Recording& recording) {
+    return std::round(recording.sensor->samples().first_m / recording.sensor->samples().step_m);
+  }
+
+  void add(std::size_t ping, std::span<const std::uint16_t> codes) {
+    const RangeSamples& samples = recording_.sensor->samples();
+    const auto count = static_cast<std::size_t>(samples.count);
+    const NavigationFix& fix = track_.of(ping);
+    const PoseAngles& angles = fix.lie;
+    const glm::dvec3& at = fix.place.lon_lat_height;
+    const double time_s = fix.unix_time_s, height_m = at.z;
+
+    file_.add_attitude({time_s, angles.heading_deg, angles.pitch_deg, angles.roll_deg, 0});
+    file_.add_navigation({time_s, at.x, at.y, height_m});
+    XtfSidescanPing record;
+    record.place.unix_time_s = time_s;
+    record.place.ping_number = static_cast<std::uint32_t>(ping);
+    record.place.x = at.x;
+    record.place.y = at.y;
+    record.place.heading_deg = angles.heading_deg;
+    record.place.pitch_deg = angles.pitch_deg;
+    record.place.roll_deg = angles.roll_deg;
+    record.place.depth_m = -height_m;
+    const double altitude = altitude_m(recording_, ping);
+    record.place.altitude_m = std::isnan(altitude) ? 0 : altitude;
+    record.place.speed_m_s = fix.speed_m_s;
+    record.slant_range_m = samples.first_m + samples.count * samples.step_m;
+    port_.assign(before_, 0);
+    starboard_.assign(before_, 0);
+    port_.insert(port_.end(), codes.begin(), codes.begin() + samples.count);
+    starboard_.insert(starboard_.end(), codes.begin() + samples.count,
+                      codes.begin() + static_cast<std::ptrdiff_t>(2 * count));
+    record.port = port_;
+    record.starboard = starboard_;
+    file_.add_sidescan_ping(record);
+  }
+
+  void finish() { file_.finish(); }
+
+ private:
+  static XtfHeader header(const Recording& recording, const RunContext& run, std::size_t before,
+                          double full_scale_upa) {
+    const SensorDescription& sensor = recording.sensor->description();
+    const auto& fan = std::get<SidescanDescription>(sensor.kind);
+    XtfChannel channel;
+    channel.frequency_khz = recording.sensor->frequency_khz();
+    channel.along_track_width_deg = fan.along_track_deg;
+    channel.across_track_width_deg = fan.depression_max_deg - fan.depression_min_deg;
+    channel.tilt_deg = degrees(-recording.sensor->beams().front().elevation_rad);
+    channel.starboard_m = sensor.lever_arm_m[0];
+    channel.forward_m = sensor.lever_arm_m[1];
+    channel.down_m = -sensor.lever_arm_m[2];
+    XtfHeader header;
+    header.sonar_name = sensor.name.substr(0, 15);
+    header.note = fmt::format("full scale {:.6g} uPa, seed {}", full_scale_upa, run.seed).substr(0, 63);
+    header.sonar_type = 44;
+    header.sound_speed_m_s = recording.sound_speed_m_s;
+    header.sidescan = XtfSidescan{
+        channel, channel, static_cast<std::uint32_t>(before) + static_cast<std::uint32_t>(fan.samples),
+        sensor.signal.tvg_spreading.has_value()};
+    return header;
+  }
+
+  const Recording& recording_;
+  std::size_t before_;  ///< samples from range 0 to the first that was heard
+  XtfFile file_;
+  NavigationTrack track_;
+  std::vector<std::uint16_t> port_, starboard_;
+};
+
+/// Why a recording makes no XTF file.
+std::optional<std::string> why_no_xtf(const Recording& recording, const RunContext& run) {
+  const auto without = [&](const std::string& why) {
+    return fmt::format("{}.xtf is not written: {}", recording.sensor->description().name, why);
+  };
+  if (!run.frame.is_georeferenced())
+    return without("XTF holds longitude and latitude: add [georeference] to the scene");
+  constexpr double most_before = 1e6;
+  if (XtfRecord::samples_before(recording) > most_before)
+    return without(
+        fmt::format("its samples begin at range 0, which would make more than {:.0f} empty ones; "
+                    "make range_min_m smaller, or the samples longer",
+                    most_before));
+  constexpr double end_s = 4294967295;  // its clocks have 32 bits of seconds
+  const auto [first_s, last_s] =
+      std::minmax_element(recording.ping_time_s.begin(), recording.ping_time_s.end());
+  if (run.start_unix_s + *first_s < 0 || run.start_unix_s + *last_s >= end_s)
+    return without("its dates go from 1970 to 2106: change start_utc or first_ping_s");
+  return std::nullopt;
+}
+
+/// One row a ping, from the far end of port to the far end of starboard.
+void add_waterfall_row(ScanlinePicture& picture, std::span<const std::uint16_t> codes) {
+  const std::size_t count = codes.size() / 2;
+  std::vector<std::uint16_t> row(codes.rend() - static_cast<std::ptrdiff_t>(count), codes.rend());
+  row.insert(row.end(), codes.begin() + static_cast<std::ptrdiff_t>(count), codes.end());
+  picture.add_row(row.data());
+}
+
+OIIO::ImageSpec waterfall_spec(const Recording& recording, double white_upa) {
+  OIIO::ImageSpec spec(1, 1, 1, OIIO::TypeDesc::UINT16);
+  spec.attribute(
+      "ImageDescription",
+      fmt::format(
+          "{}: amplitude, 65535 is {:.6g} uPa and more; rows: pings, the first on top; columns: port, the "
+          "farthest sample first, then starboard, the nearest first",
+          recording.sensor->description().name, white_upa));
+  return spec;
+}
+
+/// The mosaic, and how many pings it had to leave out.
+struct Map {
+  SidescanMosaic mosaic;
+  std::size_t left_out = 0;
+
+  void add(const Recording& recording, std::size_t ping, std::span<const float> amplitudes) {
+    const RangeSamples& samples = recording.sensor->samples();
+    const auto count = static_cast<std::size_t>(samples.count);
+    const Pose& pose = recording.ping_pose[ping];
+    const glm::dvec3 forward = pose.attitude * glm::dvec3(0, 1, 0);
+    const double altitude = altitude_m(recording, ping);
+    constexpr double upright = 1e-3;  // looking straight up or down there is no heading
+    if (std::isnan(altitude) || std::hypot(forward.x, forward.y) <= upright) {
+      ++left_out;
+      mosaic.end_line();
+      return;
+    }
+    mosaic.add(
+        {pose, altitude, samples.first_m, samples.step_m, amplitudes.first(count), amplitudes.last(count)});
+  }
+};
+
+}  // namespace
+
+double mosaic_cell_m(const Recording& recording) {
+  const RangeSamples& samples = recording.sensor->samples();
+  const double length_m = track_length_m(recording);
+  const double spacing_m =
+      recording.pings() > 1 ? length_m / static_cast<double>(recording.pings() - 1) : 0.0;
+  const double swath_m = 2 * (samples.first_m + samples.count * samples.step_m);
+  constexpr double most_cells = 4e6;
+  const double wanted = std::max({spacing_m, 3 * samples.step_m, std::sqrt(length_m * swath_m / most_cells)});
+  return tick_step(wanted, 1);
+}
+
+std::vector<std::string> sidescan_files_left_out(const Recording& recording, const RunContext& run) {
+  const std::optional<std::string> why = why_no_xtf(recording, run);
+  return why ? std::vector<std::string>{*why} : std::vector<std::string>{};
+}
+
+std::vector<fs::path> write_sidescan_files(const fs::path& folder, const Recording& recording,
+                                           const RunContext& run, std::vector<std::string>& warnings) {
+  const std::string& name = recording.sensor->description().name;
+  const fs::path waterfall = name + "-waterfall.png", map_file = name + "-mosaic.tif",
+                 map_picture = name + "-mosaic.png", xtf_file = name + ".xtf";
+  const Amplitudes amplitudes(recording, run);
+  const Quantiser all = Quantiser::xtf_amplitude(amplitudes.largest_upa()),
+                  visible = Quantiser::xtf_amplitude(amplitudes.white_upa());
+  std::optional<XtfRecord> xtf;
+  if (const auto why = why_no_xtf(recording, run))
+    warnings.push_back(*why);
+  else
+    xtf.emplace(folder / xtf_file, recording, run, amplitudes.largest_upa());
+  ScanlinePicture picture(folder / waterfall, static_cast<int>(recording.cells()),
+                          static_cast<int>(recording.pings()),
+                          waterfall_spec(recording, amplitudes.white_upa()));
+  Map map{SidescanMosaic(mosaic_cell_m(recording))};
+  std::vector<std::uint16_t> codes(recording.cells());
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    const std::vector<float> heard = amplitudes.of(ping);
+    const auto code = [&](const Quantiser& quantiser) {
+      std::transform(heard.begin(), heard.end(), codes.begin(),
+                     [&](float amplitude) { return quantiser.code(amplitude); });
+      return std::span<const std::uint16_t>(codes);
+    };
+    if (xtf) xtf->add(ping, code(all));
+    add_waterfall_row(picture, code(visible));
+    map.add(recording, ping, heard);
+    recording.let_go(ping);
+  }
+
+  std::vector<fs::path> files;
+  if (xtf) {
+    xtf->finish();
+    files.push_back(xtf_file);
+  }
+  picture.finish();
+  files.push_back(waterfall);
+  if (map.left_out > 0)
+    warnings.push_back(
+        fmt::format("{}: {} of {} pings have no seabed straight below them, or no heading, and were "
+                    "left out",
+                    map_file.string(), map.left_out, recording.pings()));
+  const CellMeans& cells = map.mosaic.cells();
+  if (cells.empty()) {
+    warnings.push_back(fmt::format(
+        "{} was not written: nothing was heard from beyond the seabed straight below", map_file.string()));
+    return files;
+  }
+  map.mosaic.write_tiff(folder / map_file, run.frame, "uPa");
+  draw_mosaic(cells, fmt::format("{}   mosaic, cells of {:g} m", name, cells.cell_m()), label_font())
+      .write_png(folder / map_picture, name);
+  files.insert(files.end(), {map_file, map_picture});
+  return files;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/receiver/receiver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace tubefoot {
+namespace {
+
+constexpr double largest_level_db = 300;  // a factor of 1e30 in energy, and its product stays a double
+constexpr int most_looks = 1024;
+
+template <typename Value>
+void require(bool holds, const char* what, Value value, const char* wanted) {
+  if (!holds) throw std::invalid_argument(fmt::format("receiver: {} is {}, must be {}", what, value, wanted));
+}
+
+void require_level(const char* what, double level_db) {
+  require(std::abs(level_db) <= largest_level_db, what, level_db, "between -300 and 300 dB");
+}
+
+double ratio(double level_db) { return std::pow(10, level_db / 10); }
+
+void check(const TimeVariedGain& tvg) {
+  require(tvg.spreading >= 0 && std::isfinite(tvg.spreading), "the TVG's spreading", tvg.spreading,
+          "a finite number, 0 or more");
+  require(tvg.absorption_db_per_km >= 0 && std::isfinite(tvg.absorption_db_per_km), "the TVG's absorption",
+          tvg.absorption_db_per_km, "a finite number of dB/km, 0 or more");
+  require_level("the TVG's gain", tvg.gain_db);
+  require(tvg.fixed_below_m > 0 && std::isfinite(tvg.fixed_below_m), "the TVG's nearest range",
+          tvg.fixed_below_m, "a finite number of metres above 0");
+  require_level("the TVG's least gain", tvg.least_db);
+  require_level("the TVG's most gain", tvg.most_db);
+  require(tvg.least_db <= tvg.most_db, "the TVG's least gain", tvg.least_db, "no more than its most gain");
+}
+
+}  // namespace
+
+double thermal_noise_level_db(double frequency_khz, double bandwidth_hz, double directivity_index_db) {
+  return -15 + 20 * std::log10(frequency_khz) + 10 * std::log10(bandwidth_hz) - directivity_index_db;
+}
+
+double TimeVariedGain::at(double range_m) const {
+  const double range = std::max(range_m, fixed_below_m);
+  const double gain = spreading * std::log10(range) + 2 * absorption_db_per_km * range / 1000 + gain_db;
+  return std::clamp(gain, least_db, most_db);
+}
+
+ReceiverChain::ReceiverChain(const ReceiverDescription& description) : description_(description) {
+  require_level("the source level", description.source_level_db);
+  const Speckle& speckle = description.speckle;
+  require(speckle.looks >= 1 && speckle.looks <= most_looks, "the number of looks", speckle.looks,
+          "between 1 and 1024");
+  require(speckle.shape > 0 && std::isfinite(speckle.shape), "the K law's shape", speckle.shape,
+          "a finite number above 0");
+  require(description.display_gain > 0 && std::isfinite(description.display_gain), "the display gain",
+          description.display_gain, "a finite number above 0");
+  require_level("the display offset", description.display_offset_db);
+  if (description.tvg) check(*description.tvg);
+  if (description.noise_level_db) {
+    require_level("the noise level", *description.noise_level_db);
+    noise_j_ = ratio(*description.noise_level_db - description.source_level_db);
+  }
+}
+
+std::vector<double> ReceiverChain::receive(std::uint32_t ping, std::span<const double> energies_j,
+                                           const RangeSamples& samples) const {
+  const auto per_beam = static_cast<std::size_t>(std::max(0, samples.count));
+  if (per_beam == 0 || energies_j.size() % per_beam != 0)
+    throw std::invalid_argument(fmt::format("receiver: {} energies are not whole beams of {} samples",
+                                            energies_j.size(), samples.count));
+  std::vector<double> factor(per_beam, 1);
+  if (description_.tvg)
+    for (std::size_t k = 0; k < per_beam; ++k)
+      factor[k] =
+          ratio(description_.tvg->at(samples.first_m + (static_cast<double>(k) + 0.5) * samples.step_m));
+
+  std::vector<double> received;
+  received.reserve(energies_j.size());
+  for (std::size_t i = 0; i < energies_j.size(); ++i) {
+    const auto beam = static_cast<std::uint32_t>(i / per_beam), k = static_cast<std::uint32_t>(i % per_beam);
+    if (!(energies_j[i] >= 0 && std::isfinite(energies_j[i])))
+      throw std::invalid_argument(fmt::format(
+          "receiver: the energy of ping {}, beam {}, sample {} is {} J, must be finite and not negative",
+          ping, beam, k, energies_j[i]));
+    const SampleRandom random(description_.seed, ping, beam, k);
+    received.push_back(received_energy(random, description_.speckle, energies_j[i], noise_j_) * factor[k]);
+  }
+  return received;
+}
+
+double ReceiverChain::level_db(double energy_j) const {
+  const double level = description_.source_level_db + 10 * std::log10(energy_j);
+  return description_.display_gain * level + description_.display_offset_db;
+}
+
+double ReceiverChain::amplitude_upa(double energy_j) const {
+  return std::sqrt(energy_j) * std::pow(10, description_.source_level_db / 20);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "geometry/work/stop.hpp"
+#include "scene/rasters/georeference.hpp"
+#include "sensors/model/sensor.hpp"
+#include "sensors/recordings/heard.hpp"
+
+namespace tubefoot {
+
+/// All pings of one sensor, as they are written. The energies lie elsewhere, in memory or in a file.
+struct Recording {
+  const Sensor* sensor = nullptr;
+  std::vector<double> ping_time_s;
+  std::vector<Pose> ping_pose;     ///< of the sensor
+  std::vector<double> altitude_m;  ///< above the terrain straight below; not a number: unknown. May be empty
+  /// [ping][beam][sample], J for a source of 1 J/sr at 1 m. Of a sensor with more channels
+  /// (Sensor::channels) those of a ping follow each other: [ping][channel][beam][sample].
+  std::span<const double> energy;
+  double sound_speed_m_s = 0;
+  double absorption_db_per_km = 0;
+  /// Reference runs: certified half-width of each energy [J], laid out as the energies; empty in others.
+  std::span<const double> energy_bound{};
+  /// Tells the keeper of the energies that those of a ping will not be read again soon; keeps them alive.
+  std::function<void(std::size_t ping)> release{};
+
+  std::size_t pings() const { return ping_time_s.size(); }
+  std::size_t cells() const;     ///< of a ping: beams times samples
+  std::size_t channels() const;  ///< of the sensor
+  /// [beam][sample]. Throws Interrupted if somebody wants to stop, as channel_of() does: whoever writes a
+  /// recording comes here for each ping.
+  std::span<const double> energy_of(std::size_t ping) const { return channel_of(ping, 0); }
+  std::span<const double> channel_of(std::size_t ping, std::size_t channel) const {
+    stop_if_wanted();
+    return energy.subspan((ping * channels() + channel) * cells(), cells());
+  }
+  void let_go(std::size_t ping) const {
+    if (release) release(ping);
+  }
+};
+
+/// Throws std::invalid_argument unless the recording has a sensor and as many times, poses and energies as it
+/// says.
+void check(const Recording& recording);
+
+/// Where a recording comes from; written as global attributes.
+struct Provenance {
+  std::string title, scene_hash, engine, arithmetic, version;
+  std::optional<double> reference_tolerance{};  ///< of a reference run
+  std::string start_utc{};                      ///< date and time of the scene's time 0; empty: not said
+  LocalFrame frame{};                           ///< where the scene lies on Earth, if it says so
+};
+
+/// All of that, by the names that echoes.nc has it under.
+struct NamedAttribute {
+  const char* name;
+  std::variant<std::string, double> value;
+};
+std::vector<NamedAttribute> attributes_of(const Provenance& provenance);
+
+/// What echoes.nc has of every ping of a scene with a place on Earth, besides what it has of any.
+struct EarthColumn {
+  const char *name, *units, *long_name;
+  std::vector<double> values;
+};
+/// Empty without such a place. Throws InputError where a ping has none.
+std::vector<EarthColumn> earth_columns(const Recording& recording, const Provenance& provenance);
+
+/// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording: variables in the root group. Several: one
+/// group per sensor, named after it. Recordings of more than `most_bytes_in_memory` are written ping by ping,
+/// if the disk has room for all of it. Throws std::runtime_error naming the file and what failed.
+void write_echoes(const std::filesystem::path& file, const std::vector<Recording>& recordings,
+                  const Provenance& provenance, std::size_t most_bytes_in_memory = std::size_t{16} << 20);
+
+/// Writes the pictures of a recording into `folder` (which exists) and returns their file names, relative to
+/// it: PNG (16 bit, for looking at, logarithmic) and EXR (32-bit float, for measuring, linear energy).
+/// Cameras: <sensor>-sequence.png (pings picked from several; sequence_frames), and unless the camera asks
+/// for that alone <sensor>-<ping>.png in true fan geometry with a range and angle frame, and
+/// <sensor>-<ping>.exr (beams x samples, unscaled). Sidescan: <sensor>.png waterfall, last ping on top, port
+/// left, and <sensor>.exr. With `heard` each PNG has one beside it of what the instrument shows, "-received"
+/// at the end of its name. docs/echo-file.md says how pixels are made. Throws std::runtime_error naming the
+/// file and what failed. A picture is written even without a font to label it with; `warnings`, if given,
+/// then says so.
+std::vector<std::filesystem::path> write_pictures(const std::filesystem::path& folder,
+                                                  const Recording& recording,
+                                                  std::vector<std::string>* warnings = nullptr,
+                                                  const Heard* heard = nullptr);
+
+}  // namespace tubefoot

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "advice/advice.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "files/usage_error.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/console/progress.hpp"
+#include "run/settings.hpp"
+#include "study/ping_spread.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int repeats = 3;
+
+/// Rungs of a ladder of rays: the first, how far the next ones go, and when rays that gain nothing are left.
+constexpr double first_rays = 32, shortest_step = 1.25, longest_step = 4, most_rays = 1e9;
+constexpr std::size_t patient_rungs = 4;
+
+/// Slightly more than the fit asks for, since every rung costs.
+constexpr double surplus = 1.03;
+
+/// Few enough rays: the next fewer that were tried and failed are this near, or the tolerance is.
+constexpr double fine_step = 1.1, fine_error = 0.95;
+constexpr int most_refinements = 6;
+
+/// Seconds of `samples` samples, by the line through the last two rungs.
+double seconds_for(const std::vector<Trial>& ladder, double samples) {
+  const Trial& last = ladder.back();
+  const double in_proportion = last.seconds * samples / last.samples;
+  if (ladder.size() < 2) return in_proportion;
+  const Trial& before = ladder[ladder.size() - 2];
+  const double slope = (last.seconds - before.seconds) / (last.samples - before.samples);
+  return slope > 0 ? last.seconds + slope * (samples - last.samples) : in_proportion;
+}
+
+/// The probe pings, and what they say of all others.
+class Probes {
+ public:
+  Probes(TrialScene& scene, const std::vector<LookedAt>& sensors, ErrorMeasure measure)
+      : scene_(scene), sensors_(sensors), measure_(measure) {}
+
+  /// A candidate's errors and seconds. The trial's own errors become the predicted ones.
+  Trial run(const EngineSetting& setting, int times, Candidate& candidate) const {
+    stop_if_wanted();
+    candidate.setting = setting;
+    Trial trial = scene_.run(setting, times);
+    candidate.probe_error = error_of(trial, measure_);
+    candidate.predicted_error = 0;
+    for (std::size_t s = 0; s < sensors_.size(); ++s)
+      candidate.predicted_error =
+          std::max(candidate.predicted_error, error_limit(trial.pings[s], sensors_[s].pings, measure_));
+    candidate.predicted_seconds = trial.seconds;
+    (measure_ == ErrorMeasure::l1 ? trial.l1_error : trial.rms_db_error) = candidate.predicted_error;
+    return trial;
+  }
+
+  std::size_t beams() const { return scene_.beams(); }
+
+  /// Where a setting cannot compute the scene: a candidate that says why.
+  std::optional<Candidate> refused(const EngineSetting& setting) const {
+    const std::string why = scene_.refusal_of(setting);
+    if (why.empty()) return std::nullopt;
+    Candidate candidate;
+    candidate.setting = setting;
+    candidate.tried = false;
+    candidate.note = why;
+    return candidate;
+  }
+
+ private:
+  TrialScene& scene_;
+  const std::vector<LookedAt>& sensors_;
+  ErrorMeasure measure_;
+};
+
+/// Finds the fewest rays with which one sampling is predicted to hold, on the probe pings.
+class RayLadder {
+ public:
+  RayLadder(const Probes& probes, std::string sampling, const Tolerance& tolerance, std::uint64_t seed,
+            double seconds_cap)
+      : probes_(probes),
+        sampling_(std::move(sampling)),
+        measure_(tolerance.measure),
+        target_(tolerance.value),
+        seed_(seed),
+        cap_(seconds_cap),
+        beams_(static_cast<double>(probes.beams())) {}
+
+  Candidate climb() {
+    double rays = first_rays;
+    while (!step(rays)) {
+      const double needed = samples_for(ladder_, measure_, target_).value_or(0) / beams_;
+      if (needed <= 0 && ladder_.size() >= patient_rungs)
+        return not_tried(rays, fmt::format("does not converge: {} at {:.0f} rays a beam",
+                                           error_text(measure_, error()), rays));
+      const double next = needed > 0 ? std::clamp(surplus * needed, shortest_step * rays, longest_step * rays)
+                                     : longest_step * rays;
+      if (const double seconds = seconds_for(ladder_, next * beams_); seconds > cap_ || next > most_rays) {
+        if (needed > 0)
+          return not_tried(std::max(needed, next),
+                           fmt::format("would need about {:.1e} rays a beam", std::max(needed, next)));
+        return not_tried(
+            rays, fmt::format("far from it at {:.0f} rays a beam: {}", rays, error_text(measure_, error())));
+      }
+      rays = std::round(next);
+    }
+    return refined();
+  }
+
+ private:
+  /// Runs a rung; true if it is good enough.
+  bool step(double rays) {
+    ladder_.push_back(probes_.run(setting(rays), 1, last_));
+    return error() <= target_;
+  }
+
+  double error() const { return error_of(ladder_.back(), measure_); }
+
+  EngineSetting setting(double rays) const {
+    EngineSetting s = ray_setting(sampling_, static_cast<std::int64_t>(rays), probes_.beams());
+    s.run.seed = seed_;
+    return s;
+  }
+
+  /// The last rung holds, the one before does not: narrows down what lies between.
+  Candidate refined() {
+    Trial good = ladder_.back();
+    if (ladder_.size() > 1) {
+      Trial bad = ladder_[ladder_.size() - 2];
+      for (int k = 0; k < most_refinements; ++k) {
+        const double least = error_of(good, measure_), most = error_of(bad, measure_);
+        if (good.samples < fine_step * bad.samples || least > fine_error * target_) break;
+        const double part =
+            least > 0 && std::isfinite(most) ? std::log(most / target_) / std::log(most / least) : 0.5;
+        const double nearest = std::sqrt(fine_step);
+        const double samples = std::clamp(surplus * bad.samples * std::pow(good.samples / bad.samples, part),
+                                          nearest * bad.samples, good.samples / nearest);
+        const double rays = std::round(samples / beams_);
+        if (rays * beams_ <= bad.samples || rays * beams_ >= good.samples) break;
+        const bool holds = step(rays);  // before the rung that it adds is named
+        (holds ? good : bad) = ladder_.back();
+      }
+    }
+    Candidate candidate;
+    probes_.run(setting(std::round(good.samples / beams_)), repeats, candidate);
+    return candidate;
+  }
+
+  Candidate not_tried(double rays, std::string why) const {
+    Candidate candidate = last_;
+    candidate.setting = setting(std::min(rays, most_rays));
+    if (const double samples = rays * beams_; samples > ladder_.back().samples) {
+      candidate.probe_error = candidate.predicted_error = target_;
+      candidate.predicted_seconds = seconds_for(ladder_, samples);
+    }
+    candidate.tried = false;
+    candidate.note = std::move(why);
+    return candidate;
+  }
+
+  const Probes& probes_;
+  std::string sampling_;
+  ErrorMeasure measure_;
+  double target_;
+  std::uint64_t seed_;
+  double cap_, beams_;
+  std::vector<Trial> ladder_;  ///< with predicted errors
+  Candidate last_;             ///< the last rung
+};
+
+std::vector<TrialPings> pings_of(const std::vector<LookedAt>& sensors, bool probes) {
+  std::vector<TrialPings> chosen;
+  for (std::size_t s = 0; s < sensors.size(); ++s)
+    chosen.push_back({s, probes ? sensors[s].probes : sensors[s].others});
+  return chosen;
+}
+
+/// On other pings, and rays with another seed: where a sensor has no other pings, that is all that is new.
+void measure_on_others(Advice& advice, const SceneDescription& scene, std::uint64_t seed) {
+  TrialScene others(
+      scene, [&](const Survey&) { return pings_of(advice.sensors, false); }, std::nullopt);
+  for (Candidate& candidate : advice.candidates) {
+    if (!candidate.tried) continue;
+    stop_if_wanted();
+    EngineSetting setting = candidate.setting;
+    setting.run.seed = seed;
+    candidate.others = others.run(setting, repeats);
+  }
+}
+
+}  // namespace
+
+bool Advice::holds(const Candidate& candidate) const {
+  return candidate.tried && candidate.predicted_error <= tolerance.value &&
+         (!candidate.others || error_of(*candidate.others, tolerance.measure) <= tolerance.value);
+}
+
+double Advice::seconds(const Candidate& candidate) const {
+  return candidate.others ? candidate.others->seconds : candidate.predicted_seconds;
+}
+
+std::size_t cheapest(const Advice& advice) {
+  std::size_t best = 0;
+  for (std::size_t c = 1; c < advice.candidates.size(); ++c)
+    if (advice.holds(advice.candidates[c]) &&
+        advice.seconds(advice.candidates[c]) < advice.seconds(advice.candidates[best]))
+      best = c;
+  return best;
+}
+
+LookedAt looked_at(std::size_t pings, std::size_t count) {
+  const auto spread_over = [](const std::vector<std::size_t>& from, std::size_t wanted) {
+    const std::size_t n = std::min(wanted, from.size());
+    std::vector<std::size_t> some;
+    for (std::size_t i = 0; i < n; ++i) some.push_back(from[(2 * i + 1) * from.size() / (2 * n)]);
+    return some;
+  };
+  std::vector<std::size_t> all(pings);
+  for (std::size_t p = 0; p < pings; ++p) all[p] = p;
+  LookedAt sensor;
+  sensor.pings = pings;
+  if (2 * count <= pings) {  // alternately, so that others are as far from probes as can be
+    const std::vector<std::size_t> both = spread_over(all, 2 * count);
+    for (std::size_t k = 0; k < both.size(); ++k)
+      (k % 2 == 0 ? sensor.probes : sensor.others).push_back(both[k]);
+    return sensor;
+  }
+  sensor.probes = spread_over(all, count);
+  std::vector<std::size_t> rest;
+  std::set_difference(all.begin(), all.end(), sensor.probes.begin(), sensor.probes.end(),
+                      std::back_inserter(rest));
+  sensor.others_are_probes = rest.empty();
+  sensor.others = rest.empty() ? sensor.probes : spread_over(rest, count);
+  return sensor;
+}
+
+Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const AdviceOptions& options) {
+  const ThreadLimit one_thread(1);  // so that a setting's seconds do not depend on what else runs
+  Advice advice;
+  advice.tolerance = tolerance;
+  {
+    TrialScene probe_pings(
+        scene,
+        [&](const Survey& survey) {
+          for (const SensorPings& s : survey.sensors) {
+            advice.sensors.push_back(looked_at(s.times_s.size(), options.pings));
+            advice.sensors.back().sensor = s.sensor->description().name;
+          }
+          return pings_of(advice.sensors, true);
+        },
+        std::nullopt);
+    advice.silent = probe_pings.silent_sensors();
+    const Probes probes(probe_pings, advice.sensors, tolerance.measure);
+    const std::vector<std::string> binnings{"exact", "spread", "centroid"};
+    const bool choice = advice.silent.empty();
+    Progress progress("settings", choice ? binnings.size() + options.samplings.size() : 1, options.quiet);
+    for (const std::string& binning : binnings) {
+      if (const auto refused = probes.refused(tube_setting(binning)))
+        advice.candidates.push_back(*refused);
+      else
+        probes.run(tube_setting(binning), repeats, advice.candidates.emplace_back());
+      progress.step();
+      if (!choice) break;
+    }
+    const double cap = options.largest_cost * advice.candidates.front().predicted_seconds;
+    for (const std::string& sampling : options.samplings) {
+      if (!choice) break;
+      if (const auto refused = probes.refused(ray_setting(sampling, 1, probes.beams())))
+        advice.candidates.push_back(*refused);
+      else
+        advice.candidates.push_back(RayLadder(probes, sampling, tolerance, options.seed, cap).climb());
+      progress.step();
+    }
+  }
+  if (options.measure) measure_on_others(advice, scene, options.seed + 1);
+  advice.chosen = cheapest(advice);
+  return advice;
+}
+
+std::string left_out_by(const RunDescription& run) {
+  if (run.engine == "ray") return "everything between rays";
+  if (run.binning == "spread")
+    return "range cuts inside footprints: each footprint's energy is the law's at its centroid, spread "
+           "evenly "
+           "over its slant ranges";
+  if (run.binning == "centroid")
+    return "range cuts inside footprints: each footprint's energy sits in the sample of its centroid";
+  return "nothing";
+}
+
+std::string command_options(const RunDescription& run) {
+  if (run.engine == "ray")
+    return fmt::format("--engine ray --sampling {} --rays-per-beam {}", run.sampling,
+                       run.rays_per_beam.value_or(0));
+  return fmt::format("--engine tube --arithmetic {} --binning {}", run.arithmetic, run.binning);
+}
+
+Tolerance asked_tolerance(const std::string& text) {
+  try {
+    return parse_tolerance(text);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--tolerance {}", error.what()));
+  }
+}
+
+std::string pings_text(const std::string& sensor, const std::vector<std::size_t>& pings, std::size_t all) {
+  return fmt::format("{}: ping{} {} of {}", sensor, pings.size() == 1 ? "" : "s", fmt::join(pings, ", "),
+                     all);
+}
+
+}  // namespace tubefoot

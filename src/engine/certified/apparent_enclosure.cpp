@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/apparent_enclosure.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <numbers>
+
+#include "geometry/work/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double infinite = std::numeric_limits<double>::infinity();
+using Corners = std::array<glm::dvec3, 3>;
+
+double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+/// Lower bound of the distance of a triangle's points from the origin.
+double nearest_of(const Corners& c) {
+  const glm::dvec3 centre = (c[0] + c[1] + c[2]) / 3.0, n = glm::cross(c[1] - c[0], c[2] - c[0]);
+  double radius = 0;
+  for (const glm::dvec3& p : c) radius = std::max(radius, glm::distance(p, centre));
+  const double size = glm::length(n), plane = size > 0 ? std::abs(glm::dot(n, centre)) / size : 0;
+  return std::max({plane, glm::length(centre) - radius, 0.0}) * (1 - slack);
+}
+double farthest_of(const Corners& c) {
+  return std::max({glm::length(c[0]), glm::length(c[1]), glm::length(c[2])}) * (1 + slack);
+}
+
+/// A true facet in its base facet's plane, which is what images are of. Refined corners are rounded to the
+/// grid and may lie beside that plane: by `pad_m`, which goes into every place.
+class Flat {
+ public:
+  Flat(const Corners& base, const Corners& corners, double pad_m) : pad_m_(pad_m) {
+    normal = glm::cross(base[1] - base[0], base[2] - base[0]);
+    const double size = glm::length(normal);
+    if (!(size > 0)) return;
+    normal /= size;
+    if (glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), normal) < 0) normal = -normal;
+    int longest = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double length = glm::distance(corners[k], corners[(k + 1) % 3]);
+      if (length > longest_m) longest_m = length, longest = k;
+    }
+    if (!(longest_m > 0)) return;
+    u = corners[(longest + 1) % 3] - corners[longest];
+    u -= glm::dot(u, normal) * normal;
+    u /= glm::length(u);
+    v = glm::cross(normal, u);
+    centre_m = (corners[0] + corners[1] + corners[2]) / 3.0;
+    for (int k = 0; k < 3; ++k)
+      at[k] = {glm::dot(corners[k] - centre_m, u), glm::dot(corners[k] - centre_m, v)};
+    area_m2 = cross(at[1] - at[0], at[2] - at[0]) / 2;
+    height_m = 2 * area_m2 / longest_m;
+    valid = height_m > 4 * pad_m;
+    margin_m = height_m / 50;
+    // The smallest circle that holds it: about its longest side, or through all corners.
+    const double p = glm::length(at[1] - at[0]), q = glm::length(at[2] - at[1]),
+                 r = glm::length(at[0] - at[2]);
+    const double sum2 = p * p + q * q + r * r;
+    radius_m = (sum2 <= 2 * longest_m * longest_m ? longest_m / 2 : p * q * r / (4 * area_m2)) * (1 + slack);
+  }
+
+  std::array<Interval, 3> padded(const glm::dvec3& p) const {
+    std::array<Interval, 3> box;
+    for (int i = 0; i < 3; ++i) box[i] = Interval(p[i] - pad_m_, p[i] + pad_m_);
+    return box;
+  }
+
+  glm::dvec3 normal{0}, u{0}, v{0}, centre_m{0};
+  std::array<glm::dvec2, 3> at{};  // corners, from the centre
+  double longest_m = 0, height_m = 0, area_m2 = 0, radius_m = 0;
+  double margin_m = 0;  // images are enclosed to here beyond the corners
+  bool valid = false;
+
+ private:
+  double pad_m_;
+};
+
+Interval norm_of(const std::array<Interval, 3>& x) {
+  return root(squared(x[0]) + squared(x[1]) + squared(x[2]));
+}
+
+/// Bounds of second derivatives: of the image as a vector, and of its part along `normal`.
+struct Bends {
+  double all = 0, across = 0;
+};
+Bends bends_of(const RayJets& rays, const glm::dvec3& normal) {
+  double all2 = 0;
+  Jet along;
+  for (int i = 0; i < 3; ++i) {
+    const Jet& x = rays.image[i];
+    all2 += (squared(x.aa) + 2.0 * squared(x.ab) + squared(x.bb)).hi;
+    along = along + Jet(normal[i]) * x;
+  }
+  const double across2 = (squared(along.aa) + 2.0 * squared(along.ab) + squared(along.bb)).hi;
+  return {std::sqrt(all2) * (1 + slack), std::sqrt(across2) * (1 + slack)};
+}
+
+class Encloser {
+ public:
+  Encloser(const RayEnclosure& rays, double reference_speed_m_s, double absorption_db_per_m)
+      : rays_(rays),
+        speed_(reference_speed_m_s),
+        absorption_(absorption_db_per_m),
+        beta_(outwards(std::numbers::ln10 / 5, std::numbers::ln10 / 5, 4)) {}
+
+  FacetEnclosure enclose(const Corners& base, const Corners& truth, const Corners& seen, double pad_m,
+                         double mu) const {
+    FacetEnclosure facet;
+    facet.seen = truth;
+    facet.nearest_m = nearest_of(truth) * rays_.least_stretch();
+    facet.farthest_m = infinite;
+    const Flat flat(base, truth, pad_m);
+    if (!flat.valid) return facet;
+    const auto [least, most] = box_of(flat);
+    const double wider = slack * (1 + flat.longest_m);
+    const bool alone =
+        rays_.none_turns_before(flat.padded(flat.centre_m), flat.u, flat.v, {least.x - wider, most.x + wider},
+                                {least.y - wider, most.y + wider});
+    // Where corners are seen, and how far their apparent corners are from there.
+    double off_m = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto corner = rays_.over(flat.padded(truth[k]), flat.u, flat.v, 0.0, 0.0, alone);
+      if (!corner) return facet;
+      const Interval off = norm_of(
+          {corner->image[0].v - seen[k].x, corner->image[1].v - seen[k].y, corner->image[2].v - seen[k].z});
+      off_m = std::max(off_m, off.hi);
+    }
+    const auto middle = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, 0.0, 0.0, alone);
+    if (!middle) return facet;
+
+    glm::dvec3 normal = glm::cross(seen[1] - seen[0], seen[2] - seen[0]);
+    const double size = glm::length(normal);
+    if (!(size > 0)) return facet;
+    normal /= size;
+    const double facing = glm::dot(normal, seen[0]);
+    facet.normal = facing < 0 ? -normal : normal;
+    facet.plane_m = std::abs(facing);
+
+    // All of it in boxes; in smaller ones while that says more.
+    Gathered best;
+    if (!gather(flat, facet.normal, alone, 1, best)) return facet;
+    for (int parts = 2; parts <= 8; parts *= 2) {
+      Gathered finer;
+      if (!gather(flat, facet.normal, alone, parts, finer)) return facet;
+      const auto slopes = [](const Gathered& all) { return all.level_a.largest() + all.level_b.largest(); };
+      const bool enough = finer.bends.across > 0.8 * best.bends.across && slopes(finer) > 0.8 * slopes(best);
+      best = finer;
+      if (enough) break;
+    }
+    // Of linear interpolation between the corners: at most half the squared radius of the smallest circle
+    // around them times the second derivative (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191); in the
+    // margin around them more by the margin times the error of the slopes.
+    const double reach = flat.longest_m + flat.margin_m,
+                 beyond = 2 * flat.margin_m * reach * reach / flat.height_m;
+    const auto gap = [&](double bend) {
+      return ((flat.radius_m * flat.radius_m / 2 + beyond) * bend + 1.1 * off_m) * (1 + slack);
+    };
+    facet.gap_m = gap(best.bends.all);
+    if (!std::isfinite(facet.gap_m)) return facet;
+    const double across_m = gap(best.bends.across);
+    facet.seen = seen;
+    facet.nearest_m = std::max(nearest_of(seen) - facet.gap_m, 0.0);
+    facet.farthest_m = farthest_of(seen) + facet.gap_m;
+    facet.most_per_sr = mu * best.per_sr.hi;
+    facet.most = mu * best.per_area.hi * flat.area_m2 * (1 + 100 * pad_m / flat.height_m);
+    facet.state = FacetEnclosure::State::loose;
+
+    const double sine = facet.plane_m / facet.farthest_m;
+    facet.shift_m = sine > 0 ? across_m / sine * (1 + slack) : infinite;
+    // A ray that meets the image beside the facet's own part of it has to do so within the margin.
+    const bool within = facet.gap_m / sine / least_stretch(flat, seen) <= flat.margin_m;
+    const Interval towards = middle_sine(flat, *middle);
+    if (!within || !(facet.shift_m < facet.nearest_m / 4) || best.sine.may_be_zero() ||
+        (towards.lo > 0) != (facing > 0))
+      return facet;
+    const Interval db = middle->absorption_db.v - absorption_ * speed_ * middle->time_s.v;
+    Interval level = log(towards.lo > 0 ? towards : -towards) +
+                     3.0 * log(speed_ * middle->slowness_s_per_m.v) - log(middle->area_ratio_per_sr.v) -
+                     beta_ * db - log(outwards(facet.plane_m * (1 - slack), facet.plane_m * (1 + slack)));
+    Interval change = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const Interval own = best.level_a * flat.at[k].x + best.level_b * flat.at[k].y;
+      change = k == 0 ? own : hull(change, own);
+    }
+    const double beside = flat.margin_m * (best.level_a.largest() + best.level_b.largest());
+    level = level + change + Interval(-beside, beside);
+    const double range = 3 * std::log1p(facet.shift_m / (facet.nearest_m - facet.shift_m)) +
+                         beta_.hi * absorption_ * facet.shift_m;
+    facet.factor = exp(level + Interval(-range, range));
+    if (facet.factor.is_finite()) facet.state = FacetEnclosure::State::proven;
+    return facet;
+  }
+
+ private:
+  struct Gathered {
+    Bends bends;
+    Interval level_a, level_b, per_sr, per_area, sine;
+  };
+
+  static Interval middle_sine(const Flat& flat, const RayJets& rays) {
+    const std::array<Interval, 3> centre = flat.padded(flat.centre_m);
+    return sine_of(flat, rays, {centre[0], centre[1]}).v;
+  }
+  /// Sine of the grazing angle on the true facet times the distance: that of the plane, in even water.
+  static Jet sine_of(const Flat& flat, const RayJets& rays, const std::array<Jet, 2>& at) {
+    const glm::dvec3& n = flat.normal;
+    return rays.arrival_across * (Jet(n.x) * at[0] + Jet(n.y) * at[1]) - Jet(n.z) * rays.arrival_down_m;
+  }
+
+  /// Around a facet and its margin, in its plane.
+  static std::pair<glm::dvec2, glm::dvec2> box_of(const Flat& flat) {
+    glm::dvec2 least(infinite), most(-infinite);
+    for (const glm::dvec2& p : flat.at) least = glm::min(least, p), most = glm::max(most, p);
+    return {least - flat.margin_m, most + flat.margin_m};
+  }
+
+  bool gather(const Flat& flat, const glm::dvec3& normal, bool alone, int parts, Gathered& all) const {
+    const auto [least, most] = box_of(flat);
+    const glm::dvec2 step = (most - least) / double(parts);
+    bool first = true;
+    for (int i = 0; i < parts; ++i)
+      for (int j = 0; j < parts; ++j) {
+        const glm::dvec2 from = least + step * glm::dvec2(i, j), to = least + step * glm::dvec2(i + 1, j + 1);
+        if (beside(flat, from, to)) continue;
+        const Interval a(from.x, to.x), b(from.y, to.y);
+        const auto rays = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, a, b, alone);
+        if (!rays) return false;
+        std::array<Jet, 2> at;
+        for (int k = 0; k < 2; ++k) {
+          at[k].v = flat.padded(flat.centre_m)[k] + a * flat.u[k] + b * flat.v[k];
+          at[k].a = flat.u[k];
+          at[k].b = flat.v[k];
+        }
+        const Jet sine = sine_of(flat, *rays, at);
+        const Jet beyond = rays->absorption_db - Jet(absorption_ * speed_) * rays->time_s;
+        const Interval lost = exp(-(beta_ * rays->absorption_db.v)), ratio = rays->area_ratio_per_sr.v;
+        const Interval distance = rays->time_s.v / rays->slowness_s_per_m.v, area = ratio * squared(distance);
+        const Interval size(0, (sine.v / distance).largest());
+        Gathered own;
+        own.bends = bends_of(*rays, normal);
+        own.sine = sine.v;
+        own.per_sr = size * lost / area;
+        // Areas per steradian there and back: their ratio is that of the squared sound speeds.
+        own.per_area = squared(size) * lost / squared(area * rays_.least_area_ratio());
+        const auto slope = [&](const Interval& of_sine, const Interval& of_time, const Interval& of_area,
+                               const Interval& of_db) {
+          return of_sine / sine.v + 3.0 * (of_time / rays->slowness_s_per_m.v) - of_area / ratio -
+                 beta_ * of_db;
+        };
+        own.level_a = slope(sine.a, rays->slowness_s_per_m.a, rays->area_ratio_per_sr.a, beyond.a);
+        own.level_b = slope(sine.b, rays->slowness_s_per_m.b, rays->area_ratio_per_sr.b, beyond.b);
+        if (first) {
+          all = own;
+          first = false;
+          continue;
+        }
+        all.bends.all = std::max(all.bends.all, own.bends.all);
+        all.bends.across = std::max(all.bends.across, own.bends.across);
+        for (Interval Gathered::*part : {&Gathered::level_a, &Gathered::level_b, &Gathered::per_sr,
+                                         &Gathered::per_area, &Gathered::sine})
+          all.*part = hull(all.*part, own.*part);
+      }
+    return !first;
+  }
+
+  /// Whether a box surely lies outside of the facet and its margin.
+  static bool beside(const Flat& flat, const glm::dvec2& from, const glm::dvec2& to) {
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec2 &p = flat.at[k], &q = flat.at[(k + 1) % 3];
+      double most = -infinite;
+      for (const double x : {from.x, to.x})
+        for (const double y : {from.y, to.y})
+          most = std::max(most, cross(q - p, glm::dvec2(x, y) - p) / glm::length(q - p));
+      if (most < -1.01 * flat.margin_m - slack) return true;
+    }
+    return false;
+  }
+
+  /// The smallest stretch of the facet on the way to its apparent one.
+  static double least_stretch(const Flat& flat, const Corners& seen) {
+    const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
+    const double det = cross(p, q);
+    const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];
+    const glm::dvec3 along_u = (s * q.y - t * p.y) / det, along_v = (t * p.x - s * q.x) / det;
+    const double a = glm::dot(along_u, along_u), b = glm::dot(along_u, along_v),
+                 c = glm::dot(along_v, along_v);
+    const double least = (a + c) / 2 - std::sqrt((a - c) * (a - c) / 4 + b * b);
+    return 0.9 * std::sqrt(std::max(least, 0.0));  // the image's own slopes differ a little
+  }
+
+  const RayEnclosure& rays_;
+  double speed_, absorption_;
+  Interval beta_;
+};
+
+}  // namespace
+
+ApparentEnclosures enclose(const ApparentGround& ground, const FacetMesh& base, const WorldGrid& grid,
+                           const RayEnclosure& rays, double reference_speed_m_s,
+                           std::span<const double> lambert_mu, double absorption_db_per_m) {
+  const FacetMesh& mesh = ground.refined.mesh;
+  const Encloser encloser(rays, reference_speed_m_s, absorption_db_per_m);
+  const glm::dvec3 apex = rays.apex_m();
+  ApparentEnclosures all;
+  all.facets.resize(mesh.facets.size());
+  Steps steps("facets", mesh.facets.size());
+  tbb::parallel_for(std::size_t{0}, mesh.facets.size(), [&](std::size_t f) {
+    steps.done();
+    Corners parent, truth, seen;
+    const auto& whole = base.facets[ground.refined.parent[f]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      parent[k] = grid.to_metres(base.vertices[whole[k]]) - apex;
+      truth[k] = ground.truth[mesh.facets[f][k]] - apex;
+      seen[k] = grid.to_metres(mesh.vertices[mesh.facets[f][k]]) - apex;
+    }
+    all.facets[f] = encloser.enclose(parent, truth, seen, 2 * grid.unit_m(), lambert_mu[mesh.material[f]]);
+  });
+  for (const FacetEnclosure& facet : all.facets)
+    if (facet.state == FacetEnclosure::State::unproven) all.unproven.push_back(facet);
+  for (const auto& corners : ground.left_out_m) {
+    FacetEnclosure facet;
+    for (std::size_t k = 0; k < 3; ++k) facet.seen[k] = corners[k] - apex;
+    facet.nearest_m = nearest_of(facet.seen) * rays.least_stretch();
+    all.unproven.push_back(facet);
+  }
+  return all;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "engine/ground/refracted_ground.hpp"
+#include "engine/water/ray_enclosure.hpp"
+
+namespace tubefoot {
+
+/// What is proven of an apparent facet and the curved image of the true facet that it stands for. Places are
+/// relative to the apex, metres.
+struct FacetEnclosure {
+  enum class State {
+    proven,
+    /// Seen edge-on, or so flat that its image may fold: only what it returns at most is known.
+    loose,
+    /// It is not known that one ray leads to each of its points. Nothing is known but where rays to it may
+    /// come from and how soon.
+    unproven
+  };
+  State state = State::unproven;
+  std::array<glm::dvec3, 3> seen{};  ///< corners of the apparent facet; of an unproven one, of the true facet
+  glm::dvec3 normal{0};              ///< unit, of the apparent facet's plane, away from the apex
+  double plane_m = 0;                ///< distance of that plane
+  double gap_m = 0;                  ///< no image is farther from its place on the apparent facet
+  double shift_m = 0;                ///< no range along a ray differs by more, of rays that meet both
+  double nearest_m = 0, farthest_m = 0;  ///< ranges of the image
+  /// What the facet returns along a ray over what the straight law makes of the apparent facet.
+  Interval factor;
+  double most_per_sr = 0;  ///< upper bound of what it returns [J] per steradian of launch
+  double most = 0;         ///< and in all
+};
+
+struct ApparentEnclosures {
+  std::vector<FacetEnclosure> facets;    ///< as the apparent ground's
+  std::vector<FacetEnclosure> unproven;  ///< facets that may be seen, among them those that were left out
+};
+
+/// Encloses the facets of an apparent ground that was made of `base`. `lambert_mu`: by material.
+/// `absorption_db_per_m`: what the echo law applies to apparent ranges.
+ApparentEnclosures enclose(const ApparentGround& ground, const FacetMesh& base, const WorldGrid& grid,
+                           const RayEnclosure& rays, double reference_speed_m_s,
+                           std::span<const double> lambert_mu, double absorption_db_per_m);
+
+}  // namespace tubefoot

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/certified_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Points = std::vector<CertifiedPolygon::Point>;
+
+/// Heights above a plane between cells below which a corner is taken to lie in it, in cells: far above the
+/// corners' roundings, far below what any tolerance sees.
+constexpr double level = 1e-18;
+constexpr double largest_coordinate = 0x1p50;
+constexpr double least_bound = 1e-300;  // so that it has a logarithm
+constexpr double largest_off = 0.01;
+
+class Cutter {
+ public:
+  Cutter(const CertifiedPolygon& polygon, const CertifiedTexture& texture, glm::dvec3 apex_m,
+         std::size_t most, const CellSink& sink)
+      : polygon_(polygon), most_(most), sink_(sink) {
+    cell_.texture = &texture;
+    const std::array<Ball, 3> apex{Ball(apex_m.x), Ball(apex_m.y), Ball(apex_m.z)};
+    for (const CertifiedTexture::Axis& axis : texture.axes()) {
+      const auto along = [&](const std::array<Ball, 3>& e) {
+        return axis.per_m[0] * e[0] + axis.per_m[1] * e[1] + axis.per_m[2] * e[2];
+      };
+      cell_.traces.push_back({along(apex) + along(polygon.away) * polygon.distance + axis.origin,
+                              along(polygon.u), along(polygon.v)});
+    }
+    cell_.cell.resize(cell_.traces.size());
+  }
+
+  std::size_t cut() {
+    cut(polygon_.points, 0);
+    return failed_ ? 0 : count_;
+  }
+
+ private:
+  std::vector<Ball> coordinates(const Points& points, std::size_t axis) const {
+    const CertifiedCell::Trace& trace = cell_.traces[axis];
+    std::vector<Ball> q;
+    for (const CertifiedPolygon::Point& p : points)
+      q.push_back(trace.at_foot + trace.along_u * p.x + trace.along_v * p.y);
+    return q;
+  }
+
+  void cut(const Points& points, std::size_t axis) {
+    stop_if_wanted();
+    if (failed_) return;
+    if (axis == cell_.traces.size()) {
+      failed_ = ++count_ > most_;
+      if (!failed_ && sink_) give(points);
+      return;
+    }
+    const std::vector<Ball> q = coordinates(points, axis);
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    for (const Ball& x : q) {
+      lo = std::min(lo, x.lo());
+      hi = std::max(hi, x.hi());
+    }
+    const double first = std::floor(lo) + 1, last = std::ceil(hi) - 1;
+    if (!(lo > -largest_coordinate && hi < largest_coordinate && last - first <= double(most_))) {
+      failed_ = true;
+      return;
+    }
+    const auto cut_at = [&](double plane) {
+      std::vector<Ball> height;
+      for (const Ball& x : q) height.push_back(x - Ball(plane));
+      const auto sides = split(points, height, level);
+      if (sides[0].empty() || sides[1].empty()) return false;
+      for (const Points& side : sides) cut(side, axis);
+      return true;
+    };
+    if (first <= last && cut_at(std::floor((first + last) / 2))) return;
+    // The outermost planes may only touch it.
+    for (double plane = first; plane <= last; ++plane)
+      if (cut_at(plane)) return;
+    cell_.cell[axis] = std::int64_t(std::floor(lo + (hi - lo) / 2));
+    cut(points, axis + 1);
+  }
+
+  void give(const Points& points) {
+    double off = 0;
+    for (std::size_t axis = 0; axis < cell_.traces.size(); ++axis)
+      for (const Ball& q : coordinates(points, axis)) {
+        const Ball x = q - Ball(double(cell_.cell[axis]));
+        off = std::max({off, -x.lo(), (x - Ball(1)).hi()});
+      }
+    const Ball range = cell_.texture->range();
+    const double slack =
+        off <= largest_off ? cell_.texture->difference(off) : (Ball(range.hi()) - Ball(range.lo())).hi();
+    cell_.slack = Ball(slack) * Ball::between(-1, 1);
+    sink_(part_of(polygon_, points), cell_);
+  }
+
+  const CertifiedPolygon& polygon_;
+  std::size_t most_, count_ = 0;
+  const CellSink& sink_;
+  CertifiedCell cell_;
+  bool failed_ = false;
+};
+
+template <class N>
+std::vector<N> at(const CertifiedCell& cell, const N& rho, const N& angle) {
+  N sine, cosine;
+  sin_cos(angle, sine, cosine);
+  const N x = rho * cosine, y = rho * sine;
+  std::vector<N> q;
+  for (const CertifiedCell::Trace& trace : cell.traces)
+    q.push_back(N(trace.at_foot) + N(trace.along_u) * x + N(trace.along_v) * y);
+  return q;
+}
+
+}  // namespace
+
+Ball CertifiedCell::factor(const Ball& rho, const Ball& angle) const {
+  return texture->factor(cell, at(*this, rho, angle)) + slack;
+}
+
+double CertifiedCell::largest(const ComplexBall& rho, const ComplexBall& angle) const {
+  return std::max(texture->largest(cell, at(*this, rho, angle)), least_bound);
+}
+
+std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture, glm::dvec3 apex_m,
+                         std::size_t most, const CellSink& sink) {
+  if (polygon.edges.size() < 3) return 0;
+  return Cutter(polygon, texture, apex_m, most, sink).cut();
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "engine/certified/certified_texture.hpp"
+#include "geometry/integrals/certified_polygon.hpp"
+
+namespace tubefoot {
+
+/// One cell of a texture, on the plane of a polygon.
+struct CertifiedCell {
+  const CertifiedTexture* texture = nullptr;
+  /// By axis: q = at_foot + along_u x + along_v y.
+  struct Trace {
+    Ball at_foot, along_u, along_v;
+  };
+  std::vector<Trace> traces;
+  std::vector<std::int64_t> cell;
+  /// Added to factors: what the cell's polynomial may differ by where the polygon's corners are outside of
+  /// the cell by their rounding, or lie in a plane between two cells.
+  Ball slack;
+
+  /// At a place in the cell, in polar coordinates about the foot point.
+  Ball factor(const Ball& rho, const Ball& angle) const;
+  /// Upper bound of the modulus.
+  double largest(const ComplexBall& rho, const ComplexBall& angle) const;
+};
+
+/// Receives the parts of a polygon by cell.
+using CellSink = std::function<void(const CertifiedPolygon& part, const CertifiedCell& cell)>;
+
+/// Cuts a convex polygon along the planes between a texture's cells. `apex_m`: where the polygon's apex is.
+/// The parts are the polygon, no more and no less (CertifiedPolygon's split). Returns their number,
+/// or 0 if there are more than `most`: then the sink has seen some of them. Without a sink they are counted.
+std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture, glm::dvec3 apex_m,
+                         std::size_t most, const CellSink& sink);
+
+}  // namespace tubefoot

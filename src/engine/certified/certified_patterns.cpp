@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CertifiedIntegrator with beam patterns or a micro-texture.
+#include <arb_hypgeom.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+
+#include "engine/certified/certified_integral.hpp"
+#include "geometry/integrals/certified_rule.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPatterns& patterns,
+                              std::uint32_t tube, const Allowance& allowance, const Sink& sink,
+                              const CertifiedCell* texture) {
+  const auto [first_beam, end_beam] = patterns.beams_of_tube[tube];
+  if (first_beam == end_beam) return;
+  polygon_ = &polygon;
+  weighed_ = true;
+  texture_ = texture;
+  transmit_.clear();
+  receive_.clear();
+  tabulated_ = false;
+  const auto look_at = [&](const Directivity& pattern) {
+    double most = 0;
+    tabulated_ = tabulated_ || pattern.kind == Directivity::Kind::table;
+    if (pattern.table)
+      for (const auto& segment : pattern.table->segments()) most = std::max(most, segment.c[0]);
+    return most;
+  };
+  // A little above, for the rounding of the tables' cubics.
+  const auto from_db = [](double db) { return exp(Ball(db * (1 + 1e-9) + 1e-9) * log(Ball(10)) / Ball(10)); };
+  Ball sent;
+  for (const Directivity& beam : patterns.transmit[patterns.fan_of_tube[tube]].beams) {
+    transmit_.push_back(cosine_of(beam));
+    sent += from_db(look_at(beam));
+  }
+  double receive_db = 0;
+  for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) {
+    receive_.push_back(cosine_of(patterns.receive[beam]));
+    receive_db = std::max(receive_db, look_at(patterns.receive[beam]));
+  }
+  largest_gain_ = sent * from_db(receive_db);
+  if (texture != nullptr) largest_gain_ = largest_gain_ * Ball(texture->texture->range().hi());
+  add(polygon, first_beam, end_beam, allowance, sink);
+}
+
+CertifiedIntegrator::Cosine CertifiedIntegrator::cosine_of(const Directivity& pattern) const {
+  Cosine cosine;
+  cosine.pattern = &pattern;
+  const auto along = [&](const std::array<Ball, 3>& e) {
+    return Ball(pattern.axis.x) * e[0] + Ball(pattern.axis.y) * e[1] + Ball(pattern.axis.z) * e[2];
+  };
+  cosine.away = along(polygon_->away);
+  cosine.u = along(polygon_->u);
+  cosine.v = along(polygon_->v);
+  const Ball centre(pattern.centre);
+  if (!pattern.from_axis) cosine.centre_angle = atan2(centre, root(Ball(1) - squared(centre)));
+  return cosine;
+}
+
+template <class N>
+N CertifiedIntegrator::cosine_at(const Cosine& c, const N& distance_over_r, const N& rho_over_r,
+                                 const N& angle) const {
+  N sine, cosine;
+  sin_cos(angle, sine, cosine);
+  return N(c.away) * distance_over_r + rho_over_r * (N(c.u) * cosine + N(c.v) * sine);
+}
+
+/// Upper bound of log |pattern| over a rectangle of cosines; infinite where the pattern is not analytic.
+/// |sinc z| <= e^(pi |Im z|) and |2 J1(z) / z| <= e^|Im z|, because both are means of e^(i z s) over s;
+/// |e^(-c a^2)| <= e^(c (Im a)^2). For a = asin w and for a = acos w, cosh(Im a) = (|w + 1| + |w - 1|) / 2.
+double CertifiedIntegrator::log_bound(const Cosine& cosine, const ComplexBall& w) const {
+  const Directivity& d = *cosine.pattern;
+  if (d.kind == Directivity::Kind::uniform) return 0;
+  if (!w.is_finite()) return infinite;
+  const auto reach = [](const Ball& x) { return std::max(std::abs(x.lo()), std::abs(x.hi())); };
+  constexpr double up = 1 + 1e-9;  // far above the rounding of the doubles below
+  if (d.kind == Directivity::Kind::line) return d.growth(reach(w.imaginary())) * up;
+  if (d.kind == Directivity::Kind::piston) {
+    const ComplexBall u = ComplexBall(1.0) - squared(w);
+    // (Im sqrt u)^2 = (|u| - Re u) / 2
+    return 2 * d.size * std::sqrt(std::max(u.largest() - u.real().lo(), 0.0) / 2 * up) * up;
+  }
+  if (!(w.real().lo() > -1 && (d.from_axis || w.real().hi() < 1))) return infinite;
+  const double stretch = ((w + ComplexBall(1.0)).largest() + (w - ComplexBall(1.0)).largest()) / 2 * up;
+  const double y = std::acosh(std::max(stretch, 1.0)) * up;
+  if (d.kind == Directivity::Kind::gaussian) return d.growth(y) * up;
+  // A table: one segment's cubic of the angle.
+  if (!(w.real().hi() < 1)) return infinite;
+  ComplexBall angle;
+  if (d.from_axis)
+    acb_acos(angle.get(), w.get(), ball_bits);
+  else
+    acb_asin(angle.get(), w.get(), ball_bits);
+  if (!d.from_axis) angle = angle - ComplexBall(cosine.centre_angle);
+  const PatternTable::Segment& s = d.table->segments()[cosine.segment];
+  const ComplexBall x = angle - ComplexBall(s.from);
+  const ComplexBall level =
+      ComplexBall(s.c[0]) + x * (ComplexBall(s.c[1]) + x * (ComplexBall(s.c[2]) + x * ComplexBall(s.c[3])));
+  return level.real().hi() * 0.2302585092994046 + std::abs(level.real().hi()) * 1e-12;
+}
+
+Ball CertifiedIntegrator::gain(const Cosine& cosine, const Ball& w) const {
+  const Directivity& d = *cosine.pattern;
+  const Ball size(d.size);
+  switch (d.kind) {
+    case Directivity::Kind::uniform:
+      return Ball(1);
+    case Directivity::Kind::line: {
+      Ball sinc;
+      const Ball u = size * (w - Ball(d.centre));
+      arb_sinc_pi(sinc.get(), u.get(), ball_bits);
+      return squared(sinc);
+    }
+    case Directivity::Kind::piston: {
+      // 2 J1(x) / x = 0F1(2; -x^2 / 4)
+      Ball amplitude;
+      const Ball z = squared(size) * (squared(w) - Ball(1)) / Ball(4), two(2);
+      arb_hypgeom_0f1(amplitude.get(), two.get(), z.get(), 0, ball_bits);
+      return squared(amplitude);
+    }
+    case Directivity::Kind::gaussian:
+    case Directivity::Kind::table:
+      break;
+  }
+  const Ball angle = angle_of(cosine, w);
+  if (d.kind == Directivity::Kind::gaussian) return exp(-(Ball(4) * log(Ball(2)) * squared(angle / size)));
+  const auto level_of = [&](std::size_t k) {
+    const PatternTable::Segment& s = d.table->segments()[k];
+    const Ball x = angle - Ball(s.from);
+    return Ball(s.c[0]) + x * (Ball(s.c[1]) + x * (Ball(s.c[2]) + x * Ball(s.c[3])));
+  };
+  Ball level;
+  if (by_segment_) {
+    level = level_of(cosine.segment);
+  } else {
+    if (!angle.is_finite()) return largest_gain_ * Ball::between(0, 1);
+    const std::size_t first = d.table->segment_at(angle.lo()), last = d.table->segment_at(angle.hi());
+    level = level_of(first);
+    for (std::size_t k = first + 1; k <= last; ++k) {
+      const Ball own = level_of(k);
+      arb_union(level.get(), level.get(), own.get(), ball_bits);
+    }
+  }
+  return exp(level * log(Ball(10)) / Ball(10));
+}
+
+/// The angle that a pattern is a function of.
+Ball CertifiedIntegrator::angle_of(const Cosine& cosine, const Ball& w) const {
+  const Ball sine = root(Ball(1) - squared(w));
+  return cosine.pattern->from_axis ? atan2(sine, w) : atan2(w, sine) - cosine.centre_angle;
+}
+
+/// Takes a table for the cubic of one of its segments over a box of directions, and tells what that may be
+/// wrong by: a bound of |log(gain / that cubic's gain)|. Beyond a border two neighbouring cubics differ by
+/// another, whose value and slope at the border are rounding only.
+double CertifiedIntegrator::take_segment(Cosine& cosine, const Ball& w) const {
+  if (cosine.pattern->kind != Directivity::Kind::table) return 0;
+  const PatternTable& table = *cosine.pattern->table;
+  const Ball angle = angle_of(cosine, w);
+  if (!angle.is_finite()) return infinite;
+  const auto most = [](const Ball& x) { return std::max(std::abs(x.lo()), std::abs(x.hi())); };
+  cosine.segment = table.segment_at(angle.middle());
+  const std::size_t first = table.segment_at(angle.lo()), last = table.segment_at(angle.hi());
+  const auto jump = [&](std::size_t k, double beyond) {
+    const auto &before = table.segments()[k].c, &after = table.segments()[k + 1].c;
+    const Ball h = Ball(table.borders()[k]) - Ball(table.segments()[k].from), c1(before[1]), c2(before[2]),
+               c3(before[3]);
+    const double d0 = most(Ball(after[0]) - (Ball(before[0]) + h * (c1 + h * (c2 + h * c3)))),
+                 d1 = most(Ball(after[1]) - (c1 + h * (Ball(2) * c2 + h * Ball(3) * c3))),
+                 d2 = most(Ball(after[2]) - (c2 + h * Ball(3) * c3)), d3 = most(Ball(after[3]) - c3);
+    return d0 + beyond * (d1 + beyond * (d2 + beyond * d3));
+  };
+  double level_db = 0;
+  for (std::size_t k = cosine.segment; k < last; ++k) level_db += jump(k, angle.hi() - table.borders()[k]);
+  for (std::size_t k = first; k < cosine.segment; ++k) level_db += jump(k, table.borders()[k] - angle.lo());
+  return level_db * (std::numbers::ln10 / 10) * (1 + 1e-9);  // far above the rounding of these doubles
+}
+
+/// take_segment() for all patterns over a part of an arc: by beam, for the product of both ways.
+std::vector<double> CertifiedIntegrator::take_segments(const Arc* arc, const Ball& t, const Ball& v) {
+  const Ball t2 = squared(t), r = root(q2_ + t2), rho = root(q2_ - distance2_ + t2) / r;
+  const Ball down = polygon_->distance / r;
+  const auto [middle, half] = ends_of(arc, t, t2);
+  const Ball angle = middle + half * v;
+  const auto take = [&](Cosine& cosine) { return take_segment(cosine, cosine_at(cosine, down, rho, angle)); };
+  double sent = 0;  // a sum is wrong by no more, relatively, than one of its terms
+  for (Cosine& beam : transmit_) sent = std::max(sent, take(beam));
+  std::vector<double> off;
+  for (Cosine& beam : receive_) off.push_back(sent + take(beam));
+  return off;
+}
+
+/// Middle and half length of an arc; without one, of the full circle.
+template <class N>
+std::pair<N, N> CertifiedIntegrator::ends_of(const Arc* arc, const N& t, const N& t2) const {
+  if (arc == nullptr) return {N(), N(Ball::pi())};
+  const N begin = angle_at(arc->begin, t, t2), end = angle_at(arc->end, t, t2) + N(arc->turns);
+  return {(begin + end) * N(0.5), (end - begin) * N(0.5)};
+}
+
+/// Bounds of log |integrand| by beam over t times v, and their largest.
+double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, const ComplexBall& v,
+                                      std::vector<double>& by_beam) const {
+  const ComplexBall t2 = squared(t), r = root(ComplexBall(q2_) + t2);
+  const ComplexBall rho = root(ComplexBall(q2_ - distance2_) + t2) / r,
+                    down = ComplexBall(polygon_->distance) / r;
+  const auto [middle, half] = ends_of(arc, t, t2);
+  const ComplexBall angle = middle + half * v;
+  double geometry = std::log((radial(t, r) * half).largest());
+  if (texture_ != nullptr) geometry += std::log(texture_->largest(rho * r, angle)) + 1e-9;
+  const auto bound = [&](const Cosine& cosine) {
+    if (cosine.pattern->kind == Directivity::Kind::uniform) return 0.0;
+    return log_bound(cosine, cosine_at(cosine, down, rho, angle));
+  };
+  by_beam.assign(parts_.size(), infinite);
+  // The logarithm of a sum, from its largest term.
+  std::vector<double> sent_by_beam;
+  for (const Cosine& beam : transmit_) sent_by_beam.push_back(bound(beam));
+  const double strongest = *std::max_element(sent_by_beam.begin(), sent_by_beam.end());
+  double sum = 0;
+  for (const double beam : sent_by_beam) sum += std::exp(beam - strongest);
+  const double sent = geometry + strongest + std::log(sum) + 1e-9;
+  double largest = -infinite;
+  for (std::size_t b = 0; b < by_beam.size(); ++b) {
+    const double all = sent + bound(receive_[b]);
+    by_beam[b] = all < infinite ? all : infinite;  // also where it is not a number
+    largest = std::max(largest, by_beam[b]);
+  }
+  return largest;
+}
+
+/// By beam: the sum over an arc's nodes v of weight times integrand.
+std::vector<Ball> CertifiedIntegrator::values(const Arc* arc, const Ball& t, const std::vector<Ball>& v,
+                                              const std::vector<Ball>& weight) const {
+  const Ball t2 = squared(t), r = root(q2_ + t2), rho = root(q2_ - distance2_ + t2) / r;
+  const Ball down = polygon_->distance / r;
+  const auto [middle, half] = ends_of(arc, t, t2);
+  const Ball factor = radial(t, r) * half;
+  std::vector<Ball> sums(parts_.size());
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const Ball angle = middle + half * v[i];
+    Ball sent;
+    for (const Cosine& beam : transmit_) sent += gain(beam, cosine_at(beam, down, rho, angle));
+    sent = factor * weight[i] * sent;
+    if (texture_ != nullptr) sent = sent * texture_->factor(rho * r, angle);
+    for (std::size_t b = 0; b < sums.size(); ++b) {
+      if (receive_[b].pattern->kind == Directivity::Kind::uniform)
+        sums[b] += sent;
+      else
+        sums[b] += sent * gain(receive_[b], cosine_at(receive_[b], down, rho, angle));
+    }
+  }
+  return sums;
+}
+
+bool CertifiedIntegrator::try_patterned(const Interval& interval, const Ball& whole, double relative) {
+  const Ball half = (interval.to - interval.from) / Ball(2), middle = interval.from + half;
+  const double width = half.hi(), v_half = (interval.v_to - interval.v_from) / 2;
+  const double v_middle = interval.v_from + v_half;
+  if (!(width > 0)) return true;
+  const double share = (whole.lo() > 0 ? std::min(1.0, 2 * width / whole.lo()) : 1) * v_half;
+  std::vector<const Arc*> arcs;
+  for (const Arc& arc : arcs_) arcs.push_back(&arc);
+  if (full_circle_) arcs.push_back(nullptr);
+
+  // What each beam is allowed for each arc.
+  std::vector<std::vector<double>> allowed(arcs.size()), typical_of(arcs.size());
+  for (std::size_t a = 0; a < arcs.size(); ++a) {
+    const std::vector<Ball> typical = values(arcs[a], middle, {Ball(v_middle)}, {Ball(2 * v_half)});
+    for (std::size_t b = 0; b < parts_.size(); ++b) {
+      typical_of[a].push_back(std::abs(typical[b].middle()) * 2 * width);
+      allowed[a].push_back((relative * typical_of[a][b] + parts_[b].allowed * share) /
+                           (2.0 * double(arcs.size())));
+    }
+  }
+  const ComplexBall all_v(Ball(v_middle) + Ball(v_half) * Ball::between(-1, 1));
+  const Ball all_t = middle + half * Ball::between(-1, 1);
+  std::vector<double> bounds;
+  std::vector<double> error(parts_.size(), 0);
+  std::vector<Ball> found(parts_.size());
+  const double singular = nearest_singularity();
+  for (std::size_t a = 0; a < arcs.size(); ++a) {
+    // Borders of a table are curves, and boxes of a size h along them number 1 / h: each may err by as much.
+    std::vector<double> off(parts_.size(), 0);
+    if (tabulated_) {
+      off = take_segments(arcs[a], all_t, all_v.real());
+      for (std::size_t b = 0; b < parts_.size(); ++b)
+        if (off[b] > 0 &&
+            !(off[b] < 1 && std::expm1(off[b]) * typical_of[a][b] * std::sqrt(share) <= allowed[a][b])) {
+          // Which way the angles change more is the way to halve.
+          const std::vector<double> by_t = take_segments(arcs[a], all_t, Ball(v_middle)),
+                                    by_v = take_segments(arcs[a], middle, all_v.real());
+          split_arcs_ = by_t[b] == by_v[b] ? interval.depth % 2 == 0 : by_v[b] > by_t[b];
+          return try_box(interval, share, relative);
+        }
+    }
+    by_segment_ = tabulated_;
+    // The fewest nodes over a few ellipses, for t and for v.
+    struct Choice {
+      int nodes = most_certified_nodes + 1;
+      double rho = 0;
+      std::vector<double> log_m;
+    };
+    const auto choose = [&](double largest_rho, const std::function<double(double)>& evaluate) {
+      Choice best;
+      for (double rho = largest_rho; rho > 1.2; rho = 1 + (rho - 1) / 3) {
+        if (!(evaluate(rho) < infinite)) continue;
+        int n = fewest_certified_nodes;
+        for (std::size_t b = 0; b < bounds.size(); ++b)
+          n = std::max(n, nodes_for(rho, bounds[b] + std::log(2 * width * v_half), allowed[a][b]));
+        if (n < best.nodes)
+          best = {n, rho, bounds};
+        else if (best.nodes <= most_certified_nodes)
+          break;
+      }
+      return best;
+    };
+    const double rho_t = largest_rho(middle.middle(), singular, width);
+    const Choice in_t = choose(
+        rho_t, [&](double rho) { return log_bound(arcs[a], around(middle, half, rho), all_v, bounds); });
+    const Choice in_v = choose(64, [&](double rho) {
+      return log_bound(arcs[a], ComplexBall(all_t), around(Ball(v_middle), Ball(v_half), rho), bounds);
+    });
+    if (in_t.nodes > most_certified_nodes || in_v.nodes > most_certified_nodes) {
+      by_segment_ = false;
+      // Near a foot point on an edge, nothing can be said of angles before t has been halved down to it.
+      const bool near_foot = interval.to.hi() > 4 * interval.from.lo();
+      split_arcs_ = in_v.nodes > most_certified_nodes &&
+                    (in_t.nodes <= most_certified_nodes || (interval.depth % 2 == 0 && !near_foot));
+      return try_box(interval, share, relative);
+    }
+    const CertifiedRule &rule_t = certified_rule(in_t.nodes), &rule_v = certified_rule(in_v.nodes);
+    std::vector<Ball> v, weight;
+    for (int i = 0; i < in_v.nodes; ++i) {
+      v.push_back(Ball(v_middle) + Ball(v_half) * rule_v.node[i]);
+      weight.push_back(Ball(v_half) * rule_v.weight[i]);
+    }
+    std::vector<Ball> own(parts_.size());
+    for (int k = 0; k < in_t.nodes; ++k) {
+      const std::vector<Ball> row = values(arcs[a], middle + half * rule_t.node[k], v, weight);
+      for (std::size_t b = 0; b < parts_.size(); ++b) own[b] += row[b] * rule_t.weight[k] * half;
+    }
+    // The rule in t errs for every v, the rule in v for every t; weights are positive and add up.
+    for (std::size_t b = 0; b < parts_.size(); ++b)
+      for (const Choice* c : {&in_t, &in_v})
+        own[b].add_error(Ball(2 * v_half) * half * exp(Ball(c->log_m[b] + log_error(c->rho, c->nodes))));
+    by_segment_ = false;
+    for (std::size_t b = 0; b < parts_.size(); ++b) {
+      // The integrand is positive, so the integral is wrong by no more, relatively, than the integrand.
+      const double most = std::max(std::abs(own[b].lo()), std::abs(own[b].hi()));
+      if (off[b] > 0) own[b].add_error(Ball(most) * (exp(Ball(off[b])) - Ball(1)));
+      found[b] += own[b];
+    }
+  }
+  for (std::size_t b = 0; b < parts_.size(); ++b)
+    if (!found[b].is_finite()) return false;
+  for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].sum += found[b];
+  return true;
+}
+
+/// By beam: area times the integrand's range.
+std::vector<Ball> CertifiedIntegrator::box(const Interval& interval) const {
+  const Ball width = interval.to - interval.from;
+  const Ball t = Ball::between(interval.from.lo(), interval.to.hi()),
+             v = Ball::between(interval.v_from, interval.v_to);
+  std::vector<Ball> found(parts_.size());
+  const auto take = [&](const Arc* arc) {
+    const std::vector<Ball> range = values(arc, t, {v}, {Ball(interval.v_to - interval.v_from)});
+    for (std::size_t b = 0; b < found.size(); ++b) found[b] += range[b] * width;
+  };
+  for (const Arc& arc : arcs_) take(&arc);
+  if (full_circle_) take(nullptr);
+  return found;
+}
+
+/// A box that no rule serves, such as one across a row of a table, if it is narrow enough.
+bool CertifiedIntegrator::try_box(const Interval& interval, double share, double relative) {
+  const std::vector<Ball> found = box(interval);
+  for (std::size_t b = 0; b < parts_.size(); ++b)
+    if (!(found[b].hi() - found[b].lo() <= relative * found[b].lo() + parts_[b].allowed * share))
+      return false;
+  for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].sum += found[b];
+  return true;
+}
+
+}  // namespace tubefoot

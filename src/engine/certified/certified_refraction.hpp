@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "engine/certified/apparent_enclosure.hpp"
+#include "engine/certified/reference.hpp"
+
+namespace tubefoot {
+
+/// A certified echo through refracting water.
+struct RefractedReference {
+  /// Its worst ratio is that of the bounds that are finite.
+  CertifiedEcho certified;
+  std::size_t unbounded = 0;  ///< bins that facets without a proven ray could reach: their bound is infinite
+  /// Of the bins with a finite bound: how many there are, how many are wider than asked, and by what factor
+  /// the middle one of those is.
+  std::size_t bins = 0, bins_over = 0;
+  double usual_excess = 0;
+};
+
+/// Encloses the echo of one shot through refracting water: the energy that curved rays bring from the true
+/// facets, of which `apparent` are the straightened ones. As certify_echo(), but for what the enclosures
+/// leave open:
+///
+/// - a piece's energy is that of its apparent facet times the enclosed factor; within shift_m of a border
+/// between
+///   samples it belongs to either;
+/// - beside edges of what is seen, closer than images may be off, any facet may be seen that reaches there;
+/// - where two facets are closer together than their ranges may be off, either may hide the other;
+/// - what lies behind a facet without a proven ray is not known.
+///
+/// Lambert's law alone, beams ideal or weighed by patterns of at most 1, no micro-texture: throws
+/// std::invalid_argument for others. `tolerance` only says what to hold the bounds against, and how narrow
+/// the apparent pieces' own integrals need to be.
+RefractedReference certify_refracted_echo(const FacetMesh& apparent, const SceneTree& tree,
+                                          std::span<const FacetId> parent,
+                                          const ApparentEnclosures& enclosures, const RayEnclosure& rays,
+                                          const History& history, const VisibilityOptions& options,
+                                          std::span<const std::uint32_t> beam_of_tube,
+                                          const RangeSamples& samples, const EchoLaw& law,
+                                          const Echo& ordinary, double tolerance);
+
+}  // namespace tubefoot

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+
+#include "engine/law/scattering_law.hpp"
+#include "geometry/numbers/ball.hpp"
+
+// Scattering laws in ball arithmetic. Heavy: include only in .cpp files.
+namespace tubefoot {
+
+inline Ball power_of(const Ball& x, double exponent) {
+  if (exponent == 0) return Ball(1);
+  if (exponent == 2) return squared(x);
+  Ball result;
+  const Ball e(exponent);
+  arb_pow(result.get(), x.get(), e.get(), ball_bits);
+  return result;
+}
+/// Not finite where x touches the negative axis.
+inline ComplexBall power_of(const ComplexBall& x, double exponent) {
+  if (exponent == 0) return ComplexBall(1.0);
+  if (exponent == 2) return squared(x);
+  ComplexBall result;
+  const ComplexBall e(exponent);
+  acb_pow_analytic(result.get(), x.get(), e.get(), 1, ball_bits);
+  return result;
+}
+
+/// A piece's cross-section, wherever it is asked for: `sine` of the grazing angle.
+template <class N>
+N cross_section_in(const ScatteringLaw::Piece& piece, const N& incidence, const N& sine) {
+  N sum;
+  for (const ScatteringLaw::Term& t : piece.terms) {
+    N value = N(Ball(t.level)) * power_of(sine, t.power);
+    if (t.slope != 0 || t.curvature != 0)
+      value = value * exp(N(Ball(t.slope)) * (incidence - N(Ball(piece.from))) -
+                          N(Ball(t.curvature)) * squared(incidence));
+    sum += value;
+  }
+  return sum;
+}
+
+/// The whole law over a ball of angles.
+inline Ball cross_section_over(const ScatteringLaw& law, const Ball& incidence, const Ball& sine) {
+  Ball all;
+  bool any = false;
+  const auto& pieces = law.pieces();
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const bool last = k + 1 == pieces.size();
+    if (incidence.hi() < pieces[k].from && k > 0) continue;
+    if (incidence.lo() > pieces[k].to && !last) continue;
+    const Ball own = cross_section_in(pieces[k], incidence, sine);
+    if (any)
+      arb_union(all.get(), all.get(), own.get(), ball_bits);
+    else
+      all = own;
+    any = true;
+  }
+  return all;
+}
+
+}  // namespace tubefoot

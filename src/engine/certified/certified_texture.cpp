@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/certified_texture.hpp"
+
+#include "engine/certified/certified_map.hpp"
+#include "engine/certified/certified_perlin.hpp"
+#include "engine/law/layered_reflectivity.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// The product of textures; its axes are theirs, one after the other.
+class CertifiedProduct : public CertifiedTexture {
+ public:
+  explicit CertifiedProduct(std::vector<std::shared_ptr<const CertifiedTexture>> layers)
+      : layers_(std::move(layers)) {
+    for (const auto& layer : layers_) {
+      const std::vector<Axis> axes = layer->axes();
+      axes_.insert(axes_.end(), axes.begin(), axes.end());
+      counts_.push_back(axes.size());
+    }
+  }
+
+  std::vector<Axis> axes() const override { return axes_; }
+
+  Ball factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const override {
+    Ball product(1);
+    each(cell, q, [&](const auto& layer, auto own_cell, auto own_q) {
+      product = product * layer.factor(own_cell, own_q);
+    });
+    return product;
+  }
+
+  double largest(std::span<const std::int64_t> cell, std::span<const ComplexBall> q) const override {
+    double product = 1;
+    each(cell, q,
+         [&](const auto& layer, auto own_cell, auto own_q) { product *= layer.largest(own_cell, own_q); });
+    return product * (1 + 1e-12);
+  }
+
+  double difference(double off) const override {
+    // Each layer's factors may be off by its own difference, in the cell's values and outside of it.
+    Ball with(1), without(1);
+    for (const auto& layer : layers_) {
+      const Ball largest(layer->range().hi());
+      with = with * (largest + Ball(layer->difference(off)));
+      without = without * largest;
+    }
+    return (Ball(2) * (with - without)).hi();
+  }
+
+  Ball range() const override {
+    Ball product(1);
+    for (const auto& layer : layers_) product = product * layer->range();
+    return product;
+  }
+
+ private:
+  template <class N, class Take>
+  void each(std::span<const std::int64_t> cell, std::span<const N> q, const Take& take) const {
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < layers_.size(); first += counts_[k], ++k)
+      take(*layers_[k], cell.subspan(first, counts_[k]), q.subspan(first, counts_[k]));
+  }
+
+  std::vector<std::shared_ptr<const CertifiedTexture>> layers_;
+  std::vector<Axis> axes_;
+  std::vector<std::size_t> counts_;  // of axes, by layer
+};
+
+}  // namespace
+
+std::shared_ptr<const CertifiedTexture> certified_texture(
+    const std::shared_ptr<const ReflectivityField>& field) {
+  if (const auto perlin = std::dynamic_pointer_cast<const PerlinReflectivity>(field))
+    return std::make_shared<CertifiedPerlin>(*perlin);
+  if (const auto map = std::dynamic_pointer_cast<const MapReflectivity>(field))
+    return std::make_shared<CertifiedMap>(map);
+  if (const auto layered = std::dynamic_pointer_cast<const LayeredReflectivity>(field)) {
+    std::vector<std::shared_ptr<const CertifiedTexture>> layers;
+    for (const auto& layer : layered->layers()) {
+      layers.push_back(certified_texture(layer));
+      if (layers.back() == nullptr) return nullptr;
+    }
+    return std::make_shared<CertifiedProduct>(std::move(layers));
+  }
+  return nullptr;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/reference.hpp"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "engine/certified/certified_cells.hpp"
+#include "engine/certified/certified_integral.hpp"
+#include "engine/law/radial_law.hpp"
+#include "geometry/work/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double least_allowed = 1e-300;
+/// Of a texture, in one piece: half a minute's work. A piece of more is enclosed by the texture's range.
+constexpr std::size_t most_cells = 1 << 16;
+
+std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
+                                                 std::span<const std::uint32_t> beam_of_tube,
+                                                 const EchoLaw& law) {
+  if (law.patterns != nullptr) return law.patterns->beams_of_tube[tube];
+  return {beam_of_tube[tube], beam_of_tube[tube] + 1};
+}
+
+/// About how many slabs share a bin.
+std::vector<double> slabs_of_bins(const History& history, std::span<const std::uint32_t> beam_of_tube,
+                                  std::span<const double> borders, const EchoLaw& law, std::size_t bins) {
+  const std::size_t samples = borders.size() - 1;
+  std::vector<double> slabs(bins, 0);
+  for (const Footprint& footprint : history.footprints.footprints) {
+    const auto first = std::upper_bound(borders.begin(), borders.end(), footprint.slant_range_min_m);
+    const auto end = std::lower_bound(borders.begin(), borders.end(), footprint.slant_range_max_m);
+    const auto [first_beam, end_beam] = beams_of(footprint.tube, beam_of_tube, law);
+    for (auto k = std::max<std::ptrdiff_t>(first - borders.begin() - 1, 0);
+         k < std::min<std::ptrdiff_t>(end - borders.begin(), std::ssize(borders) - 1); ++k)
+      for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
+        slabs[beam * samples + std::size_t(k)] += 4.0 * footprint.piece_count;
+  }
+  return slabs;
+}
+
+/// By material; null where it is even.
+std::vector<std::shared_ptr<const CertifiedTexture>> textures_of(const EchoLaw& law) {
+  if (const auto material = material_without_enclosure(law.reflectivity))
+    throw std::invalid_argument(
+        fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
+  std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
+  for (std::size_t material = 0; material < law.reflectivity.size(); ++material)
+    if (law.reflectivity[material] != nullptr)
+      textures.at(material) = certified_texture(law.reflectivity[material]);
+  return textures;
+}
+
+using Bins = std::map<std::size_t, Ball>;
+
+/// One try: parts are enclosed to `working`, and the bounds held against `tolerance`. `coarse`: some texture
+/// has too many cells, so that no narrower try would help.
+CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
+                           const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
+                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           double tolerance, double working,
+                           std::span<const std::shared_ptr<const CertifiedTexture>> textures, bool& coarse) {
+  const std::vector<double> borders = sample_borders_m(samples);
+  const std::vector<double> target = reference_targets(ordinary, working);
+  const std::vector<double> slabs = slabs_of_bins(history, beam_of_tube, borders, law, target.size());
+  const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(5);
+  const auto row = std::size_t(samples.count);
+  const TubeSet& tubes = history.tubes;
+  std::vector<Bins> by_tube(tubes.tubes.size());
+  std::atomic<bool> any_coarse = false;
+  struct Buffers {
+    VisibilityScratch visibility;
+    TubeVisibility seen;
+  };
+  tbb::enumerable_thread_specific<Buffers> threads;
+  Steps steps("tubes", tubes.tubes.size());
+  tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
+    steps.done();
+    auto& [visibility, seen] = threads.local();
+    see(mesh, tree, tubes, tube, options, visibility, seen);
+    const NameContext context{mesh, tubes.apex, seen.rays};
+    CertifiedIntegrator integrator(borders, beta);
+    for (const NamedPiece& piece : seen.pieces) {
+      stop_if_wanted();
+      const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
+      const ScatteringLaw* scattering = law.law_of(piece.facet);
+      integrator.take_law(scattering);
+      Ball factor = scattering != nullptr
+                        ? Ball(1)
+                        : Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
+      if (!law.facet_factor.empty()) factor = factor * Ball(law.facet_factor[piece.facet]);
+      const double size = factor.hi();
+      // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
+      std::size_t cells = 1;
+      const CertifiedIntegrator::Allowance allowance{
+          working / 3, [&](std::uint32_t beam, std::uint32_t sample) {
+            const std::size_t bin = beam * row + sample;
+            const double sharers = std::max(slabs[bin], 1.0) * double(cells);
+            return std::max(target[bin] / 3 / sharers / size, least_allowed);
+          }};
+      Ball even(1);  // the factor of a texture where it is taken for one
+      const auto sink = [&](std::uint32_t beam, std::uint32_t sample, const Ball& part) {
+        by_tube[tube][beam * row + sample] += factor * even * part;
+      };
+      const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
+        if (law.patterns != nullptr)
+          integrator.add(part, *law.patterns, tube, allowance, sink, cell);
+        else
+          integrator.add(part, beam_of_tube[tube], allowance, sink, cell);
+      };
+      const CertifiedTexture* texture = textures[law.material[piece.facet]].get();
+      if (texture == nullptr || polygon.edges.size() < 3) {
+        add(polygon, nullptr);
+        continue;
+      }
+      const Ball range = texture->range();
+      const bool worth_it = range.hi() - range.lo() > working / 8 * range.lo();
+      const std::size_t count = worth_it ? cut_by_cells(polygon, *texture, law.apex_m, most_cells, {}) : 0;
+      if (count > 0) {
+        cells = count;
+        cut_by_cells(polygon, *texture, law.apex_m, most_cells,
+                     [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add(part, &cell); });
+      } else {
+        if (worth_it) any_coarse = true;
+        even = range;
+        add(polygon, nullptr);
+      }
+    }
+  });
+
+  coarse = any_coarse;
+
+  std::vector<Ball> total(ordinary.energy.size());
+  for (const Bins& bins : by_tube)  // in order, so that the result does not depend on the threads
+    for (const auto& [bin, part] : bins) total[bin] += part;
+
+  CertifiedEcho certified;
+  certified.echo = ordinary;
+  certified.bound.resize(total.size());
+  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    if (!total[bin].is_finite()) {
+      certified.bound[bin] = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    const double energy = std::max(total[bin].middle(), 0.0);
+    const Ball off = total[bin] - Ball(energy);
+    certified.echo.energy[bin] = energy;
+    certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
+  }
+  hold_against(certified, tolerance);
+  return certified;
+}
+
+}  // namespace
+
+std::vector<double> reference_targets(const Echo& echo, double tolerance) {
+  const auto samples = std::size_t(echo.samples);
+  const double ping_peak =
+      echo.energy.empty() ? 0 : *std::max_element(echo.energy.begin(), echo.energy.end());
+  std::vector<double> target(echo.energy.size());
+  for (std::size_t row = 0; row < target.size(); row += samples) {
+    double floor = reference_floor * reference_floor * ping_peak;
+    for (std::size_t k = 0; k < samples; ++k) floor = std::max(floor, reference_floor * echo.energy[row + k]);
+    for (std::size_t k = 0; k < samples; ++k)
+      target[row + k] = std::max(tolerance * std::max(echo.energy[row + k], floor), least_allowed);
+  }
+  return target;
+}
+
+void hold_against(CertifiedEcho& certified, double tolerance) {
+  // What surely is there says how narrow a bound has to be.
+  const auto row = std::size_t(certified.echo.samples);
+  certified.bins_over = 0;
+  certified.worst_ratio = 0;
+  Echo least = certified.echo;
+  for (std::size_t bin = 0; bin < certified.bound.size(); ++bin) {
+    const double sure = least.energy[bin] - certified.bound[bin];
+    least.energy[bin] = sure > 0 ? sure : 0;
+  }
+  const std::vector<double> asked = reference_targets(least, tolerance * (1 + 1e-6));
+  for (std::size_t bin = 0; bin < certified.bound.size(); ++bin) {
+    const double ratio = certified.bound[bin] / asked[bin];
+    certified.bins_over += !(ratio <= 1);
+    if (ratio > certified.worst_ratio) {
+      certified.worst_ratio = ratio;
+      certified.worst_beam = int(bin / row);
+      certified.worst_sample = int(bin % row);
+    }
+  }
+}
+
+std::optional<std::size_t> material_without_enclosure(
+    std::span<const std::shared_ptr<const ReflectivityField>> reflectivity) {
+  for (std::size_t material = 0; material < reflectivity.size(); ++material)
+    if (reflectivity[material] != nullptr && certified_texture(reflectivity[material]) == nullptr)
+      return material;
+  return std::nullopt;
+}
+
+CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
+                           const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
+                           const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
+                           double tolerance) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+  if (!law.facet_map.empty())
+    throw std::invalid_argument("textures of facets that lie elsewhere than they are seen are not enclosed");
+  // How a bin's tolerance is shared out among its parts is a guess, which a bin of very many small parts may
+  // prove wrong: then all of them are done again, as much narrower as that bin needs.
+  constexpr int most_tries = 3;
+  double working = tolerance;
+  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = textures_of(law);
+  for (int tries = 1;; ++tries) {
+    bool coarse = false;
+    CertifiedEcho certified = enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary,
+                                           tolerance, working, textures, coarse);
+    const double excess = certified.worst_ratio;
+    if (certified.bins_over == 0 || tries == most_tries || coarse || !(excess < 1000)) return certified;
+    working /= 2 * excess;
+  }
+}
+
+}  // namespace tubefoot

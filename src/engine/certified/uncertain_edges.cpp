@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/uncertain_edges.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+using Polygon = std::vector<glm::dvec3>;
+using State = FacetEnclosure::State;
+
+std::uint64_t key_of(VertexId a, VertexId b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
+
+/// The part of a polygon on a plane through the apex's inner side, or a little beyond.
+Polygon clipped(const Polygon& polygon, const glm::dvec3& inward) {
+  Polygon kept;
+  const double size = glm::length(inward);
+  const auto height = [&](const glm::dvec3& p) {
+    return glm::dot(inward, p) + 1e-12 * size * glm::length(p);
+  };
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const glm::dvec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+    const double at_p = height(p), at_q = height(q);
+    if (at_p >= 0) kept.push_back(p);
+    if ((at_p >= 0) != (at_q >= 0)) kept.push_back(p + at_p / (at_p - at_q) * (q - p));
+  }
+  return kept;
+}
+
+/// Upper bound of the solid angle of a cone of directions.
+double solid_angle_of(const Polygon& polygon) {
+  double sum = 0;
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    const glm::dvec3 a = glm::normalize(polygon[0]), b = glm::normalize(polygon[k - 1]),
+                     c = glm::normalize(polygon[k]);
+    sum += std::abs(
+        2 * std::atan2(glm::dot(a, glm::cross(b, c)), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a)));
+  }
+  return sum * (1 + 1e-6) + 1e-15;
+}
+
+/// Ranges of a polygon on a plane at a distance.
+std::pair<double, double> ranges_of(const Polygon& polygon, double plane_m) {
+  double nearest = std::numeric_limits<double>::infinity(), farthest = 0, turn = 0;
+  const glm::dvec3 first = glm::normalize(polygon.front());
+  for (const glm::dvec3& p : polygon) {
+    nearest = std::min(nearest, glm::length(p));
+    farthest = std::max(farthest, glm::length(p));
+    turn = std::max(turn, glm::distance(first, glm::normalize(p)));
+  }
+  // Between corners that are 2 turn apart at most, a plane's range is no less than theirs times the cosine.
+  return {std::max(plane_m, nearest * (1 - std::min(2 * turn * turn, 1.0))) * (1 - slack),
+          farthest * (1 + slack)};
+}
+
+/// Around a facet as it may be seen.
+Cone cone_of(std::span<const glm::dvec3> corners) {
+  glm::dvec3 sum(0);
+  for (const glm::dvec3& p : corners) sum += glm::normalize(p);
+  Cone cone{glm::normalize(sum), 0};
+  for (const glm::dvec3& p : corners)
+    cone.spread_rad =
+        std::max(cone.spread_rad, std::acos(std::clamp(glm::dot(cone.axis, glm::normalize(p)), -1.0, 1.0)));
+  cone.spread_rad += 1e-7;
+  return cone;
+}
+/// A chord is no longer than its angle.
+bool may_meet(const Cone& a, const Cone& b, double beyond_rad) {
+  const glm::dvec3 between = a.axis - b.axis;
+  const double apart = a.spread_rad + b.spread_rad + beyond_rad;
+  return glm::dot(between, between) <= apart * apart * (1 + slack);
+}
+
+/// How far from where its apparent facet is an image may be seen.
+double beyond_rad(const FacetEnclosure& facet) { return facet.gap_m / facet.nearest_m * 1.1 + slack; }
+
+}  // namespace
+
+SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon) {
+  SeenPiece seen{piece.facet, {}};
+  const auto vector = [](const std::array<Ball, 3>& v) {
+    return glm::dvec3(v[0].middle(), v[1].middle(), v[2].middle());
+  };
+  const glm::dvec3 foot = polygon.distance.middle() * vector(polygon.away), u = vector(polygon.u),
+                   v = vector(polygon.v);
+  for (const CertifiedPolygon::Point& p : polygon.points)
+    seen.corners_m.push_back(foot + p.x.middle() * u + p.y.middle() * v);
+  return seen;
+}
+
+UncertainEdges::UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
+                               const ApparentEnclosures& enclosures)
+    : mesh_(apparent), parent_(parent), enclosures_(enclosures), cones_(apparent.facets.size()) {
+  for (FacetId f = 0; f < mesh_.facets.size(); ++f) {
+    const FacetEnclosure& facet = enclosures_.facets[f];
+    if (facet.state == State::proven) cones_[f] = cone_of(facet.seen);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EdgeOf& edge = edges_[key_of(mesh_.facets[f][k], mesh_.facets[f][(k + 1) % 3])];
+      if (edge.count < 2) edge.facet[edge.count] = f;
+      ++edge.count;
+      edge.widest_rad = std::max(edge.widest_rad, facet.gap_m / facet.nearest_m);
+    }
+  }
+}
+
+UncertainEdges::Nearby UncertainEdges::nearby_of(std::span<const FacetId> facets) const {
+  Nearby nearby;
+  glm::dvec3 least(2), most(-2);
+  for (const FacetId f : facets) {
+    if (enclosures_.facets[f].state != State::proven) continue;
+    nearby.facets.push_back(f);
+    least = glm::min(least, cones_[f].axis);
+    most = glm::max(most, cones_[f].axis);
+    nearby.widest_rad = std::max(nearby.widest_rad, cones_[f].spread_rad + beyond_rad(enclosures_.facets[f]));
+  }
+  const glm::dvec3 size = most - least;
+  for (int i = 1; i < 3; ++i)
+    if (size[i] > size[nearby.coordinate]) nearby.coordinate = i;
+  std::ranges::sort(nearby.facets, {},
+                    [&](FacetId f) { return std::pair(cones_[f].axis[nearby.coordinate], f); });
+  for (const FacetId f : nearby.facets) nearby.place.push_back(cones_[f].axis[nearby.coordinate]);
+  return nearby;
+}
+
+template <class Take>
+void UncertainEdges::each_within(const Nearby& nearby, const Cone& cone, const Take& take) const {
+  const double apart = (cone.spread_rad + nearby.widest_rad) * (1 + slack) + slack,
+               place = cone.axis[nearby.coordinate];
+  const auto first = std::lower_bound(nearby.place.begin(), nearby.place.end(), place - apart);
+  for (auto at = first; at != nearby.place.end() && *at <= place + apart; ++at) {
+    const FacetId f = nearby.facets[std::size_t(at - nearby.place.begin())];
+    if (may_meet(cone, cones_[f], beyond_rad(enclosures_.facets[f]))) take(f);
+  }
+}
+
+/// Inside a base facet that is all seen from the same side: its image goes on across.
+bool UncertainEdges::is_smooth(VertexId a, VertexId b) const {
+  const auto found = edges_.find(key_of(a, b));
+  if (found == edges_.end() || found->second.count != 2) return false;
+  const auto [f, g] = std::pair(found->second.facet[0], found->second.facet[1]);
+  return parent_[f] == parent_[g] && enclosures_.facets[f].state == State::proven &&
+         enclosures_.facets[g].state == State::proven;
+}
+
+double UncertainEdges::half_width(VertexId a, VertexId b) const {
+  const auto found = edges_.find(key_of(a, b));
+  return found == edges_.end() ? 0 : found->second.widest_rad * 1.01 + 1e-12;
+}
+
+void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad,
+                           const Nearby& nearby, const DoubtSink& sink) const {
+  const glm::dvec3 start = glm::normalize(from), end = glm::normalize(to);
+  const double length = glm::distance(start, end);
+  if (!(length > 0) || !(half_width_rad < 0.1)) {
+    if (!(half_width_rad < 0.1))
+      for (const FacetId f : nearby.facets)
+        sink({0, std::numeric_limits<double>::infinity(), enclosures_.facets[f].most});
+    return;
+  }
+  // In parts, so that what lies behind them is not spread over more samples than it has to be.
+  const int parts =
+      int(std::ceil(std::clamp(length / (8 * half_width_rad), std::max(1.0, 8 * length), 16.0)));
+  const glm::dvec3 across = glm::normalize(glm::cross(start, end));
+  for (int i = 0; i < parts; ++i) {
+    const glm::dvec3 a = glm::normalize(start + double(i) / parts * (end - start)),
+                     b = glm::normalize(start + double(i + 1) / parts * (end - start)),
+                     middle = glm::normalize(a + b);
+    const double half = glm::distance(a, b), w = half_width_rad;
+    // An arc of no more than 1.01 times its chord, and all around it.
+    const double angle_sr = (1.01 * half + 2 * w) * 2 * w * 1.01;
+    const Cone cone{middle, half + w};
+    each_within(nearby, cone, [&](FacetId f) {
+      const FacetEnclosure& facet = enclosures_.facets[f];
+      const double beyond = facet.gap_m / facet.nearest_m * 1.01, wide = (w + beyond) * 1.02;
+      Polygon part(facet.seen.begin(), facet.seen.end());
+      const double lean = wide / std::max(glm::dot(middle, a) - wide, 0.1);
+      part = clipped(part, across + lean * middle);
+      part = clipped(part, lean * middle - across);
+      part = clipped(part, glm::cross(across, a) + lean * middle);
+      part = clipped(part, glm::cross(b, across) + lean * middle);
+      if (part.empty()) return;
+      const auto [nearest, farthest] = ranges_of(part, facet.plane_m);
+      sink({nearest - facet.shift_m - facet.gap_m, farthest + facet.shift_m + facet.gap_m,
+            std::min(facet.most_per_sr * angle_sr, facet.most)});
+    });
+  }
+}
+
+void UncertainEdges::clash(const SeenPiece& piece, FacetId other, const DoubtSink& sink) const {
+  const FacetEnclosure &one = enclosures_.facets[piece.facet], &two = enclosures_.facets[other];
+  const double off = one.shift_m + two.shift_m;
+  Polygon part = piece.corners_m;
+  // The other facet, or a little beside it.
+  const double beside = two.gap_m / two.nearest_m * 1.02 + 1e-12;
+  const Cone whole = cone_of(part);
+  if (!(whole.spread_rad < 1.4 && beside < 0.1)) {  // nothing to clip by
+    const auto [nearest, farthest] = ranges_of(part, one.plane_m);
+    return sink({nearest - off, farthest + off, (one.most_per_sr + two.most_per_sr) * solid_angle_of(part)});
+  }
+  const double turning = glm::dot(glm::cross(two.seen[0], two.seen[1]), two.seen[2]) < 0 ? -1 : 1;
+  const double lean = beside / std::cos(whole.spread_rad);
+  for (std::size_t k = 0; k < 3 && !part.empty(); ++k) {
+    const glm::dvec3 edge = glm::cross(two.seen[k], two.seen[(k + 1) % 3]);
+    part = clipped(part, turning * edge / glm::length(edge) + lean * whole.axis);
+  }
+  if (part.size() < 3) return;
+  // Ranges to the two planes differ by (N . direction) / (s1 s2), s their grazing angles' sines.
+  const glm::dvec3 depth = one.plane_m * two.normal - two.plane_m * one.normal;
+  const double close =
+      off * (1 + 1e-6) / std::cos(whole.spread_rad) + slack * (one.plane_m + two.plane_m) * 1e-3;
+  part = clipped(part, depth + close * whole.axis);
+  part = clipped(part, close * whole.axis - depth);
+  if (part.size() < 3) return;
+  const auto [nearest, farthest] = ranges_of(part, one.plane_m);
+  const double angle_sr = solid_angle_of(part), far = 2 * off + slack;
+  sink({nearest - far, farthest + far, (one.most_per_sr + two.most_per_sr) * angle_sr});
+}
+
+void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility& seen,
+                                std::span<const SeenPiece> pieces, std::span<const FacetId> nearby,
+                                const DoubtSink& sink) const {
+  const Nearby near = nearby_of(nearby);
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    stop_if_wanted();
+    const NamedPiece& named = seen.pieces[p];
+    const SeenPiece& piece = pieces[p];
+    // What bounds the piece: of the planes that two neighbouring corners share, those through mesh edges.
+    for (std::uint32_t k = 0; k < named.count; ++k) {
+      const CornerName &c = seen.corners[named.first + k],
+                       &d = seen.corners[named.first + (k + 1) % named.count];
+      const auto on = [](const PlaneName& plane, const CornerName& corner) {
+        return corner.point != no_point ? plane.contains(corner.point)
+                                        : plane == corner.p || plane == corner.q;
+      };
+      std::vector<PlaneName> planes;
+      if (c.point != no_point && d.point != no_point)
+        planes.push_back({std::min(c.point, d.point), std::max(c.point, d.point)});
+      else if (c.point == no_point)
+        for (const PlaneName& plane : {c.p, c.q})
+          if (on(plane, d)) planes.push_back(plane);
+      if (c.point != no_point && d.point == no_point)
+        for (const PlaneName& plane : {d.p, d.q})
+          if (on(plane, c)) planes.push_back(plane);
+      const auto direction = [&](const CornerName& corner) {
+        const WideVec v = wide_direction(context, corner);
+        glm::dvec3 e(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2]));
+        return e / glm::length(e);
+      };
+      for (const PlaneName& plane : planes) {
+        // Walls are exact; where facets cross is for clash().
+        if (plane.depth || ((plane.a | plane.b) & ray_bit) || is_smooth(plane.a, plane.b)) continue;
+        strip(direction(c), direction(d), half_width(plane.a, plane.b), near, sink);
+      }
+    }
+    if (enclosures_.facets[piece.facet].state != State::proven || piece.corners_m.size() < 3) continue;
+    const FacetEnclosure& one = enclosures_.facets[piece.facet];
+    each_within(near, cone_of(piece.corners_m), [&](FacetId f) {
+      const FacetEnclosure& two = enclosures_.facets[f];
+      if (parent_[f] != parent_[piece.facet] && two.nearest_m - two.shift_m <= one.farthest_m + one.shift_m &&
+          two.farthest_m + two.shift_m >= one.nearest_m - one.shift_m)
+        clash(piece, f, sink);
+    });
+  }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/certified/apparent_enclosure.hpp"
+#include "geometry/integrals/certified_polygon.hpp"
+#include "geometry/visibility/visibility.hpp"
+
+// Directions in which it is not certain which facet is seen, because images are not exactly where apparent
+// facets are; and what they could return. Upper bounds all.
+namespace tubefoot {
+
+/// Up to `energy_j` more or less than the visible pieces' own, from ranges between these.
+struct Doubt {
+  double nearest_m = 0, farthest_m = 0, energy_j = 0;
+};
+using DoubtSink = std::function<void(const Doubt& doubt)>;
+
+/// Directions about an axis.
+struct Cone {
+  glm::dvec3 axis{0};
+  double spread_rad = 0;
+};
+
+/// A visible piece as doubts need it.
+struct SeenPiece {
+  FacetId facet = 0;
+  std::vector<glm::dvec3> corners_m;
+};
+SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon);
+
+class UncertainEdges {
+ public:
+  /// All outlive this.
+  UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
+                 const ApparentEnclosures& enclosures);
+
+  /// Of the pieces of one tube; `nearby`: all facets that may be in it.
+  void add_doubts(const NameContext& context, const TubeVisibility& seen, std::span<const SeenPiece> pieces,
+                  std::span<const FacetId> nearby, const DoubtSink& sink) const;
+
+ private:
+  struct EdgeOf {
+    FacetId facet[2];
+    int count = 0;
+    double widest_rad = 0;  ///< of all its facets, how far images may be off
+  };
+  /// The proven facets of a tube, in the order of that coordinate of their axes in which they differ most.
+  struct Nearby {
+    std::vector<FacetId> facets;
+    std::vector<double> place;
+    int coordinate = 0;
+    double widest_rad = 0;  ///< spread of any, and how far it may be off
+  };
+  Nearby nearby_of(std::span<const FacetId> facets) const;
+  /// Of `nearby`, those that may be seen within a cone.
+  template <class Take>
+  void each_within(const Nearby& nearby, const Cone& cone, const Take& take) const;
+  bool is_smooth(VertexId a, VertexId b) const;
+  double half_width(VertexId a, VertexId b) const;
+  void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad, const Nearby& nearby,
+             const DoubtSink& sink) const;
+  void clash(const SeenPiece& piece, FacetId other, const DoubtSink& sink) const;
+
+  const FacetMesh& mesh_;
+  std::span<const FacetId> parent_;
+  const ApparentEnclosures& enclosures_;
+  std::unordered_map<std::uint64_t, EdgeOf> edges_;
+  std::vector<Cone> cones_;  // by facet, of those that are proven
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,460 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/echo/pattern_integral.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "engine/echo/scattering_cut.hpp"
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr int deepest = 60;
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+/// Turned by a quarter, counter-clockwise.
+glm::dvec2 turned(glm::dvec2 a) { return {-a.y, a.x}; }
+
+/// A computed range, with what it may be wrong by.
+RangeEnclosure about(double range) { return {range * (1 - 1e-15), range * (1 + 1e-15)}; }
+
+int sign(double x) { return (x > 0) - (x < 0); }
+
+/// Bernstein's parameter of the ellipse about [-1, 1] through the point that lies (along, across) from the
+/// middle of an interval.
+double ellipse_through(double along, double across, double half) {
+  const double a = std::sqrt((along - half) * (along - half) + across * across);
+  const double b = std::sqrt((along + half) * (along + half) + across * across);
+  const double sum = (a + b) / (2 * half);
+  return sum + std::sqrt(std::max(sum * sum - 1, 0.0));
+}
+
+/// The ellipse within which an angle that reaches `half` to either side has an imaginary part of at most 1.
+double ellipse_of_arc(double half) { return 1 / half + std::sqrt(1 / (half * half) + 1); }
+
+/// Sine and cosine to rounding; most arcs are short.
+void sine_and_cosine(double x, double& sine, double& cosine) {
+  if (std::abs(x) > 0.1) {
+    sine = std::sin(x);
+    cosine = std::cos(x);
+    return;
+  }
+  const double y = x * x;
+  if (y < 1e-5) {
+    sine = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120)));
+    cosine = 1 + y * (-1.0 / 2 + y * (1.0 / 24));
+    return;
+  }
+  sine = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880)))));
+  cosine = 1 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320))));
+}
+
+}  // namespace
+
+PatternIntegrator::PatternIntegrator(std::span<const double> borders_m, double beta_per_m,
+                                     const BeamPatterns& patterns, double tolerance)
+    : borders_(borders_m),
+      beta_(beta_per_m),
+      tolerance_(tolerance),
+      patterns_(patterns),
+      receiver_of_tube_(patterns.fan_of_tube.size(), 0) {
+  for (int n = 1; n <= most_gauss_nodes; ++n) least_rho_[n] = std::pow(64.0 / 15 / tolerance, 0.5 / n);
+}
+
+void PatternIntegrator::settle(std::span<double> energy) {
+  for (auto& receiver : receivers_) {
+    if (!receiver->moments) continue;
+    receiver->moments->finish(receiver->first, borders_.size() - 1, energy);
+    receiver->moments->clear();
+  }
+}
+
+void PatternIntegrator::finish(std::span<double> energy) {
+  settle(energy);
+  receivers_.clear();
+  laws_.clear();
+  receiver_of_tube_.assign(receiver_of_tube_.size(), 0);
+}
+
+void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame,
+                            std::uint32_t tube, double factor, std::span<double> energy,
+                            const ScatteringLaw* law, const PlacedTexture& texture) {
+  const std::size_t n = polygon.offsets.size();
+  const auto [first_beam, end_beam] = patterns_.beams_of_tube[tube];
+  if (n < 3 || first_beam == end_beam) return;
+  receiver_ = &receiver_of(tube);
+  piece_.distance = polygon.distance;
+  piece_.distance2 = polygon.distance * polygon.distance;
+  piece_.factor = factor;
+
+  edges_.clear();
+  ranges_.clear();
+  bool inside = true;
+  RangeEnclosure from = about(std::sqrt(piece_.distance2 + glm::dot(polygon.first, polygon.first)));
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t next = i + 1 == n ? 0 : i + 1;
+    const glm::dvec2 way = polygon.offsets[next] - polygon.offsets[i];
+    const double length = glm::length(way);
+    if (!(length > 0)) continue;
+    const glm::dvec2 start = polygon.corner(i), stop = polygon.corner(next);
+    Edge edge;
+    edge.along = way / length;
+    edge.aside = -turned(edge.along);
+    edge.height = cross(start, edge.along);
+    edge.nearest2 = piece_.distance2 + edge.height * edge.height;
+    inside = inside && edge.height > 0;
+    const RangeEnclosure to = about(std::sqrt(piece_.distance2 + glm::dot(stop, stop)));
+    ranges_.push_back({from, to, about(std::sqrt(edge.nearest2)), sign(glm::dot(start, edge.along)),
+                       sign(glm::dot(stop, edge.along))});
+    edges_.push_back(edge);
+    from = to;
+  }
+  std::optional<RangeEnclosure> foot;
+  if (inside) foot = about(polygon.distance);
+  piece_.foot_inside = inside;
+  slabs_.cut(ranges_, foot, inside, borders_);
+  if (slabs_.slabs().empty()) return;
+  take_axes(polygon, plane, frame);
+  piece_.law = nullptr;
+  if (law != nullptr) take_law(*law);
+  const std::vector<double> corners =
+      law != nullptr ? corner_ranges_m(*law, piece_.distance) : std::vector<double>();
+  take_texture(texture);
+
+  const std::size_t samples = borders_.size() - 1;
+  for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
+    stop_if_wanted();
+    const auto crossings = slabs_.crossings(slab);
+    piece_.full_circle = crossings.empty();
+    piece_.q2 = piece_.distance2;
+    for (const Crossing& c : crossings) piece_.q2 = std::max(piece_.q2, edges_[c.edge].nearest2);
+    const auto t_of = [&](double r) { return std::sqrt(std::max(r * r - piece_.q2, 0.0)); };
+    const double t0 = t_of(double(slab.lo)), t1 = t_of(double(slab.hi));
+    if (!(t1 > t0)) continue;
+    find_arcs(crossings, (t0 + t1) / 2);
+    if (receiver_->moments)
+      receiver_->moments->begin(slab.sample);
+    else
+      sum_.assign(end_beam - first_beam, 0);
+    if (law == nullptr) {
+      integrate(t0, t1, 0);
+    } else {
+      double begin = t0;
+      for (std::size_t k = 0; k < law->pieces().size(); ++k) {
+        const double end = k < corners.size() ? std::clamp(t_of(corners[k]), begin, t1) : t1;
+        piece_.law = &law->pieces()[k];
+        integrate(begin, end, 0);
+        begin = end;
+      }
+    }
+    if (receiver_->moments) continue;
+    for (std::size_t k = 0; k < sum_.size(); ++k) energy[(first_beam + k) * samples + slab.sample] += sum_[k];
+  }
+}
+
+void PatternIntegrator::take_law(const ScatteringLaw& law) {
+  const auto known =
+      std::find_if(laws_.begin(), laws_.end(), [&](const LawNodes& l) { return l.law == &law; });
+  if (known != laws_.end()) {
+    law_nodes_ = &*known;
+    return;
+  }
+  const double power = std::max(law.largest_power() - 2, 0.0);  // Lambert's is what the rest is made for
+  laws_.push_back({&law, NodeCount([&](double y) { return law.growth(y); }, tolerance_),
+                   NodeCount([&](double y) { return power * y; }, tolerance_)});
+  law_nodes_ = &laws_.back();
+}
+
+/// Angle of incidence on the circle t.
+double PatternIntegrator::incidence_at(double t) const {
+  return std::atan2(std::sqrt(std::max(piece_.q2 - piece_.distance2, 0.0) + t * t), piece_.distance);
+}
+
+void PatternIntegrator::take_axes(const PlanarPolygon& polygon, const FacetPlane& plane,
+                                  const PlaneFrame& frame) {
+  for (Axis& axis : receiver_->axes) {
+    axis.away = -plane.distance_m * glm::dot(plane.normal, axis.direction);
+    axis.plane = {glm::dot(frame.u, axis.direction), glm::dot(frame.v, axis.direction)};
+  }
+  for (Change& change : receiver_->changes) {
+    change.along_axis = change.axis.has_value();
+    if (!change.along_axis || !change.by_angle) continue;
+    // The cosine nowhere differs more from that at the first corner than the farthest corner is from there.
+    const Axis& axis = receiver_->axes[*change.axis];
+    const auto range = [&](glm::dvec2 p) { return std::sqrt(piece_.distance2 + glm::dot(p, p)); };
+    const double r = range(polygon.first);
+    double chord2 = 0;
+    for (std::size_t i = 1; i < polygon.offsets.size(); ++i) {
+      const glm::dvec2 p = polygon.corner(i);
+      chord2 = std::max(chord2, 2 - 2 * (piece_.distance2 + glm::dot(p, polygon.first)) / (range(p) * r));
+    }
+    const double largest =
+        std::abs(axis.away + glm::dot(axis.plane, polygon.first)) / r + std::sqrt(chord2 + 1e-14);
+    change.along_axis = chord2 < 1 && largest < 0.9;
+    if (change.along_axis) change.scale = 1 / std::sqrt(1 - largest * largest);
+  }
+}
+
+void PatternIntegrator::take_texture(const PlacedTexture& texture) {
+  texture_.field = texture.field;
+  if (texture.field == nullptr) return;
+  auto known = counts_.find(texture.field);
+  if (known == counts_.end()) {
+    const auto growth = [&](double away_m) { return std::log1p(texture.field->change(away_m)); };
+    known = counts_.emplace(texture.field, NodeCount(growth, tolerance_)).first;
+  }
+  texture_.count = &known->second;
+  texture_.plane = texture.plane;
+}
+
+double PatternIntegrator::s_at(const Crossing& crossing, double t2) const {
+  return std::sqrt(std::max(t2 + (piece_.q2 - edges_[crossing.edge].nearest2), 0.0));
+}
+
+/// Where the circle t crosses an edge, relative to the foot point.
+glm::dvec2 PatternIntegrator::point_at(const Crossing& crossing, double t2) const {
+  const Edge& edge = edges_[crossing.edge];
+  const double s = s_at(crossing, t2);
+  return (crossing.rising ? s : -s) * edge.along + edge.height * edge.aside;
+}
+
+/// From an arc's begin to its end.
+double PatternIntegrator::angle_between(glm::dvec2 begin, glm::dvec2 end) const {
+  const double along = glm::dot(begin, end), across = cross(begin, end);
+  if (along > 0 && std::abs(across) < 0.1 * along) {
+    const double x = across / along, y = x * x;
+    const double angle =
+        x *
+        (1 - y * (1.0 / 3 -
+                  y * (1.0 / 5 -
+                       y * (1.0 / 7 - y * (1.0 / 9 - y * (1.0 / 11 - y * (1.0 / 13 - y * (1.0 / 15))))))));
+    if (!(piece_.foot_inside && angle < -1e-9)) return angle;
+  }
+  const double angle = std::atan2(across, along);
+  // An arc about a foot point outside is at most half a circle; rounding may make a thin one negative.
+  return angle < (piece_.foot_inside ? -1e-9 : -pi / 2) ? angle + 2 * pi : angle;
+}
+
+/// Pairs the crossings of a slab: each arc runs from where the polygon begins to the next place where it
+/// ends.
+void PatternIntegrator::find_arcs(std::span<const Crossing> crossings, double t) {
+  arcs_.clear();
+  std::size_t rising = 0;
+  for (const Crossing& c : crossings) rising += c.rising;
+  if (2 * rising != crossings.size()) return;  // a slab that rounding made, as narrow as that
+  if (crossings.size() == 2) {
+    const bool first = crossings[0].rising;
+    arcs_.push_back({crossings[first ? 0 : 1], crossings[first ? 1 : 0]});
+    return;
+  }
+  sorted_.clear();
+  for (const Crossing& c : crossings) {
+    const glm::dvec2 p = point_at(c, t * t);
+    sorted_.emplace_back(std::atan2(p.y, p.x), c);
+  }
+  std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 0; i < sorted_.size(); ++i) {
+    if (!sorted_[i].second.rising) continue;
+    std::size_t k = (i + 1) % sorted_.size();
+    while (sorted_[k].second.rising) k = (k + 1) % sorted_.size();
+    arcs_.push_back({sorted_[i].second, sorted_[k].second});
+  }
+}
+
+/// Distance of the nearest singularities from the origin of t: they lie on the imaginary axis, where the
+/// circle shrinks to the foot point, or where another edge is only touched.
+double PatternIntegrator::nearest_singularity() const {
+  double nearest2 = piece_.full_circle ? piece_.distance2 : piece_.q2 - piece_.distance2;
+  for (const Arc& arc : arcs_)
+    for (const std::uint32_t e : {arc.begin.edge, arc.end.edge}) {
+      const double gap2 = piece_.q2 - edges_[e].nearest2;
+      if (gap2 > 1e-13 * piece_.q2) nearest2 = std::min(nearest2, gap2);
+    }
+  return std::sqrt(nearest2);
+}
+
+void PatternIntegrator::integrate(double t0, double t1, int depth) {
+  const double half = (t1 - t0) / 2, middle = t0 + half;
+  if (!(half > 0)) return;
+  // Not through the singularity but three quarters of the way, where the integrand is still of its own size.
+  const double rho = 1 + 0.75 * (ellipse_through(middle, nearest_singularity(), half) - 1);
+  int n = 1;
+  while (n <= most_gauss_nodes && rho < least_rho_[n]) ++n;
+  if (n <= most_gauss_nodes) n = std::max(n, nodes_along(t0, t1, rho));
+  if (n > most_gauss_nodes && depth < deepest) {
+    integrate(t0, middle, depth + 1);
+    integrate(middle, t1, depth + 1);
+    return;
+  }
+  const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
+  for (std::size_t i = 0; i < rule.node.size(); ++i)
+    add_circle(middle + half * rule.node[i], half * rule.weight[i]);
+}
+
+/// Nodes for the change of patterns and texture as the arcs' ends, or a full circle, move. The rule for a
+/// product needs what each of its factors needs.
+int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
+  const double middle = (t0 + t1) / 2;
+  const std::array<double, 3> t2{t0 * t0, middle * middle, t1 * t1};
+  const double r0 = std::sqrt(piece_.q2 + t2[0]);
+  std::array<double, 3> over_r{};
+  for (std::size_t i = 0; i < 3; ++i) over_r[i] = 1 / std::sqrt(piece_.q2 + t2[i]);
+  const auto moved = [&] {
+    double most = piece_.full_circle ? t1 - t0 : 0;
+    for (const Arc& arc : arcs_)
+      for (const Crossing& c : {arc.begin, arc.end}) most = std::max(most, s_at(c, t2[2]) - s_at(c, t2[0]));
+    return 1.3 * most;  // the way is not straight
+  };
+  int n = 1;
+  if (piece_.law != nullptr) {
+    const double turned_by = incidence_at(t1) - incidence_at(t0),
+                 stretched_by = std::log(over_r[0] / over_r[2]);
+    constexpr double bent = 1.3 / 2;  // the way is not straight
+    n = std::max(law_nodes_->by_angle.nodes(bent * turned_by, rho),
+                 law_nodes_->by_range.nodes(bent * stretched_by, rho));
+  }
+  if (texture_.field != nullptr)
+    n = std::max(n, texture_.count->nodes(texture_.plane.stretch * moved() / 2, rho));
+  for (const Change& change : receiver_->changes) {
+    double extent = 0;
+    if (change.along_axis && !piece_.full_circle) {
+      const Axis& axis = receiver_->axes[*change.axis];
+      for (const Arc& arc : arcs_)
+        for (const Crossing& c : {arc.begin, arc.end}) {
+          std::array<double, 3> w{};
+          for (std::size_t i = 0; i < 3; ++i)
+            w[i] = (axis.away + glm::dot(axis.plane, point_at(c, t2[i]))) * over_r[i];
+          const double bent = std::abs(w[0] - 2 * w[1] + w[2]) / 2;
+          extent = std::max(extent, std::abs(w[2] - w[0]) / 2 + 4 * bent);
+        }
+      extent *= change.scale;
+    } else {
+      extent = moved() / r0 / 2;
+    }
+    n += change.count.nodes(extent, rho) - 1;
+  }
+  return n;
+}
+
+/// `half`: half of an arc as an angle about the foot point; `radius`: of the circle, as directions, and `rho`
+/// in metres. For an imaginary part h <= 1 of the angle the cosine has at most radius sinh(h) <= 1.18 radius
+/// h.
+int PatternIntegrator::nodes_of_arc(double half, double rho, double radius) const {
+  const double ellipse = ellipse_of_arc(half);
+  int n = texture_.field != nullptr
+              ? texture_.count->nodes(1.18 * half * rho * texture_.plane.stretch, ellipse)
+              : 1;
+  for (const Change& change : receiver_->changes) {
+    double steep = radius;
+    if (change.along_axis) {
+      const Axis& axis = receiver_->axes[*change.axis];
+      steep = change.scale * (std::abs(axis.aside) + std::abs(axis.ahead) * std::min(1.0, 3 * half));
+    }
+    n += change.count.nodes(1.18 * half * steep, ellipse) - 1;
+  }
+  return n;
+}
+
+void PatternIntegrator::add_circle(double t, double weight) {
+  const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
+  const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
+  const double scattered =
+      piece_.law == nullptr
+          ? per_r * per_r
+          : ScatteringLaw::in_piece(*piece_.law, std::atan2(rho, piece_.distance), piece_.distance * per_r);
+  const double radial = piece_.factor * weight * t * std::exp(-beta_ * r2 * per_r) * (per_r * per_r) *
+                        (per_r * per_r) * scattered;
+  if (piece_.full_circle) add_arc(per_r, rho, {1, 0}, pi, radial);
+  for (const Arc& arc : arcs_) {
+    const glm::dvec2 begin = point_at(arc.begin, t2), end = point_at(arc.end, t2);
+    const double half = angle_between(begin, end) / 2;
+    const glm::dvec2 middle = begin + end;
+    if (std::abs(half) < 1)
+      add_arc(per_r, rho, middle * (1 / glm::length(middle)), half, radial);
+    else
+      add_arc(per_r, rho, (std::cos(half) * begin + std::sin(half) * turned(begin)) / glm::length(begin),
+              half, radial);
+  }
+}
+
+/// Directions and places over an arc, by the angle from its middle.
+void PatternIntegrator::face(glm::dvec2 ahead, double rho, double radius) {
+  for (Axis& axis : receiver_->axes) {
+    axis.ahead = radius * glm::dot(axis.plane, ahead);
+    axis.aside = radius * glm::dot(axis.plane, turned(ahead));
+  }
+  if (texture_.field == nullptr) return;
+  texture_.ahead = rho * (ahead.x * texture_.plane.u + ahead.y * texture_.plane.v);
+  texture_.aside = rho * (ahead.x * texture_.plane.v - ahead.y * texture_.plane.u);
+}
+
+void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight) {
+  const double radius = rho * per_r;
+  for (Axis& axis : receiver_->axes) axis.level = axis.away * per_r;
+  // A whole circle, say, is several arcs.
+  int panels = 1;
+  for (double share = std::abs(half);; share /= 2, panels *= 2) {
+    const glm::dvec2 ahead =
+        panels == 1 ? middle : std::cos(half - share) * middle - std::sin(half - share) * turned(middle);
+    face(ahead, rho, radius);
+    const int n = nodes_of_arc(share, rho, radius);
+    if (n > most_gauss_nodes && panels < 1 << 20) continue;
+    const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
+    if (panels == 1) {
+      add_panel(half, weight, rule);
+      return;
+    }
+    break;
+  }
+  const double part = half / panels;
+  for (int p = 0; p < panels; ++p) {
+    const double turn = -half + (2 * p + 1) * part;
+    const glm::dvec2 ahead = std::cos(turn) * middle + std::sin(turn) * turned(middle);
+    face(ahead, rho, radius);
+    add_panel(part, weight,
+              gauss_rule(std::min(nodes_of_arc(std::abs(part), rho, radius), most_gauss_nodes)));
+  }
+}
+
+void PatternIntegrator::add_panel(double half, double weight, const GaussRule& rule) {
+  Receiver& receiver = *receiver_;
+  const std::size_t nodes = rule.node.size();
+  std::array<double, most_gauss_nodes> sine, cosine, share, direction;
+  for (std::size_t i = 0; i < nodes; ++i) {
+    sine_and_cosine(half * rule.node[i], sine[i], cosine[i]);
+    share[i] = weight * half * rule.weight[i];
+  }
+  if (texture_.field != nullptr)
+    for (std::size_t i = 0; i < nodes; ++i)
+      share[i] *= texture_.field->factor(texture_.plane.foot_m + cosine[i] * texture_.ahead +
+                                         sine[i] * texture_.aside);
+  const auto at = [&](const Axis& axis, std::size_t i) {
+    return axis.level + axis.ahead * cosine[i] + axis.aside * sine[i];
+  };
+  if (!receiver.transmit.empty())
+    for (std::size_t i = 0; i < nodes; ++i) {
+      double sent = 0;
+      for (Term& term : receiver.transmit) sent += term.gain->value(at(receiver.axes[term.axis], i));
+      share[i] *= sent;
+    }
+  if (receiver.moments) {
+    for (std::size_t i = 0; i < nodes; ++i) direction[i] = at(receiver.axes[receiver.moments_axis], i);
+    receiver.moments->add(std::span(direction).first(nodes), std::span(share).first(nodes));
+    return;
+  }
+  const std::size_t beams = sum_.size();
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    std::optional<Term>* own = receiver.uniform ? nullptr : &receiver.receive[beam];
+    for (std::size_t i = 0; i < nodes; ++i) {
+      const double heard =
+          own && *own ? share[i] * (*own)->gain->value(at(receiver.axes[(*own)->axis], i)) : share[i];
+      sum_[beam] += heard;
+    }
+  }
+}
+
+}  // namespace tubefoot

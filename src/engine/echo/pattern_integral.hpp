@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/echo/gain_panels.hpp"
+#include "engine/law/beam_pattern.hpp"
+#include "engine/law/facet_map.hpp"
+#include "engine/law/reflectivity_field.hpp"
+#include "engine/law/scattering_law.hpp"
+#include "geometry/integrals/gauss_rules.hpp"
+#include "geometry/integrals/measure.hpp"
+#include "geometry/integrals/node_count.hpp"
+#include "geometry/integrals/polar_slabs.hpp"
+
+namespace tubefoot {
+
+/// Micro-texture, and where the polygon's plane lies in its frame, the local one.
+struct PlacedTexture {
+  const ReflectivityField* field = nullptr;  ///< none: even
+  LyingPlane plane{};
+};
+
+/// Integrates r^-6 e^(-beta r), or a scattering law times r^-4 e^(-beta r), times transmit and receive
+/// pattern over polygons cut by range samples.
+///
+/// A pattern has no symmetry about the foot point, so this is an integral over two dimensions: over slabs of
+/// slant range (polar_slabs.hpp), and in each over the arcs of every circle. With q the range of the nearest
+/// point of one of the slab's edges, r^2 = q^2 + t^2 makes r dr = t dt, and the ends of the arcs are analytic
+/// in t even where a circle only touches an edge. Gauss-Legendre in t and in the angle; the number of nodes
+/// follows from how far the integrand's singularities are and how fast the patterns can change.
+///
+/// Gains are not computed at nodes but read from piecewise polynomials (gain_panels.hpp). Where the beams of
+/// a receiver are functions of one and the same cosine (a line array's), nodes are summed up as moments, and
+/// the beams are looked at once for all footprints, in finish(). Beams sent at once along that array join
+/// them.
+///
+/// Micro-texture is one more factor at the nodes, and one more reason for nodes; polygons with texture must
+/// lie in one of its cells (texture_cells.hpp).
+class PatternIntegrator {
+ public:
+  /// `tolerance`: about the error of an energy, relative to what the footprint would return at the patterns'
+  /// peak (a table's corners, where its second derivative jumps, may exceed it).
+  PatternIntegrator(std::span<const double> borders_m, double beta_per_m, const BeamPatterns& patterns,
+                    double tolerance);
+
+  /// Adds factor times the integral to energy[beam * samples + sample] for all beams that hear the tube, at
+  /// the latest in finish().
+  /// `law`: by the angle that the polygon's plane is seen at; it must live until finish(). None: r^-2
+  /// instead, which is Lambert's but for a factor.
+  void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
+           double factor, std::span<double> energy, const ScatteringLaw* law = nullptr,
+           const PlacedTexture& texture = {});
+  void finish(std::span<double> energy);
+  /// Adds what is still waiting for finish(), and goes on.
+  void settle(std::span<double> energy);
+
+ private:
+  struct Edge {
+    glm::dvec2 along{0}, aside{0};  // unit: of its direction, and that turned clockwise
+    double height = 0;              // p = s along + height aside
+    double nearest2 = 0;            // squared range of its line's nearest point
+  };
+  struct Arc {
+    Crossing begin, end;
+  };
+  struct Piece {
+    double distance, distance2, q2, factor;
+    bool full_circle, foot_inside;
+    const ScatteringLaw::Piece* law;  // none: Lambert's
+  };
+  /// A direction cosine over a piece, and over an arc of it: level + ahead cos + aside sin of the angle from
+  /// the arc's middle.
+  struct Axis {
+    glm::dvec3 direction{0};
+    double away = 0;
+    glm::dvec2 plane{0};
+    double level = 0, ahead = 0, aside = 0;
+  };
+  /// A gain along one of the receiver's axes.
+  struct Term {
+    std::size_t axis = 0;
+    std::shared_ptr<GainPanels> gain;
+  };
+  /// How fast patterns change along a path: with their cosine, if they are of one axis and known to be smooth
+  /// functions of it, else with the direction.
+  struct Change {
+    NodeCount count;
+    std::optional<std::size_t> axis;
+    bool by_angle = false;    // functions of the angle, which changes faster than the cosine off broadside
+    double scale = 1;         // of the cosine, over the piece
+    bool along_axis = false;  // over the piece: by its cosine
+  };
+  /// What beams [first, end) of a fan have in common.
+  struct Receiver {
+    std::uint32_t fan = 0, first = 0, end = 0;
+    bool uniform = false;  // no receive pattern: one for all beams of the fan
+    std::vector<Axis> axes;
+    std::vector<Term> transmit;  // to be added up; none: 1, or in the moments
+    std::optional<DirectionMoments> moments;
+    std::size_t moments_axis = 0;
+    std::vector<std::optional<Term>> receive;  // by beam, without moments; none: 1
+    std::vector<Change> changes;
+  };
+
+  /// A texture on the piece at hand.
+  struct Factor {
+    const ReflectivityField* field = nullptr;
+    const NodeCount* count = nullptr;
+    LyingPlane plane;
+    glm::dvec3 ahead{0}, aside{0};  // place = foot + ahead cos + aside sin of the angle from an arc's middle
+  };
+
+  /// How fast a law changes: with the angle of incidence, and with the logarithm of range.
+  struct LawNodes {
+    const ScatteringLaw* law;
+    NodeCount by_angle, by_range;
+  };
+
+  void take_texture(const PlacedTexture& texture);
+  void face(glm::dvec2 ahead, double rho, double radius);
+  Receiver& receiver_of(std::uint32_t tube);
+  std::unique_ptr<Receiver> make_receiver(std::uint32_t fan, std::uint32_t first, std::uint32_t end) const;
+  Term term(Receiver& receiver, std::span<const Directivity> beams) const;
+
+  void take_axes(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame);
+  void find_arcs(std::span<const Crossing> crossings, double t);
+  glm::dvec2 point_at(const Crossing& crossing, double t2) const;
+  double s_at(const Crossing& crossing, double t2) const;
+  double nearest_singularity() const;
+  double incidence_at(double t) const;
+  void take_law(const ScatteringLaw& law);
+  double angle_between(glm::dvec2 begin, glm::dvec2 end) const;
+  void integrate(double t0, double t1, int depth);
+  int nodes_along(double t0, double t1, double rho) const;
+  int nodes_of_arc(double half, double rho, double radius) const;
+  void add_circle(double t, double weight);
+  void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
+  void add_panel(double half, double weight, const GaussRule& rule);
+
+  std::span<const double> borders_;
+  double beta_, tolerance_;
+  const BeamPatterns& patterns_;
+  std::array<double, most_gauss_nodes + 1> least_rho_{};  // at which n nodes are enough
+  std::vector<std::unique_ptr<Receiver>> receivers_;
+  std::vector<std::uint32_t> receiver_of_tube_;  // + 1; 0: not asked for yet
+  PolarSlabs slabs_;
+  std::vector<EdgeRanges> ranges_;
+  std::vector<Edge> edges_;
+  std::vector<Arc> arcs_;
+  std::vector<double> sum_;  // by beam of the tube
+  std::vector<std::pair<double, Crossing>> sorted_;
+  Receiver* receiver_ = nullptr;
+  std::vector<LawNodes> laws_;
+  const LawNodes* law_nodes_ = nullptr;  // of the law at hand
+  Piece piece_{};
+  Factor texture_;
+  std::map<const ReflectivityField*, NodeCount> counts_;
+};
+
+}  // namespace tubefoot

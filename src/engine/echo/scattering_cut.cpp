@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/echo/scattering_cut.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/law/radial_law.hpp"
+
+namespace tubefoot {
+
+std::vector<double> corner_ranges_m(const ScatteringLaw& law, double distance_m) {
+  std::vector<double> corners;
+  for (std::size_t k = 0; k + 1 < law.pieces().size(); ++k)
+    corners.push_back(distance_m / std::cos(law.pieces()[k].to));
+  return corners;
+}
+
+ScatteringCutter::ScatteringCutter(const RangeSamples& samples, double absorption_db_per_m)
+    : borders_(sample_borders_m(samples)), beta_(two_way_absorption_per_m(absorption_db_per_m)) {}
+
+void ScatteringCutter::prepare(const ScatteringLaw& law, double distance_m, std::size_t first,
+                               std::size_t end) {
+  const bool same = radial_ && law_ == &law && distance_m_ == distance_m;
+  if (same && first_ <= first && end <= end_) return;
+  law_ = &law;
+  distance_m_ = distance_m;
+  first_ = same ? 0 : first;
+  end_ = same ? borders_.size() - 1 : end;
+  std::vector<double> corners = corner_ranges_m(law, distance_m);
+  corners.insert(corners.begin(), distance_m);  // what is nearer is not asked for
+  const auto g = [&](double r) {
+    const double sine = std::min(distance_m / r, 1.0);
+    const double cosine = std::sqrt(std::max((r - distance_m) * (r + distance_m), 0.0)) / r, r2 = r * r;
+    return law.cross_section(sine, cosine) * std::exp(-beta_ * r) / (r2 * r2);
+  };
+  cutter_.reset();
+  radial_ = std::make_unique<RadialIntegral>(std::span(borders_).subspan(first_, end_ - first_ + 1), g,
+                                             corners, 1 + law.steepest_exponent());
+  cutter_ = std::make_unique<RangeCutter>(*radial_);
+}
+
+void ScatteringCutter::add(const PlanarPolygon& polygon, const ScatteringLaw& law, std::span<double> row,
+                           double factor) {
+  if (polygon.offsets.size() < 3 || !(polygon.distance > 0)) return;
+  const double near = nearest_point(polygon).range, far = farthest_range(polygon);
+  if (!(far > borders_.front() && near < borders_.back())) return;
+  const auto first = std::upper_bound(borders_.begin(), borders_.end(), near);
+  const auto end = std::lower_bound(borders_.begin(), borders_.end(), far);
+  const auto samples = std::ptrdiff_t(borders_.size()) - 1;
+  // One sample more to each side, for the rounding of these two ranges.
+  const auto k0 = std::clamp<std::ptrdiff_t>(first - borders_.begin() - 2, 0, samples - 1);
+  const auto k1 = std::clamp<std::ptrdiff_t>(end - borders_.begin() + 1, k0 + 1, samples);
+  prepare(law, polygon.distance, std::size_t(k0), std::size_t(k1));
+  cutter_->add(polygon, factor, row.subspan(first_, end_ - first_));
+}
+
+}  // namespace tubefoot

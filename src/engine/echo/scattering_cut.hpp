@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/echo/echo.hpp"
+#include "engine/law/scattering_law.hpp"
+#include "geometry/integrals/range_cut.hpp"
+
+namespace tubefoot {
+
+/// Ranges at which a law changes from one of its pieces to the next on a plane at that distance, increasing.
+std::vector<double> corner_ranges_m(const ScatteringLaw& law, double distance_m);
+
+/// Integrates g(r) = sigma(D / r) r^-4 e^(-beta r) over polygons cut by range samples: an echo without
+/// patterns, for any law. On a plane at distance D the sine of the grazing angle is D / r, so the law is a
+/// function of range alone there, another one for each D: a RadialIntegral is made for the samples that a
+/// polygon reaches, and for all of them once a second polygon of the same plane comes.
+class ScatteringCutter {
+ public:
+  ScatteringCutter(const RangeSamples& samples, double absorption_db_per_m);
+
+  /// Adds `factor` times the integral over polygon and sample k to row[k].
+  void add(const PlanarPolygon& polygon, const ScatteringLaw& law, std::span<double> row, double factor = 1);
+
+ private:
+  void prepare(const ScatteringLaw& law, double distance_m, std::size_t first, std::size_t end);
+
+  std::vector<double> borders_;
+  double beta_;
+  const ScatteringLaw* law_ = nullptr;
+  double distance_m_ = 0;
+  std::size_t first_ = 0, end_ = 0;  // samples that radial_ holds
+  std::unique_ptr<RadialIntegral> radial_;
+  std::unique_ptr<RangeCutter> cutter_;
+};
+
+}  // namespace tubefoot

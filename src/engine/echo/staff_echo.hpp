@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "engine/echo/echo.hpp"
+#include "geometry/footprints/shared_footprints.hpp"
+#include "geometry/search/scene_tree.hpp"
+#include "geometry/visibility/visibility.hpp"
+
+// Two receivers on a staff: what each of them hears, and how much alike that is. docs/sensors.md
+namespace tubefoot {
+
+/// What a fan's transmission met that the two receivers on its staff see. A path is transmit apex -> facet ->
+/// receive apex.
+struct StaffHistory {
+  TubeSet transmit, upper, lower;       ///< of the fan
+  SharedFootprints by_upper, by_lower;  ///< what the transmitter and either receiver see
+  std::size_t pieces() const { return by_upper.pieces.size() + by_lower.pieces.size(); }
+};
+
+/// The tubes of one fan of a set.
+TubeSet tubes_of_fan(const TubeSet& tubes, std::span<const std::uint32_t> fan_of_tube, std::uint32_t fan);
+/// The same tubes half a baseline up the staff (`end` 1) or down (-1), on the grid.
+TubeSet moved_along(const TubeSet& tubes, const Fringe& staff, double end, double grid_unit_m);
+
+/// Exact visibility from the transmitter and from both ends of the staff, whose tubes look in the
+/// transmitter's directions. `options` must name an exact arithmetic.
+StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                         const VisibilityOptions& options, TubeSet transmit, const Fringe& staff);
+
+/// Covariances of a fan's two signals by sample: energies of the upper and of the lower receiver, and the
+/// real and the imaginary part of the mean product of the upper one with the conjugate of the lower one.
+struct StaffEcho {
+  std::vector<double> upper_j, lower_j, cross_real_j, cross_imag_j;
+};
+
+/// Of scatterers that are independent of each other, two channels a and b have the covariance
+///     R_ab = integral over what a and b both see, in sample k of a and of b, of
+///            sqrt(e_a e_b) exp(i k (r_a - r_b)) dA,
+/// with e_a the energy that an area element sends by way of receiver a (integrate_bistatic_echo()'s law;
+/// energies are a = b). Sample k of a receiver holds the half paths (r_transmit + r_a) / 2 from first + k
+/// step on, its own. `fan`, `beam`: which patterns of law.patterns are the fan's. Ranges and phases are those
+/// from the staff's true ends, which the grid may have moved by half a unit for the visibility. What both
+/// receivers see is the intersection of the two exact shapes, in doubles. In refracting water facets are the
+/// transmitter's apparent ones.
+StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
+                               std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law);
+
+}  // namespace tubefoot

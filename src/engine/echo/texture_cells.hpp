@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "engine/law/facet_map.hpp"
+#include "engine/law/reflectivity_field.hpp"
+
+namespace tubefoot {
+
+/// Cuts polygons along the planes on which a texture is not analytic, so that rules of Gauss converge in each
+/// part. Neighbouring parts share their corners but for rounding. Holds scratch memory: one per thread.
+class TextureCells {
+ public:
+  /// Calls `take` for each part of a convex polygon on a facet that lies in one cell. A polygon within one
+  /// cell is taken as it is. The work is in proportion to the number of cells that the polygon meets, the
+  /// memory to its corners.
+  void cut(const PlanarPolygon& polygon, const LyingPlane& plane, std::span<const CellPlanes> cells,
+           const std::function<void(const PlanarPolygon&)>& take);
+
+ private:
+  struct Level {
+    PlanarPolygon rest, part, next;
+  };
+  void cut(std::span<const CellPlanes> cells, const PlanarPolygon& polygon, std::size_t level);
+
+  LyingPlane plane_;
+  const std::function<void(const PlanarPolygon&)>* take_ = nullptr;
+  std::vector<Level> levels_;  // by family of planes
+  PlanarPolygon taken_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/ground/ground.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+
+#include "geometry/search/vertical_line.hpp"
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+std::uint64_t edge_key(VertexId a, VertexId b) {
+  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+}
+
+/// Twice a facet's area times its unit normal, grid units.
+glm::dvec3 doubled_area(const FacetMesh& mesh, FacetId facet) {
+  std::array<glm::dvec3, 3> v;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const GridPoint p = mesh.vertices[mesh.facets[facet][k]];
+    v[k] = {double(p.x), double(p.y), double(p.z)};
+  }
+  return glm::cross(v[1] - v[0], v[2] - v[0]);
+}
+
+double length2(glm::dvec3 v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
+
+/// The corner whose opposite base edge both points lie on; 3: none.
+std::size_t common_edge(const BasePoint& a, const BasePoint& b) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (a.weight[k] == 0 && b.weight[k] == 0) return k;
+  return 3;
+}
+
+void insert(std::vector<std::uint16_t>& sorted, std::uint16_t material) {
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), material);
+  if (at == sorted.end() || *at != material) sorted.insert(at, material);
+}
+
+}  // namespace
+
+/// Edges of textured facets that are longer than a cell.
+class Ground::Cells : public EdgeRule {
+ public:
+  explicit Cells(const Ground& of) : ground(of) {}
+  bool cuts(const BasePoint& a, const BasePoint& b) const final {
+    const double edge2 = length2(a.at_m - b.at_m);
+    return edge2 > ground.settings_.cell_m * ground.settings_.cell_m && wants(a, b, edge2) &&
+           ground.textured_along(a, b);
+  }
+  virtual bool wants(const BasePoint&, const BasePoint&, double) const { return true; }
+
+ protected:
+  const Ground& ground;
+};
+
+struct Ground::Seen : Cells {
+  Seen(const Ground& g, std::span<const Look> l) : Cells(g), looks(l) {
+    for (const Look& look : looks) {
+      sectors.emplace_back(*look.tubes, g.grid_.unit_m());
+      apexes.push_back(g.grid_.to_metres(look.tubes->apex));
+    }
+  }
+
+  bool wants(const BasePoint& a, const BasePoint& b, double edge2) const override {
+    const glm::dvec3 middle = 0.5 * (a.at_m + b.at_m);
+    const double length = std::sqrt(edge2), lift = ground.omitted_.largest_height_m() + ground.grid_.unit_m();
+    for (std::size_t k = 0; k < looks.size(); ++k) {
+      const glm::dvec3 from_apex = middle - apexes[k];
+      const double radius = 2 * length + lift;
+      if (looks[k].outlook != nullptr ? !looks[k].outlook->may_see(middle, radius)
+                                      : !sectors[k].may_meet(from_apex, radius))
+        continue;
+      if (ground.settings_.tolerance <= 0) return true;
+      Resolution cell;
+      cell.range_m = std::max({glm::length(from_apex) - length - lift, looks[k].first_m, looks[k].sample_m});
+      cell.sine_grazing = ground.sine_grazing(a, b, from_apex, length);
+      cell.sample_m = looks[k].sample_m;
+      cell.beam_rad = sectors[k].narrowest_rad();
+      if (omitted_change(ground.omitted_.at(edge2), edge2, cell) > ground.settings_.tolerance) return true;
+    }
+    return false;
+  }
+
+  std::span<const Look> looks;
+  std::vector<Sector> sectors;
+  std::vector<glm::dvec3> apexes;
+};
+
+struct Ground::InLine : Cells {
+  InLine(const Ground& g, glm::dvec3 place_m) : Cells(g), at(place_m) {}
+  bool wants(const BasePoint& a, const BasePoint& b, double edge2) const override {
+    const glm::dvec3 middle = 0.5 * (a.at_m + b.at_m);
+    return std::hypot(middle.x - at.x, middle.y - at.y) <=
+           2 * std::sqrt(edge2) + ground.omitted_.largest_height_m() + 2 * ground.grid_.unit_m();
+  }
+  glm::dvec3 at;
+};
+
+Ground::Ground(const FacetMesh& base, const WorldGrid& grid,
+               std::span<const std::shared_ptr<const ElevationField>> relief, const GroundSettings& settings)
+    : base_(base),
+      grid_(grid),
+      relief_(relief.begin(), relief.end()),
+      settings_(settings),
+      omitted_(relief, settings.cell_m),
+      tree_(base, SceneTree::Sheets::ignored) {
+  find_borders();
+  find_normals();
+}
+
+void Ground::find_borders() {
+  // Only vertices of more than one material, and their edges, are worth a note.
+  std::vector<std::uint16_t> first(base_.vertices.size());
+  std::vector<bool> met(base_.vertices.size());
+  for (FacetId f = 0; f < base_.facets.size(); ++f)
+    for (const VertexId v : base_.facets[f]) {
+      if (!met[v]) {
+        met[v] = true;
+        first[v] = base_.material[f];
+      } else if (first[v] != base_.material[f]) {
+        insert(vertex_materials_[v], first[v]);
+        insert(vertex_materials_[v], base_.material[f]);
+      }
+    }
+  if (vertex_materials_.empty()) return;
+  for (FacetId f = 0; f < base_.facets.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId a = base_.facets[f][k], b = base_.facets[f][(k + 1) % 3];
+      if (vertex_materials_.contains(a) && vertex_materials_.contains(b))
+        insert(edge_materials_[edge_key(a, b)], base_.material[f]);
+    }
+  std::erase_if(edge_materials_, [](const auto& entry) { return entry.second.size() < 2; });
+}
+
+void Ground::find_normals() {
+  normals_.resize(base_.vertices.size());
+  for (FacetId f = 0; f < base_.facets.size(); ++f) {
+    const glm::dvec3 n = doubled_area(base_, f);
+    for (const VertexId v : base_.facets[f]) normals_[v].normal += n;
+  }
+  for (VertexNormal& v : normals_) {
+    const double length = glm::length(v.normal);
+    v.normal = length > 0 ? v.normal / length : glm::dvec3{0, 0, 1};
+  }
+  for (FacetId f = 0; f < base_.facets.size(); ++f) {
+    const glm::dvec3 n = doubled_area(base_, f);
+    const double length = glm::length(n);
+    if (!(length > 0)) continue;
+    for (const VertexId v : base_.facets[f]) {
+      // The same for both sides of a facet, as the grazing angle is.
+      const double chord = std::min(glm::distance(n / length, normals_[v].normal),
+                                    glm::distance(-n / length, normals_[v].normal));
+      normals_[v].spread_rad = std::max(normals_[v].spread_rad, 2 * std::asin(std::min(1.0, chord / 2)));
+    }
+  }
+}
+
+std::span<const std::uint16_t> Ground::materials_at(const BasePoint& point) const {
+  const std::span<const std::uint16_t> own(&base_.material[point.facet], 1);
+  if (vertex_materials_.empty()) return own;
+  const auto& corner = base_.facets[point.facet];
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (point.weight[k] == 1) {
+      const auto found = vertex_materials_.find(corner[k]);
+      return found == vertex_materials_.end() ? own : found->second;
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (point.weight[k] != 0) continue;
+    const auto found = edge_materials_.find(edge_key(corner[(k + 1) % 3], corner[(k + 2) % 3]));
+    return found == edge_materials_.end() ? own : found->second;
+  }
+  return own;
+}
+
+bool Ground::textured_at(const BasePoint& point) const {
+  const auto materials = materials_at(point);
+  return std::any_of(materials.begin(), materials.end(), [&](std::uint16_t m) { return textured(m); });
+}
+
+bool Ground::textured_along(const BasePoint& a, const BasePoint& b) const {
+  // A flat facet is cut where an edge ends on relief, so that what its border does to it ends there too.
+  if (textured(base_.material[a.facet]) || textured_at(a) || textured_at(b)) {
+    const std::size_t k = common_edge(a, b);
+    if (k == 3 || textured_at(a) || textured_at(b)) return true;
+    const auto& corner = base_.facets[a.facet];
+    const auto found = edge_materials_.find(edge_key(corner[(k + 1) % 3], corner[(k + 2) % 3]));
+    return found == edge_materials_.end() ? textured(base_.material[a.facet])
+                                          : std::any_of(found->second.begin(), found->second.end(),
+                                                        [&](std::uint16_t m) { return textured(m); });
+  }
+  return false;
+}
+
+double Ground::sine_grazing(const BasePoint& a, const BasePoint& b, glm::dvec3 from_apex,
+                            double radius_m) const {
+  const double range = glm::length(from_apex);
+  const auto lowest = [&](glm::dvec3 normal, double spread_rad) {
+    return std::max(0.0,
+                    (std::abs(glm::dot(normal, from_apex)) - radius_m) / (range + radius_m) - spread_rad);
+  };
+  const std::size_t k = common_edge(a, b);
+  if (k == 3) {
+    const glm::dvec3 n = doubled_area(base_, a.facet);
+    const double length = glm::length(n);
+    return length > 0 ? lowest(n / length, 0) : 0;
+  }
+  const auto& corner = base_.facets[a.facet];
+  const VertexNormal &p = normals_[corner[(k + 1) % 3]], &q = normals_[corner[(k + 2) % 3]];
+  return std::min(lowest(p.normal, p.spread_rad), lowest(q.normal, q.spread_rad));
+}
+
+glm::dvec3 Ground::place(const BasePoint& point) const {
+  double sum = 0;
+  const auto materials = materials_at(point);
+  for (const std::uint16_t m : materials)
+    if (relief_[m]) sum += relief_[m]->height_m(point.at_m);
+  const double height = sum / static_cast<double>(materials.size());
+  if (settings_.displacement == Displacement::vertical) return point.at_m + glm::dvec3{0, 0, height};
+  // Of three terms one that is zero changes nothing, so that the order of an edge's ends does not either.
+  glm::dvec3 normal{0};
+  for (std::size_t k = 0; k < 3; ++k)
+    if (point.weight[k] != 0) normal += point.weight[k] * normals_[base_.facets[point.facet][k]].normal;
+  const double length = glm::length(normal);
+  return length > 0 ? point.at_m + height / length * normal : point.at_m;
+}
+
+RefinedMesh Ground::refined(std::span<const FacetId> facets, const EdgeRule& rule,
+                            const RefinementLimits& limits) const {
+  return refine(
+      base_, facets, grid_, rule, [this](const BasePoint& p) { return place(p); }, limits);
+}
+
+RefinedMesh Ground::everywhere(const RefinementLimits& limits) const {
+  std::vector<FacetId> all(base_.facets.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return refined(all, Cells(*this), limits);
+}
+
+RefinedMesh Ground::seen_by(std::span<const Look> looks, const RefinementLimits& limits) const {
+  const Seen rule(*this, looks);
+  std::vector<FacetId> facets;
+  const double lift = omitted_.largest_height_m() + grid_.unit_m();
+  for (std::size_t k = 0; k < looks.size(); ++k) {
+    const std::vector<FacetId> some = looks[k].outlook != nullptr
+                                          ? looks[k].outlook->facets(base_, tree_, grid_, lift)
+                                          : rule.sectors[k].facets(tree_, lift);
+    facets.insert(facets.end(), some.begin(), some.end());
+  }
+  std::sort(facets.begin(), facets.end());
+  facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
+  return refined(facets, rule, limits);
+}
+
+RefinedMesh Ground::in_line_with(glm::dvec3 place_m) const {
+  std::vector<FacetId> facets;
+  const double margin = omitted_.largest_height_m() / grid_.unit_m() + 1;
+  facets_near_vertical(tree_, grid_.snap(place_m), margin, facets);
+  std::sort(facets.begin(), facets.end());
+  return refined(facets, InLine(*this, place_m), {});
+}
+
+std::size_t Ground::uniform_count() const {
+  std::size_t sum = 0;
+  for (FacetId f = 0; f < base_.facets.size(); ++f) {
+    stop_if_wanted();
+    if (textured(base_.material[f])) sum += tubefoot::uniform_count(base_, f, grid_, settings_.cell_m);
+  }
+  return sum;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/ground/paired_facet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <unordered_map>
+
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double least_sine = 1e-3;
+
+/// Squared lengths of two edges from a corner, and their product.
+struct Metric {
+  double first = 0, second = 0, product = 0;
+};
+
+Metric metric_of(const glm::dvec3 (&c)[3]) {
+  const glm::dvec3 first = c[1] - c[0], second = c[2] - c[0];
+  return {glm::dot(first, first), glm::dot(second, second), glm::dot(first, second)};
+}
+
+/// A triangle in its plane: the first corner is the origin, the first edge runs along x.
+struct Flat {
+  double along, across_x, across_y;
+  explicit Flat(const Metric& m)
+      : along(std::sqrt(m.first)),
+        across_x(m.product / along),
+        across_y(std::sqrt(std::max(m.second - across_x * across_x, 0.0))) {}
+  /// Foot point of a place, by its products with the edges.
+  glm::dvec2 foot(double with_first, double with_second) const {
+    const double x = with_first / along;
+    return {x, across_y > 0 ? (with_second - x * across_x) / across_y : 0};
+  }
+};
+
+struct Place {
+  glm::dvec2 foot;
+  double height;
+};
+
+/// Where an apex is that sees `seen` (relative to it) if distances are laid out by another metric.
+Place lay_out(const glm::dvec3 (&seen)[3], const Metric& metric) {
+  const Metric own = metric_of(seen);
+  const double first = -glm::dot(seen[0], seen[1] - seen[0]), second = -glm::dot(seen[0], seen[2] - seen[0]);
+  const glm::dvec2 foot =
+      Flat(metric).foot(first + (metric.first - own.first) / 2, second + (metric.second - own.second) / 2);
+  // Heights as they are seen, changed by what the foot moves: nothing is lost where it does not.
+  const glm::dvec2 seen_foot = Flat(own).foot(first, second);
+  const glm::dvec3 normal = glm::cross(seen[1] - seen[0], seen[2] - seen[0]);
+  const double height = glm::dot(normal, seen[0]) / glm::length(normal),
+               height2 = height * height + (glm::dot(seen_foot, seen_foot) - glm::dot(foot, foot)),
+               least = least_sine * glm::length(seen[0]);
+  return {foot, std::sqrt(std::max(height2, least * least))};
+}
+
+/// The affine map of a plane that takes three of its points to three places.
+LyingPlane plane_through(const glm::dvec2 (&at)[3], const glm::dvec3 (&places)[3]) {
+  const FacetMap map = facet_map({{at[0], 0}, {at[1], 0}, {at[2], 0}}, places);
+  LyingPlane plane;
+  plane.foot_m = map.at(glm::dvec3(0));
+  plane.u = map.linear[0];
+  plane.v = map.linear[1];
+  return plane;
+}
+
+/// The ray to a true vertex, each found once.
+class Rays {
+ public:
+  explicit Rays(const Straightening& water) : water_(water) {}
+  const Eigenray& to(VertexId vertex, const glm::dvec3& at_m) {
+    const auto known = known_.find(vertex);
+    if (known != known_.end()) return known->second;
+    const auto found = water_.apparent(at_m);
+    return known_.emplace(vertex, found ? found->ray : Eigenray{}).first->second;
+  }
+
+ private:
+  const Straightening& water_;
+  std::unordered_map<VertexId, Eigenray> known_;
+};
+
+double sine_between(const glm::dvec3& normal, const glm::dvec3& along) {
+  const double length = glm::length(normal) * glm::length(along);
+  return length > 0 ? std::abs(glm::dot(normal, along)) / length : 0;
+}
+
+/// What a corner returns apart from scattering and area, over what the straight law makes of it: the
+/// transmitter's energy over the area of its ray tube there, and the receiver's over that back from there.
+double spreading(const Straightening& receive, const Eigenray& sent, const Eigenray& heard,
+                 const glm::dvec3& at_m, double there_m, double back_m, double absorption_db_per_m) {
+  const double beyond_db =
+      sent.absorption_db + heard.absorption_db - absorption_db_per_m * (there_m + back_m);
+  return there_m * there_m / sent.tube_area_m2_per_sr * (back_m * back_m) /
+         receive.return_area_m2_per_sr(at_m, heard) * std::exp(-beyond_db * std::numbers::ln10 / 10);
+}
+
+}  // namespace
+
+std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
+                                       const WorldGrid& grid, const Straightening& transmit,
+                                       const Straightening& receive, double absorption_db_per_m) {
+  std::vector<PairedFacet> paired;
+  paired.reserve(shared.facets.size());
+  Rays sent(transmit), heard(receive);
+  // Apexes are grid points.
+  const glm::dvec3 transmit_apex = transmit.apex_m(), receive_apex = receive.apex_m();
+  for (const SharedFacet& of : shared.facets) {
+    stop_if_wanted();
+    std::array<VertexId, 3> vertex = pair.mesh.facets[of.facet];
+    glm::dvec3 from_t[3], from_r[3], lies[3];
+    const auto take = [&] {
+      for (std::size_t k = 0; k < 3; ++k) {
+        from_t[k] = grid.to_metres(pair.transmit.refined.mesh.vertices[vertex[k]]) - transmit_apex;
+        from_r[k] = grid.to_metres(pair.receive.refined.mesh.vertices[vertex[k]]) - receive_apex;
+        lies[k] = pair.transmit.truth[vertex[k]];
+      }
+    };
+    take();
+    // In the order in which pieces turn.
+    if (glm::dot(glm::cross(from_t[1] - from_t[0], from_t[2] - from_t[0]), of.plane_normal) > 0) {
+      std::swap(vertex[1], vertex[2]);
+      take();
+    }
+    const Metric a = metric_of(from_t), b = metric_of(from_r);
+    const Metric mean{(a.first + b.first) / 2, (a.second + b.second) / 2, (a.product + b.product) / 2};
+    const Flat flat(mean);
+    const Place t = lay_out(from_t, mean), r = lay_out(from_r, mean);
+    const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
+                           glm::dvec2(flat.across_x, flat.across_y) - t.foot};
+    PairedFacet& facet = paired.emplace_back();
+    facet.transmit_distance_m = t.height;
+    facet.receive_distance_m = r.height;
+    facet.receive_foot_m = r.foot - t.foot;
+    facet.to_plane = facet_map(from_t, {{at[0], 0}, {at[1], 0}, {at[2], 0}});
+    facet.transmit_seen = plane_through(at, from_t);
+    facet.receive_seen = plane_through(at, from_r);
+    facet.lies = plane_through(at, lies);
+    const glm::dvec3 normal = glm::cross(lies[1] - lies[0], lies[2] - lies[0]);
+    const double area_ratio = glm::length(normal) / (flat.along * flat.across_y);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double there = std::hypot(glm::length(at[k]), t.height),
+                   back = std::hypot(glm::length(at[k] - facet.receive_foot_m), r.height);
+      const Eigenray &out = sent.to(vertex[k], lies[k]), &home = heard.to(vertex[k], lies[k]);
+      PairedFacet::Corner& corner = facet.corners[k];
+      corner.transmit_lies = sine_between(normal, transmit.arrival_direction(lies[k], out));
+      corner.receive_lies = sine_between(normal, receive.arrival_direction(lies[k], home));
+      corner.transmit_seen = t.height / there;
+      corner.receive_seen = r.height / back;
+      corner.gain = area_ratio * spreading(receive, out, home, lies[k], there, back, absorption_db_per_m);
+      facet.misfit_m = std::max(facet.misfit_m,
+                                std::abs(there - glm::length(from_t[k]) + back - glm::length(from_r[k])) / 2);
+    }
+  }
+  return paired;
+}
+
+double paired_factor(const PairedFacet& facet, const ScatteringLaw* law) {
+  const auto sigma = [law](double sine) {
+    if (law == nullptr) return sine * sine;
+    sine = std::min(sine, 1.0);
+    return law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine)));
+  };
+  double sum = 0;
+  for (const PairedFacet::Corner& c : facet.corners) {
+    const double seen = sigma(c.transmit_seen) * sigma(c.receive_seen);
+    if (seen > 0 && std::isfinite(c.gain))
+      sum += c.gain * std::sqrt(sigma(c.transmit_lies) * sigma(c.receive_lies) / seen);
+  }
+  return sum / 3;
+}
+
+}  // namespace tubefoot

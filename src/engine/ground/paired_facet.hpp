@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "engine/ground/refracted_ground.hpp"
+#include "engine/law/facet_map.hpp"
+#include "geometry/footprints/shared_footprints.hpp"
+
+// Transmitter and receiver apart in refracting water: facets that each sees elsewhere. docs/bistatic.md
+namespace tubefoot {
+
+/// The true facets that either apex may see, cut alike for both, and where each apex sees them. Vertices of
+/// both apparent meshes have the numbers of `mesh`.
+struct ApparentPair {
+  FacetMesh mesh;
+  ApparentGround transmit, receive;
+  std::vector<FacetId> transmit_origin, receive_origin;  ///< by apparent facet: that of `mesh`
+};
+
+/// straighten() for two apexes: edges are cut where either of the two needs it.
+ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                             const Straightening& transmit, const Straightening& receive,
+                             double reference_absorption_db_per_m, const StraighteningSettings& settings,
+                             const RefinementLimits& limits = {}, const Outlook* transmit_outlook = nullptr,
+                             const Outlook* receive_outlook = nullptr);
+
+/// A triangle as two apexes see it, laid out flat. Its edges have the root mean squares of the lengths that
+/// they are seen with, and each apex is put where the corners are as far from it as they are seen: in even
+/// water where it is. Sums of distances to the two are then right at the corners, and between them to second
+/// order of the edges. Where a corner would be farther from another than the difference of their distances
+/// allows, the apex is a thousandth of the distance above the plane. Coordinates: those of PathCutter.
+struct PairedFacet {
+  double transmit_distance_m = 0, receive_distance_m = 0;  ///< from the plane
+  glm::dvec2 receive_foot_m{0};
+  FacetMap to_plane;  ///< from places where the transmitter sees them, relative to it, to (x, y, 0)
+  /// Where the plane's points are seen, relative to each apex, and where they lie, local frame.
+  LyingPlane transmit_seen, receive_seen, lies;
+  struct Corner {
+    double transmit_lies = 0, transmit_seen = 0, receive_lies = 0, receive_seen = 0;  ///< sines of grazing
+    /// What a corner returns apart from its scattering, over 1 / (r_T^2 r_R^2) and reference absorption.
+    double gain = 1;
+  };
+  std::array<Corner, 3> corners;
+  double misfit_m = 0;  ///< of half paths at the corners
+};
+
+/// Facets that two apexes share, in their order. `shared` is about pair.mesh.
+std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
+                                       const WorldGrid& grid, const Straightening& transmit,
+                                       const Straightening& receive, double reference_absorption_db_per_m);
+
+/// What a facet returns over what the straight law makes of it laid out flat: the mean over its corners of
+/// gain sqrt(sigma(lies) sigma(lies)) / sqrt(sigma(seen) sigma(seen)); null: Lambert's law.
+double paired_factor(const PairedFacet& facet, const ScatteringLaw* law);
+
+}  // namespace tubefoot

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/ground/outlook.hpp"
+#include "engine/law/facet_map.hpp"
+#include "engine/law/scattering_law.hpp"
+#include "engine/water/straightening.hpp"
+#include "geometry/mesh/edge_refinement.hpp"
+
+// What one apex sees through refracting water, as a mesh of apparent facets that straight tubes see.
+// docs/refraction.md
+namespace tubefoot {
+
+struct StraighteningSettings {
+  /// Edges are cut until the image of their middle is as close as this to the middle of their ends' images.
+  double gap_m = 1e-3;
+  /// And until what that and the change of spreading between their ends do to the density of energy is at
+  /// most this, one way and the other.
+  double tolerance_db = std::numeric_limits<double>::infinity();
+  /// None shorter than this is cut: next to a caustic the gap does not shrink.
+  double shortest_edge_m = 0.05;
+  /// Edges in a shadow, or at its border, are cut down to this: facets at the border are left out whole.
+  double shadow_edge_m = 4;
+};
+
+/// A place that has not exactly one eigenray.
+struct UnclearPlace {
+  FacetId facet = 0;  ///< of the base
+  glm::dvec3 at_m{0};
+  int eigenrays = 0;        ///< 0: shadow
+  glm::dvec3 direction{0};  ///< launch direction of the first to arrive; straight to the place in a shadow
+};
+
+struct ApparentGround {
+  /// Apparent facets that have an eigenray to every corner and their centre, and the base facet of each.
+  RefinedMesh refined;
+  std::vector<glm::dvec3> truth;      ///< by vertex: where it lies
+  std::vector<double> facet_factor;   ///< for EchoLaw::facet_factor
+  double reference_speed_m_s = 0;     ///< by which a travel time becomes a range
+  double largest_gap_m = 0;           ///< of all edges that are left; of short ones a bound
+  std::size_t facets_in_shadow = 0;   ///< left out: they lie, wholly or in part, where no ray leads
+  std::size_t facets_of_several = 0;  ///< a corner has several eigenrays: the first to arrive stands for them
+  /// Facets whose image is turned over: rays cross before they reach them, and the images of their neighbours
+  /// lie on top of theirs.
+  std::size_t facets_folded = 0;
+  /// Those that were left out: where their corners lie.
+  std::vector<std::array<glm::dvec3, 3>> left_out_m;
+  /// For each base facet: a place of it in a shadow, and one where rays cross, if it has such.
+  std::vector<UnclearPlace> unclear;
+
+  /// Where a point of an apparent facet lies: as it lies between the facet's corners.
+  glm::dvec3 true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const;
+  /// By facet, for EchoLaw::facet_map; the apex in the local frame.
+  std::vector<FacetMap> facet_maps(glm::dvec3 apex_m, const WorldGrid& grid) const;
+  /// True area of a facet over its apparent one.
+  double area_ratio(FacetId facet, const WorldGrid& grid) const;
+};
+
+/// Straightens `facets` of `base` for one apex. `reference_absorption_db_per_m` is what the echo law will
+/// apply to apparent ranges; `laws`: by material, empty or null for Lambert's; `outlook`: where parts are
+/// cut and kept, null: everywhere. Apparent points have to fit `grid`. The result does not depend on the
+/// number of threads. Throws as refine(); std::invalid_argument unless the settings are above 0.
+ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                          const Straightening& straightening, double reference_absorption_db_per_m,
+                          const StraighteningSettings& settings, const RefinementLimits& limits = {},
+                          std::span<const std::shared_ptr<const ScatteringLaw>> laws = {},
+                          const Outlook* outlook = nullptr);
+
+}  // namespace tubefoot

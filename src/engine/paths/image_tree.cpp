@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/image_tree.hpp"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/tubes/window_tubes.hpp"
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+
+struct Image::World {
+  World(MeshPart p) : part(std::move(p)), tree(part.mesh) {}
+  MeshPart part;
+  SceneTree tree;
+};
+
+namespace {
+
+/// A convex cone that an image sees of a mirror: its corners' directions from the image.
+struct Cone {
+  std::vector<glm::dvec3> corners;
+  std::uint32_t own_tube = 0;
+};
+
+glm::dvec3 unit_direction(const NameContext& context, const CornerName& corner) {
+  const WideVec d = wide_direction(context, corner);
+  return glm::normalize(
+      glm::dvec3(d[0].convert_to<double>(), d[1].convert_to<double>(), d[2].convert_to<double>()));
+}
+
+/// The part of a convex cone with z >= 0.
+std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
+  std::vector<glm::dvec3> kept;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const glm::dvec3 &a = corners[k], &b = corners[(k + 1) % corners.size()];
+    if (a.z >= 0) kept.push_back(a);
+    if ((a.z < 0) == (b.z < 0)) continue;
+    // From above to below, whichever neighbour asks.
+    const glm::dvec3 &above = a.z < 0 ? b : a, &below = a.z < 0 ? a : b;
+    if (above.z == 0) continue;
+    glm::dvec3 level = above.z * below - below.z * above;
+    level.z = 0;
+    if (level != glm::dvec3(0)) kept.push_back(glm::normalize(level));
+  }
+  return kept;
+}
+
+}  // namespace
+
+struct ImageFinder::State {
+  State(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
+        const Mirrors& mirrors, double least_loss, std::size_t most_images)
+      : mesh_(mesh),
+        tree_(tree),
+        options_(options),
+        mirrors_(mirrors),
+        least_loss_(least_loss),
+        most_images_(most_images) {
+    options_.open_water = mirrors.surface.has_value();
+    if (!mirrors.surface) return;
+    // As in_front_of() has it: what touches the surface from below stays as it is, what lies in it does not.
+    const auto height = [&](VertexId v) { return mesh.vertices[v].z; };
+    all_below_ = std::all_of(mesh.facets.begin(), mesh.facets.end(), [&](const auto& facet) {
+      const auto [least, most] = std::minmax({height(facet[0]), height(facet[1]), height(facet[2])});
+      return most <= mirrors.surface->height && least < mirrors.surface->height;
+    });
+  }
+
+  std::vector<Image> grow(TubeSet tubes, int most_mirrors, std::optional<GridPoint> heard_at) {
+    std::vector<Image> images(1);
+    Image& root = images.front();
+    root.windows = std::move(tubes);
+    root.mesh = &mesh_;
+    root.tree = &tree_;
+    for (std::uint32_t t = 0; t < root.windows.tubes.size(); ++t) root.own_tube.push_back(t);
+    std::atomic<std::size_t> found{0};
+    for (std::size_t first = 0, end = 1; first < end; first = end, end = images.size()) {
+      const int mirrors = int(images[first].mirrors);
+      if (mirrors < most_mirrors || !heard_at)
+        tbb::parallel_for(first, end, [&](std::size_t i) { look(images[i]); });
+      if (mirrors >= most_mirrors) break;
+      const Wanted wanted{mirrors + 1 == most_mirrors ? heard_at : std::nullopt, found};
+      std::vector<std::vector<Image>> children(end - first);
+      tbb::parallel_for(first, end,
+                        [&](std::size_t i) { children[i - first] = children_of(images[i], wanted); });
+      for (auto& some : children) std::move(some.begin(), some.end(), std::back_inserter(images));
+    }
+    return images;
+  }
+
+  /// Which images are kept, and how many of them there are so far.
+  struct Wanted {
+    std::optional<GridPoint> heard_at;
+    std::atomic<std::size_t>& found;
+  };
+
+  void look(Image& image) {
+    image.seen.resize(image.windows.tubes.size());
+    tbb::parallel_for(std::uint32_t{0}, std::uint32_t(image.seen.size()), [&](std::uint32_t tube) {
+      see(*image.mesh, *image.tree, image.windows, tube, options_, scratch_.local(), image.seen[tube]);
+    });
+  }
+
+  std::vector<Image> children_of(const Image& image, const Wanted& wanted) const {
+    std::vector<Image> children;
+    stop_if_wanted();
+    if (mirrors_.surface) add_surface(image, wanted, children);
+    std::map<MirrorPlane, std::map<double, std::vector<Cone>>> facets;  // by plane and reflection
+    for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
+      const TubeVisibility& seen = image.seen[tube];
+      const NameContext context{*image.mesh, image.windows.apex, seen.rays};
+      for (const NamedPiece& piece : seen.pieces) {
+        const double reflection =
+            mirrors_.reflection.empty() ? 0 : mirrors_.reflection[image.mesh->material[piece.facet]];
+        if (!(reflection > 0)) continue;
+        const FacetId origin = image.origin.empty() ? piece.facet : image.origin[piece.facet];
+        Cone cone{{}, image.own_tube[tube]};
+        for (std::uint32_t k = 0; k < piece.count; ++k)
+          cone.corners.push_back(unit_direction(context, seen.corners[piece.first + k]));
+        facets[MirrorPlane::of_facet(mesh_, origin, image.windows.apex)][reflection].push_back(
+            std::move(cone));
+      }
+    }
+    for (const auto& [plane, by_reflection] : facets)
+      for (const auto& [reflection, cones] : by_reflection)
+        add_child(image, plane, reflection, cones, false, wanted, children);
+    return children;
+  }
+
+  void add_surface(const Image& image, const Wanted& wanted, std::vector<Image>& children) const {
+    const MirrorPlane plane = MirrorPlane::horizontal(mirrors_.surface->height);
+    if (plane.side(image.windows.apex) <= 0) return;
+    std::vector<Cone> cones;
+    for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
+      const TubeVisibility& seen = image.seen[tube];
+      const NameContext context{*image.mesh, image.windows.apex, seen.rays};
+      for (const NamedPiece& open : seen.open) {
+        Cone cone{{}, image.own_tube[tube]};
+        for (std::uint32_t k = 0; k < open.count; ++k)
+          cone.corners.push_back(unit_direction(context, seen.corners[open.first + k]));
+        cone.corners = upward(cone.corners);
+        if (cone.corners.size() >= 3) cones.push_back(std::move(cone));
+      }
+    }
+    add_child(image, plane, mirrors_.surface->reflection, cones, true, wanted, children);
+  }
+
+  void add_child(const Image& image, const MirrorPlane& plane, double reflection,
+                 const std::vector<Cone>& cones, bool is_surface, const Wanted& wanted,
+                 std::vector<Image>& children) const {
+    if (cones.empty()) return;
+    const GridPoint apex = plane.image(image.windows.apex);
+    // As far behind the mirror as the image is in front of it; a rounded one may have come to lie in it.
+    if (plane.side(apex) >= 0) return;
+    Image child;
+    child.mirrors = image.mirrors + 1;
+    child.last = plane;
+    const glm::dmat3 reflect = plane.reflection();
+    child.to_true = image.to_true * reflect;
+    child.loss = image.loss;
+    child.loss.factor *= reflection;
+    for (glm::dvec3& normal : child.loss.rough_normals) normal = reflect * normal;
+    if (is_surface && mirrors_.surface->roughness > 0) {
+      child.loss.rough_normals.push_back({0, 0, 1});
+      child.loss.roughness = mirrors_.surface->roughness;
+    }
+    WindowTubes windows(apex, image.windows.reach);
+    std::vector<glm::dvec3> mirrored;
+    child.largest = 0;
+    for (const Cone& cone : cones) {
+      stop_if_wanted();
+      mirrored.clear();
+      for (auto corner = cone.corners.rbegin(); corner != cone.corners.rend(); ++corner)
+        mirrored.push_back(reflect * *corner);
+      const double passes = most(child.loss, mirrored);
+      if (passes <= least_loss_) continue;
+      child.largest = std::max(child.largest, passes);
+      windows.add(mirrored, cone.own_tube);
+    }
+    if (windows.tubes().tubes.empty()) return;
+    child.windows = windows.tubes();
+    if (wanted.heard_at && !has_window_to(child, *wanted.heard_at)) return;
+    if (++wanted.found > most_images_)
+      throw std::length_error(
+          fmt::format("more than {} images of one apex, of up to {} mirrors: a mirror of many small facets "
+                      "has as many images; make it coarser, follow fewer orders or cut off sooner",
+                      most_images_, child.mirrors));
+    child.own_tube = windows.labels();
+    place(child, plane, is_surface);
+    children.push_back(std::move(child));
+  }
+
+  static bool has_window_to(const Image& image, GridPoint place) {
+    const GridPoint along = place - image.windows.apex;
+    for (std::uint32_t window = 0; window < image.windows.tubes.size(); ++window)
+      if (holds(image.windows, window, along, window_border_rad)) return true;
+    return false;
+  }
+
+  /// No less than what passes anywhere in a cone: the sine to a plane is smallest in a corner, unless the
+  /// plane cuts the cone.
+  static double most(const MirrorLoss& loss, const std::vector<glm::dvec3>& corners) {
+    double exponent = 0;
+    for (const glm::dvec3& normal : loss.rough_normals) {
+      double least = 1;
+      bool above = false, below = false;
+      for (const glm::dvec3& corner : corners) {
+        const double sine = glm::dot(corner, normal);
+        above = above || sine > 0;
+        below = below || sine < 0;
+        least = std::min(least, std::abs(sine));
+      }
+      if (!(above && below)) exponent += least * least;
+    }
+    return loss.factor * std::exp(-loss.roughness * exponent);
+  }
+
+  /// What is in front of the last mirror, within the windows.
+  void place(Image& child, const MirrorPlane& plane, bool is_surface) const {
+    if (is_surface && all_below_) {
+      child.mesh = &mesh_;
+      child.tree = &tree_;
+      return;
+    }
+    std::vector<FacetId> near;
+    for (const Tube& tube : child.windows.tubes) {
+      stop_if_wanted();
+      std::array<SceneTree::HalfSpace, 4> walls;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Vec64 n = cross(child.windows.rays[tube[k]], child.windows.rays[tube[(k + 1) % 4]]);
+        walls[k] = {double(n.x), double(n.y), double(n.z)};
+      }
+      tree_.query(child.windows.apex, walls, child.windows.reach, near);
+    }
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    auto world = std::make_shared<const Image::World>(in_front_of(plane, mesh_, near));
+    child.mesh = &world->part.mesh;
+    child.tree = &world->tree;
+    child.origin = world->part.origin;
+    child.world = std::move(world);
+  }
+
+  const FacetMesh& mesh_;
+  const SceneTree& tree_;
+  VisibilityOptions options_;
+  const Mirrors& mirrors_;
+  double least_loss_;
+  std::size_t most_images_;
+  bool all_below_ = false;
+  tbb::enumerable_thread_specific<VisibilityScratch> scratch_;
+};
+
+ImageFinder::ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
+                         const Mirrors& mirrors, double least_loss, std::size_t most_images)
+    : state_(std::make_unique<State>(mesh, tree, options, mirrors, least_loss, most_images)) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument("multiple paths need an exact arithmetic: fixed, filtered or rational");
+}
+
+ImageFinder::~ImageFinder() = default;
+
+std::vector<Image> ImageFinder::images_of(TubeSet tubes, int most_mirrors,
+                                          std::optional<GridPoint> heard_at) const {
+  return state_->grow(std::move(tubes), most_mirrors, heard_at);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/law/path_loss.hpp"
+#include "geometry/footprints/shared_footprints.hpp"
+#include "geometry/search/scene_tree.hpp"
+#include "geometry/tubes/mirror.hpp"
+#include "geometry/visibility/visibility.hpp"
+
+// An apex seen in mirrors, in mirrors of mirrors, and so on. docs/paths.md
+namespace tubefoot {
+
+/// The horizontal mirror over a scene.
+struct SeaSurface {
+  std::int32_t height = 0;  ///< grid units
+  double reflection = 1;    ///< energy factor of each reflection, without roughness
+  double roughness = 0;     ///< (2 k sigma)^2, k the wave number, sigma the standard deviation of its height
+};
+
+/// What reflects.
+struct Mirrors {
+  std::optional<SeaSurface> surface;
+  std::span<const double> reflection{};  ///< by material of the mesh: energy factor; 0: no mirror
+};
+
+/// An apex, or its image in a chain of mirrors. Straight lines from it through its windows are paths from the
+/// true apex over the mirrors, as long as they; beyond the windows it sees the world as it is.
+struct Image {
+  std::uint32_t mirrors = 0;  ///< length of the chain; 0: the apex itself
+  std::optional<MirrorPlane> last;
+  TubeSet windows;                      ///< of the image; the apex's own tubes if there is no mirror
+  std::vector<std::uint32_t> own_tube;  ///< by window: the true apex's tube that it belongs to
+  glm::dmat3 to_true{1};                ///< a direction of the image as the true apex has it
+  MirrorLoss loss;
+  double largest = 1;  ///< of the loss over all windows, at least
+
+  /// What it sees: `origin` empty if that is the whole mesh.
+  const FacetMesh* mesh = nullptr;
+  const SceneTree* tree = nullptr;
+  std::span<const FacetId> origin{};
+  std::vector<TubeVisibility> seen;  ///< by window; empty for images that nothing is scattered from
+
+  ApexLook look() const { return {windows, seen, mesh, origin}; }
+
+  /// Owner of mesh, tree and origin where they are its own.
+  struct World;
+  std::shared_ptr<const World> world;
+};
+
+/// Directions that near to a window's border are taken as in it: windows are rounded to half of this.
+constexpr double window_border_rad = 4e-9;
+
+/// Finds the images of apexes over one mesh. Thread-safe; results do not depend on the threads.
+class ImageFinder {
+ public:
+  /// `options` must name an exact arithmetic. Windows through which no more than `least_loss` passes are left
+  /// out. What is referred to must outlive it.
+  ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
+              const Mirrors& mirrors, double least_loss, std::size_t most_images);
+  ~ImageFinder();
+
+  /// The apex of `tubes` (first) and its images in up to `most_mirrors` mirrors, those of fewer first. All
+  /// have looked; but with `heard_at`, images in `most_mirrors` mirrors have not, and are only those that
+  /// have a window towards that place. tubes.reach should be twice the longest half path: a path may lie all
+  /// on one side. Throws std::length_error if there are more images than `most_images`.
+  std::vector<Image> images_of(TubeSet tubes, int most_mirrors,
+                               std::optional<GridPoint> heard_at = std::nullopt) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/patch_echo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <tuple>
+
+#include "engine/law/radial_law.hpp"
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Longest part, over its distance from the nearer end.
+constexpr double largest_angle = 0.125;
+/// How far the lines of equal path may be from straight, in samples.
+constexpr double most_bent = 0.1;
+/// Near the point parts need not be smaller than this, over `longest_m`: it stands for a patch of that size.
+constexpr double smallest_part = 1.0 / 16;
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+/// Twice the area.
+double turning(const std::vector<glm::dvec2>& polygon) {
+  double sum = 0;
+  for (std::size_t k = 2; k < polygon.size(); ++k)
+    sum += cross(polygon[k - 1] - polygon[0], polygon[k] - polygon[0]);
+  return sum;
+}
+
+/// Parts of a convex polygon where a linear function is negative and where it is not.
+template <class Value>
+void split(const std::vector<glm::dvec2>& polygon, const Value& value, std::vector<glm::dvec2>* negative,
+           std::vector<glm::dvec2>* positive) {
+  if (negative != nullptr) negative->clear();
+  if (positive != nullptr) positive->clear();
+  if (polygon.empty()) return;
+  glm::dvec2 from = polygon.back();
+  double before = value(from);
+  for (const glm::dvec2 to : polygon) {
+    const double after = value(to);
+    if ((before < 0) != (after < 0)) {
+      const glm::dvec2 between = from + before / (before - after) * (to - from);
+      if (negative != nullptr) negative->push_back(between);
+      if (positive != nullptr) positive->push_back(between);
+    }
+    if (after < 0) {
+      if (negative != nullptr) negative->push_back(to);
+    } else if (positive != nullptr) {
+      positive->push_back(to);
+    }
+    from = to;
+    before = after;
+  }
+}
+
+std::pair<glm::dvec2, glm::dvec2> box_of(const std::vector<glm::dvec2>& polygon) {
+  glm::dvec2 low = polygon.front(), high = low;
+  for (const glm::dvec2 p : polygon) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  return {low, high};
+}
+
+}  // namespace
+
+HeardFacets::HeardFacets(const FacetMesh& mesh, const Image& heard, glm::dvec3 apex_m, double unit_m)
+    : image_(heard), apex_m_(apex_m) {
+  const SharedFootprints seen = shared_with_itself(mesh, heard.look(), unit_m);
+  std::vector<const SharedFacet*> by_facet;
+  for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
+  std::stable_sort(by_facet.begin(), by_facet.end(),
+                   [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
+  for (const SharedFacet* one : by_facet) {
+    if (facets_.empty() || facets_.back().facet != one->facet) {
+      const FacetPlane plane{one->plane_normal, one->transmit_distance_m};
+      facets_.push_back({one->facet, plane, PlaneFrame(plane), {}});
+    }
+    Facet& facet = facets_.back();
+    for (std::uint32_t k = one->first_piece; k < one->first_piece + one->piece_count; ++k) {
+      const SharedPiece& from = seen.pieces[k];
+      Piece piece;
+      piece.tube = from.transmit_tube;
+      for (std::uint32_t c = 0; c < from.count; ++c)
+        piece.corners.push_back(facet.frame.project(seen.corners_m[from.first + c]));
+      const double area = turning(piece.corners);
+      if (area == 0) continue;
+      if (area < 0) std::reverse(piece.corners.begin(), piece.corners.end());
+      std::tie(piece.low, piece.high) = box_of(piece.corners);
+      facet.pieces.push_back(std::move(piece));
+    }
+  }
+}
+
+const HeardFacets::Facet* HeardFacets::find(FacetId facet) const {
+  const auto at = std::lower_bound(facets_.begin(), facets_.end(), facet,
+                                   [](const Facet& a, FacetId b) { return a.facet < b; });
+  return at == facets_.end() || at->facet != facet ? nullptr : &*at;
+}
+
+PatchEcho::PatchEcho(const EchoLaw& law, const BistaticBeams& beams, double longest_m)
+    : law_(law),
+      beams_(beams),
+      longest_m_(longest_m),
+      beta_(two_way_absorption_per_m(law.absorption_db_per_m) / 2),
+      levels_(1) {}
+
+std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, const HeardFacets& heard,
+                           glm::dvec3 local_m, const RangeSamples& samples, SparseEnergy& out) {
+  point_ = &point;
+  image_ = &heard.image();
+  samples_ = samples;
+  out_ = &out;
+  image_local_ = local_m + heard.apex_m();
+  const glm::dvec3 from_heard = point.at_m - heard.apex_m();
+  std::size_t met = 0;
+  Polygon source, next;
+  for (const SharedFacet& facet : seen.facets) {
+    facet_ = heard.find(facet.facet);
+    if (facet_ == nullptr || !(glm::dot(facet_->plane.normal, facet.plane_normal) > 0)) continue;
+    const std::uint16_t material = law_.material[facet.facet];
+    scattering_ = law_.law_of(facet.facet);
+    mu_ = scattering_ == nullptr ? law_.material_mu[material] : 1;
+    if (mu_ == 0) continue;
+    texture_ = law_.texture(facet.facet);
+    distance_ = facet.transmit_distance_m;
+    foot_ = facet_->frame.project(from_heard);
+    for (std::uint32_t k = facet.first_piece; k < facet.first_piece + facet.piece_count; ++k) {
+      stop_if_wanted();
+      const SharedPiece& piece = seen.pieces[k];
+      source.clear();
+      for (std::uint32_t c = 0; c < piece.count; ++c)
+        source.push_back(facet_->frame.project(seen.corners_m[piece.first + c] + from_heard));
+      const auto [low, high] = box_of(source);
+      for (const HeardFacets::Piece& other : facet_->pieces) {
+        if (low.x > other.high.x || low.y > other.high.y || other.low.x > high.x || other.low.y > high.y)
+          continue;
+        own_tube_ = image_->own_tube[other.tube];
+        if (!beams_.fan_of_receive_tube.empty() && beams_.fan_of_receive_tube[own_tube_] != point.fan)
+          continue;
+        levels_[0] = source;
+        for (std::size_t c = 0; c < other.corners.size() && levels_[0].size() > 2; ++c) {
+          const glm::dvec2 a = other.corners[c],
+                           along = other.corners[c + 1 == other.corners.size() ? 0 : c + 1] - a;
+          split(
+              levels_[0], [&](glm::dvec2 p) { return cross(along, p - a); }, nullptr, &next);
+          std::swap(levels_[0], next);
+        }
+        if (levels_[0].size() < 3) continue;
+        ++met;
+        halve(0);
+      }
+    }
+  }
+  return met;
+}
+
+void PatchEcho::halve(std::size_t level) {
+  if (levels_[level].size() < 3) return;
+  const auto [low, high] = box_of(levels_[level]);
+  const glm::dvec2 size = high - low, centre = (low + high) * 0.5;
+  const double diameter = glm::length(size);
+  const double rt = std::hypot(distance_, glm::length(centre - foot_)),
+               rr = std::hypot(facet_->plane.distance_m, glm::length(centre)), half = (rt + rr) / 2;
+  // A half path changes by no more than the way.
+  if (half + diameter / 2 < samples_.first_m ||
+      half - diameter / 2 >= samples_.first_m + samples_.step_m * samples_.count)
+    return;
+  const bool small = diameter <= smallest_part * longest_m_ ||
+                     (diameter <= longest_m_ && diameter <= largest_angle * std::min(rt, rr) &&
+                      diameter * diameter * (1 / rt + 1 / rr) / 16 <= most_bent * samples_.step_m);
+  if (small) return cut_into_samples(levels_[level], centre);
+  if (levels_.size() < level + 3) levels_.resize(level + 3);
+  const int axis = size.x >= size.y ? 0 : 1;
+  split(
+      levels_[level], [&](glm::dvec2 p) { return p[axis] - centre[axis]; }, &levels_[level + 1],
+      &levels_[level + 2]);
+  halve(level + 2);
+  halve(level + 1);  // may overwrite the other, which is done
+}
+
+void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
+  const double rt = std::hypot(distance_, glm::length(centre - foot_)),
+               rr = std::hypot(facet_->plane.distance_m, glm::length(centre));
+  const double per_step = 1 / samples_.step_m, middle = ((rt + rr) / 2 - samples_.first_m) * per_step;
+  const glm::dvec2 gradient = ((centre - foot_) / rt + centre / rr) * (0.5 * per_step);
+  double least = middle, most = middle;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const double here = middle + glm::dot(gradient, polygon[k] - centre);
+    least = k == 0 ? here : std::min(least, here);
+    most = k == 0 ? here : std::max(most, here);
+  }
+  const double first = std::floor(least), last = std::floor(most);
+  if (first == last) return take(polygon, first);
+  rest_ = polygon;
+  for (double sample = first; sample < last && rest_.size() > 2; ++sample) {
+    split(
+        rest_, [&](glm::dvec2 p) { return middle + glm::dot(gradient, p - centre) - (sample + 1); }, &below_,
+        &above_);
+    take(below_, sample);
+    std::swap(rest_, above_);
+  }
+  take(rest_, last);
+}
+
+void PatchEcho::take(const Polygon& polygon, double sample) {
+  if (polygon.size() < 3 || !(sample >= 0 && sample < samples_.count)) return;
+  double area = 0;
+  glm::dvec2 centroid(0);
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    const glm::dvec2 a = polygon[k - 1] - polygon[0], b = polygon[k] - polygon[0];
+    const double part = cross(a, b);
+    area += part;
+    centroid += part * (a + b);
+  }
+  if (area == 0) return;
+  const glm::dvec2 p = polygon[0] + centroid / (3 * area), away = p - foot_;
+  const double height = facet_->plane.distance_m;
+  const double rt2 = distance_ * distance_ + glm::dot(away, away), rr2 = height * height + glm::dot(p, p);
+  const double rt = std::sqrt(rt2), rr = std::sqrt(rr2);
+  const PlaneFrame& frame = facet_->frame;
+  const glm::dvec3 down = facet_->plane.normal,
+                   sent = (-distance_ * down + away.x * frame.u + away.y * frame.v) / rt,
+                   foot = -height * down + p.x * frame.u + p.y * frame.v, back = foot / rr;
+  double energy = scattering_lobe(point_->scattering, glm::dot(sent, point_->axis));
+  if (energy == 0) return;
+  energy *= mu_ * scattering_lobe(scattering_, distance_ / rt) * scattering_lobe(scattering_, height / rr) *
+            point_->loss.at(sent) * image_->loss.at(back) * std::exp(-beta_ * (rt + rr)) / (rt2 * rr2) *
+            std::abs(area) / 2;
+  if (texture_ != nullptr) energy *= texture_->factor(image_local_ + foot);
+  const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
+  if (law_.patterns == nullptr) return out_->add(bin(beams_.of_receive_tube[own_tube_]), energy);
+  const glm::dvec3 true_back = image_->to_true * back;
+  const auto [begin, end] = law_.patterns->beams_of_tube[own_tube_];
+  for (std::uint32_t beam = begin; beam < end; ++beam)
+    out_->add(bin(beam), energy * law_.patterns->receive[beam].gain(true_back));
+}
+
+}  // namespace tubefoot

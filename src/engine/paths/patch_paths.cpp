@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/patch_paths.hpp"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "engine/law/radial_law.hpp"
+#include "engine/paths/patch_echo.hpp"
+#include "engine/paths/patches.hpp"
+#include "geometry/work/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Of a generation's signals together.
+constexpr double most_delays = 2e8;
+/// Sources that look at the same time; results are taken in their order.
+constexpr std::size_t batch = 64;
+
+/// Energy that has come a way of that length, J/sr along the normal when scattered.
+struct Delayed {
+  double way_m = 0, strength = 0;
+};
+
+/// A patch that scatters.
+struct Source {
+  int interactions = 0;  ///< of the paths up to here, with its own
+  std::uint32_t fan = 0;
+  FacetId facet = 0;
+  GridPoint at;
+  glm::dvec3 normal{0};
+  double strength = 0;  ///< of all delays
+  std::vector<Delayed> signal;
+};
+
+/// From a source to a patch of the next generation.
+struct Link {
+  int interactions = 0;
+  Patch patch;
+  GridPoint seen_from;
+  double way_m = 0, gain = 0;
+};
+
+struct Bin {
+  std::size_t order, bin;
+  double energy;
+};
+
+/// What a source sends.
+struct Sent {
+  std::vector<Bin> bins;
+  std::vector<Link> links;
+  std::size_t pieces = 0;
+};
+
+/// Patches of a generation while it is lit: one for each facet, side of it, cube, fan and number of
+/// interactions. Delays are counted in range samples of whole path and split between the two next to them,
+/// which keeps their mean.
+class Generation {
+ public:
+  Generation(const PathScene& scene) : scene_(scene) {
+    last_m_ = 2 * (scene.samples.first_m + scene.samples.step_m * scene.samples.count);
+  }
+
+  void take(const Source& source, const Link& link) {
+    const glm::dvec3 centre = difference(link.seen_from) + link.patch.from_apex_m;
+    Lit* lit = nullptr;
+    for (const Delayed& delayed : source.signal) {
+      const double way = delayed.way_m + link.way_m, strength = delayed.strength * link.gain;
+      if (!(way < last_m_ && strength > 0)) continue;
+      if (lit == nullptr) lit = &lit_at(source.fan, link);
+      lit->strength += strength;
+      lit->centre += strength * centre;
+      const double place = way / scene_.samples.step_m, bin = std::floor(place), part = place - bin;
+      lit->add(std::size_t(bin), (1 - part) * strength, held_);
+      if (part > 0) lit->add(std::size_t(bin) + 1, part * strength, held_);
+    }
+    if (held_ > most_delays)
+      throw std::length_error(fmt::format(
+          "the patches of {:.3g} m that are scattered from again have more than {:.2g} delays: make patches "
+          "larger, or range samples longer",
+          scene_.settings.patch_m, most_delays));
+  }
+
+  std::vector<Source> sources() const {
+    std::vector<Source> all;
+    for (const auto& [key, lit] : lit_) {
+      Source source;
+      source.interactions = int(key[0]);
+      source.fan = std::uint32_t(key[1]);
+      source.facet = FacetId(key[2]);
+      source.normal = lit.normal;
+      source.strength = lit.strength;
+      source.at =
+          in_front(scene_.mesh, source.facet, lit.seen_from,
+                   (lit.centre / lit.strength - difference(lit.seen_from)) / scene_.unit_m, lit.normal);
+      for (std::size_t k = 0; k < lit.signal.size(); ++k)
+        if (lit.signal[k] > 0)
+          source.signal.push_back({double(lit.first + k) * scene_.samples.step_m, lit.signal[k]});
+      all.push_back(std::move(source));
+    }
+    return all;
+  }
+
+ private:
+  struct Lit {
+    GridPoint seen_from;
+    glm::dvec3 normal{0}, centre{0};  // the centre times strength
+    double strength = 0;
+    std::size_t first = 0;
+    std::vector<double> signal;
+    void add(std::size_t bin, double energy, double& held) {
+      const std::size_t before = signal.size();
+      if (signal.empty()) first = bin;
+      if (bin < first) {
+        signal.insert(signal.begin(), first - bin, 0.0);
+        first = bin;
+      }
+      if (bin >= first + signal.size()) signal.resize(bin - first + 1, 0);
+      signal[bin - first] += energy;
+      held += double(signal.size() - before);
+    }
+  };
+  using Key = std::array<std::int64_t, 7>;
+
+  glm::dvec3 difference(GridPoint p) const {
+    const GridPoint& o = scene_.apex;
+    return glm::dvec3(double(p.x) - o.x, double(p.y) - o.y, double(p.z) - o.z) * scene_.unit_m;
+  }
+
+  Lit& lit_at(std::uint32_t fan, const Link& link) {
+    const auto& v = scene_.mesh.facets[link.patch.facet];
+    const glm::dvec3 a = difference(scene_.mesh.vertices[v[0]]);
+    const glm::dvec3 front =
+        glm::cross(difference(scene_.mesh.vertices[v[1]]) - a, difference(scene_.mesh.vertices[v[2]]) - a);
+    const auto& cube = link.patch.cube;
+    Lit& lit = lit_[Key{link.interactions, fan, link.patch.facet, glm::dot(front, link.patch.normal) > 0,
+                        cube[0], cube[1], cube[2]}];
+    if (lit.signal.empty()) {
+      lit.seen_from = link.seen_from;
+      lit.normal = link.patch.normal;
+    }
+    return lit;
+  }
+
+  const PathScene& scene_;
+  double last_m_ = 0, held_ = 0;
+  std::map<Key, Lit> lit_;
+};
+
+class PatchPaths {
+ public:
+  PatchPaths(const PathScene& scene, std::span<const Image> heard, PathEcho& echo)
+      : scene_(scene),
+        echo_(echo),
+        least_(std::pow(10, -scene.settings.cutoff_db / 10)),
+        beta_(two_way_absorption_per_m(scene.law.absorption_db_per_m) / 2),
+        workers_([&] {
+          return Worker{PatchEcho(scene.law, scene.beams, scene.settings.patch_m), {}, {}};
+        }) {
+    for (const Image& image : heard)
+      if (!image.seen.empty())
+        heard_.emplace_back(scene.mesh, image, from_apex(image.windows.apex), scene.unit_m);
+  }
+
+  void follow(std::span<const Image> sent) {
+    std::vector<Source> sources;
+    for (const Image& image : sent) {
+      stop_if_wanted();
+      light(image, sources);
+    }
+    double whole = 0;
+    for (const Source& source : sources) whole += source.strength;
+    for (int scatterings = 2; !sources.empty(); ++scatterings) {
+      keep_strongest(sources, least_ * whole);
+      const bool again = scatterings < scene_.settings.scatterings;
+      Generation next(scene_);
+      Steps steps("patches", sources.size());
+      for (std::size_t first = 0; first < sources.size(); first += batch) {
+        const std::size_t count = std::min(batch, sources.size() - first);
+        std::vector<Sent> sends(count);
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+          send(sources[first + k], again, sends[k]);
+          steps.done();
+        });
+        for (std::size_t k = 0; k < count; ++k) {
+          for (const Bin& bin : sends[k].bins) echo_.by_order[bin.order].energy[bin.bin] += bin.energy;
+          for (const Link& link : sends[k].links) {
+            stop_if_wanted();
+            next.take(sources[first + k], link);
+          }
+          echo_.shared_pieces += sends[k].pieces;
+        }
+      }
+      echo_.patches += sources.size();
+      sources = next.sources();
+    }
+  }
+
+ private:
+  struct Worker {
+    PatchEcho gather;
+    SparseEnergy direct, delayed;
+  };
+
+  glm::dvec3 from_apex(GridPoint p) const {
+    const GridPoint& o = scene_.apex;
+    return glm::dvec3(double(p.x) - o.x, double(p.y) - o.y, double(p.z) - o.z) * scene_.unit_m;
+  }
+
+  /// What a patch scatters along its normal of 1 J that comes in (mu / 1 J if that is Lambert's).
+  double scattered_by(GridPoint from, const Patch& patch) const {
+    const double range = glm::length(patch.from_apex_m), sine = patch.plane_distance_m / range;
+    if (!(sine > 0)) return 0;
+    const ScatteringLaw* scattering = scene_.law.law_of(patch.facet);
+    double gain = scattering == nullptr ? scene_.law.material_mu[scene_.law.material[patch.facet]] : 1;
+    gain *= scattering_lobe(scattering, sine) / sine * std::exp(-beta_ * range);
+    if (const ReflectivityField* texture = scene_.law.texture(patch.facet))
+      gain *= texture->factor(scene_.law.apex_m + from_apex(from) + patch.from_apex_m);
+    return gain;
+  }
+
+  /// The first generation: what an image of the transmitter sees. Its delays are exact.
+  void light(const Image& image, std::vector<Source>& sources) const {
+    const int interactions = int(image.mirrors) + 1;
+    if (interactions >= scene_.settings.order) return;
+    std::vector<std::uint32_t> fan_of_window;
+    if (!scene_.beams.fan_of_transmit_tube.empty())
+      for (const std::uint32_t tube : image.own_tube)
+        fan_of_window.push_back(scene_.beams.fan_of_transmit_tube[tube]);
+    const GridPoint apex = image.windows.apex;
+    for (const Patch& patch :
+         patches_of(scene_.mesh, apex, shared_with_itself(scene_.mesh, image.look(), scene_.unit_m),
+                    scene_.unit_m, scene_.settings.patch_m, fan_of_window)) {
+      const double range = glm::length(patch.from_apex_m);
+      if (range / 2 >= scene_.samples.first_m + scene_.samples.step_m * scene_.samples.count) continue;
+      const glm::dvec3 direction = patch.from_apex_m / range;
+      Source source;
+      source.interactions = interactions;
+      source.fan = fan_of_window.empty() ? 0 : fan_of_window[patch.tube];
+      source.facet = patch.facet;
+      source.normal = patch.normal;
+      // By its whole solid angle: no patch receives more than is sent there.
+      source.strength = scattered_by(apex, patch) * patch.solid_angle_sr * image.loss.at(direction);
+      if (scene_.law.patterns != nullptr)
+        source.strength *= scene_.law.patterns->transmit[source.fan].gain(image.to_true * direction);
+      source.at = in_front(scene_.mesh, patch.facet, apex, patch.from_apex_m / scene_.unit_m, patch.normal);
+      source.signal.push_back({range, source.strength});
+      sources.push_back(std::move(source));
+    }
+  }
+
+  /// Drops the weakest, that together scatter no more than `allowed`.
+  static void keep_strongest(std::vector<Source>& sources, double allowed) {
+    std::vector<std::size_t> by_strength(sources.size());
+    std::iota(by_strength.begin(), by_strength.end(), std::size_t{0});
+    std::stable_sort(by_strength.begin(), by_strength.end(),
+                     [&](std::size_t a, std::size_t b) { return sources[a].strength < sources[b].strength; });
+    std::vector<bool> kept(sources.size(), true);
+    double dropped = 0;
+    for (const std::size_t k : by_strength) {
+      dropped += sources[k].strength;
+      if (dropped > allowed) break;
+      kept[k] = false;
+    }
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < sources.size(); ++k)
+      if (kept[k] && count++ != k) sources[count - 1] = std::move(sources[k]);
+    sources.resize(count);
+  }
+
+  void send(const Source& source, bool again, Sent& sent) {
+    const int most_mirrors = scene_.settings.order - source.interactions - 1;
+    const std::vector<Image> images =
+        scene_.finder.images_of(front_tubes(source.at, source.normal, scene_.reach), most_mirrors);
+    const ScatteringLaw* scattering = scene_.law.law_of(source.facet);
+    for (const Image& image : images) {
+      stop_if_wanted();
+      const int interactions = source.interactions + int(image.mirrors) + 1;
+      const SharedFootprints seen = shared_with_itself(scene_.mesh, image.look(), scene_.unit_m);
+      const PatchEcho::Point point{from_apex(image.windows.apex), image.loss,
+                                   glm::transpose(image.to_true) * source.normal, scattering, source.fan};
+      for (const HeardFacets& heard : heard_) {
+        const int order = interactions + int(heard.image().mirrors);
+        if (order <= scene_.settings.order && image.largest * heard.image().largest > least_)
+          hear(source, seen, point, heard, std::size_t(order), sent);
+      }
+      if (!again || interactions >= scene_.settings.order) continue;
+      for (const Patch& patch : patches_of(scene_.mesh, image.windows.apex, seen, scene_.unit_m,
+                                           scene_.settings.patch_m, {}, point.axis)) {
+        const double range = glm::length(patch.from_apex_m);
+        const glm::dvec3 direction = patch.from_apex_m / range;
+        const double sine = glm::dot(direction, point.axis);
+        if (!(sine > 0)) continue;
+        // By the whole projected solid angle: of pi times what Lambert's law sends along the normal no more
+        // arrives anywhere, however near.
+        const double gain = scattered_by(image.windows.apex, patch) * image.loss.at(direction) *
+                            scattering_lobe(scattering, sine) / sine * patch.projected_sr;
+        if (gain > 0) sent.links.push_back({interactions, patch, image.windows.apex, range, gain});
+      }
+    }
+  }
+
+  void hear(const Source& source, const SharedFootprints& seen, const PatchEcho::Point& point,
+            const HeardFacets& heard, std::size_t order, Sent& sent) {
+    Worker& worker = workers_.local();
+    const RangeSamples& samples = scene_.samples;
+    RangeSamples leg = samples;
+    if (source.signal.size() == 1) {
+      const Delayed& only = source.signal.front();
+      leg.first_m -= only.way_m / 2;
+      sent.pieces += worker.gather.add(seen, point, heard, scene_.law.apex_m, leg, worker.direct);
+      worker.direct.drain([&](std::size_t bin, double energy) {
+        sent.bins.push_back({order, bin, energy * only.strength});
+      });
+      return;
+    }
+    // The last two legs' response in half samples, then once for each delay, which are whole ones of path.
+    leg.step_m = samples.step_m / 2;
+    const double soonest = source.signal.front().way_m / 2;
+    leg.first_m = std::max(samples.first_m - source.signal.back().way_m / 2, 0.0);
+    leg.count = int(
+        std::ceil((samples.first_m + samples.step_m * samples.count - soonest - leg.first_m) / leg.step_m));
+    if (leg.count <= 0) return;
+    sent.pieces += worker.gather.add(seen, point, heard, scene_.law.apex_m, leg, worker.direct);
+    const double step = samples.step_m;
+    worker.direct.drain([&](std::size_t bin, double energy) {
+      const std::size_t beam = bin / std::size_t(leg.count);
+      const double from = leg.first_m + double(bin % std::size_t(leg.count)) * leg.step_m - samples.first_m;
+      stop_if_wanted();
+      for (const Delayed& delayed : source.signal) {
+        const double place = (from + delayed.way_m / 2) / step, sample = std::floor(place);
+        const double over = std::max(place - sample - 0.5, 0.0) * 2;  // the part in the next sample
+        const auto add = [&](double k, double part) {
+          if (part > 0 && k >= 0 && k < samples.count)
+            worker.delayed.add(beam * std::size_t(samples.count) + std::size_t(k),
+                               part * energy * delayed.strength);
+        };
+        add(sample, 1 - over);
+        add(sample + 1, over);
+      }
+    });
+    worker.delayed.drain([&](std::size_t bin, double energy) { sent.bins.push_back({order, bin, energy}); });
+  }
+
+  const PathScene& scene_;
+  PathEcho& echo_;
+  double least_, beta_;
+  std::vector<HeardFacets> heard_;
+  tbb::enumerable_thread_specific<Worker> workers_;
+};
+
+}  // namespace
+
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
+                         PathEcho& echo) {
+  PatchPaths(scene, heard, echo).follow(sent);
+}
+
+}  // namespace tubefoot

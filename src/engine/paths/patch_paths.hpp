@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "engine/paths/path_echo.hpp"
+
+// Paths that are scattered more than once. docs/paths.md
+namespace tubefoot {
+
+/// What the paths of a transmission go through; as for path_echo(). All must outlive the call.
+struct PathScene {
+  const FacetMesh& mesh;
+  double unit_m;
+  const ImageFinder& finder;
+  const BistaticBeams& beams;
+  const RangeSamples& samples;
+  const EchoLaw& law;
+  const PathSettings& settings;
+  GridPoint apex;  ///< true one of the transmitter
+  double reach;    ///< TubeSet::reach
+};
+
+/// Adds to `echo` the paths with 2 to settings.scatterings scatterings, generation by generation: what the
+/// images `sent` light becomes patches; what these light is heard by the images `heard`, and, gathered by
+/// facet and place, becomes the next patches. Of each generation the weakest patches, which together scatter
+/// less than the cut-off allows of what the first one does, are left out.
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
+                         PathEcho& echo);
+
+}  // namespace tubefoot

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/patches.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+
+#include "geometry/tubes/mirror.hpp"
+#include "geometry/work/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double most_patches = 1e8;
+
+using Triangle = std::array<glm::dvec3, 3>;
+
+/// Edge from corner k that is longest.
+std::size_t longest_edge(const Triangle& t, double& length) {
+  std::size_t longest = 0;
+  length = -1;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (const double l = glm::distance(t[k], t[(k + 1) % 3]); l > length) {
+      length = l;
+      longest = k;
+    }
+  return longest;
+}
+
+/// From the origin (Van Oosterom & Strackee 1983), which is that far from its plane.
+double solid_angle(const Triangle& t, double area, double plane_distance) {
+  const double a = glm::length(t[0]), b = glm::length(t[1]), c = glm::length(t[2]);
+  return 2 * std::atan2(2 * area * plane_distance, a * b * c + glm::dot(t[0], t[1]) * c +
+                                                       glm::dot(t[1], t[2]) * a + glm::dot(t[2], t[0]) * b);
+}
+
+/// Integral of the cosine to an axis over the solid angle of a triangle: of its edges, as seen from the
+/// origin, half the angle times the cosine between the axis and the normal of the plane through origin and
+/// edge (Lambert 1760).
+double projected_solid_angle(const Triangle& t, glm::dvec3 axis) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 &a = t[k], &b = t[(k + 1) % 3], normal = glm::cross(a, b);
+    const double length = glm::length(normal);
+    if (length > 0) sum += std::atan2(length, glm::dot(a, b)) * glm::dot(normal, axis) / length;
+  }
+  return sum / 2;
+}
+
+}  // namespace
+
+GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dvec3 place,
+                   glm::dvec3 normal) {
+  const MirrorPlane plane = MirrorPlane::of_facet(mesh, facet, apex);
+  for (double lift = 0;; lift = lift == 0 ? 1 : 2 * lift) {
+    const glm::dvec3 p = place + lift * normal;
+    const GridPoint at{apex.x + static_cast<std::int32_t>(std::lround(p.x)),
+                       apex.y + static_cast<std::int32_t>(std::lround(p.y)),
+                       apex.z + static_cast<std::int32_t>(std::lround(p.z))};
+    if (plane.side(at) > 0) return at;
+  }
+}
+
+std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SharedFootprints& seen,
+                              double unit_m, double longest_m, std::span<const std::uint32_t> label_of_tube,
+                              glm::dvec3 axis) {
+  double about = 0;
+  for (const SharedPiece& piece : seen.pieces)
+    for (std::uint32_t k = 2; k < piece.count; ++k) {
+      double length = 0;
+      longest_edge(
+          {seen.corners_m[piece.first], seen.corners_m[piece.first + k - 1], seen.corners_m[piece.first + k]},
+          length);
+      about += std::max(1.0, length * length / (longest_m * longest_m));
+    }
+  if (about > most_patches)
+    throw std::length_error(
+        fmt::format("patches of {:.3g} m: about {:.2g} of them, more than {:.2g}; make them larger",
+                    longest_m, about, most_patches));
+  std::vector<Patch> patches;
+  std::vector<Triangle> left;
+  // Each tube that sees a facet has an entry for it.
+  std::vector<const SharedFacet*> by_facet;
+  for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
+  std::stable_sort(by_facet.begin(), by_facet.end(),
+                   [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
+  std::map<std::array<std::int64_t, 4>, Patch> gathered;  // by label and cube
+  for (auto first = by_facet.begin(), end = first; first != by_facet.end(); first = end) {
+    const SharedFacet& facet = **first;
+    std::vector<SharedPiece> pieces;
+    for (; end != by_facet.end() && (*end)->facet == facet.facet; ++end)
+      for (std::uint32_t i = 0; i < (*end)->piece_count; ++i)
+        pieces.push_back(seen.pieces[(*end)->first_piece + i]);
+    glm::dvec3 corner(std::numeric_limits<double>::infinity());
+    for (const VertexId v : mesh.facets[facet.facet]) {
+      const GridPoint p = mesh.vertices[v];
+      corner = glm::min(
+          corner, glm::dvec3(double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z) * unit_m);
+    }
+    gathered.clear();
+    for (const SharedPiece& piece : pieces) {
+      stop_if_wanted();
+      for (std::uint32_t k = 2; k < piece.count; ++k)
+        left.push_back({seen.corners_m[piece.first], seen.corners_m[piece.first + k - 1],
+                        seen.corners_m[piece.first + k]});
+      while (!left.empty()) {
+        const Triangle t = left.back();
+        left.pop_back();
+        double length = 0;
+        const std::size_t k = longest_edge(t, length);
+        if (length > longest_m) {
+          const glm::dvec3 middle = (t[k] + t[(k + 1) % 3]) * 0.5;
+          left.push_back({t[k], middle, t[(k + 2) % 3]});
+          left.push_back({middle, t[(k + 1) % 3], t[(k + 2) % 3]});
+          continue;
+        }
+        const double area_m2 = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
+        if (!(area_m2 > 0)) continue;
+        const glm::dvec3 middle = (t[0] + t[1] + t[2]) / 3.0,
+                         cube = glm::floor((middle - corner) * (2 / longest_m) + 1e-3);
+        const std::int64_t label = label_of_tube.empty() ? 0 : label_of_tube[piece.transmit_tube];
+        Patch& patch = gathered[{label, std::int64_t(cube.x), std::int64_t(cube.y), std::int64_t(cube.z)}];
+        patch.cube = {std::int64_t(cube.x), std::int64_t(cube.y), std::int64_t(cube.z)};
+        patch.tube = piece.transmit_tube;
+        patch.from_apex_m += area_m2 * middle;  // the sum, so far
+        patch.area_m2 += area_m2;
+        patch.solid_angle_sr += solid_angle(t, area_m2, facet.transmit_distance_m);
+        if (axis != glm::dvec3(0)) patch.projected_sr += std::abs(projected_solid_angle(t, axis));
+      }
+    }
+    for (auto& [key, patch] : gathered) {
+      patch.facet = facet.facet;
+      patch.from_apex_m /= patch.area_m2;
+      patch.normal = facet.plane_normal;
+      patch.plane_distance_m = facet.transmit_distance_m;
+      patches.push_back(patch);
+    }
+  }
+  return patches;
+}
+
+TubeSet front_tubes(GridPoint from, glm::dvec3 normal, double reach) {
+  constexpr double right_angle = std::numbers::pi / 2, cap = 1e-3;
+  constexpr int cells = 2;
+  const glm::dvec3 n = normal;
+  const glm::dvec3 aside = std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 u = glm::normalize(glm::cross(n, aside));
+  AngularGrid grid;
+  for (int k = 0; k <= cells; ++k) {
+    const double turn = 2.0 * k / cells - 1;
+    grid.azimuth_edges_rad.push_back(turn * right_angle);
+    grid.elevation_edges_rad.push_back(turn * (right_angle - cap));
+  }
+  grid.frame = glm::dmat3(n, glm::cross(u, n), u);
+  TubeSet tubes;
+  tubes.apex = from;
+  tubes.reach = reach;
+  append_tubes(tubes, grid);
+  return tubes;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/echo/bistatic_echo.hpp"
+#include "engine/paths/image_tree.hpp"
+
+// Echoes over mirrors. docs/paths.md
+namespace tubefoot {
+
+/// Which paths, and what they meet.
+struct PathSettings {
+  int order = 1;                    ///< most interactions of a path: reflections, and a scattering
+  double cutoff_db = 100;           ///< paths that lose more are left out
+  int scatterings = 1;              ///< most of them on a path
+  double patch_m = 1;               ///< longest edge of the patches that scatter on to others
+  std::size_t most_images = 10000;  ///< of one apex; and a hundred times as many pairs of images
+  bool direct = false;              ///< also the way straight from a transmitter to a receiver apart
+  Mirrors mirrors;
+};
+
+/// Echoes of several orders.
+struct PathEcho {
+  /// By order, 0 to the highest asked for. Order 0 is the way straight from transmitter to receiver; order 1
+  /// holds only reflections without scattering: the scattering on its own is the ordinary echo.
+  std::vector<Echo> by_order;
+  std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
+};
+
+/// The echoes over mirrors of a transmission from `transmit`'s apex, heard at `receive`'s (both the same for
+/// a sonar in one place). A path of order n is
+///  - scattered once: a chain of i mirrors from the transmitter, a facet, a chain of j mirrors to the
+///    receiver, i + j + 1 = n, i + j > 0. integrate_bistatic_echo()'s law between the two images, times the
+///    reflections;
+///  - scattered n times, up to `scatterings`: chains of mirrors, or none, between facets that scatter
+///    sqrt(sigma(incident) sigma(scattered)). All but the last scatter as patches, which are points to those
+///    that they light (the error goes with the square of their size), each with its own exact visibility;
+///    what one receives over all ways is gathered, at its energy's middle, before it is scattered again. Of
+///    each scattering the weakest patches, which together send less than the cut-off of what the first one
+///    does, are left out;
+///  - not scattered: a chain of n mirrors from transmitter to receiver, of whole length L: reflections
+///    * B_T B_R 10^(-alpha L / 10) / L^2, in the sample that holds L / 2. Once for each chain and fan,
+///    however many windows meet in its direction.
+/// Patterns are taken in the directions at the true apexes. `beams.of_receive_tube` and the fans are those of
+/// the true tubes, as are `law.patterns`' tubes; `law.material` that of the mesh. TubeSet::reach must be
+/// twice the end of the last sample (in grid units). Throws std::length_error if there are more images (or
+/// pairs of them, patches, or their delays) than may be.
+PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                   const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
+                   const BistaticBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                   const PathSettings& settings);
+
+}  // namespace tubefoot

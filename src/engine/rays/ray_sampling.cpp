@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/rays/ray_sampling.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/random/binomial_distribution.hpp>
+#include <boost/random/mersenne_twister.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "geometry/numbers/wide_int.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr std::uint64_t golden = 0x9e3779b97f4a7c15u;
+
+std::uint64_t mixed(std::uint64_t x) {  // the finalizer of SplitMix64
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+double upper_uniform(std::uint64_t bits) { return (double(bits >> 32) + 0.5) * 0x1p-32; }
+double lower_uniform(std::uint64_t bits) { return (double(std::uint32_t(bits)) + 0.5) * 0x1p-32; }
+
+/// First ray of a row when `rays` are dealt to `rows`.
+std::int64_t row_begin(std::int64_t row, std::int64_t rays, std::int64_t rows) {
+  return std::int64_t(Int128(row) * rays / rows);
+}
+
+/// Directions and densities of solid angle for lanes [lane, lane + count); inlined with a constant count it
+/// becomes vector code.
+inline void evaluate(const RayPatch& patch, const double* u, const double* v, const double* weight, double* x,
+                     double* y, double* z, double* out, int count) {
+  for (int k = 0; k < count; ++k) {
+    const glm::dvec3 p = patch.at(u[k], v[k]);
+    const double inverse = 1 / std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    x[k] = p.x * inverse;
+    y[k] = p.y * inverse;
+    z[k] = p.z * inverse;
+    out[k] = patch.triple(u[k], v[k]) * (inverse * inverse * inverse) * weight[k];
+  }
+}
+
+std::vector<std::vector<std::uint32_t>> tubes_of_beams(std::span<const std::uint32_t> beam_of_tube) {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> beams;
+  for (std::uint32_t t = 0; t < beam_of_tube.size(); ++t) beams[beam_of_tube[t]].push_back(t);
+  std::vector<std::vector<std::uint32_t>> lists;
+  for (auto& [beam, list] : beams) lists.push_back(std::move(list));
+  return lists;
+}
+
+/// Deals `rays` in proportion, at least one each.
+std::vector<std::int64_t> dealt(const std::vector<double>& parts, std::int64_t rays) {
+  double total = 0, before = 0;
+  for (const double part : parts) total += part;
+  // Rounding the running total, not each share, keeps the sum at `rays`.
+  const auto share = [&](double sum) { return std::int64_t(std::llround(double(rays) * (sum / total))); };
+  std::vector<std::int64_t> counts;
+  for (const double part : parts) {
+    counts.push_back(rays == 0 ? 0 : std::max<std::int64_t>(share(before + part) - share(before), 1));
+    before += part;
+  }
+  return counts;
+}
+
+/// The numbers of `rays` independent rays that fall into each part.
+std::vector<std::int64_t> drawn(const std::vector<double>& parts, std::int64_t rays, std::uint64_t seed) {
+  boost::random::mt19937_64 random(mixed(seed + golden));
+  double left = 0;
+  for (const double part : parts) left += part;
+  std::vector<std::int64_t> counts;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const double chance = k + 1 == parts.size() ? 1 : std::min(parts[k] / left, 1.0);
+    counts.push_back(boost::random::binomial_distribution<std::int64_t, double>(rays, chance)(random));
+    rays -= counts.back();
+    left = std::max(left - parts[k], std::numeric_limits<double>::min());
+  }
+  return counts;
+}
+
+}  // namespace
+
+RaySampling ray_sampling_from_name(std::string_view name) {
+  if (name == "stratified") return RaySampling::stratified;
+  if (name == "regular") return RaySampling::regular;
+  if (name == "random") return RaySampling::random;
+  if (name == "column") return RaySampling::column;
+  throw std::invalid_argument(
+      fmt::format("there is no sampling '{}': stratified, regular, random or column", name));
+}
+
+RayPlan::RayPlan(const TubeSet& tubes, const RaySettings& settings,
+                 std::span<const std::uint32_t> beam_of_tube)
+    : settings_(settings) {
+  const std::size_t count = tubes.tubes.size();
+  if (settings.rays < 0)
+    throw std::invalid_argument(
+        fmt::format("the number of rays must not be negative, not {}", settings.rays));
+  const bool in_columns = settings.sampling == RaySampling::column;
+  const bool by_beam = settings.per == RaySettings::Per::beam;
+  if ((in_columns || by_beam) && beam_of_tube.size() != count)
+    throw std::invalid_argument(fmt::format("rays by beam need a beam for each of the {} tubes, not for {}",
+                                            count, beam_of_tube.size()));
+  std::vector<double> solid_angles;
+  for (std::size_t t = 0; t < count; ++t) {
+    patches_.emplace_back(tubes, tubes.tubes[t]);
+    if (!patches_[t].is_convex())
+      throw std::invalid_argument(
+          fmt::format("tube {} is not a convex pyramid with a solid angle: no rays can be drawn from it", t));
+    solid_angles.push_back(patches_[t].solid_angle(0, 1, 0, 1));
+  }
+  if (count == 0 || settings.rays == 0) return;
+  if (!in_columns) {
+    share_out(solid_angles, by_beam ? beam_of_tube : std::span<const std::uint32_t>());
+    return;
+  }
+  std::vector<double> parts;
+  for (const auto& beam : tubes_of_beams(beam_of_tube)) {
+    columns_.emplace_back(tubes, patches_, beam);
+    parts.push_back(columns_.back().solid_angle());
+  }
+  std::vector<std::int64_t> counts(columns_.size(), settings.rays);
+  if (!by_beam) counts = dealt(parts, settings.rays);
+  for (const std::int64_t rays : counts) {
+    shares_.push_back({rays_, rays, 0, 0});
+    rays_ += rays;
+  }
+}
+
+void RayPlan::share_out(std::span<const double> solid_angles, std::span<const std::uint32_t> beam_of_tube) {
+  const std::vector<std::uint32_t> one_group(solid_angles.size(), 0);
+  shares_.resize(solid_angles.size());
+  std::size_t group = 0;
+  for (const auto& tubes : tubes_of_beams(beam_of_tube.empty() ? one_group : beam_of_tube)) {
+    std::vector<double> parts;
+    double total = 0;
+    for (const std::uint32_t t : tubes) {
+      parts.push_back(solid_angles[t]);
+      total += solid_angles[t];
+    }
+    const bool random = settings_.sampling == RaySampling::random;
+    const auto counts =
+        random ? drawn(parts, settings_.rays, settings_.seed + mixed(++group)) : dealt(parts, settings_.rays);
+    for (std::size_t k = 0; k < tubes.size(); ++k)
+      shares_[tubes[k]] = {0, counts[k], 0, total / double(settings_.rays)};
+  }
+  for (std::size_t t = 0; t < shares_.size(); ++t) {
+    Share& share = shares_[t];
+    share.first = rays_;
+    rays_ += share.rays;
+    const auto& c = patches_[t].corners();
+    const double width = glm::length(c[1] - c[0]) + glm::length(c[2] - c[3]);
+    const double height = glm::length(c[3] - c[0]) + glm::length(c[2] - c[1]);
+    const double rows = std::round(std::sqrt(double(share.rays) * height / width));
+    share.rows = std::int64_t(std::clamp(rows, 1.0, std::max(double(share.rays), 1.0)));
+  }
+}
+
+RaySource::RaySource(const RayPlan& plan, std::int64_t first, std::int64_t end)
+    : plan_(plan), next_(first), end_(end) {}
+
+bool RaySource::next(RayPacket& packet) {
+  int lane = 0;
+  while (lane < RayPacket::size && next_ < end_) {
+    if (run_next_ == run_end_) start_run();
+    const int count = int(std::min<std::int64_t>(RayPacket::size - lane, run_end_ - run_next_));
+    if (!plan_.columns_.empty())
+      next_of_column(packet, lane, count);
+    else if (plan_.settings_.sampling == RaySampling::random)
+      next_random(packet, lane, count);
+    else
+      next_cells(packet, lane, count);
+    lane += count;
+    next_ += count;
+  }
+  packet.count = lane;
+  return lane > 0;
+}
+
+void RaySource::start_run() {
+  const auto& shares = plan_.shares_;
+  const auto after =
+      std::upper_bound(shares.begin(), shares.end(), next_,
+                       [](std::int64_t ray, const RayPlan::Share& share) { return ray < share.first; });
+  run_ = std::size_t(after - shares.begin() - 1);
+  const RayPlan::Share& share = shares[run_];
+  run_next_ = next_ - share.first;
+  run_end_ = std::min(end_ - share.first, share.rays);
+  key_ = mixed(mixed(plan_.settings_.seed + golden) + golden * (run_ + 1));
+  if (!plan_.columns_.empty())
+    cursor_ = plan_.columns_[run_].start(run_next_, share.rays);
+  else if (plan_.settings_.sampling == RaySampling::random)
+    draw_run();
+  else
+    start_band(std::int64_t((Int128(run_next_ + 1) * share.rows - 1) / share.rays));
+}
+
+void RaySource::next_of_column(RayPacket& packet, int lane, int count) {
+  for (const int end = lane + count; lane < end; ++lane) {
+    const RayColumn::Ray ray =
+        plan_.columns_[run_].next(cursor_, plan_.patches_, run_next_++, plan_.shares_[run_].rays);
+    packet.x[lane] = ray.direction.x;
+    packet.y[lane] = ray.direction.y;
+    packet.z[lane] = ray.direction.z;
+    packet.weight[lane] = ray.solid_angle_sr;
+    packet.tube[lane] = ray.tube;
+  }
+}
+
+void RaySource::start_band(std::int64_t row) {
+  const RayPlan::Share& share = plan_.shares_[run_];
+  const std::int64_t first_row = row - row % band_rows;
+  band_height_ = int(std::min<std::int64_t>(band_rows, share.rows - first_row));
+  full_columns_ = std::numeric_limits<std::int64_t>::max();
+  for (int k = 0; k < band_height_; ++k) {
+    const std::int64_t begin = row_begin(first_row + k, share.rays, share.rows);
+    const std::int64_t count = row_begin(first_row + k + 1, share.rays, share.rows) - begin;
+    row_[k] = {begin, count, 1 / double(count), -1, 1};
+    full_columns_ = std::min(full_columns_, count);
+  }
+  // Rows differ by one ray at most: the longer ones' last rays follow at the end.
+  const std::int64_t walked = run_next_ - row_[0].begin, full = full_columns_ * band_height_;
+  column_ = std::min(walked / band_height_, full_columns_);
+  row_in_band_ = walked < full ? int(walked % band_height_) : 0;
+  if (walked < full) return;
+  for (std::int64_t skip = walked - full;; ++row_in_band_)
+    if (row_[row_in_band_].count > full_columns_ && skip-- == 0) break;
+}
+
+double RaySource::row_factor(const Row& row) const {
+  const RayPlan::Share& share = plan_.shares_[run_];
+  const RayPatch& patch = plan_.patches_[run_];
+  const std::int64_t from = row.segment * segment_length, to = std::min(from + segment_length, row.count);
+  const double v = (double(row.begin) + 0.5 * double(row.count)) / double(share.rays);
+  double sum = 0;
+  for (std::int64_t column = from; column < to; ++column) {
+    const double u = (double(column) + 0.5) * row.u_step;
+    const glm::dvec3 p = patch.at(u, v);
+    const double inverse = 1 / std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    sum += patch.triple(u, v) * (inverse * inverse * inverse);
+  }
+  return patch.solid_angle(double(from) * row.u_step, double(to) * row.u_step,
+                           double(row.begin) / double(share.rays),
+                           double(row.begin + row.count) / double(share.rays)) /
+         (sum / double(share.rays));
+}
+
+void RaySource::next_cells(RayPacket& packet, int lane, int count) {
+  const RayPlan::Share& share = plan_.shares_[run_];
+  const bool jitter = plan_.settings_.sampling == RaySampling::stratified;
+  const double cell = 1 / double(share.rays);
+  std::array<double, RayPacket::size> u{}, v{}, weight{};
+  for (int k = 0; k < count; ++k, ++run_next_) {
+    while (column_ == full_columns_ && (row_in_band_ < band_height_) &&
+           row_[row_in_band_].count == full_columns_)
+      ++row_in_band_;
+    if (column_ == full_columns_ && row_in_band_ == band_height_)
+      start_band(std::int64_t((Int128(run_next_ + 1) * share.rows - 1) / share.rays));
+    Row& row = row_[row_in_band_];
+    double du = 0.5, dv = 0.5;
+    if (jitter) {
+      const std::uint64_t bits = mixed(key_ + golden * std::uint64_t(run_next_ + 1));
+      du = upper_uniform(bits);
+      dv = lower_uniform(bits);
+    } else if (row.segment != column_ / segment_length) {
+      row.segment = column_ / segment_length;
+      row.factor = row_factor(row);
+    }
+    u[k] = (double(column_) + du) * row.u_step;
+    v[k] = (double(row.begin) + dv * double(row.count)) * cell;
+    weight[k] = row.factor * cell;
+    if (++row_in_band_ == band_height_ && column_ < full_columns_) {
+      row_in_band_ = 0;
+      ++column_;
+    }
+  }
+  place(packet, lane, count, u.data(), v.data(), weight.data());
+}
+
+void RaySource::draw_run() {
+  const RayPlan::Share& share = plan_.shares_[run_];
+  const RayPatch& patch = plan_.patches_[run_];
+  const double bound = patch.density_bound();
+  const auto draw = [&](std::int64_t ray) {
+    std::uint64_t state = mixed(key_ + golden * std::uint64_t(ray + 1));
+    std::array<double, 2> place{0.5, 0.5};
+    constexpr int patience = 1000;  // never needed: a quarter or more of the draws are kept
+    for (int attempt = 0; attempt < patience; ++attempt) {
+      const std::uint64_t bits = mixed(state += golden);
+      place = {upper_uniform(bits), lower_uniform(bits)};
+      const glm::dvec3 p = patch.at(place[0], place[1]);
+      const double length2 = p.x * p.x + p.y * p.y + p.z * p.z;
+      const double density = patch.triple(place[0], place[1]) / (length2 * std::sqrt(length2));
+      if (upper_uniform(mixed(state += golden)) * bound <= density) break;
+    }
+    return place;
+  };
+  // Sorted by place (a counting sort into bins of about a packet), so that packets are coherent.
+  const auto count = std::size_t(run_end_ - run_next_);
+  const double bins = double(count) / RayPacket::size + 1;
+  const double aspect = double(share.rows) / double(share.rays) * double(share.rows);
+  const auto rows = std::size_t(std::clamp(std::round(std::sqrt(bins * aspect)), 1.0, bins));
+  const auto columns = std::size_t(bins / double(rows)) + 1;
+  drawn_.resize(count);
+  sorted_.resize(count);
+  bin_.resize(count);
+  bin_begin_.assign(rows * columns + 1, 0);
+  for (std::size_t k = 0; k < count; ++k) {
+    drawn_[k] = draw(run_next_ + std::int64_t(k));
+    bin_[k] = std::uint32_t(std::size_t(drawn_[k][1] * double(rows)) * columns +
+                            std::size_t(drawn_[k][0] * double(columns)));
+    ++bin_begin_[bin_[k] + 1];
+  }
+  for (std::size_t b = 1; b < bin_begin_.size(); ++b) bin_begin_[b] += bin_begin_[b - 1];
+  for (std::size_t k = 0; k < count; ++k) sorted_[bin_begin_[bin_[k]]++] = drawn_[k];
+  sorted_begin_ = run_next_;
+}
+
+void RaySource::next_random(RayPacket& packet, int lane, int count) {
+  std::array<double, RayPacket::size> u{}, v{}, weight{};
+  for (int k = 0; k < count; ++k, ++run_next_) {
+    const auto& place = sorted_[std::size_t(run_next_ - sorted_begin_)];
+    u[k] = place[0];
+    v[k] = place[1];
+  }
+  place(packet, lane, count, u.data(), v.data(), weight.data());
+  std::fill_n(packet.weight.begin() + lane, count, plan_.shares_[run_].weight);
+}
+
+void RaySource::place(RayPacket& packet, int lane, int count, const double* u, const double* v,
+                      const double* weight) const {
+  const RayPatch& patch = plan_.patches_[run_];
+  double *x = packet.x.data() + lane, *y = packet.y.data() + lane, *z = packet.z.data() + lane,
+         *out = packet.weight.data() + lane;
+  if (count == RayPacket::size)
+    evaluate(patch, u, v, weight, x, y, z, out, RayPacket::size);
+  else
+    evaluate(patch, u, v, weight, x, y, z, out, count);
+  std::fill_n(packet.tube.begin() + lane, count, std::uint32_t(run_));
+}
+
+}  // namespace tubefoot

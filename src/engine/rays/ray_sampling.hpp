@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "engine/rays/ray_columns.hpp"
+#include "engine/rays/ray_patch.hpp"
+#include "geometry/tubes/tube.hpp"
+
+namespace tubefoot {
+
+/// Where the rays of a ping go, and what each one stands for. An integral over directions is estimated by the
+/// sum of weight times integrand over the rays, hits and misses.
+///
+/// - stratified: a tube's patch is cut into as many cells as it has rays; each cell gets one direction,
+///   uniform in the patch's (u, v), and weighs cell area times density of solid angle there. Unbiased; the
+///   weights sum to the tube's solid angle in expectation.
+/// - regular: the middles of the same cells. The weights sum to the tube's solid angle exactly.
+/// - random: independent and uniform in solid angle over the sector (rays per ping) or the beam (rays per
+///   beam), all of one weight. Unbiased; the weights sum to the sector's or beam's solid angle exactly, to
+///   the tube's in expectation.
+/// - column: one column of rays at the middle of each beam, at equal angles along its longer side, each with
+///   its share of the beam's solid angle; they sum to it exactly. What existing simulators do.
+enum class RaySampling { stratified, regular, random, column };
+
+/// The sampling of that name; throws std::invalid_argument.
+RaySampling ray_sampling_from_name(std::string_view name);
+
+struct RaySettings {
+  enum class Per { ping, beam };
+  RaySampling sampling = RaySampling::stratified;
+  /// Shared out by solid angle, among all tubes or among the tubes of each beam. Except in `random`, every
+  /// tube (`column`: every beam) gets one at least.
+  std::int64_t rays = 0;
+  Per per = Per::ping;
+  std::uint64_t seed = 1;
+};
+
+/// Sixteen rays that lie side by side: what Embree traces at once.
+struct RayPacket {
+  static constexpr int size = 16;
+  int count = 0;                                         ///< lanes in use, from 0
+  alignas(64) std::array<double, size> x, y, z, weight;  ///< unit direction; solid angle [sr]
+  std::array<std::uint32_t, size> tube;
+};
+
+/// All rays of one ping, numbered from 0 in the order of their tubes, none of them computed yet.
+class RayPlan {
+ public:
+  /// `beam_of_tube` may be empty where no beam is needed: counts per ping, and not in columns. Throws
+  /// std::invalid_argument for a negative number of rays, a tube that is no convex pyramid, beams that do not
+  /// fit the tubes, and `column` where a beam's tubes form no grid. Keeps no reference.
+  RayPlan(const TubeSet& tubes, const RaySettings& settings, std::span<const std::uint32_t> beam_of_tube);
+
+  std::int64_t rays() const { return rays_; }
+  /// Good lengths for a RaySource: random rays are coherent only when many are drawn, and sorted, together.
+  std::int64_t rays_at_a_time() const {
+    return settings_.sampling == RaySampling::random ? 1 << 16 : 1 << 12;
+  }
+
+ private:
+  friend class RaySource;
+  struct Share {  // of a tube, or of a column
+    std::int64_t first = 0, rays = 0, rows = 0;
+    double weight = 0;  // of each ray, in `random`
+  };
+  void share_out(std::span<const double> solid_angles, std::span<const std::uint32_t> beam_of_tube);
+
+  RaySettings settings_;
+  std::vector<RayPatch> patches_;
+  std::vector<RayColumn> columns_;
+  std::vector<Share> shares_;
+  std::int64_t rays_ = 0;
+};
+
+/// Computes the rays [first, end) of a plan. A ray's direction and weight depend on (tubes, settings, ray)
+/// alone; only the order of random rays, which come sorted by place, depends on [first, end).
+class RaySource {
+ public:
+  RaySource(const RayPlan& plan, std::int64_t first, std::int64_t end);
+  /// The next rays, up to 16, neighbours where possible. False when there are no more.
+  bool next(RayPacket& packet);
+
+ private:
+  // A tube's rays lie in rows of cells. Bands of four rows are walked across, so that sixteen rays in a row
+  // are a block of four by four.
+  static constexpr int band_rows = 4;
+  // Weights of `regular` are corrected to the exact solid angle of so many cells of a row together.
+  static constexpr std::int64_t segment_length = 64;
+  struct Row {
+    std::int64_t begin = 0, count = 0;  // rays of the tube before it, and in it
+    double u_step = 0;
+    std::int64_t segment = -1;
+    double factor = 1;  // of the weights in the segment
+  };
+
+  void start_run();
+  void start_band(std::int64_t row);
+  double row_factor(const Row& row) const;
+  void draw_run();
+  void next_cells(RayPacket& packet, int lane, int count);
+  void next_random(RayPacket& packet, int lane, int count);
+  void next_of_column(RayPacket& packet, int lane, int count);
+  void place(RayPacket& packet, int lane, int count, const double* u, const double* v,
+             const double* weight) const;
+
+  const RayPlan& plan_;
+  std::int64_t next_, end_;
+  std::size_t run_ = 0;  // the tube or column of the rays at hand
+  std::int64_t run_next_ = 0, run_end_ = 0;
+  std::uint64_t key_ = 0;
+  std::array<Row, band_rows> row_;
+  std::int64_t full_columns_ = 0, column_ = 0;
+  int band_height_ = 0, row_in_band_ = 0;
+  std::vector<std::array<double, 2>> drawn_, sorted_;
+  std::vector<std::uint32_t> bin_, bin_begin_;
+  std::int64_t sorted_begin_ = 0;
+  RayColumn::Cursor cursor_;
+};
+
+}  // namespace tubefoot

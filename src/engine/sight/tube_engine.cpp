@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/sight/tube_engine.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include "geometry/footprints/footprint_builder.hpp"
+#include "geometry/integrals/measure.hpp"
+#include "geometry/work/steps.hpp"
+
+namespace tubefoot {
+
+/// Per thread. No task is started while one is in use, so nested parallel loops cannot enter it twice.
+struct TubeEngine::Scratch {
+  struct Buffers {
+    VisibilityScratch visibility;
+    TubeVisibility seen;
+  };
+  tbb::enumerable_thread_specific<Buffers> threads;
+};
+
+TubeEngine::TubeEngine(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                       const VisibilityOptions& options)
+    : mesh_(mesh),
+      tree_(tree),
+      grid_unit_m_(grid_unit_m),
+      options_(options),
+      scratch_(std::make_unique<Scratch>()) {}
+
+TubeEngine::~TubeEngine() = default;
+
+History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured) const {
+  std::vector<FootprintSet> per_tube(tubes.tubes.size());
+  std::vector<std::size_t> looked_at(tubes.tubes.size());
+  const std::vector<TubeRun> runs = runs_of(tubes);
+  Steps steps("tubes", tubes.tubes.size());
+  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
+    auto& [visibility, sees] = scratch_->threads.local();
+    const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
+    see_run(mesh_, tree_, tubes, runs[run], options_, visibility, sees, [&](std::uint32_t tube) {
+      append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_tube[tube]);
+      if (measured) measure(per_tube[tube]);
+      looked_at[tube] = seen.candidates;
+      steps.done();
+    });
+  });
+  History history;
+  history.footprints = joined(per_tube);
+  if (candidates)
+    for (const std::size_t n : looked_at) *candidates += n;
+  history.tubes = std::move(tubes);
+  history.grid_unit_m = grid_unit_m_;
+  return history;
+}
+
+std::vector<TubeAudit> TubeEngine::audit(const TubeSet& tubes, std::uint64_t label) const {
+  VisibilityOptions options = options_;
+  options.open_water = true;
+  std::vector<TubeAudit> audits(tubes.tubes.size());
+  Steps steps("tubes", tubes.tubes.size());
+  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(tubes.tubes.size()),
+                    [&](std::uint32_t tube) {
+                      auto& [visibility, seen] = scratch_->threads.local();
+                      see(mesh_, tree_, tubes, tube, options, visibility, seen);
+                      audits[tube] = tubefoot::audit(mesh_, tubes, tube, seen, (label << 32) | tube);
+                      steps.done();
+                    });
+  return audits;
+}
+
+}  // namespace tubefoot

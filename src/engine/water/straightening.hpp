@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+#include <optional>
+
+#include "engine/water/eigenray.hpp"
+
+namespace tubefoot {
+
+/// Where a point seems to be, and the ray that leads to it.
+struct ApparentPoint {
+  glm::dvec3 at_m{0};
+  Eigenray ray;
+  int eigenrays = 1;  ///< rays that lead there, of the branches that are looked for
+};
+
+/// Makes curved rays from one apex straight: a point goes to the direction in which its ray is launched, at
+/// the distance that sound would cover in the ray's time at a reference speed. What the apex sees of the
+/// apparent points along straight rays, and when, is what it sees of the true ones along the curved.
+///
+/// Local frame: z up, depth = surface height - z. Of several rays the first to arrive is taken, and their
+/// number told.
+class Straightening {
+ public:
+  /// Refers to `water`. `reference_speed_m_s`: else the apex's own. Throws std::invalid_argument for an apex
+  /// above the surface.
+  Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
+                const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {});
+
+  /// None where no ray leads to (a shadow zone).
+  std::optional<ApparentPoint> apparent(glm::dvec3 point_m) const;
+
+  /// The sound speed that times become ranges by.
+  double reference_speed_m_s() const { return reference_speed_m_s_; }
+  glm::dvec3 apex_m() const { return apex_m_; }
+  double depth_m(glm::dvec3 point_m) const { return surface_height_m_ - point_m.z; }
+  const WaterColumn& water() const { return finder_.water(); }
+  const EigenrayFinder& finder() const { return finder_; }
+
+  /// Direction of travel on arrival at a point, unit vector; `ray` as apparent() found it.
+  glm::dvec3 arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const;
+
+  /// 1 / (spreading loss) that one square metre facing the ray at the true point returns to the apex, per
+  /// steradian at the apex: area per steradian from the point back, by reciprocity A c_apex^2 / c_point^2.
+  double return_area_m2_per_sr(glm::dvec3 point_m, const Eigenray& ray) const;
+
+ private:
+  EigenrayFinder finder_;
+  glm::dvec3 apex_m_;
+  double surface_height_m_, reference_speed_m_s_;
+};
+
+/// The second-order gap of an edge: how far the image of its middle lies from the middle of its ends' images.
+/// `a`, `b`, `middle` are apparent points.
+double edge_gap_m(glm::dvec3 a, glm::dvec3 b, glm::dvec3 middle);
+
+/// What the echo of a facet's corner, or of its centre, needs of its ray.
+struct CornerReturn {
+  glm::dvec3 arrival{0};  ///< direction of travel, unit vector
+  /// exp(-2 path absorption) / (A_out A_back), 1/m4: what comes back by way of a square metre that faces the
+  /// ray; not finite on a caustic.
+  double density_per_m4 = 0;
+  /// (R^2 / A_back) exp(-2 (path absorption - reference absorption R)), with R the apparent range and A_back
+  /// the area per steradian from the point back to the apex; not finite on a caustic.
+  double spreading = 1;
+};
+CornerReturn corner_return(const Straightening& straightening, glm::dvec3 point_m, const ApparentPoint& image,
+                           double reference_absorption_db_per_m);
+
+/// Energy flux: the sonar sends energy into a tube of launch directions, the facet intercepts it whatever the
+/// tube's shape, scatters about its true normal at the true grazing angle, and the receiver hears through the
+/// tube from the point back: sigma(grazing) times the density of CornerReturn a square metre. The straight
+/// law makes sigma(seen) exp(-2 reference absorption r) / r^4 of its apparent image.
+///
+/// The factor between the two, for a whole facet: the ratio of their integrals, each by a rule over corners
+/// (a twelfth each) and centre (three quarters), which is exact for polynomials of second degree, so that
+/// large facets are not biased. `returns[3]`: at the centre of the true corners; null `centre`: small facets,
+/// by their corners alone. `seen_m`: the image's corners, relative to the apex. `sigma(sine)`: cross-section
+/// a square metre, but for a factor. 0 where the image is edge-on.
+template <class Sigma>
+double facet_factor(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3],
+                    const CornerReturn (&returns)[3], const CornerReturn* centre,
+                    double reference_absorption_db_per_m, const Sigma& sigma) {
+  const glm::dvec3 lies = glm::cross(corners_m[1] - corners_m[0], corners_m[2] - corners_m[0]),
+                   seen = glm::cross(seen_m[1] - seen_m[0], seen_m[2] - seen_m[0]);
+  const double lies_area = glm::length(lies), seen_area = glm::length(seen);
+  if (!(lies_area > 0 && seen_area > 0)) return 0;
+  const auto sine = [](const glm::dvec3& normal, double area, const glm::dvec3& along) {
+    const double length = area * glm::length(along);
+    return length > 0 ? std::abs(glm::dot(normal, along)) / length : 0;
+  };
+  double bent = 0, straight = 0;
+  const auto add = [&](double weight, const CornerReturn& returned, const glm::dvec3& seen_at_m) {
+    const double r2 = glm::dot(seen_at_m, seen_at_m);
+    bent += weight * sigma(sine(lies, lies_area, returned.arrival)) * returned.density_per_m4;
+    straight += weight * sigma(sine(seen, seen_area, seen_at_m)) / (r2 * r2) *
+                std::exp(-reference_absorption_db_per_m * std::sqrt(r2) * std::numbers::ln10 / 5);
+  };
+  for (int i = 0; i < 3; ++i) add(centre != nullptr ? 1.0 / 12 : 1.0 / 3, returns[i], seen_m[i]);
+  if (centre != nullptr) add(0.75, *centre, (seen_m[0] + seen_m[1] + seen_m[2]) / 3.0);
+  return straight > 0 ? bent * lies_area / (straight * seen_area) : 0;
+}
+
+inline double lambert_sigma(double sine) { return sine * sine; }
+
+}  // namespace tubefoot

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <glm/vec2.hpp>
+#include <string>
+#include <vector>
+
+#include "footprints/coverage_file.hpp"
+
+namespace tubefoot {
+
+/// A plan of how many pings see what: north up, what lies highest covers what is below it. Pixels take the
+/// cell at their centre.
+class CoveragePicture {
+ public:
+  explicit CoveragePicture(const Scene& scene) : scene_(scene) {}
+  void add(const CoveredFacet& facet);
+  /// Throws std::runtime_error naming the file.
+  void write(const std::filesystem::path& file, const std::string& title) const;
+
+ private:
+  enum : int { out_of_sector = -2, in_shadow = -1 };
+  struct Polygon {
+    std::size_t first, count;
+    int pings;  ///< or one of the two above
+  };
+
+  const Scene& scene_;
+  std::vector<Polygon> polygons_;
+  std::vector<glm::dvec3> corners_;
+  glm::dvec2 lo_{1e300}, hi_{-1e300};
+  int most_ = 1;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "footprints/footprint_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "engine/echo/footprint_energy.hpp"
+#include "engine/sight/tube_engine.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/sensor_law.hpp"
+#include "run/settings.hpp"
+#include "run/shot_ground.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+
+using T = FootprintTable;
+const std::array<FootprintColumn, 20> columns{{
+    {"ping", "1", "ping, counted from 0", &T::ping},
+    {"shot", "1", "shot of the ping, counted from 0", &T::shot},
+    {"beam", "1", "beam that the tube belongs to, counted from 0", &T::beam},
+    {"tube", "1", "tube of the shot, counted from 0", &T::tube},
+    {"facet", "1", "facet of the shot's ground, counted from 0", &T::facet},
+    {"base_facet", "1", "facet of the scene as loaded, counted from 0", &T::base_facet},
+    {"component_index", "1", "component of the scene, counted from 0", &T::component},
+    {"material_index", "1", "material of the scene, counted from 0", &T::material},
+    {"path_order", "1", "interactions of the path: 1 is the ordinary echo", &T::path_order},
+    {"area_m2", "m2", "area", &T::area_m2},
+    {"solid_angle_sr", "sr", "solid angle at the sensor", &T::solid_angle_sr},
+    {"grazing_deg", "degree", "grazing angle at the centroid", &T::grazing_deg},
+    {"azimuth_deg", "degree", "direction of the centroid from the sensor, clockwise from north",
+     &T::azimuth_deg},
+    {"slant_range_min_m", "m", "slant range of the nearest point", &T::slant_range_min_m},
+    {"slant_range_max_m", "m", "slant range of the farthest point", &T::slant_range_max_m},
+    {"energy_j", "J", "energy in all beams and range samples, for 1 J/sr sent at 1 m", &T::energy_j},
+    {"own_beam_energy_j", "J", "energy in the tube's own beam, over its range samples",
+     &T::own_beam_energy_j},
+    {"centroid_east_m", "m", "centroid, east in the local frame", &T::centroid_east_m},
+    {"centroid_north_m", "m", "centroid, north in the local frame", &T::centroid_north_m},
+    {"centroid_up_m", "m", "centroid, up in the local frame", &T::centroid_up_m},
+}};
+
+template <class Value>
+void append_all(std::vector<Value>& to, const std::vector<Value>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+/// Offsets that begin with 0 after others.
+void append_offsets(std::vector<std::uint64_t>& to, const std::vector<std::uint64_t>& from) {
+  const std::uint64_t base = to.back();
+  for (std::size_t k = 1; k < from.size(); ++k) to.push_back(base + from[k]);
+}
+
+FootprintEnergies energies_of(const Survey& survey, const ShotGround& ground, const History& history,
+                              std::size_t sensor_index, std::size_t ping, std::size_t shot) {
+  const Sensor& sensor = *survey.sensors[sensor_index].sensor;
+  const SensorLaw law(survey, ground, sensor_index, ping, shot);
+  const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot);
+  const auto beams = static_cast<int>(sensor.beams_of_shot(shot).size());
+  if (!sensor.has_receiver_apart())
+    return footprint_energies(history, beam_of_tube, beams, sensor.samples(), law.law,
+                              binning_from_name(survey.scene.description.run.binning));
+  const BistaticHistory both = trace_bistatic(ground.mesh(), ground.tree(), survey.scene.grid.unit_m(),
+                                              options_of(survey.scene.description.run),
+                                              survey.tubes(shots_of(survey, sensor_index), ping, shot),
+                                              survey.receive_tubes(sensor_index, ping, shot));
+  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot);
+  return footprint_energies(history.footprints, both, beam_of_tube, {beams, beam_of_tube, fans, fans},
+                            sensor.samples(), law.law);
+}
+
+}  // namespace
+
+std::span<const FootprintColumn> footprint_columns() { return columns; }
+
+void FootprintTable::append(const FootprintTable& more) {
+  for (const FootprintColumn& column : columns)
+    std::visit([&](auto values) { append_all(this->*values, more.*values); }, column.values);
+  append_offsets(first_piece, more.first_piece);
+  append_offsets(first_corner, more.first_corner);
+  append_offsets(first_occluder, more.first_occluder);
+  append_all(corners_m, more.corners_m);
+  append_all(occluders, more.occluders);
+}
+
+const SharedShots& shots_of(const Survey& survey, std::size_t sensor) {
+  return *std::find_if(survey.shots.begin(), survey.shots.end(), [&](const SharedShots& group) {
+    return std::find(group.sensors.begin(), group.sensors.end(), sensor) != group.sensors.end();
+  });
+}
+
+ChosenTubes chosen_tubes(const Survey& survey, std::size_t sensor_index, std::size_t ping, std::size_t shot,
+                         std::span<const std::uint32_t> beams) {
+  const SensorPings& pings = survey.sensors[sensor_index];
+  const Sensor& sensor = *pings.sensor;
+  ChosenTubes chosen{sensor.tubes(pings.shot_pose(ping, shot), survey.scene.grid, shot), {}};
+  const std::vector<Tube> all = std::move(chosen.set.tubes);
+  chosen.set.tubes.clear();
+  for (std::uint32_t tube = 0; tube < all.size(); ++tube) {
+    const std::uint32_t beam = sensor.beams_of_shot(shot)[sensor.beam_of_tube(shot)[tube]];
+    if (!beams.empty() && !std::binary_search(beams.begin(), beams.end(), beam)) continue;
+    chosen.set.tubes.push_back(all[tube]);
+    chosen.number.push_back(tube);
+  }
+  return chosen;
+}
+
+FootprintTable footprint_table(const Survey& survey, std::size_t sensor_index, std::size_t ping,
+                               std::size_t shot, std::span<const std::uint32_t> beams) {
+  FootprintTable table;
+  ChosenTubes chosen = chosen_tubes(survey, sensor_index, ping, shot, beams);
+  if (chosen.set.tubes.empty()) return table;
+  const Scene& scene = survey.scene;
+  const Sensor& sensor = *survey.sensors[sensor_index].sensor;
+  const ShotGround ground = ground_of(survey, shots_of(survey, sensor_index), ping, shot);
+  const TubeEngine engine(ground.mesh(), ground.tree(), scene.grid.unit_m(),
+                          options_of(scene.description.run));
+  History history = engine.trace(std::move(chosen.set));
+  for (Footprint& footprint : history.footprints.footprints) footprint.tube = chosen.number[footprint.tube];
+  const FootprintEnergies energies = energies_of(survey, ground, history, sensor_index, ping, shot);
+
+  const FootprintSet& set = history.footprints;
+  const ApparentGround* apparent = ground.apparent();
+  const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
+  for (std::size_t k = 0; k < set.footprints.size(); ++k) {
+    stop_if_wanted();
+    const Footprint& footprint = set.footprints[k];
+    const FacetId facet = footprint.facet;
+    const auto true_place = [&](glm::dvec3 from_apex_m) {
+      const glm::dvec3 seen_m = apex + from_apex_m;
+      return apparent == nullptr ? seen_m : apparent->true_place(facet, seen_m, scene.grid);
+    };
+    table.ping.push_back(static_cast<std::uint32_t>(ping));
+    table.shot.push_back(static_cast<std::uint32_t>(shot));
+    table.beam.push_back(sensor.beams_of_shot(shot)[sensor.beam_of_tube(shot)[footprint.tube]]);
+    table.tube.push_back(footprint.tube);
+    table.facet.push_back(facet);
+    table.base_facet.push_back(ground.base_facet(facet));
+    table.component.push_back(ground.mesh().component[facet]);
+    table.material.push_back(ground.mesh().material[facet]);
+    table.path_order.push_back(1);
+    table.area_m2.push_back(footprint.area_m2 *
+                            (apparent == nullptr ? 1 : apparent->area_ratio(facet, scene.grid)));
+    table.solid_angle_sr.push_back(footprint.solid_angle_sr);
+    table.grazing_deg.push_back(footprint.grazing_angle_rad * degrees);
+    const double azimuth = std::atan2(footprint.centroid_m.x, footprint.centroid_m.y) * degrees;
+    table.azimuth_deg.push_back(azimuth < 0 ? std::fmod(azimuth + 360, 360) : azimuth);
+    table.slant_range_min_m.push_back(footprint.slant_range_min_m);
+    table.slant_range_max_m.push_back(footprint.slant_range_max_m);
+    table.energy_j.push_back(energies.all_beams[k]);
+    table.own_beam_energy_j.push_back(energies.own_beam[k]);
+    const glm::dvec3 centroid = true_place(footprint.centroid_m);
+    table.centroid_east_m.push_back(centroid.x);
+    table.centroid_north_m.push_back(centroid.y);
+    table.centroid_up_m.push_back(centroid.z);
+    for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
+      const Piece& piece = set.pieces[footprint.first_piece + p];
+      for (std::uint32_t c = piece.count; c-- > 0;)
+        table.corners_m.push_back(true_place(set.corners_m[piece.first + c]));
+      table.first_corner.push_back(table.corners_m.size());
+    }
+    table.first_piece.push_back(table.first_corner.size() - 1);
+    const auto occluder = set.occluders.begin() + footprint.first_occluder;
+    table.occluders.insert(table.occluders.end(), occluder, occluder + footprint.occluder_count);
+    table.first_occluder.push_back(table.occluders.size());
+  }
+  return table;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/abilities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "engine/certified/reference.hpp"
+#include "files/usage_error.hpp"
+#include "run/own_engine.hpp"
+#include "run/paths.hpp"
+#include "run/survey.hpp"
+#include "scene/rasters/terrain_tiles.hpp"
+
+namespace tubefoot {
+namespace {
+
+using enum Feature;
+
+constexpr std::array<std::string_view, features> names{"refraction",
+                                                       "mirrors, further paths",
+                                                       "receiver apart",
+                                                       "two receivers",
+                                                       "tiles",
+                                                       "relief each shot",
+                                                       "scattering law",
+                                                       "micro-texture",
+                                                       "unbounded texture",
+                                                       "--reference",
+                                                       "double arithmetic",
+                                                       "fast binning",
+                                                       "rays",
+                                                       "an engine of one's own",
+                                                       "audit",
+                                                       "coverage",
+                                                       "view",
+                                                       "footprints",
+                                                       "exact corners",
+                                                       "refine",
+                                                       "chart, advise, --tolerance",
+                                                       "a shot in Python"};
+
+constexpr std::string_view one_apex_only =
+    "what one place sees is asked for: leave out 'receiver_arm_m', or choose another sensor";
+constexpr std::string_view all_facets =
+    "all facets are needed at once: give it a window, or load = \"whole\"";
+constexpr std::string_view exact_only =
+    "that takes an exact arithmetic: fixed, filtered or rational, not double";
+
+constexpr auto table = std::to_array<Refusal>({
+    {refraction,
+     mirrors,
+     {},
+     "mirrors and further paths need even water: leave out [sea_surface], [paths] and 'specular_loss_db', or "
+     "give "
+     "profile = \"constant\""},
+    {refraction, scattering_law, reference,
+     "a reference through such water knows Lambert's law alone: leave out --reference, or 'law' of the "
+     "materials"},
+    {refraction, micro_texture, reference,
+     "a reference through such water knows no micro-texture: leave out --reference, or "
+     "[[materials.reflectivity]]"},
+    {refraction, relief_each_shot, reference,
+     "a reference through such water needs relief that is refined once for all shots: give [relief] mode = "
+     "\"offline\""},
+    {refraction,
+     coverage,
+     {},
+     "each ping then sees apparent facets of its own, which cannot be laid over each other: give profile = "
+     "\"constant\""},
+    {refraction,
+     exact_corners,
+     {},
+     "facets are seen where rays that were computed in doubles put them: there are no exact corners"},
+    {mirrors, two_receivers, {}, "paths over mirrors need a sensor with one receiver a fan"},
+    {mirrors,
+     relief_each_shot,
+     {},
+     "paths over mirrors need all of the bed in facets: give [relief] mode = \"offline\""},
+    {mirrors,
+     reference,
+     {},
+     "a certified integral has one apex, a path over mirrors or two scatterings has more: leave out "
+     "--reference"},
+    {mirrors,
+     double_arithmetic,
+     {},
+     "paths over mirrors need an exact arithmetic: fixed, filtered or rational"},
+    {mirrors, rays, {}, "rays are not mirrored: paths over mirrors need the tube engine"},
+    {receiver_apart, two_receivers, {}, "has two receivers on its staff, too: leave out 'receiver_arm_m'"},
+    {receiver_apart,
+     reference,
+     {},
+     "two apexes cannot be certified: leave out --reference, or 'receiver_arm_m'"},
+    {receiver_apart, double_arithmetic, {}, "needs an exact arithmetic: fixed, filtered or rational"},
+    {receiver_apart, fast_binning, {}, "needs exact binning"},
+    {receiver_apart, rays, {}, "needs the tube engine: the ray engine has one apex"},
+    {receiver_apart, audit, {}, one_apex_only},
+    {receiver_apart, coverage, {}, one_apex_only},
+    {receiver_apart, view, {}, one_apex_only},
+    {receiver_apart, shot, {}, one_apex_only},
+    {two_receivers,
+     double_arithmetic,
+     {},
+     "their common footprints need an exact arithmetic: fixed, filtered or rational"},
+    {two_receivers, reference, {}, "no reference certifies their phases: leave the sensor out"},
+    {two_receivers, own_engine, {}, "an engine of one's own computes no phases: leave the sensor out"},
+    {tiles, own_engine, {}, all_facets},
+    {tiles, audit, {}, "an audit's hash names the facets: give it a window, or load = \"whole\""},
+    {tiles, coverage, {}, all_facets},
+    {tiles, view, {}, all_facets},
+    {tiles, exact_corners, {}, all_facets},
+    {tiles, refine, {}, all_facets},
+    {tiles, trial, {}, all_facets},
+    {tiles, shot, {}, all_facets},
+    {relief_each_shot,
+     coverage,
+     {},
+     "facets of each ping's own cannot be laid over each other: give [relief] mode = \"offline\""},
+    {unbounded_texture, reference, {}, "no reference encloses that"},
+    {reference, double_arithmetic, {}, exact_only},
+    {reference, fast_binning, {}, "that integrates footprints: it needs --binning exact"},
+    {reference, rays, {}, "that measures footprints: it needs --engine tube"},
+    {reference, own_engine, {}, "that measures footprints: it needs --engine tube"},
+    {coverage, double_arithmetic, {}, exact_only},
+    {exact_corners, double_arithmetic, {}, exact_only},
+});
+
+/// A feature that is there, where the scene asks for it, and the beginning of a sentence about it.
+struct Found {
+  Feature feature;
+  SourcePlace place;
+  std::string subject;
+};
+
+void add_tiles(const SceneDescription& scene, std::vector<Found>& found) {
+  for (const TerrainDescription& terrain : scene.terrains)
+    if (is_read_by_tiles(terrain, scene))
+      found.push_back({tiles, terrain.place, fmt::format("'{}' is read by tiles", terrain.name)});
+}
+
+std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> only) {
+  const Scene& scene = survey.scene;
+  const SceneDescription& d = scene.description;
+  std::vector<Found> found;
+  if (scene.water->refracts())
+    found.push_back(
+        {refraction, d.water.place, fmt::format("the water's profile = \"{}\" refracts", d.water.profile)});
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    if (only && *only != s) continue;
+    const Sensor& sensor = *survey.sensors[s].sensor;
+    const auto add = [&](Feature feature, const char* what) {
+      found.push_back({feature, sensor.description().place,
+                       fmt::format("sensor '{}' {}", sensor.description().name, what)});
+    };
+    if (path_settings(scene, sensor.frequency_khz()))
+      add(mirrors, "has paths over mirrors or two scatterings");
+    if (sensor.has_receiver_apart()) add(receiver_apart, "has its receiver apart");
+    if (sensor.has_staff()) add(two_receivers, "has two receivers");
+  }
+  if (survey.is_tiled()) add_tiles(d, found);
+  if (survey.ground)
+    found.push_back({relief_each_shot, d.refinement.place, "[relief] is refined anew for each shot"});
+  const auto add_material = [&](Feature feature, const auto& list, const char* what) {
+    const auto with = std::ranges::find_if(list, [](const auto& one) { return one != nullptr; });
+    if (with == list.end()) return;
+    const MaterialDescription& material = d.materials[static_cast<std::size_t>(with - list.begin())];
+    found.push_back({feature, material.place, fmt::format("material '{}' has {}", material.name, what)});
+  };
+  add_material(scattering_law, scene.scattering, "a law other than Lambert's");
+  add_material(micro_texture, scene.reflectivity, "a micro-texture");
+  if (const auto material = material_without_enclosure(scene.reflectivity))
+    found.push_back(
+        {unbounded_texture, d.materials[*material].place,
+         fmt::format("the micro-texture of material '{}' is one's own", d.materials[*material].name)});
+  return found;
+}
+
+std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature> asked) {
+  const std::size_t of_scene = found.size();
+  for (const Feature feature : asked)
+    found.push_back({feature, {}, std::string(name_of(feature)) + " is asked for"});
+  const auto find = [&](Feature feature) { return std::ranges::find(found, feature, &Found::feature); };
+  for (const Refusal& refusal : table) {
+    const auto first = find(refusal.first), second = find(refusal.second);
+    if (first == found.end() || second == found.end() ||
+        (refusal.third && find(*refusal.third) == found.end()))
+      continue;
+    Refused answer{&refusal, first->place, fmt::format("{}, and {}", first->subject, refusal.reason),
+                   static_cast<std::size_t>(first - found.begin()) >= of_scene};
+    // What a command asks has no place in the scene.
+    for (const Feature other : {refusal.third.value_or(refusal.second), refusal.second})
+      if (!answer.asked && (other == reference || other >= own_engine)) {
+        answer.asked = true;
+        answer.what = fmt::format("{}: {}", name_of(other), answer.what);
+      }
+    return answer;
+  }
+  return std::nullopt;
+}
+
+void require(const std::optional<Refused>& refused) {
+  if (!refused) return;
+  if (refused->asked) throw UsageError(refused->what);
+  throw InputError(refused->place, refused->what);
+}
+
+}  // namespace
+
+std::string_view name_of(Feature feature) { return names.at(static_cast<std::size_t>(feature)); }
+
+std::span<const Refusal> refusals() { return table; }
+
+std::optional<Refused> refused(const Survey& survey, std::span<const Feature> asked,
+                               std::optional<std::size_t> sensor) {
+  return refused(found_in(survey, sensor), asked);
+}
+
+std::vector<Feature> asked_by(const RunDescription& run) {
+  if (run.engine != "tube") return {rays};
+  std::vector<Feature> asked;
+  if (run.arithmetic == "double") asked.push_back(double_arithmetic);
+  if (run.binning != "exact") asked.push_back(fast_binning);
+  return asked;
+}
+
+void require_able_to_run(const Survey& survey, bool with_reference) {
+  std::vector<Feature> asked =
+      survey.own_engine ? std::vector{own_engine} : asked_by(survey.scene.description.run);
+  if (with_reference) asked.push_back(reference);
+  require(refused(survey, asked));
+}
+
+void require_able(const Survey& survey, std::initializer_list<Feature> asked,
+                  std::optional<std::size_t> sensor) {
+  require(refused(survey, std::span(asked.begin(), asked.size()), sensor));
+  for (const Feature one : asked) require_able(survey.scene.description.run, one);
+}
+
+void require_able(const RunDescription& run, Feature asked) {
+  // Of tubes: rays and binnings are for runs.
+  std::vector<Feature> all{asked};
+  if (asked == reference)
+    all = asked_by(run), all.push_back(asked);
+  else if (run.arithmetic == "double")
+    all.push_back(double_arithmetic);
+  require(refused(std::vector<Found>{}, all));
+}
+
+void require_able(const SceneDescription& scene, Feature asked) {
+  std::vector<Found> found;
+  add_tiles(scene, found);
+  require(refused(std::move(found), std::span(&asked, 1)));
+}
+
+}  // namespace tubefoot

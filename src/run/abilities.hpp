@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "files/input_error.hpp"
+#include "scene/description/scene_description.hpp"
+
+// What can be combined: one table, which every command reads and docs/abilities.md shows.
+namespace tubefoot {
+
+struct Survey;
+
+/// What a scene may have, what a run of it may ask for, and what else may be done with it.
+enum class Feature : unsigned char {
+  // of a scene
+  refraction,        ///< water whose sound speed varies
+  mirrors,           ///< paths over mirrors, and of two scatterings
+  receiver_apart,    ///< from its transmitter
+  two_receivers,     ///< one above the other, for phases
+  tiles,             ///< terrain of which only parts are in memory
+  relief_each_shot,  ///< relief that is refined anew for each shot
+  scattering_law,    ///< another than Lambert's
+  micro_texture,
+  unbounded_texture,  ///< a micro-texture of one's own, that has no enclosure
+  // of a run
+  reference,
+  double_arithmetic,
+  fast_binning,
+  rays,
+  own_engine,
+  // commands
+  audit,
+  coverage,
+  view,
+  footprints,
+  exact_corners,
+  refine,
+  trial,  ///< of settings: chart, advise, --tolerance
+  shot,   ///< of the Python module, traced by itself
+};
+inline constexpr int features = static_cast<int>(Feature::shot) + 1;
+
+/// As in docs/abilities.md.
+std::string_view name_of(Feature feature);
+
+/// Features that do not go together, why, and what to do about it.
+struct Refusal {
+  Feature first, second;
+  std::optional<Feature> third;
+  std::string_view reason;
+};
+std::span<const Refusal> refusals();
+
+/// What of the table applies to a scene: the first refusal, and whose feature it is.
+struct Refused {
+  const Refusal* refusal;
+  SourcePlace place;  ///< of the scene's feature
+  std::string what;   ///< the sentence: "sensor 'a' has its receiver apart, and ..."
+  bool asked;         ///< by the command, not by the scene
+};
+std::optional<Refused> refused(const Survey& survey, std::span<const Feature> asked,
+                               std::optional<std::size_t> sensor = {});
+
+/// What [run] asks for.
+std::vector<Feature> asked_by(const RunDescription& run);
+
+/// Throw InputError at the scene's feature, or UsageError for what the command asks. Of one sensor where only
+/// that is looked at.
+void require_able_to_run(const Survey& survey, bool with_reference);
+void require_able(const Survey& survey, std::initializer_list<Feature> asked,
+                  std::optional<std::size_t> sensor = {});
+/// Before the scene is opened: of what its description says already.
+void require_able(const SceneDescription& scene, Feature asked);
+void require_able(const RunDescription& run, Feature asked);
+
+}  // namespace tubefoot

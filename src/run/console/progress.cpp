@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/console/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <system_error>
+
+#include "geometry/work/steps.hpp"
+#include "run/console/say.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A step that takes longer is looked into.
+constexpr auto patience = 1s;
+constexpr auto between_bars = 250ms;
+/// Without a step; each further line waits twice as long.
+constexpr auto first_plain_line = 2s;
+
+std::string duration(double seconds) {
+  if (seconds < 1) return "under 1 s";
+  if (seconds < 60) return fmt::format("{:.0f} s", seconds);
+  const auto whole = static_cast<long>(seconds + 0.5);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
+
+}  // namespace
+
+Progress::Progress(std::string what, std::size_t total, bool quiet)
+    : what_(std::move(what)),
+      total_(total),
+      quiet_(quiet || total == 0),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      start_(Clock::now()),
+      drawn_(start_),
+      stepped_(start_) {
+  if (quiet_) return;
+  if (terminal_) draw(start_);
+  try {
+    within_ = std::thread([this] { look_within(); });
+  } catch (const std::system_error&) {
+    // Without threads to spare, steps alone are told.
+  }
+}
+
+Progress::~Progress() {
+  {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+  }
+  ended_.notify_one();
+  if (within_.joinable()) within_.join();
+  if (!quiet_ && terminal_) draw_on_terminal("\r\033[K");
+}
+
+void Progress::step() {
+  const std::lock_guard lock(mutex_);
+  ++finished_;
+  if (quiet_) return;
+  const auto now = stepped_ = Clock::now();
+  if (terminal_) {
+    if (finished_ == total_ || now - drawn_ >= 100ms) draw(now);
+  } else if (const std::size_t tenths = finished_ * 10 / total_; tenths > shown_tenths_) {
+    shown_tenths_ = tenths;
+    draw(now);
+  }
+}
+
+void Progress::look_within() {
+  std::unique_lock lock(mutex_);
+  const auto pause = terminal_ ? Clock::duration(between_bars) : Clock::duration(first_plain_line);
+  Clock::duration quiet = pause;
+  while (!ended_.wait_for(lock, pause, [this] { return over_; })) {
+    const auto now = Clock::now();
+    if (terminal_) {
+      if (now - stepped_ >= patience) draw(now);
+    } else if (now - std::max(stepped_, drawn_) >= quiet) {
+      quiet *= 2;
+      draw(now);
+    }
+  }
+}
+
+void Progress::draw(Clock::time_point now) {
+  drawn_ = now;
+  const double seconds = std::chrono::duration<double>(now - start_).count(),
+               fraction = static_cast<double>(finished_) / static_cast<double>(total_);
+  std::string left;
+  if (finished_ > 0 && finished_ < total_)
+    left = ", " + duration(seconds * (1 - fraction) / fraction) + " left";
+  if (now - stepped_ >= patience)
+    if (const auto within = Steps::at_hand(); within && now - within->since >= patience)
+      left += fmt::format("; {} {}/{}", within->what, within->done, within->total);
+  if (terminal_) {
+    constexpr int width = 30;
+    const int full = static_cast<int>(fraction * width);
+    draw_on_terminal("\r\033[K{} [{}{}] {}/{}{}", what_, std::string(full, '#'),
+                     std::string(width - full, '.'), finished_, total_, left);
+  } else {
+    say("{} {}/{}{}\n", what_, finished_, total_, left);
+  }
+}
+
+}  // namespace tubefoot

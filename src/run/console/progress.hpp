@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace tubefoot {
+
+/// Progress on stderr: a bar with an estimate of the time left on a terminal, a plain line every tenth
+/// otherwise, nothing if quiet. Where one step takes long, also how far the work within it is (Steps of
+/// geometry/work/steps.hpp): at the bar's end, or in plain lines that come ever less often. Thread-safe.
+class Progress {
+ public:
+  Progress(std::string what, std::size_t total, bool quiet);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  void step();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void draw(Clock::time_point now);
+  void look_within();
+
+  std::string what_;
+  std::size_t total_, finished_ = 0, shown_tenths_ = 0;
+  bool quiet_, terminal_, over_ = false;
+  Clock::time_point start_, drawn_, stepped_;
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  std::thread within_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/kept/build_identity.hpp"
+
+#include <fmt/format.h>
+#include <gdal.h>
+#include <ogr_srs_api.h>
+
+#include <bit>
+#include <nlohmann/json.hpp>
+
+#include "scene/meshes/mesh_file_model.hpp"
+
+namespace tubefoot {
+
+// In a file that is made anew whenever they change (cmake/built_from.cmake).
+extern const char built_from_sources[], built_from_revision[], built_with[];
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string proj_version() {
+  int major = 0, minor = 0, patch = 0;
+  OSRGetPROJVersion(&major, &minor, &patch);
+  return fmt::format("{}.{}.{}", major, minor, patch);
+}
+
+std::string in_words(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+}  // namespace
+
+Json build_identity() {
+  Json identity;
+  identity["sources"] = std::string(built_from_sources);
+  identity.update(Json::parse(built_with));
+  // Those that are at hand now may be others than those it was built with.
+  identity["gdal"] = GDALVersionInfo("RELEASE_NAME");
+  identity["proj"] = proj_version();
+  identity["assimp"] = assimp_version();
+  identity["byte_order"] = std::endian::native == std::endian::little ? "little" : "big";
+  return identity;
+}
+
+std::string build_revision() { return built_from_revision; }
+
+std::string difference_of_builds(const Json& theirs, const Json& ours) {
+  std::string words;
+  for (const auto& [key, value] : ours.items()) {
+    const Json other = theirs.is_object() && theirs.contains(key) ? theirs.at(key) : Json("unknown");
+    if (other == value) continue;
+    words +=
+        fmt::format("{}{} {}, here {}", words.empty() ? "" : "; ", key, in_words(other), in_words(value));
+  }
+  return words.empty() ? "it names more than is known here" : words;
+}
+
+std::string build_in_words() {
+  const Json identity = build_identity();
+  std::string words;
+  for (const auto& [key, value] : identity.items())
+    words += fmt::format("{}{}: {}", words.empty() ? "" : "\n", key, in_words(value));
+  if (const std::string revision = build_revision(); !revision.empty()) words += "\nrevision: " + revision;
+  return words;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/kept/partial_run.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "files/durable.hpp"
+#include "files/usage_error.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/kept/build_identity.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+fs::path partial_of(const fs::path& output) {
+  std::error_code ignored;
+  fs::path file = fs::weakly_canonical(fs::absolute(output), ignored);
+  if (!file.has_filename()) file = file.parent_path();
+  return file += ".partial";
+}
+
+template <typename Value>
+Json json_of_optional(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+/// Throws UsageError naming the first thing that differs between what a kept run was asked and what this one
+/// is.
+void refuse_other_request(const Json& kept, const Json& asked) {
+  for (const auto& [key, value] : asked.items()) {
+    const Json before = kept.contains(key) ? kept.at(key) : Json();
+    if (before == value) continue;
+    if (key == "build")
+      throw UsageError(fmt::format(
+          "the run that --resume would go on with was computed by another build of tubefoot ({}), whose "
+          "energies "
+          "may differ from this one's: go on with that build, or delete the .partial file to begin anew",
+          difference_of_builds(before, value)));
+    if (key == "scene_hash")
+      throw UsageError(
+          "the scene, or a file that it names, has changed since the run that --resume would go on with: "
+          "bring it "
+          "back, or delete the .partial file to begin anew");
+    if (value.is_object() && before.is_object()) refuse_other_request(before, value);
+    throw UsageError(
+        fmt::format("the run that --resume would go on with had {} = {}, not {}: ask for the same, or delete "
+                    "the .partial file "
+                    "to begin anew",
+                    key, before.dump(), value.dump()));
+  }
+}
+
+}  // namespace
+
+PartialRun::PartialRun(const fs::path& output, bool resume)
+    : file_(partial_of(output)), kept_(std::make_unique<std::optional<Json>>()) {
+  StoreSummary there;
+  std::optional<Json> identity;
+  const auto in_the_way = [](const std::string& what) {
+    return UsageError(
+        fmt::format("{}: move it away or delete it; it is in the way of the run's pings", what));
+  };
+  try {
+    taken_ = take_ping_file(file_, false);
+    if (!taken_) return;
+    there = summary_of(file_, taken_);
+    if (there.done > 0) identity = Json::parse(there.identity);
+  } catch (const Json::exception&) {
+    throw in_the_way(fmt::format("'{}' is damaged", file_.string()));
+  } catch (const StoreInUse& error) {
+    throw UsageError(error.what());
+  } catch (const UnusableStore& error) {
+    throw in_the_way(error.what());
+  }
+  if (there.done == 0) return;
+  if (!resume)
+    throw UsageError(
+        fmt::format("'{}' keeps {} of {} pings of a run that did not end: add --resume to go on with "
+                    "it, or delete it to begin anew",
+                    file_.string(), there.done, there.units));
+  kept_ = std::make_unique<std::optional<Json>>(std::move(identity));
+  units_ = there.units;
+  kept_done_ = there.done;
+}
+
+PartialRun::~PartialRun() {
+  std::error_code ignored;
+  if (store_ && store_->done_units() == 0) fs::remove(file_, ignored);
+}
+
+const std::optional<Json>& PartialRun::kept() const { return *kept_; }
+
+std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Json& identity) {
+  units_ = layout.units();
+  try {
+    if (*kept_)
+      store_ = PingStore::reopen(layout, file_, std::move(taken_));
+    else
+      keep_through([&] {
+        if (!taken_) taken_ = take_ping_file(file_, true);
+        store_ = std::make_shared<PingStore>(layout, file_, std::move(taken_), identity.dump());
+      });
+  } catch (const StoreInUse& error) {
+    throw UsageError(error.what());
+  } catch (const UnusableStore& error) {
+    throw UsageError(fmt::format("{}: delete it to begin anew", error.what()));
+  }
+  return store_;
+}
+
+std::string PartialRun::advice() const {
+  const std::size_t done = store_ ? store_->done_units() : kept_done_;
+  if (done == 0)
+    return stop_wanted() ? "nothing was written"
+                         : "nothing was written: mend that, or choose another -o, and run again";
+  std::string unsure;
+  try {
+    if (store_) store_->sync();
+  } catch (const std::runtime_error& error) {
+    unsure = fmt::format(" (not on the disk yet: {})", error.what());
+  }
+  return fmt::format("{} of {} pings are kept in '{}'{}: run the same command with --resume to go on", done,
+                     units_, file_.string(), unsure);
+}
+
+void PartialRun::keep_through(const std::function<void()>& work) const {
+  unless_interrupted([&] {
+    try {
+      work();
+    } catch (const std::bad_alloc&) {
+      throw std::runtime_error(fmt::format(
+          "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
+          "scene; {}",
+          advice()));
+    } catch (const std::runtime_error& error) {
+      if (dynamic_cast<const InputError*>(&error) != nullptr ||
+          dynamic_cast<const UsageError*>(&error) != nullptr ||
+          dynamic_cast<const UnusableStore*>(&error) != nullptr)
+        throw;
+      // What oneTBB and the standard library say where memory for a thread's stack is short.
+      const auto* system = dynamic_cast<const std::system_error*>(&error);
+      if (std::string_view(error.what()).starts_with("pthread_create") ||
+          (system != nullptr && system->code() == std::errc::resource_unavailable_try_again))
+        throw std::runtime_error(
+            fmt::format("no thread can be started ({}): too little memory (ulimit -v) or too many processes "
+                        "(ulimit -u); {}",
+                        error.what(), advice()));
+      throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
+    }
+  });
+}
+
+void PartialRun::remove() {
+  fs::remove(file_);  // before others can have its lock
+  store_.reset();
+  try {
+    sync_names_in(file_.parent_path());  // or it would stand beside the result again after a power cut
+  } catch (const std::runtime_error&) {  // which is no harm
+  }
+}
+
+Json json_of(const RunDescription& run) {
+  return {{"engine", run.engine},
+          {"arithmetic", run.arithmetic},
+          {"binning", run.binning},
+          {"facets_per_split", run.facets_per_split},
+          {"zero_tolerance", run.zero_tolerance},
+          {"sampling", run.sampling},
+          {"rays_per_ping", run.rays_per_ping},
+          {"rays_per_beam", json_of_optional(run.rays_per_beam)},
+          {"seed", run.seed},
+          {"grid_exponent", json_of_optional(run.grid_exponent)}};
+}
+
+RunDescription run_of(const Json& json, RunDescription otherwise) {
+  RunDescription run = std::move(otherwise);
+  run.engine = json.at("engine");
+  run.arithmetic = json.at("arithmetic");
+  run.binning = json.at("binning");
+  run.facets_per_split = json.at("facets_per_split");
+  run.zero_tolerance = json.at("zero_tolerance");
+  run.sampling = json.at("sampling");
+  run.rays_per_ping = json.at("rays_per_ping");
+  run.rays_per_beam.reset();
+  if (!json.at("rays_per_beam").is_null()) run.rays_per_beam = json.at("rays_per_beam");
+  run.seed = json.at("seed");
+  run.grid_exponent.reset();
+  if (!json.at("grid_exponent").is_null()) run.grid_exponent = json.at("grid_exponent");
+  return run;
+}
+
+RunDescription resumed(const Json& kept, const Json& asked, RunDescription otherwise) {
+  try {
+    refuse_other_request(kept.at("asked"), asked);
+    return run_of(kept.at("run"), std::move(otherwise));
+  } catch (const Json::exception& error) {
+    throw UsageError(
+        fmt::format("what the run that --resume would go on with says of itself is damaged ({}): delete the "
+                    ".partial file to begin anew",
+                    error.what()));
+  }
+}
+
+}  // namespace tubefoot

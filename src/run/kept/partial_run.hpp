@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "geometry/work/stop.hpp"
+#include "run/kept/ping_store.hpp"
+#include "scene/description/scene_description.hpp"
+
+namespace tubefoot {
+
+/// The pings of a run on their way to a result: the file '<output>.partial', which stays when the run is
+/// interrupted or killed, and which a later run goes on with.
+class PartialRun {
+ public:
+  /// Looks at what is there. Throws UsageError if it is in the way: finished pings without `resume`, a file
+  /// of something else, one that another run is writing.
+  PartialRun(const std::filesystem::path& output, bool resume);
+  /// Takes the file away if no ping was finished.
+  ~PartialRun();
+  PartialRun(const PartialRun&) = delete;
+  PartialRun& operator=(const PartialRun&) = delete;
+
+  /// What the run that is gone on with said of itself in open(); nothing if there is none.
+  const std::optional<nlohmann::ordered_json>& kept() const;
+  /// Goes on with the file or makes a new one.
+  std::shared_ptr<PingStore> open(const StoreLayout& layout, const nlohmann::ordered_json& identity);
+  /// What to tell somebody whose run stopped. What it says is kept is on the disk.
+  std::string advice() const;
+  /// Does a part of the run; who stops it is told advice().
+  template <typename Work>
+  auto unless_interrupted(const Work& work) const {
+    try {
+      return work();
+    } catch (const Interrupted&) {
+      throw std::runtime_error("interrupted: " + advice());
+    }
+  }
+  /// The same, and what stops it is told together with advice().
+  void keep_through(const std::function<void()>& work) const;
+  /// Takes the file away: the result is complete.
+  void remove();
+
+ private:
+  std::filesystem::path file_;
+  Descriptor taken_;  ///< the file that was there, until open(): no other run gets it
+  std::unique_ptr<const std::optional<nlohmann::ordered_json>> kept_;
+  std::shared_ptr<PingStore> store_;
+  std::size_t units_ = 0, kept_done_ = 0;
+};
+
+/// All settings of a run that its energies depend on, and back.
+nlohmann::ordered_json json_of(const RunDescription& run);
+RunDescription run_of(const nlohmann::ordered_json& json, RunDescription otherwise);
+
+/// The settings of a kept run, if it was asked what this one is. Throws UsageError naming the first thing
+/// that differs, or saying that what was kept is damaged.
+RunDescription resumed(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked,
+                       RunDescription otherwise);
+
+}  // namespace tubefoot

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "engine/paths/path_echo.hpp"
+#include "run/survey.hpp"
+
+// Paths of a run besides the straight one to a facet and back (docs/paths.md, docs/bistatic.md).
+namespace tubefoot {
+
+/// What has to be followed besides the ordinary echo: nothing in a scene without mirrors.
+std::optional<PathSettings> path_settings(const Scene& scene, double frequency_khz);
+
+/// Throws InputError for paths that the scene cannot have: several orders without a mirror, sensors above the
+/// sea.
+void check_paths(const Survey& survey);
+
+}  // namespace tubefoot

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/ranks/rank_notes.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <type_traits>
+
+#include "files/input_error.hpp"
+#include "files/usage_error.hpp"
+
+namespace tubefoot {
+namespace {
+
+static_assert(std::is_trivially_copyable_v<PingCounts>);
+
+/// Bounds, if any, follow the energies.
+constexpr int energy_and_bound = 2;
+
+template <class Value>
+void append(std::string& text, const Value* values, std::size_t count) {
+  text.append(reinterpret_cast<const char*>(values), count * sizeof(Value));
+}
+
+class Reader {
+ public:
+  explicit Reader(std::string_view message) : rest_(message.substr(1)) {}
+  template <class Value>
+  void read(Value* values, std::size_t count) {
+    const std::size_t bytes = count * sizeof(Value);
+    if (rest_.size() < bytes) throw std::runtime_error("a rank sent a ping that is cut short");
+    if (bytes > 0) std::memcpy(values, rest_.data(), bytes);
+    rest_.remove_prefix(bytes);
+  }
+  std::size_t left() const { return rest_.size(); }
+
+ private:
+  std::string_view rest_;
+};
+
+std::span<double> values_of(PingStore& store, std::size_t sensor, std::size_t slot, int which) {
+  return which == 0 ? store.energy(sensor, slot) : store.bound(sensor, slot);
+}
+
+}  // namespace
+
+Note note_of(std::string_view message) {
+  if (message.empty()) throw std::runtime_error("a rank sent nothing");
+  return static_cast<Note>(message.front());
+}
+
+std::string note(Note kind, std::string_view text) { return static_cast<char>(kind) + std::string(text); }
+
+std::string wanted_note(std::size_t count) {
+  std::string text = note(Note::wanted);
+  const std::uint64_t wanted = count;
+  append(text, &wanted, 1);
+  return text;
+}
+
+std::size_t count_in(std::string_view message) {
+  std::uint64_t count = 0;
+  Reader(message).read(&count, 1);
+  return count;
+}
+
+std::string pings_note(std::span<const PingUnit> units) {
+  std::string text = note(Note::pings);
+  append(text, units.data(), units.size());
+  return text;
+}
+
+std::vector<PingUnit> units_in(std::string_view message) {
+  Reader reader(message);
+  std::vector<PingUnit> units(reader.left() / sizeof(PingUnit));
+  reader.read(units.data(), units.size());
+  return units;
+}
+
+std::string result_note(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
+                        PingStore& store, std::size_t slot) {
+  std::string text = note(Note::result);
+  append(text, &unit, 1);
+  append(text, &counts, 1);
+  for (const std::size_t sensor : layout.groups[unit.group].sensors)
+    for (int which = 0; which < energy_and_bound; ++which) {
+      const std::span<const double> values = values_of(store, sensor, slot, which);
+      append(text, values.data(), values.size());
+    }
+  return text;
+}
+
+bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store) {
+  Reader reader(message);
+  PingUnit unit;
+  PingCounts counts;
+  reader.read(&unit, 1);
+  reader.read(&counts, 1);
+  if (unit.group >= layout.groups.size() || unit.ping >= layout.groups[unit.group].pings)
+    throw std::runtime_error("a rank sent a ping of another run");
+  if (store.done(unit.group, unit.ping)) return false;
+  for (const std::size_t sensor : layout.groups[unit.group].sensors)
+    for (int which = 0; which < energy_and_bound; ++which) {
+      const std::span<double> values = values_of(store, sensor, unit.ping, which);
+      reader.read(values.data(), values.size());
+    }
+  if (reader.left() > 0) throw std::runtime_error("a rank sent a ping of another run");
+  store.finish(unit.group, unit.ping, counts);
+  return true;
+}
+
+std::string failed_note(const std::exception& error) {
+  nlohmann::json json{{"kind", "error"}, {"text", error.what()}};
+  if (const auto* input = dynamic_cast<const InputError*>(&error)) {
+    json = {{"kind", "input"},
+            {"file", input->place.file},
+            {"line", input->place.line},
+            {"column", input->place.column},
+            {"text", std::string(error.what()).substr(to_string(input->place).size() + 2)}};
+  } else if (dynamic_cast<const UsageError*>(&error) != nullptr) {
+    json["kind"] = "usage";
+  } else if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
+    json["kind"] = "memory";
+  }
+  return note(Note::failed, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+void rethrow(std::string_view failed_message) {
+  const auto json = nlohmann::json::parse(failed_message.substr(1));
+  const std::string kind = json.at("kind"), text = json.at("text");
+  if (kind == "input") throw InputError({json.at("file"), json.at("line"), json.at("column")}, text);
+  if (kind == "usage") throw UsageError(text);
+  if (kind == "memory") throw std::bad_alloc();
+  throw std::runtime_error(text);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "files/usage_error.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/kept/build_identity.hpp"
+#include "run/kept/partial_run.hpp"
+#include "run/kept/ping_store.hpp"
+#include "run/ranks/outbox.hpp"
+#include "run/ranks/ping_crew.hpp"
+#include "run/ranks/rank_notes.hpp"
+#include "run/ranks/run_ranks.hpp"
+#include "run/run_steps.hpp"
+#include "run/settings.hpp"
+#include "run/simulation.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+// Then rank 0 is no more.
+constexpr std::chrono::seconds patience_when_interrupted{2};
+
+// Of results that wait for rank 0.
+constexpr std::size_t most_unsent = std::size_t{64} << 20;
+
+/// However it ends, the crew's threads do not wait for room: the crew waits for them.
+struct OpenedAtExit {
+  Outbox& outbox;
+  ~OpenedAtExit() { outbox.open(); }
+};
+
+/// Room for one ping of one group.
+StoreLayout room_for_one(StoreLayout layout, std::size_t group) {
+  for (StoreLayout::Sensor& sensor : layout.sensors) sensor.pings = 0;
+  for (const std::size_t sensor : layout.groups[group].sensors) layout.sensors[sensor].pings = 1;
+  layout.groups = {{layout.groups[group].sensors, 1}};
+  return layout;
+}
+
+class HelpingRank {
+ public:
+  explicit HelpingRank(RankLink& link) : link_(link) {}
+
+  void work(const RunOptions& options) {
+    SceneDescription description = described(options);
+    const RunRequest request = requested(options, description);
+    const Json asked = asked_of(description, request);
+    std::optional<std::string> start;
+    while (!start && !over())
+      if (const auto message = next())
+        start = message->substr(1);
+      else
+        std::this_thread::sleep_for(link_.pause());
+    if (!start) return;
+    const Json told = Json::parse(*start);
+    const Json lead_build = told.at("asked").value("build", Json());
+    if (lead_build != asked.at("build"))
+      throw UsageError(fmt::format(
+          "rank {} on '{}' is another build of tubefoot than rank 0 (rank 0: {}): install the same "
+          "on all machines; 'tubefoot --version' tells a build",
+          link_.rank(), link_.host(), difference_of_builds(lead_build, asked.at("build"))));
+    if (told.at("asked") != asked)
+      throw UsageError(fmt::format(
+          "rank {} on '{}' is asked for another run than rank 0, or reads another scene: all need "
+          "the same command and the same files",
+          link_.rank(), link_.host()));
+    description.run = run_of(told.at("run"), description.run);
+    const ThreadLimit limit(description.run.threads > 0 ? description.run.threads
+                                                        : threads_of_rank(link_.local_ranks()));
+    const auto survey = open_survey(description);
+    simulate(*survey, request.reference_tolerance, limit.threads());
+  }
+
+  /// Says the last word, and leaves with rank 0.
+  void leave(const std::string& last) {
+    link_.send(0, last);
+    std::optional<Clock::time_point> asked;
+    while (!stopped_) {
+      next();
+      if (!asked && stop_wanted()) asked = Clock::now();
+      if (asked && Clock::now() - *asked > patience_when_interrupted) return;
+      std::this_thread::sleep_for(link_.pause());
+    }
+    link_.leave();
+  }
+
+  bool was_told_to_stop() const { return stopped_; }
+
+ private:
+  bool over() const { return stopped_ || stop_wanted(); }
+
+  /// A message other than the one that says stop.
+  std::optional<std::string> next() {
+    std::optional<RankMessage> message = link_.receive();
+    if (!message) return std::nullopt;
+    if (note_of(message->bytes) != Note::stop) return std::move(message->bytes);
+    stopped_ = true;
+    return std::nullopt;
+  }
+
+  void simulate(const Survey& survey, std::optional<double> reference_tolerance, int threads) {
+    const StoreLayout layout = layout_of(survey, reference_tolerance.has_value());
+    const PingSimulation simulation(survey, reference_tolerance);
+    Outbox outbox(most_unsent);
+    PingCrew crew(threads, [&](const PingUnit& unit) {
+      PingStore room(room_for_one(layout, unit.group));
+      const PingCounts counts = simulation.run(unit.group, unit.ping, room, 0);
+      outbox.put(result_note(layout, unit, counts, room, 0));
+    });
+    const OpenedAtExit opened{outbox};
+    bool asked = false;
+    for (bool last = false; !last;) {
+      last = crew.finished();  // before the results are looked at
+      while (const auto message = next()) {
+        const std::vector<PingUnit> units = units_in(*message);
+        if (units.empty()) crew.close();
+        crew.add(units);
+        asked = false;
+      }
+      if (stopped_) stop_asked = true;  // also the pings under way: nobody waits for them
+      if (over()) {
+        crew.stop();
+        outbox.open();
+      }
+      for (std::string& result : outbox.take(link_.unsent())) link_.send(0, std::move(result));
+      if (const std::size_t wanted = crew.wanted(); wanted > 0 && !asked) {
+        link_.send(0, wanted_note(wanted));
+        asked = true;
+      }
+      if (!last) crew.rest(link_.pause());
+    }
+    crew.join();
+  }
+
+  RankLink& link_;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+int help_run(const RunOptions& options, std::unique_ptr<RankLink> link) {
+  HelpingRank rank(*link);
+  std::string last;
+  try {
+    rank.work(options);
+    last = note(stop_wanted() && !rank.was_told_to_stop() ? Note::interrupted : Note::done);
+  } catch (const Interrupted&) {
+    last = note(Note::interrupted);
+  } catch (const std::exception& error) {
+    last = failed_note(error);
+  }
+  rank.leave(last);
+  return 0;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "geometry/work/stop.hpp"
+#include "run/console/progress.hpp"
+#include "run/kept/ping_store.hpp"
+#include "run/ranks/ping_crew.hpp"
+#include "run/ranks/rank_notes.hpp"
+#include "run/ranks/run_ranks.hpp"
+#include "run/simulation.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// mpirun kills a second after it has asked: by then the message about what is kept must be out.
+constexpr std::chrono::milliseconds patience_when_interrupted{500};
+constexpr std::chrono::seconds patience{5};
+
+/// The pings that nobody has yet, in order.
+class Deal {
+ public:
+  Deal(const StoreLayout& layout, const PingStore& store) : layout_(layout), store_(store) {
+    left_ = layout.units() - store.done_units();
+  }
+  /// Up to `wanted`, and no more than a fair part of what is left, so that nobody ends with many.
+  std::vector<PingUnit> next(std::size_t wanted, int ranks) {
+    std::vector<PingUnit> units;
+    const std::size_t most =
+        std::min(wanted, std::max<std::size_t>(1, left_ / (2 * static_cast<std::size_t>(ranks))));
+    for (; group_ < layout_.groups.size(); ++group_, ping_ = 0)
+      for (; ping_ < layout_.groups[group_].pings; ++ping_) {
+        if (store_.done(group_, ping_)) continue;
+        if (units.size() == most) return units;
+        units.push_back({group_, ping_});
+        --left_;
+      }
+    return units;
+  }
+
+ private:
+  const StoreLayout& layout_;
+  const PingStore& store_;
+  std::size_t group_ = 0, ping_ = 0, left_ = 0;
+};
+
+}  // namespace
+
+LeadRank::LeadRank(std::unique_ptr<RankLink> link)
+    : link_(std::move(link)), over_(static_cast<std::size_t>(link_->ranks()), false) {
+  over_[0] = true;
+}
+
+LeadRank::~LeadRank() {
+  stop_all();
+  while (!all_over()) {
+    if (Clock::now() - *stopped_ > patience) return;  // of a rank that died there is nothing to wait for
+    // mpirun, being interrupted, lets nobody leave in order, and kills who waits for that: the message about
+    // what is kept comes first.
+    if (stop_wanted()) return;
+    while (const std::optional<RankMessage> message = link_->receive()) note_end(*message);
+    std::this_thread::sleep_for(link_->pause());
+  }
+  if (!stop_wanted()) link_->leave();
+}
+
+void LeadRank::start(const nlohmann::ordered_json& asked, const nlohmann::ordered_json& run) {
+  const std::string text = note(Note::start, nlohmann::ordered_json{{"asked", asked}, {"run", run}}.dump());
+  for (int rank = 1; rank < ranks(); ++rank) link_->send(rank, text);
+}
+
+void LeadRank::stop_all() {
+  if (stopped_) return;
+  stopped_ = Clock::now();
+  for (int rank = 1; rank < ranks(); ++rank) link_->send(rank, note(Note::stop));
+}
+
+bool LeadRank::all_over() const { return std::find(over_.begin(), over_.end(), false) == over_.end(); }
+
+void LeadRank::note_end(const RankMessage& message) {
+  const Note kind = note_of(message.bytes);
+  if (kind == Note::failed && !failure_) failure_ = message.bytes;
+  if (kind == Note::interrupted) stop_asked = true;
+  if (kind == Note::failed || kind == Note::interrupted || kind == Note::done)
+    over_[static_cast<std::size_t>(message.from)] = true;
+}
+
+void LeadRank::simulate(const Survey& survey, PingStore& store, bool quiet,
+                        std::optional<double> reference_tolerance, int threads) {
+  const StoreLayout layout = layout_of(survey, reference_tolerance.has_value());
+  const PingSimulation simulation(survey, reference_tolerance);
+  Deal deal(layout, store);
+  Progress progress("pings", layout.units() - store.done_units(), quiet);
+  PingCrew crew(threads, [&](const PingUnit& unit) {
+    store.finish(unit.group, unit.ping, simulation.run(unit.group, unit.ping, store, unit.ping));
+    progress.step();
+  });
+  while (!crew.finished() || !all_over()) {
+    // A few at a time: its own threads, and who wants to stop, have their turn however many ranks there are.
+    int received = 0;
+    for (; received < ranks(); ++received) {
+      const std::optional<RankMessage> message = link_->receive();
+      if (!message) break;
+      const Note kind = note_of(message->bytes);
+      if (kind == Note::wanted && !stopped_)
+        link_->send(message->from, pings_note(deal.next(count_in(message->bytes), ranks())));
+      else if (kind == Note::result && take_result(message->bytes, layout, store))
+        progress.step();
+      note_end(*message);
+    }
+    if (!stopped_ && (stop_wanted() || failure_ || crew.failed())) {
+      crew.stop();
+      stop_all();
+    }
+    if (const std::size_t wanted = crew.wanted(); wanted > 0) {
+      const std::vector<PingUnit> units = deal.next(wanted, ranks());
+      if (units.empty()) crew.close();
+      crew.add(units);
+    }
+    if (stopped_ && Clock::now() - *stopped_ > patience_when_interrupted) break;
+    if (received < ranks()) crew.rest(link_->pause());
+  }
+  crew.join();
+  if (failure_) rethrow(*failure_);
+}
+
+}  // namespace tubefoot

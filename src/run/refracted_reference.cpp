@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/refracted_reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/sight/tube_engine.hpp"
+#include "run/refraction.hpp"
+#include "run/sensor_law.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int most_tries = 6;
+constexpr double most_facets = 24'000;  // of the last try: some half a minute of one core
+constexpr double coarsest = 0.1;        // tolerance that the first try is made for
+constexpr double least_worth = 1.2;
+
+RefractedShot certify(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+                      const VisibilityOptions& options, double tolerance,
+                      const StraighteningSettings& settings) {
+  const Scene& scene = survey.scene;
+  RefractedShot found{refracted_ground_of(survey, group, ping, shot, settings), {}, 0, {}, false};
+  const FacetMesh& mesh = found.ground.mesh();
+  const double unit = scene.grid.unit_m();
+  const TubeEngine engine(mesh, found.ground.tree(), unit, options);
+  found.history = engine.trace(survey.tubes(group, ping, shot), &found.candidates, false);
+  const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
+  for (const std::size_t s : group.sensors) {
+    const SensorPings& pings = survey.sensors[s];
+    const Straightening straightening = straightening_of(survey, pings, apex);
+    const RayEnclosure rays(straightening, eigenray_options(survey));
+    const SensorLaw sensor_law(survey, found.ground, s, ping, shot);
+    const EchoLaw& law = sensor_law.law;
+    const Sensor& sensor = *pings.sensor;
+    const ApparentEnclosures enclosures =
+        enclose(*found.ground.apparent(), scene.mesh, scene.grid, rays, straightening.reference_speed_m_s(),
+                law.material_mu, law.absorption_db_per_m);
+    const Echo echo =
+        integrate_echo(found.history, sensor.beam_of_tube(shot),
+                       static_cast<int>(sensor.beams_of_shot(shot).size()), sensor.samples(), law);
+    found.sensors.push_back(certify_refracted_echo(
+        mesh, found.ground.tree(), found.ground.apparent()->refined.parent, enclosures, rays, found.history,
+        options, sensor.beam_of_tube(shot), sensor.samples(), law, echo, tolerance));
+  }
+  return found;
+}
+
+/// Bins of a finite bound, those of them that are wider than asked, and how much the middle one of those is.
+struct Quality {
+  std::size_t bins = 0, over = 0;
+  double usual_excess = 0;
+};
+Quality quality_of(const RefractedShot& shot) {
+  Quality quality;
+  for (const RefractedReference& sensor : shot.sensors) {
+    quality.bins += sensor.bins;
+    quality.over += sensor.bins_over;
+    quality.usual_excess = std::max(quality.usual_excess, sensor.usual_excess);
+  }
+  return quality;
+}
+
+}  // namespace
+
+RefractedShot certify_refracted_shot(const Survey& survey, const SharedShots& group, std::size_t ping,
+                                     std::size_t shot, const VisibilityOptions& options, double tolerance) {
+  const double unit = survey.scene.grid.unit_m(), sample = sample_length_m(survey, group),
+               reach_m = survey.tubes(group, ping, shot).reach * unit;
+  // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
+  // gap, and the change of a factor over a facet with its edges. The first ground is coarse: how many facets
+  // a tolerance takes is known only from what it has.
+  const double first = std::max(tolerance, coarsest);
+  StraighteningSettings settings = straightening_settings(survey, group, reach_m);
+  settings.gap_m = std::min(settings.gap_m, std::max(first * sample / 16, 2 * unit));
+  settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
+  settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
+  RefractedShot best = certify(survey, group, ping, shot, options, tolerance, settings);
+  for (int tries = 1;; ++tries) {
+    const Quality quality = quality_of(best);
+    // Slivers at a beam's ends are wider than asked with any ground.
+    if (quality.over * 200 <= quality.bins) break;
+    // Facets grow as the square at most, where it is spreading that they are cut for.
+    const double room = std::sqrt(most_facets / std::max(double(best.ground.mesh().facets.size()), 1.0));
+    if (room < least_worth || tries == most_tries) {
+      best.at_limit = true;
+      break;
+    }
+    const double finer = std::clamp(1.3 * quality.usual_excess, least_worth, room);
+    settings.gap_m = std::max(settings.gap_m / finer, 2 * unit);
+    settings.tolerance_db /= finer;
+    RefractedShot next = certify(survey, group, ping, shot, options, tolerance, settings);
+    const Quality found = quality_of(next);
+    const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
+                            found.usual_excess * least_worth < quality.usual_excess;
+    if (worth_more || found.over <= quality.over) best = std::move(next);
+    if (worth_more) continue;
+    best.at_limit = true;
+    break;
+  }
+  return best;
+}
+
+}  // namespace tubefoot

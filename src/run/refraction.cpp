@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/refraction.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "files/usage_error.hpp"
+#include "scene/scene_water.hpp"
+#include "sensors/products/in_water.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+constexpr RefinementLimits most_a_shot{20'000'000};
+
+std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
+  return {std::atan2(direction.x, direction.y) * degrees,
+          std::asin(std::clamp(direction.z, -1.0, 1.0)) * degrees, range_m};
+}
+
+/// What `make` makes for a shot; what it throws, with the scene file's words.
+template <class Make>
+auto made_for(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+              const Make& make) {
+  const WaterDescription& keys = survey.scene.description.water;
+  const std::string& name = survey.sensors[group.sensors.front()].sensor->description().name;
+  try {
+    return make();
+  } catch (const RefinementTooLarge&) {
+    throw InputError(keys.place,
+                     fmt::format("shot {} of ping {} of sensor '{}' needs more than {} facets to be seen "
+                                 "through the water: raise 'refraction_gap_m' or 'refraction_tolerance_db'",
+                                 shot, ping, name, most_a_shot.facets));
+  } catch (const GridRangeError&) {
+    throw InputError(keys.place,
+                     fmt::format("shot {} of ping {} of sensor '{}' sees facets through the water outside "
+                                 "of the scene's grid: shorten its range",
+                                 shot, ping, name));
+  } catch (const std::range_error& error) {
+    throw InputError(keys.place, fmt::format("shot {} of ping {} of sensor '{}' cannot be seen through the "
+                                             "water: {}, or give the terrain smaller facets",
+                                             shot, ping, name, error.what()));
+  }
+}
+
+/// The bed of a shot where it lies: the scene's, or with relief as fine as bent rays need it.
+class LyingBed {
+ public:
+  /// `outlooks`: of each set of tubes.
+  LyingBed(const Survey& survey, const SharedShots& group, std::size_t ping, std::size_t shot,
+           std::span<const TubeSet> tubes, std::span<const Outlook> outlooks)
+      : survey_(survey) {
+    if (!survey.ground) return;
+    std::vector<Look> looks = looks_of(survey, group, ping, shot, tubes);
+    for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
+    relief_ = relief_seen_by(survey, group, ping, shot, looks);
+    tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
+  }
+  const FacetMesh& mesh() const { return tree_ ? relief_.mesh : survey_.scene.mesh; }
+  /// Of any of the outlooks, by increasing id.
+  std::vector<FacetId> facets(std::span<const Outlook> outlooks) const {
+    std::vector<FacetId> all;
+    for (const Outlook& outlook : outlooks) {
+      const std::vector<FacetId> some =
+          outlook.facets(mesh(), tree_ ? *tree_ : *survey_.tree, survey_.scene.grid);
+      all.insert(all.end(), some.begin(), some.end());
+    }
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+  }
+  /// From facets of this bed to the scene's.
+  void name_by_scene(ApparentGround& ground) const {
+    if (!tree_) return;
+    for (FacetId& facet : ground.refined.parent) facet = relief_.parent[facet];
+    for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
+  }
+
+ private:
+  const Survey& survey_;
+  RefinedMesh relief_;
+  std::unique_ptr<SceneTree> tree_;  // of the relief
+};
+
+nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
+  return {{"azimuth_deg", place[0]}, {"elevation_deg", place[1]}, {"range_m", place[2]}};
+}
+
+}  // namespace
+
+EigenrayOptions eigenray_options(const Survey& survey) {
+  EigenrayOptions options;
+  options.deepest_turn_m = survey.scene.water->surface_height_m() - survey.lowest_m;
+  return options;
+}
+
+Straightening straightening_of(const Survey& survey, const SensorPings& pings, glm::dvec3 apex_m) {
+  return Straightening(*pings.water, apex_m, survey.scene.water->surface_height_m(), eigenray_options(survey),
+                       pings.sound_speed_m_s);
+}
+
+double sound_speed_at(const Survey& survey, const SensorDescription& sensor, const Trajectory& trajectory) {
+  const Scene& scene = survey.scene;
+  if (!scene.water->refracts()) return scene.sound_speed_m_s;
+  // Only a place is asked of it: the samples may still change with the speed.
+  const auto provisional = make_sensor(in_water(sensor, scene.sound_speed_m_s));
+  const std::vector<double> times_s = provisional->ping_times_s();
+  const glm::dvec3 at_m = provisional->pose_on(trajectory.at(times_s.front())).position_m;
+  return scene.water->profile().at(scene.water->surface_height_m() - at_m.z);
+}
+
+void put_into_water(Survey& survey) {
+  const Scene& scene = survey.scene;
+  if (!scene.water->refracts()) return;
+  survey.lowest_m = std::numeric_limits<double>::infinity();
+  for (const GridPoint& v : scene.mesh.vertices)
+    survey.lowest_m = std::min(survey.lowest_m, scene.grid.to_metres(v).z);
+  for (const TiledTerrain& terrain : scene.tiled)
+    if (terrain.tiles)
+      survey.lowest_m =
+          std::min(survey.lowest_m, scene.grid.to_metres(scene.grid.snap(terrain.tiles->lo_m())).z);
+  if (survey.ground) survey.lowest_m -= survey.ground->omitted().largest_height_m();
+  const double surface = scene.water->surface_height_m();
+  for (SensorPings& pings : survey.sensors) {
+    pings.water = std::make_shared<const WaterColumn>(scene.water->column(pings.sensor->frequency_khz()));
+    for (const auto* poses : {&pings.poses, &pings.shot_poses, &pings.receiver_poses})
+      for (const Pose& pose : *poses)
+        if (!(pose.position_m.z <= surface))
+          throw InputError(
+              pings.sensor->description().place,
+              fmt::format("sensor '{}' is {:.3g} m above the sea surface (at {:.6g} m): lower "
+                          "its trajectory, or raise 'surface_height_m' of [water]",
+                          pings.sensor->description().name, pose.position_m.z - surface, surface));
+  }
+}
+
+StraighteningSettings straightening_settings(const Survey& survey, const SharedShots& group, double reach_m) {
+  const WaterDescription& keys = survey.scene.description.water;
+  const double sample = sample_length_m(survey, group);
+  StraighteningSettings settings;
+  settings.gap_m = keys.refraction_gap_m.value_or(sample / 4);
+  settings.tolerance_db = keys.refraction_tolerance_db.value_or(0.1);
+  // Caustics and the borders of shadows take no more edges than a sector is wide.
+  settings.shortest_edge_m = std::max({sample, reach_m / 2000, 16 * survey.scene.grid.unit_m()});
+  settings.shadow_edge_m = std::max(4 * settings.shortest_edge_m, reach_m / 50);
+  // A gap that is asked for is kept where rays do not cross: of an edge it is no more than g / c a quarter of
+  // its square.
+  const double bend_per_m = survey.scene.water->profile().largest_bend_per_m();
+  if (keys.refraction_gap_m && bend_per_m > 0)
+    settings.shortest_edge_m =
+        std::min(settings.shortest_edge_m,
+                 std::max(std::sqrt(settings.gap_m / bend_per_m), 16 * survey.scene.grid.unit_m()));
+  return settings;
+}
+
+ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                               std::size_t shot) {
+  const TubeSet tubes = survey.tubes(group, ping, shot);
+  return refracted_ground_of(survey, group, ping, shot,
+                             straightening_settings(survey, group, tubes.reach * survey.scene.grid.unit_m()));
+}
+
+ShotGround refracted_ground_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                               std::size_t shot, const StraighteningSettings& settings) {
+  const Scene& scene = survey.scene;
+  const SensorPings& pings = survey.sensors[group.sensors.front()];
+  const TubeSet tubes = survey.tubes(group, ping, shot);
+  const Straightening straightening = straightening_of(survey, pings, scene.grid.to_metres(tubes.apex));
+  const Outlook outlook(tubes, scene.grid.unit_m(), straightening);
+  const LyingBed bed(survey, group, ping, shot, {&tubes, 1}, {&outlook, 1});
+  const std::vector<FacetId> facets = bed.facets({&outlook, 1});
+  return made_for(survey, group, ping, shot, [&] {
+    ApparentGround ground =
+        straighten(bed.mesh(), facets, scene.grid, straightening, absorption_db_per_m(scene, *pings.sensor),
+                   settings, most_a_shot, scene.scattering, &outlook);
+    bed.name_by_scene(ground);
+    return ShotGround(survey, std::move(ground));
+  });
+}
+
+RefractedPaths refracted_paths_of(const Survey& survey, const SharedShots& group, std::size_t ping,
+                                  std::size_t shot, const VisibilityOptions& options) {
+  const Scene& scene = survey.scene;
+  const std::size_t sensor = group.sensors.front();
+  const SensorPings& pings = survey.sensors[sensor];
+  const double unit = scene.grid.unit_m(), absorption = absorption_db_per_m(scene, *pings.sensor);
+  std::array<TubeSet, 2> tubes{survey.tubes(group, ping, shot), survey.receive_tubes(sensor, ping, shot)};
+  const Straightening transmit = straightening_of(survey, pings, scene.grid.to_metres(tubes[0].apex)),
+                      receive = straightening_of(survey, pings, scene.grid.to_metres(tubes[1].apex));
+  const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, transmit), Outlook(tubes[1], unit, receive)};
+  const LyingBed bed(survey, group, ping, shot, tubes, outlooks);
+  // What either may see: what hides from one need not be seen by the other.
+  const std::vector<FacetId> facets = bed.facets(outlooks);
+  return made_for(survey, group, ping, shot, [&] {
+    const double reach_m = std::max(tubes[0].reach, tubes[1].reach) * unit;
+    RefractedPaths paths;
+    paths.pair = straighten_pair(bed.mesh(), facets, scene.grid, transmit, receive, absorption,
+                                 straightening_settings(survey, group, reach_m), most_a_shot, &outlooks[0],
+                                 &outlooks[1]);
+    bed.name_by_scene(paths.pair.transmit);
+    bed.name_by_scene(paths.pair.receive);
+    paths.history = trace_bistatic(paths.pair, scene.grid, options, std::move(tubes[0]), std::move(tubes[1]),
+                                   transmit, receive, absorption);
+    return paths;
+  });
+}
+
+void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Survey& survey,
+                const SharedShots& group, std::size_t ping, std::size_t shot) {
+  StraighteningCounts own;
+  own.facets = ground.refined.mesh.facets.size();
+  own.in_shadow = ground.facets_in_shadow;
+  own.of_several = ground.facets_of_several;
+  own.folded = ground.facets_folded;
+  own.largest_gap_m = ground.largest_gap_m;
+  const glm::dvec3 apex = survey.sensors[group.sensors.front()].shot_pose(ping, shot).position_m;
+  const auto keep = [&](const UnclearPlace& place, std::array<double, 3>& kept) {
+    if (kept[2] == 0) kept = polar(place.direction, glm::distance(place.at_m, apex));
+  };
+  for (const UnclearPlace& place : ground.unclear)
+    keep(place, place.eigenrays == 0 ? own.shadow : own.several);
+  add_counts(counts, own);
+}
+
+void add_counts(StraighteningCounts& sum, const StraighteningCounts& more) {
+  sum.facets += more.facets;
+  if (sum.in_shadow == 0) sum.shadow = more.shadow;
+  if (sum.of_several == 0) sum.several = more.several;
+  sum.in_shadow += more.in_shadow;
+  sum.of_several += more.of_several;
+  sum.folded += more.folded;
+  sum.unbounded += more.unbounded;
+  sum.at_limit += more.at_limit;
+  sum.largest_gap_m = std::max(sum.largest_gap_m, more.largest_gap_m);
+}
+
+nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationStats& stats) {
+  const StraighteningCounts& counts = stats.refraction;
+  nlohmann::ordered_json json{{"profile", survey.scene.description.water.profile},
+                              {"layers", survey.scene.water->profile().layers()},
+                              {"branches", "the first ray to arrive, with one turning point at most"},
+                              {"apparent_facets", counts.facets},
+                              {"largest_gap_m", counts.largest_gap_m},
+                              {"facets_in_shadow", counts.in_shadow},
+                              {"facets_of_several_rays", counts.of_several},
+                              {"facets_folded", counts.folded}};
+  for (const SensorPings& pings : survey.sensors)
+    json["sound_speed_m_s"][pings.sensor->description().name] = pings.sound_speed_m_s;
+  if (counts.in_shadow > 0) {
+    json["pings_with_shadows"] = stats.shadowed_pings;
+    json["first_shadow"] = place_json(counts.shadow);
+  }
+  if (counts.unbounded > 0) json["bins_without_bound"] = counts.unbounded;
+  if (counts.at_limit > 0) json["shots_at_work_limit"] = counts.at_limit;
+  if (counts.of_several > 0) json["first_of_several"] = place_json(counts.several);
+  return json;
+}
+
+std::vector<std::string> refraction_warnings(const Survey& survey, const SimulationStats& stats) {
+  const StraighteningCounts& counts = stats.refraction;
+  std::vector<std::string> warnings;
+  const auto at = [](const std::array<double, 3>& place) {
+    return fmt::format("the first at azimuth {:.1f} and elevation {:.1f} degrees, {:.4g} m away", place[0],
+                       place[1], place[2]);
+  };
+  const std::string where = to_string(survey.scene.description.water.place);
+  if (counts.in_shadow > 0)
+    warnings.push_back(
+        fmt::format("{}: {} apparent facets of {} pings are left out: no ray leads to them, or to a part of "
+                    "them (a shadow zone); {}",
+                    where, counts.in_shadow, stats.shadowed_pings, at(counts.shadow)));
+  if (counts.of_several > 0)
+    warnings.push_back(
+        fmt::format("{}: several rays lead to {} apparent facets: only the first to arrive, with one turning "
+                    "point at most, is followed; {}",
+                    where, counts.of_several, at(counts.several)));
+  if (counts.folded > 0)
+    warnings.push_back(
+        fmt::format("{}: {} apparent facets are turned over: rays cross before them (a "
+                    "caustic), and energies there are not to be relied on",
+                    where, counts.folded));
+  if (counts.unbounded > 0)
+    warnings.push_back(fmt::format(
+        "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
+        "exactly one ray leads may be heard in them, or hide what is",
+        where, counts.unbounded));
+  const std::optional<double> asked_m = survey.scene.description.water.refraction_gap_m;
+  if (asked_m && counts.largest_gap_m > *asked_m)
+    warnings.push_back(fmt::format(
+        "{}: 'refraction_gap_m' asks for {:.3g} m, {:.3g} m is kept: edges next to a caustic or a "
+        "shadow, or as short as the grid allows, are not cut further",
+        where, *asked_m, counts.largest_gap_m));
+  if (counts.at_limit > 0)
+    warnings.push_back(
+        fmt::format("{}: bounds of {} shots are true but wider than asked: narrower ones take more apparent "
+                    "facets than a reference makes; raise --tolerance",
+                    where, counts.at_limit));
+  return warnings;
+}
+
+}  // namespace tubefoot

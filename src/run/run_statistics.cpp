@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/run_statistics.hpp"
+
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "engine/ground/ground.hpp"
+#include "run/kept/build_identity.hpp"
+#include "run/refraction.hpp"
+#include "run/run_steps.hpp"
+
+namespace tubefoot {
+
+nlohmann::ordered_json statistics_json(const Survey& survey, const SimulationStats& stats,
+                                       const std::optional<double>& reference_tolerance) {
+  const Scene& scene = survey.scene;
+  const RunDescription& run = scene.description.run;
+  nlohmann::ordered_json json;
+  json["scene"] = scene.description.file.string();
+  json["scene_hash"] = scene.description.sha256;
+  json["version"] = TUBEFOOT_VERSION;
+  json["build"] = build_identity();
+  if (const std::string revision = build_revision(); !revision.empty()) json["build"]["revision"] = revision;
+  json["engine"] = engine_name(survey);
+  if (!survey.own_engine && run.engine == "tube") {
+    json["arithmetic"] = run.arithmetic;
+    json["binning"] = run.binning;
+  } else if (!survey.own_engine) {
+    json["sampling"] = run.sampling;
+    if (run.rays_per_beam)
+      json["rays_per_beam"] = *run.rays_per_beam;
+    else
+      json["rays_per_ping"] = run.rays_per_ping;
+    json["seed"] = run.seed;
+  }
+  if (reference_tolerance) {
+    const ReferenceStats& reference = stats.reference;
+    json["reference"] = {{"tolerance", *reference_tolerance},
+                         {"bins_over_tolerance", reference.bins_over},
+                         {"worst_bound_over_asked", reference.worst_ratio},
+                         {"worst_sensor", reference.worst_sensor},
+                         {"worst_ping", reference.worst_ping},
+                         {"worst_beam", reference.worst_beam},
+                         {"worst_sample", reference.worst_sample}};
+  }
+  json["grid_unit_m"] = scene.grid.unit_m();
+  if (survey.relief.cell_m > 0) {
+    const RefinementDescription& keys = scene.description.refinement;
+    nlohmann::ordered_json& relief = json["relief"];
+    relief = {{"mode", keys.mode}, {"cell_m", survey.relief.cell_m}, {"displace", keys.displace}};
+    if (survey.ground) relief["tolerance"] = survey.ground->settings().tolerance;
+    relief["base_facets"] = survey.relief.base_facets;
+    relief["facets_made"] = survey.ground ? stats.refined_facets : scene.mesh.facets.size();
+    if (!survey.is_tiled()) relief["uniform_facets"] = survey.relief.uniform_facets;
+    relief["change_by_finer_relief"] = {
+        {"of", "a facet's energy, relative; mean over the worst ping, weighed by energy"},
+        {"is", "first-order estimates from what the relief's own statistics leave out: no proven bounds"},
+        {"rms", stats.finer_relief_rms},
+        {"largest", stats.finer_relief_largest}};
+  }
+  if (scene.water->refracts()) json["refraction"] = refraction_json(survey, stats);
+  if (survey.is_tiled()) {
+    std::size_t facets = 0;
+    for (const ComponentReport& component : scene.report.components) facets += component.facets;
+    json["facets"] = facets;
+    const TerrainUse& use = *survey.terrain_use;
+    json["terrain_by_tiles"] = {{"regions", use.regions.load()},
+                                {"loads", use.loads.load()},
+                                {"most_held_mb", static_cast<double>(use.most_bytes) / 1e6}};
+  } else {
+    json["facets"] = scene.mesh.facets.size();
+  }
+  json["pings"] = stats.pings;
+  json["tubes"] = stats.tubes;
+  json["candidates"] = stats.candidates;
+  json["footprints"] = stats.footprints;
+  json["pieces"] = stats.pieces;
+  json["ray_hits"] = stats.hits;
+  const PathsDescription& paths = scene.description.paths;
+  if (stats.images + stats.arrivals > 0 || paths.order > 1 || paths.direct) {
+    nlohmann::ordered_json orders;
+    for (int order = paths.direct ? 0 : 1; order <= paths.order; ++order)
+      orders[std::to_string(order)] = stats.energy_of_order[std::size_t(order)];
+    json["paths"] = {{"order", paths.order},
+                     {"images", stats.images},
+                     {"arrivals", stats.arrivals},
+                     {"energy_of_order", orders}};
+  }
+  return json;
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts kibibytes
+}
+
+}  // namespace tubefoot

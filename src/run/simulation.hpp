@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "run/kept/ping_store.hpp"
+#include "run/survey.hpp"
+#include "sensors/recordings/recording.hpp"
+
+namespace tubefoot {
+
+/// How well a reference run kept its tolerance.
+struct ReferenceStats {
+  std::size_t bins_over = 0;  ///< bins whose bound is above what was asked for
+  double worst_ratio = 0;     ///< largest bound over what was asked for it
+  std::string worst_sensor;
+  std::size_t worst_ping = 0;
+  int worst_beam = 0, worst_sample = 0;
+};
+
+/// What a simulation counted, summed over its pings. Seconds are those of each ping's task, added up.
+struct SimulationStats {
+  std::size_t pings = 0, tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
+  std::size_t images = 0, arrivals = 0;     ///< of paths (docs/paths.md)
+  std::array<double, 9> energy_of_order{};  ///< by number of interactions
+  double visibility_seconds = 0, echo_seconds = 0;
+  std::size_t refined_facets = 0;  ///< made for shots, with relief online
+  /// What finer relief than its facets would change (FinerRelief), of the worst ping.
+  double finer_relief_largest = 0, finer_relief_rms = 0;
+  StraighteningCounts refraction;
+  std::size_t shadowed_pings = 0;  ///< of which facets were left out in shadows
+  ReferenceStats reference;
+};
+
+/// What has to be kept of a survey's pings; with bounds for a reference.
+StoreLayout layout_of(const Survey& survey, bool with_bounds);
+
+/// Simulates pings of a survey one by one, on any thread, with the engine that scene.description.run names.
+/// With a tolerance, energies are enclosed (engine/certified/reference.hpp) and stores must keep bounds; that
+/// takes the tube engine and an exact arithmetic.
+class PingSimulation {
+ public:
+  /// Throws InputError and UsageError for what that engine cannot do. The survey outlives it.
+  PingSimulation(const Survey& survey, std::optional<double> reference_tolerance);
+  ~PingSimulation();
+  PingSimulation(const PingSimulation&) = delete;
+  PingSimulation& operator=(const PingSimulation&) = delete;
+
+  /// Leaves the energies of a group's ping in ping `slot` of a store, for its finish().
+  PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) const;
+
+ private:
+  struct Parts;
+  const Survey& survey_;
+  std::optional<double> reference_tolerance_;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Runs all pings of all sensors that `store` has not yet, as PingSimulation does. Returns early, with
+/// what was finished in the store, when somebody wants to stop (geometry/work/stop.hpp).
+void simulate(const Survey& survey, PingStore& store, bool quiet,
+              std::optional<double> reference_tolerance = {});
+
+/// The sums over a store's pings, added in the order of the pings.
+SimulationStats totals(const Survey& survey, const PingStore& store);
+
+/// One recording per sensor of the survey, of the energies in `store`, which they keep alive.
+std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store);
+
+/// All of it in memory. Throws Interrupted when somebody wants to stop.
+std::vector<Recording> simulate(const Survey& survey, bool quiet, SimulationStats& stats,
+                                std::optional<double> reference_tolerance = {});
+
+}  // namespace tubefoot

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/tiles_in_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engine/echo/staff_echo.hpp"
+#include "engine/ground/ground.hpp"
+#include "engine/ground/outlook.hpp"
+#include "engine/ground/sector.hpp"
+#include "geometry/search/vertical_line.hpp"
+#include "run/paths.hpp"
+#include "run/refraction.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr std::int32_t far_up = 1 << WorldGrid::coordinate_bits;
+
+void add_box(FacetMesh& mesh, GridPoint lo, GridPoint hi) {
+  const auto first = static_cast<VertexId>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {lo, hi});
+  mesh.facets.push_back({first, first + 1, first});
+}
+
+/// No path over mirrors has to do with what is farther, in plan, from where it begins: an image is as far
+/// from the apex as its mirrors fold up, and looks as far again; a second scattering begins anew.
+double farthest_of_paths(const PathSettings& settings, double reach) {
+  return reach * settings.scatterings * std::max(2 * settings.order - 1, 1);
+}
+
+}  // namespace
+
+TilesInView::TilesInView(const Survey& survey)
+    : survey_(survey),
+      lift_m_((survey.ground ? survey.ground->omitted().largest_height_m() : 0) +
+              2 * survey.scene.grid.unit_m()) {
+  const Scene& scene = survey.scene;
+  for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
+    if (!scene.tiled[i].tiles) continue;
+    Boxes& boxes = boxes_.emplace_back();
+    boxes.component = i;
+    const std::vector<TerrainTiles::Tile>& tiles = scene.tiled[i].tiles->tiles();
+    for (std::uint32_t k = 0; k < tiles.size(); ++k) {
+      if (tiles[k].facets == 0) continue;
+      boxes.tile.push_back(k);
+      const GridPoint lo = scene.grid.snap(tiles[k].lo_m), hi = scene.grid.snap(tiles[k].hi_m);
+      add_box(boxes.mesh, lo, hi);
+      add_box(boxes.columns, {lo.x, lo.y, -far_up}, {hi.x, hi.y, far_up});
+    }
+    boxes.tree = std::make_unique<SceneTree>(boxes.mesh, SceneTree::Sheets::ignored);
+    boxes.column_tree = std::make_unique<SceneTree>(boxes.columns, SceneTree::Sheets::ignored);
+  }
+}
+
+void TilesInView::add(const Boxes& boxes, const std::vector<FacetId>& found, TileChoice& choice) const {
+  std::vector<std::uint32_t>& list = choice[boxes.component];
+  for (const FacetId box : found) list.push_back(boxes.tile[box]);
+}
+
+void TilesInView::finish(TileChoice& choice) const {
+  const auto in_order = [](std::vector<std::uint32_t>& list) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  };
+  for (const Boxes& boxes : boxes_) {
+    const TerrainTiles& terrain = *survey_.scene.tiled[boxes.component].tiles;
+    std::vector<std::uint32_t>& list = choice[boxes.component];
+    in_order(list);
+    // An island between holes is a height sheet or not by its size: none may be cut small.
+    std::vector<std::uint32_t> more;
+    for (const std::uint32_t tile : list) {
+      if (!terrain.tiles()[tile].has_holes) continue;
+      const std::size_t row = tile / terrain.columns(), column = tile % terrain.columns();
+      for (std::size_t r = row - (row > 0); r <= std::min(row + 1, terrain.rows() - 1); ++r)
+        for (std::size_t c = column - (column > 0); c <= std::min(column + 1, terrain.columns() - 1); ++c)
+          if (const std::size_t k = r * terrain.columns() + c; terrain.tiles()[k].facets > 0)
+            more.push_back(static_cast<std::uint32_t>(k));
+    }
+    list.insert(list.end(), more.begin(), more.end());
+    in_order(list);
+  }
+}
+
+TileChoice TilesInView::of(const SharedShots& group, std::size_t ping) const {
+  const Scene& scene = survey_.scene;
+  const WorldGrid& grid = scene.grid;
+  const std::size_t first = group.sensors.front();
+  const SensorPings& pings = survey_.sensors[first];
+  TileChoice choice(scene.tiled.size());
+  for (std::size_t shot = 0; shot < survey_.shots_a_ping(group); ++shot) {
+    std::vector<TubeSet> sets{survey_.tubes(group, ping, shot)};
+    if (pings.sensor->has_receiver_apart()) sets.push_back(survey_.receive_tubes(first, ping, shot));
+    if (pings.sensor->has_staff())
+      for (const Fringe& staff :
+           pings.sensor->patterns(pings.shot_pose(ping, shot), pings.sound_speed_m_s, shot).fringes)
+        for (const double end : {1.0, -1.0})
+          sets.push_back(moved_along(sets.front(), staff, end, grid.unit_m()));
+    for (const TubeSet& tubes : sets) {
+      if (scene.water->refracts()) {
+        const Straightening straightening = straightening_of(survey_, pings, grid.to_metres(tubes.apex));
+        const Outlook outlook(tubes, grid.unit_m(), straightening);
+        for (const Boxes& boxes : boxes_)
+          add(boxes, outlook.facets(boxes.mesh, *boxes.tree, grid, lift_m_), choice);
+        continue;
+      }
+      // Without ground of its own a shot knows which sheets it sees from above, which what is under and over
+      // its tubes may change: docs/big-terrain.md
+      const Sector sector(tubes, grid.unit_m());
+      for (const Boxes& boxes : boxes_)
+        add(boxes, sector.facets(survey_.ground ? *boxes.tree : *boxes.column_tree, lift_m_), choice);
+      for (const std::size_t s : group.sensors) {
+        const Sensor& sensor = *survey_.sensors[s].sensor;
+        const std::optional<PathSettings> paths = path_settings(scene, sensor.frequency_khz());
+        if (!paths) continue;
+        const double farthest = farthest_of_paths(*paths, std::max(2 * sensor.reach(grid), tubes.reach)) +
+                                lift_m_ / grid.unit_m();
+        for (const Boxes& boxes : boxes_) {
+          std::vector<FacetId> found;
+          boxes.column_tree->query(
+              [&](const GridPoint& lo, const GridPoint& hi) {
+                const auto gap = [](double low, double high) { return std::max({low, -high, 0.0}); };
+                return std::hypot(gap(double(lo.x) - tubes.apex.x, double(hi.x) - tubes.apex.x),
+                                  gap(double(lo.y) - tubes.apex.y, double(hi.y) - tubes.apex.y)) <= farthest;
+              },
+              found);
+          add(boxes, found, choice);
+        }
+      }
+    }
+  }
+  finish(choice);
+  return choice;
+}
+
+TileChoice TilesInView::below(glm::dvec3 place_m) const {
+  TileChoice choice(survey_.scene.tiled.size());
+  for (const Boxes& boxes : boxes_) {
+    std::vector<FacetId> found;
+    facets_near_vertical(*boxes.tree, survey_.scene.grid.snap(place_m), lift_m_ / survey_.scene.grid.unit_m(),
+                         found);
+    add(boxes, found, choice);
+  }
+  for (std::vector<std::uint32_t>& list : choice) std::sort(list.begin(), list.end());
+  return choice;
+}
+
+std::uint64_t TilesInView::facets(const TileChoice& choice) const {
+  std::uint64_t sum = 0;
+  for (const Boxes& boxes : boxes_)
+    for (const std::uint32_t tile : choice[boxes.component])
+      sum += survey_.scene.tiled[boxes.component].tiles->tiles()[tile].facets;
+  return sum;
+}
+
+std::shared_ptr<const Survey> survey_around(const Survey& survey, const SharedShots& group,
+                                            std::size_t ping) {
+  if (!survey.is_tiled()) return {std::shared_ptr<const Survey>(), &survey};  // owns nothing
+  const TilesInView tiles(survey);
+  return survey_with_tiles(survey, tiles.of(group, ping));
+}
+
+}  // namespace tubefoot

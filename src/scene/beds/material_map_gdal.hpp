@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+
+#include "scene/rasters/georeference.hpp"
+
+namespace tubefoot {
+
+/// Carries points of a CRS (empty: local metres) into the frame; where only one of the two is georeferenced,
+/// throws InputError that says `way_out`.
+void carry_map_points(std::span<glm::dvec3> points, const std::string& crs, const LocalFrame& frame,
+                      const SourcePlace& place, const char* way_out);
+
+}  // namespace tubefoot

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/beds/scattering.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string_view>
+
+#include "engine/law/sediment.hpp"
+#include "files/csv_file.hpp"
+#include "files/inlet.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+constexpr std::size_t most_rows = 1000;
+
+double from_db(double db) { return std::pow(10, db / 10); }
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(blanks);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+struct Table {
+  std::vector<double> grazing_deg, strength_db;
+};
+
+/// Rows "grazing angle in degrees, level in dB"; blank lines and those from # on are left out.
+Table read_table(const std::filesystem::path& file) {
+  SourcePlace place{file.string(), 0, 0};
+  InputFile input(file);
+  std::istream& in = input.stream();
+  Table table;
+  for (std::string line; ++place.line, next_line(in, line, place);) {
+    const std::string_view text = trimmed(line);
+    if (text.empty() || text.starts_with('#')) continue;
+    std::array<double, 2> row{};
+    const std::size_t comma = text.find(',');
+    const std::array<std::string_view, 2> cells{
+        trimmed(text.substr(0, comma)),
+        comma == text.npos ? std::string_view() : trimmed(text.substr(comma + 1))};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const char* end = cells[k].data() + cells[k].size();
+      const auto [rest, error] = std::from_chars(cells[k].data(), end, row[k]);
+      if (error != std::errc() || rest != end || !std::isfinite(row[k]))
+        throw InputError(
+            place, fmt::format("the row is '{}', expected a grazing angle in degrees, a comma and a level in "
+                               "dB",
+                               text));
+    }
+    if (!(row[0] > 0 && row[0] <= 90))
+      throw InputError(
+          place, fmt::format("the grazing angle must be above 0 and at most 90 degrees, not {}", row[0]));
+    if (!table.grazing_deg.empty() && !(row[0] > table.grazing_deg.back()))
+      throw InputError(place, fmt::format("grazing angles must increase: {} follows {}", row[0],
+                                          table.grazing_deg.back()));
+    if (!(row[1] >= -300 && row[1] <= 100))
+      throw InputError(place, fmt::format("the level must be from -300 to 100 dB, not {}", row[1]));
+    if (table.grazing_deg.size() == most_rows)
+      throw InputError(place, fmt::format("more than {} rows: thin out the table", most_rows));
+    table.grazing_deg.push_back(row[0]);
+    table.strength_db.push_back(row[1]);
+  }
+  if (in.bad()) throw InputError(place, "cannot be read to its end");
+  if (table.grazing_deg.empty())
+    throw InputError({file.string(), 0, 0}, "has no row of a grazing angle in degrees and a level in dB");
+  return table;
+}
+
+ScatteringLaw make_law(const MaterialDescription& m) {
+  if (m.law == "gsab") {
+    const auto level = [](const std::optional<double>& db) { return db ? from_db(*db) : 0.0; };
+    return ScatteringLaw::gsab({.specular = level(m.specular_db),
+                                .specular_width_rad = m.specular_width_deg.value_or(1) * degree,
+                                .oblique = level(m.oblique_db),
+                                .oblique_exponent = m.oblique_exponent.value_or(2),
+                                .transition = level(m.transition_db),
+                                .transition_width_rad = m.transition_width_deg.value_or(1) * degree});
+  }
+  if (m.law == "sediment")
+    return ScatteringLaw::table(sediment_grazing_deg,
+                                sediment_backscatter(*m.sediment, m.sediment_khz).strength_db);
+  if (!m.table_file) return ScatteringLaw::table(m.table_grazing_deg, m.table_db);
+  const Table table = read_table(*m.table_file);
+  return ScatteringLaw::table(table.grazing_deg, table.strength_db);
+}
+
+double frequency_khz(const SensorDescription& sensor) {
+  return std::visit([](const auto& kind) { return kind.frequency_khz; }, sensor.kind);
+}
+
+}  // namespace
+
+std::vector<std::shared_ptr<const ScatteringLaw>> load_scattering(const SceneDescription& scene,
+                                                                  std::vector<std::string>& warnings) {
+  std::vector<std::shared_ptr<const ScatteringLaw>> laws;
+  for (const MaterialDescription& m : scene.materials) {
+    if (m.law == "lambert") {
+      laws.emplace_back();
+      continue;
+    }
+    try {
+      laws.push_back(std::make_shared<const ScatteringLaw>(make_law(m)));
+    } catch (const std::invalid_argument& e) {
+      throw InputError(m.place, fmt::format("material '{}': {}", m.name, e.what()));
+    }
+    const ScatteringLaw::Albedo most = laws.back()->largest_albedo();
+    const double mirrored = m.specular_loss_db ? from_db(-*m.specular_loss_db) : 0;
+    if (most.value + mirrored > 1 + 1e-9) {
+      const std::string what =
+          fmt::format("material '{}' {} {:.3g} times what it receives at a grazing angle of {:.3g} degrees",
+                      m.name, mirrored > 0 ? "scatters and mirrors" : "scatters", most.value + mirrored,
+                      most.grazing_rad / degree);
+      if (!m.unbounded)
+        throw InputError(m.place, what + ": lower its levels, or say unbounded = true if that is meant");
+      warnings.push_back(what + ", as 'unbounded' allows");
+    }
+    if (m.law != "sediment") continue;
+    for (const SensorDescription& sensor : scene.sensors)
+      if (const double ratio = frequency_khz(sensor) / m.sediment_khz;
+          ratio > sediment_frequency_ratio || ratio < 1 / sediment_frequency_ratio)
+        warnings.push_back(fmt::format(
+            "material '{}' is '{}' as it scatters at {:g} kHz, but sensor '{}' works at {:g} kHz: its "
+            "table is meant for {:.3g} to {:.3g} kHz",
+            m.name, *m.sediment, m.sediment_khz, sensor.name, frequency_khz(sensor),
+            m.sediment_khz / sediment_frequency_ratio, m.sediment_khz * sediment_frequency_ratio));
+  }
+  return laws;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <system_error>
+
+#include "files/companions.hpp"
+#include "files/file_format.hpp"
+#include "files/file_hash.hpp"
+#include "files/grid_words.hpp"
+#include "files/inlet.hpp"
+#include "files/limits.hpp"
+#include "geometry/work/stop.hpp"
+#include "scene/description/scene_description.hpp"
+#include "scene/file/scene_file_sections.hpp"
+#include "scene/file/scene_file_tables.hpp"
+#include "scene/file/scene_file_words.hpp"
+#include "scene/file/sensor_presets.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string scene_text(const fs::path& file) {
+  const SourcePlace place{file.string()};
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found) throw InputError(place, "there is no such scene file");
+  if (status.type() == fs::file_type::none) throw InputError(place, "cannot look at it: " + error.message());
+  return read_whole(file, place, limits::scene_file_bytes, "a scene file (TOML text)");
+}
+
+/// toml++ nests a table for every dot of a key and overflows the stack somewhere above 20000 of them; inside
+/// brackets it nests at most 256 deep. So a line's dots bound the depth. Dots in a row are text, not keys.
+void check_dots(std::string_view text, const fs::path& file) {
+  constexpr int most_dots = 64;
+  SourcePlace place{file.string(), 1, 0};
+  int dots = 0;
+  char previous = '\n';
+  for (const char c : text) {
+    ++place.column;
+    if (c == '\n') {
+      ++place.line;
+      place.column = dots = 0;
+    } else if (c == '.' && previous != '.' && ++dots > most_dots) {
+      throw InputError(place, fmt::format("more than {} dots on one line: break the line", most_dots));
+    }
+    previous = c;
+  }
+}
+
+toml::table parse(std::string_view text, const TomlSource& source) {
+  check_dots(text, source.file);
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw InputError(source.place(error.source()), fmt::format("not valid TOML: {}", error.description()));
+  }
+}
+
+/// Takes the scene hash, and notes every file that it is of: what the scene is made of, and nothing else is
+/// read.
+class InputHash {
+ public:
+  InputHash(SceneDescription& scene, const std::string& text)
+      : scene_(scene), folder_(scene.file.parent_path()) {
+    hash_.update(text);
+    // A description may be of a text that is in no file.
+    if (std::error_code ignored; fs::is_regular_file(scene.file, ignored)) scene.inputs.push_back(scene.file);
+  }
+
+  void add(const TomlSource::NamedFile& named) {
+    refuse_or_note(named.file, named.place, fmt::format("\"{}\"", named.name));
+    const bool through_gdal = gdal_driver_of(format_of(named.file)) != nullptr;
+    take(named.file, named.place, through_gdal);
+    const auto admit = [&](const fs::path& companion) {
+      refuse_or_note(
+          companion, named.place,
+          fmt::format("'{}', which is read along with \"{}\",", companion.filename().string(), named.name));
+    };
+    try {
+      for (const fs::path& companion : companions_of(named.file, admit))
+        take(companion, named.place, through_gdal);
+    } catch (const InputError& error) {
+      if (error.place.file == named.place.file) throw;
+      throw InputError(named.place, error.what());
+    }
+  }
+
+  std::string hash() const { return hash_.hex_digest(); }
+
+ private:
+  /// Of what lies outside of the scene's folder.
+  void refuse_or_note(const fs::path& file, const SourcePlace& place, const std::string& who) {
+    const auto real = place_outside(folder_, file);
+    if (!real) return;
+    const std::string what = fmt::format("{} leaves the scene's folder: it is '{}'", who, real->string());
+    if (scene_.confined)
+      throw InputError(place,
+                       what + ", and --confined reads nothing outside: copy it there, or leave it out");
+    scene_.outside.push_back(fmt::format("{}: {}", to_string(place), what));
+  }
+
+  void take(const fs::path& file, const SourcePlace& place, bool through_gdal) {
+    Sha256 own;
+    GridWords words;
+    InputFile input(file, place);
+    input.for_each_piece([&](std::string_view piece) {
+      own.update(piece);
+      if (through_gdal) words.feed(piece);
+    });
+    if (!words.met().empty())
+      throw InputError(
+          {file.string(), 0, 0},
+          fmt::format("has a coordinate reference system that names files of corrections ('{}'), which are "
+                      "not read: give it another with gdal_edit.py -a_srs EPSG:...",
+                      words.met()));
+    // Its own hash and not its bytes, so that none can be moved to the next file unseen; and its name, by
+    // which it is read. As sha256sum prints it.
+    hash_.update(fmt::format("{}  {}\n", own.hex_digest(), file.filename().string()));
+    scene_.inputs.push_back(file);
+  }
+
+  SceneDescription& scene_;
+  fs::path folder_;
+  Sha256 hash_;
+};
+
+/// Adds the keys of a sensor's preset that the sensor does not give itself. A pattern that it gives replaces
+/// all that the preset says of that pattern.
+void apply_preset(toml::table& sensor, const TomlSource& source) {
+  const toml::node* named = sensor.get("preset");
+  if (named == nullptr || !named->is_string()) return;  // the section's reader refuses what is no text
+  const std::string name = **named->as_string();
+  for (const SensorPreset& preset : sensor_presets()) {
+    if (preset.name != name) continue;
+    const toml::table keys = toml::parse(preset.text);
+    if (const auto kind = sensor["kind"].value<std::string>();
+        kind && kind != keys["kind"].value<std::string>())
+      throw InputError(source.place(sensor.get("kind")->source()),
+                       fmt::format("the preset \"{}\" is of {}: remove 'kind', or the preset", name,
+                                   fmt::format("kind = \"{}\"", *keys["kind"].value<std::string>())));
+    for (const auto& [key, value] : keys) {
+      bool replaced = sensor.contains(key);
+      for (const std::string_view side : {"transmit_", "receive_"})
+        replaced =
+            replaced || (key.str().starts_with(side) && sensor.contains(std::string(side) + "pattern"));
+      replaced = replaced || (key.str() == "samples" && sensor.contains("sampling_frequency_khz"));
+      if (!replaced) sensor.insert(key, value);
+    }
+    return;
+  }
+}
+
+void apply_presets(toml::table& root, const TomlSource& source) {
+  toml::array* sensors = root["sensors"].as_array();
+  if (sensors == nullptr) return;
+  for (toml::node& sensor : *sensors)
+    if (toml::table* table = sensor.as_table()) apply_preset(*table, source);
+}
+
+/// A description and the table it comes from, for what is checked across tables.
+template <class S>
+struct Entry {
+  S description;
+  TomlTable table;
+};
+
+template <class S>
+void read_section(const TomlEntry& entry, const TomlSection<S>& section, TomlSource& source,
+                  std::vector<Entry<S>>& entries) {
+  const bool many = section.name().starts_with("[[");
+  const auto read_table = [&](const toml::node& node) {
+    if (!node.is_table()) {
+      throw InputError(source.place(node.source()),
+                       fmt::format("'{}' must be {}: write {}{}", entry.key, many ? "tables" : "one table",
+                                   section.name(), many ? "" : ", once"));
+    }
+    const TomlTable table{node.as_table(), source.place(node.source()), &source};
+    entries.push_back({section.read(table, source), table});
+  };
+  if (const toml::array* tables = entry.node->as_array(); tables != nullptr && many) {
+    for (const toml::node& node : *tables) read_table(node);
+  } else {
+    read_table(*entry.node);
+  }
+}
+
+struct SceneEntries {
+  SceneDescription scene;  ///< what stands above all sections
+  std::vector<Entry<GeoreferenceDescription>> georeference;
+  std::vector<Entry<WaterDescription>> water;
+  std::vector<Entry<SeaSurfaceDescription>> sea_surface;
+  std::vector<Entry<PathsDescription>> paths;
+  std::vector<Entry<MaterialDescription>> materials;
+  std::vector<Entry<TerrainDescription>> terrains;
+  std::vector<Entry<ObjectDescription>> objects;
+  std::vector<Entry<TrajectoryDescription>> trajectories;
+  std::vector<Entry<SensorDescription>> sensors;
+  std::vector<Entry<RefinementDescription>> refinement;
+  std::vector<Entry<RunDescription>> run;
+};
+
+SceneEntries read_entries(const toml::table& root, TomlSource& source) {
+  SceneEntries all;
+  using Read = std::function<void(const TomlEntry&)>;
+  const auto into = [&source](const auto& section, auto& entries) -> Read {
+    return [&](const TomlEntry& entry) { read_section(entry, section, source, entries); };
+  };
+  const std::map<std::string, Read, std::less<>> readers{
+      {"title", [&](const TomlEntry& entry) { title_field().read(*entry.node, source, all.scene); }},
+      {"georeference", into(georeference_section(), all.georeference)},
+      {"water", into(water_section(), all.water)},
+      {"sea_surface", into(sea_surface_section(), all.sea_surface)},
+      {"paths", into(paths_section(), all.paths)},
+      {"materials", into(material_section(), all.materials)},
+      {"terrain", into(terrain_section(), all.terrains)},
+      {"objects", into(object_section(), all.objects)},
+      {"trajectories", into(trajectory_section(), all.trajectories)},
+      {"trajectory", into(trajectory_section(), all.trajectories)},
+      {"sensors", into(sensor_section(), all.sensors)},
+      {"relief", into(refinement_section(), all.refinement)},
+      {"run", into(run_section(), all.run)},
+  };
+  for (const TomlEntry& entry : entries_in_file_order(root, source)) {
+    const auto reader = readers.find(entry.key);
+    if (reader == readers.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, read] : readers) names.push_back(name);
+      const std::string_view meant = nearest(entry.key, names);
+      throw InputError(entry.place, fmt::format("unknown section or key '{}': {}", entry.key,
+                                                meant.empty() ? "expected " + one_of(names, '\'')
+                                                              : fmt::format("did you mean '{}'?", meant)));
+    }
+    reader->second(entry);
+  }
+  return all;
+}
+
+/// Names of a section's entries, and the place of each. They refer to the entries.
+using Names = std::map<std::string_view, SourcePlace>;
+
+template <class S>
+Names unique_names(const std::vector<Entry<S>>& entries, const TomlSection<S>& section) {
+  Names taken;
+  for (const Entry<S>& entry : entries) {
+    const SourcePlace place = entry.table.place_of("name");
+    const auto [first, is_new] = taken.emplace(entry.description.name, place);
+    if (!is_new) {
+      throw InputError(place,
+                       fmt::format("the name \"{}\" is taken at {} already: every entry of {} needs its own "
+                                   "'name'",
+                                   entry.description.name, to_string(first->second), section.name()));
+    }
+  }
+  return taken;
+}
+
+/// Resolves a key that names an entry of another section; left out, it means the only entry there is.
+void resolve(std::string& name, SourcePlace& place, const TomlTable& table, std::string_view key,
+             const Names& names, std::string_view section) {
+  place = table.place_of(key);
+  if (names.empty()) {
+    throw InputError(place, fmt::format("no '{}' to refer to: the scene has no {} section", key, section));
+  }
+  if (name.empty() && names.size() == 1) name = names.begin()->first;
+  if (names.contains(name)) return;
+  std::vector<std::string> known;
+  for (const auto& [known_name, known_place] : names) known.emplace_back(known_name);
+  if (name.empty()) throw InputError(place, fmt::format("needs the key '{}': {}", key, one_of(known, '"')));
+  const std::string_view meant = nearest(name, known);
+  throw InputError(place, fmt::format("no entry of {} is named \"{}\": {}", section, name,
+                                      meant.empty() ? "expected " + one_of(known, '"')
+                                                    : fmt::format("did you mean \"{}\"?", meant)));
+}
+
+void check_scene(SceneEntries& all, const fs::path& file) {
+  const SourcePlace whole{file.string()};
+  if (all.terrains.empty() && all.objects.empty()) {
+    throw InputError(whole, "the scene has no terrain and no object: add [[terrain]] or [[objects]]");
+  }
+  if (all.sensors.empty()) throw InputError(whole, "the scene has no sensor: add [[sensors]]");
+  if (all.trajectories.empty()) {
+    throw InputError(whole, "the scene has no trajectory for its sensors: add [[trajectories]]");
+  }
+  unique_names(all.terrains, terrain_section());
+  unique_names(all.objects, object_section());
+  unique_names(all.sensors, sensor_section());
+  std::vector<std::string> materials;
+  for (const auto& material : all.materials) materials.push_back(material.description.name);
+  const auto resolve_material = [names = unique_names(all.materials, material_section())](auto& entry) {
+    resolve(entry.description.material, entry.description.material_place, entry.table, "material", names,
+            material_section().name());
+  };
+  for (auto& entry : all.terrains) {
+    resolve_material(entry);
+    if (entry.description.material_map) check_materials(*entry.description.material_map, materials);
+  }
+  for (auto& entry : all.objects) {
+    resolve_material(entry);
+    if (const auto* mesh = std::get_if<MeshFile>(&entry.description.kind))
+      for (const MaterialClass& c : mesh->materials) check_material_name(c.material, c.place, materials);
+    if (entry.description.position_lat_lon_deg && all.georeference.empty()) {
+      throw InputError(entry.table.place_of("position_lat_lon_deg"),
+                       "'position_lat_lon_deg' needs to know where the frame lies: add [georeference]");
+    }
+    if (entry.description.on_terrain_m && all.terrains.empty()) {
+      throw InputError(entry.table.place_of("on_terrain_m"),
+                       "'on_terrain_m' needs a terrain: add [[terrain]]");
+    }
+  }
+  const Names trajectories = unique_names(all.trajectories, trajectory_section());
+  for (auto& [sensor, table] : all.sensors) {
+    resolve(sensor.trajectory, sensor.trajectory_place, table, "trajectory", trajectories,
+            trajectory_section().name());
+  }
+}
+
+template <class S>
+std::vector<S> descriptions(std::vector<Entry<S>>& entries) {
+  std::vector<S> result;
+  for (Entry<S>& entry : entries) result.push_back(std::move(entry.description));
+  return result;
+}
+
+/// The one description there is, or the default one, placed at the whole file.
+template <class S>
+S only(const std::vector<Entry<S>>& entries, const fs::path& file) {
+  if (!entries.empty()) return entries.front().description;
+  S s;
+  s.place.file = file.string();
+  return s;
+}
+
+template <class S>
+void append_keys(const TomlSection<S>& section, std::vector<SceneKey>& keys) {
+  const std::vector<TomlKey> own = section.all_keys();
+  keys.insert(keys.end(), own.begin(), own.end());
+}
+
+}  // namespace
+
+std::vector<SceneKey> scene_file_keys() {
+  std::vector<SceneKey> keys{title_field().key};
+  append_keys(georeference_section(), keys);
+  append_keys(water_section(), keys);
+  append_keys(sea_surface_section(), keys);
+  append_keys(material_section(), keys);
+  append_keys(reflectivity_section(), keys);
+  append_keys(relief_section(), keys);
+  append_keys(terrain_section(), keys);
+  append_keys(material_map_section(), keys);
+  append_keys(object_section(), keys);
+  append_keys(trajectory_section(), keys);
+  append_keys(sensor_section(), keys);
+  append_keys(refinement_section(), keys);
+  append_keys(paths_section(), keys);
+  append_keys(run_section(), keys);
+  return keys;
+}
+
+SceneDescription read_scene_file(const fs::path& file, bool confined) {
+  return read_scene_text(scene_text(file), file, confined);
+}
+
+SceneDescription read_scene_text(const std::string& text, const fs::path& file, bool confined) {
+  TomlSource source{file, {}};
+  toml::table root = parse(text, source);
+  apply_presets(root, source);
+  SceneEntries all = read_entries(root, source);
+  check_scene(all, file);
+
+  SceneDescription scene = std::move(all.scene);
+  scene.file = file;
+  if (!all.georeference.empty()) scene.georeference = all.georeference.front().description;
+  scene.water = only(all.water, file);
+  if (!all.sea_surface.empty()) scene.sea_surface = all.sea_surface.front().description;
+  scene.paths = only(all.paths, file);
+  scene.materials = descriptions(all.materials);
+  scene.terrains = descriptions(all.terrains);
+  scene.objects = descriptions(all.objects);
+  scene.trajectories = descriptions(all.trajectories);
+  scene.sensors = descriptions(all.sensors);
+  scene.refinement = only(all.refinement, file);
+  if (!all.refinement.empty()) scene.refinement.file_place = all.refinement.front().table.place_of("file");
+  if (auto& bed = scene.refinement.file) bed = (file.parent_path() / *bed).string();
+  scene.run = only(all.run, file);
+
+  scene.confined = confined;
+  InputHash inputs(scene, text);
+  for (const TomlSource::NamedFile& named : source.named_files) inputs.add(named);
+  // `tubefoot refine` may be about to write it.
+  if (std::error_code ignored; scene.refinement.file && fs::exists(*scene.refinement.file, ignored))
+    inputs.add({*scene.refinement.file, *scene.refinement.file, scene.refinement.file_place});
+  scene.sha256 = inputs.hash();
+  return scene;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/file/scene_file_scattering.hpp"
+
+#include <algorithm>
+
+#include "engine/law/sediment.hpp"
+
+namespace tubefoot {
+namespace {
+
+struct LawKeys {
+  std::string_view law;
+  std::vector<std::string_view> keys;
+};
+const std::vector<LawKeys>& keys_of_laws() {
+  static const std::vector<LawKeys> keys{{"lambert", {"lambert_db"}},
+                                         {"gsab",
+                                          {"specular_db", "specular_width_deg", "oblique_db",
+                                           "oblique_exponent", "transition_db", "transition_width_deg"}},
+                                         {"table", {"table_grazing_deg", "table_db", "table_file"}},
+                                         {"sediment", {"sediment", "sediment_khz"}}};
+  return keys;
+}
+
+void check_pair(const TomlTable& table, std::string_view one, std::string_view other) {
+  if (table.has(one) && !table.has(other))
+    throw InputError(table.place_of(one), fmt::format("'{}' goes together with '{}': add it", one, other));
+  if (table.has(other) && !table.has(one))
+    throw InputError(table.place_of(other), fmt::format("'{}' goes together with '{}': add it", other, one));
+}
+
+}  // namespace
+
+std::vector<TomlField<MaterialDescription>> scattering_fields() {
+  using M = MaterialDescription;
+  // 10 log10(1 / pi), rounded towards less energy (physics: Lambert, pi mu <= 1).
+  constexpr ValueRange lambert{
+      .lo = -120, .hi = -4.9715, .if_above = "a surface cannot scatter more than it receives"};
+  constexpr ValueRange level{.lo = -120, .hi = 40}, width{.lo = 0.1, .hi = 90}, exponent{.lo = 0, .hi = 10},
+      table_level{.lo = -300, .hi = 100}, grazing{.lo = 0, .hi = 90, .lo_excluded = true};
+  const auto& names = sediment_names();
+  return {field("law", &M::law, {.choices = {"lambert", "gsab", "table", "sediment"}}),
+          field("lambert_db", &M::lambert_db, {.ranges = {lambert}}),
+          field("specular_db", &M::specular_db, {.ranges = {level}}),
+          field("specular_width_deg", &M::specular_width_deg, {.ranges = {width}}),
+          field("oblique_db", &M::oblique_db, {.ranges = {level}}),
+          field("oblique_exponent", &M::oblique_exponent, {.ranges = {exponent}, .default_value = "2"}),
+          field("transition_db", &M::transition_db, {.ranges = {level}}),
+          field("transition_width_deg", &M::transition_width_deg, {.ranges = {width}}),
+          field("table_grazing_deg", &M::table_grazing_deg, {.ranges = {grazing}}),
+          field("table_db", &M::table_db, {.ranges = {table_level}}),
+          field("table_file", &M::table_file),
+          field("sediment", &M::sediment, {.choices = {names.begin(), names.end()}}),
+          field("sediment_khz", &M::sediment_khz, {.ranges = {{.lo = 20, .hi = 300}}}),
+          field("unbounded", &M::unbounded)};
+}
+
+void check_scattering(const MaterialDescription& material, const TomlTable& table) {
+  for (const LawKeys& law : keys_of_laws())
+    for (const std::string_view key : law.keys)
+      if (law.law != material.law && table.has(key))
+        throw InputError(table.place_of(key),
+                         fmt::format("'{}' belongs to law = \"{}\", but this material has law = \"{}\"", key,
+                                     law.law, material.law));
+  if (material.law == "gsab") {
+    check_pair(table, "specular_db", "specular_width_deg");
+    check_pair(table, "transition_db", "transition_width_deg");
+    if (table.has("oblique_exponent") && !table.has("oblique_db"))
+      throw InputError(table.place_of("oblique_exponent"),
+                       "'oblique_exponent' goes together with 'oblique_db': add it");
+    if (!material.specular_db && !material.oblique_db && !material.transition_db)
+      throw InputError(table.place_of("law"),
+                       "law = \"gsab\" needs 'specular_db', 'oblique_db' or 'transition_db'");
+  }
+  if (material.law == "table") {
+    check_pair(table, "table_grazing_deg", "table_db");
+    if (table.has("table_file") == table.has("table_db"))
+      throw InputError(
+          table.place_of(table.has("table_file") ? "table_file" : "law"),
+          "law = \"table\" needs 'table_file', or 'table_grazing_deg' with 'table_db', and not both");
+    if (material.table_db.size() != material.table_grazing_deg.size())
+      throw InputError(table.place_of("table_db"),
+                       fmt::format("'table_db' has {} levels for {} angles of 'table_grazing_deg'",
+                                   material.table_db.size(), material.table_grazing_deg.size()));
+    for (std::size_t k = 1; k < material.table_grazing_deg.size(); ++k)
+      if (!(material.table_grazing_deg[k] > material.table_grazing_deg[k - 1]))
+        throw InputError(table.place_of("table_grazing_deg"),
+                         fmt::format("'table_grazing_deg' must increase: {} follows {}",
+                                     material.table_grazing_deg[k], material.table_grazing_deg[k - 1]));
+  }
+  if (material.law == "sediment") {
+    if (!material.sediment)
+      throw InputError(table.place_of("law"), "law = \"sediment\" needs the key 'sediment'");
+    if (material.sediment_khz != 20 && material.sediment_khz != 300)
+      throw InputError(table.place_of("sediment_khz"),
+                       fmt::format("'sediment_khz' must be 20 or 300, not {}: there are two tables",
+                                   material.sediment_khz));
+  }
+}
+
+}  // namespace tubefoot

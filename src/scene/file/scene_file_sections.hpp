@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scene/description/scene_description.hpp"
+#include "scene/file/toml_reader.hpp"
+
+// The sections of a scene file: every key with its rule, and what holds among the keys of one table.
+namespace tubefoot {
+
+const TomlField<SceneDescription>& title_field();
+const TomlSection<GeoreferenceDescription>& georeference_section();
+const TomlSection<WaterDescription>& water_section();
+const TomlSection<SeaSurfaceDescription>& sea_surface_section();
+const TomlSection<PathsDescription>& paths_section();
+const TomlSection<MaterialDescription>& material_section();
+const TomlSection<ReflectivityDescription>& reflectivity_section();  // of a material
+const TomlSection<ReliefDescription>& relief_section();
+const TomlSection<TerrainDescription>& terrain_section();
+const TomlSection<MaterialMapDescription>& material_map_section();
+/// The key of [[terrain]] that holds such a section.
+TomlField<TerrainDescription> material_map_field();
+/// Throws InputError at the first name that the map gives and that is no material.
+void check_materials(const MaterialMapDescription& map, const std::vector<std::string>& materials);
+const TomlSection<ObjectDescription>& object_section();
+const TomlSection<TrajectoryDescription>& trajectory_section();
+const TomlSection<SensorDescription>& sensor_section();
+const TomlSection<RefinementDescription>& refinement_section();
+const TomlSection<RunDescription>& run_section();
+
+}  // namespace tubefoot

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "scene/file/scene_file_ranges.hpp"
+#include "scene/file/scene_file_sections.hpp"
+
+// [water]: one body of water, even or layered.
+namespace tubefoot {
+namespace {
+
+/// Keys that only some profiles read, and whether those need them.
+struct ProfileKey {
+  const char* name;
+  std::vector<const char*> profiles, needed_by{};
+};
+
+const std::vector<ProfileKey>& profile_keys() {
+  static const std::vector<ProfileKey> keys = {
+      {"profile_file", {"table", "cast"}, {"table", "cast"}},
+      {"surface_height_m", {"table", "cast", "gradient", "munk", "n2-linear"}},
+      {"refraction_gap_m", {"table", "cast", "gradient", "munk", "n2-linear"}},
+      {"refraction_tolerance_db", {"table", "cast", "gradient", "munk", "n2-linear"}},
+      {"profile_bottom_m", {"gradient", "munk", "n2-linear"}, {"gradient", "munk", "n2-linear"}},
+      {"gradient_per_s", {"gradient", "n2-linear"}, {"gradient", "n2-linear"}},
+      {"munk_axis_m", {"munk"}},
+      {"munk_scale_m", {"munk"}},
+      {"munk_epsilon", {"munk"}},
+      {"profile_error_m_s", {"munk", "n2-linear"}},
+      {"profile_step_m", {"munk", "n2-linear"}},
+  };
+  return keys;
+}
+
+void check_profile(const WaterDescription& water, const TomlTable& table) {
+  const auto among = [&water](const std::vector<const char*>& profiles) {
+    return std::ranges::find(profiles, water.profile) != profiles.end();
+  };
+  for (const ProfileKey& key : profile_keys()) {
+    if (table.has(key.name) && !among(key.profiles)) {
+      throw InputError(
+          table.place_of(key.name),
+          fmt::format("'{}' belongs to profile = \"{}\", but the profile is \"{}\": remove one of "
+                      "the two",
+                      key.name, fmt::join(key.profiles, "\" or \""), water.profile));
+    }
+    if (!table.has(key.name) && among(key.needed_by)) {
+      throw InputError(table.place_of("profile"),
+                       fmt::format("profile = \"{}\" needs '{}': add it", water.profile, key.name));
+    }
+  }
+  if (water.profile_error_m_s && water.profile_step_m) {
+    throw InputError(
+        place_of_pair(table, "profile_error_m_s", "profile_step_m"),
+        "a profile is sampled to 'profile_error_m_s' or every 'profile_step_m': give only one of "
+        "the two");
+  }
+  if (water.sound_speed_m_s && among({"table", "cast"})) {
+    throw InputError(table.place_of("sound_speed_m_s"),
+                     fmt::format("profile = \"{}\" has its sound speeds in 'profile_file': remove "
+                                 "'sound_speed_m_s'",
+                                 water.profile));
+  }
+  if (!water.sound_speed_m_s && among({"gradient", "munk", "n2-linear"})) {
+    throw InputError(table.place_of("profile"),
+                     fmt::format("profile = \"{}\" needs 'sound_speed_m_s', the speed at {}: add it",
+                                 water.profile, water.profile == "munk" ? "its axis" : "the surface"));
+  }
+  if (water.latitude_deg && water.sound_speed_formula != "leroy") {
+    throw InputError(table.place_of("latitude_deg"),
+                     "'latitude_deg' belongs to sound_speed_formula = \"leroy\": remove one of the two");
+  }
+}
+
+/// Where a formula gives the sound speed, it must hold there.
+void check_formula(const WaterDescription& water, const TomlTable& table) {
+  if (water.sound_speed_m_s || water.profile != "constant") return;
+  const bool leroy = water.sound_speed_formula == "leroy";
+  const double saltless = leroy ? 0 : 25, deepest = leroy ? 12000 : 8000;
+  // The temperature's own range is narrow enough.
+  if (water.salinity_psu < saltless) {
+    throw InputError(
+        table.place_of("salinity_psu"),
+        fmt::format("the formula for sound speed holds for a 'salinity_psu' of 25 to 40, not {}: give "
+                    "'sound_speed_m_s' for fresh or brackish water",
+                    water.salinity_psu));
+  }
+  if (water.depth_m > deepest) {
+    throw InputError(
+        table.place_of("depth_m"),
+        fmt::format("the formula for sound speed holds for a 'depth_m' of 0 to {:g}, not {}: give "
+                    "'sound_speed_m_s' for deeper water",
+                    deepest, water.depth_m));
+  }
+}
+
+}  // namespace
+
+const TomlSection<WaterDescription>& water_section() {
+  using W = WaterDescription;
+  static const auto section =
+      TomlSection<W>("[water]")
+          .keys(
+              {field("sound_speed_m_s", &W::sound_speed_m_s, {.ranges = {{.lo = 1300, .hi = 1700}}}),
+               field("absorption_db_per_km", &W::absorption_db_per_km, {.ranges = {{.lo = 0, .hi = 100000}}}),
+               field("temperature_c", &W::temperature_c, {.ranges = {{.lo = -2, .hi = 30}}}),
+               field("salinity_psu", &W::salinity_psu, {.ranges = {{.lo = 0, .hi = 40}}}),
+               field("ph", &W::ph, {.ranges = {{.lo = 6, .hi = 9}}}),
+               field("depth_m", &W::depth_m, {.ranges = {{.lo = 0, .hi = 10000}}}),
+               field("sound_speed_formula", &W::sound_speed_formula, {.choices = {"mackenzie", "leroy"}}),
+               field("latitude_deg", &W::latitude_deg, {.ranges = {latitude}, .default_value = "45"}),
+               field("absorption_model", &W::absorption_model,
+                     {.choices = {"francois-garrison", "ainslie-mccolm"}}),
+               field("profile", &W::profile,
+                     {.choices = {"constant", "table", "cast", "gradient", "munk", "n2-linear"}}),
+               field("profile_file", &W::profile_file),
+               field("surface_height_m", &W::surface_height_m,
+                     {.ranges = {{.lo = -12000, .hi = 12000}}, .default_value = "0"}),
+               field("profile_bottom_m", &W::profile_bottom_m,
+                     {.ranges = {{.lo = 0, .hi = 12000, .lo_excluded = true}}}),
+               field("gradient_per_s", &W::gradient_per_s, {.ranges = {{.lo = -10, .hi = 10}}}),
+               field("munk_axis_m", &W::munk_axis_m,
+                     {.ranges = {{.lo = 0, .hi = 12000}}, .default_value = "1300"}),
+               field("munk_scale_m", &W::munk_scale_m,
+                     {.ranges = {{.lo = 1, .hi = 12000}}, .default_value = "1300"}),
+               field("munk_epsilon", &W::munk_epsilon,
+                     {.ranges = {{.lo = 0, .hi = 0.1}}, .default_value = "0.00737"}),
+               field("profile_error_m_s", &W::profile_error_m_s,
+                     {.ranges = {{.lo = 0.0001, .hi = 10}}, .default_value = "0.01"}),
+               field("profile_step_m", &W::profile_step_m, {.ranges = {{.lo = 0.01, .hi = 1000}}}),
+               field("refraction_gap_m", &W::refraction_gap_m, {.ranges = {{.lo = 0.00001, .hi = 1000}}}),
+               field("refraction_tolerance_db", &W::refraction_tolerance_db,
+                     {.ranges = {{.lo = 0.001, .hi = 10}}, .default_value = "0.1"})})
+          .check([](const W& water, const TomlTable& table) {
+            check_profile(water, table);
+            check_formula(water, table);
+          });
+  return section;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "files/input_error.hpp"
+#include "files/limits.hpp"
+#include "scene/file/scene_file_keys.hpp"
+
+// A section of a scene file as a table of keys: each key knows its struct member, its type, unit, default and
+// range, and the same table reads the file, words the messages and checks the documentation.
+namespace tubefoot {
+
+/// What a number must lie in, ends included unless said otherwise.
+struct ValueRange {
+  double lo = -std::numeric_limits<double>::infinity();
+  double hi = std::numeric_limits<double>::infinity();
+  bool lo_excluded = false, hi_excluded = false;
+  const char* if_below = "";  ///< why there is such a bound, where the numbers alone do not say it
+  const char* if_above = "";
+
+  bool contains(double value) const;
+};
+/// "0 to 14", "> 0, <= 170", empty for any.
+std::string to_string(const ValueRange& range);
+
+/// What a key's value must obey. One range holds for every element of an array, else one a element.
+struct KeyRule {
+  std::vector<ValueRange> ranges{};
+  std::vector<std::string> choices{};
+  bool required = false;
+  std::size_t longest = limits::text_bytes;  ///< of a text
+  std::string default_value{};  ///< for the documentation, where the struct's own default does not tell
+};
+
+/// A key with its rule.
+struct TomlKey : SceneKey, KeyRule {
+  using SceneKey::default_value;
+
+  /// "a number in metres (0 to 10000)", for "expected ...".
+  std::string expected() const;
+};
+
+/// The file being read.
+struct TomlSource {
+  /// A name of a file in the text, resolved against the scene file's folder.
+  struct NamedFile {
+    std::filesystem::path file;
+    std::string name;  ///< as it stands there
+    SourcePlace place;
+  };
+  std::filesystem::path file;          ///< as the user gave it
+  std::vector<NamedFile> named_files;  ///< met so far
+
+  SourcePlace place(const toml::source_region& region) const;
+};
+
+/// One table of the file and where it stands.
+struct TomlTable {
+  const toml::table* table;
+  SourcePlace place;
+  const TomlSource* source;
+
+  /// The place of a key's value, or of the table where the key is left to its default.
+  SourcePlace place_of(std::string_view key) const;
+  bool has(std::string_view key) const { return table->contains(key); }
+};
+
+struct TomlEntry {
+  std::string_view key;
+  const toml::node* node;
+  SourcePlace place;  ///< of the key
+};
+/// A table's entries as they follow one another in the file (toml++ sorts them by name).
+std::vector<TomlEntry> entries_in_file_order(const toml::table& table, const TomlSource& source);
+
+/// One table, or an array of them; throws InputError for anything else. `section` is for the message.
+std::vector<TomlTable> tables_of(const toml::node& node, const std::string& section,
+                                 const TomlSource& source);
+
+/// Values of every type; they throw InputError at the value's place.
+/// @{
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, double& value);
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::int64_t& value);
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, bool& value);
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::string& value);
+/// A file that must exist: relative paths start from the scene file's folder. Noted in `source.named_files`.
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::filesystem::path& value);
+
+/// Smaller or unsigned integers: the key's range keeps the value within the type.
+template <std::integral T>
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, T& value) {
+  std::int64_t whole = 0;
+  read_value(node, key, source, whole);
+  value = static_cast<T>(whole);
+}
+
+template <class T>
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::optional<T>& value) {
+  read_value(node, key, source, value.emplace());
+}
+
+/// The elements of an array of the length that the key wants.
+const toml::array& array_of_length(const toml::node& node, const TomlKey& key, const TomlSource& source,
+                                   std::size_t length);
+/// The key as it holds for one element of its array.
+TomlKey element_key(const TomlKey& key, std::size_t index);
+
+template <class T, std::size_t n>
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::array<T, n>& value) {
+  const toml::array& elements = array_of_length(node, key, source, n);
+  for (std::size_t i = 0; i < n; ++i) {
+    read_value(*elements.get(i), element_key(key, i), source, value[i]);
+  }
+}
+
+/// The elements of an array of any length but 0.
+const toml::array& array_of_any_length(const toml::node& node, const TomlKey& key, const TomlSource& source);
+
+template <class T>
+void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, std::vector<T>& value) {
+  const toml::array& elements = array_of_any_length(node, key, source);
+  value.resize(elements.size());
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    read_value(*elements.get(i), element_key(key, i), source, value[i]);
+}
+/// @}
+
+/// The type's name in the documentation, and a default as TOML writes it.
+template <class T>
+struct TomlType;
+template <>
+struct TomlType<double> {
+  static std::string name() { return "number"; }
+  static std::string text(double value) { return fmt::format("{}", value); }
+};
+template <>
+struct TomlType<bool> {
+  static std::string name() { return "true or false"; }
+  static std::string text(bool value) { return value ? "true" : "false"; }
+};
+template <std::integral T>
+struct TomlType<T> {
+  static std::string name() { return "integer"; }
+  static std::string text(T value) { return fmt::format("{}", value); }
+};
+template <>
+struct TomlType<std::string> {
+  static std::string name() { return "text"; }
+  static std::string text(const std::string& value) { return '"' + value + '"'; }
+};
+template <>
+struct TomlType<std::filesystem::path> {
+  static std::string name() { return "file"; }
+  static std::string text(const std::filesystem::path&) { return "none"; }
+};
+template <class T, std::size_t n>
+struct TomlType<std::array<T, n>> {
+  static std::string name() { return fmt::format("{} {}s", n, TomlType<T>::name()); }
+  static std::string text(const std::array<T, n>& value) { return fmt::format("{}", value); }
+};
+template <class T>
+struct TomlType<std::vector<T>> {
+  static std::string name() { return fmt::format("{}s", TomlType<T>::name()); }
+  static std::string text(const std::vector<T>& value) {
+    return value.empty() ? "none" : fmt::format("{}", value);
+  }
+};
+template <class T>
+struct TomlType<std::optional<T>> {
+  static std::string name() { return TomlType<T>::name(); }
+  static std::string text(const std::optional<T>& value) {
+    return value ? TomlType<T>::text(*value) : "none";
+  }
+};
+
+/// A key of struct S and how its value gets there.
+template <class S>
+struct TomlField {
+  TomlKey key;
+  std::function<void(const toml::node&, TomlSource&, S&)> read;
+};
+
+/// Name, type, unit and default of a key; the unit is what the name ends in.
+TomlKey make_key(std::string_view name, std::string type, std::string default_value, KeyRule rule);
+
+template <class S, class T>
+TomlField<S> field(std::string_view name, T S::*member, KeyRule rule = {}) {
+  const TomlKey key = make_key(name, TomlType<T>::name(), TomlType<T>::text(S{}.*member), std::move(rule));
+  return {key, [key, member](const toml::node& node, TomlSource& source, S& s) {
+            read_value(node, key, source, s.*member);
+          }};
+}
+
+/// A section: the keys of S, and those that only one kind of it has (S::kind is a variant then).
+template <class S>
+class TomlSection {
+ public:
+  /// `name` is "[water]", given at most once, or "[[terrain]]", given any number of times.
+  explicit TomlSection(std::string name) : name_(std::move(name)) {}
+
+  TomlSection& keys(const std::vector<TomlField<S>>& fields) { return add(fields, {}); }
+
+  /// The kinds: K with `kind_key = "name"` has `own` keys, and `more` keys of S that the other kinds have
+  /// not.
+  template <class K>
+  TomlSection& kind(std::string_view kind_key, std::string_view name, const std::vector<TomlField<K>>& own,
+                    const std::vector<TomlField<S>>& more = {}) {
+    kind_key_ = kind_key;
+    kinds_.emplace_back(name, [](S& s) { s.kind.template emplace<K>(); });
+    const std::string kind = fmt::format("{} = \"{}\"", kind_key, name);
+    std::vector<TomlField<S>> lifted;
+    for (const TomlField<K>& f : own) {
+      lifted.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source, S& s) {
+                          read(node, source, std::get<K>(s.kind));
+                        }});
+    }
+    return add(lifted, kind).add(more, kind);
+  }
+
+  /// Tables of another section inside this one: [[materials.relief]] for `key` "relief". A single one may be
+  /// written [materials.relief].
+  template <class T>
+  TomlSection& tables(std::string_view key, std::vector<T> S::*member, const TomlSection<T>& section) {
+    TomlKey known;
+    known.section = name_;
+    known.name = key;
+    const auto read = [member, &section](const toml::node& node, TomlSource& source, S& s) {
+      for (const TomlTable& table : tables_of(node, section.name(), source))
+        (s.*member).push_back(section.read(table, source));
+    };
+    tables_.push_back({std::move(known), read});
+    return *this;
+  }
+
+  /// What no single key can tell, checked after all keys of a table are read.
+  TomlSection& check(std::function<void(const S&, const TomlTable&)> check) {
+    check_ = std::move(check);
+    return *this;
+  }
+
+  const std::string& name() const { return name_; }
+  /// The key that tells the kind first, then all others.
+  std::vector<TomlKey> all_keys() const;
+  S read(const TomlTable& table, TomlSource& source) const;
+
+ private:
+  TomlSection& add(std::vector<TomlField<S>> fields, const std::string& kind) {
+    for (TomlField<S>& f : fields) {
+      f.key.section = name_;
+      f.key.kind = kind;
+      fields_.push_back(std::move(f));
+    }
+    return *this;
+  }
+
+  std::string name_;
+  std::string kind_key_;
+  std::vector<std::pair<std::string, std::function<void(S&)>>> kinds_;
+  std::vector<TomlField<S>> fields_, tables_;
+  std::function<void(const S&, const TomlTable&)> check_;
+};
+
+/// The key that tells a section's kinds apart.
+TomlKey make_kind_key(const std::string& section, std::string_view name, std::vector<std::string> kinds);
+/// Throws InputError at the first key that no kind of the section has (names the nearest one, or the unit
+/// that is wanted).
+void check_key_names(const TomlTable& table, const std::vector<TomlKey>& keys);
+/// Throws InputError where a key belongs to another kind than the chosen one, or where a required key is
+/// missing.
+void check_kind_of_keys(const TomlTable& table, const std::vector<TomlKey>& keys, const std::string& kind);
+
+template <class S>
+std::vector<TomlKey> TomlSection<S>::all_keys() const {
+  std::vector<TomlKey> keys;
+  if (!kinds_.empty()) {
+    std::vector<std::string> names;
+    for (const auto& [kind_name, select] : kinds_) names.push_back(kind_name);
+    keys.push_back(make_kind_key(name_, kind_key_, std::move(names)));
+  }
+  for (const TomlField<S>& f : fields_) keys.push_back(f.key);
+  return keys;
+}
+
+template <class S>
+S TomlSection<S>::read(const TomlTable& table, TomlSource& source) const {
+  S s;
+  s.place = table.place;
+  std::vector<TomlKey> keys = all_keys();
+  for (const TomlField<S>& f : tables_) keys.push_back(f.key);
+  check_key_names(table, keys);
+  std::string kind;
+  if (const toml::node* node = table.table->get(kind_key_); !kinds_.empty() && node != nullptr) {
+    std::string chosen;
+    read_value(*node, keys.front(), source, chosen);
+    for (const auto& [kind_name, select] : kinds_) {
+      if (kind_name == chosen) select(s);
+    }
+    kind = fmt::format("{} = \"{}\"", kind_key_, chosen);
+  }
+  check_kind_of_keys(table, keys, kind);
+  for (const TomlEntry& entry : entries_in_file_order(*table.table, source)) {
+    for (const TomlField<S>& f : fields_) {
+      if (f.key.name == entry.key && (f.key.kind.empty() || f.key.kind == kind))
+        f.read(*entry.node, source, s);
+    }
+    for (const TomlField<S>& f : tables_) {
+      if (f.key.name == entry.key) f.read(*entry.node, source, s);
+    }
+  }
+  if (check_) check_(s, table);
+  return s;
+}
+
+}  // namespace tubefoot

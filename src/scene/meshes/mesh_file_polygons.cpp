@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/meshes/mesh_file_polygons.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <span>
+
+#include "files/input_error.hpp"
+#include "geometry/work/stop.hpp"
+#include "scene/meshes/polygon_cutter.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Corners = std::span<const std::uint32_t>;
+
+class Cutting {
+ public:
+  Cutting(PolygonSoup soup, const std::string& file) : soup_(std::move(soup)), file_(file) {
+    mesh_.names = std::move(soup_.names);
+    mesh_.warnings = std::move(soup_.warnings);
+  }
+
+  NamedMesh cut() {
+    std::size_t begin = 0;
+    for (face_ = 0; face_ < soup_.end.size(); ++face_) {
+      stop_if_wanted();
+      add(Corners(soup_.corners.data() + begin, soup_.end[face_] - begin));
+      begin = soup_.end[face_];
+    }
+    if (mesh_.triangles.empty()) throw InputError({file_, 0, 0}, what_is_missing());
+    mesh_.points_m = std::move(soup_.points);
+    drop_unused_points(mesh_);
+    if (too_few_ > 0)
+      warn(fmt::format("{} faces of less than three corners are no facets: left out", too_few_));
+    if (uneven_ > 0)
+      warn(fmt::format(
+          "{} polygons are not flat, {} the most ({:.3g} of the file's units off its plane): they "
+          "are the triangles that they are cut into",
+          uneven_, name_of(most_uneven_), farthest_));
+    return std::move(mesh_);
+  }
+
+ private:
+  void warn(const std::string& what) { mesh_.warnings.push_back(file_ + ": " + what); }
+
+  SourcePlace place() const { return {file_, soup_.line.empty() ? 0 : soup_.line[face_], 0}; }
+  std::string name_of(std::size_t face) const {
+    return soup_.line.empty() ? fmt::format("face {} (counted from 0)", face)
+                              : fmt::format("that of line {}", soup_.line[face]);
+  }
+  std::string name() const { return soup_.line.empty() ? name_of(face_) : "the face"; }
+
+  void add(Corners polygon) {
+    for (const std::uint32_t index : polygon)
+      if (index >= soup_.points.size())
+        throw InputError(
+            place(),
+            fmt::format("{} names vertex {}, out of range: the file holds {} vertices, counted from {}",
+                        name(), std::uint64_t{index} + soup_.first_index, soup_.points.size(),
+                        soup_.first_index));
+    if (polygon.size() < 3) {
+      ++too_few_;
+      return;
+    }
+    if (cutter_.cut(soup_.points, polygon, mesh_.triangles) == PolygonCutter::Result::crossed)
+      throw InputError(
+          place(),
+          fmt::format("{} of {} corners crosses or covers itself, seen from its own side, so that it "
+                      "bounds no surface: mend or triangulate it in the modelling program",
+                      name(), polygon.size()));
+    if (!soup_.names_of.empty()) mesh_.names_of.resize(mesh_.triangles.size(), soup_.names_of[face_]);
+    const double off = unevenness(soup_.points, polygon);
+    if (off > 0) ++uneven_;
+    if (off > farthest_) {
+      farthest_ = off;
+      most_uneven_ = face_;
+    }
+  }
+
+  std::string what_is_missing() const {
+    if (too_few_ > 0)
+      return fmt::format("holds no facet, but {} points or lines: export the model as a surface", too_few_);
+    if (soup_.points.empty()) return "holds no facet, expected a surface mesh: export it with its faces";
+    return fmt::format(
+        "holds {} points and no facet: it is a point cloud, and sound needs surfaces. Make a surface of it "
+        "(CloudCompare, MeshLab), or a grid of heights (gdal_grid) for a [[terrain]] of kind = \"raster\"",
+        soup_.points.size());
+  }
+
+  PolygonSoup soup_;
+  const std::string& file_;
+  NamedMesh mesh_;
+  PolygonCutter cutter_;
+  std::size_t face_ = 0, too_few_ = 0, uneven_ = 0, most_uneven_ = 0;
+  double farthest_ = 0;
+};
+
+}  // namespace
+
+NamedMesh triangulate(PolygonSoup soup, const std::string& file) {
+  return Cutting(std::move(soup), file).cut();
+}
+
+}  // namespace tubefoot

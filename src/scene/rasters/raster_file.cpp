@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/rasters/raster_file.hpp"
+
+#include <fmt/core.h>
+
+#include <mutex>
+#include <system_error>
+
+#include "geometry/work/stop.hpp"
+namespace tubefoot {
+
+RasterFile::RasterFile(const std::filesystem::path& file, GdalInput::Variable variable)
+    : input_(file,
+             {FileFormat::geotiff, FileFormat::bag, FileFormat::ascii_grid, FileFormat::netcdf4,
+              FileFormat::netcdf_classic, FileFormat::vrt},
+             variable) {
+  if (input_.dataset().GetRasterCount() == 0) {
+    fail(
+        "holds no single raster but perhaps several variables: extract one with gdal_translate "
+        "(gdalinfo lists their names)");
+  }
+  input_.refuse_colours("heights");
+}
+
+std::array<double, 6> RasterFile::geotransform() const {
+  std::array<double, 6> transform{};
+  if (input_.dataset().GetGeoTransform(transform.data()) != CE_None) {
+    fail("has no geotransform, so its cells have no size and place: add one with gdal_edit.py -a_ullr");
+  }
+  if (transform[2] != 0 || transform[4] != 0) {
+    fail("is rotated against its coordinate axes: turn it north-up with gdalwarp");
+  }
+  if (!(transform[1] > 0) || !(transform[5] < 0)) {
+    fail("does not run from north-west to south-east: turn it north-up with gdalwarp");
+  }
+  return transform;
+}
+
+RasterFile::Metres RasterFile::metres() const {
+  GDALRasterBand& band = *input_.dataset().GetRasterBand(1);
+  const std::string unit = band.GetUnitType();
+  double metres = 1;
+  if (unit == "cm") {
+    metres = 0.01;
+  } else if (unit == "km") {
+    metres = 1000;
+  } else if (unit == "ft" || unit == "foot" || unit == "feet") {
+    metres = 0.3048;
+  } else if (unit == "US survey foot" || unit == "ftUS") {
+    metres = 1200.0 / 3937.0;
+  } else if (!unit.empty() && unit != "m" && unit != "metre" && unit != "meter" && unit != "metres" &&
+             unit != "meters") {
+    fail(fmt::format(
+        "its heights are in '{}', expected m, cm, km, ft or US survey foot: mend it with gdal_edit.py "
+        "-units m",
+        unit));
+  }
+  const double scale = band.GetScale() == 0 ? 1 : band.GetScale();
+  return {scale, band.GetOffset(), metres};
+}
+
+void RasterFile::read_row(int row, int column, int columns, double* values, unsigned char* has_data) const {
+  GDALRasterBand& band = *input_.dataset().GetRasterBand(1);
+  input_.read_row(band, row, column, columns, GDT_Float64, values);
+  input_.read_row(*band.GetMaskBand(), row, column, columns, GDT_Byte, has_data);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/description/scene_component.hpp"
+#include "scene/description/scene_description.hpp"
+#include "scene/rasters/georeference.hpp"
+
+namespace tubefoot {
+
+/// Whether a raster terrain is read by tiles: as it says, or, if it leaves that open, because it is large and
+/// nothing that it asks for needs all of it at once. Throws InputError as read_raster() does.
+bool is_read_by_tiles(const TerrainDescription& terrain, const SceneDescription& scene);
+
+/// A raster terrain of which only some tiles are in memory at a time: squares of cells, counted row by row
+/// from the north-west corner. A cell lies between four centres of the raster's pixels, and holds the facets
+/// that read_raster() would make of them. docs/big-terrain.md
+class TerrainTiles {
+ public:
+  static constexpr int cells_a_side = 64;
+
+  struct Tile {
+    /// About its facets and all that share a vertex with them; empty (lo above hi) without any.
+    glm::dvec3 lo_m{std::numeric_limits<double>::infinity()}, hi_m{-std::numeric_limits<double>::infinity()};
+    std::uint32_t facets = 0;
+    bool has_holes = false;  ///< a cell that is not whole
+  };
+
+  /// Reads all of the raster once, by windows. `frame` as in read_raster(). Throws InputError.
+  TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFrame>& frame);
+
+  const std::vector<Tile>& tiles() const { return tiles_; }
+  std::size_t columns() const { return tile_columns_; }
+  std::size_t rows() const { return tile_rows_; }
+  /// Of all tiles.
+  std::uint64_t facets() const { return facets_; }
+  std::uint64_t vertices() const { return vertices_; }
+  std::size_t hole_cells() const { return hole_cells_; }
+  double longest_edge_m() const { return longest_edge_m_; }
+  glm::dvec3 lo_m() const { return lo_m_; }
+  glm::dvec3 hi_m() const { return hi_m_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  /// The tiles that may have a facet above or below a place.
+  std::vector<std::uint32_t> at(double east_m, double north_m) const;
+
+  /// The facets of some tiles (increasing numbers), in the order that read_raster() has. Thread-safe. Throws
+  /// InputError for a file that can no longer be read.
+  ComponentMesh read(std::span<const std::uint32_t> tiles) const;
+  /// The numbers that read_raster() gives the facets that read() returns, in its order.
+  std::vector<std::uint64_t> numbers_of(std::span<const std::uint32_t> tiles) const;
+
+ private:
+  /// Tiles [first, end) of one row of tiles.
+  struct Run {
+    std::uint32_t first, end;
+  };
+  struct Part;
+  Part survey_part(int row, int column) const;
+  std::vector<std::vector<Run>> runs_of(std::span<const std::uint32_t> tiles) const;
+
+  RasterTerrain terrain_;
+  LocalFrame frame_;
+  int cell_columns_ = 0, cell_rows_ = 0;
+  std::size_t tile_columns_ = 0, tile_rows_ = 0;
+  std::vector<Tile> tiles_;
+  std::vector<std::uint8_t> row_facets_;  ///< [row of cells][column of tiles]; empty without holes
+  std::vector<std::uint64_t> row_first_;  ///< number of a row's first facet; empty without holes
+  std::uint64_t facets_ = 0, vertices_ = 0;
+  std::size_t hole_cells_ = 0;
+  double longest_edge_m_ = 0;
+  glm::dvec3 lo_m_{std::numeric_limits<double>::infinity()}, hi_m_{-std::numeric_limits<double>::infinity()};
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "viewer/view_gather.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "engine/echo/contributions.hpp"
+#include "engine/sight/tube_engine.hpp"
+#include "files/usage_error.hpp"
+#include "geometry/work/stop.hpp"
+#include "run/abilities.hpp"
+#include "run/console/progress.hpp"
+#include "run/sensor_law.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
+#include "viewer/view_surroundings.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// With beam patterns all beams hear all footprints; what is weaker than this in its sample is left out.
+constexpr double least_share_with_patterns = 1e-3;
+
+/// The angle of each beam across the fan that the beams make: in the sensor's horizontal plane, or in the one
+/// across the track.
+std::vector<double> beam_angles_deg(const Sensor& sensor) {
+  std::vector<double> flat, across;
+  for (const BeamAxis& beam : sensor.beams()) {
+    const double level = std::cos(beam.elevation_rad);
+    const double x = level * std::sin(beam.azimuth_rad), y = level * std::cos(beam.azimuth_rad),
+                 z = std::sin(beam.elevation_rad);
+    flat.push_back(180 / std::numbers::pi * std::atan2(x, y));
+    across.push_back(180 / std::numbers::pi * std::atan2(x, -z));
+  }
+  const std::string kind = kind_of(sensor.description());
+  return kind == "multibeam" || kind == "echosounder" ? across : flat;
+}
+
+class Gatherer {
+ public:
+  Gatherer(const Survey& survey, std::size_t sensor, const ViewLimits& limits)
+      : survey_(survey),
+        pings_(survey.sensors[sensor]),
+        sensor_(*pings_.sensor),
+        index_(sensor),
+        limits_(limits),
+        group_(*std::find_if(survey.shots.begin(), survey.shots.end(), [&](const SharedShots& g) {
+          return std::find(g.sensors.begin(), g.sensors.end(), sensor) != g.sensors.end();
+        })) {
+    const RunDescription& run = survey.scene.description.run;
+    binning_ = binning_from_name(run.binning);
+    visibility_.arithmetic = arithmetic_from_name(run.arithmetic);
+    visibility_.facets_per_split = static_cast<std::uint32_t>(run.facets_per_split);
+    visibility_.tolerance = run.zero_tolerance;
+    cells_ = sensor_.beams().size() * static_cast<std::size_t>(sensor_.samples().count);
+  }
+
+  void add_ping(std::size_t ping) {
+    const auto place = static_cast<std::uint32_t>(view.pings.size());
+    view.pings.push_back(
+        {static_cast<std::uint32_t>(ping), pings_.times_s[ping], pings_.poses[ping].position_m, 0});
+    view.energy_j.resize(view.energy_j.size() + cells_, 0.0);
+    const std::size_t shadows_before = view.shadows.corners_of.size();
+    for (std::size_t shot = 0; shot < sensor_.shots(); ++shot) {
+      const ShotGround ground = ground_of(survey_, group_, ping, shot);
+      const TubeEngine engine(ground.mesh(), ground.tree(), survey_.scene.grid.unit_m(), visibility_);
+      // The sensor's own tubes, with no more reach than it has; those of its group may reach further.
+      const History history = engine.trace(survey_.tubes(group_, ping, shot));
+      if (view.footprints.size() + history.footprints.footprints.size() > limits_.footprints)
+        throw UsageError(fmt::format("more than {} footprints up to ping {}: ask for fewer --pings",
+                                     limits_.footprints, ping));
+      add_shot(ground, history, place, ping, shot);
+      if (!shadows_stopped_)
+        shadows_stopped_ =
+            !add_shadows(survey_.scene, ground, history, limits_.shadow_polygons, view.shadows);
+      if (view.pings.size() == 1 && shot == 0 && ground.is_own() && ground.apparent() == nullptr)
+        own_mesh_ = ground.mesh();
+    }
+    view.pings.back().shadows = static_cast<std::uint32_t>(view.shadows.corners_of.size() - shadows_before);
+  }
+
+  void finish() {
+    const Scene& scene = survey_.scene;
+    const std::size_t left_out =
+        take_mesh(scene, own_mesh_.facets.empty() ? scene.mesh : own_mesh_, limits_.mesh_facets, view);
+    if (left_out > 0)
+      view.notes.push_back(
+          fmt::format("The scene is drawn near the footprints only: {} of the facets about "
+                      "them are left out.",
+                      left_out));
+    if (shadows_stopped_)
+      view.notes.push_back(
+          fmt::format("Only the first {} hidden parts of facets are drawn.", limits_.shadow_polygons));
+    if (!own_mesh_.facets.empty() && view.pings.size() * sensor_.shots() > 1)
+      view.notes.push_back(
+          "Relief is refined shot by shot; the scene's facets are drawn as the first shot has them.");
+    if (scene.water->refracts())
+      view.notes.push_back(
+          "The water refracts: footprints are where they truly are, tubes are bent and not "
+          "drawn; angles and ranges are apparent ones.");
+    if (view.weak_links_left_out)
+      view.notes.push_back(
+          "Beams have patterns, and every beam hears every footprint of its fan: what adds "
+          "less than a thousandth to a sample is not linked to it.");
+  }
+
+  ViewData view;
+
+ private:
+  void add_shot(const ShotGround& ground, const History& history, std::uint32_t place, std::size_t ping,
+                std::size_t shot) {
+    const Scene& scene = survey_.scene;
+    const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot);
+    const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(shot);
+    const RangeSamples& samples = sensor_.samples();
+    const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
+    const auto first_tube = static_cast<std::uint32_t>(view.tubes.size());
+    // A tube is drawn to its farthest footprint; into open water, to the end of the samples.
+    std::vector<double> length_m(history.tubes.tubes.size(), 0.0);
+    for (const Footprint& f : history.footprints.footprints)
+      length_m[f.tube] = std::max(length_m[f.tube], f.slant_range_max_m);
+    const double last_m = samples.first_m + samples.count * samples.step_m;
+    for (double& length : length_m) length = length > 0 ? std::min(length, last_m) : last_m;
+    if (!scene.water->refracts())
+      for (std::size_t t = 0; t < history.tubes.tubes.size(); ++t) {
+        ViewTube tube{place, beams[beam_of_tube[t]], apex, {}};
+        for (std::size_t k = 0; k < 4; ++k) {
+          const GridPoint& ray = history.tubes.rays[history.tubes.tubes[t][k]];
+          tube.ends_m[k] = apex + glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)) * length_m[t];
+        }
+        view.tubes.push_back(tube);
+      }
+    const FootprintSet& set = history.footprints;
+    for (const Footprint& f : set.footprints) {
+      const auto true_place = [&](glm::dvec3 seen_m) {
+        return ground.apparent() == nullptr
+                   ? apex + seen_m
+                   : ground.apparent()->true_place(f.facet, apex + seen_m, scene.grid);
+      };
+      const double area_ratio =
+          ground.apparent() == nullptr ? 1 : ground.apparent()->area_ratio(f.facet, scene.grid);
+      view.footprints.push_back({place, beams[beam_of_tube[f.tube]], f.tube, ground.base_facet(f.facet),
+                                 first_tube + f.tube, f.piece_count, f.occluder_count,
+                                 ground.mesh().component[f.facet], ground.mesh().material[f.facet],
+                                 area_ratio * f.area_m2, f.solid_angle_sr, f.grazing_angle_rad,
+                                 f.slant_range_min_m, f.slant_range_max_m, 0, true_place(f.centroid_m)});
+      for (std::uint32_t p = 0; p < f.piece_count; ++p) {
+        const Piece& piece = set.pieces[f.first_piece + p];
+        view.shapes.corners_of.push_back(static_cast<std::uint16_t>(piece.count));
+        for (std::uint32_t c = 0; c < piece.count; ++c)
+          view.shapes.corners_m.push_back(true_place(set.corners_m[piece.first + c]));
+      }
+    }
+    SensorLaw law(survey_, ground, index_, ping, shot);
+    law.patterns.fringes.clear();  // what is viewed is what the transmitter sees
+    const bool patterns = law.law.patterns != nullptr;
+    const Echo echo =
+        integrate_echo(history, beam_of_tube, static_cast<int>(beams.size()), samples, law.law, binning_);
+    const std::size_t picture = place * cells_, count = static_cast<std::size_t>(samples.count);
+    for (std::size_t b = 0; b < beams.size(); ++b)
+      for (std::size_t k = 0; k < count; ++k)
+        view.energy_j[picture + beams[b] * count + k] += echo.energy[b * count + k];
+    view.weak_links_left_out = view.weak_links_left_out || patterns;
+    for (const Contribution& c : contributions(history, beam_of_tube, samples, law.law, binning_, echo,
+                                               patterns ? least_share_with_patterns : 0)) {
+      view.links.push_back({first_footprint + c.footprint,
+                            static_cast<std::uint32_t>(picture + beams[c.beam] * count + c.sample),
+                            c.energy_j});
+      view.footprints[first_footprint + c.footprint].energy_j += c.energy_j;
+    }
+  }
+
+  const Survey& survey_;
+  const SensorPings& pings_;
+  const Sensor& sensor_;
+  std::size_t index_;
+  const ViewLimits& limits_;
+  const SharedShots& group_;
+  Binning binning_ = Binning::exact;
+  VisibilityOptions visibility_;
+  std::size_t cells_ = 0;
+  bool shadows_stopped_ = false;
+  FacetMesh own_mesh_;  // of the first shot, where relief is refined for it
+};
+
+PictureLayout layout_of(const Sensor& sensor) {
+  if (sensor.beams().size() == 1) return PictureLayout::echogram;
+  return sensor.beams().size() == 2 ? PictureLayout::waterfall : PictureLayout::fan;
+}
+
+}  // namespace
+
+ViewData gather_view(const Survey& survey, std::size_t sensor, const std::optional<PingRange>& range,
+                     bool quiet, const ViewLimits& limits) {
+  const SensorPings& pings = survey.sensors[sensor];
+  const SensorDescription& description = pings.sensor->description();
+  require_able(survey, {Feature::view}, sensor);
+  Gatherer gatherer(survey, sensor, limits);
+  ViewData& view = gatherer.view;
+  const Scene& scene = survey.scene;
+  view.title = scene.description.title;
+  view.scene_hash = scene.description.sha256;
+  view.sensor = description.name;
+  view.kind = kind_of(description);
+  for (const ComponentReport& component : scene.report.components) view.components.push_back(component.name);
+  for (const MaterialDescription& material : scene.description.materials)
+    view.materials.push_back(material.name);
+  view.layout = layout_of(*pings.sensor);
+  view.beams = static_cast<std::uint32_t>(pings.sensor->beams().size());
+  view.samples = static_cast<std::uint32_t>(pings.sensor->samples().count);
+  view.first_m = pings.sensor->samples().first_m;
+  view.step_m = pings.sensor->samples().step_m;
+  view.beam_angle_deg = beam_angles_deg(*pings.sensor);
+
+  const bool as_many_as_fit = !range && view.layout != PictureLayout::fan;
+  const std::int64_t last_ping = static_cast<std::int64_t>(pings.times_s.size()) - 1;
+  const PingRange asked = range ? *range : PingRange{0, as_many_as_fit ? last_ping : 0};
+  const auto cells = static_cast<double>(asked.last - asked.first + 1) * view.beams * view.samples;
+  if (range && cells > 5e7)
+    throw UsageError(
+        fmt::format("a picture of {:.3g} samples is too large for a page: ask for fewer --pings", cells));
+  constexpr std::size_t most_lines = 1000;  // more are too fine to be clicked
+  Progress progress("pings", static_cast<std::size_t>(asked.last - asked.first + 1), quiet);
+  for (std::int64_t ping = asked.first; ping <= asked.last; ++ping) {
+    stop_if_wanted();
+    if (as_many_as_fit &&
+        (view.footprints.size() >= limits.footprints_unasked || view.pings.size() == most_lines)) {
+      view.notes.push_back(fmt::format("Pings {} to {} of {}: tubefoot view --pings A:B shows others.",
+                                       asked.first, ping - 1, pings.times_s.size()));
+      break;
+    }
+    gatherer.add_ping(static_cast<std::size_t>(ping));
+    progress.step();
+  }
+  if (!range && !as_many_as_fit && pings.times_s.size() > 1)
+    view.notes.push_back(
+        fmt::format("Ping 0 of {}: tubefoot view --pings A:B shows others.", pings.times_s.size()));
+  gatherer.finish();
+  return std::move(gatherer.view);
+}
+
+}  // namespace tubefoot

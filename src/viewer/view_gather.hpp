@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "app/commands.hpp"
+#include "run/survey.hpp"
+#include "viewer/view_data.hpp"
+
+namespace tubefoot {
+
+/// Most footprints of a page that nobody asked for ping by ping, and of any page.
+struct ViewLimits {
+  std::size_t footprints_unasked = 150'000;
+  std::size_t footprints = 2'000'000;
+  std::size_t mesh_facets = 300'000;
+  std::size_t shadow_polygons = 300'000;
+};
+
+/// Traces pings of a sensor and says which footprints made which samples. Unset `range`: the first ping; of
+/// sensors with one or two beams, as many from there as the limits allow. Energies are those of the ordinary
+/// echo, one bounce. Throws UsageError for a sensor with a receiver apart and for more footprints than a page
+/// holds; Interrupted when somebody wants to stop.
+ViewData gather_view(const Survey& survey, std::size_t sensor, const std::optional<PingRange>& range,
+                     bool quiet, const ViewLimits& limits = {});
+
+}  // namespace tubefoot

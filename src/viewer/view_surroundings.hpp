@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+
+#include "engine/sight/history.hpp"
+#include "run/shot_ground.hpp"
+#include "viewer/view_data.hpp"
+
+// What a view shows besides footprints.
+namespace tubefoot {
+
+/// Adds the parts of facets inside a shot's tubes that are not wholly seen, hidden part and all. Returns
+/// false, having stopped, once there are more than `most` of them.
+bool add_shadows(const Scene& scene, const ShotGround& ground, const History& history, std::size_t most,
+                 ViewPolygons& shadows);
+
+/// Takes the facets of a mesh about the footprints: those that meet the box of footprints and shadows made
+/// larger by a quarter of its diagonal; of more than `most`, the nearest to them in plan. Returns how many
+/// were left out.
+std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t most, ViewData& view);
+
+}  // namespace tubefoot

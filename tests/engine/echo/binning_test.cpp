@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "engine/echo/echo.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "geometry/integrals/measure.hpp"
+
+// Fast binning: right totals, right samples, and an error that falls with the footprint's size squared.
+namespace tubefoot {
+namespace {
+
+using test::flat_bed;
+using test::on_plane;
+using test::Polygon2;
+
+constexpr double height_m = 10, mu = 0.002;
+const std::vector<double> material_mu{mu};
+const std::vector<std::uint16_t> material{0};
+const std::vector<std::uint32_t> beam_of_tube{0};
+
+/// A rectangle on the bed, x0 .. x1 by -half .. half, as n x n footprints.
+History bed(double x0, double x1, double half, int n) {
+  History history;
+  FootprintSet& set = history.footprints;
+  const FacetPlane plane = flat_bed(height_m);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const auto x = [&](int k) { return x0 + (x1 - x0) * k / n; };
+      const auto y = [&](int k) { return -half + 2 * half * k / n; };
+      Footprint footprint;
+      footprint.plane_normal = plane.normal;
+      footprint.plane_distance_m = plane.distance_m;
+      footprint.first_piece = std::uint32_t(set.pieces.size());
+      footprint.piece_count = 1;
+      const Polygon2 corners{{x(i), y(j)}, {x(i + 1), y(j)}, {x(i + 1), y(j + 1)}, {x(i), y(j + 1)}};
+      set.pieces.push_back({std::uint32_t(set.corners_m.size()), 4});
+      for (const glm::dvec3& corner : on_plane(plane, corners)) set.corners_m.push_back(corner);
+      set.footprints.push_back(footprint);
+    }
+  measure(set);
+  return history;
+}
+
+std::vector<double> energies(const History& history, const RangeSamples& samples, Binning binning) {
+  EchoLaw law;
+  law.material_mu = material_mu;
+  law.material = material;
+  law.absorption_db_per_m = 0.05;
+  return integrate_echo(history, beam_of_tube, 1, samples, law, binning).energy;
+}
+
+double total(const std::vector<double>& energy) { return std::accumulate(energy.begin(), energy.end(), 0.0); }
+
+TEST(FastBinning, TheLawAtTheCentroidInItsSample) {
+  const History history = bed(20, 20.02, 0.01, 1);
+  const double r = std::hypot(20.01, height_m), beta = 2 * 0.05 * std::log(10.0) / 10;
+  const double expected = mu * std::pow(height_m / r, 2) * 0.02 * 0.02 / std::pow(r, 4) * std::exp(-beta * r);
+  const RangeSamples samples{20, 0.5, 10};
+  for (const Binning binning : {Binning::centroid, Binning::spread}) {
+    const std::vector<double> energy = energies(history, samples, binning);
+    const auto sample = std::size_t((r - 20) / 0.5);
+    EXPECT_NEAR(energy[sample] / expected, 1, 1e-9);
+    EXPECT_EQ(total(energy), energy[sample]);
+  }
+}
+
+TEST(FastBinning, SpreadsEvenlyOverTheRangesOfAFootprint) {
+  const History history = bed(20, 21, 0.5, 1);
+  const Footprint& footprint = history.footprints.footprints.front();
+  const double near = footprint.slant_range_min_m, far = footprint.slant_range_max_m;
+  const RangeSamples samples{20, 0.125, 80};
+  const std::vector<double> energy = energies(history, samples, Binning::spread);
+  const double all = total(energies(history, samples, Binning::centroid));
+  EXPECT_NEAR(total(energy) / all, 1, 1e-12);
+  for (int k = 0; k < samples.count; ++k) {
+    const double lo = samples.first_m + k * samples.step_m, hi = lo + samples.step_m;
+    const double overlap = std::max(0.0, std::min(hi, far) - std::max(lo, near));
+    EXPECT_NEAR(energy[std::size_t(k)], all * overlap / (far - near), 1e-12 * all) << k;
+  }
+  // A window that begins or ends within the footprint gets its share only.
+  const RangeSamples part{near + 0.25 * (far - near), 0.25 * (far - near), 2};
+  EXPECT_NEAR(total(energies(history, part, Binning::spread)) / all, 0.5, 1e-12);
+}
+
+TEST(FastBinning, TotalsConvergeAtSecondOrder) {
+  const RangeSamples samples{20, 0.05, 200};
+  for (const Binning binning : {Binning::centroid, Binning::spread}) {
+    std::vector<double> errors;
+    for (const int n : {4, 8, 16}) {
+      const History history = bed(20, 24, 1, n);
+      const double exact = total(energies(history, samples, Binning::exact));
+      errors.push_back(std::abs(total(energies(history, samples, binning)) / exact - 1));
+    }
+    EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2, 0.2);
+    EXPECT_NEAR(std::log2(errors[1] / errors[2]), 2, 0.2);
+  }
+}
+
+TEST(FastBinning, SamplesConvergeAndSpreadIsTheBetterOne) {
+  const RangeSamples samples{22, 0.1, 40};
+  const auto l1 = [&](int n, Binning binning) {
+    const History history = bed(20, 24, 1, n);
+    const std::vector<double> exact = energies(history, samples, Binning::exact),
+                              fast = energies(history, samples, binning);
+    double difference = 0;
+    for (std::size_t k = 0; k < exact.size(); ++k) difference += std::abs(exact[k] - fast[k]);
+    return difference / total(exact);
+  };
+  EXPECT_LT(l1(64, Binning::centroid), 0.5 * l1(8, Binning::centroid));
+  EXPECT_LT(l1(32, Binning::spread), 0.1 * l1(4, Binning::spread));
+  EXPECT_LT(l1(16, Binning::spread), l1(16, Binning::centroid));
+}
+
+TEST(FastBinning, KnowsItsNames) {
+  EXPECT_EQ(binning_from_name("exact"), Binning::exact);
+  EXPECT_EQ(binning_from_name("spread"), Binning::spread);
+  EXPECT_EQ(binning_from_name("centroid"), Binning::centroid);
+  EXPECT_THROW(binning_from_name("fast"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tubefoot

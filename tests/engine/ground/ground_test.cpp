@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/ground/ground.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <numeric>
+
+#include "engine/echo/echo.hpp"
+#include "engine/sight/tube_engine.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// A product of sines: what a mesh leaves out of it is known.
+class SineField : public ElevationField {
+ public:
+  SineField(double amplitude, double wavelength, double phase = 0)
+      : a_(amplitude), k_(2 * M_PI / wavelength), phase_(phase) {}
+  double height_m(glm::dvec3 p) const override {
+    return a_ * std::sin(k_ * p.x + phase_) * std::cos(k_ * p.y + 0.7 * p.z);
+  }
+  double largest_m() const override { return a_; }
+  double finest_m() const override { return 2 * M_PI / k_ / 8; }
+  /// Chords of a sine wave: sagitta and slope error of one edge, all of it once edges are as long as a wave.
+  LeftOut left_out(double edge) const override {
+    const double bend = std::min(1.0, k_ * edge * k_ * edge / 8), slope = a_ * k_ * std::min(1.0, k_ * edge);
+    return {a_ * bend / 2, slope / 2, 2 * a_ * bend, 2 * slope};
+  }
+
+ private:
+  double a_, k_, phase_;
+};
+
+using Fields = std::vector<std::shared_ptr<const ElevationField>>;
+
+/// A bed of n by n squares about the origin, all of one material or each facet's as told.
+FacetMesh bed(const WorldGrid& grid, int n, double side_m, double slope = 0,
+              std::uint16_t (*material)(int i, int j) = nullptr) {
+  std::vector<glm::dvec3> points;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double x = (double(i) / n - 0.5) * side_m, y = (double(j) / n - 0.5) * side_m;
+      points.push_back({x, y, slope * y});
+    }
+  MeshBuilder builder(grid);
+  for (std::uint16_t wanted = 0; wanted < 2; ++wanted) {
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        if ((material ? int{material(i, j)} : 0) != wanted) continue;
+        const auto a = static_cast<std::uint32_t>(j * (n + 1) + i), b = a + 1,
+                   c = a + static_cast<std::uint32_t>(n) + 1, d = c + 1;
+        triangles.push_back({a, b, d});
+        triangles.push_back({a, d, c});
+      }
+    builder.add(points, triangles, wanted, 0);
+  }
+  MeshReport report;
+  return builder.finish(report);
+}
+
+const WorldGrid grid(20, {0, 0, 0});
+
+/// A camera at a height over the origin that looks north and down.
+TubeSet camera(double height_m, double tilt_deg, int beams, double width_deg = 12, double reach_m = 8) {
+  TubeSet set;
+  set.apex = grid.snap({0.013, -2.007, height_m});
+  AngularGrid angles;
+  const double w = width_deg * M_PI / 180, t = tilt_deg * M_PI / 180, v = 5 * M_PI / 180;
+  for (int b = 0; b <= beams; ++b) angles.azimuth_edges_rad.push_back(w * (double(b) / beams - 0.5));
+  angles.elevation_edges_rad = {-v, v};
+  const glm::dvec3 forward{0, std::cos(t), -std::sin(t)}, right{1, 0, 0}, up{0, std::sin(t), std::cos(t)};
+  angles.frame = glm::dmat3(forward, right, up);
+  append_tubes(set, angles);
+  set.reach = reach_m / grid.unit_m();
+  return set;
+}
+
+constexpr RangeSamples samples{2, 0.05, 120};
+
+struct Shot {
+  RefinedMesh ground;
+  History history;
+  Echo echo;
+};
+
+Shot fired(const RefinedMesh& ground, const TubeSet& tubes) {
+  Shot shot{ground, {}, {}};
+  const SceneTree tree(shot.ground.mesh, SceneTree::Sheets::ignored);
+  const TubeEngine engine(shot.ground.mesh, tree, grid.unit_m(), {});
+  shot.history = engine.trace(tubes);
+  std::vector<std::uint32_t> beams(tubes.tubes.size());
+  std::iota(beams.begin(), beams.end(), 0u);
+  const std::vector<double> mu(4, 0.01);
+  shot.echo = integrate_echo(shot.history, beams, static_cast<int>(beams.size()), samples,
+                             {mu, shot.ground.mesh.material, 0});
+  return shot;
+}
+
+double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
+
+GroundSettings cells(double cell_m, double tolerance = 0) {
+  return {cell_m, Displacement::vertical, tolerance};
+}
+
+Look look_of(const TubeSet& tubes) { return {&tubes, samples.first_m, samples.step_m}; }
+
+/// The polygons of every tube, wherever their facets are numbered.
+std::vector<std::vector<double>> polygons(const Shot& shot) {
+  std::vector<std::vector<double>> all;
+  const FootprintSet& set = shot.history.footprints;
+  for (const Footprint& f : set.footprints)
+    for (std::uint32_t p = 0; p < f.piece_count; ++p) {
+      const Piece& piece = set.pieces[f.first_piece + p];
+      std::vector<double> polygon{double(f.tube), f.plane_distance_m, f.area_m2};
+      for (std::uint32_t c = 0; c < piece.count; ++c)
+        for (int k = 0; k < 3; ++k) polygon.push_back(set.corners_m[piece.first + c][k]);
+      all.push_back(polygon);
+    }
+  return all;
+}
+
+/// Of a scene refined equally, both modes see the same, to the last bit.
+TEST(Ground, OnlineAndOfflineSeeTheSame) {
+  const FacetMesh base = bed(grid, 3, 16, 0.1);
+  for (int seed = 0; seed < 3; ++seed) {
+    SCOPED_TRACE(seed);
+    const Fields fields{std::make_shared<SineField>(0.04, 0.5, seed), nullptr};
+    const Ground ground(base, grid, fields, cells(0.06));
+    const RefinedMesh everywhere = ground.everywhere({});
+    const TubeSet tubes = camera(1.5 + 0.3 * seed, 20 + 10 * seed, 6);
+    const std::array<Look, 1> looks{look_of(tubes)};
+    const RefinedMesh seen = ground.seen_by(looks, {});
+    EXPECT_LT(2 * seen.mesh.facets.size(), everywhere.mesh.facets.size());
+    const Shot offline = fired(everywhere, tubes), online = fired(seen, tubes);
+    EXPECT_GT(online.history.footprints.footprints.size(), 500u);
+    EXPECT_EQ(polygons(offline), polygons(online));
+    EXPECT_EQ(offline.echo.energy, online.echo.energy);
+  }
+}
+
+TEST(Ground, RefiningWithoutDisplacementChangesNoEnergy) {
+  // A bed whose every halving is on the grid even where it slopes, and a level one of odd measures.
+  for (const auto& [side, slope] : {std::pair{16.0, 0.25}, std::pair{14.37, 0.0}}) {
+    const FacetMesh base = bed(grid, 2, side, slope);
+    const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.0, 0.5), nullptr}, cells(0.12));
+    const TubeSet tubes = camera(2, 25, 6);
+    RefinedMesh plain;
+    plain.mesh = base;
+    const Shot coarse = fired(plain, tubes), fine = fired(ground.everywhere({}), tubes);
+    ASSERT_GT(total(coarse.echo), 0);
+    EXPECT_GT(fine.history.footprints.footprints.size(), 8 * coarse.history.footprints.footprints.size());
+    const double largest = *std::max_element(coarse.echo.energy.begin(), coarse.echo.energy.end());
+    for (std::size_t k = 0; k < coarse.echo.energy.size(); ++k)
+      EXPECT_NEAR(fine.echo.energy[k], coarse.echo.energy[k],
+                  1e-12 * std::max(coarse.echo.energy[k], 1e-2 * largest));
+  }
+}
+
+/// Tubes wholly inside a displaced bed see no water: the proof is exact.
+TEST(Ground, IsWatertightWhateverItsLevels) {
+  const FacetMesh base = bed(grid, 3, 16);
+  const Fields fields{std::make_shared<SineField>(0.08, 0.4), std::make_shared<SineField>(0.02, 0.9)};
+  for (const double tolerance : {0.0, 0.02, 0.2, 1.0}) {
+    const TubeSet tubes = camera(1.2, 45, 5, 12, 6);
+    std::array<Look, 1> looks{look_of(tubes)};
+    looks[0].first_m = tolerance;  // near ranges finer or not
+    const RefinedMesh seen = Ground(base, grid, fields, cells(0.04, tolerance)).seen_by(looks, {});
+    const SceneTree tree(seen.mesh, SceneTree::Sheets::ignored);
+    const TubeEngine engine(seen.mesh, tree, grid.unit_m(), {});
+    for (const TubeAudit& audit : engine.audit(tubes, 0)) EXPECT_TRUE(audit.closes);
+    VisibilityOptions options;
+    options.open_water = true;
+    VisibilityScratch scratch;
+    TubeVisibility view;
+    for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
+      see(seen.mesh, tree, tubes, tube, options, scratch, view);
+      EXPECT_FALSE(view.pieces.empty());
+      EXPECT_TRUE(view.open.empty());
+    }
+  }
+}
+
+TEST(Ground, BordersOfMaterialsFit) {
+  const auto checkered = [](int i, int j) { return static_cast<std::uint16_t>((i + j) % 2); };
+  const FacetMesh base = bed(grid, 4, 8, 0.05, checkered);
+  for (const Fields& fields :
+       {Fields{std::make_shared<SineField>(0.1, 0.7), std::make_shared<SineField>(0.06, 0.4, 1)},
+        Fields{std::make_shared<SineField>(0.1, 0.7), nullptr}}) {
+    const RefinedMesh refined = Ground(base, grid, fields, cells(0.2)).everywhere({});
+    std::map<std::pair<VertexId, VertexId>, int> facets;
+    for (const auto& f : refined.mesh.facets)
+      for (int k = 0; k < 3; ++k) ++facets[std::minmax(f[k], f[(k + 1) % 3])];
+    for (const auto& [edge, count] : facets) {
+      const glm::dvec3 a = grid.to_metres(refined.mesh.vertices[edge.first]),
+                       b = grid.to_metres(refined.mesh.vertices[edge.second]);
+      const bool outer = (std::abs(a.x) == 4 && a.x == b.x) || (std::abs(a.y) == 4 && a.y == b.y);
+      EXPECT_EQ(count, outer ? 1 : 2);
+    }
+    // On the border both say the mean, of which nothing is one, too.
+    std::size_t met = 0;
+    for (const GridPoint p : refined.mesh.vertices) {
+      const glm::dvec3 m = grid.to_metres(p);
+      if (m.x != 2 || std::fmod(std::abs(m.y), 2) == 0) continue;
+      ++met;
+      const glm::dvec3 flat{m.x, m.y, 0.05 * m.y};
+      double sum = 0;
+      for (const auto& f : fields) sum += f ? f->height_m(flat) : 0;
+      EXPECT_NEAR(m.z, flat.z + sum / 2, 2 * grid.unit_m());
+    }
+    EXPECT_GT(met, 20u);
+  }
+}
+
+TEST(Ground, NormalDisplacementOfASphereStaysClosed) {
+  // An octahedron on a sphere, refined into one by hand: four halvings.
+  std::vector<glm::dvec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<std::array<std::uint32_t, 3>> facets{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                                   {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int level = 0; level < 3; ++level) {
+    std::vector<std::array<std::uint32_t, 3>> next;
+    for (const auto& [a, b, c] : facets) {
+      const auto mid = [&](std::uint32_t p, std::uint32_t q) {
+        points.push_back(glm::normalize(points[p] + points[q]));
+        return static_cast<std::uint32_t>(points.size() - 1);
+      };
+      const std::uint32_t x = mid(a, b), y = mid(b, c), z = mid(c, a);
+      next.insert(next.end(), {{a, x, z}, {x, b, y}, {z, y, c}, {x, y, z}});
+    }
+    facets = next;
+  }
+  MeshBuilder builder(grid);
+  builder.add(points, facets, 0, 0);
+  MeshReport report;
+  const FacetMesh base = builder.finish(report);
+  const Fields fields{std::make_shared<SineField>(0.05, 0.5)};
+  const RefinedMesh refined = Ground(base, grid, fields, {0.05, Displacement::normal, 0}).everywhere({});
+  OpenMesh::TriMesh_ArrayKernelT<> mesh;
+  std::vector<OpenMesh::VertexHandle> handle;
+  double outermost = 0, innermost = 2;
+  for (const GridPoint p : refined.mesh.vertices) {
+    handle.push_back(mesh.add_vertex({}));
+    const double r = glm::length(grid.to_metres(p));
+    outermost = std::max(outermost, r);
+    innermost = std::min(innermost, r);
+  }
+  for (const auto& [a, b, c] : refined.mesh.facets)
+    ASSERT_TRUE(mesh.add_face(handle[a], handle[b], handle[c]).is_valid());
+  for (const auto edge : mesh.edges()) EXPECT_FALSE(mesh.is_boundary(edge));
+  EXPECT_EQ(mesh.n_vertices() + mesh.n_faces(), mesh.n_edges() + 2);
+  EXPECT_GT(outermost, 1.03);
+  EXPECT_LT(innermost, 0.98);
+  EXPECT_LT(outermost, 1.051);
+}
+
+TEST(Ground, DoesNotDependOnThreads) {
+  const FacetMesh base = bed(grid, 2, 16);
+  const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.05, 0.5), nullptr}, cells(0.05, 0.02));
+  const TubeSet tubes = camera(1.7, 30, 8);
+  const std::array<Look, 1> looks{look_of(tubes)};
+  const auto with_threads = [&](std::size_t threads) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    return ground.seen_by(looks, {});
+  };
+  const RefinedMesh one = with_threads(1), four = with_threads(4);
+  EXPECT_EQ(one.mesh.vertices, four.mesh.vertices);
+  EXPECT_EQ(one.mesh.facets, four.mesh.facets);
+  EXPECT_EQ(one.parent, four.parent);
+}
+
+/// Where the tolerance leaves facets coarse, samples' energies change by no more than it says (RMS over the
+/// samples that are lit throughout), and fewer facets are made.
+TEST(Ground, ToleranceIsKept) {
+  const FacetMesh base = bed(grid, 1, 16);
+  for (int seed = 0; seed < 3; ++seed) {
+    const Fields fields{std::make_shared<SineField>(0.01, 0.4, seed), nullptr};
+    const TubeSet tubes = camera(2, 35, 6);
+    const std::array<Look, 1> looks{look_of(tubes)};
+    const RefinedMesh fine = Ground(base, grid, fields, cells(0.015)).seen_by(looks, {});
+    const Shot truth = fired(fine, tubes);
+    std::size_t last = fine.mesh.facets.size();
+    for (const double tolerance : {0.03, 0.3}) {
+      const RefinedMesh some = Ground(base, grid, fields, cells(0.015, tolerance)).seen_by(looks, {});
+      EXPECT_LT(some.mesh.facets.size(), last);
+      last = some.mesh.facets.size();
+      const Shot shot = fired(some, tubes);
+      const double largest = *std::max_element(truth.echo.energy.begin(), truth.echo.energy.end());
+      double sum2 = 0;
+      int lit = 0;
+      for (std::size_t k = 0; k < truth.echo.energy.size(); ++k) {
+        if (truth.echo.energy[k] < 0.2 * largest) continue;
+        sum2 += std::pow(shot.echo.energy[k] / truth.echo.energy[k] - 1, 2);
+        ++lit;
+      }
+      ASSERT_GT(lit, 50);
+      EXPECT_LT(std::sqrt(sum2 / lit), tolerance) << "seed " << seed;
+    }
+  }
+}
+
+TEST(Ground, FinerReliefChangesNoMoreThanStated) {
+  const FacetMesh base = bed(grid, 1, 16);
+  for (int seed = 0; seed < 3; ++seed) {
+    SCOPED_TRACE(seed);
+    const Fields fields{std::make_shared<SineField>(0.01, 0.4, seed), nullptr};
+    const TubeSet tubes = camera(2, 35, 6);
+    const std::array<Look, 1> looks{look_of(tubes)};
+    const Ground coarse(base, grid, fields, cells(0.05)), fine(base, grid, fields, cells(0.02));
+    const Shot a = fired(coarse.seen_by(looks, {}), tubes), b = fired(fine.seen_by(looks, {}), tubes);
+    const double stated = finer_relief(a.history, a.ground.mesh, coarse.omitted(), samples.step_m).largest;
+    double changed = 0;
+    for (std::size_t k = 0; k < a.echo.energy.size(); ++k)
+      changed += std::abs(a.echo.energy[k] - b.echo.energy[k]);
+    EXPECT_LT(changed / total(b.echo), stated);
+    EXPECT_LT(stated, 2);
+  }
+}
+
+TEST(Ground, FindsTheBedInLineWithAPlace) {
+  const FacetMesh base = bed(grid, 1, 64);
+  const SineField field(0.3, 1.1);
+  const Ground ground(base, grid, Fields{std::make_shared<SineField>(field), nullptr}, cells(0.02));
+  for (const glm::dvec3 at : {glm::dvec3{3.3, -7.1, 2}, {0, 0, 1}, {-20.01, 11.4, 0.2}}) {
+    const RefinedMesh line = ground.in_line_with(at);
+    EXPECT_LT(line.mesh.facets.size(), 20000u);
+    double nearest = 1e9, height = 0;
+    for (const GridPoint p : line.mesh.vertices) {
+      const glm::dvec3 m = grid.to_metres(p);
+      if (std::hypot(m.x - at.x, m.y - at.y) >= nearest) continue;
+      nearest = std::hypot(m.x - at.x, m.y - at.y);
+      height = m.z - field.height_m({m.x, m.y, 0});
+    }
+    EXPECT_LT(nearest, 0.015);
+    EXPECT_NEAR(height, 0, 2 * grid.unit_m());
+  }
+}
+
+TEST(Ground, RefusesTooMuch) {
+  const FacetMesh base = bed(grid, 1, 100);
+  const Ground ground(base, grid, Fields{std::make_shared<SineField>(0.01, 0.4), nullptr}, cells(0.01));
+  EXPECT_EQ(ground.uniform_count(), std::size_t{1} << 29);
+  EXPECT_THROW(ground.everywhere({10000}), RefinementTooLarge);
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Micro-texture of apparent facets: looked up where they lie.
+#include <gtest/gtest.h>
+
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "engine/echo/echo.hpp"
+#include "engine/ground/refracted_ground.hpp"
+#include "engine/sight/tube_engine.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
+#include "fixtures/world/textures.hpp"
+
+namespace tubefoot {
+namespace {
+
+using test::Field;
+using test::perlin;
+
+constexpr double degree = std::numbers::pi / 180, below_m = 20, mu = 0.002;
+const WorldGrid grid{20, glm::dvec3(0)};
+
+FacetMesh flat_bed(double half_m, double cell_m) {
+  MeshBuilder builder(grid);
+  test::add_flat_bed(builder, half_m, cell_m, below_m);
+  MeshReport report;
+  return builder.finish(report);
+}
+
+WaterColumn gradient(double g) {
+  return {SoundSpeedProfile({{-10, 1500 - 20 * g}, {60, 1500 + 50 * g}}), {}};
+}
+
+ApparentGround apparent(const FacetMesh& base, const WaterColumn& water, double gap_m) {
+  std::vector<FacetId> all(base.facets.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return straighten(base, all, grid, Straightening(water, glm::dvec3(0), 10), 0, {.gap_m = gap_m});
+}
+
+/// A fan of 6 degrees about x; every tube is a beam of its own.
+TubeSet fan() {
+  TubeSet set;
+  set.reach = 1e12;
+  append_tubes(set, {{-3 * degree, 0, 3 * degree}, {-75 * degree, -40 * degree, -12 * degree}});
+  return set;
+}
+
+const RangeSamples range_samples{25, 2.5, 12};
+
+/// Of an apparent ground, or of a mesh as it is.
+std::vector<double> hear(const FacetMesh& mesh, const ApparentGround* ground, const Field& texture,
+                         double tolerance = 1e-10, bool one_beam = true, Binning binning = Binning::exact) {
+  const SceneTree tree(mesh);
+  const std::vector<double> material_mu{mu};
+  const std::vector<Field> textures{texture};
+  std::vector<FacetMap> maps;
+  EchoLaw law{material_mu, mesh.material, 0, nullptr, tolerance};
+  if (texture) law.reflectivity = textures;
+  if (ground != nullptr) {
+    law.facet_factor = ground->facet_factor;
+    maps = ground->facet_maps(glm::dvec3(0), grid);
+    law.facet_map = maps;
+  }
+  const TubeSet tubes = fan();
+  std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
+  if (!one_beam) std::iota(beams.begin(), beams.end(), 0u);
+  const History history = TubeEngine(mesh, tree, grid.unit_m(), {}).trace(tubes, nullptr, true);
+  return integrate_echo(history, beams, one_beam ? 1 : int(beams.size()), range_samples, law, binning).energy;
+}
+
+/// Pixels askew over the part of the bed that the fan sees.
+Field map_askew(std::uint64_t seed) {
+  return test::random_map(9, 8, seed, {{-20, -20}, {6, 1}, {-0.7, 4}, true});
+}
+
+TEST(RefractedTexture, EvenWaterIsTheStraightEngine) {
+  const FacetMesh base = flat_bed(64, 8);
+  const WaterColumn water{SoundSpeedProfile({{0, 1480}, {50, 1480}}), {}};
+  std::vector<FacetId> all(base.facets.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const ApparentGround ground =
+      straighten(base, all, grid, Straightening(water, glm::dvec3(0), 10), 0, {.gap_m = 1e-6});
+  ASSERT_EQ(ground.refined.mesh.facets, base.facets);
+  for (const std::uint64_t seed : {1, 2}) {
+    SCOPED_TRACE(seed);
+    for (const Field& texture : {perlin(1.3, 2, 0.8, seed), map_askew(seed)}) {
+      const std::vector<double> straight = hear(base, nullptr, texture);
+      const std::vector<double> bent = hear(ground.refined.mesh, &ground, texture);
+      for (std::size_t k = 0; k < straight.size(); ++k) {
+        EXPECT_GT(straight[k], 0);
+        EXPECT_NEAR(bent[k] / straight[k], 1, 1e-12) << k;
+      }
+    }
+  }
+}
+
+TEST(RefractedTexture, AConstantTextureIsNone) {
+  const ApparentGround ground = apparent(flat_bed(128, 256), gradient(-0.5), 0.02);
+  ASSERT_GT(ground.refined.mesh.facets.size(), 100u);
+  const Field one = std::make_shared<PerlinReflectivity>(PerlinReflectivity::Settings{.depth = 0});
+  const std::vector<double> even = hear(ground.refined.mesh, &ground, nullptr),
+                            textured = hear(ground.refined.mesh, &ground, one);
+  for (std::size_t k = 0; k < even.size(); ++k) EXPECT_NEAR(textured[k] / even[k], 1, 1e-9) << k;
+}
+
+/// Launch angle below the horizontal of what returns after a one-way time.
+double launch_rad(double g, double t) {
+  const double h = below_m, cs = 1500, cr = cs + g * h;
+  const double x = std::sqrt(2 * cs * cr / (g * g) * (std::cosh(g * t) - 1) - h * h);
+  return std::asin(h / std::hypot(x, h)) + std::atan(g * x / (cs + cr));
+}
+
+/// Energy per tube and sample from the true bed under one gradient: travel time, ray-tube area and angles in
+/// closed form (physics sheet 2.2), texture at the true place, by a rule of many small panels over launch
+/// azimuth and time.
+double closed_form(double g, double t1, double t2, double azimuth1, double azimuth2,
+                   const ReflectivityField& texture) {
+  const double h = below_m, cs = 1500, cr = cs + g * h;
+  const auto at = [&](double t, double azimuth) {
+    const double x = std::sqrt(2 * cs * cr / (g * g) * (std::cosh(g * t) - 1) - h * h);
+    const double sinh_g = std::sinh(g * t) / g, area = cr * cr * sinh_g * sinh_g;
+    const double chord = std::hypot(x, h), tilt = std::atan(g * x / (cs + cr));
+    const double sine = std::sin(std::asin(h / chord) - tilt);
+    return mu * sine * sine * cr * cr / (cs * cs) / (area * area) * cs * cr * sinh_g *
+           texture.factor({x * std::cos(azimuth), x * std::sin(azimuth), -h});
+  };
+  using Rule = boost::math::quadrature::gauss<double, 3>;
+  const std::array<double, 3> node{-Rule::abscissa()[1], 0, Rule::abscissa()[1]},
+      weight{Rule::weights()[1], Rule::weights()[0], Rule::weights()[1]};
+  constexpr int n = 60;
+  double sum = 0;
+  for (int i = 0; i < 3 * n; ++i)
+    for (int k = 0; k < 3 * n; ++k) {
+      const double t = t1 + (t2 - t1) * (i / 3 + (1 + node[std::size_t(i % 3)]) / 2) / n;
+      const double a = azimuth1 + (azimuth2 - azimuth1) * (k / 3 + (1 + node[std::size_t(k % 3)]) / 2) / n;
+      sum += weight[std::size_t(i % 3)] * weight[std::size_t(k % 3)] * at(t, a);
+    }
+  return sum * (t2 - t1) * (azimuth2 - azimuth1) / (4 * n * n);
+}
+
+// Not at apparent places: those are up to metres away.
+TEST(RefractedTexture, UnderOneGradientItLiesWhereTheBedIs) {
+  const FacetMesh base = flat_bed(128, 256);
+  for (const double g : {-1.0, 0.4}) {
+    const ApparentGround ground = apparent(base, gradient(g), 1e-3);
+    for (const std::uint64_t seed : {3, 4}) {
+      SCOPED_TRACE(testing::Message() << "g " << g << " seed " << seed);
+      const Field texture = perlin(1.5, 1, 0.8, seed);
+      const std::vector<double> heard = hear(ground.refined.mesh, &ground, texture, 1e-7, false);
+      std::size_t compared = 0;
+      for (int k = 0; k < range_samples.count; ++k) {
+        const double r1 = range_samples.first_m + k * range_samples.step_m, r2 = r1 + range_samples.step_m;
+        // Tubes in order: azimuth, then from steep to flat. Samples that no border between those cuts.
+        const bool steep = launch_rad(g, r2 / 1500) > 40.3 * degree && launch_rad(g, r1 / 1500) < 74 * degree,
+                   flat = launch_rad(g, r1 / 1500) < 40 * degree && launch_rad(g, r2 / 1500) > 13 * degree;
+        if (!steep && !flat) continue;
+        for (int side = 0; side < 2; ++side) {
+          const double azimuth = (side - 1) * 3 * degree;
+          const double truth = closed_form(g, r1 / 1500, r2 / 1500, azimuth, azimuth + 3 * degree, *texture);
+          const double found = heard[std::size_t((2 * side + !steep) * range_samples.count + k)];
+          EXPECT_NEAR(found / truth, 1, 1e-3) << k << ' ' << side;
+          ++compared;
+        }
+      }
+      EXPECT_GT(compared, 12u);
+    }
+  }
+}
+
+// The rest of what reads a texture: hits, and footprints that are binned whole.
+TEST(RefractedTexture, HitsAndCentroidsLieThereToo) {
+  const Field texture = perlin(1.5, 2, 0.8, 5);
+  const std::vector<Field> textures{texture};
+  const std::vector<double> material_mu{mu};
+  const std::vector<std::uint16_t> material{0};
+  const std::vector<std::uint32_t> beams{0};
+  const glm::dvec3 seen[3]{{20, 0, -10}, {30, 0, -10}, {20, 10, -10}},
+      lies[3]{{120, 7, -20}, {130, 8, -20}, {121, 19, -21}};
+  const std::vector<FacetMap> maps{facet_map(seen, lies)};
+  for (int k = 0; k < 3; ++k) EXPECT_LT(glm::distance(maps[0].at(seen[k]), lies[k]), 1e-12);
+  EchoLaw law{material_mu, material, 0, nullptr};
+  law.reflectivity = textures;
+  law.facet_map = maps;
+  const glm::dvec3 at(24, 3, -10), place = lies[0] + 0.4 * (lies[1] - lies[0]) + 0.3 * (lies[2] - lies[0]);
+  History hit;
+  hit.hits.push_back({.facet = 0,
+                      .tube = 0,
+                      .slant_range_m = glm::length(at),
+                      .sine_grazing = 0.5,
+                      .solid_angle_sr = 0.1,
+                      .direction = glm::normalize(glm::vec3(at))});
+  const RangeSamples samples{20, 5, 4};
+  const auto sum = [&](const History& history, Binning binning) {
+    const std::vector<double> energy = integrate_echo(history, beams, 1, samples, law, binning).energy;
+    return std::accumulate(energy.begin(), energy.end(), 0.0);
+  };
+  EXPECT_NEAR(sum(hit, Binning::exact), mu * 0.5 * 0.1 / glm::dot(at, at) * texture->factor(place), 1e-11);
+  History footprint;
+  Footprint& f = footprint.footprints.footprints.emplace_back();
+  f.plane_normal = {0, 0, 1};
+  f.plane_distance_m = 10;
+  f.area_m2 = 0.25;
+  f.centroid_m = at;
+  f.grazing_angle_rad = std::asin(10 / glm::length(at));
+  f.slant_range_min_m = f.slant_range_max_m = glm::length(at);
+  const double even = mu * 0.25 * 100 / std::pow(glm::length(at), 6);
+  EXPECT_NEAR(sum(footprint, Binning::centroid) / even, texture->factor(place), 1e-12);
+  law.facet_map = std::span(maps).first(0);
+  EXPECT_NEAR(sum(footprint, Binning::centroid) / even, texture->factor(at), 1e-12);
+}
+
+}  // namespace
+}  // namespace tubefoot

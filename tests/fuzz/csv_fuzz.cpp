@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tables as CSV: trajectories, sound-speed profiles and casts, beam patterns, scattering laws.
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "files/shown.hpp"
+#include "fuzz.hpp"
+#include "scene/beds/scattering.hpp"
+#include "scene/scene_water.hpp"
+#include "scene/trajectory_file.hpp"
+#include "sensors/model/pattern_file.hpp"
+
+namespace tubefoot::fuzz {
+namespace {
+
+using Path = std::filesystem::path;
+
+void trajectory(const Path& file) {
+  const Trajectory read = read_waypoints(file);
+  for (const double part : {0.0, 0.3, 1.0}) {
+    const Pose pose = read.at(std::lerp(read.begin_s(), read.end_s(), part));
+    for (int k = 0; k < 3; ++k)
+      if (!std::isfinite(pose.position_m[k])) finding("a pose at no place");
+    if (!(std::abs(glm::length(pose.attitude) - 1) < 1e-9)) finding("an attitude that is no rotation");
+  }
+}
+
+void water(const Path& file, const char* profile, const char* formula) {
+  WaterDescription description;
+  description.place.file = "scene.toml";
+  description.profile = profile;
+  description.sound_speed_formula = formula;
+  description.profile_file = file;
+  const SceneWater read(description);
+  for (const double depth_m : {-50.0, 0.0, 3.3, 200.0, 12000.0})
+    if (!(read.profile().at(depth_m) >= 100)) finding("no sound speed");
+  for (const double loss : read.column(100).absorption_db_per_m)
+    if (!std::isfinite(loss)) finding("no absorption");
+}
+
+void pattern(const Path& file) {
+  const PatternTable read = read_pattern_file(file);
+  for (double angle_rad = -3.2; angle_rad < 3.2; angle_rad += 0.1)
+    if (!(std::abs(read.level_db(angle_rad)) <= 1000.001)) finding("a level out of the table's range");
+}
+
+void scattering(const Path& file) {
+  SceneDescription scene;
+  MaterialDescription material;
+  material.place.file = "scene.toml";
+  material.name = "sand";
+  material.law = "table";
+  material.table_file = file;
+  material.unbounded = true;
+  scene.materials.push_back(material);
+  std::vector<std::string> warnings;
+  const auto laws = load_scattering(scene, warnings);
+  for (const double sine : {1e-6, 0.5, 1.0})
+    if (!(laws.at(0)->cross_section(sine, std::sqrt(1 - sine * sine)) >= 0)) finding("no cross-section");
+  for (const std::string& warning : warnings) check_message(shown(warning));
+}
+
+}  // namespace
+}  // namespace tubefoot::fuzz
+
+/// A byte for the kind of table, then the file.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tubefoot;
+  const fuzz::TimeLimit limit;
+  fuzz::Bytes bytes(data, size);
+  const std::uint32_t kind = bytes.below(6);
+  const auto file = fuzz::scratch_file("t.csv", bytes.rest());
+  fuzz::may_refuse([&] {
+    switch (kind) {
+      case 0:
+        return fuzz::trajectory(file);
+      case 1:
+        return fuzz::water(file, "table", "mackenzie");
+      case 2:
+        return fuzz::water(file, "cast", "mackenzie");
+      case 3:
+        return fuzz::water(file, "cast", "leroy");
+      case 4:
+        return fuzz::pattern(file);
+      default:
+        return fuzz::scattering(file);
+    }
+  });
+  return 0;
+}

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files that tubefoot keeps for itself and takes up again: pings of a run that did not end, refined beds.
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "files/usage_error.hpp"
+#include "fuzz.hpp"
+#include "run/kept/partial_run.hpp"
+#include "run/refined_bed_file.hpp"
+
+namespace tubefoot::fuzz {
+namespace {
+
+StoreLayout layout() {
+  StoreLayout made;
+  made.sensors = {{5, 70}, {5, 3}, {2, 100}};
+  made.groups = {{{0, 1}, 5}, {{2}, 2}};
+  made.with_bounds = true;
+  return made;
+}
+
+nlohmann::ordered_json asked() { return {{"scene_hash", "0123"}, {"reference", nullptr}}; }
+
+nlohmann::ordered_json identity() { return {{"asked", asked()}, {"run", json_of(RunDescription())}}; }
+
+/// A file of pings as the program writes it, with some pings done, or of another layout or identity.
+std::string good_store(std::uint32_t kind) {
+  const auto file = scratch_folder() / "made.pings";
+  StoreLayout made = layout();
+  if (kind == 1) made.with_bounds = false;
+  {
+    PingStore store(made, file, kind == 2 ? "{" : identity().dump());
+    for (const std::size_t ping : {0, 1, 3}) {
+      for (const std::size_t sensor : {0, 1})
+        for (double& e : store.energy(sensor, ping)) e = 1e-9 * double(ping + 1);
+      store.finish(0, ping, {});
+    }
+  }
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Changes bytes of a file's text, cuts it or makes it longer, as the input says.
+std::string damaged(std::string text, Bytes& bytes) {
+  while (!bytes.empty()) {
+    const std::uint32_t how = bytes.below(8);
+    const std::size_t at = bytes.take<std::uint32_t>() % (text.size() + 1);
+    if (how == 0)
+      text.resize(at);
+    else if (how == 1)
+      text.append(bytes.below(200), char(bytes.take<std::uint8_t>()));
+    else if (how == 2 && at + 8 <= text.size()) {
+      const auto word = bytes.take<std::uint64_t>();
+      std::memcpy(text.data() + at, &word, sizeof word);
+    } else if (how == 3)
+      text.insert(at, bytes.text(bytes.below(16)));
+    else if (how == 4 && at < 128 && at < text.size())
+      text[at] = char(bytes.take<std::uint8_t>());
+    else if (at < text.size())
+      text[at] = char(text[at] ^ bytes.take<std::uint8_t>());
+  }
+  return text;
+}
+
+template <class Read>
+void may_refuse_to_resume(const Read& read) {
+  try {
+    may_refuse(read);
+  } catch (const UsageError& error) {
+    check_message(error.what());
+  }
+}
+
+void pings(Bytes& bytes) {
+  static const std::array<std::string, 3> good{good_store(0), good_store(1), good_store(2)};
+  const std::uint32_t kind = bytes.below(4);
+  const bool resume = bytes.below(2) == 0;
+  const auto output = scratch_folder() / "run";
+  scratch_file("run.partial", kind == 3 ? std::string(bytes.rest()) : damaged(good[kind], bytes));
+  may_refuse_to_resume([&] {
+    PartialRun partial(output, resume);
+    if (partial.kept()) resumed(*partial.kept(), asked(), RunDescription());
+    const auto store = partial.open(layout(), identity());
+    if (store->done_units() > layout().units()) finding("more pings done than there are");
+    for (std::size_t group = 0; group < 2; ++group)
+      for (std::size_t ping = 0; ping < layout().groups[group].pings; ++ping)
+        if (!store->done(group, ping)) store->finish(group, ping, {});
+    partial.remove();
+  });
+}
+
+/// A bed of four facets with relief.
+struct Bed {
+  Scene scene;
+  std::optional<Ground> ground;
+  std::string text;
+
+  Bed() : scene(load_scene(description())) {
+    GroundSettings settings;
+    settings.cell_m = 0.5;
+    ground.emplace(scene.mesh, scene.grid, scene.relief, settings);
+    const auto file = scratch_folder() / "made.ply";
+    write_refined_bed(file, ground->everywhere({}), scene, *ground);
+    std::ifstream stream(file, std::ios::binary);
+    text.assign(std::istreambuf_iterator<char>(stream), {});
+  }
+
+ private:
+  static SceneDescription description() {
+    return read_scene_text(R"([[materials]]
+name = "sand"
+[[materials.relief]]
+kind = "fbm"
+tile_m = 8
+resolution_m = 0.5
+rms_height_m = 0.1
+hurst = 0.8
+[[terrain]]
+kind = "flat"
+width_m = 3
+length_m = 3
+cell_m = 3
+[trajectory]
+kind = "fixed"
+[[sensors]]
+name = "camera"
+kind = "didson"
+)",
+                           scratch_folder() / "scene.toml");
+  }
+};
+
+void refined_bed(Bytes& bytes) {
+  static const Bed good;
+  const auto file =
+      scratch_file("bed.ply", bytes.below(4) == 0 ? std::string(bytes.rest()) : damaged(good.text, bytes));
+  may_refuse([&] {
+    const RefinedMesh bed = read_refined_bed(file, {"scene.toml", 1, 1}, good.scene, *good.ground);
+    for (std::size_t f = 0; f < bed.mesh.facets.size(); ++f) {
+      for (const VertexId v : bed.mesh.facets[f])
+        if (v >= bed.mesh.vertices.size()) finding("a corner out of range");
+      if (bed.parent.at(f) >= good.scene.mesh.facets.size()) finding("a facet of no facet");
+    }
+  });
+}
+
+}  // namespace
+}  // namespace tubefoot::fuzz
+
+/// A byte for the kind of file, one or two for what is made of a good one, then the damage or the file.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tubefoot;
+  const fuzz::TimeLimit limit;
+  fuzz::Bytes bytes(data, size);
+  if (bytes.below(2) == 0)
+    fuzz::pings(bytes);
+  else
+    fuzz::refined_bed(bytes);
+  return 0;
+}

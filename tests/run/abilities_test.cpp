@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The table of what can be combined: docs/abilities.md shows it, and commands that look at the same scene say
+// the same of it.
+#include "run/abilities.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string page_of_the_table() {
+  std::string page = "| this | with this | is refused, because |\n|---|---|---|\n";
+  for (const Refusal& refusal : refusals())
+    page += fmt::format("| {} | {}{} | {} |\n", name_of(refusal.first), name_of(refusal.second),
+                        refusal.third ? fmt::format(", {}", name_of(*refusal.third)) : "", refusal.reason);
+  return page;
+}
+
+TEST(Abilities, ArePagedAsTheyAre) {
+  std::ifstream file(TUBEFOOT_SOURCE_DIR "/docs/abilities.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr(page_of_the_table())) << page_of_the_table();
+}
+
+TEST(Abilities, EveryRefusalIsThereOnceAndSaysWhatToDo) {
+  std::set<std::set<int>> seen;
+  for (const Refusal& refusal : refusals()) {
+    std::set<int> all{static_cast<int>(refusal.first), static_cast<int>(refusal.second)};
+    if (refusal.third) all.insert(static_cast<int>(*refusal.third));
+    SCOPED_TRACE(refusal.reason);
+    EXPECT_TRUE(seen.insert(all).second) << "said twice";
+    EXPECT_FALSE(refusal.reason.empty());
+    EXPECT_FALSE(refusal.reason.ends_with('.'));
+  }
+}
+
+struct AbilitiesOf : testing::Test {
+  TestFolder folder;
+  Outcome tried(const std::string& scene, std::vector<std::string> words) {
+    const std::filesystem::path file = folder.write("scene.toml", scene);
+    words.insert(words.begin() + 1, file.string());
+    return run_program(words);
+  }
+};
+
+const std::string bed =
+    lambert_material("rock", -27) + flat_terrain(20, 20) + fixed_at(0, 0, 8) + R"([[sensors]]
+name = "sonar"
+kind = "imaging"
+beams = 8
+tilt_deg = 45
+samples = 16
+range_max_m = 15
+)";
+
+// What run refuses, check has refused already, in the same words.
+TEST_F(AbilitiesOf, CheckRefusesWhatRunWould) {
+  for (const std::string& more : {std::string("[sea_surface]\n[run]\nengine = \"ray\"\n"),
+                                  std::string("[sea_surface]\n[run]\narithmetic = \"double\"\n"),
+                                  std::string("receiver_arm_m = [0, 1, 0]\n[run]\nengine = \"ray\"\n"),
+                                  std::string("receiver_arm_m = [0, 1, 0]\n[run]\nbinning = \"centroid\"\n"),
+                                  std::string("[paths]\norder = 2\n")}) {
+    SCOPED_TRACE(more);
+    const Outcome check = tried(bed + more, {"check"}),
+                  run = tried(bed + more, {"run", "-o", (folder / "out").string()});
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_EQ(check.exit_code, 2) << check.out;
+    EXPECT_EQ(check.err, run.err);
+  }
+}
+
+// It went through the transmitter's tubes alone, and said "proved".
+TEST_F(AbilitiesOf, AnAuditOfAReceiverApartIsNotHalfAnAudit) {
+  const Outcome audit = tried(bed + "receiver_arm_m = [0, 1, 0]\n", {"audit"});
+  EXPECT_EQ(audit.exit_code, 2) << audit.out;
+  EXPECT_THAT(audit.err, AllOf(HasSubstr("audit: "), HasSubstr("'sonar' has its receiver apart")));
+}
+
+// Rays are not tried where they cannot be, and that is said.
+TEST_F(AbilitiesOf, AdviceTriesWhatIsAble) {
+  const Outcome advice = tried(bed + "[sea_surface]\nheight_m = 20\n", {"advise", "--tolerance", "10%"});
+  EXPECT_EQ(advice.exit_code, 0) << advice.err;
+  EXPECT_THAT(advice.out, HasSubstr("rays are not mirrored"));
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The seed paper's experiment: a camera on a straight line at constant speed over a flat bed. Micro-texture
+// is fixed to the world, so neighbouring frames have it in common and tell the way between them; speckle is
+// drawn anew, so they have not.
+#include "track/camera_track.hpp"
+
+#include <gtest/gtest.h>
+
+#include "run/simulation.hpp"
+#include "sensors/products/products.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double pixel_m = 0.02;
+
+TrackEstimate track_of(bool texture, bool speckle) {
+  SceneDescription scene = read_scene_file(TUBEFOOT_SOURCE_DIR "/scenes/textures/track.toml");
+  SensorDescription& camera = scene.sensors.at(0);
+  camera.pings = 4;
+  std::get<DidsonDescription>(camera.kind).samples = 200;
+  if (!texture)
+    for (MaterialDescription& material : scene.materials) material.reflectivity.clear();
+  camera.signal.speckle = speckle ? "rayleigh" : "none";
+  const auto survey = open_survey(scene);
+  SimulationStats stats;
+  const Recording recording = simulate(*survey, true, stats).front();
+  RunContext run;
+  run.seed = 5;
+  std::vector<std::vector<double>> frames;
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping)
+    frames.push_back(received(recording, run, ping));
+  return estimate_track(recording, frames, {0, pixel_m}, 6);
+}
+
+TEST(CameraTrack, MicroTextureGivesBackTheWay) {
+  const TrackEstimate track = track_of(true, false);
+  ASSERT_EQ(track.shifts.size(), 3u);
+  for (const TrackStep& step : track.true_steps)
+    EXPECT_NEAR(std::hypot(step.starboard_m, step.ahead_m), 0.05, 1e-9);
+  EXPECT_LT(track.worst_pixels, 1);
+  EXPECT_GT(track.least_correlation, 0.9);
+}
+
+TEST(CameraTrack, SpeckleHasNothingInCommonFromFrameToFrame) {
+  const TrackEstimate track = track_of(false, true);
+  EXPECT_LT(track.largest_correlation, 0.1);
+  EXPECT_GT(track.worst_pixels, 1);
+}
+
+}  // namespace
+}  // namespace tubefoot

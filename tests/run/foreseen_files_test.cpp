@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files that a run will not write are told before it, and windows are those that their formats hold.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fixtures/camera_file_reader.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "run/run_steps.hpp"
+#include "run/simulation.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string camera_in(double sound_speed_m_s, const std::string& keys) {
+  return fmt::format("[water]\nsound_speed_m_s = {}\n", sound_speed_m_s) + lambert_material("bed", -27) +
+         flat_terrain(20, 20) + fixed_at(0, -3, 1.5) + "[[sensors]]\nname = \"camera\"\ntilt_deg = 20\n" +
+         keys + "\n";
+}
+
+class Foreseen : public testing::Test {
+ protected:
+  Outcome does(const std::string& command, const std::string& scene) {
+    folder.write("scene.toml", scene);
+    std::vector<std::string> arguments{command, (folder / "scene.toml").string()};
+    if (command == "run") arguments.insert(arguments.end(), {"-o", (folder / "out").string()});
+    return run_program(arguments);
+  }
+  TestFolder folder;
+};
+
+TEST_F(Foreseen, AnArisHasAWindowOfItsOwnInAnyWater) {
+  for (const char* preset : {"aris-1800", "aris-3000"})
+    for (const double speed : {1421.3, 1462.43, 1500.0, 1537.9}) {
+      const std::string scene = camera_in(speed, fmt::format("preset = \"{}\"", preset));
+      const Outcome checked = does("check", scene), ran = does("run", scene);
+      EXPECT_EQ(checked.exit_code, 0) << checked.err;
+      EXPECT_EQ(ran.exit_code, 0) << ran.err;
+      EXPECT_THAT(checked.err, Not(HasSubstr("warning"))) << preset << " " << speed;
+      EXPECT_THAT(ran.err, Not(HasSubstr("warning")));
+      const camera_file::Reader file(folder / "out/camera.aris");
+      const double period = file.number(0, "SamplePeriod");
+      EXPECT_EQ(period, std::round((preset == std::string("aris-1800") ? 4.992 : 2.688) / 512 * 2e6 / speed));
+      EXPECT_NEAR(file.number(0, "WindowLength"), period * 512e-6 * speed / 2, 1e-5);
+      EXPECT_THAT(checked.out,
+                  HasSubstr(fmt::format("from {:g} to {:g} m", file.number(0, "WindowStart"),
+                                        double(file.number(0, "SampleStartDelay")) * 1e-6 * speed / 2 +
+                                            period * 512e-6 * speed / 2)
+                                .substr(0, 10)));
+      std::filesystem::remove_all(folder / "out");
+    }
+}
+
+TEST_F(Foreseen, AWindowAskedOfAnArisIsMovedToTheNearestAndToldByCheck) {
+  const std::string scene =
+      camera_in(1480, "preset = \"aris-1800\"\nwindow_start_m = 1\nwindow_length_m = 5");
+  const Outcome checked = does("check", scene);
+  EXPECT_EQ(checked.exit_code, 0);
+  // 13 us: 512 x 13e-6 x 740 m; 1 m is 1351.35 us away.
+  EXPECT_THAT(checked.err, HasSubstr("from 0.9997 to 5.9252 m (1351 us, then 512 samples of 13 us)"));
+  EXPECT_EQ(does("run", scene).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/camera.aris"));
+}
+
+TEST_F(Foreseen, WindowsThatNoFormatHoldsAreToldByCheckAndOnceByRun) {
+  const std::string scene = camera_in(1480, "kind = \"didson\"\nwindow_start_m = 2.8");
+  const Outcome checked = does("check", scene), ran = does("run", scene);
+  const std::string what = "no DIDSON or ARIS file is written for 'camera'";
+  EXPECT_EQ(checked.exit_code, 0);
+  EXPECT_THAT(checked.err, HasSubstr(what));
+  EXPECT_THAT(checked.err, HasSubstr("nearest window_start_m is 2.94"));
+  EXPECT_THAT(ran.err, HasSubstr(what));
+  EXPECT_EQ(ran.err.find(what), ran.err.rfind(what)) << "once";
+  EXPECT_LT(ran.err.find(what), ran.err.find("pings 1/1")) << "before the run";
+  EXPECT_THAT(bytes_of(folder / "out/stats.json"), HasSubstr(what));
+}
+
+TEST_F(Foreseen, FilesThatNeedAPlaceOnEarthAreToldByCheck) {
+  EXPECT_THAT(does("check", camera_in(1500, "preset = \"reson-8101\"")).err, HasSubstr("add [georeference]"));
+  EXPECT_THAT(does("check", camera_in(1500, "kind = \"sidescan\"")).err, HasSubstr("add [georeference]"));
+}
+
+// The scene of the drifting camera, one frame of it.
+TEST_F(Foreseen, TheDriftingCameraWritesADidsonFile) {
+  SceneDescription scene = read_scene_file(TUBEFOOT_SOURCE_DIR "/scenes/textures/track.toml");
+  scene.sensors.at(0).pings = 1;
+  const auto survey = open_survey(scene);
+  EXPECT_TRUE(files_left_out(*survey).empty());
+  SimulationStats stats;
+  const std::vector<Recording> recordings = simulate(*survey, true, stats);
+  std::vector<std::string> warnings;
+  write_result_files(folder.path(), *survey, recordings, std::nullopt, warnings);
+  EXPECT_TRUE(warnings.empty());
+  const camera_file::Reader file(folder / "camera.ddf");
+  EXPECT_EQ(file.frames, 1u);
+  EXPECT_EQ(file.number(0, "WindowStart"), 7);  // 2.94 m
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What fuzzing found in what tubefoot takes up again (docs/fuzzing.md), minimised, named by what it shows.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "files/usage_error.hpp"
+#include "fixtures/program.hpp"
+#include "run/kept/partial_run.hpp"
+
+namespace tubefoot {
+namespace {
+
+using nlohmann::ordered_json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(FuzzFindings, KeptRunThatSaysNothingOfItselfIsInTheWay) {
+  const TestFolder folder;
+  StoreLayout layout;
+  layout.sensors = {{2, 3}};
+  layout.groups = {{{0}, 2}};
+  {
+    PingStore store(layout, folder / "results.partial", "{");
+    store.finish(0, 1, {});
+  }
+  for (const bool resume : {true, false})
+    EXPECT_THAT([&] { PartialRun(folder / "results", resume); },
+                ThrowsMessage<UsageError>(
+                    AllOf(HasSubstr("results.partial' is damaged"), HasSubstr("move it away or delete it"))));
+}
+
+TEST(FuzzFindings, KeptRunOfOtherWordsIsRefused) {
+  const ordered_json asked{{"scene_hash", "12"}};
+  const ordered_json good{{"asked", asked}, {"run", json_of(RunDescription())}};
+  EXPECT_EQ(resumed(good, asked, {}).arithmetic, "fixed");
+  ordered_json without_seed = good, odd_seed = good, without_asked = good;
+  without_seed["run"].erase("seed");
+  odd_seed["run"]["seed"] = "\xff";
+  without_asked.erase("asked");
+  for (const ordered_json& kept : {without_seed, odd_seed, without_asked, ordered_json(7), ordered_json()})
+    EXPECT_THAT(
+        [&] { resumed(kept, asked, {}); },
+        ThrowsMessage<UsageError>(AllOf(HasSubstr("is damaged"), HasSubstr("delete the .partial file"))));
+}
+
+}  // namespace
+}  // namespace tubefoot

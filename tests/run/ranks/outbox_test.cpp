@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Results that wait for a slow rank 0 take no more memory than they were given.
+#include "run/ranks/outbox.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "run/kept/partial_run.hpp"
+#include "run/ranks/ping_crew.hpp"
+#include "run/ranks/rank_notes.hpp"
+#include "run/ranks/run_ranks.hpp"
+#include "run/run_steps.hpp"
+#include "run/settings.hpp"
+
+namespace tubefoot {
+namespace {
+
+TEST(AnOutbox, HasThreadsWaitForRoom) {
+  Outbox outbox(10);
+  outbox.put("0123456789");
+  std::atomic<bool> put{false};
+  std::thread thread([&] {
+    outbox.put("more");
+    put = true;
+  });
+  // Taken, but with the link still.
+  EXPECT_EQ(outbox.take(0).size(), 1u);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_FALSE(put);
+  EXPECT_TRUE(outbox.take(10).empty());
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_FALSE(put);
+  outbox.take(9);
+  thread.join();
+  EXPECT_EQ(outbox.take(9), std::vector<std::string>{"more"});
+}
+
+TEST(AnOutbox, LetsGoWhoWaitsOnceItIsOpen) {
+  Outbox outbox(1);
+  outbox.put("full");
+  std::thread thread([&] { outbox.put("more"); });
+  outbox.open();
+  thread.join();
+  EXPECT_EQ(outbox.take(0).size(), 2u);
+}
+
+/// Rank 0, as a helper sees it, that takes nothing before the helper has stopped sending.
+class SlowLead : public RankLink {
+ public:
+  /// What became of it: the link itself goes with the helper.
+  struct Figures {
+    std::size_t most_unsent = 0, taken = 0, taken_bytes = 0;
+    std::string failure;
+    bool left = false;
+  };
+  SlowLead(std::deque<std::string> notes, Figures& figures) : notes_(std::move(notes)), figures_(figures) {}
+  int rank() const override { return 1; }
+  int ranks() const override { return 2; }
+  int local_ranks() const override { return 2; }
+  std::string host() const override { return "here"; }
+  void send(int, std::string bytes) override {
+    if (note_of(bytes) == Note::failed) figures_.failure = bytes;
+    unsent_ += bytes.size();
+    figures_.most_unsent = std::max(figures_.most_unsent, unsent_);
+    queue_.push_back(std::move(bytes));
+    last_sent_ = std::chrono::steady_clock::now();
+  }
+  std::optional<RankMessage> receive() override {
+    if (std::chrono::steady_clock::now() - last_sent_ > std::chrono::milliseconds(300))
+      while (!queue_.empty()) take();
+    if (notes_.empty()) return std::nullopt;
+    RankMessage message{0, notes_.front()};
+    notes_.pop_front();
+    return message;
+  }
+  std::size_t unsent() const override { return unsent_; }
+  bool moving() const override { return !queue_.empty(); }
+  void leave() override { figures_.left = true; }
+
+ private:
+  void take() {
+    const std::string& bytes = queue_.front();
+    unsent_ -= bytes.size();
+    if (note_of(bytes) == Note::result) ++figures_.taken, figures_.taken_bytes += bytes.size();
+    if (note_of(bytes) == Note::done || note_of(bytes) == Note::failed) notes_.push_back(note(Note::stop));
+    queue_.pop_front();
+  }
+
+  std::deque<std::string> notes_, queue_;
+  Figures& figures_;
+  std::size_t unsent_ = 0;
+  std::chrono::steady_clock::time_point last_sent_;
+};
+
+TEST(AHelper, DoesNotRunAheadOfItsLink) {
+  constexpr std::size_t pings = 90, cells = 2 * 65536;
+  constexpr std::size_t mebibyte = std::size_t{1} << 20;
+  TestFolder folder;
+  RunOptions options;
+  options.scene =
+      folder.write("scene.toml", lambert_material("sand", -27) + flat_terrain(20, 30) + fixed_at(0, 0, 2) +
+                                     replaced(short_pings(pings), "samples = 40", "samples = 65536"));
+  options.engine = "ray";
+  options.rays = 100;
+  options.threads = 2;
+  SceneDescription description = described(options);
+  const RunRequest request = requested(options, description);
+  const nlohmann::ordered_json start{{"asked", asked_of(description, request)},
+                                     {"run", json_of(description.run)}};
+  std::vector<PingUnit> all;
+  for (std::size_t ping = 0; ping < pings; ++ping) all.push_back({0, ping});
+  SlowLead::Figures figures;
+  EXPECT_EQ(
+      help_run(options, std::make_unique<SlowLead>(std::deque<std::string>{note(Note::start, start.dump()),
+                                                                           pings_note(all), pings_note({})},
+                                                   figures)),
+      0);
+  EXPECT_EQ(figures.failure, "");
+  EXPECT_TRUE(figures.left);
+  EXPECT_EQ(figures.taken, pings);
+  // 64 MiB, and a result a thread.
+  constexpr std::size_t may_wait = 64 * mebibyte + 2 * (cells * sizeof(double) + 4096);
+  EXPECT_GT(figures.taken_bytes, may_wait + 20 * mebibyte);
+  EXPECT_LE(figures.most_unsent, may_wait);
+}
+
+}  // namespace
+}  // namespace tubefoot

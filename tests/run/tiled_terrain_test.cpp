@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Terrain that is read by tiles gives what it gives when it is loaded whole, to the last bit.
+#include <fmt/format.h>
+#include <gdal_priv.h>
+#include <gdal_utils.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <memory>
+
+#include "fixtures/mpirun.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "run/kept/ping_store.hpp"
+#include "run/region_plan.hpp"
+#include "run/simulation.hpp"
+#include "run/survey.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int columns = 300, rows = 260;
+constexpr double cell_m = 0.5, no_data = -9999;
+
+/// Some 12 m below the frame's level, waves of 7 to 60 m.
+double height(int column, int row) {
+  const double x = column * cell_m, y = row * cell_m;
+  return -12 + 1.1 * std::sin(x / 9 + 0.4 * std::sin(y / 7)) + 0.7 * std::sin((x + 2 * y) / 5) +
+         0.02 * std::sin(4.3 * x) * std::cos(3.7 * y);
+}
+
+/// A gap about the track, another that cuts all of the rest of it in two, single pixels without data, and
+/// islands of a few facets.
+bool is_hole(int column, int row) {
+  const double x = column - 120.0, y = row - 100.0;
+  const double r = std::hypot(x, y);
+  return (r < 12 && r > 4) || (row > 150 && row < 154) || (column * 7 + row * 13) % 997 == 0;
+}
+
+GDALDatasetUniquePtr raster(bool holes, int first_column = 0, int first_row = 0, int width = columns,
+                            int height_ = rows) {
+  GDALAllRegister();
+  GDALDatasetUniquePtr data(
+      GetGDALDriverManager()->GetDriverByName("MEM")->Create("", width, height_, 1, GDT_Float32, nullptr));
+  double place[6] = {500000 + first_column * cell_m, cell_m, 0, 5300000 - first_row * cell_m, 0, -cell_m};
+  data->SetGeoTransform(place);
+  OGRSpatialReference crs;
+  crs.SetFromUserInput("EPSG:32630");
+  data->SetSpatialRef(&crs);
+  std::vector<float> values;
+  for (int row = first_row; row < first_row + height_; ++row)
+    for (int column = first_column; column < first_column + width; ++column)
+      values.push_back(static_cast<float>(holes && is_hole(column, row) ? no_data : height(column, row)));
+  data->GetRasterBand(1)->SetNoDataValue(no_data);
+  EXPECT_EQ(data->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, width, height_, values.data(), width, height_,
+                                             GDT_Float32, 0, 0, nullptr),
+            CE_None);
+  return data;
+}
+
+void write(GDALDataset& data, const char* driver, const fs::path& file, char** options = nullptr) {
+  const GDALDatasetUniquePtr out(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(
+      file.c_str(), &data, 0, options, nullptr, nullptr));
+  ASSERT_NE(out, nullptr) << file;
+}
+
+/// Four GeoTIFFs and a virtual raster over them.
+fs::path write_mosaic(const TestFolder& folder, bool holes) {
+  std::vector<std::string> names;
+  for (int k = 0; k < 4; ++k) {
+    const int c = k % 2 * 170, r = k / 2 * 140;
+    names.push_back((folder / fmt::format("part{}.tif", k)).string());
+    write(*raster(holes, c, r, k % 2 ? columns - 170 : 170, k / 2 ? rows - 140 : 140), "GTiff", names.back());
+  }
+  std::vector<const char*> list;
+  for (const std::string& name : names) list.push_back(name.c_str());
+  const fs::path file = folder / "mosaic.vrt";
+  GDALDatasetH built = GDALBuildVRT(file.c_str(), 4, nullptr, list.data(), nullptr, nullptr);
+  EXPECT_NE(built, nullptr);
+  GDALClose(built);
+  return file;
+}
+
+constexpr std::string_view water = R"([georeference]
+crs = "EPSG:32630"
+origin_crs = [500070, 5299935]
+[[materials]]
+name = "sand"
+lambert_db = -25
+)";
+
+std::string terrain(std::string_view file, std::string_view load, std::string_view more = "") {
+  return fmt::format("[[terrain]]\nname = \"bed\"\nkind = \"raster\"\nfile = \"{}\"\nload = \"{}\"\n{}\n",
+                     file, load, more);
+}
+
+constexpr std::string_view diagonal = R"([[trajectories]]
+kind = "line"
+start_m = [-55, 50, -4]
+end_m = [50, -52, -4]
+speed_m_s = 2
+)";
+
+constexpr std::string_view sidescan = R"([[sensors]]
+name = "side"
+kind = "sidescan"
+along_track_deg = 1
+range_min_m = 1
+range_max_m = 22
+samples = 60
+pings = 9
+ping_interval_s = 8
+)";
+
+constexpr std::string_view multibeam = R"([[sensors]]
+name = "multi"
+kind = "multibeam"
+beams = 24
+range_min_m = 1
+range_max_m = 25
+samples = 50
+pings = 5
+ping_interval_s = 14
+)";
+
+constexpr std::string_view ball = R"([[objects]]
+name = "ball"
+shape = "sphere"
+radius_m = 1.5
+chord_error_m = 0.05
+position_m = [-4, 8, 0]
+on_terrain_m = -0.3
+)";
+
+struct Result {
+  std::vector<std::vector<double>> energy;
+  std::vector<std::vector<double>> altitude_m;
+  SimulationStats stats;
+  std::size_t regions = 0, loads = 0, most_bytes = 0;
+};
+
+Result simulated(const SceneDescription& description, int threads = 2,
+                 std::optional<double> reference_tolerance = {}) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+  const auto survey = open_survey(description);
+  const auto store = std::make_shared<PingStore>(layout_of(*survey, reference_tolerance.has_value()));
+  simulate(*survey, *store, true, reference_tolerance);
+  Result result;
+  for (std::size_t s = 0; s < survey->sensors.size(); ++s) {
+    const auto take = [&](std::span<const double> values) {
+      result.energy.emplace_back(values.begin(), values.end());
+    };
+    take(store->energy(s));
+    take(store->bound(s));
+    std::vector<double> altitude = survey->sensors[s].altitudes_m;
+    std::replace_if(
+        altitude.begin(), altitude.end(), [](double a) { return std::isnan(a); }, -1.0);
+    result.altitude_m.push_back(std::move(altitude));
+  }
+  result.stats = totals(*survey, *store);
+  if (survey->terrain_use) {
+    result.regions = survey->terrain_use->regions;
+    result.loads = survey->terrain_use->loads;
+    result.most_bytes = survey->terrain_use->most_bytes;
+  }
+  return result;
+}
+
+std::size_t bytes_of_mesh(const Survey& survey) {
+  return survey.tree->bytes() + survey.scene.mesh.facets.size() * 16 +
+         survey.scene.mesh.vertices.size() * sizeof(GridPoint);
+}
+
+double sum(const std::vector<double>& values) {
+  double all = 0;
+  for (const double v : values) all += v;
+  return all;
+}
+
+struct TiledCase {
+  const char* name;
+  std::string text;  ///< with {} for the terrain
+  bool holes = false;
+  const char* more = "";  ///< of the terrain
+  std::optional<double> reference = {};
+  friend void PrintTo(const TiledCase& of, std::ostream* out) { *out << of.name; }
+};
+
+std::string scene(std::string_view front, std::string_view back) {
+  return fmt::format("{}{}{{}}{}", front, water, back);
+}
+
+std::vector<TiledCase> scenes() {
+  const std::string line(diagonal), side(sidescan);
+  std::string relief = scene("", line + side + "[relief]\ncell_m = 0.25\ndisplace = \"normal\"\n");
+  relief = replaced(relief, "lambert_db = -25\n",
+                    "lambert_db = -25\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m "
+                    "= 0.08\nwavelength_m = 0.8\nrms_height_m = 0.03\n");
+  relief = replaced(relief, "pings = 9", "pings = 3");
+  relief = replaced(relief, "ping_interval_s = 8", "ping_interval_s = 27");
+  const std::string few =
+      replaced(replaced(side, "pings = 9", "pings = 3"), "ping_interval_s = 8", "ping_interval_s = 27");
+  const std::string refracting =
+      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
+      "-1.5\nprofile_bottom_m = 30\n";
+  return {
+      {"Sidescan", scene("", line + side)},
+      {"SidescanWithHolesAndAnObject", scene("", std::string(ball) + line + side), true},
+      {"MultibeamOfAWindowDecimated", scene("", line + std::string(multibeam)), false,
+       "window = [11, 7, 280, 250]\ndecimate = 2"},
+      {"TwoSensors", scene("", line + side + std::string(multibeam)), true},
+      {"ReliefOnline", relief},
+      {"RefractingWater", scene(refracting, line + few)},
+      {"RefractingWaterWithReceiverApart", scene(refracting, line + few + "receiver_arm_m = [0.3, 0, 0]\n")},
+      {"ReceiverApart", scene("", line + few + "receiver_arm_m = [0.3, 0, 0]\n"), true},
+      {"PathsOverTheSurface", scene("[sea_surface]\nheight_m = 0\n[paths]\norder = 2\n",
+                                    line + replaced(few, "range_max_m = 22", "range_max_m = 9"))},
+      {"Reference", scene("", line + replaced(few, "samples = 60", "samples = 12")), true, "", 1e-6},
+      {"Rays", scene("", line + few + "[run]\nengine = \"ray\"\nrays_per_ping = 5000\n")},
+  };
+}
+
+class TiledTerrain : public testing::TestWithParam<TiledCase> {};
+
+TEST_P(TiledTerrain, GivesTheBitsOfTheWhole) {
+  const TiledCase& given = GetParam();
+  const TestFolder folder;
+  write_mosaic(folder, given.holes);
+  const auto described = [&](const char* load, int cache_mb) {
+    SceneDescription description = read_scene_text(
+        replaced(given.text, "{}", terrain("mosaic.vrt", load, given.more)), folder / "scene.toml");
+    description.run.terrain_cache_mb = cache_mb;
+    return description;
+  };
+  const Result whole = simulated(described("whole", 0), 2, given.reference);
+  ASSERT_GT(sum(whole.energy[0]), 0);
+  EXPECT_EQ(whole.regions, 0u);
+  struct {
+    int threads, cache_mb;
+  } const ways[] = {{1, 512}, {2, 0}};
+  for (const auto& [threads, cache_mb] : ways) {
+    SCOPED_TRACE(fmt::format("{} threads, {} MB", threads, cache_mb));
+    const Result tiles = simulated(described("tiles", cache_mb), threads, given.reference);
+    EXPECT_EQ(tiles.energy, whole.energy);
+    EXPECT_EQ(tiles.altitude_m, whole.altitude_m);
+    EXPECT_EQ(tiles.stats.candidates, whole.stats.candidates);
+    EXPECT_EQ(tiles.stats.pieces, whole.stats.pieces);
+    EXPECT_EQ(tiles.stats.refined_facets, whole.stats.refined_facets);
+    EXPECT_GE(tiles.loads, tiles.regions);
+    if (cache_mb == 0) {
+      EXPECT_GE(tiles.regions, 2u);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, TiledTerrain, testing::ValuesIn(scenes()),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+SceneDescription with_load(const TestFolder& folder, std::string_view file, std::string_view load,
+                           std::string_view sensors = sidescan) {
+  return read_scene_text(
+      replaced(scene("", std::string(diagonal) + std::string(sensors)), "{}", terrain(file, load)),
+      folder / "scene.toml");
+}
+
+TEST(TiledTerrainFiles, ACloudOptimisedGeoTiffIsReadByTiles) {
+  const TestFolder folder;
+  char* options[] = {const_cast<char*>("BLOCKSIZE=128"), const_cast<char*>("COMPRESS=DEFLATE"), nullptr};
+  write(*raster(true), "COG", folder / "bed.tif", options);
+  EXPECT_EQ(simulated(with_load(folder, "bed.tif", "tiles")).energy,
+            simulated(with_load(folder, "bed.tif", "whole")).energy);
+}
+
+// What a fish sees is in few tiles: with a cache for no more, no more is held at a time.
+TEST(TiledTerrainFiles, NoMoreIsHeldThanTheCacheAndWhatIsInUse) {
+  const TestFolder folder;
+  write_mosaic(folder, false);
+  const std::string near = replaced(sidescan, "range_max_m = 22", "range_max_m = 11");
+  SceneDescription description = with_load(folder, "mosaic.vrt", "tiles", near);
+  description.run.terrain_cache_mb = 0;
+  const auto survey = open_survey(description);
+  const RegionPlan plan(*survey, 0);
+  std::size_t largest = 0;
+  for (const RegionPlan::Region& region : plan.regions())
+    largest = std::max(largest, bytes_of_mesh(*survey_with_tiles(*survey, region.tiles)));
+  const Result one = simulated(description, 1);
+  EXPECT_EQ(one.loads, plan.regions().size());
+  EXPECT_LE(one.most_bytes, 2 * largest) << "the last one and the next";
+  description = with_load(folder, "mosaic.vrt", "whole", near);
+  EXPECT_LT(3 * largest, bytes_of_mesh(*open_survey(description)));
+}
+
+TEST(TiledTerrainFiles, FootprintsNameTheFacetsOfTheWhole) {
+  const TestFolder folder;
+  write_mosaic(folder, true);
+  for (const char* load : {"whole", "tiles"}) {
+    folder.write("scene.toml",
+                 replaced(scene("", std::string(ball) + std::string(diagonal) + std::string(sidescan)), "{}",
+                          terrain("mosaic.vrt", load)));
+    const Outcome outcome =
+        run_program({"footprints", (folder / "scene.toml").string(), "--sensor", "side", "--pings", "3:4",
+                     "-o", (folder / fmt::format("{}.csv", load)).string()});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  const std::string table = bytes_of(folder / "tiles.csv");
+  EXPECT_GT(table.size(), 10000u);
+  EXPECT_TRUE(table == bytes_of(folder / "whole.csv"));
+}
+
+TEST(TiledTerrainFiles, CheckSaysWhatIsThereWithoutLoadingIt) {
+  const TestFolder folder;
+  write_mosaic(folder, false);
+  folder.write("scene.toml", replaced(scene("", std::string(diagonal) + std::string(sidescan)), "{}",
+                                      terrain("mosaic.vrt", "tiles")));
+  const Outcome outcome = run_program({"check", (folder / "scene.toml").string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr(fmt::format("facets         {}; those of 'bed' in 5 x 5 tiles of 64 x 64 cells",
+                                    2 * (columns - 1) * (rows - 1))));
+}
+
+TEST(TiledTerrainFiles, WhatNeedsTheWholeSaysSo) {
+  const TestFolder folder;
+  write_mosaic(folder, false);
+  const std::string text = replaced(scene("", std::string(diagonal) + std::string(sidescan)), "{}",
+                                    terrain("mosaic.vrt", "tiles"));
+  folder.write("scene.toml", text);
+  const std::string file = (folder / "scene.toml").string(), out = (folder / "out").string();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"coverage", file, "-o", out},
+        {"audit", file},
+        {"view", file, "-o", out},
+        {"chart", file, "-o", out},
+        {"advise", file, "--tolerance", "1dB"},
+        {"refine", file, "-o", out},
+        {"footprints", file, "--sensor", "side", "-o", out + ".txt"}}) {
+    const Outcome outcome = run_program(words);
+    EXPECT_EQ(outcome.exit_code, 2) << words[0] << outcome.err;
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("'bed' is read by tiles"), HasSubstr("load = \"whole\"")))
+        << words[0];
+  }
+  folder.write("scene.toml",
+               replaced(text, "load = \"tiles\"\n",
+                        "load = \"tiles\"\n[terrain.material_map]\nkind = \"patches\"\nspacing_m = 5\n"
+                        "materials = [\"sand\"]\n"));
+  const Outcome outcome = run_program({"check", file});
+  EXPECT_EQ(outcome.exit_code, 2);
+}
+
+// A source that is cut off while a run goes on: the pings before it are kept, and go on once it is back.
+TEST(TiledTerrainFiles, ABrokenTileStopsTheRunAndKeepsWhatWasFinished) {
+  const TestFolder folder;
+  write_mosaic(folder, false);
+  const fs::path last = folder / "part3.tif";
+  SceneDescription description = with_load(folder, "mosaic.vrt", "tiles");
+  description.run.terrain_cache_mb = 0;
+  const auto survey = open_survey(description);
+  const std::string intact = bytes_of(last);
+  const auto store = std::make_shared<PingStore>(layout_of(*survey, false));
+  fs::resize_file(last, intact.size() / 3);
+  try {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    simulate(*survey, *store, true);
+    FAIL() << "the end of the line needs the south-east";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr((folder / "mosaic.vrt").string()));
+    EXPECT_THAT(error.what(), HasSubstr("part3.tif"));
+  }
+  EXPECT_GT(store->done_units(), 1u);
+  EXPECT_LT(store->done_units(), 9u);
+  std::ofstream(last, std::ios::binary) << intact;
+  simulate(*survey, *store, true);
+  const auto energy = store->energy(0);
+  EXPECT_EQ(std::vector<double>(energy.begin(), energy.end()),
+            simulated(with_load(folder, "mosaic.vrt", "whole")).energy[0]);
+}
+
+TEST(TiledTerrainFiles, TheHashSeesTheSourcesOfAMosaic) {
+  const TestFolder folder;
+  write_mosaic(folder, false);
+  const std::string before = with_load(folder, "mosaic.vrt", "tiles").sha256;
+  EXPECT_EQ(with_load(folder, "mosaic.vrt", "tiles").sha256, before);
+  std::string bytes = bytes_of(folder / "part2.tif");
+  bytes.back() = static_cast<char>(bytes.back() + 1);
+  std::ofstream(folder / "part2.tif", std::ios::binary) << bytes;
+  EXPECT_NE(with_load(folder, "mosaic.vrt", "tiles").sha256, before);
+}
+
+TEST(TiledTerrainFiles, RanksWriteWhatOneProcessWrites) {
+  if (!fs::exists(TUBEFOOT_MPIRUN) || !fs::exists(TUBEFOOT_MPI_LIBRARY))
+    GTEST_SKIP() << "Open MPI is not installed: libopenmpi-dev, openmpi-bin";
+  const TestFolder folder;
+  write_mosaic(folder, false);
+  folder.write("scene.toml", replaced(scene("", std::string(diagonal) + std::string(sidescan)), "{}",
+                                      terrain("mosaic.vrt", "tiles")) +
+                                 "[run]\nterrain_cache_mb = 0\n");
+  const std::vector<std::string> words{"run", (folder / "scene.toml").string(), "--threads", "1", "-o"};
+  const auto run = [&](const char* name, const Surroundings& surroundings) {
+    std::vector<std::string> own = words;
+    own.push_back((folder / name).string());
+    const Outcome outcome = run_program(own, surroundings);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return bytes_of(folder / name / "echoes.nc");
+  };
+  Surroundings ranks;
+  ranks.before = mpirun(2);
+  const std::string alone = run("alone", {});
+  EXPECT_GT(alone.size(), 1000u);
+  EXPECT_TRUE(alone == run("ranks", ranks));
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// COLLADA, glTF, 3DS and FBX: where their nodes put them, axes and units, names, and files that would do
+// harm.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <random>
+
+#include "fixtures/model_samples.hpp"
+#include "fixtures/world/read_scenes.hpp"
+#include "scene/meshes/mesh_file_apart.hpp"
+#include "scene/meshes/mesh_file_model.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using testing::ThrowsMessage;
+
+struct Sample {
+  std::string name, content;
+};
+std::vector<Sample> samples() {
+  return {{"m.dae", collada_model()},
+          {"m.gltf", gltf_model(R"(,"uri":"numbers.bin")")},
+          {"m.glb", glb_model()},
+          {"m.3ds", studio_model()},
+          {"m.fbx", fbx_model()}};
+}
+
+NamedMesh read(const TestFolder& folder, const Sample& sample, const MeshAxes& axes = {}) {
+  folder.write("numbers.bin", gltf_numbers());
+  return read_mesh_file(folder.write(sample.name, sample.content), axes);
+}
+
+struct Box {
+  glm::dvec3 lo{1e9}, hi{-1e9};
+};
+Box box_of(const ComponentMesh& mesh) {
+  Box box;
+  for (const glm::dvec3& p : mesh.points_m) {
+    box.lo = glm::min(box.lo, p);
+    box.hi = glm::max(box.hi, p);
+  }
+  return box;
+}
+
+double area(const ComponentMesh& mesh) {
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles)
+    sum +=
+        glm::length(glm::cross(mesh.points_m[b] - mesh.points_m[a], mesh.points_m[c] - mesh.points_m[a])) / 2;
+  return sum;
+}
+
+TEST(Models, NodesPutMeshesWhereTheyBelongAndUnitsMakeThemMetres) {
+  const TestFolder folder;
+  for (const Sample& sample : samples()) {
+    SCOPED_TRACE(sample.name);
+    const bool one = sample.name == "m.3ds";
+    // Told the same of all: z up, metres.
+    const NamedMesh mesh = read(folder, sample, {"z", 1.0});
+    EXPECT_NEAR(area(mesh), one ? 2 : 2 + 4, 1e-5);
+    const Box box = box_of(mesh);
+    // The second plate: x from 0 to 2 becomes y, y from 0 to 2 becomes -x; all moved by 3 and lifted by 0.5.
+    EXPECT_LT(glm::distance(box.lo, one ? glm::dvec3(3, 0, 0) : glm::dvec3(1, 0, 0)), 1e-6);
+    EXPECT_LT(glm::distance(box.hi, one ? glm::dvec3(4, 2, 0) : glm::dvec3(4, 2, 0.5)), 1e-6);
+  }
+}
+
+TEST(Models, WhatTheFileDeclaresIsTaken) {
+  const TestFolder folder;
+  const auto is = [&](const Sample& sample, glm::dvec3 lo, glm::dvec3 hi) {
+    const Box box = box_of(read(folder, sample));
+    EXPECT_LT(glm::distance(box.lo, lo) + glm::distance(box.hi, hi), 1e-6) << sample.name;
+  };
+  is({"m.dae", collada_model()}, {0.01, 0, 0}, {0.04, 0.02, 0.005});
+  is({"m.dae", collada_model(R"(<!--<unit meter="9"/>--><unit meter='2'/><up_axis> Y_UP </up_axis>)")},
+     {2, -1, 0}, {8, 0, 4});
+  // x becomes z, z becomes -x.
+  is({"m.dae", collada_model(R"(<unit meter="1"/><up_axis>X_UP</up_axis>)")}, {-0.5, 0, 1}, {0, 2, 4});
+  // Metres, y up: y becomes z, z becomes -y.
+  is({"m.gltf", gltf_model(R"(,"uri":"numbers.bin")")}, {1, -0.5, 0}, {4, 0, 2});
+  is({"m.glb", glb_model()}, {1, -0.5, 0}, {4, 0, 2});
+  is({"m.fbx", fbx_model()}, {1, 0, 0}, {4, 2, 0.5});
+  is({"m.fbx",
+      fbx_model("\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\",1\n\t\tP: \"UnitScaleFactor\", \"double\", "
+                "\"Number\", \"\",1\n")},
+     {0.01, -0.005, 0}, {0.04, 0, 0.02});
+}
+
+// What an FBX turns its nodes by besides: the inverse of PostRotation, about the node's own axes.
+TEST(Models, PivotsOfAnFbxTurnAsTheyShould) {
+  const TestFolder folder;
+  std::string text = fbx_model();
+  const std::string hull = "\"A\",3,0,0\n";
+  const std::size_t at = text.find(hull);
+  ASSERT_NE(at, text.npos);
+  text.insert(at + hull.size(),
+              "\t\t\tP: \"RotationActive\", \"bool\", \"\", \"\",1\n"
+              "\t\t\tP: \"PostRotation\", \"Vector3D\", \"Vector\", \"\",0,0,90\n");
+  const NamedMesh mesh = read(folder, {"m.fbx", text});
+  const Box box = box_of(mesh);
+  EXPECT_LT(glm::distance(box.lo, glm::dvec3(3, -1, 0)), 1e-6);
+  EXPECT_LT(glm::distance(box.hi, glm::dvec3(5, 2, 0.5)), 1e-6);
+  for (const std::vector<std::string>& names : mesh.names)
+    for (const std::string& name : names) EXPECT_EQ(name.find("AssimpFbx"), name.npos) << name;
+}
+
+// Positions in whole numbers are what the reader cannot take.
+TEST(Models, QuantisedPositionsAreRefused) {
+  const TestFolder folder;
+  std::string text = gltf_model(R"(,"uri":"numbers.bin")");
+  text.insert(text.find('{') + 1, R"("extensionsRequired":["KHR_mesh_quantization"],)");
+  EXPECT_THAT(
+      [&] {
+        read(folder, {"m.gltf", text});
+      },
+      ThrowsMessage<InputError>(HasSubstr("KHR_mesh_quantization")));
+}
+
+TEST(Models, WhatNeitherFileNorSceneSaysIsRefused) {
+  const TestFolder folder;
+  const auto refused = [&](const Sample& sample, const MeshAxes& axes, const char* what) {
+    EXPECT_THAT([&] { read(folder, sample, axes); }, ThrowsMessage<InputError>(HasSubstr(what)))
+        << sample.name;
+  };
+  const char *both = "add 'up' (\"x\", \"y\" or \"z\") and 'unit_m'",
+             *axis = "says not which of its axes is up", *unit = "says not how long its unit is";
+  refused({"m.3ds", studio_model()}, {}, both);
+  refused({"m.3ds", studio_model()}, {"z", {}}, unit);
+  refused({"m.3ds", studio_model()}, {{}, 0.01}, axis);
+  refused({"m.dae", collada_model("")}, {}, both);
+  refused({"m.dae", collada_model("<unit name=\"cm\"/><up_axis>Z_UP</up_axis>")}, {}, unit);
+  refused({"m.dae", collada_model("<unit meter=\"0.01\"/>")}, {}, axis);
+  refused({"m.fbx", fbx_model("")}, {}, both);
+  refused({"m.fbx",
+           fbx_model("\t\tP: \"OriginalUpAxis\", \"int\", \"Integer\", \"\",1\n\t\tP: \"UnitScaleFactor\", "
+                     "\"double\", \"Number\", \"\",1\n")},
+          {}, axis);
+  refused({"m.fbx",
+           fbx_model("\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\",1\n\t\tP: \"UpAxisSign\", \"int\", "
+                     "\"Integer\", \"\",-1\n\t\tP: \"UnitScaleFactor\", \"double\", \"Number\", \"\",1\n")},
+          {}, axis);
+}
+
+TEST(Models, TheSceneHasTheLastWordOnAxesAndUnits) {
+  const TestFolder folder;
+  const Box box = box_of(read(folder, {"m.dae", collada_model()}, {"y", 1.0}));
+  EXPECT_LT(glm::distance(box.hi, glm::dvec3(4, 0, 2)), 1e-6);
+}
+
+TEST(Models, FacesGoByMaterialMeshAndNodes) {
+  const TestFolder folder;
+  for (const Sample& sample : samples()) {
+    const NamedMesh mesh = read(folder, sample, {"z", 1.0});
+    ASSERT_EQ(mesh.names_of.size(), mesh.triangles.size()) << sample.name;
+    const auto& names = mesh.names[mesh.names_of.front()];
+    ASSERT_FALSE(names.empty()) << sample.name;
+    EXPECT_EQ(names.front(), "steel") << sample.name;
+    if (sample.name == "m.3ds") continue;  // names no more than materials without key frames
+    EXPECT_THAT(names, AllOf(Contains("plate"), Contains("hull"))) << sample.name;
+    EXPECT_THAT(mesh.names[mesh.names_of.back()], AllOf(Contains("child"), Contains("hull"))) << sample.name;
+  }
+}
+
+TEST(Models, PolygonsAreCutByOurselves) {
+  const TestFolder folder;
+  std::string text = collada_model();
+  const auto put = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  // The U of mesh_polygons_test.cpp.
+  put("count=\"12\">0 0 0 1 0 0 1 2 0 0 2 0",
+      "count=\"24\">0 0 0 1 0 0 1 1.2 0 1.8 1.2 0 1.8 0 0 2.8 0 0 2.8 2 0 0 2 0");
+  put("count=\"4\" stride", "count=\"8\" stride");
+  put("<vcount>4</vcount><p>0 1 2 3</p>", "<vcount>8</vcount><p>0 1 2 3 4 5 6 7</p>");
+  const NamedMesh mesh = read(folder, {"m.dae", text}, {"z", 1.0});
+  const double own = 2.8 * 2 - 0.8 * 1.2;
+  EXPECT_NEAR(area(mesh), own + 2 * own, 1e-5);
+}
+
+TEST(Models, BuffersOfGltfStayInItsFolder) {
+  const TestFolder folder;
+  std::filesystem::create_directory(folder.path() / "model");
+  folder.write("outside.bin", gltf_numbers());
+  std::filesystem::create_symlink("../outside.bin", folder.path() / "model/link.bin");
+  folder.write("model/my numbers.bin", gltf_numbers());
+  const auto reads = [&](const std::string& uri) {
+    return read_mesh_file(folder.write("model/m.gltf", gltf_model(fmt::format(R"(,"uri":"{}")", uri))));
+  };
+  EXPECT_THAT(reads("my%20numbers.bin").triangles, SizeIs(4));
+  EXPECT_THAT(reads("./my numbers.bin").triangles, SizeIs(4));
+  for (const std::string& uri :
+       {std::string("../outside.bin"), (folder.path() / "outside.bin").string(),
+        std::string("http://example.org/numbers.bin"), std::string("a/../../outside.bin"),
+        std::string("link.bin"), std::string("none.bin"), std::string("file:outside.bin")})
+    EXPECT_THAT([&] { reads(uri); }, ThrowsMessage<InputError>(HasSubstr(uri))) << uri;
+}
+
+TEST(Models, BuffersOfGltfAreInTheSceneHash) {
+  const TestFolder folder;
+  folder.write("m.gltf", gltf_model(R"(,"uri":"numbers.bin")"));
+  const std::string scene =
+      std::string(smallest_scene) + "[[objects]]\nname = \"o\"\nshape = \"mesh\"\nfile = \"m.gltf\"\n";
+  folder.write("numbers.bin", gltf_numbers());
+  const SceneDescription first = read_scene(folder, scene);
+  EXPECT_THAT(first.inputs, Contains(folder.path() / "numbers.bin"));
+  std::string other = gltf_numbers();
+  other[3] = 1;
+  folder.write("numbers.bin", other);
+  EXPECT_NE(read_scene(folder, scene).sha256, first.sha256);
+}
+
+TEST(Models, GltfThatNeedsWhatIsNotReadIsRefused) {
+  const TestFolder folder;
+  const auto refused = [&](const std::string& text, const char* what) {
+    EXPECT_THAT([&] { read(folder, {"m.gltf", text}); }, ThrowsMessage<InputError>(HasSubstr(what)));
+  };
+  refused(gltf_model("", R"("extensionsRequired":["KHR_draco_mesh_compression"],)"),
+          "KHR_draco_mesh_compression");
+  refused(R"({"asset":{"version":"1.0"}})", "version '1.0'");
+  refused("{\"asset\"", "no glTF that can be read");
+  refused("{\"a\":" + std::string(1000, '[') + std::string(1000, ']') + "}", "deeper than");
+}
+
+TEST(Models, CutOrChangedFilesEndWellOrInAnInputError) {
+  constexpr unsigned seed = 20262;
+  RecordProperty("seed", seed);
+  std::mt19937 random(seed);
+  const TestFolder folder;
+  for (const Sample& sample : samples())
+    for (int trial = 0; trial < 40; ++trial) {
+      SCOPED_TRACE(fmt::format("seed {}, {} {}", seed, sample.name, trial));
+      Sample bad = sample;
+      if (trial % 2 == 0)
+        bad.content.resize(random() % bad.content.size());
+      else
+        for (int i = 0; i < 4; ++i) bad.content[random() % bad.content.size()] = static_cast<char>(random());
+      try {
+        const NamedMesh mesh = read(folder, bad, {"z", 1.0});
+        for (const glm::dvec3& p : mesh.points_m) EXPECT_TRUE(std::isfinite(p.x + p.y + p.z));
+      } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr(sample.name));
+      }
+    }
+}
+
+TEST(Models, NestingWithoutEndIsRefused) {
+  const TestFolder folder;
+  std::string text = collada_model(), deep, back;
+  for (int i = 0; i < 200000; ++i) {
+    deep += "<node>";
+    back += "</node>";
+  }
+  const std::size_t at = text.find("<node id=\"n\"");
+  text.insert(at, deep + back);
+  EXPECT_THAT(
+      [&] {
+        read(folder, {"m.dae", text});
+      },
+      ThrowsMessage<InputError>(HasSubstr("deeper than 1000")));
+}
+
+TEST(Models, NodesThatDoubleAndDoubleEndInALimit) {
+  // Each node holds the next twice: 2^60 plates.
+  const TestFolder folder;
+  std::string nodes;
+  for (int i = 0; i < 60; ++i)
+    nodes += fmt::format("<node id=\"d{}\"><instance_node url=\"#d{}\"/><instance_node url=\"#d{}\"/></node>",
+                         i, i + 1, i + 1);
+  std::string text = collada_model();
+  text.insert(
+      text.find("<library_visual_scenes>"),
+      "<library_nodes>" + nodes + "<node id=\"d60\"><instance_geometry url=\"#g\"/></node></library_nodes>");
+  text.insert(text.find("<node id=\"n2\""), "<instance_node url=\"#d0\"/>");
+  EXPECT_THAT([&] { read(folder, {"m.dae", text}); }, ThrowsMessage<InputError>(HasSubstr("Assimp")));
+}
+
+// --- work in a process of its own ---
+
+using End = ApartResult::End;
+
+TEST(DoneApart, ComesBackWithWhatTheWorkReturned) {
+  const std::string long_one(3 << 20, 'x');
+  const ApartResult result = done_apart([&] { return long_one; }, 10, 1e9);
+  EXPECT_EQ(result.end, End::done);
+  EXPECT_TRUE(result.bytes == long_one);
+  EXPECT_EQ(done_apart([]() -> std::string { throw std::runtime_error("no"); }, 10, 1e9).bytes, "no");
+}
+
+TEST(DoneApart, OutlivesCrashesEndlessWorkAndHunger) {
+  EXPECT_EQ(done_apart(
+                []() -> std::string {
+                  std::raise(SIGSEGV);
+                  return {};
+                },
+                10, 1e9)
+                .end,
+            End::crashed);
+  EXPECT_EQ(done_apart([]() -> std::string { _exit(0); }, 10, 1e9).end, End::crashed);
+  EXPECT_EQ(done_apart(
+                []() -> std::string {
+                  volatile bool endless = true;
+                  while (endless) {
+                  }
+                  return {};
+                },
+                1, 1e9)
+                .end,
+            End::too_long);
+#ifndef TUBEFOOT_SANITIZED
+  EXPECT_EQ(done_apart([] { return std::string(std::size_t{2} << 30, 'x'); }, 10, 5e8).end, End::refused);
+#endif
+}
+
+#ifndef TUBEFOOT_SANITIZED
+TEST(DoneApart, CountsNotTheMemoryThatThereWasBefore) {
+  const std::unique_ptr<char[]> much(new char[std::size_t{3} << 29]);
+  EXPECT_EQ(done_apart([&] { return std::string(1 << 20, much ? 'x' : 'y'); }, 10, 5e8).end, End::done);
+}
+
+TEST(DoneApart, CanOpenNoFile) {
+  const ApartResult result = done_apart(
+      [] { return std::string(std::ifstream("/proc/self/maps").is_open() ? "open" : "closed"); }, 10, 1e9);
+  EXPECT_EQ(result.bytes, "closed");
+}
+#endif
+
+}  // namespace
+}  // namespace tubefoot

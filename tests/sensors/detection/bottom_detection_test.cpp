@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/detection/bottom_detection.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <random>
+
+#include "fixtures/statistics.hpp"
+#include "sensors/receiver/receiver.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+constexpr RangeSamples samples{10, 0.05, 400};
+const double anywhere = 0.05 / std::sqrt(12.0);
+
+constexpr DetectionMethod methods[] = {DetectionMethod::first_return, DetectionMethod::energy_centroid,
+                                       DetectionMethod::maximum};
+
+double middle(const RangeSamples& of, int k) { return of.first_m + (k + 0.5) * of.step_m; }
+
+/// Energies of a beam from `least` to `most` off the vertical, over a flat Lambert bed `height` below: in a
+/// fan of azimuth dphi the part from R1 to R2 returns (mu height^2 dphi / 4) (R1^-4 - R2^-4).
+std::vector<double> flat_bed(double height, double least, double most, const RangeSamples& of) {
+  const double near = height / std::cos(least), far = height / std::cos(most);
+  const double scale = 2e-3 * height * height * 1.5 * degree / 4;
+  std::vector<double> energies;
+  for (int k = 0; k < of.count; ++k) {
+    const double from = std::max(near, of.first_m + k * of.step_m),
+                 to = std::min(far, of.first_m + (k + 1) * of.step_m);
+    energies.push_back(from < to ? scale * (std::pow(from, -4) - std::pow(to, -4)) : 0);
+  }
+  return energies;
+}
+
+TEST(BottomDetection, CentroidOfASymmetricFootprintIsTheBeamsAxis) {
+  for (const double axis : {middle(samples, 200), middle(samples, 123) + 0.025}) {  // middle and border
+    std::vector<double> energies;
+    for (int k = 0; k < samples.count; ++k)
+      energies.push_back(1e-9 * std::exp(-std::pow((middle(samples, k) - axis) / 0.4, 2)));
+    const auto found = detect_bottom(energies, samples);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->range_m, axis, 1e-12);
+    EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m, axis, 1e-12);
+  }
+}
+
+TEST(BottomDetection, CentroidOfTwoSamplesIsTheirLever) {
+  std::vector<double> energies(400, 0.0);
+  energies[100] = 3e-12;
+  energies[101] = 1e-12;
+  const auto found = detect_bottom(energies, samples);
+  EXPECT_NEAR(found->range_m, middle(samples, 100) + 0.05 / 4, 1e-12);
+  EXPECT_EQ(found->sample, 100);
+  EXPECT_EQ(found->energy_j, 3e-12);
+  EXPECT_TRUE(found->flags.empty());
+  // w = 3/4, 1/4; distances 1/4 and 3/4 of a sample of 0.05 m.
+  EXPECT_NEAR(found->range_sigma_m,
+              0.05 * std::sqrt(9.0 / 16 * (1.0 / 16 + 1.0 / 12) + 1.0 / 16 * (9.0 / 16 + 1.0 / 12)), 1e-12);
+  // rms sqrt(3/4 / 16 + 1/4 9/16) of a sample of 400.
+  EXPECT_NEAR(found->quality, 1 - std::sqrt(3.0 / 16) * std::sqrt(12.0) / 400, 1e-12);
+}
+
+// A ball over the bed: the mean range of both is in the water between them.
+TEST(BottomDetection, ACentroidIsOfOneEchoNotOfTheWaterBetweenTwo) {
+  std::vector<double> energies(400, 0.0);
+  for (int k = 100; k < 106; ++k) energies[k] = 4e-12;
+  for (int k = 150; k < 170; ++k) energies[k] = 2e-12;
+  auto found = detect_bottom(energies, samples);
+  EXPECT_NEAR(found->range_m, middle(samples, 150) + 9.5 * 0.05, 1e-12);  // 40 against 24
+  EXPECT_TRUE(found->flags.has(DetectionFlag::several_echoes));
+  EXPECT_FALSE(found->flags.has(DetectionFlag::cut_by_window));
+  for (int k = 150; k < 170; ++k) energies[k] = 1e-12;
+  found = detect_bottom(energies, samples);
+  EXPECT_NEAR(found->range_m, middle(samples, 100) + 2.5 * 0.05, 1e-12);
+  EXPECT_TRUE(found->flags.has(DetectionFlag::several_echoes));
+  for (int k = 150; k < 170; ++k) energies[k] = 0.1e-12;  // 2 of 24: not worth a word
+  EXPECT_TRUE(detect_bottom(energies, samples)->flags.empty());
+}
+
+// A shadow of a few samples within the footprint: one echo, found where it shone.
+TEST(BottomDetection, ACentroidInAShadowMovesToTheNearestEnergy) {
+  std::vector<double> energies(400, 0.0);
+  for (int k = 200; k < 205; ++k) energies[k] = energies[k + 8] = 1e-12;  // 205 to 207 are dark
+  auto found = detect_bottom(energies, samples);
+  EXPECT_DOUBLE_EQ(found->range_m, middle(samples, 204));
+  EXPECT_EQ(found->sample, 204);
+  EXPECT_TRUE(found->flags.empty());
+  energies[212] = 1.3e-12;  // the mean goes to the farther side of the gap
+  found = detect_bottom(energies, samples);
+  EXPECT_DOUBLE_EQ(found->range_m, middle(samples, 208));
+  EXPECT_EQ(found->sample, 208);
+}
+
+TEST(BottomDetection, AnEchoAtTheWindowsEndIsFlagged) {
+  for (const DetectionMethod method : methods) {
+    SCOPED_TRACE(name_of(method));
+    std::vector<double> energies(400, 0.0);
+    for (int k = 380; k < 398; ++k) energies[k] = 1e-12;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.empty());
+    energies[394] = energies[395] = 0;  // samples fade, and may at the window's end
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
+    for (int k = 394; k < 400; ++k) energies[k] = k < 399 ? 1e-12 : 0;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
+    energies[399] = 1e-12;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
+    energies.assign(400, 0.0);
+    for (int k = 0; k < 9; ++k) energies[k] = 1e-12;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
+    energies[0] = energies[1] = 0;
+    EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.empty());
+  }
+  EXPECT_STREQ(name_of(DetectionFlags{}), "good");
+}
+
+// Whatever the energies: the sample that a detection names counts, and holds the range.
+TEST(BottomDetection, LiesWhereEnergyIs) {
+  constexpr unsigned seed = 20261123;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (int run = 0; run < 3000; ++run) {
+    std::vector<double> energies(400, 0.0);
+    const double lit = std::pow(10, -3 * any(random));
+    for (int k = 50; k < 350; ++k)
+      if (any(random) < lit) energies[k] = -1e-12 * std::log(any(random));
+    energies[50 + run % 300] = 1e-12;
+    for (const DetectionMethod method : methods) {
+      const auto found = detect_bottom(energies, samples, {method});
+      ASSERT_TRUE(found);
+      const double largest = *std::max_element(energies.begin(), energies.end());
+      ASSERT_GE(energies[found->sample], 0.01 * largest * (1 - 1e-12)) << "run " << run;
+      ASSERT_NEAR(found->range_m, middle(samples, found->sample), samples.step_m / 2 + 1e-12) << run;
+      ASSERT_GE(found->energy_j, energies[found->sample]);
+    }
+  }
+}
+
+TEST(BottomDetection, FirstReturnIsTheFirstSampleOverBothThresholds) {
+  std::vector<double> energies(400, 0.0);
+  energies[50] = 1.001e-14;  // 40 dB below the maximum: a fish
+  energies[80] = 1.001e-12;
+  energies[81] = 1e-10;
+  DetectionRule rule{DetectionMethod::first_return};
+  EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 80);
+  rule.relative_db = -40;
+  EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 50);
+  EXPECT_EQ(detect_bottom(energies, samples, rule)->energy_j, 1.001e-14);
+  rule.absolute_j = 1.1e-14;
+  EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 80);
+  rule.relative_db = -19.9;
+  const auto found = detect_bottom(energies, samples, rule);
+  EXPECT_EQ(found->sample, 81);
+  EXPECT_DOUBLE_EQ(found->range_m, middle(samples, 81));
+  EXPECT_DOUBLE_EQ(found->range_sigma_m, anywhere);
+  EXPECT_EQ(found->energy_j, 1e-10);
+  rule.relative_db = -std::numeric_limits<double>::infinity();  // the absolute threshold alone
+  rule.absolute_j = 0;
+  EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 50);
+  rule.absolute_j = 1e-9;
+  EXPECT_FALSE(detect_bottom(energies, samples, rule));
+}
+
+TEST(BottomDetection, MaximumIsTheTopOfTheParabola) {
+  std::vector<double> energies(400, 0.0);
+  const double top = middle(samples, 300) + 0.012;
+  for (int k = 295; k <= 305; ++k) energies[k] = 1 - std::pow(middle(samples, k) - top, 2);
+  const auto found = detect_bottom(energies, samples, {DetectionMethod::maximum});
+  EXPECT_NEAR(found->range_m, top, 1e-10);
+  EXPECT_EQ(found->energy_j, energies[300]);
+  EXPECT_DOUBLE_EQ(found->range_sigma_m, anywhere);
+}
+
+TEST(BottomDetection, TiesGoToTheNearest) {
+  std::vector<double> energies(400, 0.0);
+  energies[30] = energies[90] = 5e-11;
+  EXPECT_EQ(detect_bottom(energies, samples, {DetectionMethod::maximum})->sample, 30);
+  EXPECT_DOUBLE_EQ(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
+                   middle(samples, 30));
+  EXPECT_EQ(detect_bottom(energies, samples)->sample, 30);  // two echoes: the nearer of equal ones
+  energies[31] = 5e-11;                                     // two neighbours: their border
+  EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
+              middle(samples, 30) + 0.025, 1e-12);
+  energies[32] = 5e-11;  // a plateau: still its near end, with the neighbour at its side
+  EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
+              middle(samples, 30) + 0.025, 1e-12);
+  energies[29] = std::nextafter(5e-11, 0);  // all but a tie of three
+  EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
+              middle(samples, 30) + 0.025, 1e-12);
+  energies.assign(400, 1e-10);  // all alike: nothing to fit, the first sample
+  EXPECT_DOUBLE_EQ(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m, middle(samples, 0));
+}
+
+TEST(BottomDetection, NothingLitIsNoDetection) {
+  for (const DetectionMethod method : methods) {
+    EXPECT_FALSE(detect_bottom(std::vector<double>(400, 0.0), samples, {method}));
+    EXPECT_FALSE(detect_bottom({}, {10, 0.05, 0}, {method}));
+    std::vector<double> energies(400, 0.0);
+    energies[399] = 1e-12;
+    DetectionRule rule{method};
+    rule.farthest_m = 29.97;  // the last middle lies at 29.975
+    EXPECT_FALSE(detect_bottom(energies, samples, rule));
+    rule.farthest_m = 29.976;
+    EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 399);
+    rule.nearest_m = 29.976;
+    rule.farthest_m = 40;
+    EXPECT_FALSE(detect_bottom(energies, samples, rule));
+  }
+}
+
+TEST(BottomDetection, WhatLiesOutsideTheGateDoesNotCount) {
+  const RangeSamples metres{0, 1, 10};
+  const std::vector<double> energies{9, 8, 0, 3, 1, 2, 0, 7, 9, 0};
+  for (const DetectionMethod method : methods) {
+    DetectionRule rule{method};
+    rule.nearest_m = rule.farthest_m = 3.5;  // just the middle of one sample
+    const auto found = detect_bottom(energies, metres, rule);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->range_m, 3.5);
+    EXPECT_EQ(found->energy_j, 3);
+  }
+  DetectionRule rule;
+  rule.nearest_m = 2.5;
+  rule.farthest_m = 6.5;
+  const auto found = detect_bottom(energies, metres, rule);
+  EXPECT_NEAR(found->range_m, (3 * 3.5 + 4.5 + 2 * 5.5) / 6, 1e-12);
+  EXPECT_EQ(found->energy_j, 3);
+}
+
+TEST(BottomDetection, OneSampleIsFoundByAllAlike) {
+  for (const int k : {0, 1, 399})
+    for (const double energy : {1e-12, 5e-324, 1.7e308})
+      for (const DetectionMethod method : methods) {
+        std::vector<double> energies(400, 0.0);
+        energies[k] = energy;
+        const auto found = detect_bottom(energies, samples, {method});
+        ASSERT_TRUE(found);
+        EXPECT_DOUBLE_EQ(found->range_m, middle(samples, k));
+        EXPECT_DOUBLE_EQ(found->range_sigma_m, anywhere);
+        EXPECT_EQ(found->sample, k);
+        EXPECT_EQ(found->energy_j, energy);
+        EXPECT_EQ(found->quality, 1);
+      }
+}
+
+TEST(BottomDetection, EnergiesOfAnyScaleGiveOneRange) {
+  const auto energies = flat_bed(12, 40 * degree, 43 * degree, samples);
+  for (const DetectionMethod method : methods) {
+    const auto found = detect_bottom(energies, samples, {method});
+    for (const double scale : {0x1p-200, 0x1p900}) {
+      std::vector<double> scaled;
+      for (const double energy : energies) scaled.push_back(energy * scale);
+      const auto again = detect_bottom(scaled, samples, {method});
+      EXPECT_DOUBLE_EQ(again->range_m, found->range_m);
+      EXPECT_DOUBLE_EQ(again->quality, found->quality);
+    }
+  }
+}
+
+TEST(BottomDetection, FlatBedUnderASeaBat8101) {
+  // 101 beams of 1.5 degrees, 20 m above the bed, cells of 1.25 cm.
+  const double height = 20;
+  const RangeSamples cells{18, 0.0125, 6000};
+  for (int beam = 0; beam <= 100; ++beam) {
+    SCOPED_TRACE(testing::Message() << "beam " << beam);
+    const double angle = (-75 + 1.5 * beam) * degree, half = 0.75 * degree;
+    const double least = std::max(0.0, std::abs(angle) - half), most = std::abs(angle) + half;
+    const auto energies = flat_bed(height, least, most, cells);
+    const double near = height / std::cos(least), far = height / std::cos(most);
+    const auto first = detect_bottom(energies, cells, {DetectionMethod::first_return});
+    // The sample that holds the footprint's near edge, or the next if too little of it is lit.
+    EXPECT_GE(first->range_m, near - cells.step_m / 2);
+    EXPECT_LE(first->range_m, near + 1.5 * cells.step_m);
+    // Mean of R over the weight R^-5.
+    const double mean_range =
+        4.0 / 3 * (std::pow(near, -3) - std::pow(far, -3)) / (std::pow(near, -4) - std::pow(far, -4));
+    DetectionRule all{DetectionMethod::energy_centroid};
+    all.relative_db = -std::numeric_limits<double>::infinity();
+    const auto centroid = detect_bottom(energies, cells, all);
+    EXPECT_NEAR(centroid->range_m, mean_range, cells.step_m / 2);
+    EXPECT_GT(centroid->quality, 0.85);
+
+    // Soundings: the sensor rolled and turned, so that only the pose brings them back to the bed.
+    const Pose pose{{100, -50, -3}, attitude_from_angles(0.7, 0, 0)};
+    const glm::dvec3 axis{std::sin(angle), 0, -std::cos(angle)};
+    const glm::dvec3 sounding = sounding_position(pose, axis, centroid->range_m);
+    // The weight R^-5 draws the centroid towards the sonar, away from the axis, by no more than this.
+    const double axis_range = height / std::cos(angle), pull = (far - near) * (far - near) / near / 2;
+    EXPECT_NEAR(centroid->range_m, axis_range, pull + cells.step_m);
+    EXPECT_NEAR(sounding.z, -3 - height, (pull + cells.step_m) * std::cos(angle));
+    const double across = centroid->range_m * std::sin(angle);
+    EXPECT_NEAR(sounding.x, 100 + across * std::cos(0.7), 1e-9);  // starboard of a bow 0.7 east of north
+    EXPECT_NEAR(sounding.y, -50 - across * std::sin(0.7), 1e-9);
+  }
+}
+
+TEST(BottomDetection, FootprintsSeenBy8101AtTwentyMetresHaveTheirPublishedSizes) {
+  const RangeSamples cells{18, 0.001, 60000};
+  const auto edge = [](double range) { return std::sqrt(range * range - 400); };
+  // At 60 degrees: 2.09559 m across; the first and last lit cell give it to about a cell over sin 60.
+  auto energies = flat_bed(20, 59.25 * degree, 60.75 * degree, cells);
+  DetectionRule rule{DetectionMethod::first_return};
+  rule.relative_db = -std::numeric_limits<double>::infinity();
+  const double near = detect_bottom(energies, cells, rule)->range_m;
+  std::reverse(energies.begin(), energies.end());
+  const double far =
+      2 * cells.first_m + cells.count * cells.step_m - detect_bottom(energies, cells, rule)->range_m;
+  EXPECT_NEAR(edge(far) - edge(near), 2.09559, 0.0012);
+  // Below the sonar: 0.52363 m, of which the range axis has one half.
+  energies = flat_bed(20, 0, 0.75 * degree, {20, 1e-5, 1000});
+  std::reverse(energies.begin(), energies.end());
+  const double last = 20.01 - (detect_bottom(energies, {20, 1e-5, 1000}, rule)->range_m - 20);
+  EXPECT_NEAR(2 * edge(last), 0.52363, 0.0005);
+}
+
+TEST(BottomDetection, CentroidSpreadsUnderSpeckleAsItsSigmaSays) {
+  ReceiverDescription description;
+  description.speckle.law = SpeckleLaw::rayleigh;
+  description.seed = 20261121;
+  SCOPED_TRACE(testing::Message() << "seed " << description.seed);
+  const ReceiverChain chain(description);
+  const RangeSamples cells{18, 0.02, 1500};
+  const auto energies = flat_bed(20, 59.25 * degree, 60.75 * degree, cells);  // about 90 lit cells
+  DetectionRule all{DetectionMethod::energy_centroid};
+  all.relative_db = -std::numeric_limits<double>::infinity();
+  const auto still = detect_bottom(energies, cells, all);
+  std::vector<double> ranges;
+  for (std::uint32_t ping = 0; ping < 2000; ++ping)
+    ranges.push_back(detect_bottom(chain.receive(ping, energies, cells), cells, all)->range_m);
+  EXPECT_NEAR(statistics::mean(ranges), still->range_m, 6 * still->range_sigma_m / std::sqrt(2000.0));
+  // Two effects of a few per cent: 1/90 of the shares' own spread, and 1/sqrt(4000) of the estimate.
+  EXPECT_NEAR(std::sqrt(statistics::variance(ranges)) / still->range_sigma_m, 1, 0.1);
+}
+
+TEST(BottomDetection, QualityIsNearNothingInNoise) {
+  ReceiverDescription description;
+  description.noise_level_db = 100;
+  const ReceiverChain chain(description);
+  const auto noise = chain.receive(0, std::vector<double>(400, 0.0), samples);
+  for (const DetectionMethod method : methods)
+    EXPECT_LT(detect_bottom(noise, samples, {method})->quality, 0.1);
+}
+
+std::string refusal(const std::vector<double>& energies, const RangeSamples& of, const DetectionRule& rule) {
+  try {
+    detect_bottom(energies, of, rule);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(BottomDetection, RefusesWhatIsNoBeamOrNoRule) {
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  using testing::HasSubstr;
+  for (const double bad : {nan, inf, -1e-20}) {
+    std::vector<double> energies(400, 1.0);
+    energies[17] = bad;
+    EXPECT_THAT(refusal(energies, samples, {}), HasSubstr("energy of sample 17"));
+  }
+  const std::vector<double> fine(400, 1.0);
+  EXPECT_THAT(refusal(fine, {10, 0.05, 399}, {}), HasSubstr("400 energies for 399 samples"));
+  EXPECT_THAT(refusal(fine, {10, 0, 400}, {}), HasSubstr("samples of 0 m"));
+  EXPECT_THAT(refusal(fine, {nan, 1, 400}, {}), HasSubstr("from nan m"));
+  const auto with = [&](auto change) {
+    DetectionRule rule;
+    change(rule);
+    return refusal(fine, samples, rule);
+  };
+  EXPECT_THAT(with([](auto& rule) { rule.relative_db = 0.1; }), HasSubstr("relative threshold is 0.1"));
+  EXPECT_THAT(with([&](auto& rule) { rule.relative_db = nan; }), HasSubstr("relative threshold is nan"));
+  EXPECT_THAT(with([](auto& rule) { rule.absolute_j = -1; }), HasSubstr("absolute threshold is -1"));
+  EXPECT_THAT(with([](auto& rule) { rule.nearest_m = 5, rule.farthest_m = 4; }), HasSubstr("gate is 5 to 4"));
+  EXPECT_EQ(with([](auto&) {}), "accepted");
+}
+
+TEST(SoundingPosition, FollowsThePoseAndRefusesAnAxisThatIsNoDirection) {
+  // Bow down by 90 degrees: forward looks down.
+  const Pose down{{1, 2, 3}, attitude_from_angles(0, -90 * degree, 0)};
+  const glm::dvec3 place = sounding_position(down, {0, 1, 0}, 7);
+  EXPECT_NEAR(glm::distance(place, glm::dvec3(1, 2, -4)), 0, 1e-12);
+  EXPECT_THROW(sounding_position(down, {0, 1.001, 0}, 7), std::invalid_argument);
+  EXPECT_THROW(sounding_position(down, {0, 0, 0}, 7), std::invalid_argument);
+  EXPECT_THROW(sounding_position(down, {0, std::nan(""), 0}, 7), std::invalid_argument);
+  EXPECT_THROW(sounding_position(down, {0, 1, 0}, std::nan("")), std::invalid_argument);
+  EXPECT_THROW(sounding_position(down, {0, 1, 0}, -1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netcdf.h>
+
+#include <cmath>
+#include <thread>
+
+#include "fixtures/netcdf_reader.hpp"
+#include "fixtures/world/recordings.hpp"
+#include "sensors/recordings/recording.hpp"
+
+namespace tubefoot {
+namespace {
+
+using samples::degree;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const Provenance provenance{"A test", "0123abcd", "tube", "fixed", "0.1.0"};
+
+samples::OwnedRecording noisy_camera(int pings = 3) {
+  auto made = samples::silent(samples::camera(4, 8), pings);
+  for (std::size_t k = 0; k < made.energies.size(); ++k)
+    made.energies[k] = k % 5 ? std::exp(-0.37 * double(k)) / 3 : 0;
+  for (std::size_t ping = 0; ping < made.recording.ping_pose.size(); ++ping)
+    made.recording.ping_pose[ping].attitude =
+        attitude_from_angles((350 - 90.0 * double(ping)) * degree, -20 * degree, 5 * double(ping) * degree);
+  return made;
+}
+
+TEST(EchoFile, ReadsBackBitForBit) {
+  const TestFolder folder;
+  const auto made = noisy_camera();
+  const Recording& recording = made.recording;
+  write_echoes(folder / "echoes.nc", {recording}, provenance);
+  const NetcdfReader file(folder / "echoes.nc");
+
+  EXPECT_EQ(file.dimensions("/", "energy"), "ping,beam,sample");
+  EXPECT_EQ(file.values("/", "energy"), made.energies);
+  EXPECT_EQ(file.values("/", "ping_time"), recording.ping_time_s);
+  const auto centres = file.values("/", "slant_range"), bounds = file.values("/", "slant_range_bounds"),
+             travel = file.values("/", "two_way_travel_time");
+  ASSERT_EQ(centres.size(), 8u);
+  for (std::size_t k = 0; k < 8; ++k) {
+    EXPECT_DOUBLE_EQ(bounds[2 * k], 0.84 + 5.0 / 8 * double(k));
+    EXPECT_DOUBLE_EQ(bounds[2 * k + 1], 0.84 + 5.0 / 8 * double(k + 1));
+    EXPECT_DOUBLE_EQ(centres[k], (bounds[2 * k] + bounds[2 * k + 1]) / 2);
+    EXPECT_DOUBLE_EQ(travel[k], 2 * centres[k] / 1480);
+  }
+  EXPECT_THAT(file.values("/", "beam_azimuth"),
+              testing::Pointwise(testing::DoubleNear(1e-12), {-10.875, -3.625, 3.625, 10.875}));
+  EXPECT_THAT(file.values("/", "beam_elevation"), ElementsAre(0, 0, 0, 0));
+  EXPECT_THAT(file.values("/", "beam_azimuth_width"), testing::Each(testing::DoubleNear(7.25, 1e-12)));
+  EXPECT_THAT(file.values("/", "beam_elevation_width"), testing::Each(testing::DoubleNear(14, 1e-12)));
+
+  EXPECT_EQ(file.dimensions("/", "sensor_position"), "ping,xyz");
+  EXPECT_THAT(file.values("/", "sensor_position"), ElementsAre(0, 0, -5, 0, 0.5, -5, 0, 1, -5));
+  EXPECT_EQ(file.dimensions("/", "sensor_attitude"), "ping,wxyz");
+  const auto attitude = file.values("/", "sensor_attitude");
+  for (std::size_t ping = 0; ping < 3; ++ping) {
+    const glm::dquat q = recording.ping_pose[ping].attitude;
+    EXPECT_THAT(std::vector<double>(attitude.begin() + long(4 * ping), attitude.begin() + long(4 * ping + 4)),
+                testing::Pointwise(testing::DoubleNear(1e-15), {q.w, q.x, q.y, q.z}));
+  }
+  EXPECT_THAT(file.values("/", "sensor_heading"),
+              testing::Pointwise(testing::DoubleNear(1e-9), {350.0, 260.0, 170.0}));
+  EXPECT_THAT(file.values("/", "sensor_pitch"), testing::Each(testing::DoubleNear(-20, 1e-9)));
+  EXPECT_THAT(file.values("/", "sensor_roll"),
+              testing::Pointwise(testing::DoubleNear(1e-9), {0.0, 5.0, 10.0}));
+}
+
+TEST(EchoFile, HeadingOfASensorThatLooksStraightDownIsItsWholeTurn) {
+  const TestFolder folder;
+  auto made = noisy_camera(1);
+  made.recording.ping_pose[0].attitude = attitude_from_angles(70 * degree, -90 * degree, 0);
+  write_echoes(folder / "echoes.nc", {made.recording}, provenance);
+  const NetcdfReader file(folder / "echoes.nc");
+  EXPECT_NEAR(file.values("/", "sensor_heading")[0], 70, 1e-6);
+  EXPECT_NEAR(file.values("/", "sensor_pitch")[0], -90, 1e-6);
+  EXPECT_NEAR(file.values("/", "sensor_roll")[0], 0, 1e-6);
+}
+
+TEST(EchoFile, EveryVariableHasUnitsAndALongName) {
+  const TestFolder folder;
+  write_echoes(folder / "echoes.nc", {noisy_camera().recording}, provenance);
+  const NetcdfReader file(folder / "echoes.nc");
+  EXPECT_EQ(file.variables("/").size(), 14u);
+  for (const std::string& variable : file.variables("/")) {
+    EXPECT_FALSE(file.text("/", "units", variable.c_str()).empty());
+    EXPECT_FALSE(file.text("/", "long_name", variable.c_str()).empty());
+  }
+  const auto units = [&](const char* name) { return file.text("/", "units", name); };
+  EXPECT_EQ(units("energy"), "J");
+  EXPECT_EQ(units("ping_time"), "s");
+  EXPECT_EQ(units("slant_range"), "m");
+  EXPECT_EQ(units("slant_range_bounds"), "m");
+  EXPECT_EQ(units("two_way_travel_time"), "s");
+  EXPECT_EQ(units("beam_azimuth"), "degree");
+  EXPECT_EQ(units("sensor_position"), "m");
+  EXPECT_EQ(units("sensor_attitude"), "1");
+  EXPECT_EQ(units("sensor_heading"), "degree");
+}
+
+TEST(EchoFile, SaysWhereItComesFrom) {
+  const TestFolder folder;
+  write_echoes(folder / "echoes.nc", {noisy_camera().recording}, provenance);
+  const NetcdfReader file(folder / "echoes.nc");
+  EXPECT_EQ(file.text("/", "title"), "A test");
+  EXPECT_EQ(file.text("/", "Conventions"), "tubefoot-echoes-1.0");
+  EXPECT_EQ(file.text("/", "scene_hash"), "0123abcd");
+  EXPECT_EQ(file.text("/", "engine"), "tube");
+  EXPECT_EQ(file.text("/", "arithmetic"), "fixed");
+  EXPECT_EQ(file.text("/", "version"), "0.1.0");
+  EXPECT_EQ(file.text("/", "sensor_name"), "camera");
+  EXPECT_EQ(file.text("/", "sensor_kind"), "didson");
+  EXPECT_EQ(file.text("/", "source_energy"), "1 J/sr at 1 m");
+  EXPECT_EQ(file.number("/", "frequency_khz"), 1800);
+  EXPECT_EQ(file.number("/", "sound_speed_m_s"), 1480);
+  EXPECT_EQ(file.number("/", "absorption_db_per_km"), 700);
+  write_echoes(folder / "unsaid.nc", {noisy_camera().recording}, {});
+  EXPECT_EQ(NetcdfReader(folder / "unsaid.nc").text("/", "arithmetic"), "");
+}
+
+TEST(EchoFile, EnergyIsCompressedPingByPing) {
+  const TestFolder folder;
+  write_echoes(folder / "echoes.nc", {noisy_camera().recording}, provenance);
+  const NetcdfReader file(folder / "echoes.nc");
+  int storage = 0, shuffle = 0, deflate = 0, level = 0;
+  std::size_t chunk[3];
+  NetcdfReader::check(nc_inq_var_chunking(file.group("/"), file.find("/", "energy"), &storage, chunk),
+                      "chunking");
+  NetcdfReader::check(
+      nc_inq_var_deflate(file.group("/"), file.find("/", "energy"), &shuffle, &deflate, &level), "deflate");
+  EXPECT_EQ(storage, NC_CHUNKED);
+  EXPECT_THAT(chunk, ElementsAre(1u, 4u, 8u));
+  EXPECT_EQ(shuffle, 1);
+  EXPECT_EQ(deflate, 1);
+}
+
+TEST(EchoFile, SeveralRecordingsAreAGroupEach) {
+  const TestFolder folder;
+  const auto camera = noisy_camera();
+  auto sidescan = samples::silent(samples::sidescan(6), 2);
+  sidescan.energy(1, 0, 3) = 4.5e-9;
+  write_echoes(folder / "echoes.nc", {camera.recording, sidescan.recording}, provenance);
+  const NetcdfReader file(folder / "echoes.nc");
+  EXPECT_EQ(file.text("/", "scene_hash"), "0123abcd");
+  EXPECT_TRUE(file.variables("/").empty());
+  EXPECT_EQ(file.values("/camera", "energy"), camera.energies);
+  EXPECT_EQ(file.text("/sidescan", "sensor_kind"), "sidescan");
+  EXPECT_EQ(file.values("/sidescan", "energy"), sidescan.energies);
+  EXPECT_THAT(file.values("/sidescan", "beam_azimuth"), ElementsAre(-90, 90));
+}
+
+TEST(EchoFile, IsTheSameByteForByteAtAnotherTime) {
+  const TestFolder folder;
+  const auto camera = noisy_camera();
+  const auto sidescan = samples::silent(samples::sidescan(6), 2);
+  write_echoes(folder / "a.nc", {camera.recording, sidescan.recording}, provenance);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 counts seconds where it counts time
+  write_echoes(folder / "b.nc", {camera.recording, sidescan.recording}, provenance);
+  EXPECT_EQ(bytes_of(folder / "a.nc"), bytes_of(folder / "b.nc"));
+}
+
+TEST(EchoFile, NamesTheFileThatCannotBeMade) {
+  const TestFolder folder;
+  const auto made = noisy_camera();
+  for (const auto& file :
+       {folder / "absent/echoes.nc", std::filesystem::path("/proc/echoes.nc"), folder.path()})
+    samples::failure_naming(file, [&] { write_echoes(file, {made.recording}, provenance); });
+  EXPECT_TRUE(std::filesystem::is_directory(folder.path()));
+}
+
+TEST(EchoFile, AFullDiskIsAnErrorAndLeavesNothing) {
+  const TestFolder folder;
+  auto made = samples::silent(samples::camera(), 4);
+  std::uint64_t state = 1;  // incompressible
+  for (double& energy : made.energies)
+    energy = double(state = state * 6364136223846793005u + 1442695040888963407u);
+  const auto file = folder / "echoes.nc";
+  write_echoes(file, {made.recording}, provenance);
+  const auto size = std::filesystem::file_size(file);
+  // Full at the start, in the midst of the data, and at the very end.
+  for (const auto room : {std::uintmax_t(0), std::uintmax_t(4096), size / 2, size - 1}) {
+    std::filesystem::remove(file);
+    const samples::FullDisk full(room);
+    samples::failure_naming(file, [&] { write_echoes(file, {made.recording}, provenance); });
+    EXPECT_FALSE(std::filesystem::exists(file)) << "room for " << room << " bytes";
+  }
+  std::filesystem::create_symlink("/dev/full", file);
+  samples::failure_naming(file, [&] { write_echoes(file, {made.recording}, provenance); });
+  EXPECT_TRUE(std::filesystem::exists("/dev/full"));
+  // And netCDF is of use again afterwards.
+  write_echoes(folder / "second.nc", {made.recording}, provenance);
+  EXPECT_EQ(NetcdfReader(folder / "second.nc").values("/", "energy"), made.energies);
+}
+
+// Long recordings do not pass through memory.
+TEST(EchoFile, IsTheSameWrittenPingByPingOnTheDisk) {
+  const TestFolder folder;
+  auto made = noisy_camera(20);
+  std::vector<std::size_t> released;
+  made.recording.release = [&](std::size_t ping) { released.push_back(ping); };
+  write_echoes(folder / "echoes.nc", {made.recording}, provenance, 0);
+  EXPECT_EQ(NetcdfReader(folder / "echoes.nc").values("/", "energy"), made.energies);
+  EXPECT_EQ(released.size(), 20u);
+  EXPECT_LT(std::filesystem::file_size(folder / "echoes.nc"), 1u << 20);  // no space set aside is left
+  const auto absent = folder / "absent/echoes.nc";
+  samples::failure_naming(absent, [&] { write_echoes(absent, {made.recording}, provenance, 0); });
+}
+
+// HDF5 would crash when the program ends.
+TEST(EchoFile, AFullDiskIsMetBeforeALargeFileIsWritten) {
+  const TestFolder folder;
+  const auto made = noisy_camera(20);
+  const auto file = folder / "echoes.nc";
+  for (const rlim_t room : {rlim_t{4096}, rlim_t{100000}, rlim_t{1} << 20}) {
+    const samples::FullDisk full(room);
+    samples::failure_naming(file, [&] { write_echoes(file, {made.recording}, provenance, 0); });
+    EXPECT_FALSE(std::filesystem::exists(file)) << "room for " << room << " bytes";
+  }
+  write_echoes(file, {made.recording}, provenance, 0);
+  EXPECT_EQ(NetcdfReader(file).values("/", "energy"), made.energies);
+}
+
+TEST(EchoFile, RefusesNamesThatMakeNoGroup) {
+  const TestFolder folder;
+  const auto file = folder / "echoes.nc";
+  const auto a = noisy_camera(), b = noisy_camera();
+  EXPECT_THAT(samples::failure_naming(file,
+                                      [&] {
+                                        write_echoes(file, {a.recording, b.recording}, provenance);
+                                      }),
+              HasSubstr("camera"));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+TEST(EchoFile, RefusesRecordingsThatDoNotAddUp) {
+  const TestFolder folder;
+  const auto file = folder / "echoes.nc";
+  const auto refused = [&](auto change) {
+    auto made = noisy_camera();
+    change(made.recording);
+    EXPECT_THROW(write_echoes(file, {made.recording}, provenance), std::invalid_argument);
+    EXPECT_THROW(write_pictures(folder.path(), made.recording), std::invalid_argument);
+  };
+  refused([](Recording& r) { r.sensor = nullptr; });
+  refused([](Recording& r) { r.energy = r.energy.first(r.energy.size() - 1); });
+  refused([](Recording& r) { r.ping_pose.pop_back(); });
+  refused([](Recording& r) {
+    const Sensor* sensor = r.sensor;
+    r = {};
+    r.sensor = sensor;
+  });
+  EXPECT_THROW(write_echoes(file, {}, provenance), std::invalid_argument);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace tubefoot

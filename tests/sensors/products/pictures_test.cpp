@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <random>
+#include <thread>
+
+#include "fixtures/world/recordings.hpp"
+#include "sensors/pictures/camera_picture.hpp"
+#include "sensors/pictures/decibel_scale.hpp"
+#include "sensors/pictures/waterfall_picture.hpp"
+#include "sensors/recordings/recording.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+struct Image {
+  OIIO::ImageSpec spec;
+  std::vector<float> values;
+  float at(int x, int y, int channel) const {
+    return values[(std::size_t(y) * spec.width + x) * spec.nchannels + channel];
+  }
+};
+
+Image read(const std::filesystem::path& file) {
+  auto input = OIIO::ImageInput::open(file.string());
+  if (!input) throw std::logic_error(OIIO::geterror());
+  Image image{input->spec(), {}};
+  image.values.resize(std::size_t(image.spec.width) * image.spec.height * image.spec.nchannels);
+  if (!input->read_image(0, 0, 0, image.spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data()))
+    throw std::logic_error(input->geterror());
+  return image;
+}
+
+Image read(const Canvas& canvas) {
+  const TestFolder folder;
+  canvas.write_png(folder / "picture.png", "");
+  return read(folder / "picture.png");
+}
+
+/// Middle of the pixels in which two pictures differ, weighted by the difference.
+struct Spot {
+  double x = 0, y = 0;
+  int pixels = 0;
+};
+
+Spot difference(const Image& a, const Image& b) {
+  EXPECT_EQ(a.spec.width, b.spec.width);
+  EXPECT_EQ(a.spec.height, b.spec.height);
+  Spot spot;
+  double weight = 0;
+  for (int y = 0; y < a.spec.height; ++y) {
+    for (int x = 0; x < a.spec.width; ++x) {
+      const double change = std::abs(a.at(x, y, 1) - b.at(x, y, 1));
+      if (change < 1e-3) continue;
+      spot.x += change * (x + 0.5);
+      spot.y += change * (y + 0.5);
+      weight += change;
+      ++spot.pixels;
+    }
+  }
+  spot.x /= weight;
+  spot.y /= weight;
+  return spot;
+}
+
+/// Where one echo appears, without labels.
+Spot camera_spot(std::size_t beam, std::size_t sample, const SensorDescription& camera = samples::camera()) {
+  auto made = samples::silent(camera, 1);
+  const Image before = read(draw_camera_frame(made.recording, 0, ""));
+  made.energy(0, beam, sample) = 1e-9;
+  return difference(before, read(draw_camera_frame(made.recording, 0, "")));
+}
+
+TEST(CameraPicture, IsATrueFanWithPortLeftAndForwardUp) {
+  const auto sensor = make_sensor(samples::camera());
+  const double azimuth = sensor->beams()[70].azimuth_rad;
+  const double near = 0.84 + 200.5 * 5 / 512, far = 0.84 + 400.5 * 5 / 512;
+  const Spot starboard_near = camera_spot(70, 200), starboard_far = camera_spot(70, 400),
+             port_near = camera_spot(25, 200);
+  EXPECT_GT(starboard_near.x, port_near.x);
+  EXPECT_LT(starboard_far.y, starboard_near.y);
+  EXPECT_GT(starboard_near.pixels, 4);
+  // Along the beam: direction and scale. Across: the mirrored beam at the same range and scale.
+  const double right = starboard_far.x - starboard_near.x, up = starboard_near.y - starboard_far.y;
+  EXPECT_NEAR(std::atan2(right, up), azimuth, 2e-3);
+  const double pixels_per_m = std::hypot(right, up) / (far - near);
+  EXPECT_NEAR(starboard_near.x - port_near.x, 2 * near * std::sin(azimuth) * pixels_per_m, 0.6);
+  EXPECT_NEAR(starboard_near.y, port_near.y, 0.3);
+}
+
+TEST(CameraPicture, ShowsTheCellsAreaAtItsRange) {
+  const Spot near = camera_spot(4, 2, samples::camera(8, 16)),
+             far = camera_spot(4, 14, samples::camera(8, 16));
+  const double ratio = (0.84 + 14.5 * 5 / 16) / (0.84 + 2.5 * 5 / 16);
+  EXPECT_NEAR(double(far.pixels) / near.pixels, ratio, 0.1 * ratio);
+}
+
+TEST(CameraPicture, FansOfAnyWidthAreDrawn) {
+  for (const double horizontal_deg : {0.3, 29.0, 130.0, 200.0, 360.0}) {
+    SensorDescription description = samples::camera(horizontal_deg < 1 ? 1 : 24, 16);
+    std::get<DidsonDescription>(description.kind).horizontal_deg = horizontal_deg;
+    auto made = samples::silent(description, 1);
+    std::fill(made.energies.begin(), made.energies.end(), 1e-9);
+    const Canvas canvas = draw_camera_frame(made.recording, 0, label_font());
+    EXPECT_LE(canvas.width(), 2000);
+    EXPECT_LE(canvas.height(), 1300);
+  }
+}
+
+/// Where one echo of a sidescan appears, without labels: 60 pings, 0.5 m apart.
+Spot waterfall_spot(std::size_t ping, std::size_t beam, std::size_t sample) {
+  auto made = samples::silent(samples::sidescan(), 60);
+  const Image before = read(draw_waterfall(made.recording, ""));
+  for (std::size_t k = 0; k < 10; ++k) made.energy(ping, beam, sample + k) = 1e-9;
+  return difference(before, read(draw_waterfall(made.recording, "")));
+}
+
+TEST(Waterfall, HasPortLeftTheLastPingOnTopAndEqualScales) {
+  const Spot port_late = waterfall_spot(50, 0, 400), starboard_late = waterfall_spot(50, 1, 400);
+  const Spot port_early = waterfall_spot(10, 0, 400), port_far = waterfall_spot(50, 0, 800);
+  EXPECT_LT(port_late.x, starboard_late.x);
+  EXPECT_LT(port_late.y, port_early.y);
+  EXPECT_LT(port_far.x, port_late.x);
+  EXPECT_NEAR(port_late.y, starboard_late.y, 1e-9);
+  const double pixels_per_m = (port_early.y - port_late.y) / (40 * 0.5);
+  EXPECT_NEAR((port_late.x - port_far.x) / (400 * 49.5 / 1000), pixels_per_m, 0.02 * pixels_per_m);
+  // Slant range counts from the track: the sides mirror each other about it.
+  const double range_m = 0.5 + 405 * 49.5 / 1000;
+  EXPECT_NEAR(starboard_late.x - port_late.x, 2 * range_m * pixels_per_m, 2);
+}
+
+TEST(Waterfall, IsDrawnForASensorAtRestAndForASinglePing) {
+  auto made = samples::silent(samples::sidescan(20), 1);
+  made.energy(0, 1, 10) = 1e-9;
+  EXPECT_GE(draw_waterfall(made.recording, label_font()).height(), 240);
+  auto rest = samples::silent(samples::sidescan(20), 5);
+  for (Pose& pose : rest.recording.ping_pose) pose = Pose{};
+  EXPECT_GE(draw_waterfall(rest.recording, label_font()).height(), 240);
+}
+
+TEST(Waterfall, AveragesPingsThatShareARow) {
+  // 20000 pings 0.1 mm apart: 240 rows. An echo in every other ping must not beat against the rows.
+  auto made = samples::silent(samples::sidescan(2), 20000);
+  for (std::size_t ping = 0; ping < 20000; ++ping) {
+    made.recording.ping_pose[ping].position_m.y = 1e-4 * double(ping);
+    for (const std::size_t beam : {0u, 1u})
+      for (const std::size_t sample : {0u, 1u}) made.energy(ping, beam, sample) = ping % 2 ? 2e-9 : 0;
+  }
+  const Image image = read(draw_waterfall(made.recording, ""));
+  const int x = image.spec.width / 4;
+  for (int y = image.spec.height / 3; y < image.spec.height / 2; ++y)
+    EXPECT_NEAR(image.at(x, y, 1), image.at(x, image.spec.height / 2, 1), 0.02);
+}
+
+TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
+  const TestFolder folder;
+  auto made = samples::silent(samples::camera(5, 7), 2);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> decades(-30, 3);
+  for (double& energy : made.energies) energy = std::pow(10, decades(random));
+  made.energy(1, 2, 3) = 0;
+  EXPECT_THAT(write_pictures(folder.path(), made.recording),
+              ElementsAre("camera-sequence.png", "camera-0000.png", "camera-0000.exr", "camera-0001.png",
+                          "camera-0001.exr"));
+  for (const std::size_t ping : {0u, 1u}) {
+    const Image exr = read(folder / ("camera-000" + std::to_string(ping) + ".exr"));
+    ASSERT_EQ(exr.spec.width, 5);
+    ASSERT_EQ(exr.spec.height, 7);
+    ASSERT_EQ(exr.spec.nchannels, 1);
+    EXPECT_EQ(exr.spec.format, OIIO::TypeDesc::FLOAT);
+    EXPECT_EQ(exr.spec.get_string_attribute("sensor"), "camera");
+    EXPECT_EQ(exr.spec.get_int_attribute("ping"), int(ping));
+    EXPECT_FLOAT_EQ(exr.spec.get_float_attribute("slant_range_first_m"), 0.84f);
+    for (std::size_t beam = 0; beam < 5; ++beam)
+      for (std::size_t sample = 0; sample < 7; ++sample)
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(exr.at(int(beam), int(sample), 0)),
+                  std::bit_cast<std::uint32_t>(float(made.energy(ping, beam, sample))));
+  }
+  const Image png = read(folder / "camera-0001.png");
+  EXPECT_EQ(png.spec.format, OIIO::TypeDesc::UINT16);
+  EXPECT_EQ(png.spec.nchannels, 3);
+}
+
+TEST(Pictures, SequencesShowTwentyPingsAtMostTheFirstAndTheLastAmongThem) {
+  EXPECT_THAT(sequence_frames(1), ElementsAre(0u));
+  EXPECT_THAT(sequence_frames(3), ElementsAre(0u, 1u, 2u));
+  const std::vector<std::size_t> many = sequence_frames(1000);
+  ASSERT_EQ(many.size(), 20u);
+  EXPECT_EQ(many.front(), 0u);
+  EXPECT_EQ(many.back(), 999u);
+  for (std::size_t k = 0; k + 1 < many.size(); ++k) EXPECT_NEAR(double(many[k + 1] - many[k]), 999.0 / 19, 1);
+}
+
+TEST(Pictures, ASequenceIsOnOneScale) {
+  auto made = samples::silent(samples::camera(8, 16), 7);
+  for (std::size_t ping = 0; ping < 7; ++ping)
+    for (std::size_t beam = 0; beam < 8; ++beam)
+      for (std::size_t k = 0; k < 16; ++k) made.energy(ping, beam, k) = ping == 5 ? 1e-6 : 1e-9;
+  const Image sheet = read(draw_camera_sequence(made.recording, ""));
+  // Two rows, of five and of two: the brightest colour is that of ping 5, the first of the second row.
+  int left = sheet.spec.width, right = 0, top = sheet.spec.height;
+  for (int y = 0; y < sheet.spec.height; ++y)
+    for (int x = 0; x < sheet.spec.width * 3 / 4; ++x)
+      if (sheet.at(x, y, 2) > 0.6) {
+        left = std::min(left, x);
+        right = std::max(right, x);
+        top = std::min(top, y);
+      }
+  EXPECT_LT(right, sheet.spec.width / 4);
+  EXPECT_GT(top, sheet.spec.height / 2);
+  EXPECT_GT(right - left, 100);
+}
+
+TEST(Pictures, ACameraMayAskForItsSequenceAlone) {
+  const TestFolder folder;
+  SensorDescription description = samples::camera(5, 7);
+  std::get<DidsonDescription>(description.kind).pictures = "sequence";
+  EXPECT_THAT(write_pictures(folder.path(), samples::silent(description, 3).recording),
+              ElementsAre("camera-sequence.png"));
+}
+
+/// Root-mean-square difference of neighbouring pixels' green, from a part of a picture's width on.
+double roughness_of(const Image& image, double from) {
+  double sum = 0;
+  int pixels = 0;
+  const int left = static_cast<int>(image.spec.width * from), right = left + image.spec.width / 10;
+  for (int y = image.spec.height * 2 / 5; y < image.spec.height * 3 / 5; ++y)
+    for (int x = left; x < right; ++x, ++pixels)
+      sum += std::pow(image.at(x + 1, y, 1) - image.at(x, y, 1), 2);
+  return std::sqrt(sum / pixels);
+}
+
+/// A camera and a sidescan, their energies even: what they show of it has speckle.
+TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
+  const TestFolder plain, both;
+  for (const bool camera : {true, false}) {
+    auto made = samples::silent(camera ? samples::camera(20, 40) : samples::sidescan(40), 2);
+    for (double& energy : made.energies) energy = 1e-9;
+    const Recording& recording = made.recording;
+    Heard heard;
+    heard.said = "as received, with speckle";
+    heard.energy_of = [&](std::size_t ping) {
+      std::vector<double> energies(recording.cells());
+      std::mt19937 random(static_cast<unsigned>(ping) + 1);
+      std::exponential_distribution<double> speckle(1);
+      for (double& energy : energies) energy = 1e-9 * speckle(random);
+      return energies;
+    };
+    write_pictures(plain.path(), recording);
+    const auto files = write_pictures(both.path(), recording, nullptr, &heard);
+    const std::vector<std::pair<std::string, std::string>> pairs =
+        camera ? std::vector<std::pair<std::string, std::string>>{{"camera-sequence.png",
+                                                                   "camera-sequence-received.png"},
+                                                                  {"camera-0000.png",
+                                                                   "camera-0000-received.png"},
+                                                                  {"camera-0001.png",
+                                                                   "camera-0001-received.png"}}
+               : std::vector<std::pair<std::string, std::string>>{{"sidescan.png", "sidescan-received.png"}};
+    for (const auto& [ideal, received] : pairs) {
+      SCOPED_TRACE(received);
+      EXPECT_THAT(files, Contains(std::filesystem::path(received)));
+      EXPECT_EQ(bytes_of(both / ideal), bytes_of(plain / ideal));
+      const Image a = read(both / ideal), b = read(both / received);
+      const double from = ideal.starts_with("camera-0") ? 0.35 : 0.15;
+      EXPECT_GT(roughness_of(b, from), 1.3 * roughness_of(a, from));
+    }
+  }
+}
+
+TEST(Pictures, SidescanFilesArePingByPingPortTurnedOver) {
+  const TestFolder folder;
+  auto made = samples::silent(samples::sidescan(6), 4);
+  for (std::size_t k = 0; k < made.energies.size(); ++k) made.energies[k] = 1e-12 * double(k + 1) / 3;
+  EXPECT_THAT(write_pictures(folder.path(), made.recording), ElementsAre("sidescan.png", "sidescan.exr"));
+  const Image exr = read(folder / "sidescan.exr");
+  ASSERT_EQ(exr.spec.width, 12);
+  ASSERT_EQ(exr.spec.height, 4);
+  for (std::size_t ping = 0; ping < 4; ++ping) {
+    for (std::size_t k = 0; k < 6; ++k) {
+      EXPECT_EQ(exr.at(int(5 - k), int(ping), 0), float(made.energy(ping, 0, k)));
+      EXPECT_EQ(exr.at(int(6 + k), int(ping), 0), float(made.energy(ping, 1, k)));
+    }
+  }
+  EXPECT_EQ(read(folder / "sidescan.png").spec.format, OIIO::TypeDesc::UINT16);
+}
+
+TEST(Pictures, AreTheSameByteForByteAtAnotherTime) {
+  const TestFolder a, b;
+  auto made = samples::silent(samples::camera(5, 7), 1);
+  made.energy(0, 2, 3) = 1e-9;
+  const auto files = write_pictures(a.path(), made.recording);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // EXR files like to say at which second
+  write_pictures(b.path(), made.recording);
+  for (const auto& file : files) EXPECT_EQ(bytes_of(a / file.string()), bytes_of(b / file.string())) << file;
+}
+
+TEST(Pictures, NameTheFileThatCannotBeWritten) {
+  const TestFolder folder;
+  auto made = samples::silent(samples::camera(5, 7), 1);
+  const auto fails_in = [&](const std::filesystem::path& where, const char* file) {
+    return samples::failure_naming(where / file, [&] { write_pictures(where, made.recording); });
+  };
+  EXPECT_THAT(fails_in(folder / "absent", "camera-0000.png"), HasSubstr("No such file"));
+  fails_in("/proc", "camera-0000.png");
+  for (const char* name : {"camera-0000.png", "camera-0000.exr"}) {
+    std::filesystem::create_symlink("/dev/full", folder / name);
+    EXPECT_THAT(fails_in(folder.path(), name), HasSubstr("No space left"));
+    std::filesystem::remove(folder / name);
+  }
+  for (const auto room : {0u, 300u, 2000u}) {
+    const TestFolder small;
+    const samples::FullDisk full(room);
+    EXPECT_THROW(write_pictures(small.path(), made.recording), std::runtime_error);
+    EXPECT_FALSE(std::filesystem::exists(small / "camera-0000.png")) << "room for " << room << " bytes";
+  }
+}
+
+TEST(Pictures, RefuseANameThatLeadsElsewhere) {
+  const TestFolder folder;
+  for (const char* name : {"", ".", "..", "../camera", "a/b"}) {
+    SensorDescription description = samples::camera(2, 3);
+    description.name = name;
+    const auto made = samples::silent(description, 1);
+    EXPECT_THROW(write_pictures(folder.path(), made.recording), std::runtime_error) << name;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Pictures, AreLabelledWhereThereIsAFont) {
+  auto made = samples::silent(samples::camera(5, 7), 1);
+  EXPECT_EQ(find_font({"NoSuchFontAnywhere"}), "");
+  const TestFolder folder;
+  std::vector<std::string> warnings;
+  write_pictures(folder.path(), made.recording, &warnings);
+  if (label_font().empty()) {
+    EXPECT_THAT(warnings, ElementsAre(HasSubstr("fonts-dejavu-core")));
+    GTEST_SKIP() << "no font is installed";
+  }
+  EXPECT_THAT(warnings, testing::IsEmpty());
+  Canvas plain(200, 40, {}, ""), labelled(200, 40, {}, label_font());
+  for (Canvas* canvas : {&plain, &labelled}) canvas->text(10, 20, "Caf\u00e9 -10\u00b0", 20, {1, 1, 1});
+  EXPECT_GT(difference(read(plain), read(labelled)).pixels, 100);
+}
+
+TEST(DecibelScale, IsRelativeToTheStrongestThousandthOfTheEchoes) {
+  std::vector<double> energies(20000, 0.0);  // no echo does not count
+  for (int k = 0; k < 10000; ++k) energies[k] = k < 9980 ? 1e-12 : 1e-3;
+  EXPECT_EQ(DecibelScale(energies).reference_j(), 1e-3);
+  for (int k = 0; k < 10000; ++k) energies[k] = k < 9995 ? 1e-12 : 1e-3;
+  const DecibelScale scale(energies);
+  EXPECT_EQ(scale.reference_j(), 1e-12);
+  EXPECT_EQ(scale.level(1e-3), 1);
+  EXPECT_EQ(scale.level(1e-12), 1);
+  EXPECT_NEAR(scale.level(1e-14), 0.6, 1e-12);  // -20 of -50 dB
+  EXPECT_EQ(scale.level(1e-17 * 0.99), 0);
+  EXPECT_EQ(scale.level(0), 0);
+  EXPECT_EQ(scale.level(std::nan("")), 0);
+  EXPECT_EQ(DecibelScale(std::vector<double>(10, 0.0)).level(0), 0);
+}
+
+TEST(DecibelScale, GrowsLighterEverywhere) {
+  const auto luminance = [](Colour c) { return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue; };
+  for (int k = 1; k <= 100; ++k)
+    EXPECT_GT(luminance(DecibelScale::at_level(k / 100.0)),
+              luminance(DecibelScale::at_level((k - 1) / 100.0)));
+}
+
+TEST(Ticks, AreRoundNumbersOverAnyExtent) {
+  EXPECT_DOUBLE_EQ(tick_step(5, 6), 1);
+  EXPECT_DOUBLE_EQ(tick_step(50, 5), 10);
+  EXPECT_DOUBLE_EQ(tick_step(0.13, 5), 0.05);
+  EXPECT_DOUBLE_EQ(tick_step(100, 4), 50);
+  EXPECT_THAT(ticks(0.84, 5.84, 1), ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_THAT(ticks(-50, 0, 10), testing::SizeIs(6));
+  std::vector<std::string> labels;
+  for (const double tick : ticks(-0.1, 0.1, 0.05)) labels.push_back(tick_label(tick, 0.05));
+  EXPECT_THAT(labels, ElementsAre("-0.10", "-0.05", "0.00", "0.05", "0.10"));
+  EXPECT_EQ(tick_label(20, 10), "20");
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/receiver/pulse.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "fixtures/world/recordings.hpp"
+#include "sensors/products/products.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr RangeSamples window{2, 0.05, 400};
+
+double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+std::vector<double> one_echo(std::size_t at, double energy = 1) {
+  std::vector<double> energies(400, 0.0);
+  energies[at] = energy;
+  return energies;
+}
+
+TEST(Pulse, ExtendsOverHalfItsLengthInWater) { EXPECT_DOUBLE_EQ(pulse_extent_m(100, 1500), 0.075); }
+
+TEST(Pulse, EchoBecomesABoxThatBeginsWhereItCameFrom) {
+  // 20 samples: the sample's own extent rounds the box's ends off.
+  const auto spread = spread_over_pulse(one_echo(100), window, 1.0);
+  for (std::size_t k = 0; k < spread.size(); ++k) {
+    const double expected = k < 100 || k > 120 ? 0 : k == 100 || k == 120 ? 0.025 : 0.05;
+    EXPECT_NEAR(spread[k], expected, 1e-15) << k;
+  }
+}
+
+TEST(Pulse, IsTheEchoAndTheBoxFoldedWhateverItsExtent) {
+  // Held against a sum over many points of the sample and of the pulse.
+  constexpr int points = 1000;
+  for (const double extent_m : {0.013, 0.05, 0.0721, 0.333}) {
+    std::vector<double> expected(400, 0.0);
+    for (int a = 0; a < points; ++a)
+      for (int b = 0; b < points; ++b)
+        expected[static_cast<std::size_t>(100 + (a + 0.5) / points + (b + 0.5) / points * extent_m / 0.05)] +=
+            1.0 / points / points;
+    const auto spread = spread_over_pulse(one_echo(100), window, extent_m);
+    for (std::size_t k = 0; k < spread.size(); ++k)
+      EXPECT_NEAR(spread[k], expected[k], 1e-3) << extent_m << " " << k;
+  }
+}
+
+TEST(Pulse, KeepsTheEnergyButForWhatLeavesTheWindow) {
+  std::mt19937_64 random(7);
+  std::exponential_distribution<double> energy;
+  for (const double extent_m : {1e-12, 0.001, 0.05, 0.0501, 0.7, 3.0}) {
+    std::vector<double> energies(2 * 400, 0.0);
+    for (std::size_t beam = 0; beam < 2; ++beam)
+      for (std::size_t k = 0; k < 330; ++k) energies[400 * beam + k] = energy(random);
+    const auto spread = spread_over_pulse(energies, window, extent_m);
+    for (std::size_t beam = 0; beam < 2; ++beam) {
+      const double before = sum(std::span(energies).subspan(400 * beam, 400));
+      EXPECT_NEAR(sum(std::span(spread).subspan(400 * beam, 400)) / before, 1, 1e-13)
+          << "seed 7, " << extent_m;
+    }
+  }
+  // Half of a pulse of 20 samples that begins 10 samples before the end leaves; nothing comes in at the next
+  // beam.
+  std::vector<double> energies(800, 0.0);
+  energies[390] = 1;
+  const auto spread = spread_over_pulse(energies, window, 1.0);
+  EXPECT_NEAR(sum(std::span(spread).first(400)), 9.5 / 20, 1e-14);
+  EXPECT_EQ(sum(std::span(spread).last(400)), 0);
+}
+
+TEST(Pulse, RefusesWhatIsNone) {
+  EXPECT_THROW(spread_over_pulse(one_echo(1), window, -1), std::invalid_argument);
+  EXPECT_THROW(spread_over_pulse(one_echo(1), window, std::nan("")), std::invalid_argument);
+  EXPECT_THROW(spread_over_pulse(std::vector<double>(401), window, 1), std::invalid_argument);
+}
+
+TEST(Received, WithoutAPulseKeepsTheBits) {
+  auto made = samples::silent(samples::sidescan(20), 3);
+  made.energy(1, 0, 7) = 1.0 / 3;
+  made.energy(1, 1, 9) = 0.1;
+  const auto heard = received(made.recording, {}, 1);
+  EXPECT_THAT(heard, testing::ElementsAreArray(made.recording.energy_of(1)));
+}
+
+TEST(Received, GainIsFixedBelowTheRangeOfItsKey) {
+  SensorDescription description = samples::sidescan(990);
+  description.signal.tvg_spreading = 40;
+  description.signal.tvg_absorption_db_per_km = 0;
+  description.signal.tvg_fixed_below_m = 2;
+  auto made = samples::silent(description, 1);
+  std::fill(made.energies.begin(), made.energies.end(), 1e-9);
+  const auto heard = received(made.recording, {}, 0);
+  EXPECT_NEAR(heard[10] / 1e-9, std::pow(2, 4), 1e-9);  // at 1.025 m
+  EXPECT_NEAR(heard[90] / 1e-9, std::pow(5.025, 4), 1e-7);
+}
+
+TEST(Received, SpreadsOverThePulseAndItsLevelIsThatOfThePulse) {
+  SensorDescription description = samples::sidescan(990);  // samples of 5 cm
+  description.signal.pulse_length_us = 1000;               // 0.74 m at 1480 m/s
+  auto made = samples::silent(description, 2);
+  made.energy(1, 1, 500) = 1e-8;
+  const auto heard = received(made.recording, {}, 1);
+  EXPECT_NEAR(sum(heard), 1e-8, 1e-21);
+  EXPECT_NEAR(heard[990 + 507], 1e-8 * 0.05 / 0.74, 1e-19);
+  EXPECT_EQ(heard[990 + 499], 0);
+  // A long pulse brings 14.8 times the energy of one as long as a sample, spread over as many samples: the
+  // echo of a point is as loud as its target says, 210 + 10 log10(1e-8) dB.
+  EXPECT_NEAR(receiver_of(made.recording, {}).level_db(heard[990 + 507]), 130, 1e-9);
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a page of the viewer holds: the terms of every sample, nothing lost and nothing made up; shadows where
+// there are shadows.
+#include "viewer/view_gather.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+
+#include "engine/echo/contributions.hpp"
+#include "engine/sight/tube_engine.hpp"
+#include "files/usage_error.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
+#include "run/sensor_law.hpp"
+#include "run/shot_ground.hpp"
+#include "scene/description/scene_description.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// A box on a rough bed that reaches beyond the range samples on both sides.
+std::string rough_scene(const std::string& material, const std::string& sensor) {
+  return lambert_material("sand", -27) + material + "\n" + lambert_material("steel", -8) +
+         rough_terrain(40, 60, 0.5, "material = \"sand\"\nrms_height_m = 0.05\n") + box_ahead(5) +
+         "[[sensors]]\nname = \"sonar\"\n" + sensor;
+}
+
+const std::string camera = R"(kind = "didson"
+pings = 2
+tilt_deg = 25
+beams = 12
+window_start_m = 5
+window_length_m = 2.5
+samples = 100
+)",
+                  camera_with_lobes = camera + R"(transmit_pattern = "line"
+transmit_aperture_m = 0.02
+receive_pattern = "line"
+receive_aperture_m = 0.06
+)",
+                  sidescan = R"(kind = "sidescan"
+pings = 5
+range_max_m = 15
+samples = 200
+)",
+                  ripples = R"([[materials.reflectivity]]
+kind = "perlin"
+wavelength_m = 0.2
+)";
+
+struct Case {
+  std::string name, material, sensor, run;
+};
+
+class Links : public testing::TestWithParam<Case> {
+ protected:
+  TestFolder folder;
+  std::string scene = rough_scene(GetParam().material, GetParam().sensor) + GetParam().run;
+  std::unique_ptr<Survey> survey = open_survey(read_scene_file(folder.write("scene.toml", scene)));
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, Links,
+    testing::Values(Case{"Camera", "", camera, ""}, Case{"Sidescan", "", sidescan, ""},
+                    Case{"Lobes", "", camera_with_lobes, ""}, Case{"Texture", ripples, camera, ""},
+                    Case{"Spread", "", camera, "[run]\nbinning = \"spread\"\n"},
+                    Case{"Centroid", ripples, camera, "[run]\nbinning = \"centroid\"\n"}),
+    [](const auto& one) { return one.param.name; });
+
+TEST_P(Links, AddUpToTheEchoOfARun) {
+  const Echoes run = echoes_in(folder, scene);
+  const ViewData view = gather_view(*survey, 0, PingRange{1, 1}, true);
+  ASSERT_EQ(view.pings.size(), 1u);
+  EXPECT_EQ(view.pings[0].number, 1u);
+  ASSERT_EQ(view.energy_j.size(), run.beams * run.samples);
+  std::vector<double> sum(view.energy_j.size(), 0.0);
+  std::vector<double> of_footprint(view.footprints.size(), 0.0);
+  for (const ViewLink& link : view.links) {
+    EXPECT_GT(link.energy_j, 0);
+    sum.at(link.cell) += link.energy_j;
+    of_footprint.at(link.footprint) += link.energy_j;
+  }
+  double total = 0, left_out = 0;
+  for (std::size_t cell = 0; cell < sum.size(); ++cell) {
+    const double recorded = run.at(1, cell / run.samples, cell % run.samples);
+    EXPECT_NEAR(view.energy_j[cell], recorded, 1e-12 * recorded) << "cell " << cell;
+    if (!view.weak_links_left_out) {
+      EXPECT_NEAR(sum[cell], recorded, 1e-12 * recorded) << "cell " << cell;
+    }
+    EXPECT_LE(sum[cell], recorded * (1 + 1e-9));
+    total += recorded;
+    left_out += recorded - sum[cell];
+  }
+  EXPECT_GT(total, 0);
+  EXPECT_LT(left_out, 0.2 * total);
+  for (std::size_t f = 0; f < of_footprint.size(); ++f)
+    EXPECT_NEAR(of_footprint[f], view.footprints[f].energy_j, 1e-12 * of_footprint[f]);
+}
+
+TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
+  const ViewData view = gather_view(*survey, 0, PingRange{0, 1}, true);
+  const double last_m = view.first_m + view.samples * view.step_m;
+  std::vector<int> links(view.footprints.size(), 0);
+  std::uint32_t before = 0;
+  for (const ViewLink& link : view.links) {
+    EXPECT_GE(link.footprint, before) << "links lie footprint by footprint";
+    before = link.footprint;
+    ++links[link.footprint];
+    const ViewFootprint& f = view.footprints[link.footprint];
+    const std::uint32_t sample = link.cell % view.samples, beam = link.cell / view.samples % view.beams,
+                        ping = link.cell / view.samples / view.beams;
+    EXPECT_EQ(ping, f.ping);
+    if (!view.weak_links_left_out) {
+      EXPECT_EQ(beam, f.beam);
+    }
+    EXPECT_GT(f.far_m, view.first_m + sample * view.step_m - 1e-9);
+    EXPECT_LT(f.near_m, view.first_m + (sample + 1) * view.step_m + 1e-9);
+  }
+  std::size_t in_reach = 0, beyond = 0;
+  for (std::size_t f = 0; f < view.footprints.size(); ++f) {
+    const ViewFootprint& footprint = view.footprints[f];
+    if (footprint.far_m < view.first_m || footprint.near_m > last_m) {
+      ++beyond;
+      EXPECT_EQ(links[f], 0);
+    } else if (footprint.near_m > view.first_m && footprint.far_m < last_m && footprint.area_m2 > 1e-12) {
+      ++in_reach;
+      EXPECT_GT(links[f], 0) << "footprint " << f;
+    }
+  }
+  EXPECT_GT(in_reach, 20u);
+  // Else the first of these two expectations is empty.
+  if (view.kind == "didson") {
+    EXPECT_GT(beyond, 0u);
+  }
+}
+
+/// All terms, however small, with patterns too.
+TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
+  const SensorPings& pings = survey->sensors[0];
+  const Sensor& sensor = *pings.sensor;
+  const ShotGround ground = ground_of(*survey, survey->shots[0], 0, 0);
+  const TubeEngine engine(ground.mesh(), ground.tree(), survey->scene.grid.unit_m(), {});
+  const History history = engine.trace(survey->tubes(survey->shots[0], 0, 0));
+  const SensorLaw law(*survey, ground, 0, 0, 0);
+  const Binning binning = binning_from_name(survey->scene.description.run.binning);
+  const auto beams = int(sensor.beams_of_shot(0).size());
+  const Echo echo =
+      integrate_echo(history, sensor.beam_of_tube(0), beams, sensor.samples(), law.law, binning);
+  std::vector<double> sum(echo.energy.size(), 0.0);
+  for (const Contribution& c :
+       contributions(history, sensor.beam_of_tube(0), sensor.samples(), law.law, binning, echo))
+    sum.at(std::size_t(c.beam) * echo.samples + c.sample) += c.energy_j;
+  const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
+  EXPECT_GT(peak, 0);
+  for (std::size_t cell = 0; cell < sum.size(); ++cell)
+    EXPECT_NEAR(sum[cell], echo.energy[cell], 1e-12 * (law.law.patterns ? peak : echo.energy[cell]))
+        << "cell " << cell;
+}
+
+TEST(ViewedPings, AreTheFirstOfACameraAndManyOfASidescan) {
+  const TestFolder folder;
+  const auto cameras = open_survey(read_scene_file(folder.write("camera.toml", rough_scene("", camera))));
+  const ViewData frame = gather_view(*cameras, 0, {}, true);
+  EXPECT_EQ(frame.pings.size(), 1u);
+  EXPECT_EQ(frame.layout, PictureLayout::fan);
+  EXPECT_THAT(frame.notes, testing::Contains(testing::HasSubstr("Ping 0 of 2")));
+  const auto lines = open_survey(read_scene_file(folder.write("sidescan.toml", rough_scene("", sidescan))));
+  const ViewData line = gather_view(*lines, 0, {}, true);
+  EXPECT_EQ(line.pings.size(), 5u);
+  EXPECT_EQ(line.layout, PictureLayout::waterfall);
+  EXPECT_TRUE(line.notes.empty());
+  // As many as the limit lets in, with a word about the rest.
+  ViewLimits limits;
+  limits.footprints_unasked = line.footprints.size() / 2;
+  const ViewData part = gather_view(*lines, 0, {}, true, limits);
+  EXPECT_LT(part.pings.size(), 5u);
+  EXPECT_GE(part.footprints.size(), limits.footprints_unasked);
+  EXPECT_THAT(part.notes, testing::Contains(testing::HasSubstr("of 5: tubefoot view --pings A:B")));
+  limits.footprints = 10;
+  EXPECT_THROW(gather_view(*lines, 0, PingRange{0, 4}, true, limits), UsageError);
+}
+
+/// A flat bed of two facets seen from 2 m, with or without a cube of 1 m on it.
+std::string flat_scene(bool with_box) {
+  return std::string(R"([[materials]]
+name = "sand"
+[[terrain]]
+kind = "flat"
+width_m = 40
+length_m = 60
+)") + (with_box ? "[[objects]]\nname = \"cube\"\nshape = \"box\"\nposition_m = [0, 5, 0.5]\n" : "") +
+         R"([trajectory]
+kind = "fixed"
+position_m = [0, 0, 2]
+[[sensors]]
+name = "sonar"
+kind = "didson"
+beams = 24
+tilt_deg = 22
+vertical_deg = 28
+window_start_m = 1
+window_length_m = 20
+)";
+}
+
+/// How many of a list's polygons hold a place of the bed, seen from above.
+int holding(const ViewPolygons& polygons, double x, double y) {
+  int count = 0;
+  std::size_t corner = 0;
+  for (const std::uint16_t n : polygons.corners_of) {
+    bool left = true, right = true, on_bed = true;
+    for (std::size_t k = 0; k < n; ++k) {
+      const glm::dvec3 a = polygons.corners_m[corner + k], b = polygons.corners_m[corner + (k + 1) % n];
+      const double side = (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
+      left = left && side >= 0;
+      right = right && side <= 0;
+      on_bed = on_bed && std::abs(a.z) < 1e-6;
+    }
+    corner += n;
+    count += on_bed && (left || right);
+  }
+  return count;
+}
+
+TEST(ViewedShadows, LieBehindWhatHides) {
+  const TestFolder folder;
+  const auto empty = open_survey(read_scene_file(folder.write("empty.toml", flat_scene(false))));
+  const ViewData bed = gather_view(*empty, 0, {}, true);
+  EXPECT_TRUE(bed.shadows.corners_of.empty()) << "nothing hides anything on a flat bed";
+  EXPECT_GT(holding(bed.shapes, 0.013, 5), 0);
+
+  const auto survey = open_survey(read_scene_file(folder.write("cube.toml", flat_scene(true))));
+  const ViewData view = gather_view(*survey, 0, {}, true);
+  EXPECT_EQ(view.pings[0].shadows, view.shadows.corners_of.size());
+  // The cube's far upper edge, 5.5 m ahead and 1 m lower than the sonar, throws its shadow to 11 m.
+  EXPECT_GT(holding(view.shadows, 0.013, 10.9), 0);
+  EXPECT_EQ(holding(view.shapes, 0.013, 10.9), 0);
+  EXPECT_GT(holding(view.shapes, 0.013, 11.1), 0);
+  EXPECT_GT(holding(view.shapes, 0.013, 4.4), 0);
+  // A place in the tubes is either shown as footprint or covered by a shadow.
+  for (double y = 4; y < 14; y += 0.0917)
+    EXPECT_GT(holding(view.shapes, 0.013, y) + holding(view.shadows, 0.013, y), 0) << y;
+}
+
+TEST(ViewedMesh, IsThatAboutTheFootprints) {
+  const TestFolder folder;
+  const auto survey = open_survey(read_scene_file(folder.write("scene.toml", rough_scene("", camera))));
+  const std::size_t all = survey->scene.mesh.facets.size();
+  const ViewData view = gather_view(*survey, 0, {}, true);
+  EXPECT_GT(view.mesh_facets.size() / 3, 0u);
+  EXPECT_LT(view.mesh_facets.size() / 3, all);
+  for (const std::uint32_t v : view.mesh_facets) ASSERT_LT(v, view.mesh_vertices_m.size());
+  ViewLimits limits;
+  limits.mesh_facets = 100;
+  const ViewData thin = gather_view(*survey, 0, {}, true, limits);
+  EXPECT_LE(thin.mesh_facets.size(), 300u);
+  EXPECT_GT(thin.mesh_facets.size(), 0u);
+  EXPECT_THAT(thin.notes, testing::Contains(testing::HasSubstr(fmt::format(
+                              "{} of the facets", (view.mesh_facets.size() - thin.mesh_facets.size()) / 3))));
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "multibeam_figures.hpp"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+
+#include "files/input_error.hpp"
+#include "run/simulation.hpp"
+#include "sensors/products/products.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int pings = 120;  // their energies are kept in memory here
+
+double seconds_of_a_line(const Survey& survey, const fs::path& folder) {
+  fs::remove_all(folder);
+  fs::create_directory(folder);
+  const auto start = std::chrono::steady_clock::now();
+  const auto store = std::make_shared<PingStore>(layout_of(survey, false));
+  simulate(survey, *store, true);
+  const std::vector<Recording> recordings = recordings_of(survey, store);
+  const RunContext run{survey.scene.frame, 0, 1, survey.scene.description.water, "benchmark"};
+  std::vector<std::string> warnings;
+  write_echoes(folder / "echoes.nc", recordings, {"benchmark", "", "tube", "fixed", "", {}});
+  for (const Recording& recording : recordings) write_products(folder, recording, run, warnings);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+void multibeam_figures(const std::function<void(const std::string& name, double value)>& figure) {
+  try {
+    SceneDescription description = read_scene_file(fs::path(TUBEFOOT_SCENES) / "multibeam/real-grid.toml");
+    description.sensors.front().pings = pings;
+    const auto survey = open_survey(description);
+    const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+    const fs::path folder = fs::temp_directory_path() / "tubefoot-bench-multibeam";
+    std::array<double, 3> seconds;
+    for (double& s : seconds) s = seconds_of_a_line(*survey, folder);
+    fs::remove_all(folder);
+    std::ranges::sort(seconds);
+    figure("mbes_pings_per_s", pings / seconds[1]);
+  } catch (const InputError& error) {
+    fmt::print("mbes_pings_per_s is left out: {}\n", error.what());
+  }
+}
+
+}  // namespace tubefoot
