@@ -26,8 +26,17 @@
 //   uses_names              whether zeros that follow from names alone are settled without arithmetic
 // clang-format on
 //
-// Laws (tests/geometry/arithmetic/arithmetic_test.cpp): side(meet(p, q), r) is antisymmetric and cyclic in p,
-// q, r; it changes sign with each normal; it is 0 for r = p and r = q.
+// Law A1 (cyclic): side(meet(p, q), r) = side(meet(q, r), p) = side(meet(r, p), q).
+// Law A2 (antisymmetric): side(meet(q, p), r) = side(meet(p, r), q) = -side(meet(p, q), r).
+// Law A3 (turning): side(meet(p, q), r) changes sign with each normal, and with s.
+// Law A4 (own planes): side(meet(p, q), p) = side(meet(p, q), q) = 0.
+// Law A5 (points): side(d, through(a, b)) is the sign of det(a, b, d), whether d is a point or a corner.
+// Law A6 (nearer): nearer(facet, d) is the sign of c - n . d, 0 for the facet's own vertices.
+// Law A7 (depth): depth(j, i) = -depth(i, j); depth(i, j), depth(j, k) and depth(k, i) meet in one line; for
+//   a vertex d of i beyond the plane of j, side(d, depth(i, j)) = -nearer(j, d), 0 for a vertex in common.
+// Law A8 (one sign): every exact arithmetic, and every tier of it by itself, answers with the same signs.
+// Law A9 (bounds): a value in double differs from the exact one by no more than the error told with it.
+// Law A10 (budget): no integer overflows for coordinates of up to 2^30 (docs/bit-budget.md).
 namespace tubefoot {
 
 /// 64-bit normals with a double in front: the sign of a double where it exceeds its error bound, else 128-

@@ -21,6 +21,7 @@ struct NameContext {
 /// The point where the ray of a corner meets the facet's plane, relative to the apex, in grid units.
 /// Everything is an exact integer until the last quotient: relative error of each coordinate at most 4 units
 /// in the last place.
+/// Law E1 (corner): each coordinate is within 4 units in the last place of what the corner's names stand for.
 glm::dvec3 point_on_facet(const NameContext& context, const CornerName& corner, const FacetCone& facet);
 
 /// Direction of a corner's ray, each component rounded once; of any length.

@@ -11,6 +11,7 @@ namespace tubefoot {
 WideVec wide_normal(const NameContext& context, const PlaneName& plane);
 
 /// Direction of a corner's ray, exactly.
+/// Law E2 (names): up to a positive factor it is the direction that the names stand for (names.hpp).
 WideVec wide_direction(const NameContext& context, const CornerName& corner);
 
 }  // namespace tubefoot

@@ -51,6 +51,8 @@ struct FacetCoverage {
 };
 
 /// Overlays what many looks see, facet by facet.
+/// Law O1 (coverage): shares by number of pings are those of inclusion and exclusion in rationals.
+/// Law O2 (order): neither the order of pings nor how tubes are split changes them.
 class Coverage {
  public:
   /// Mesh, tree and looks must outlive it; looks are ordered by ping.

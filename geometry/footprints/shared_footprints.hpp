@@ -56,6 +56,11 @@ struct ApexLook {
 /// at most 4 units in its last place. Where one of the two sees the whole facet, the other's corners are
 /// handed on; those of the receiver, moved to the transmit apex, are off by 4 units in the last place of
 /// their coordinates relative to the receive apex and of the baseline.
+/// Law S1 (intersection): the pieces are the intersections of what the two apexes see, in rationals.
+/// Law S2 (once): what a receiver's tubes share of a footprint adds up to what the receiver sees of it, and
+///   contacts without area give nothing.
+/// Law S3 (one apex): an apex shares with itself all that it sees.
+/// Law S4 (exchange): transmitter and receiver exchanged share the same parts.
 class FootprintSharer {
  public:
   /// The looks and the mesh must outlive it. `unit_m`: metres per grid unit.

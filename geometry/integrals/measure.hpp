@@ -37,14 +37,17 @@ struct PlanarPolygon {
 };
 
 /// Area, positive for a piece that turns as the rays of its tube do.
+/// Law M1 (turn): the other turn gives the negative.
 double area(const PlanarPolygon& polygon);
 
 /// Centroid of the area, as an offset from the first corner. It stays inside the polygon even for a sliver
 /// whose area is lost in rounding; for no area at all it is the mean of the corners.
+/// Law M3 (inside): a centroid lies in its polygon, however thin.
 glm::dvec2 centroid_offset(const PlanarPolygon& polygon);
 
 /// Solid angle at the apex (Van Oosterom & Strackee 1983, summed over a fan), signed as the area is.
 /// The triple product is taken as distance times area, so slivers and grazing facets keep their digits.
+/// Law M2 (solid angles add up): the parts of a polygon have together the polygon's.
 double solid_angle(const PlanarPolygon& polygon);
 
 /// The polygon's nearest point to the foot point, and so to the apex: a corner, a point of an edge, or the
@@ -61,6 +64,7 @@ double farthest_range(const PlanarPolygon& polygon);
 /// Fills area, solid angle, centroid, grazing angle and slant ranges of every footprint from its pieces and
 /// from its plane, which must have been filled before. A footprint without pieces measures nothing and keeps
 /// zeros.
+/// Law M4 (accuracy): area and solid angle are those of the exact corners to 1e-12 and the corners' rounding.
 void measure(FootprintSet& set);
 
 }  // namespace tubefoot

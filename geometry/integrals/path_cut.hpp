@@ -25,6 +25,10 @@ namespace tubefoot {
 /// With a second receiver, the parts are cut that lie in the same sample of both. Its ellipses have a focus
 /// in common with those of the first: two of them meet on a straight line (docs/sensors.md). A ray from c
 /// meets each of them in one stretch, which begins at c but for ellipses so small that c is outside.
+///
+/// Law P1 (ellipses): the samples of a plane are differences of ellipses, in closed form.
+/// Law P2 (whole): the samples of a polygon add up to the integral over it, needles included.
+/// Law P3 (shares): each sample has of a polygon what lies in it.
 class PathCutter {
  public:
   /// Where the receiver is: distance from the polygon's plane, and foot point in its coordinates (those of

@@ -101,6 +101,11 @@ class RadialIntegral {
 };
 
 /// Cuts polygons by the range samples of a RadialIntegral. Holds scratch memory: one per thread.
+/// Law R1 (Green): out[k] is the integral of g over polygon and sample k.
+/// Law R2 (whole): the samples of a polygon add up to the integral over it.
+/// Law R3 (polygons add up): the parts of a polygon have together, sample by sample, what it has.
+/// Law R4 (samples add up): so have the parts of a sample.
+/// Law R5 (digits): small polygons far away keep their digits.
 class RangeCutter {
  public:
   explicit RangeCutter(const RadialIntegral& radial);

@@ -69,6 +69,11 @@ struct RefinedMesh {
 /// threads, and the parts of a facet do not depend on which other facets are refined. Throws
 /// RefinementTooLarge; std::range_error where an edge would have to be cut more than deepest_refinement
 /// times; GridRangeError where a place does not fit the grid.
+/// Law D1 (conforming): facets that share an edge share its parts; a closed mesh stays closed.
+/// Law D2 (filling): the parts of a facet fill it exactly.
+/// Law D3 (local): a rule that asks for a size about a region leaves in it the facets of one that asks for it
+///   everywhere.
+/// Law D4 (alone): neither threads nor the other facets change a facet's parts.
 RefinedMesh refine(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                    const EdgeRule& rule, const PlaceOfPoint& place, const RefinementLimits& limits = {});
 

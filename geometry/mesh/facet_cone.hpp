@@ -30,6 +30,7 @@ inline Int128 dot(const Vec64& n, GridPoint p) {
 
 /// A facet as seen from an apex: vertices relative to it, in the order that makes the determinant of the
 /// three positive, so that the facet subtends the cone of directions inside its three edge planes.
+/// Law F1 (facing): det(point[0], point[1], point[2]) = offset > 0, and normal and offset are exact.
 struct FacetCone {
   FacetId id = 0;
   bool reversed = false;  ///< the order is the reverse of the mesh's
@@ -44,6 +45,8 @@ struct FacetCone {
 
 /// Order that is independent of facet ids: by sorted vertices, then id. Decides which of two coincident
 /// facets is seen, so that reordering the facets of a scene changes nothing.
+/// Law F2 (ties): of coincident facets exactly one is seen in a direction; together they show what one would
+///   alone.
 bool wins_tie(const FacetMesh& mesh, FacetId a, FacetId b);
 
 }  // namespace tubefoot

@@ -31,6 +31,9 @@ struct PlanCut {
 ///
 /// Throws std::domain_error where a segment meets a facet that stands vertical (seen from above it has no
 /// inside), std::length_error for more than 2^31 parts or vertices.
+///
+/// Law U1 (sides): every part lies on one side of every segment, and the parts of a facet fill it.
+/// Law U2 (sheet): a mesh without T-junctions stays one.
 PlanCut cut_in_plan(std::vector<glm::dvec3>& points,
                     const std::vector<std::array<std::uint32_t, 3>>& triangles,
                     std::span<const PlanSegment> segments);

@@ -16,6 +16,7 @@ struct VoronoiEdge {
 
 /// The finite edges of the Voronoi diagram of distinct sites. The diagram's topology is exact; its vertices
 /// are rounded, each once, so that the edges about it meet in the very same point.
+/// Law U3 (Voronoi): an edge lies midway between its two sites, and no site is nearer to it.
 std::vector<VoronoiEdge> voronoi_edges(std::span<const glm::dvec2> sites);
 
 }  // namespace tubefoot

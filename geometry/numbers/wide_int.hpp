@@ -7,6 +7,8 @@
 #include "geometry/numbers/int128.hpp"
 
 // Heavy: include only where products of more than 192 bits are taken, and in .cpp files.
+// Law W3 (wide integers): sums and products are those of big integers, doubles within two units in the last
+//   place.
 namespace tubefoot {
 
 /// 512 bits, for the rare signs that involve depth planes (at most 467 bits). No allocation.

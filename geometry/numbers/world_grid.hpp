@@ -41,6 +41,7 @@ class WorldGrid {
   /// [lo, hi] (metres) fits the coordinate bits, with the origin at the box's centre.
   /// Throws GridRangeError where the box is not finite or so large (> 2^30 m) that no unit of 1 m or less
   /// fits.
+  /// Law W1 (fitting): every difference of two points of the box fits, and would not with half the unit.
   static WorldGrid fitting(glm::dvec3 lo_m, glm::dvec3 hi_m);
 
   /// The same, with the unit given: throws GridRangeError, naming the unit that would fit, if the box does
@@ -52,6 +53,7 @@ class WorldGrid {
   glm::dvec3 origin_m() const { return origin_m_; }
 
   /// Nearest grid point (ties away from zero). Throws GridRangeError when not finite or out of 31 bits.
+  /// Law W2 (snapping): by at most half a unit in each coordinate, and a grid point not at all.
   GridPoint snap(glm::dvec3 point_m) const;
   /// Exact: a grid point in metres of the local frame.
   glm::dvec3 to_metres(GridPoint p) const;

@@ -27,6 +27,7 @@ class HeightSheets {
 
   std::size_t count() const { return turn_.size(); }
   /// The sheet that a facet belongs to, or `none`.
+  /// Law H1 (graph): no vertical line meets a sheet twice.
   std::uint16_t sheet_of(FacetId facet) const { return sheet_.empty() ? none : sheet_[facet]; }
 
   /// What one view of the sheets needs; kept from view to view.
@@ -50,6 +51,7 @@ class HeightSheets {
 
   /// True for a facet that nobody sees in that view: of a sheet seen from above, it turns its lower side (or
   /// its edge) to the apex. `cone`: the facet's, null if it subtends nothing. Exact.
+  /// Law H2 (leaving out): leaving out facets of which this is true changes nothing that is seen.
   bool surely_hidden(FacetId facet, const FacetCone* cone, const View& view) const {
     const std::uint16_t sheet = sheet_[facet];
     if (sheet == none || !view.from_above[sheet]) return false;

@@ -44,8 +44,8 @@ class SceneTree {
   };
 
   /// Appends to `out`, in no particular order, every facet whose box meets all half-spaces and comes nearer
-  /// to the apex than `reach` (grid units). Facets that do not meet the pyramid may be among them; none that
-  /// does is missing.
+  /// to the apex than `reach` (grid units).
+  /// Law T1 (candidates): facets that do not meet the pyramid may be among them; none that does is missing.
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
              std::vector<FacetId>& out) const;
   /// The same for boxes made larger by `margin` (grid units) on all sides: facets that may meet the pyramid

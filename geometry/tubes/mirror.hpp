@@ -26,6 +26,7 @@ struct MirrorPlane {
   Int128 side(GridPoint p) const { return dot(normal, p) - offset; }
   /// The mirrored point: exact where the plane is perpendicular to an axis, else the nearest grid point (to
   /// within 1e-9 units of half way). Throws GridRangeError beyond 31 bits.
+  /// Law I1 (images): as far from each point of the plane as the point itself, to within the grid's rounding.
   GridPoint image(GridPoint p) const;
   glm::dvec3 unit_normal() const;
   /// Mirrors a direction.
@@ -46,6 +47,7 @@ struct MeshPart {
 
 /// What of the facets (sorted) lies in front of the plane: facets that the plane cuts end there, in corners
 /// rounded to the grid; what lies in the plane or behind it is left out. Facets keep their order.
+/// Law I2 (front): nothing behind the plane is left and nothing before it lost, to within that rounding.
 MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<const FacetId> facets);
 
 }  // namespace tubefoot

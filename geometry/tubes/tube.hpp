@@ -45,10 +45,13 @@ struct AngularGrid {
 glm::dvec3 direction(const AngularGrid& grid, double azimuth_rad, double elevation_rad);
 
 /// Rounds a unit vector to an integer ray.
+/// Law B1 (rays): each coordinate to the nearest, none beyond 2^30.
 GridPoint integer_ray(glm::dvec3 unit_direction);
 
 /// Appends the grid's tubes to `set`, azimuth-major: tube (i, j) is at first + i * elevation_cells + j.
 /// Returns `first`. Throws std::invalid_argument for edges that do not increase or a cell too wide.
+/// Law B2 (partition): neighbours share rays, a full turn has no seam, solid angles add up to the sector's.
+/// Law B3 (pyramids): every wall has the tube's other rays strictly inside, in frames of either handedness.
 std::uint32_t append_tubes(TubeSet& set, const AngularGrid& grid);
 
 }  // namespace tubefoot

@@ -14,6 +14,7 @@ namespace tubefoot {
 /// (2e-9 rad) and equal corners share their ray, so cones with common corners still partition what they did.
 /// A cone of three corners becomes a tube whose fourth ray is the sum of two of its rays: it lies in the wall
 /// of the two, exactly.
+/// Law B4 (windows): a fan of cones is their union, without gaps or overlaps.
 class WindowTubes {
  public:
   /// `reach`: TubeSet::reach.

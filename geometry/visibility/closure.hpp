@@ -20,7 +20,10 @@ struct TopologyHash {
   std::string hex() const;
 };
 
-/// The closure law of one tube, in rationals: gnomonic areas of all visible pieces + open water = the tube.
+/// What holds of one tube's result, in rationals.
+/// Law C1 (closure): the gnomonic areas of all visible pieces and of the open water add up to the tube's.
+/// Law C2 (hash): hashes are equal where what is seen is, however it is cut up and in whatever order they are
+///   added; a piece that is missing, doubled, moved or another facet's makes another.
 struct TubeAudit {
   bool closes = false;     ///< false too if a piece is no cone within the tube, which only inexact signs make
   std::size_t pieces = 0;  ///< visible ones

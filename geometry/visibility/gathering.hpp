@@ -39,7 +39,7 @@ class Gathering {
   /// them.
   const std::vector<FacetId>& hidden() const { return hidden_; }
 
-  /// False only if facet `f` has no vertex strictly inside some of the walls.
+  /// Law G1 (admission): false only if facet `f` has no vertex strictly inside some of the walls.
   bool admits(std::size_t f, const std::array<Wall, 4>& walls) const {
     // Coordinates below 2^31 times unit normals in double: far more than the rounding.
     constexpr double margin = -1e-5;

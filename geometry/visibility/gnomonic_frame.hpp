@@ -102,13 +102,16 @@ struct SeenFacet : RangedFacet {
 };
 
 /// Whether p is inside (1), outside (-1) or too near the border of a finite facet's triangle to tell (0).
+/// Law K1 (place): what is told to be inside is, and what is told to be outside.
 int where(const SeenFacet& facet, glm::dvec2 p);
 
-/// True only if the facets' cones have no interior direction in common: an edge of one has the other on its
-/// far side. Shared vertices are on the edge by name; the others must be there beyond rounding.
+/// Law K2 (apart): true only if the facets' cones have no interior direction in common: an edge of one has
+/// the other on its far side. Shared vertices are on the edge by name; the others must be there beyond
+/// rounding.
 bool surely_apart(const SeenFacet& a, const SeenFacet& b);
 
-/// True only if each direction in the cone of `inner` is in that of `outer`: both have finite bounds.
+/// Law K3 (cover): true only if each direction in the cone of `inner` is in that of `outer`: both have finite
+/// bounds.
 bool surely_covers(const SeenFacet& outer, const SeenFacet& inner);
 
 }  // namespace tubefoot

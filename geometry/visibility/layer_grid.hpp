@@ -31,10 +31,11 @@ class LayerGrid {
   void build(const GnomonicFrame& frame, const std::vector<SeenFacet>& facets,
              const std::vector<Neighbours>& neighbours);
 
-  /// True only if no part of the facet is seen; then it hides nothing that others do not hide.
+  /// Law L1 (hidden): true only if no part of the facet is seen; then it hides nothing that others do not.
   bool is_hidden(std::uint32_t facet) const { return hidden_[facet] != 0; }
 
-  /// Fills `out` with every facet that might hide part of `facet` and is not hidden itself, nearest first.
+  /// Law L2 (occluders): fills `out` with every facet that might hide part of `facet` and is not hidden
+  /// itself, nearest first.
   void occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out);
 
  private:

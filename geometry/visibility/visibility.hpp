@@ -70,7 +70,19 @@ class VisibilityScratch {
   std::unique_ptr<State> state_;
 };
 
-/// Finds the visible pieces of tube `tube` of `tubes`. `out` is overwritten.
+/// Finds the visible pieces of tube `tube` of `tubes`. `out` is overwritten. By an exact arithmetic:
+/// Law V1 (nearest): a direction lies in a piece of the facet that its ray meets first, or in open water.
+/// Law V2 (arithmetics): every exact arithmetic sees the same regions of the same facets.
+/// Law V3 (order): neither the order of facets, nor that of a facet's vertices, nor the ids of vertices, nor
+///   whether facets share them changes what is seen.
+/// Law V4 (translation): nor does moving scene and apex by a grid vector.
+/// Law V5 (similarity): nor scaling the scene about the apex, nor (but for ties) exchanging the axes.
+/// Law V6 (tubes add up): what the parts of a tube see adds up to what it sees.
+/// Law V7 (facets add up): what is seen of the parts of a facet adds up to what is seen of it.
+/// Law V8 (inner splitting): facets_per_split changes how pieces are cut, not what they cover.
+/// Law V9 (monotone): a facet more uncovers nothing.
+/// Law V10 (walls): nothing is seen behind a surface that covers the tube.
+/// Law V11 (reach): facets wholly beyond the reach are not seen and hide nothing.
 void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
          const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out);
 
@@ -85,6 +97,7 @@ std::vector<TubeRun> runs_of(const TubeSet& tubes);
 
 /// see() for each tube of a run in turn, `take(tube)` being called when `out` is that tube's. The same
 /// results, bit for bit, in less time if the tubes are neighbours: they gather their facets together.
+/// Law V12 (runs): a tube sees in any run what it sees alone, bit for bit: pieces, their order and names.
 void see_run(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, TubeRun run,
              const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out,
              const std::function<void(std::uint32_t)>& take);

@@ -24,6 +24,7 @@
 #include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/recordings/pose_angles.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;

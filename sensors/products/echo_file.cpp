@@ -16,6 +16,7 @@
 #include "sensors/model/angles.hpp"
 #include "sensors/recordings/pose_angles.hpp"
 #include "sensors/recordings/recording.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "advice/advice.hpp"
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 #include "run/settings.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "validation/advise/unseen.hpp"
@@ -19,29 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const std::string sphere_and_box = R"(
-[[materials]]
-name = "sand"
-[[terrain]]
-kind = "flat"
-width_m = 30
-length_m = 30
-[[objects]]
-name = "ball"
-shape = "sphere"
-radius_m = 0.5
-position_m = [0.3, 4, 0.4]
-[[objects]]
-name = "box"
-shape = "box"
-size_m = [0.6, 0.2, 0.5]
-position_m = [-0.4, 4.6, 0.2]
-heading_deg = 20
-[trajectory]
-kind = "line"
-start_m = [-0.5, 0, 2]
-end_m = [-0.5, 1, 2]
-[[sensors]]
+const std::string small_camera = R"([[sensors]]
 name = "camera"
 kind = "didson"
 tilt_deg = 25
@@ -54,33 +33,21 @@ window_length_m = 8
 pings = 7
 )";
 
-const std::string rough_bed = R"(
-[[materials]]
-name = "sand"
-[[terrain]]
-kind = "fractal"
-width_m = 16
-length_m = 16
-cell_m = 0.1
-rms_height_m = 0.1
-largest_wavelength_m = 4
-seed = 3
-[trajectory]
+const std::string sphere_and_box =
+    lambert_material("sand", -27) + flat_terrain(30, 30) + ball_and_box() + R"([trajectory]
+kind = "line"
+start_m = [-0.5, 0, 2]
+end_m = [-0.5, 1, 2]
+)" + small_camera;
+
+const std::string rough_bed =
+    lambert_material("sand", -27) +
+    rough_terrain(16, 16, 0.1, "rms_height_m = 0.1\nlargest_wavelength_m = 4\nseed = 3\n") + R"([trajectory]
 kind = "line"
 start_m = [0, -6, 3]
 end_m = [0, -4, 3]
-[[sensors]]
-name = "camera"
-kind = "didson"
-tilt_deg = 25
-horizontal_deg = 8
-vertical_deg = 20
-beams = 8
-samples = 32
-window_start_m = 3
-window_length_m = 8
-pings = 7
-[[sensors]]
+)" + replaced(small_camera, "window_start_m = 2", "window_start_m = 3") +
+    R"([[sensors]]
 name = "sidescan"
 kind = "sidescan"
 samples = 24

@@ -8,7 +8,8 @@
 #include <map>
 #include <sstream>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,8 +11,8 @@
 #include <set>
 #include <sstream>
 
-#include "app/program.hpp"
-#include "app/test_mesh.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/test_mesh.hpp"
 
 namespace tubefoot {
 namespace {

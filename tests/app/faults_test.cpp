@@ -13,8 +13,7 @@
 #include <random>
 #include <thread>
 
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/world/long_run.hpp"
 #include "run/partial_run.hpp"
 
 namespace tubefoot {
@@ -26,27 +25,8 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-struct Faults : testing::Test {
-  TestFolder folder;
-  const fs::path results = folder / "results", partial = folder / "results.partial";
-  Faults() {
-    folder.write("thing.obj", tetrahedron);
-    write_scene(200);
-  }
-  void write_scene(std::size_t pings, const std::string& title = "A tetrahedron") const {
-    std::string scene = replaced(small_scene, "A tetrahedron", title);
-    scene.resize(scene.find("[[sensors]]"));
-    folder.write("scene.toml", scene + fmt::format(R"([[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 40
-ping_interval_s = 0.001
-pings = {}
-)",
-                                                   pings));
-  }
+struct Faults : LongRun {
+  Faults() : LongRun(200) {}
   std::vector<std::string> words(const fs::path& output, const std::vector<std::string>& more) const {
     std::vector<std::string> all{"run", (folder / "scene.toml").string(), "-o", output.string(), "--quiet"};
     all.insert(all.end(), more.begin(), more.end());
@@ -69,13 +49,6 @@ pings = {}
     outcome.out = bytes_of(said / "out");
     outcome.err = bytes_of(said / "err");
     return outcome;
-  }
-  std::size_t done() const {
-    try {
-      return fs::exists(partial) ? summary_of(partial).done : 0;
-    } catch (const UnusableStore&) {
-      return 0;
-    }
   }
   /// Names and bytes of all files but stats.json, which tells the seconds.
   static std::map<std::string, std::string> contents(const fs::path& of) {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "app/hostile.hpp"
+#include "fixtures/hostile.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-#include "app/hostile.hpp"
+#include "fixtures/hostile.hpp"
 
 namespace tubefoot {
 namespace {

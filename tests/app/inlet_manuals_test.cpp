@@ -8,8 +8,8 @@
 
 #include <fstream>
 
-#include "app/inlet.hpp"
-#include "app/inlet_files.hpp"
+#include "fixtures/strangers_files.hpp"
+#include "fixtures/watched_run.hpp"
 
 namespace tubefoot {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every byte that is read is told, hashed and where it may be (docs/limits.md): attacks by files that a
 // stranger could send, each of which one of the libraries under tubefoot would fall for.
-#include "app/inlet.hpp"
-
 #include <gdal_priv.h>
 #include <hdf5.h>
 #include <netcdf.h>
@@ -11,8 +9,9 @@
 
 #include <fstream>
 
-#include "app/hostile.hpp"
-#include "app/inlet_files.hpp"
+#include "fixtures/hostile.hpp"
+#include "fixtures/strangers_files.hpp"
+#include "fixtures/watched_run.hpp"
 
 namespace tubefoot {
 namespace {

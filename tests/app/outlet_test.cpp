@@ -13,8 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/world/long_run.hpp"
 #include "run/partial_run.hpp"
 
 namespace tubefoot {
@@ -292,24 +291,9 @@ TEST_F(Outlet, NamesMayBeOfAnyBytes) {
   good({"chart", s, "--quiet", "--repeats", "1", "--seconds", "0.05", "-o", (strange / "chart").string()});
 }
 
-/// Many pings, so that a run can be met while it works.
-void write_long_scene(const TestFolder& folder) {
-  std::string scene(small_scene);
-  scene.resize(scene.find("[[sensors]]"));
-  folder.write("scene.toml", scene + R"([[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 40
-ping_interval_s = 0.001
-pings = 3000
-)");
-}
-
 // Process numbers of one container mean nothing in another.
 TEST_F(Outlet, ARunThatIsRefusedDoesNotHurtALiveOne) {
-  write_long_scene(folder);
+  folder.write("scene.toml", long_scene(3000));
   ASSERT_EQ(run(folder / "whole").exit_code, 0);
   for (const bool elsewhere : {false, true}) {
     SCOPED_TRACE(elsewhere ? "in another container" : "beside it");
@@ -318,12 +302,7 @@ TEST_F(Outlet, ARunThatIsRefusedDoesNotHurtALiveOne) {
     Surroundings met;
     met.signal = 0;
     met.interrupt_when = [&] {
-      try {
-        if (!fs::exists(folder / "results.partial") || summary_of(folder / "results.partial").done == 0)
-          return false;
-      } catch (const UnusableStore&) {
-        return false;
-      }
+      if (pings_kept(folder / "results.partial") == 0) return false;
       refused = run(results, elsewhere ? apart_after("") : Surroundings(), {"--resume"});
       return true;
     };
@@ -338,7 +317,7 @@ TEST_F(Outlet, ARunThatIsRefusedDoesNotHurtALiveOne) {
 }
 
 TEST_F(Outlet, WhatKilledRunsLeftIsClearedByTheNext) {
-  write_long_scene(folder);
+  folder.write("scene.toml", long_scene(3000));
   for (const std::string output : {"f.csv", "results"}) {
     const std::vector<std::string> words =
         output == "results"

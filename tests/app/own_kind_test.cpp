@@ -7,8 +7,8 @@
 
 #include <numeric>
 
-#include "app/echo_reader.hpp"
-#include "app/program.hpp"
+#include "fixtures/world/echoes.hpp"
+#include "fixtures/program.hpp"
 #include "files/checked_file.hpp"
 #include "run/run_steps.hpp"
 #include "run/simulation.hpp"

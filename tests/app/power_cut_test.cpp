@@ -12,8 +12,7 @@
 #include <set>
 #include <sstream>
 
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/world/long_run.hpp"
 #include "run/partial_run.hpp"
 
 namespace tubefoot {
@@ -154,27 +153,9 @@ class PowerCuts {
   std::size_t at_ = 0;
 };
 
-struct PowerCut : testing::Test {
-  TestFolder folder, logs;
-  const fs::path results = folder / "results", partial = folder / "results.partial";
-  PowerCut() {
-    folder.write("thing.obj", tetrahedron);
-    write_scene(40, "A tetrahedron");
-  }
-  void write_scene(std::size_t pings, const std::string& title) const {
-    std::string scene = replaced(small_scene, "A tetrahedron", title);
-    scene.resize(scene.find("[[sensors]]"));
-    folder.write("scene.toml", scene + fmt::format(R"([[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 40
-ping_interval_s = 0.001
-pings = {}
-)",
-                                                   pings));
-  }
+struct PowerCut : LongRun {
+  TestFolder logs;
+  PowerCut() : LongRun(40) {}
   Outcome run(const std::vector<std::string>& words, Surroundings surroundings = {},
               bool watched = false) const {
     if (watched) {
@@ -200,11 +181,7 @@ pings = {}
   static std::size_t pings_in(const Tree& disk, const TestFolder& scratch) {
     const auto found = disk.find("results.partial");
     if (found == disk.end()) return 0;
-    try {
-      return summary_of(scratch.write("kept", found->second)).done;
-    } catch (const UnusableStore&) {
-      return 0;
-    }
+    return pings_kept(scratch.write("kept", found->second));
   }
   static std::set<std::string> names_in(const Tree& disk) {
     std::set<std::string> names;
@@ -241,17 +218,8 @@ TEST_F(PowerCut, AtAnyMomentLeavesTheEarlierResultOrTheWholeNewOne) {
   ASSERT_EQ(run(run_words(folder.path())).exit_code, 0);
   const Tree earlier = result(tree_of(results));
   ASSERT_NE(earlier, whole);
-  write_scene(40, "A tetrahedron");
-  Surroundings impatient;
-  impatient.signal = SIGKILL;
-  impatient.interrupt_when = [this] {
-    try {
-      return fs::exists(partial) && summary_of(partial).done >= 5;
-    } catch (const UnusableStore&) {
-      return false;
-    }
-  };
-  run(run_words(folder.path()), impatient);
+  write_scene(40);
+  run(run_words(folder.path()), stopped_at(5, SIGKILL));
   if (!fs::exists(partial)) GTEST_SKIP() << "the run was over before it was killed";
   const std::size_t kept = summary_of(partial).done;
   const Tree before = tree_of(folder.path());
@@ -316,17 +284,9 @@ TEST_F(PowerCut, AtAnyMomentLeavesNoHalfNewResult) {
 }
 
 TEST_F(PowerCut, AfterAnInterruptedRunKeepsThePingsThatItToldOf) {
-  write_scene(3000, "A tetrahedron");
+  write_scene(3000);
   const Tree before = tree_of(folder.path());
-  Surroundings impatient;
-  impatient.interrupt_when = [this] {
-    try {
-      return fs::exists(partial) && summary_of(partial).done >= 5;
-    } catch (const UnusableStore&) {
-      return false;
-    }
-  };
-  const Outcome outcome = run(run_words(folder.path()), impatient, true);
+  const Outcome outcome = run(run_words(folder.path()), stopped_at(5, SIGINT), true);
   ASSERT_EQ(outcome.exit_code, 1) << outcome.err;
   const std::size_t told = std::stoul(outcome.err.substr(outcome.err.find("interrupted: ") + 13));
   ASSERT_GE(told, 5u);

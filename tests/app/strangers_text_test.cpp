@@ -5,12 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
 #include "files/csv_file.hpp"
 #include "files/input_error.hpp"
 #include "files/shown.hpp"
-#include "sensors/foreign_echoes.hpp"
+#include "fixtures/foreign_echoes.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,9 +9,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/echo_reader.hpp"
-#include "app/small_scene.hpp"
-#include "sensors/foreign_echoes.hpp"
+#include "fixtures/foreign_echoes.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {

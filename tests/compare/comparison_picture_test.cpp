@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "sensors/samples.hpp"
+#include "fixtures/world/recordings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -33,7 +33,7 @@ struct Pixels {
 
 Pixels drawn(const SensorEchoes& reference, const SensorEchoes& candidate, std::size_t ping = 0,
              const std::string& font = "") {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   draw_comparison({{&reference, &candidate, 1e-12, ping}}, {"one line", "another"}, font)
       .write_png(folder / "picture.png", "");
   auto input = OIIO::ImageInput::open((folder / "picture.png").string());

@@ -10,38 +10,21 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/sight/tube_engine.hpp"
-#include "geometry/plane_polygons.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/histories.hpp"
 
 namespace tubefoot {
 namespace {
 
 using boost::math::quadrature::gauss_kronrod;
+using test::piece_on;
 using test::Polygon2;
+using test::total;
 
 constexpr double pi = std::numbers::pi;
 const double mu = std::pow(10, -2.7);
 const std::vector<double> material_mu{mu};
-
-double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
-
-/// A piece of one facet, seen by a tube each; `receiver_m` relative to the transmitter.
-BistaticHistory piece_on(const FacetPlane& plane, const Polygon2& polygon, glm::dvec3 receiver_m) {
-  BistaticHistory history;
-  history.transmit.tubes.resize(1);
-  history.receive.tubes.resize(1);
-  SharedFootprints& shared = history.shared;
-  shared.receiver_m = receiver_m;
-  shared.corners_m = test::on_plane(plane, polygon);
-  shared.pieces = {{0, 0, 0, std::uint32_t(polygon.size())}};
-  SharedFacet facet;
-  facet.piece_count = 1;
-  facet.plane_normal = plane.normal;
-  facet.transmit_distance_m = plane.distance_m;
-  facet.receive_distance_m = plane.distance_m + glm::dot(plane.normal, receiver_m);
-  shared.facets = {facet};
-  return history;
-}
 
 Echo echo_of(const BistaticHistory& history, const RangeSamples& samples, double absorption = 0,
              const BeamPatterns* patterns = nullptr) {

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "files/input_error.hpp"
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 using namespace std::string_view_literals;
 
 TEST(FileFormat, IsToldByTheFirstBytesAndNotByTheName) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto format = [&](const std::string& name, std::string_view bytes) {
     return format_of(folder.write(name, std::string(bytes)));
   };
@@ -44,7 +44,7 @@ TEST(FileFormat, IsToldByTheFirstBytesAndNotByTheName) {
 }
 
 TEST(FileFormat, OfTwoFormatsAtOnceIsRefused) {
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const std::string_view bytes :
        {"II*\0 <VRTDataset>"sv, "ncols 4\n<VRTDataset>"sv, "{\"a\":\"<vrtdataset\"}"sv})
     EXPECT_THAT([&] { format_of(folder.write("a", std::string(bytes))); },

@@ -12,7 +12,8 @@
 #include <memory>
 #include <sstream>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {

@@ -13,8 +13,8 @@
 #include <memory>
 #include <sstream>
 
-#include "app/echo_reader.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 #include "scene/meshes/mesh_file.hpp"
 
 namespace tubefoot {
@@ -71,32 +71,10 @@ fs::path footprints(const TestFolder& folder, const std::string& scene, const st
 
 /// A bed, rough or not, with a box on it, under a sensor with the keys given; all in the window.
 std::string box_scene(const std::string& sensor_keys, const std::string& more = {}) {
-  return fmt::format(R"([water]
-absorption_db_per_km = 300
-[[materials]]
-name = "sand"
-[[materials]]
-name = "steel"
-lambert_db = -5
-[[terrain]]
-name = "bed"
-kind = "fractal"
-material = "sand"
-width_m = 30
-length_m = 40
-cell_m = 1
-rms_height_m = 0.05
-[[objects]]
-name = "box"
-material = "steel"
-shape = "box"
-position_m = [0.2, 4, 0.3]
-heading_deg = 20
-[trajectory]
-kind = "line"
-start_m = [0, 0, 2.5]
-end_m = [0, 1, 2.5]
-{}
+  return "[water]\nabsorption_db_per_km = 300\n" + lambert_material("sand", -27) +
+         lambert_material("steel", -5) +
+         rough_terrain(30, 40, 1, "name = \"bed\"\nmaterial = \"sand\"\nrms_height_m = 0.05\n") +
+         box_ahead(4) + more + R"(
 [[sensors]]
 name = "camera"
 kind = "didson"
@@ -107,9 +85,8 @@ horizontal_deg = 12
 window_start_m = 1
 window_length_m = 20
 samples = 64
-{}
-)",
-                     more, sensor_keys);
+)" + sensor_keys +
+         "\n";
 }
 
 /// The same under water that refracts.

@@ -11,7 +11,7 @@
 #include <memory>
 #include <sstream>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
 
 namespace tubefoot {
 namespace {

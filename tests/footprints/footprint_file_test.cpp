@@ -14,7 +14,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,30 +24,10 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 /// Two pings of a camera whose whole sector meets the bed; a box stands in it.
-constexpr std::string_view scene = R"(
-[[materials]]
-name = "sand"
-[[materials]]
-name = "steel"
-[[terrain]]
-name = "bed"
-kind = "fractal"
-material = "sand"
-width_m = 40
-length_m = 60
-cell_m = 0.5
-rms_height_m = 0.05
-[[objects]]
-name = "box"
-material = "steel"
-shape = "box"
-position_m = [0.2, 4, 0.3]
-heading_deg = 20
-[trajectory]
-kind = "line"
-start_m = [0, 0, 2.5]
-end_m = [0, 1, 2.5]
-[[sensors]]
+const std::string scene =
+    lambert_material("sand", -27) + lambert_material("steel", -27) +
+    rough_terrain(40, 60, 0.5, "name = \"bed\"\nmaterial = \"sand\"\nrms_height_m = 0.05\n") + box_ahead(4) +
+    R"([[sensors]]
 name = "camera"
 kind = "didson"
 pings = 2

@@ -12,7 +12,7 @@
 #include <random>
 #include <set>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
 #include "geometry/footprints/piece_union.hpp"
 
 namespace tubefoot {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fuzz.hpp"
-#include "geometry/exact_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
 #include "geometry/visibility/closure.hpp"
 #include "geometry/visibility/visibility.hpp"
 

@@ -25,7 +25,7 @@ LONGEST_WALK = 25
 MADE = {"validation/advise.md"}  # by make advise-study, for who asks
 # Helpers of tests, programs of their own, and what is no C++.
 NO_MIRRORS = {"tests"} | {f"tests/{name}" for name in (
-    "determinism", "docs", "fixtures", "fuzz", "house", "mathematics", "mpi", "packaging", "prove", "sanitizers",
+    "determinism", "docs", "fixtures", "fixtures/geometry", "fixtures/world", "fuzz", "house", "mathematics", "mpi", "packaging", "prove", "sanitizers",
     "validation", "viewer")}
 
 

@@ -11,7 +11,8 @@
 #include <set>
 #include <sstream>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {
@@ -55,17 +56,8 @@ struct AbilitiesOf : testing::Test {
   }
 };
 
-const std::string bed = R"(
-[[materials]]
-name = "rock"
-[[terrain]]
-kind = "flat"
-width_m = 20
-length_m = 20
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 8]
-[[sensors]]
+const std::string bed =
+    lambert_material("rock", -27) + flat_terrain(20, 20) + fixed_at(0, 0, 8) + R"([[sensors]]
 name = "sonar"
 kind = "imaging"
 beams = 8

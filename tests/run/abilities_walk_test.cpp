@@ -10,7 +10,7 @@
 #include <optional>
 #include <set>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
 #include "run/abilities.hpp"
 
 namespace tubefoot {

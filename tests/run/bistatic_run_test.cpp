@@ -7,7 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -16,21 +17,8 @@ using testing::HasSubstr;
 
 /// Looks straight down from 5 m over a bed, in a sector so wide that its sides are not met in the window.
 std::string scene(const std::string& sensor_keys, const std::string& more = {}) {
-  return fmt::format(R"(
-[water]
-sound_speed_m_s = 1500
-absorption_db_per_km = 0
-[[materials]]
-name = "bed"
-lambert_db = -10
-[[terrain]]
-kind = "flat"
-width_m = 200
-length_m = 200
-{}
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 5]
+  return still_water() + lambert_material("bed", -10) + flat_terrain(200, 200) + more + fixed_at(0, 0, 5) +
+         R"(
 [[sensors]]
 name = "down"
 kind = "didson"
@@ -41,9 +29,8 @@ tilt_deg = 90
 samples = 100
 window_start_m = 4.5
 window_length_m = 2
-{}
-)",
-                     more, sensor_keys);
+)" + sensor_keys +
+         "\n";
 }
 
 double sum_of_sample(const Echoes& echoes, std::size_t sample) {

@@ -6,7 +6,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "app/echo_reader.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -33,20 +34,9 @@ std::vector<std::string> examples() {
 }
 
 /// A flat bed under a camera that has, by default, the example's beams and samples.
-constexpr std::string_view scene = R"([[materials]]
-name = "sand"
-[[terrain]]
-kind = "flat"
-width_m = 20
-length_m = 30
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 2]
-[[sensors]]
-name = "camera"
-kind = "didson"
-tilt_deg = 30
-)";
+const std::string scene =
+    replaced(smallest_scene, "kind = \"fixed\"\n", "kind = \"fixed\"\nposition_m = [0, 0, 2]\n") +
+    "tilt_deg = 30\n";
 
 struct EchoExamples : testing::Test {
   TestFolder folder;
@@ -55,7 +45,7 @@ struct EchoExamples : testing::Test {
   void SetUp() override {
     if (python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
     ASSERT_EQ(examples().size(), 2u);
-    echoes_in(folder, std::string(scene));
+    echoes_in(folder, scene);
   }
   /// What a script prints when it is given a file.
   std::string run(std::size_t example, const std::string& file) const {

@@ -8,8 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/csv_rows.hpp"
-#include "app/echo_reader.hpp"
+#include "fixtures/csv_rows.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -18,23 +19,9 @@ using std::numbers::pi;
 constexpr double degree = pi / 180, height = 12, width_deg = 10;
 
 std::string scene(const std::string& sensor, double pitch_deg = 0, double heading_deg = 30) {
-  return fmt::format(R"(
-[water]
-sound_speed_m_s = 1500
-absorption_db_per_km = 0
-[[materials]]
-name = "sand"
-lambert_db = -20
-[[terrain]]
-kind = "flat"
-width_m = 100
-length_m = 100
-[trajectory]
-kind = "fixed"
-position_m = [3, -2, {}]
-pitch_deg = {}
-heading_deg = {}
-[[sensors]]
+  return still_water() + lambert_material("sand", -20) + flat_terrain(100, 100) +
+         fixed_at(3, -2, height, fmt::format("pitch_deg = {}\nheading_deg = {}\n", pitch_deg, heading_deg)) +
+         fmt::format(R"([[sensors]]
 name = "sounder"
 kind = "echosounder"
 beam_deg = {}
@@ -42,7 +29,7 @@ range_min_m = 11
 range_max_m = 14
 samples = 300
 {})",
-                     height, pitch_deg, heading_deg, width_deg, sensor);
+                     width_deg, sensor);
 }
 
 /// Energy at ranges near to far, transmit and receive pattern exp(-4 ln 2 (angle / width)^2) each.

@@ -8,8 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
-#include "app/test_mesh.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/test_mesh.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,32 +21,11 @@ const double mu = std::pow(10, -2.7);
 /// One beam of 1.5 degrees that hangs 10 m above the bed and sees it from nearly straight below out to 40 m.
 /// `bed`: a [[terrain]] or [[objects]] entry of material "bed".
 std::string flat_scene(double absorption_db_per_km, const std::string& bed, double heading_deg = 37) {
-  return fmt::format(R"(
-[water]
-sound_speed_m_s = 1500
-absorption_db_per_km = {}
-[[materials]]
-name = "bed"
-lambert_db = -27
-{}
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 10]
-heading_deg = {}
-[[sensors]]
-name = "beam"
-kind = "didson"
-beams = 1
-horizontal_deg = 1.5
-vertical_deg = 170
-samples = 640
-window_start_m = 8
-window_length_m = 32
-)",
-                     absorption_db_per_km, bed, heading_deg);
+  return still_water(absorption_db_per_km) + lambert_material("bed", -27) + bed +
+         fixed_at(0, 0, 10, fmt::format("heading_deg = {}\n", heading_deg)) + downward_fan(1, 1.5, 640);
 }
 
-const std::string two_facets = "[[terrain]]\nkind = \"flat\"\nwidth_m = 128\nlength_m = 128\n";
+const std::string two_facets = flat_terrain(128, 128);
 const std::string mesh_bed = "[[objects]]\nname = \"bed\"\nshape = \"mesh\"\nfile = \"bed.obj\"\n";
 
 /// physics.md 7.5 for the slant ranges near_m to far_m.

@@ -4,10 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/program.hpp"
+#include "fixtures/camera_file_reader.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 #include "run/run_steps.hpp"
 #include "run/simulation.hpp"
-#include "sensors/camera_file_reader.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
@@ -17,24 +18,9 @@ using testing::HasSubstr;
 using testing::Not;
 
 std::string camera_in(double sound_speed_m_s, const std::string& keys) {
-  return fmt::format(R"(
-[water]
-sound_speed_m_s = {}
-[[materials]]
-name = "bed"
-[[terrain]]
-kind = "flat"
-width_m = 20
-length_m = 20
-[trajectory]
-kind = "fixed"
-position_m = [0, -3, 1.5]
-[[sensors]]
-name = "camera"
-tilt_deg = 20
-{}
-)",
-                     sound_speed_m_s, keys);
+  return fmt::format("[water]\nsound_speed_m_s = {}\n", sound_speed_m_s) + lambert_material("bed", -27) +
+         flat_terrain(20, 20) + fixed_at(0, -3, 1.5) + "[[sensors]]\nname = \"camera\"\ntilt_deg = 20\n" +
+         keys + "\n";
 }
 
 class Foreseen : public testing::Test {

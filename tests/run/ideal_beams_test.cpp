@@ -11,8 +11,9 @@
 #include <glm/vec3.hpp>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,24 +27,8 @@ const double mu = std::pow(10, -2.7);
 const std::pair<double, const char*> tolerances[] = {{4.5e-5, ""}, {3e-7, "cone_tolerance = 3e-7\n"}};
 
 std::string scene(const std::string& sensor) {
-  return fmt::format(R"(
-[water]
-sound_speed_m_s = 1500
-absorption_db_per_km = 0
-[[materials]]
-name = "bed"
-lambert_db = -27
-[[terrain]]
-kind = "flat"
-width_m = 256
-length_m = 256
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 10]
-[[sensors]]
-name = "s"
-{})",
-                     sensor);
+  return still_water() + lambert_material("bed", -27) + flat_terrain(256, 256) + fixed_at(0, 0, height_m) +
+         "[[sensors]]\nname = \"s\"\n" + sensor;
 }
 
 /// How far inside of an ideal beam a direction is (starboard, forward, up); negative outside.

@@ -2,13 +2,14 @@
 // The whole program on a tilted plane, whose angles of arrival have a closed form.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <netcdf.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "app/csv_rows.hpp"
-#include "app/program.hpp"
+#include "fixtures/csv_rows.hpp"
+#include "fixtures/netcdf_reader.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 #include "sensors/receiver/phase_noise.hpp"
 
 namespace tubefoot {
@@ -23,11 +24,7 @@ constexpr double wavelength = 1500 / 500e3;
 const char* bed = "v -80 -20 -22\nv 80 -20 2\nv 80 20 2\nv -80 20 -22\nf 1 2 3\nf 1 3 4\n";
 
 std::string scene(const std::string& more = "") {
-  return fmt::format(R"(
-[water]
-sound_speed_m_s = 1500
-absorption_db_per_km = 0
-[[materials]]
+  return still_water() + fmt::format(R"([[materials]]
 name = "sand"
 [[objects]]
 name = "bed"
@@ -43,7 +40,7 @@ range_max_m = 38
 samples = 1500
 baseline_m = {}
 {})",
-                     baseline, more);
+                                     baseline, more);
 }
 
 /// Angle of arrival below the horizontal from a slant range; `side` is 1 for starboard.
@@ -65,14 +62,7 @@ struct SceneRun {
 };
 
 std::vector<double> variable(const std::filesystem::path& file, const char* name) {
-  int id = 0, variable_id = 0;
-  std::vector<double> values(2 * 1500);
-  if (nc_open(file.c_str(), NC_NOWRITE, &id) != NC_NOERR ||
-      nc_inq_varid(id, name, &variable_id) != NC_NOERR ||
-      nc_get_var_double(id, variable_id, values.data()) != NC_NOERR)
-    throw std::runtime_error(name);
-  nc_close(id);
-  return values;
+  return NetcdfReader(file).values("/", name);
 }
 
 TEST(InterferometricRun, SoundingsLieOnTheTiltedPlane) {

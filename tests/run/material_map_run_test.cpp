@@ -10,7 +10,8 @@
 #include <map>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -29,37 +30,9 @@ coordinates = "local"
 )";
 
 std::string scene(double first_db, double second_db, std::string_view map, double heading_deg = 54) {
-  return fmt::format(R"(
-[water]
-sound_speed_m_s = 1500
-absorption_db_per_km = 0
-[[materials]]
-name = "first"
-lambert_db = {}
-[[materials]]
-name = "second"
-lambert_db = {}
-[[terrain]]
-kind = "flat"
-material = "first"
-width_m = 128
-length_m = 128
-{}
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 10]
-heading_deg = {}
-[[sensors]]
-name = "beam"
-kind = "didson"
-beams = 7
-horizontal_deg = 28
-vertical_deg = 170
-samples = 64
-window_start_m = 8
-window_length_m = 32
-)",
-                     first_db, second_db, map, heading_deg);
+  return still_water() + lambert_material("first", first_db) + lambert_material("second", second_db) +
+         flat_terrain(128, 128, "material = \"first\"\n" + std::string(map)) +
+         fixed_at(0, 0, 10, fmt::format("heading_deg = {}\n", heading_deg)) + downward_fan(7, 28, 64);
 }
 
 class MaterialMapRun : public testing::Test {

@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/inlet.hpp"
-#include "app/program.hpp"
-#include "scene/model_samples.hpp"
+#include "fixtures/model_samples.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/watched_run.hpp"
 
 namespace tubefoot {
 namespace {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
-#include <netcdf.h>
 #include <ogrsf_frmts.h>
 
 #include <array>
@@ -13,7 +12,8 @@
 #include <regex>
 #include <set>
 
-#include "app/multibeam_for_tests.hpp"
+#include "fixtures/multibeam_runs.hpp"
+#include "fixtures/netcdf_reader.hpp"
 
 namespace tubefoot {
 namespace {
@@ -55,14 +55,8 @@ TEST(MultibeamRun, PingsAsFarApartAsCellsLeaveNoRowOfTheGridEmpty) {
        {std::tuple{"straight", straight, "grid_cell_m = 1"}, std::tuple{"by itself", straight, ""},
         std::tuple{"rolling", waypoints, "grid_cell_m = 1"}}) {
     SCOPED_TRACE(name);
-    run(folder, fmt::format(R"(
-[[materials]]
-name = "bed"
-[[terrain]]
-kind = "flat"
-width_m = 400
-length_m = 400
-[trajectory]
+    run(folder, lambert_material("bed", -27) + flat_terrain(400, 400) +
+                    fmt::format(R"([trajectory]
 {}
 [[sensors]]
 name = "sonar"
@@ -75,7 +69,7 @@ range_max_m = 60
 samples = 1200
 {}
 )",
-                            track, cell));
+                                track, cell));
     const auto [rows, holes] = rows_and_holes(folder / "out/sonar-depth.tif");
     EXPECT_GE(rows, 61);
     EXPECT_EQ(holes, 0);
@@ -88,14 +82,7 @@ samples = 1200
 TEST(ReceivedPictures, OfEveryKindAreThereWhereTheReceiverDoesSomething) {
   const TestFolder folder;
   const auto pictures = [&](const std::string& receiver) {
-    std::string scene = R"(
-[[materials]]
-name = "bed"
-[[terrain]]
-kind = "flat"
-width_m = 60
-length_m = 60
-[trajectory]
+    std::string scene = lambert_material("bed", -27) + flat_terrain(60, 60) + R"([trajectory]
 kind = "line"
 start_m = [0, -2, 8]
 end_m = [0, 2, 8]
@@ -138,7 +125,7 @@ TEST(MultibeamRun, ABeamThatTheWindowCutsIsFlaggedInEveryFile) {
                                      "range_max_m = 61\nsamples = 1200"));
   std::size_t cut = 0;
   std::map<std::size_t, std::string> status;
-  for (const auto& row : rows_of(folder / "out/energy_centroid-soundings.csv")) {
+  for (const auto& row : csv_rows(folder / "out/energy_centroid-soundings.csv")) {
     const double angle = std::stod(row.at("beam_angle_deg_starboard_positive")) * degree,
                  off = std::stod(row.at("slant_range_m")) - height_m / std::cos(angle);
     status[std::stoul(row.at("beam"))] = row.at("status");
@@ -152,15 +139,9 @@ TEST(MultibeamRun, ABeamThatTheWindowCutsIsFlaggedInEveryFile) {
   }
   EXPECT_EQ(cut, 2u);  // at 70.5 degrees, either side
 
-  int file = 0, sonar = 0, beams = 0, bathymetry = 0, variable = 0;
-  ASSERT_EQ(nc_open((folder / "out/energy_centroid-sonar.nc").c_str(), NC_NOWRITE, &file), NC_NOERR);
-  ASSERT_EQ(nc_inq_ncid(file, "Sonar", &sonar), NC_NOERR);
-  ASSERT_EQ(nc_inq_ncid(sonar, "Beam_group1", &beams), NC_NOERR);
-  ASSERT_EQ(nc_inq_ncid(beams, "Bathymetry", &bathymetry), NC_NOERR);
-  ASSERT_EQ(nc_inq_varid(bathymetry, "status", &variable), NC_NOERR);
-  std::vector<signed char> flags(101);
-  ASSERT_EQ(nc_get_var_schar(bathymetry, variable, flags.data()), NC_NOERR);
-  nc_close(file);
+  const std::vector<double> flags =
+      NetcdfReader(folder / "out/energy_centroid-sonar.nc").values("/Sonar/Beam_group1/Bathymetry", "status");
+  ASSERT_EQ(flags.size(), 101u);
   for (std::size_t beam = 0; beam < 101; ++beam)
     EXPECT_EQ(flags[beam], !status.contains(beam) ? 2 : status[beam] == "good" ? 0 : 1) << beam;
 

@@ -3,7 +3,6 @@
 // it is in every file.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <netcdf.h>
 
 #include <cmath>
 #include <fstream>
@@ -11,11 +10,12 @@
 #include <numbers>
 #include <sstream>
 
-#include "app/multibeam_for_tests.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/multibeam_runs.hpp"
+#include "fixtures/netcdf_reader.hpp"
+#include "fixtures/packet_reader.hpp"
 #include "run/survey.hpp"
 #include "sensors/kinds/scene_file.hpp"
-#include "sensors/packet_reader.hpp"
 
 namespace tubefoot {
 namespace {
@@ -144,25 +144,6 @@ std::map<unsigned, std::vector<double>> gsf_arrays(const std::filesystem::path& 
   throw std::runtime_error("no ping");
 }
 
-std::vector<double> netcdf_values(const std::filesystem::path& path, const char* group, const char* name) {
-  int file = -1, id = -1, variable = -1, dimensions = 0;
-  if (nc_open(path.c_str(), NC_NOWRITE, &file) || nc_inq_grp_full_ncid(file, group, &id) ||
-      nc_inq_varid(id, name, &variable) || nc_inq_varndims(id, variable, &dimensions))
-    throw std::runtime_error(fmt::format("no {} in {} of {}", name, group, path.string()));
-  std::vector<int> ids(static_cast<std::size_t>(dimensions));
-  nc_inq_vardimid(id, variable, ids.data());
-  std::size_t size = 1;
-  for (const int dimension : ids) {
-    std::size_t length = 0;
-    nc_inq_dimlen(id, dimension, &length);
-    size *= length;
-  }
-  std::vector<double> values(size);
-  EXPECT_EQ(nc_get_var_double(id, variable, values.data()), NC_NOERR);
-  nc_close(file);
-  return values;
-}
-
 TEST(MultibeamRun, ATargetToPortAheadIsToPortAheadInEveryFile) {
   const TestFolder folder;
   run(folder, port_ahead);
@@ -178,7 +159,7 @@ TEST(MultibeamRun, ATargetToPortAheadIsToPortAheadInEveryFile) {
 
   const auto gsf = gsf_arrays(folder / "out/sonar.gsf");
   const auto nc = [&](const char* name) {
-    return netcdf_values(folder / "out/sonar-sonar.nc", "/Sonar/Beam_group1/Bathymetry", name);
+    return NetcdfReader(folder / "out/sonar-sonar.nc").values("/Sonar/Beam_group1/Bathymetry", name);
   };
   const auto ahead = nc("detection_x"), starboard = nc("detection_y"), down = nc("detection_z");
   const auto latitude = nc("detection_latitude"), longitude = nc("detection_longitude");

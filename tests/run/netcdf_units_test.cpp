@@ -8,7 +8,7 @@
 #include <memory>
 #include <set>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -17,23 +18,8 @@ using testing::HasSubstr;
 /// Looks straight up from 5 m below the surface, with the bed 20 m below that, in a sector wider than the
 /// window's rings.
 std::string scene(const std::string& paths) {
-  return fmt::format(R"(
-[water]
-sound_speed_m_s = 1500
-absorption_db_per_km = 0
-{}
-[[materials]]
-name = "bed"
-lambert_db = -10
-[[terrain]]
-kind = "flat"
-width_m = 100
-length_m = 100
-centre_m = [0, 0, -20]
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, -5]
-[[sensors]]
+  return still_water() + paths + lambert_material("bed", -10) +
+         flat_terrain(100, 100, "centre_m = [0, 0, -20]\n") + fixed_at(0, 0, -5) + R"([[sensors]]
 name = "up"
 kind = "didson"
 beams = 3
@@ -43,8 +29,7 @@ tilt_deg = -90
 samples = 20
 window_start_m = 24.5
 window_length_m = 5
-)",
-                     paths);
+)";
 }
 
 const std::string surface = "[sea_surface]\nloss_db = 1\n";

@@ -3,8 +3,8 @@
 // with what the C library is told to do without.
 #include <gtest/gtest.h>
 
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,39 +6,15 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/echo_reader.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
 
-const std::string scene = R"(
-[[materials]]
-name = "sand"
-[[materials]]
-name = "steel"
-lambert_db = -10
-[[terrain]]
-kind = "flat"
-material = "sand"
-width_m = 30
-length_m = 30
-[[objects]]
-name = "ball"
-material = "steel"
-shape = "sphere"
-radius_m = 0.5
-position_m = [0.3, 4, 0.4]
-[[objects]]
-name = "box"
-material = "steel"
-shape = "box"
-size_m = [0.6, 0.2, 0.5]
-position_m = [-0.4, 4.6, 0.2]
-heading_deg = 20
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 2]
-[[sensors]]
+const std::string scene = lambert_material("sand", -27) + lambert_material("steel", -10) +
+                          flat_terrain(30, 30, "material = \"sand\"\n") +
+                          ball_and_box("material = \"steel\"\n") + fixed_at(0, 0, 2) + R"([[sensors]]
 name = "camera"
 kind = "didson"
 tilt_deg = 25

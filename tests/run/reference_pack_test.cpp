@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "app/program.hpp"
 #include "files/file_hash.hpp"
+#include "fixtures/program.hpp"
 #include "scene/description/scene_description.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "sensors/recordings/echo_reader.hpp"

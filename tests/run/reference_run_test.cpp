@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -17,31 +17,9 @@ namespace {
 using testing::HasSubstr;
 
 /// One beam of 1.5 degrees, 10 m above a flat bed.
-const std::string flat_scene = R"(
-[water]
-sound_speed_m_s = 1500
-absorption_db_per_km = 61.5
-[[materials]]
-name = "bed"
-lambert_db = -27
-[[terrain]]
-kind = "flat"
-width_m = 128
-length_m = 128
-cell_m = 7
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 10]
-[[sensors]]
-name = "beam"
-kind = "didson"
-beams = 1
-horizontal_deg = 1.5
-vertical_deg = 170
-samples = 320
-window_start_m = 8
-window_length_m = 32
-)";
+const std::string flat_scene = still_water(61.5) + lambert_material("bed", -27) +
+                               flat_terrain(128, 128, "cell_m = 7\n") + fixed_at(0, 0, 10) +
+                               downward_fan(1, 1.5, 320);
 
 TEST(ReferenceRun, BoundsHoldTheClosedFormUpToTheRoundedRays) {
   const Echoes echoes = echoes_of(flat_scene, {"--reference"});

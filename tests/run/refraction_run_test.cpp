@@ -14,8 +14,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "app/echo_reader.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -29,32 +30,8 @@ const double mu = std::pow(10, -2.7);
 /// A sonar at a depth of 10 m, 10 m above a flat bed at z = 0, with one beam of 1.5 degrees from straight
 /// ahead to nearly straight down. `water`: keys of [water].
 std::string scene_in(const std::string& water, const std::string& more = "") {
-  return fmt::format(R"(
-[water]
-surface_height_m = 20
-{}
-[[materials]]
-name = "bed"
-lambert_db = -27
-[[terrain]]
-kind = "flat"
-width_m = 256
-length_m = 256
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 10]
-heading_deg = 37
-[[sensors]]
-name = "beam"
-kind = "didson"
-beams = 1
-horizontal_deg = 1.5
-vertical_deg = 170
-samples = 128
-window_start_m = 8
-window_length_m = 32
-{})",
-                     water, more);
+  return "[water]\nsurface_height_m = 20\n" + water + "\n" + lambert_material("bed", -27) +
+         flat_terrain(256, 256) + fixed_at(0, 0, 10, "heading_deg = 37\n") + downward_fan(1, 1.5, 128) + more;
 }
 
 std::string gradient(double g, double absorption_db_per_km = 0, const std::string& more = "") {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
+#include "fixtures/world/echoes.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"

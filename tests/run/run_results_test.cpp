@@ -7,8 +7,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "app/echo_reader.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {

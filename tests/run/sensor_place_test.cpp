@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {

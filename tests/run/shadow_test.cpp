@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/echo_reader.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/echo_reader.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {

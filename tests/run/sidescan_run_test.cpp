@@ -12,7 +12,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
 
 namespace tubefoot {
 namespace {

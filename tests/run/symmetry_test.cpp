@@ -7,8 +7,9 @@
 #include <cmath>
 #include <memory>
 
-#include "app/echo_reader.hpp"
-#include "app/test_mesh.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/test_mesh.hpp"
+#include "fixtures/world/echoes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -31,19 +32,8 @@ double bumps(double east, double north) {
 /// A sidescan 6 m above a bed, heading as told, with a box 12 m away in a compass direction.
 std::string box_scene(double heading_deg, double box_bearing_deg, bool with_box) {
   const double bearing = box_bearing_deg * 3.14159265358979 / 180;
-  std::string scene = fmt::format(R"(
-[[materials]]
-name = "sand"
-[[terrain]]
-kind = "flat"
-width_m = 90
-length_m = 90
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 6]
-heading_deg = {}
-)",
-                                  heading_deg);
+  std::string scene = lambert_material("sand", -27) + flat_terrain(90, 90) +
+                      fixed_at(0, 0, 6, fmt::format("heading_deg = {}\n", heading_deg));
   if (with_box)
     scene += fmt::format(
         "[[objects]]\nname = \"box\"\nshape = \"box\"\nsize_m = [1, 1, 1]\nposition_m = [{}, {}, 0.5]\n",

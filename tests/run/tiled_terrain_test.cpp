@@ -12,8 +12,9 @@
 #include <fstream>
 #include <memory>
 
-#include "app/mpirun.hpp"
-#include "app/program.hpp"
+#include "fixtures/mpirun.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/region_plan.hpp"
 #include "run/simulation.hpp"

@@ -4,7 +4,6 @@
 // north.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <netcdf.h>
 
 #include <GeographicLib/Geodesic.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
@@ -13,11 +12,12 @@
 #include <map>
 #include <numbers>
 
-#include "app/csv_rows.hpp"
-#include "app/program.hpp"
+#include "fixtures/camera_file_reader.hpp"
+#include "fixtures/csv_rows.hpp"
+#include "fixtures/netcdf_reader.hpp"
+#include "fixtures/packet_reader.hpp"
+#include "fixtures/program.hpp"
 #include "scene/rasters/georeference.hpp"
-#include "sensors/camera_file_reader.hpp"
-#include "sensors/packet_reader.hpp"
 
 namespace tubefoot {
 namespace {
@@ -188,25 +188,6 @@ void expect_heading(double found_deg, const Map& map, const Place& at, double to
   EXPECT_NEAR(std::remainder(found_deg - wanted, 360), 0, tolerance_deg) << what << " on " << map.name;
 }
 
-std::vector<double> values_in(const std::filesystem::path& path, const char* group, const char* name) {
-  int file = -1, id = -1, variable = -1, dimensions = 0;
-  if (nc_open(path.c_str(), NC_NOWRITE, &file) || nc_inq_grp_full_ncid(file, group, &id) ||
-      nc_inq_varid(id, name, &variable) || nc_inq_varndims(id, variable, &dimensions))
-    throw std::runtime_error(fmt::format("no {} in {} of {}", name, group, path.string()));
-  std::vector<int> ids(static_cast<std::size_t>(dimensions));
-  nc_inq_vardimid(id, variable, ids.data());
-  std::size_t size = 1;
-  for (const int dimension : ids) {
-    std::size_t length = 0;
-    nc_inq_dimlen(id, dimension, &length);
-    size *= length;
-  }
-  std::vector<double> values(size);
-  EXPECT_EQ(nc_get_var_double(id, variable, values.data()), NC_NOERR);
-  nc_close(file);
-  return values;
-}
-
 class OnTheMaps : public testing::TestWithParam<std::size_t> {
  protected:
   void SetUp() override {
@@ -234,10 +215,10 @@ class OnTheMaps : public testing::TestWithParam<std::size_t> {
 
 void OnTheMaps::check_sonar_netcdf() {
   for (const char* sensor : {"reson", "fan"}) {
-    const auto path = folder / fmt::format("out/{}-sonar.nc", sensor);
-    const auto ping_values = [&](const char* name) { return values_in(path, "/Sonar/Beam_group1", name); };
+    const NetcdfReader file(folder / fmt::format("out/{}-sonar.nc", sensor));
+    const auto ping_values = [&](const char* name) { return file.values("/Sonar/Beam_group1", name); };
     const auto beam_values = [&](const char* name) {
-      return values_in(path, "/Sonar/Beam_group1/Bathymetry", name);
+      return file.values("/Sonar/Beam_group1/Bathymetry", name);
     };
     const auto longitude = ping_values("platform_longitude"), latitude = ping_values("platform_latitude"),
                heading = ping_values("platform_heading"), offset = ping_values("platform_vertical_offset");
@@ -245,7 +226,7 @@ void OnTheMaps::check_sonar_netcdf() {
                to_longitude = beam_values("detection_longitude"),
                to_latitude = beam_values("detection_latitude");
     const std::size_t beams = x.size() / heading.size();
-    const auto heading_again = values_in(path, "/Platform/Position/001", "heading");
+    const auto heading_again = file.values("/Platform/Position/001", "heading");
     for (std::size_t ping = 0; ping < heading.size(); ++ping) {
       expect_heading(heading[ping], map, {longitude[ping], latitude[ping], 0}, 1e-5, sensor);
       EXPECT_EQ(heading_again.at(ping), heading[ping]);
@@ -384,7 +365,7 @@ void OnTheMaps::check_other_files() {
   }
   for (const char* sensor : {"reson", "side", "didson"}) {
     const auto echoes = [&](const char* name) {
-      return values_in(folder / "out/echoes.nc", fmt::format("/{}", sensor).c_str(), name);
+      return NetcdfReader(folder / "out/echoes.nc").values(fmt::format("/{}", sensor), name);
     };
     EXPECT_NEAR(echoes("sensor_height")[0], -5.5 + map.rise_m, tolerance_m);
     const double mounted_deg = sensor == std::string("didson") ? 25 : 0;

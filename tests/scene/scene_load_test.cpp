@@ -8,8 +8,8 @@
 
 #include "engine/water/absorption.hpp"
 #include "engine/water/sound_speed.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/scene.hpp"
-#include "scene/scene_file_folder.hpp"
 #include "scene/scene_placement.hpp"
 
 namespace tubefoot {
@@ -113,7 +113,7 @@ MeshFile mesh_file(const std::filesystem::path& file) {
 }
 
 TEST(Placement, TurnsYUpThenScalesThenTurnsThenMoves) {
-  const SceneFolder folder;
+  const TestFolder folder;
   SceneDescription d = pond();
   // One triangle: its points lie along the file's x, y (up) and z (towards the viewer, that is south).
   d.objects.push_back(
@@ -145,7 +145,7 @@ TEST(Placement, RollLowersStarboardAndPitchRaisesTheBow) {
 
 TEST(Placement, StandsOnTheTerrainBelowItsPosition) {
   SceneDescription d = pond();
-  const SceneFolder folder;
+  const TestFolder folder;
   // A slope that rises by 1 m in 2 to the east, from -10 m at x = 0.
   const auto slope =
       folder.write("slope.asc",
@@ -209,7 +209,7 @@ TEST(LoadScene, TheChordErrorHoldsAfterScaling) {
 // --- files, grid, pings ---
 
 TEST(LoadScene, KeepsEveryFacetOfABadMeshAndSaysSo) {
-  const SceneFolder folder;
+  const TestFolder folder;
   SceneDescription d = pond();
   d.objects.push_back(
       object("bad", mesh_file(folder.write("bad.obj",
@@ -227,7 +227,7 @@ TEST(LoadScene, KeepsEveryFacetOfABadMeshAndSaysSo) {
 }
 
 TEST(LoadScene, AnErrorInAFileNamesTheSceneToo) {
-  const SceneFolder folder;
+  const TestFolder folder;
   SceneDescription d = pond();
   d.objects.push_back(object("bad", mesh_file(folder.write("bad.obj", "v 0 0 nan\n"))));
   EXPECT_THAT([&] { load_scene(d); },

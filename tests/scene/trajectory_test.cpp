@@ -9,7 +9,7 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/trajectory_file.hpp"
 
 namespace tubefoot {
@@ -107,7 +107,7 @@ TEST(LineTrajectory, RefusesALineWithoutHeadingAndASpeedOfZero) {
 constexpr const char* kHeader = "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n";
 
 TEST(Waypoints, AreReadInAnyColumnOrderWithCommentsAndFurtherColumns) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const Trajectory t =
       read_waypoints(folder.write("route.csv",
                                   "# a survey\r\n\r\n"
@@ -129,7 +129,7 @@ void PrintTo(const BadCsv& bad, std::ostream* out) { *out << bad.name; }
 class WaypointsRefuse : public testing::TestWithParam<BadCsv> {};
 
 TEST_P(WaypointsRefuse, BadFiles) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto file = folder.write("route.csv", GetParam().content);
   EXPECT_THAT([&] { read_waypoints(file); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("route.csv" + std::string(GetParam().place)),

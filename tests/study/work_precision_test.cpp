@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "fixtures/test_folder.hpp"
 #include "study/chart_page.hpp"
 #include "study/svg_png.hpp"
 
@@ -134,10 +135,10 @@ TEST(ChartPage, DrawsWhatItIsGivenAndEscapesNames) {
   EXPECT_NE(svg.find("fill=\"white\" stroke=\"#d55e00\""), std::string::npos) << "below the bound: hollow";
   EXPECT_EQ(svg.find("inf"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "tubefoot-plot.png";
+  const TestFolder folder;
+  const std::filesystem::path file = folder / "plot.png";
   write_png_of_svg(svg, file);
   EXPECT_GT(std::filesystem::file_size(file), 5000u);
-  std::filesystem::remove(file);
   EXPECT_THROW(write_png_of_svg(svg, "/nowhere/plot.png"), std::runtime_error);
   EXPECT_THROW(write_png_of_svg("no drawing", file), std::runtime_error);
   const std::string html = to_html(trials, "Made by a test.");

@@ -12,11 +12,12 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "app/echo_reader.hpp"
-#include "app/program.hpp"
 #include "engine/echo/echo.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "files/usage_error.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "fixtures/world/echoes.hpp"
 #include "scene/description/scene_description.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
@@ -25,33 +26,9 @@ namespace {
 
 /// A box on a rough bed that reaches beyond the range samples on both sides.
 std::string rough_scene(const std::string& material, const std::string& sensor) {
-  return fmt::format(R"([[materials]]
-name = "sand"
-{}
-[[materials]]
-name = "steel"
-lambert_db = -8
-[[terrain]]
-kind = "fractal"
-material = "sand"
-width_m = 40
-length_m = 60
-cell_m = 0.5
-rms_height_m = 0.05
-[[objects]]
-name = "box"
-material = "steel"
-shape = "box"
-position_m = [0.2, 5, 0.3]
-heading_deg = 20
-[trajectory]
-kind = "line"
-start_m = [0, 0, 2.5]
-end_m = [0, 1, 2.5]
-[[sensors]]
-name = "sonar"
-{})",
-                     material, sensor);
+  return lambert_material("sand", -27) + material + "\n" + lambert_material("steel", -8) +
+         rough_terrain(40, 60, 0.5, "material = \"sand\"\nrms_height_m = 0.05\n") + box_ahead(5) +
+         "[[sensors]]\nname = \"sonar\"\n" + sensor;
 }
 
 const std::string camera = R"(kind = "didson"

@@ -15,8 +15,8 @@
 #include <numeric>
 #include <random>
 
-#include "engine/flat_bed_for_tests.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
 
 namespace tubefoot {
 namespace {

@@ -15,6 +15,7 @@
 
 #include "engine/law/radial_law.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
 namespace tubefoot {
@@ -25,34 +26,16 @@ const double mu = std::pow(10, -2.7);
 
 /// A scene on a grid of 2^-20 m about the apex, which is its origin.
 struct Bench {
-  explicit Bench(const std::vector<std::array<glm::dvec3, 3>>& facets_m) : grid(20, glm::dvec3(0)) {
-    MeshBuilder builder(grid);
-    std::vector<glm::dvec3> points;
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    for (const auto& facet : facets_m) {
-      const auto first = std::uint32_t(points.size());
-      points.insert(points.end(), facet.begin(), facet.end());
-      triangles.push_back({first, first + 1, first + 2});
-    }
-    builder.add(points, triangles, 0, 0);
-    MeshReport report;
-    mesh = builder.finish(report);
-    tree = std::make_unique<SceneTree>(mesh);
-  }
+  explicit Bench(const std::vector<std::array<glm::dvec3, 3>>& facets_m)
+      : grid(20, glm::dvec3(0)),
+        mesh(test::mesh_of(facets_m, grid)),
+        tree(std::make_unique<SceneTree>(mesh)) {}
 
   TubeSet tubes(const std::vector<std::array<glm::dvec3, 4>>& pyramids, double reach_m) const {
     TubeSet set;
     set.apex = grid.snap(glm::dvec3(0));
     set.reach = reach_m / grid.unit_m();
-    for (const auto& corners : pyramids) {
-      Tube tube;
-      for (int k = 0; k < 4; ++k) {
-        tube[k] = std::uint32_t(set.rays.size());
-        set.rays.push_back(integer_ray(glm::normalize(corners[k])));
-      }
-      if (glm::dot(glm::cross(corners[0], corners[1]), corners[2]) < 0) std::swap(tube[1], tube[3]);
-      set.tubes.push_back(tube);
-    }
+    for (const auto& corners : pyramids) test::add_pyramid(set, corners);
     return set;
   }
 

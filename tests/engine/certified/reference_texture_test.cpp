@@ -18,6 +18,7 @@
 #include "engine/law/map_reflectivity.hpp"
 #include "engine/law/perlin_reflectivity.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
 namespace tubefoot {
@@ -152,26 +153,16 @@ struct Oracle {
 /// Facets on a grid of 2^-20 m, an apex, and tubes.
 struct Bench {
   Bench(const std::vector<std::array<glm::dvec3, 3>>& facets_m, glm::dvec3 apex)
-      : grid(20, glm::dvec3(0)), apex_m(grid.to_metres(grid.snap(apex))) {
-    MeshBuilder builder(grid);
-    for (const auto& facet : facets_m)
-      builder.add({facet.begin(), facet.end()}, {{std::array<std::uint32_t, 3>{0, 1, 2}}}, 0, 0);
-    MeshReport report;
-    mesh = builder.finish(report);
-    tree = std::make_unique<SceneTree>(mesh);
-  }
+      : grid(20, glm::dvec3(0)),
+        apex_m(grid.to_metres(grid.snap(apex))),
+        mesh(test::mesh_of(facets_m, grid)),
+        tree(std::make_unique<SceneTree>(mesh)) {}
 
   TubeSet tube(const std::array<glm::dvec3, 4>& corners, double reach_m) const {
     TubeSet set;
     set.apex = grid.snap(apex_m);
     set.reach = reach_m / grid.unit_m();
-    Tube tube;
-    for (int k = 0; k < 4; ++k) {
-      tube[k] = std::uint32_t(k);
-      set.rays.push_back(integer_ray(glm::normalize(corners[k])));
-    }
-    if (glm::dot(glm::cross(corners[0], corners[1]), corners[2]) < 0) std::swap(tube[1], tube[3]);
-    set.tubes.push_back(tube);
+    test::add_pyramid(set, corners);
     return set;
   }
 

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "engine/echo/echo.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/measure.hpp"
-#include "geometry/plane_polygons.hpp"
 
 // Fast binning: right totals, right samples, and an error that falls with the footprint's size squared.
 namespace tubefoot {

@@ -14,19 +14,22 @@
 #include "engine/certified/reference.hpp"
 #include "engine/echo/echo.hpp"
 #include "engine/law/layered_reflectivity.hpp"
-#include "engine/law/map_reflectivity.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
 #include "engine/paths/path_echo.hpp"
 #include "engine/sight/tube_engine.hpp"
-#include "geometry/plane_polygons.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/histories.hpp"
+#include "fixtures/world/textures.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::add_footprint;
+using test::Field;
+using test::map_askew;
 using test::on_plane;
+using test::perlin;
 using test::Polygon2;
-using Field = std::shared_ptr<const ReflectivityField>;
 
 constexpr double pi = std::numbers::pi, degree = pi / 180, height = 4;
 const FacetPlane bed = test::flat_bed(height);
@@ -67,20 +70,10 @@ Law table(double mu = 0.5) {
 }
 std::vector<Law> laws() { return {lambert(), gsab(), table()}; }
 
-Field perlin(double wavelength_m, int octaves = 1, double depth = 0.5, std::uint64_t seed = 5) {
-  return std::make_shared<PerlinReflectivity>(PerlinReflectivity::Settings{
-      .wavelength_m = wavelength_m, .octaves = octaves, .depth = depth, .seed = seed});
-}
-Field map_askew() {
-  MapReflectivity::Grid grid{7, 5, {}};
-  for (int i = 0; i < 35; ++i) grid.values.push_back(float((i * 37) % 11) / 4);
-  return std::make_shared<MapReflectivity>(
-      std::move(grid), MapReflectivity::Placing{{120, -80}, {0.4, 0.1}, {-0.05, 0.33}, true});
-}
 /// Smooth enough for rules that know nothing of their cells.
 std::vector<Field> textures() {
-  return {nullptr, perlin(0.5, 2),
-          std::make_shared<LayeredReflectivity>(std::vector{perlin(0.9), perlin(0.7)})};
+  return {nullptr, perlin(0.5, 2, 0.5, 5),
+          std::make_shared<LayeredReflectivity>(std::vector{perlin(0.9, 1, 0.5, 5), perlin(0.7, 1, 0.5, 5)})};
 }
 
 Directivity line(double size, double steered_rad, glm::dvec3 axis) {
@@ -175,19 +168,9 @@ Polygon2 rectangle(glm::dvec2 lo, glm::dvec2 hi) { return {lo, {hi.x, lo.y}, hi,
 /// One footprint of tube 0 for each polygon, on facets 0, 1, ...
 History history_of(const std::vector<std::pair<FacetPlane, Polygon2>>& parts) {
   History history;
-  FootprintSet& set = history.footprints;
-  for (const auto& [plane, polygon] : parts) {
-    Footprint footprint;
-    footprint.facet = FacetId(set.footprints.size());
-    footprint.plane_normal = plane.normal;
-    footprint.plane_distance_m = plane.distance_m;
-    footprint.first_piece = std::uint32_t(set.pieces.size());
-    footprint.piece_count = 1;
-    set.pieces.push_back({std::uint32_t(set.corners_m.size()), std::uint32_t(polygon.size())});
-    for (const glm::dvec3& corner : on_plane(plane, polygon)) set.corners_m.push_back(corner);
-    set.footprints.push_back(footprint);
-  }
-  measure(set);
+  for (const auto& [plane, polygon] : parts)
+    add_footprint(history, 0, FacetId(history.footprints.footprints.size()), plane, {polygon});
+  measure(history.footprints);
   return history;
 }
 
@@ -274,7 +257,7 @@ TEST(CombinedLaws, ToleranceIsKeptByTheProductOfAllFactors) {
     const History history = history_of({{plane, rectangle(lo, hi)}});
     for (const auto& patterns : pattern_sets(1))
       for (const Law& law : {gsab(2), gsab(12), table()})
-        for (const Field& texture : {perlin(0.4), map_askew()}) {
+        for (const Field& texture : {perlin(0.4, 1, 0.5, 5), map_askew()}) {
           const auto energies = [&](double tolerance) {
             const Laws l(
                 {law, texture, patterns ? &*patterns : nullptr, 0.2, {123.456, -78.9, 4.2}, tolerance});
@@ -300,7 +283,7 @@ TEST(CombinedLaws, ToleranceIsKeptByTheProductOfAllFactors) {
 TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
   // Lambert's and a law, even and textured, on planes at equal and at different distances, interleaved.
   const std::vector<Law> all{lambert(), gsab(), table(), gsab(15)};
-  const std::vector<Field> fields{nullptr, perlin(0.5, 2), map_askew()};
+  const std::vector<Field> fields{nullptr, perlin(0.5, 2, 0.5, 5), map_askew()};
   std::vector<std::pair<FacetPlane, Polygon2>> parts;
   std::vector<double> mu;
   std::vector<std::uint16_t> material;
@@ -393,18 +376,7 @@ double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, 
 TEST(CombinedLaws, BistaticEchoAndLossAgreeWithBruteForce) {
   const glm::dvec2 lo{0.4, 0.1}, hi{1.3, 0.8};
   const glm::dvec3 receiver{0.7, -1.1, 0.8};
-  BistaticHistory history;
-  history.transmit.tubes.resize(1);
-  history.receive.tubes.resize(1);
-  history.shared.receiver_m = receiver;
-  history.shared.corners_m = on_plane(bed, rectangle(lo, hi));
-  history.shared.pieces = {{0, 0, 0, 4}};
-  SharedFacet facet;
-  facet.piece_count = 1;
-  facet.plane_normal = bed.normal;
-  facet.transmit_distance_m = height;
-  facet.receive_distance_m = height + receiver.z;
-  history.shared.facets = {facet};
+  const BistaticHistory history = test::piece_on(bed, rectangle(lo, hi), receiver);
   Path over_mirrors;
   over_mirrors.out.loss = {0.7, {{0, 0, 1}}, 3};
   over_mirrors.home = Leg{};
@@ -468,7 +440,7 @@ struct Bench {
 TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
   // Cells of the noise are squares of 1/4 m on a level bed, so that panels between them are smooth.
   const glm::dvec2 lo{0.25, 0.5}, hi{1, 1};
-  const Field texture = perlin(0.5, 2);
+  const Field texture = perlin(0.5, 2, 0.5, 5);
   Bench bench;
   bench.add_bed({-20, -20}, {20, 20});
   bench.add_tube(lo, hi, -height);
@@ -529,7 +501,7 @@ TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
   const auto patterns = pattern_sets(2);
   for (const auto& set : patterns)
     for (const Law& law : laws())
-      for (const Field& texture : {Field(), perlin(0.5, 2)}) {
+      for (const Field& texture : {Field(), perlin(0.5, 2, 0.5, 5)}) {
         const Given given{law, texture, set ? &*set : nullptr};
         SCOPED_TRACE(given.name());
         const Laws l(given);

@@ -11,11 +11,13 @@
 
 #include "engine/law/lambert.hpp"
 #include "engine/law/radial_law.hpp"
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/histories.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::add_footprint;
 using test::flat_bed;
 using test::on_plane;
 using test::Polygon2;
@@ -34,23 +36,6 @@ double closed_form(double dphi, double r1, double r2, double absorption_db_per_m
     return std::pow(r, -4) * (beta > 0 ? boost::math::expint(5, beta * r) : 0.25);
   };
   return mu * height * height * dphi * (antiderivative(r1) - antiderivative(r2));
-}
-
-void add_footprint(History& history, std::uint32_t tube, FacetId facet, const FacetPlane& plane,
-                   const std::vector<Polygon2>& pieces) {
-  FootprintSet& set = history.footprints;
-  Footprint footprint;
-  footprint.facet = facet;
-  footprint.tube = tube;
-  footprint.plane_normal = plane.normal;
-  footprint.plane_distance_m = plane.distance_m;
-  footprint.first_piece = std::uint32_t(set.pieces.size());
-  footprint.piece_count = std::uint32_t(pieces.size());
-  for (const Polygon2& p : pieces) {
-    set.pieces.push_back({std::uint32_t(set.corners_m.size()), std::uint32_t(p.size())});
-    for (const glm::dvec3& corner : on_plane(plane, p)) set.corners_m.push_back(corner);
-  }
-  set.footprints.push_back(footprint);
 }
 
 /// A tube between two vertical planes that meet below the apex, straight walls near and far.

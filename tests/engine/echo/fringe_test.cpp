@@ -9,7 +9,8 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/histories.hpp"
 
 namespace tubefoot {
 namespace {
@@ -17,21 +18,10 @@ namespace {
 using test::on_plane;
 using test::Polygon2;
 using Complex = std::complex<double>;
+using test::add_footprint;
 
 constexpr double pi = std::numbers::pi;
 constexpr double mu = 0.003;
-
-void add_footprint(History& history, const FacetPlane& plane, const Polygon2& polygon) {
-  FootprintSet& set = history.footprints;
-  Footprint footprint;
-  footprint.plane_normal = plane.normal;
-  footprint.plane_distance_m = plane.distance_m;
-  footprint.first_piece = std::uint32_t(set.pieces.size());
-  footprint.piece_count = 1;
-  set.pieces.push_back({std::uint32_t(set.corners_m.size()), std::uint32_t(polygon.size())});
-  for (const glm::dvec3& corner : on_plane(plane, polygon)) set.corners_m.push_back(corner);
-  set.footprints.push_back(footprint);
-}
 
 Echo echo_of(const History& history, const RangeSamples& samples, const BeamPatterns& patterns,
              Binning binning = Binning::exact) {
@@ -89,7 +79,7 @@ struct Slope {
     for (std::size_t i = 0; i < 4; ++i)
       turn += strip[i].x * strip[(i + 1) % 4].y - strip[i].y * strip[(i + 1) % 4].x;
     if (turn < 0) std::reverse(strip.begin(), strip.end());
-    add_footprint(history, plane, strip);
+    add_footprint(history, 0, 0, plane, {strip});
   }
 };
 

@@ -12,54 +12,30 @@
 #include "engine/echo/echo.hpp"
 #include "engine/echo/staff_echo.hpp"
 #include "engine/law/layered_reflectivity.hpp"
-#include "engine/law/map_reflectivity.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/histories.hpp"
+#include "fixtures/world/textures.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::add_footprint;
+using test::Field;
 using test::flat_bed;
+using test::map_askew;
 using test::on_plane;
+using test::perlin;
 using test::Polygon2;
-using Field = std::shared_ptr<const ReflectivityField>;
+using test::total;
 
 constexpr double pi = std::numbers::pi, mu = 0.002;
 const glm::dvec3 apex{123.456, -78.9, 4.2};
 
-double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
-
-Field perlin(double wavelength_m, int octaves = 1, double depth = 0.25, std::uint64_t seed = 1) {
-  return std::make_shared<PerlinReflectivity>(PerlinReflectivity::Settings{
-      .wavelength_m = wavelength_m, .octaves = octaves, .depth = depth, .seed = seed});
-}
-
-/// A map askew, so that its cells are no squares and do not lie along the axes.
-Field map_askew() {
-  const unsigned seed = 4;
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<float> value(0, 3);
-  MapReflectivity::Grid grid{7, 5, {}};
-  for (int i = 0; i < 35; ++i) grid.values.push_back(value(random));
-  return std::make_shared<MapReflectivity>(
-      std::move(grid), MapReflectivity::Placing{{120, -80}, {0.4, 0.1}, {-0.05, 0.33}, true});
-}
-
 History history_of(const FacetPlane& plane, const std::vector<Polygon2>& polygons) {
   History history;
-  FootprintSet& set = history.footprints;
-  for (const Polygon2& polygon : polygons) {
-    Footprint footprint;
-    footprint.tube = std::uint32_t(set.footprints.size());
-    footprint.plane_normal = plane.normal;
-    footprint.plane_distance_m = plane.distance_m;
-    footprint.first_piece = std::uint32_t(set.pieces.size());
-    footprint.piece_count = 1;
-    set.pieces.push_back({std::uint32_t(set.corners_m.size()), std::uint32_t(polygon.size())});
-    for (const glm::dvec3& corner : on_plane(plane, polygon)) set.corners_m.push_back(corner);
-    set.footprints.push_back(footprint);
-  }
-  measure(set);
+  for (const Polygon2& polygon : polygons)
+    add_footprint(history, std::uint32_t(history.footprints.footprints.size()), 0, plane, {polygon});
+  measure(history.footprints);
   return history;
 }
 
@@ -421,18 +397,7 @@ TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
   const PlaneFrame frame(bed);
   const glm::dvec2 lo{3, 1}, hi{3.9, 1.8};
   const glm::dvec3 receiver{1.5, -2, 1};
-  BistaticHistory history;
-  history.transmit.tubes.resize(1);
-  history.receive.tubes.resize(1);
-  history.shared.receiver_m = receiver;
-  history.shared.corners_m = on_plane(bed, rectangle(lo, hi));
-  history.shared.pieces = {{0, 0, 0, 4}};
-  SharedFacet facet;
-  facet.piece_count = 1;
-  facet.plane_normal = bed.normal;
-  facet.transmit_distance_m = bed.distance_m;
-  facet.receive_distance_m = bed.distance_m + receiver.z;
-  history.shared.facets = {facet};
+  const BistaticHistory history = test::piece_on(bed, rectangle(lo, hi), receiver);
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam{0};
@@ -451,7 +416,7 @@ TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
         const glm::dvec3 t = -bed.distance_m * bed.normal + x * frame.u + y * frame.v, r = t - receiver;
         const double rt = glm::length(t), rr = glm::length(r);
         const double gain = p ? p->transmit[0].gain(t / rt) * p->receive[0].gain(r / rr) : 1;
-        return mu * bed.distance_m * facet.receive_distance_m / std::pow(rt * rr, 3) *
+        return mu * bed.distance_m * (bed.distance_m + receiver.z) / std::pow(rt * rr, 3) *
                texture->factor(apex + t) * gain;
       };
       const double expected = panels(lo, hi, 64, 64, density);

@@ -12,18 +12,23 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/law/sediment.hpp"
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/histories.hpp"
 
 namespace tubefoot {
 namespace {
 
 using boost::math::quadrature::gauss_kronrod;
 using test::flat_bed;
+using test::piece_on;
 using test::Polygon2;
 
 constexpr double pi = std::numbers::pi, degree = pi / 180;
 constexpr double mu = 0.004;
 using Law = std::shared_ptr<const ScatteringLaw>;
+using test::add_footprint;
+using test::one_beam;
+using test::total;
 
 Law shared(ScatteringLaw law) { return std::make_shared<const ScatteringLaw>(std::move(law)); }
 Law lambert_as_gsab() { return shared(ScatteringLaw::gsab({.oblique = mu, .oblique_exponent = 2})); }
@@ -33,23 +38,9 @@ Law medium_sand() {
       ScatteringLaw::table(sediment_grazing_deg, sediment_backscatter("medium sand", 20).strength_db));
 }
 
-double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
-
-void add_footprint(History& history, const FacetPlane& plane, const Polygon2& polygon) {
-  FootprintSet& set = history.footprints;
-  Footprint footprint;
-  footprint.plane_normal = plane.normal;
-  footprint.plane_distance_m = plane.distance_m;
-  footprint.first_piece = std::uint32_t(set.pieces.size());
-  footprint.piece_count = 1;
-  set.pieces.push_back({std::uint32_t(set.corners_m.size()), std::uint32_t(polygon.size())});
-  for (const glm::dvec3& corner : test::on_plane(plane, polygon)) set.corners_m.push_back(corner);
-  set.footprints.push_back(footprint);
-}
-
 History history_of(const FacetPlane& plane, const Polygon2& polygon) {
   History history;
-  add_footprint(history, plane, polygon);
+  add_footprint(history, 0, 0, plane, {polygon});
   measure(history.footprints);
   return history;
 }
@@ -95,9 +86,6 @@ double fan_by_quadrature(const ScatteringLaw& law, double h, double dphi, double
   return sum;
 }
 
-BeamPatterns one_beam(const Directivity& transmit, const Directivity& receive) {
-  return {{transmit}, {receive}, {0}, {{0, 1}}};
-}
 Directivity line(double size) {
   Directivity d;
   d.kind = Directivity::Kind::line;
@@ -303,23 +291,6 @@ TEST(ScatteringEcho, RaysConvergeToTheTubes) {
 }
 
 // --- transmitter and receiver apart
-
-BistaticHistory piece_on(const FacetPlane& plane, const Polygon2& polygon, glm::dvec3 receiver_m) {
-  BistaticHistory history;
-  history.transmit.tubes.resize(1);
-  history.receive.tubes.resize(1);
-  SharedFootprints& shared_parts = history.shared;
-  shared_parts.receiver_m = receiver_m;
-  shared_parts.corners_m = test::on_plane(plane, polygon);
-  shared_parts.pieces = {{0, 0, 0, std::uint32_t(polygon.size())}};
-  SharedFacet facet;
-  facet.piece_count = 1;
-  facet.plane_normal = plane.normal;
-  facet.transmit_distance_m = plane.distance_m;
-  facet.receive_distance_m = plane.distance_m + glm::dot(plane.normal, receiver_m);
-  shared_parts.facets = {facet};
-  return history;
-}
 
 Echo bistatic_echo(const BistaticHistory& history, const RangeSamples& samples, const Law& law,
                    double absorption = 0, const BeamPatterns* patterns = nullptr) {

@@ -11,7 +11,7 @@
 #include "engine/law/density.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "geometry/numbers/ball.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
 
 namespace tubefoot {
 namespace {

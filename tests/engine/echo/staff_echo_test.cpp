@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "engine/certified/reference.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,21 +21,8 @@ const double mu = std::pow(10, -2.7);
 
 /// A mesh on a grid of 2^-20 m about the apex.
 struct Site {
-  explicit Site(const std::vector<std::array<glm::dvec3, 3>>& facets_m) {
-    const WorldGrid grid(20, glm::dvec3(0));
-    MeshBuilder builder(grid);
-    std::vector<glm::dvec3> points;
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    for (const auto& facet : facets_m) {
-      const auto first = std::uint32_t(points.size());
-      points.insert(points.end(), facet.begin(), facet.end());
-      triangles.push_back({first, first + 1, first + 2});
-    }
-    builder.add(points, triangles, 0, 0);
-    MeshReport report;
-    mesh = builder.finish(report);
-    tree = std::make_unique<SceneTree>(mesh);
-  }
+  explicit Site(const std::vector<std::array<glm::dvec3, 3>>& facets_m)
+      : mesh(test::mesh_of(facets_m)), tree(std::make_unique<SceneTree>(mesh)) {}
 
   /// All tubes together, in one sample: energy and bound.
   struct Sum {

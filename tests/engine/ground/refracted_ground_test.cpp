@@ -11,8 +11,8 @@
 #include <numeric>
 
 #include "engine/certified/reference.hpp"
-#include "engine/flat_bed_for_tests.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,16 +9,16 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/flat_bed_for_tests.hpp"
 #include "engine/ground/refracted_ground.hpp"
-#include "engine/law/map_reflectivity.hpp"
-#include "engine/law/perlin_reflectivity.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
+#include "fixtures/world/textures.hpp"
 
 namespace tubefoot {
 namespace {
 
-using Field = std::shared_ptr<const ReflectivityField>;
+using test::Field;
+using test::perlin;
 
 constexpr double degree = std::numbers::pi / 180, below_m = 20, mu = 0.002;
 const WorldGrid grid{20, glm::dvec3(0)};
@@ -72,19 +72,9 @@ std::vector<double> hear(const FacetMesh& mesh, const ApparentGround* ground, co
       .energy;
 }
 
-Field perlin(double wavelength_m, std::uint64_t seed, int octaves = 2) {
-  return std::make_shared<PerlinReflectivity>(PerlinReflectivity::Settings{
-      .wavelength_m = wavelength_m, .octaves = octaves, .depth = 0.8, .seed = seed});
-}
-
 /// Pixels askew over the part of the bed that the fan sees.
 Field map_askew(std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<float> value(0, 3);
-  MapReflectivity::Grid pixels{9, 8, {}};
-  for (int i = 0; i < 72; ++i) pixels.values.push_back(value(random));
-  return std::make_shared<MapReflectivity>(std::move(pixels),
-                                           MapReflectivity::Placing{{-20, -20}, {6, 1}, {-0.7, 4}, true});
+  return test::random_map(9, 8, seed, {{-20, -20}, {6, 1}, {-0.7, 4}, true});
 }
 
 TEST(RefractedTexture, EvenWaterIsTheStraightEngine) {
@@ -97,7 +87,7 @@ TEST(RefractedTexture, EvenWaterIsTheStraightEngine) {
   ASSERT_EQ(ground.refined.mesh.facets, base.facets);
   for (const std::uint64_t seed : {1, 2}) {
     SCOPED_TRACE(seed);
-    for (const Field& texture : {perlin(1.3, seed), map_askew(seed)}) {
+    for (const Field& texture : {perlin(1.3, 2, 0.8, seed), map_askew(seed)}) {
       const std::vector<double> straight = hear(base, nullptr, texture);
       const std::vector<double> bent = hear(ground.refined.mesh, &ground, texture);
       for (std::size_t k = 0; k < straight.size(); ++k) {
@@ -159,7 +149,7 @@ TEST(RefractedTexture, UnderOneGradientItLiesWhereTheBedIs) {
     const ApparentGround ground = apparent(base, gradient(g), 1e-3);
     for (const std::uint64_t seed : {3, 4}) {
       SCOPED_TRACE(testing::Message() << "g " << g << " seed " << seed);
-      const Field texture = perlin(1.5, seed, 1);
+      const Field texture = perlin(1.5, 1, 0.8, seed);
       const std::vector<double> heard = hear(ground.refined.mesh, &ground, texture, 1e-7, false);
       std::size_t compared = 0;
       for (int k = 0; k < range_samples.count; ++k) {
@@ -183,7 +173,7 @@ TEST(RefractedTexture, UnderOneGradientItLiesWhereTheBedIs) {
 
 // The rest of what reads a texture: hits, and footprints that are binned whole.
 TEST(RefractedTexture, HitsAndCentroidsLieThereToo) {
-  const Field texture = perlin(1.5, 5);
+  const Field texture = perlin(1.5, 2, 0.8, 5);
   const std::vector<Field> textures{texture};
   const std::vector<double> material_mu{mu};
   const std::vector<std::uint16_t> material{0};

@@ -14,7 +14,8 @@
 #include "engine/echo/echo.hpp"
 #include "engine/law/lambert.hpp"
 #include "engine/law/radial_law.hpp"
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/histories.hpp"
 
 namespace tubefoot {
 namespace {
@@ -22,6 +23,9 @@ namespace {
 using test::on_plane;
 using test::Polygon2;
 using Kind = Directivity::Kind;
+using test::add_footprint;
+using test::one_beam;
+using test::total;
 
 constexpr double pi = std::numbers::pi, degree = pi / 180;
 
@@ -99,19 +103,6 @@ TEST(BeamPattern, TableRefusesWhatIsNoTable) {
 
 const double mu = lambert_mu(-27);
 
-void add_footprint(History& history, std::uint32_t tube, const FacetPlane& plane, const Polygon2& polygon) {
-  FootprintSet& set = history.footprints;
-  Footprint footprint;
-  footprint.tube = tube;
-  footprint.plane_normal = plane.normal;
-  footprint.plane_distance_m = plane.distance_m;
-  footprint.first_piece = std::uint32_t(set.pieces.size());
-  footprint.piece_count = 1;
-  set.pieces.push_back({std::uint32_t(set.corners_m.size()), std::uint32_t(polygon.size())});
-  for (const glm::dvec3& corner : on_plane(plane, polygon)) set.corners_m.push_back(corner);
-  set.footprints.push_back(footprint);
-}
-
 Echo echo_of(const History& history, const RangeSamples& samples, double absorption_db_per_m,
              const BeamPatterns* patterns, double tolerance = 1e-11) {
   const std::vector<double> material_mu{mu};
@@ -120,12 +111,6 @@ Echo echo_of(const History& history, const RangeSamples& samples, double absorpt
   return integrate_echo(history, {patterns ? int(patterns->receive.size()) : 1, beam_of_tube}, samples,
                         EchoLaw{material_mu, one_facet, absorption_db_per_m, patterns, tolerance});
 }
-
-BeamPatterns one_beam(const Directivity& transmit, const Directivity& receive) {
-  return {{transmit}, {receive}, {0}, {{0, 1}}};
-}
-
-double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
 
 /// Energy from a polygon at ranges first to last, triangle by triangle in space.
 double quadrature(const FacetPlane& plane, const Polygon2& p, double absorption_db_per_m,
@@ -162,8 +147,8 @@ TEST(PatternIntegral, AUniformPatternIsTheBoundaryIntegral) {
     History history;
     const double a = size(random);
     add_footprint(
-        history, 0, test::random_plane(random, distance(random)),
-        test::random_convex(random, {i % 3 ? place(random) : 0, i % 3 ? place(random) : 0.1}, a, a / 3));
+        history, 0, 0, test::random_plane(random, distance(random)),
+        {test::random_convex(random, {i % 3 ? place(random) : 0, i % 3 ? place(random) : 0.1}, a, a / 3)});
     const RangeSamples samples{0, 0.13, 300};
     const Echo exact = echo_of(history, samples, 0.2, nullptr),
                echo = echo_of(history, samples, 0.2, &uniform);
@@ -188,7 +173,7 @@ TEST(PatternIntegral, AgreesWithQuadratureInSpace) {
     const glm::dvec2 centre = i % 4 ? glm::dvec2(place(random), place(random)) : glm::dvec2(0.2, -0.1);
     const Polygon2 p = test::random_convex(random, centre, 2.5, 1.5);
     History history;
-    add_footprint(history, 0, plane, p);
+    add_footprint(history, 0, 0, plane, {p});
     const BeamPatterns beam = one_beam(transmit, receive);
     const Echo echo = echo_of(history, {0, 0.09, 400}, 0.2, &beam);
     const double expected = quadrature(
@@ -206,7 +191,7 @@ TEST(PatternIntegral, FlatBedUnderALineArrayIsASingleIntegral) {
   Polygon2 bed;
   for (int i = 0; i < 5; ++i) bed.push_back(100.0 * glm::dvec2(std::cos(1.2566 * i), std::sin(1.2566 * i)));
   History history;
-  add_footprint(history, 0, test::flat_bed(height), bed);
+  add_footprint(history, 0, 0, test::flat_bed(height), {bed});
   const BeamPatterns beam = one_beam(line(size), line(size, 0.1));
   const double energy = echo_of(history, {r1, r2 - r1, 1}, 0, &beam).at(0, 0);
   using boost::math::quadrature::gauss_kronrod;
@@ -230,7 +215,7 @@ TEST(PatternIntegral, FlatBedUnderAPistonIsASingleIntegral) {
   Polygon2 bed;
   for (int i = 0; i < 5; ++i) bed.push_back(100.0 * glm::dvec2(std::cos(1.2566 * i), std::sin(1.2566 * i)));
   History history;
-  add_footprint(history, 0, test::flat_bed(height), bed);
+  add_footprint(history, 0, 0, test::flat_bed(height), {bed});
   Directivity down = piston(ka);
   down.axis = {0, 0, -1};
   const BeamPatterns beam = one_beam(down, down);
@@ -253,8 +238,8 @@ TEST(PatternIntegral, EveryBeamOfAFanHearsEveryTube) {
   const FacetPlane bed = test::flat_bed(5);
   const Polygon2 left{{4, 6}, {5, 6}, {5, 7}, {4, 7}}, right{{-5, 6}, {-4, 6}, {-4, 7}, {-5, 7}};
   History history;
-  add_footprint(history, 0, bed, left);
-  add_footprint(history, 1, bed, right);
+  add_footprint(history, 0, 0, bed, {left});
+  add_footprint(history, 1, 0, bed, {right});
   const Directivity a = line(4, 0.4), b = line(4, -0.4), transmit = gaussian(2);
   const BeamPatterns fan{{transmit}, {a, b}, {0, 0}, {{0, 2}, {0, 2}}};
   const BeamPatterns own{{transmit}, {a, b}, {0, 0}, {{0, 1}, {1, 2}}};
@@ -292,8 +277,8 @@ History rough_bed(unsigned seed, std::uint32_t footprints) {
   History history;
   for (std::uint32_t tube = 0; tube < footprints; ++tube) {
     const double a = size(random);
-    add_footprint(history, tube, test::random_plane(random, 3),
-                  test::random_convex(random, {across(random), ahead(random)}, a, a / 2));
+    add_footprint(history, tube, 0, test::random_plane(random, 3),
+                  {test::random_convex(random, {across(random), ahead(random)}, a, a / 2)});
     Footprint& f = history.footprints.footprints.back();
     f.centroid_m = history.footprints.corners_m.back();
     f.area_m2 = a * a;

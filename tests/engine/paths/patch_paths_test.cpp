@@ -14,165 +14,13 @@
 #include <optional>
 
 #include "engine/paths/path_echo.hpp"
-#include "engine/paths_for_tests.hpp"
+#include "fixtures/world/path_scenes.hpp"
+#include "fixtures/world/point_sum.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
-
-TubeSet around(glm::dvec3 apex, double from_deg, double to_deg) {
-  TubeSet set;
-  set.apex = at(apex);
-  set.reach = 60 / unit;
-  append_tubes(set, {steps(-180, 180, 4), steps(from_deg, to_deg, 3), glm::dmat3(1)});
-  return set;
-}
-
-struct Setting {
-  FacetMesh mesh;
-  TubeSet transmit, receive;
-  RangeSamples samples;
-  std::vector<double> mu;
-  std::vector<std::shared_ptr<const ScatteringLaw>> scattering;
-  double absorption_db_per_m = 0.3;
-  PathSettings paths;
-
-  PathEcho run() const {
-    const SceneTree tree(mesh);
-    const std::vector<std::uint32_t> beam(receive.tubes.size(), 0);
-    const std::vector<double> reflection(mu.size(), 0);
-    PathSettings settings = paths;
-    settings.mirrors.reflection = reflection;
-    EchoLaw law{mu, mesh.material, absorption_db_per_m};
-    law.scattering = scattering;
-    return path_echo(mesh, tree, unit, VisibilityOptions(), transmit, receive, {1, beam}, samples, law,
-                     settings);
-  }
-};
-
-/// Midpoints of a mesh, and what passes between them.
-class PointSum {
- public:
-  /// n^2 points a facet. With a surface (at z = 0) both ends see by it alone.
-  PointSum(const Setting& s, int n, std::optional<double> surface) : s_(s) {
-    for (std::size_t f = 0; f < s.mesh.facets.size(); ++f) {
-      const auto& [i, j, k] = s.mesh.facets[f];
-      const glm::dvec3 a = metres(s.mesh.vertices[i]), u = (metres(s.mesh.vertices[j]) - a) / double(n),
-                       v = (metres(s.mesh.vertices[k]) - a) / double(n), normal = glm::cross(u, v);
-      facets_.push_back({a, u * double(n), v * double(n)});
-      for (int x = 0; x < n; ++x)
-        for (int y = 0; x + y < n; ++y)
-          for (int half = 0; half < (x + y + 1 < n ? 2 : 1); ++half)
-            points_.push_back({a + (x + (1 + half) / 3.0) * u + (y + (1 + half) / 3.0) * v,
-                               glm::normalize(normal), glm::length(normal) / 2, s.mesh.material[f]});
-    }
-    for (const Point& p : points_) {
-      sent_.push_back(from_end(metres(s.transmit.apex), p, surface));
-      heard_.push_back(from_end(metres(s.receive.apex), p, surface));
-    }
-    between_.resize(points_.size() * points_.size());
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      for (std::size_t j = 0; j < points_.size(); ++j)
-        if (i != j) between_[i * points_.size() + j] = between(points_[i], points_[j]);
-  }
-
-  /// By sample.
-  std::vector<double> scattered_twice() const {
-    std::vector<double> energy(std::size_t(s_.samples.count));
-    for_pairs([&](std::size_t i, std::size_t j, const Leg& leg) {
-      if (side(sent_[i], leg.from) && side(heard_[j], leg.to))
-        add(energy, sent_[i].way + leg.way + heard_[j].way, sent_[i].gain * leg.gain * heard_[j].gain);
-    });
-    return energy;
-  }
-  std::vector<double> scattered_thrice() const {
-    std::vector<double> energy(std::size_t(s_.samples.count));
-    for_pairs([&](std::size_t i, std::size_t j, const Leg& leg) {
-      if (!side(sent_[i], leg.from)) return;
-      for (std::size_t k = 0; k < points_.size(); ++k) {
-        const Leg& next = between_[j * points_.size() + k];
-        if (next.gain > 0 && next.from == leg.to && side(heard_[k], next.to))
-          add(energy, sent_[i].way + leg.way + next.way + heard_[k].way,
-              sent_[i].gain * leg.gain * next.gain * heard_[k].gain);
-      }
-    });
-    return energy;
-  }
-
- private:
-  struct Point {
-    glm::dvec3 at, normal;
-    double area;
-    std::uint16_t material;
-  };
-  /// `from`, `to`: on which side of either facet.
-  struct Leg {
-    double way = 0, gain = 0;
-    bool from = false, to = false;
-  };
-  static bool side(const Leg& end, bool other) { return end.gain > 0 && end.to == other; }
-
-  template <class Take>
-  void for_pairs(const Take& take) const {
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      for (std::size_t j = 0; j < points_.size(); ++j)
-        if (const Leg& leg = between_[i * points_.size() + j]; leg.gain > 0) take(i, j, leg);
-  }
-
-  void add(std::vector<double>& energy, double way, double e) const {
-    const double k = std::floor((way / 2 - s_.samples.first_m) / s_.samples.step_m);
-    if (k >= 0 && k < s_.samples.count) energy[std::size_t(k)] += e;
-  }
-
-  /// sqrt(sigma), or sqrt(mu) times the sine.
-  double lobe(const Point& p, glm::dvec3 way) const {
-    const double sine = std::abs(glm::dot(p.normal, way)) / glm::length(way);
-    const ScatteringLaw* law = s_.scattering.empty() ? nullptr : s_.scattering[p.material].get();
-    return law != nullptr ? std::sqrt(law->cross_section(std::asin(sine)))
-                          : std::sqrt(s_.mu[p.material]) * sine;
-  }
-
-  bool hidden(glm::dvec3 from, glm::dvec3 to) const {
-    const glm::dvec3 way = to - from;
-    for (const auto& [a, u, v] : facets_) {
-      const glm::dvec3 normal = glm::cross(u, v);
-      const double down = glm::dot(normal, way);
-      if (down == 0) continue;
-      const double t = glm::dot(normal, a - from) / down;
-      if (t < 1e-5 || t > 1 - 1e-5) continue;
-      const glm::dvec3 p = from + t * way - a;
-      const double nn = glm::dot(normal, normal), x = glm::dot(glm::cross(p, v), normal) / nn,
-                   y = glm::dot(glm::cross(u, p), normal) / nn;
-      if (x >= 0 && y >= 0 && x + y <= 1) return true;
-    }
-    return false;
-  }
-
-  double spread(double way) const { return std::pow(10, -s_.absorption_db_per_m * way / 10) / (way * way); }
-
-  Leg from_end(glm::dvec3 end, const Point& p, std::optional<double> surface) const {
-    const glm::dvec3 image = surface ? glm::dvec3(end.x, end.y, -end.z) : end, way = p.at - image;
-    const glm::dvec3 mirrored = image + way * (surface ? -image.z / way.z : 0.0);
-    const bool dark = hidden(mirrored, p.at) || (surface && hidden(end, mirrored));
-    const double r = glm::length(way);
-    return {r, dark ? 0 : surface.value_or(1) * lobe(p, way) * spread(r) * std::sqrt(p.area), false,
-            glm::dot(p.normal, way) < 0};
-  }
-
-  Leg between(const Point& p, const Point& q) const {
-    const glm::dvec3 way = q.at - p.at;
-    const double r = glm::length(way);
-    if (std::abs(glm::dot(p.normal, way)) < 1e-9 * r || hidden(p.at, q.at)) return {};
-    return {r, lobe(p, way) * lobe(q, way) * spread(r) * std::sqrt(p.area * q.area),
-            glm::dot(p.normal, way) > 0, glm::dot(q.normal, way) < 0};
-  }
-
-  const Setting& s_;
-  std::vector<Point> points_;
-  std::vector<std::array<glm::dvec3, 3>> facets_;
-  std::vector<Leg> sent_, heard_, between_;
-};
 
 void expect_near(const Echo& echo, const std::vector<double>& expected, double of_total, double of_bin,
                  const char* what) {
@@ -186,11 +34,12 @@ void expect_near(const Echo& echo, const std::vector<double>& expected, double o
 /// A plate and another one that faces it askew, and a fin that hides parts of them from each other.
 Setting plates(bool fin) {
   Setting s;
+  s.absorption_db_per_m = 0.3;
   add_quad(s.mesh, {-1, -1, -5}, {1, -1, -5}, {1, 1, -5}, {-1, 1, -5}, 0);
   add_quad(s.mesh, {2, -1, -4.5}, {2.25, 1, -4.5}, {2.25, 1, -2.5}, {2, -1, -2.5}, 1);
   if (fin) add_triangle(s.mesh, {1.2, -0.6, -4.9}, {1.5, 0.5, -4.8}, {1.3, 0.1, -3.8}, 1);
-  s.transmit = around({-0.5, 0.25, -2}, -89.99, 20);
-  s.receive = around({-0.25, -0.5, -1.75}, -89.99, 20);
+  s.transmit = around({-0.5, 0.25, -2}, -89.99, 20, 3, 60, 4);
+  s.receive = around({-0.25, -0.5, -1.75}, -89.99, 20, 3, 60, 4);
   s.samples = {1, 0.5, 20};
   s.mu = {0.1, 0.2};
   s.paths.order = 2;
@@ -218,8 +67,8 @@ TEST(PatchPaths, TwoScatteringsByAnyLawAgreeWithTheDoubleSum) {
 // order 4.
 TEST(PatchPaths, MirrorScatterScatterMirrorAgreesWithBruteForceRays) {
   Setting s = plates(true);
-  s.transmit = around({-0.5, 0.25, -2}, 10, 89.99);
-  s.receive = around({0.8, -0.5, -1.75}, 10, 89.99);
+  s.transmit = around({-0.5, 0.25, -2}, 10, 89.99, 3, 60, 4);
+  s.receive = around({0.8, -0.5, -1.75}, 10, 89.99, 3, 60, 4);
   s.samples = {5, 0.5, 14};
   s.paths.order = 4;
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
@@ -254,7 +103,7 @@ Setting in_a_sphere(bool bowl, int scatterings) {
       for (const double z : {-1, 1})
         if (z < 0 || !bowl) add(add, {x, 0, 0}, {0, y, 0}, {0, 0, z}, 2);
   test::weld(s.mesh);
-  s.transmit = s.receive = around({0, 0, 0.01}, -89.9, 89.9);
+  s.transmit = s.receive = around({0, 0, 0.01}, -89.9, 89.9, 3, 60, 4);
   s.samples = {1, 0.25, 50};
   s.mu = {0.2};
   s.absorption_db_per_m = 0;

@@ -11,77 +11,21 @@
 #include <numeric>
 #include <random>
 
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/world/path_scenes.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi, unit = 1.0 / (1 << 20);
+using namespace test;
+
 constexpr std::int32_t metre = 1 << 20;
-
-GridPoint at(double x, double y, double z) {
-  return {std::int32_t(std::lround(x * metre)), std::int32_t(std::lround(y * metre)),
-          std::int32_t(std::lround(z * metre))};
-}
-
-glm::dvec3 metres(GridPoint p) { return glm::dvec3(p.x, p.y, p.z) * unit; }
-
-double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
-
-void add_quad(FacetMesh& mesh, GridPoint a, GridPoint b, GridPoint c, GridPoint d, std::uint16_t material) {
-  const VertexId v[] = {test::add_vertex(mesh, a), test::add_vertex(mesh, b), test::add_vertex(mesh, c),
-                        test::add_vertex(mesh, d)};
-  test::add_facet(mesh, v[0], v[1], v[2]);
-  test::add_facet(mesh, v[0], v[2], v[3]);
-  mesh.material[mesh.material.size() - 1] = mesh.material[mesh.material.size() - 2] = material;
-}
-
-FacetMesh flat_bed(double z, double half, std::uint16_t material = 0) {
-  FacetMesh mesh;
-  add_quad(mesh, at(-half, -half, z), at(half, -half, z), at(half, half, z), at(-half, half, z), material);
-  return mesh;
-}
-
-std::vector<double> steps(double from_deg, double to_deg, int cells) {
-  std::vector<double> edges;
-  for (int k = 0; k <= cells; ++k) edges.push_back((from_deg + (to_deg - from_deg) * k / cells) * pi / 180);
-  return edges;
-}
-
-/// All azimuths about the vertical from an elevation to another.
-TubeSet tubes_at(GridPoint apex, double from_deg, double to_deg, int cells, double reach_m) {
-  TubeSet set;
-  set.apex = apex;
-  set.reach = reach_m / unit;
-  append_tubes(set, {steps(-180, 180, 8), steps(from_deg, to_deg, cells), glm::dmat3(1)});
-  return set;
-}
-
-/// A sonar with a single beam over a mesh whose materials are the given ones.
-struct Setting {
-  FacetMesh mesh;
-  TubeSet transmit, receive;
-  RangeSamples samples;
-  std::vector<double> mu, reflection;
-  PathSettings paths;
-  double absorption_db_per_m = 0;
-
-  PathEcho run(const BeamPatterns* patterns = nullptr) const {
-    const SceneTree tree(mesh);
-    const std::vector<std::uint32_t> beam(receive.tubes.size(), 0);
-    PathSettings settings = paths;
-    settings.mirrors.reflection = reflection;
-    return path_echo(mesh, tree, unit, VisibilityOptions(), transmit, receive, {1, beam}, samples,
-                     {mu, mesh.material, absorption_db_per_m, patterns}, settings);
-  }
-};
 
 /// Depths: source 5 m, receiver 10 m, water 20 m, 100 m apart.
 Setting channel(int order) {
   Setting s;
-  s.mesh = flat_bed(-20, 150);
-  s.transmit = tubes_at(at(0, 0, -5), -86, 86, 2, 180);
-  s.receive = tubes_at(at(100, 0, -10), -86, 86, 2, 180);
+  s.mesh = square_bed(-20, 150);
+  s.transmit = around({0, 0, -5}, -86, 86, 2, 180);
+  s.receive = around({100, 0, -10}, -86, 86, 2, 180);
   s.samples = {40, 0.2, 250};
   s.mu = {1e-12};
   s.reflection = {0.25};
@@ -132,8 +76,8 @@ TEST(PathEcho, AFlatChannelIsTheImageSeries) {
 
 TEST(PathEcho, AFlatMirrorAtNormalIncidenceReturnsByItsImage) {
   Setting s;
-  s.mesh = flat_bed(-20, 50);
-  s.transmit = s.receive = tubes_at(at(3, -2, -5), -90 + 1e-3, -10, 4, 100);
+  s.mesh = square_bed(-20, 50);
+  s.transmit = s.receive = around({3, -2, -5}, -90 + 1e-3, -10, 4, 100);
   s.samples = {0, 0.1, 400};
   s.mu = {1e-12};
   s.reflection = {0.5};
@@ -161,8 +105,8 @@ double rings(double mu, double h1, double h2, double half_path) {
 
 Setting under_surface(int order) {
   Setting s;
-  s.mesh = flat_bed(-20, 200);
-  s.transmit = s.receive = tubes_at(at(0, 0, -5), -88, 88, 8, 120);
+  s.mesh = square_bed(-20, 200);
+  s.transmit = s.receive = around({0, 0, -5}, -88, 88, 8, 120);
   s.samples = {26, 1, 30};
   s.mu = {0.01};
   s.reflection = {0};
@@ -266,8 +210,8 @@ TEST(PathEcho, TheCutOffDropsWhatItSaysAndNothingElse) {
 TEST(PathEcho, EnergyGoesDownWithEveryLoss) {
   Setting s = channel(4);
   s.mu = {0.05};
-  s.mesh = flat_bed(-20, 100);
-  s.transmit = s.receive = tubes_at(at(1, 2, -5), -86, 86, 4, 100);
+  s.mesh = square_bed(-20, 100);
+  s.transmit = s.receive = around({1, 2, -5}, -86, 86, 4, 100);
   s.samples = {5, 0.5, 90};
   std::vector<double> before;
   for (const double loss_db : {0.1, 1.0, 6.0, 20.0}) {
@@ -325,24 +269,23 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(-1, 1);
   Setting s;
-  add_quad(s.mesh, at(4, -3, -2), at(4.5, 4, -2.2), at(4.25, 4, 2.5), at(3.75, -3, 2.4), 1);
-  add_quad(s.mesh, at(-3, 4, -2), at(4.5, 4, -2.2), at(4.25, 4, 2.5), at(-3.1, 4, 2.5), 1);
-  add_quad(s.mesh, at(-6, -6, -1.5), at(7, -6, -1.7), at(7, 7, -1.4), at(-6, 7, -1.6), 0);
+  add_quad(s.mesh, {4, -3, -2}, {4.5, 4, -2.2}, {4.25, 4, 2.5}, {3.75, -3, 2.4}, 1);
+  add_quad(s.mesh, {-3, 4, -2}, {4.5, 4, -2.2}, {4.25, 4, 2.5}, {-3.1, 4, 2.5}, 1);
+  add_quad(s.mesh, {-6, -6, -1.5}, {7, -6, -1.7}, {7, 7, -1.4}, {-6, 7, -1.6}, 0);
   for (int k = 0; k < 6; ++k) {
     VertexId v[3];
     const glm::dvec3 middle{2 + 2.5 * place(random), 2 + 2.5 * place(random), 0.5 + place(random)};
     for (VertexId& id : v) {
       const glm::dvec3 corner{middle.x + place(random), middle.y + place(random), middle.z + place(random)};
-      id = test::add_vertex(s.mesh, at(corner.x, corner.y, corner.z));
+      id = add_vertex(s.mesh, at({corner.x, corner.y, corner.z}));
     }
-    test::add_facet(s.mesh, v[0], v[1], v[2]);
+    add_facet(s.mesh, v[0], v[1], v[2]);
   }
   // Sticks through the first plate, most of it behind: there it must hide nothing.
-  const VertexId spike[] = {test::add_vertex(s.mesh, at(3.6, 0.4, 0.6)),
-                            test::add_vertex(s.mesh, at(7, -2, -0.5)),
-                            test::add_vertex(s.mesh, at(7, 2.5, 1.5))};
-  test::add_facet(s.mesh, spike[0], spike[1], spike[2]);
-  const GridPoint apex = at(-1, -1.25, 0.3);
+  const VertexId spike[] = {add_vertex(s.mesh, at({3.6, 0.4, 0.6})), add_vertex(s.mesh, at({7, -2, -0.5})),
+                            add_vertex(s.mesh, at({7, 2.5, 1.5}))};
+  add_facet(s.mesh, spike[0], spike[1], spike[2]);
+  const GridPoint apex = at({-1, -1.25, 0.3});
   const glm::dvec3 forward = glm::normalize(glm::dvec3(1, 1, -0.1)),
                    right = glm::normalize(glm::cross(forward, {0, 0, 1})), up = glm::cross(right, forward);
   TubeSet set;
@@ -425,10 +368,10 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
 // of the second. A receiver in the transmitter's place is on the border of the two, the corner's edge.
 TEST(PathEcho, ACornerReflectorSendsBackOneImage) {
   Setting s;
-  add_quad(s.mesh, at(5, -5, -5), at(5, 4, -5), at(5, 4, 5), at(5, -5, 5), 0);
-  add_quad(s.mesh, at(-5, 4, -5), at(5, 4, -5), at(5, 4, 5), at(-5, 4, 5), 0);
+  add_quad(s.mesh, {5, -5, -5}, {5, 4, -5}, {5, 4, 5}, {5, -5, 5}, 0);
+  add_quad(s.mesh, {-5, 4, -5}, {5, 4, -5}, {5, 4, 5}, {-5, 4, 5}, 0);
   TubeSet set;
-  set.apex = at(1, 0.5, 0.25);
+  set.apex = at({1, 0.5, 0.25});
   set.reach = 100.0 * metre;
   append_tubes(set, {steps(-60, 60, 3), steps(-30, 30, 2),
                      glm::dmat3(glm::normalize(glm::dvec3(1, 1, 0)), glm::normalize(glm::dvec3(1, -1, 0)),
@@ -446,7 +389,7 @@ TEST(PathEcho, ACornerReflectorSendsBackOneImage) {
   EXPECT_NEAR(paths.by_order[2].at(0, sample(edge)), 0.25 / (4 * edge * edge), 1e-12);
   EXPECT_EQ(paths.arrivals, 3u);
   for (const double aside : {-0.5, 0.5}) {
-    s.receive.apex = at(1 + aside, 0.5, 0.25);
+    s.receive.apex = at({1 + aside, 0.5, 0.25});
     const double length = std::hypot(8 - aside, 7);
     const PathEcho apart = s.run();
     EXPECT_NEAR(apart.by_order[2].at(0, sample(length / 2)), 0.25 / (length * length), 1e-12);
@@ -469,21 +412,21 @@ FacetMesh sphere(double radius, int halvings, bool bowl) {
     VertexId v[3];
     int k = 0;
     for (const glm::dvec3 p : {a, b, c})
-      v[k++] = test::add_vertex(mesh, at(radius * p.x, radius * p.y, radius * p.z));
-    test::add_facet(mesh, v[0], v[1], v[2]);
+      v[k++] = add_vertex(mesh, at({radius * p.x, radius * p.y, radius * p.z}));
+    add_facet(mesh, v[0], v[1], v[2]);
   };
   for (const double x : {-1, 1})
     for (const double y : {-1, 1})
       for (const double z : {-1, 1})
         if (z < 0 || !bowl) add(add, {x, 0, 0}, {0, y, 0}, {0, 0, z}, halvings);
-  test::weld(mesh);
+  weld(mesh);
   return mesh;
 }
 
 Setting in_a_sphere(bool bowl) {
   Setting s;
   s.mesh = sphere(2, 2, bowl);
-  s.transmit.apex = at(0, 0, 0.01);
+  s.transmit.apex = at({0, 0, 0.01});
   s.transmit.reach = 20.0 * metre;
   append_tubes(s.transmit, {steps(-180, 180, 4), steps(-89.9, 89.9, 2), glm::dmat3(1)});
   s.receive = s.transmit;
@@ -521,10 +464,10 @@ TEST(PathEcho, ASphereAndABowlHaveASecondEcho) {
 /// Two plates that face each other askew; neither hides anything.
 Setting two_plates() {
   Setting s;
-  add_quad(s.mesh, at(-1, -1, -2), at(1, -1, -2), at(1, 1, -2), at(-1, 1, -2), 0);
-  add_quad(s.mesh, at(2, -1, -1.5), at(2.25, 1, -1.5), at(2.25, 1, 0.5), at(2, -1, 0.5), 1);
+  add_quad(s.mesh, {-1, -1, -2}, {1, -1, -2}, {1, 1, -2}, {-1, 1, -2}, 0);
+  add_quad(s.mesh, {2, -1, -1.5}, {2.25, 1, -1.5}, {2.25, 1, 0.5}, {2, -1, 0.5}, 1);
   TubeSet set;
-  set.apex = at(-0.5, 0.25, 0.5);
+  set.apex = at({-0.5, 0.25, 0.5});
   set.reach = 20.0 * metre;
   const glm::dvec3 forward = glm::normalize(glm::dvec3(1, 0, -1));
   append_tubes(set, {steps(-75, 75, 4), steps(-75, 75, 3),
@@ -541,7 +484,7 @@ Setting two_plates() {
 
 TEST(PathEcho, TwoScatteringsAreTheDoubleIntegralOverBothFacetsAndConvergeWithThePatches) {
   Setting s = two_plates();
-  s.receive.apex = at(-0.25, -0.5, 0.75);
+  s.receive.apex = at({-0.25, -0.5, 0.75});
   // Midpoint rule over both plates, either one first.
   struct Point {
     glm::dvec3 at, normal;
@@ -591,8 +534,8 @@ TEST(PathEcho, TwoScatteringsOverASurfaceAreThoseOfItsImage) {
   // The second plate seen in the surface stands as far above it: the same as a scene with that plate instead,
   // as far as the way from plate to plate is the one by the surface.
   Setting s;
-  s.mesh = flat_bed(-4, 2);
-  s.transmit = s.receive = tubes_at(at(0, 0, -2), -89, -5, 3, 40);
+  s.mesh = square_bed(-4, 2);
+  s.transmit = s.receive = around({0, 0, -2}, -89, -5, 3, 40);
   s.samples = {0, 40, 1};
   s.mu = {0.2};
   s.reflection = {0};

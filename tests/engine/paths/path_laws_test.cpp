@@ -11,72 +11,13 @@
 #include <stdexcept>
 
 #include "engine/paths/path_echo.hpp"
-#include "engine/paths_for_tests.hpp"
+#include "fixtures/world/path_scenes.hpp"
+#include "fixtures/world/point_sum.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
-
-FacetMesh flat_bed(double z, double half) {
-  FacetMesh mesh;
-  add_quad(mesh, {-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z});
-  return mesh;
-}
-
-/// All azimuths about the vertical.
-TubeSet around(glm::dvec3 apex, double from_deg, double to_deg, int cells, double reach_m) {
-  TubeSet set;
-  set.apex = at(apex);
-  set.reach = reach_m / unit;
-  append_tubes(set, {steps(-180, 180, 8), steps(from_deg, to_deg, cells), glm::dmat3(1)});
-  return set;
-}
-
-/// A square field of view.
-TubeSet towards(glm::dvec3 apex, glm::dvec3 target, double half_deg, int cells, double reach_m) {
-  const glm::dvec3 forward = glm::normalize(target - apex),
-                   right = glm::normalize(glm::cross(forward, {0, 0, 1}));
-  TubeSet set;
-  set.apex = at(apex);
-  set.reach = reach_m / unit;
-  append_tubes(set, {steps(-half_deg, half_deg, cells), steps(-half_deg, half_deg, cells),
-                     glm::dmat3(forward, right, glm::cross(right, forward))});
-  return set;
-}
-
-struct Setting {
-  FacetMesh mesh;
-  TubeSet transmit, receive;
-  RangeSamples samples;
-  std::vector<double> mu, reflection;
-  PathSettings paths;
-  std::vector<std::shared_ptr<const ReflectivityField>> texture{};
-  std::vector<std::shared_ptr<const ScatteringLaw>> scattering{};
-
-  EchoLaw law(glm::dvec3 apex_m) const {
-    EchoLaw law{mu, mesh.material};
-    law.reflectivity = texture;
-    law.scattering = scattering;
-    law.path.out.apex_m = apex_m;
-    return law;
-  }
-  PathEcho run() const {
-    const SceneTree tree(mesh);
-    const std::vector<std::uint32_t> beam(receive.tubes.size(), 0);
-    PathSettings settings = paths;
-    settings.mirrors.reflection = reflection;
-    return path_echo(mesh, tree, unit, VisibilityOptions(), transmit, receive, {1, beam}, samples,
-                     law(metres(transmit.apex)), settings);
-  }
-  /// The ordinary echo.
-  Echo first_order(const TubeSet& there, const TubeSet& back) const {
-    const SceneTree tree(mesh);
-    const std::vector<std::uint32_t> beam(back.tubes.size(), 0);
-    return integrate_echo(trace_bistatic(mesh, tree, unit, VisibilityOptions(), there, back), {1, beam},
-                          samples, law(metres(there.apex)));
-  }
-};
 
 /// A paraboloid bowl, its rim at z = 0, with a fin inside that hides parts of it from each other. Looked at
 /// over the rim, which hides the near side; the receiver is elsewhere.
@@ -111,64 +52,11 @@ Setting bowl() {
 // The double integral over all pairs of points, with a ray for each of the three legs.
 TEST(PathLaws, ABowlsSecondEchoAgreesWithBruteForceRays) {
   const Setting s = bowl();
-  struct Point {
-    glm::dvec3 at, normal;
-    double area, mu;
-    std::size_t facet;
-  };
-  std::vector<Point> points;
-  std::vector<std::array<glm::dvec3, 3>> facets;
-  constexpr int n = 5;
-  for (std::size_t f = 0; f < s.mesh.facets.size(); ++f) {
-    const auto& [i, j, k] = s.mesh.facets[f];
-    const glm::dvec3 a = metres(s.mesh.vertices[i]), u = (metres(s.mesh.vertices[j]) - a) / double(n),
-                     v = (metres(s.mesh.vertices[k]) - a) / double(n), normal = glm::cross(u, v);
-    facets.push_back({a, u * double(n), v * double(n)});
-    for (int x = 0; x < n; ++x)
-      for (int y = 0; x + y < n; ++y)
-        for (int half = 0; half < (x + y + 1 < n ? 2 : 1); ++half)
-          points.push_back({a + (x + (1 + half) / 3.0) * u + (y + (1 + half) / 3.0) * v,
-                            glm::normalize(normal), glm::length(normal) / 2, s.mu[s.mesh.material[f]], f});
-  }
-  const auto hidden = [&](glm::dvec3 from, glm::dvec3 to) {
-    const glm::dvec3 way = to - from;
-    for (const auto& [a, u, v] : facets) {
-      const glm::dvec3 normal = glm::cross(u, v);
-      const double down = glm::dot(normal, way);
-      if (down == 0) continue;
-      const double t = glm::dot(normal, a - from) / down;
-      if (t < 1e-5 || t > 1 - 1e-5) continue;
-      const glm::dvec3 p = from + t * way - a;
-      const double nn = glm::dot(normal, normal), x = glm::dot(glm::cross(p, v), normal) / nn,
-                   y = glm::dot(glm::cross(u, p), normal) / nn;
-      if (x >= 0 && y >= 0 && x + y <= 1) return true;
-    }
-    return false;
-  };
-  const glm::dvec3 from = metres(s.transmit.apex), to = metres(s.receive.apex);
-  std::vector<bool> lit, heard;
-  for (const Point& p : points) {
-    lit.push_back(!hidden(from, p.at));
-    heard.push_back(!hidden(p.at, to));
-  }
+  const PointSum sum(s, 5, std::nullopt);
   // The rim hides something from both.
-  EXPECT_GT(std::count(lit.begin(), lit.end(), false), std::ptrdiff_t(points.size() / 20));
-  EXPECT_GT(std::count(heard.begin(), heard.end(), false), std::ptrdiff_t(points.size() / 20));
-  std::vector<double> expected(s.samples.count);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t j = 0; j < points.size(); ++j) {
-      const Point &p = points[i], &q = points[j];
-      if (!lit[i] || !heard[j] || p.facet == q.facet) continue;
-      const glm::dvec3 in = from - p.at, over = q.at - p.at, out = to - q.at;
-      const double in_p = glm::dot(p.normal, in), out_p = glm::dot(p.normal, over),
-                   in_q = -glm::dot(q.normal, over), out_q = glm::dot(q.normal, out);
-      if (!(in_p * out_p > 0 && in_q * out_q > 0) || hidden(p.at, q.at)) continue;
-      const double r1 = glm::length(in), r2 = glm::length(over), r3 = glm::length(out);
-      const int k = int(((r1 + r2 + r3) / 2 - s.samples.first_m) / s.samples.step_m);
-      ASSERT_TRUE(k >= 0 && k < s.samples.count);
-      expected[k] +=
-          p.mu * q.mu * in_p * out_p * in_q * out_q * p.area * q.area / std::pow(r1 * r2 * r3, 3) / r2;
-    }
+  EXPECT_GT(sum.unlit(), 0.05);
+  EXPECT_GT(sum.unheard(), 0.05);
+  const std::vector<double> expected = sum.scattered_twice();
   const double all = std::accumulate(expected.begin(), expected.end(), 0.0);
   const PathEcho paths = s.run();
   EXPECT_NEAR(total(paths.by_order[2]), all, 0.02 * all);
@@ -197,7 +85,7 @@ TEST(PathLaws, TwoScatteringsGoWithTheAlbedoSquaredAndStayBelowTheFirst) {
 // Between two level mirrors paths get longer with every reflection, and each costs the albedo.
 TEST(PathLaws, OrdersOfAChannelFallByTheAlbedoAndTheirSumConverges) {
   Setting s;
-  s.mesh = flat_bed(-20, 120);
+  s.mesh = square_bed(-20, 120);
   s.transmit = around({0, 0, -5}, -86, 86, 2, 250);
   s.receive = around({30, 5, -12}, -86, 86, 2, 250);
   s.samples = {10, 1, 100};
@@ -232,7 +120,7 @@ TEST(PathLaws, OrdersOfAChannelFallByTheAlbedoAndTheirSumConverges) {
 // scattered once. The bed is no mirror of its own.
 TEST(PathLaws, ScatteredOrdersFallByTheAlbedoOfTheirMirrors) {
   Setting s;
-  s.mesh = flat_bed(-20, 60);
+  s.mesh = square_bed(-20, 60);
   s.transmit = s.receive = around({0, 0, -5}, -86, 86, 2, 120);
   s.samples = {10, 1, 45};
   s.paths.order = 4;
@@ -259,7 +147,7 @@ TEST(PathLaws, ScatteredOrdersFallByTheAlbedoOfTheirMirrors) {
 
 TEST(PathLaws, TransmitterAndReceiverMayChangePlaces) {
   Setting s;
-  s.mesh = flat_bed(-4, 3);
+  s.mesh = square_bed(-4, 3);
   add_quad(s.mesh, {3.1, -2, -3.5}, {3.1, 2, -3.5}, {3.1, 2, -1}, {3.1, -2, -1}, 1);
   add_triangle(s.mesh, {-1, 0.5, -2.5}, {0.5, 1.5, -3}, {-0.5, 0, -1.5}, 0);
   s.transmit = around({-0.5, 0.25, -1}, -85, 85, 3, 40);
@@ -302,7 +190,7 @@ class Waves : public ReflectivityField {
 TEST(PathLaws, OverAMirrorTheBedHasItsTextureAndItsLaw) {
   for (const bool textured : {false, true}) {
     Setting s;
-    s.mesh = flat_bed(-20, 200);
+    s.mesh = square_bed(-20, 200);
     s.transmit = s.receive = around({1.5, -2, -5}, -88, 88, 6, 120);
     s.samples = {27, 2, 10};
     s.mu = {0.01};

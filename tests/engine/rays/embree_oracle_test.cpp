@@ -13,9 +13,9 @@
 #include <optional>
 #include <string>
 
+#include "fixtures/geometry/small_views.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
-#include "geometry/small_views_for_tests.hpp"
 
 // The measures of footprints against Embree's rays: solid angles against directions drawn uniformly from the
 // tube, areas against points drawn uniformly from the facets. The sampling is the test's own, and so are

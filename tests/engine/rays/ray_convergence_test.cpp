@@ -8,8 +8,8 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/rays_for_tests.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/world/ray_scenes.hpp"
 #include "geometry/search/scene_tree.hpp"
 
 namespace tubefoot {

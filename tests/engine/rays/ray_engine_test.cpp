@@ -13,7 +13,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
-#include "engine/rays_for_tests.hpp"
+#include "fixtures/world/ray_scenes.hpp"
 #include "geometry/integrals/measure.hpp"
 
 namespace tubefoot {

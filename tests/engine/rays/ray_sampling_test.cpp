@@ -8,7 +8,7 @@
 #include <numeric>
 #include <set>
 
-#include "engine/rays_for_tests.hpp"
+#include "fixtures/world/ray_scenes.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,10 +8,10 @@
 #include <numeric>
 #include <vector>
 
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/arithmetic/arithmetic_double.hpp"
 #include "geometry/arithmetic/arithmetic_fixed.hpp"
 #include "geometry/arithmetic/wide_vector.hpp"
-#include "geometry/scenes_for_tests.hpp"
 
 // Laws of the one predicate, sign det(n1, n2, n3), and agreement of its tiers with plain big integers.
 namespace tubefoot {
@@ -99,6 +99,7 @@ int side(const TestPlane& p, const TestPlane& q, const TestPlane& r, int sign = 
   return decided;
 }
 
+// Laws A1, A2, A3 and A4.
 TEST(Arithmetic, SignsOfThreePlanesEqualBigIntegersAndObeyTheirLaws) {
   Random random(1);
   int zeros = 0;
@@ -120,6 +121,7 @@ TEST(Arithmetic, SignsOfThreePlanesEqualBigIntegersAndObeyTheirLaws) {
   EXPECT_GT(zeros, 20000);
 }
 
+// Law A3.
 TEST(Arithmetic, TurningAPlaneRoundTurnsTheSign) {
   Random random(2);
   for (int k = 0; k < 20000; ++k) {
@@ -134,6 +136,7 @@ TEST(Arithmetic, TurningAPlaneRoundTurnsTheSign) {
   }
 }
 
+// Law A5.
 TEST(Arithmetic, SidesOfPointsEqualBigIntegers) {
   Random random(3);
   int zeros = 0;
@@ -208,6 +211,7 @@ TestFacets random_facets(Random& random) {
   }
 }
 
+// Laws A6 and F1.
 TEST(Arithmetic, FacetPlanesAreExactAndFaceTheApex) {
   Random random(4);
   for (int k = 0; k < 20000; ++k) {
@@ -230,6 +234,7 @@ TEST(Arithmetic, FacetPlanesAreExactAndFaceTheApex) {
   }
 }
 
+// Law A7.
 TEST(Arithmetic, DepthPlanesObeyTheirIdentities) {
   Random random(5);
   for (int k = 0; k < 6000; ++k) {
@@ -263,6 +268,7 @@ TEST(Arithmetic, DepthPlanesObeyTheirIdentities) {
   }
 }
 
+// Law A10.
 TEST(Arithmetic, ExtremesFitTheBitBudget) {
   // All corners of the coordinate cube: normals, offsets and determinants are as large as they can be.
   std::vector<GridPoint> corners;
@@ -327,6 +333,7 @@ TEST(Arithmetic, DoubleDecidesNearlyAllRandomSignsAndNoPlantedZero) {
   EXPECT_GT(deep, cases / 10 * 0.999);
 }
 
+// Law A9.
 TEST(Arithmetic, ErrorBoundsHold) {
   Random random(8);
   for (int k = 0; k < 20000; ++k) {

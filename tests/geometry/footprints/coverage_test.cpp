@@ -11,9 +11,9 @@
 #include <map>
 #include <numbers>
 
-#include "geometry/exact_for_tests.hpp"
-#include "geometry/looks_for_tests.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 
 namespace tubefoot {
 namespace {
@@ -361,6 +361,7 @@ Shares oracle(const FacetMesh& mesh, const std::vector<CoverageLook>& looks) {
   return shares;
 }
 
+// Law O1.
 TEST(Coverage, IsThatOfInclusionAndExclusionInRationals) {
   std::size_t cut = 0, shadows = 0, several = 0;
   for (std::uint64_t seed = 1; seed <= 24 / test::one_in; ++seed) {
@@ -392,6 +393,7 @@ TEST(Coverage, IsThatOfInclusionAndExclusionInRationals) {
   EXPECT_GT(several, 30 / test::one_in);
 }
 
+// Law O2.
 TEST(Coverage, NeitherOrderOfPingsNorSplittingOfTubesChangesAnything) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

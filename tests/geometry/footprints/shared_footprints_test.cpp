@@ -10,11 +10,11 @@
 #include <numeric>
 #include <tuple>
 
-#include "geometry/exact_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
-#include "geometry/looks_for_tests.hpp"
-#include "geometry/scenes_for_tests.hpp"
 
 namespace tubefoot {
 namespace {
@@ -135,6 +135,7 @@ void expect_equal(const Parts& got, const Parts& expected) {
   EXPECT_EQ(got.size(), expected.size());
 }
 
+// Law S1.
 TEST(SharedFootprints, AreThoseOfRationalClipping) {
   std::size_t shared = 0;
   for (const std::uint64_t seed : {20261, 20262})
@@ -161,6 +162,7 @@ TEST(SharedFootprints, AreThoseOfRationalClipping) {
   EXPECT_GT(shared, 1500u);
 }
 
+// Law S3.
 TEST(SharedFootprints, OfOneApexAreItsFootprintsAndNeighboursShareNothing) {
   for (const test::Scene& scene : test::stumbling_blocks(20263)) {
     SCOPED_TRACE(scene.name);
@@ -186,6 +188,7 @@ TEST(SharedFootprints, OfOneApexAreItsFootprintsAndNeighboursShareNothing) {
   }
 }
 
+// Laws S2 and S4.
 TEST(SharedFootprints, AddUpToWhatTheOtherSeesOfAFootprint) {
   // However the receiver's sector is cut into tubes, and by swapping the two.
   test::Random random(20264);
@@ -287,6 +290,7 @@ TEST(SharedFootprints, TheTwoSidesOfAFacetAreNotTheSame) {
   EXPECT_EQ(share(mesh, b, b).facets.size(), 1u);
 }
 
+// Law S2.
 TEST(SharedFootprints, ContactsWithoutAreaGiveNothingAndAGridUnitDoes) {
   // A plate at y = 1000; the tubes' windows on it are squares that touch in an edge, in a corner, or overlap
   // by one unit.

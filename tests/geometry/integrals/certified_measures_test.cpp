@@ -7,12 +7,12 @@
 #include <cmath>
 #include <string>
 
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
-#include "geometry/looks_for_tests.hpp"
 #include "geometry/numbers/ball.hpp"
-#include "geometry/scenes_for_tests.hpp"
 
 namespace tubefoot {
 namespace {
@@ -62,6 +62,7 @@ Ball area(const std::vector<Vector>& d, const Vector& n, const Integer& offset) 
   return sum * squared(ball(offset)) / (Ball(2) * root(ball(dot(n, n))));
 }
 
+// Law M4.
 TEST(CertifiedMeasures, AreasAndSolidAnglesOfFootprintsAreThoseOfTheirExactCorners) {
   constexpr double unit = 0x1p-10;
   std::size_t compared = 0;

@@ -9,10 +9,10 @@
 #include <numeric>
 #include <optional>
 
+#include "fixtures/geometry/layered_scenes.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/integrals/range_cut.hpp"
-#include "geometry/layered_scenes_for_tests.hpp"
 
 // Closed forms of footprints, shadows, solid angles and range bins (physics sheet, section 7), through the
 // whole kernel: facets and tubes on the grid, what is seen, footprints, measures and range cuts.

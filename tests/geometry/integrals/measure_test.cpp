@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 
 namespace tubefoot {
 namespace {
@@ -63,6 +63,7 @@ TEST(SolidAngle, SmallGrazingPolygonsKeepTheirDigits) {
   EXPECT_EQ(solid_angle(planar(strip, flat_bed(0))), 0);
 }
 
+// Law M2.
 TEST(SolidAngle, AddsUpUnderSplitting) {
   const unsigned seed = 20240607;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -119,6 +120,7 @@ TEST(Area, RectangularPyramid) {
               1e-15);
 }
 
+// Law M1.
 TEST(Area, TheOtherTurnIsNegative) {
   const Polygon2 p{{1, 0}, {1, 1}, {0, 0}};
   EXPECT_DOUBLE_EQ(area(planar(p, flat_bed(2))), 0.5);
@@ -184,6 +186,7 @@ TEST(SlantRange, AgreesWithSampledPolygons) {
   }
 }
 
+// Law M3.
 TEST(Centroid, StaysInsideWhereTheAreaIsLost) {
   const FacetPlane plane = flat_bed(10);
   const glm::dvec2 c = centroid_offset(planar(Polygon2{{5, 5}, {6, 6}, {7, 7}}, plane));

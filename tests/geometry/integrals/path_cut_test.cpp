@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 
 namespace tubefoot {
 namespace {
@@ -68,6 +68,7 @@ double ellipse_area(const Apexes& apexes, double path) {
   return pi * std::sqrt(a2) * b2 * (1 - p * p / w) / std::sqrt(w);
 }
 
+// Law P1.
 TEST(PathCut, BinsOfAPlaneAreDifferencesOfEllipses) {
   const Polygon2 plane{{-300, -280}, {310, -300}, {290, 300}, {-300, 310}};
   for (const Apexes& apexes :
@@ -150,6 +151,7 @@ double area_of(const Polygon2& polygon) {
   return twice / 2;
 }
 
+// Law P3.
 TEST(PathCut, PolygonsAnywhereAgreeWithTheAffineMapToACircle) {
   const unsigned seed = 31415;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -193,6 +195,7 @@ TEST(PathCut, ShortestPathInsideOnAnEdgeAndAtACorner) {
   }
 }
 
+// Law P2.
 TEST(PathCut, NeedlesAndCornersAtTheShortestPathAddUp) {
   // Apexes micrometres from the plane, needles, and corners and edges within rounding of the point of
   // shortest path: whatever the samples, their areas are the polygon's.
@@ -225,6 +228,7 @@ TEST(PathCut, NeedlesAndCornersAtTheShortestPathAddUp) {
   }
 }
 
+// Law P3.
 TEST(PathCut, SharesOfRandomPointsAreBinomial) {
   const unsigned seed = 27182;
   SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "geometry/plane_polygons.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 
 namespace tubefoot {
 namespace {
@@ -161,6 +161,7 @@ TEST(RangeCut, RangeRingsOfAnAzimuthSlice) {
     ASSERT_LT(relative(areas[k], f * (9.9 + (double(k) + 0.5) * 0.0125) * 0.0125), 1e-12) << k;
 }
 
+// Law R1.
 TEST(RangeCut, EverySampleAgreesWithTheOracle) {
   const unsigned seed = 4711;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -182,6 +183,7 @@ TEST(RangeCut, EverySampleAgreesWithTheOracle) {
   }
 }
 
+// Law R2.
 TEST(RangeCut, SumOverSamplesIsTheIntegralOverThePolygon) {
   const unsigned seed = 99;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -230,6 +232,7 @@ TEST(RangeCut, AnEdgeThatAllButTouchesTheFoot) {
     }
 }
 
+// Law R3.
 TEST(RangeCut, AddsUpUnderSplittingOfThePolygon) {
   const unsigned seed = 31;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -251,6 +254,7 @@ TEST(RangeCut, AddsUpUnderSplittingOfThePolygon) {
   }
 }
 
+// Law R4.
 TEST(RangeCut, AddsUpUnderSplittingOfTheSamples) {
   const unsigned seed = 32;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -270,6 +274,7 @@ TEST(RangeCut, AddsUpUnderSplittingOfTheSamples) {
   }
 }
 
+// Law R5.
 TEST(RangeCut, SmallPolygonsFarAwayKeepTheirDigits) {
   const unsigned seed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <set>
 
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -122,6 +122,7 @@ std::array<std::int64_t, 3> doubled_area(const FacetMesh& mesh, const std::array
 
 /// A mesh whose every part of a base edge is met by as many facets as the base edge, and every other edge by
 /// two, has no T-junction: a vertex on the inside of an edge would end other edges there.
+// Law D1.
 TEST(EdgeRefinement, FacetsThatShareAnEdgeShareItsParts) {
   std::size_t shared_by_three = 0;
   for (std::uint64_t seed = 1; seed <= 20 / one_in + 1; ++seed) {
@@ -167,6 +168,7 @@ TEST(EdgeRefinement, FacetsThatShareAnEdgeShareItsParts) {
   EXPECT_GT(shared_by_three, 50u / one_in);
 }
 
+// Law D2.
 TEST(EdgeRefinement, PartsOfAFacetFillItExactly) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
@@ -192,6 +194,7 @@ TEST(EdgeRefinement, PartsOfAFacetFillItExactly) {
 }
 
 /// OpenMesh refuses what is not manifold: it is the judge.
+// Law D1.
 TEST(EdgeRefinement, AClosedMeshStaysClosedWhereverItsPointsGo) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
@@ -253,6 +256,7 @@ Corners corners_near(const RefinedMesh& refined, glm::dvec3 centre, double radiu
 
 /// The guarantee that local refinement rests on: a rule that cuts an edge where the ball of twice its length
 /// about its middle meets a region leaves the same facets there as a rule that cuts everywhere.
+// Law D3.
 TEST(EdgeRefinement, LocalRefinementEqualsUniformRefinementWhereItLooks) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
@@ -272,6 +276,7 @@ TEST(EdgeRefinement, LocalRefinementEqualsUniformRefinementWhereItLooks) {
   }
 }
 
+// Law D4.
 TEST(EdgeRefinement, DoesNotDependOnThreadsOrOnOtherFacets) {
   const FacetMesh base = knotted_soup(11);
   const SizeRule rule = rough_rule(11, 0.2);

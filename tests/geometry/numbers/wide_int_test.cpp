@@ -42,6 +42,7 @@ Big number(Random& random, int bits) {
   return random() % 2 ? Big(-x) : x;
 }
 
+// Law W3.
 TEST(WideInt, ProductsEqualBigIntegers) {
   Random random(1);
   for (int k = 0; k < 200000; ++k) {
@@ -52,6 +53,7 @@ TEST(WideInt, ProductsEqualBigIntegers) {
   }
 }
 
+// Law W3.
 TEST(WideInt, SumsEqualBigIntegers) {
   Random random(2);
   for (int k = 0; k < 200000; ++k) {
@@ -83,6 +85,7 @@ TEST(WideInt, DotProductsOfTheLargestVectorsFit) {
   }
 }
 
+// Law W3.
 TEST(WideInt, DoublesAreWithinTwoUnitsInTheLastPlace) {
   Random random(3);
   for (int k = 0; k < 200000; ++k) {

@@ -30,6 +30,7 @@ TEST(WorldGrid, SnapsToTheNearestPointTiesAwayFromZero) {
   EXPECT_EQ(grid.snap({0.49999999999999994, -0.49999999999999994, 2.4}), (GridPoint{0, 0, 2}));
 }
 
+// Law W2.
 TEST(WorldGrid, SnappingMovesAtMostHalfAUnitAndGridPointsNotAtAll) {
   constexpr unsigned kSeed = 20240521;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -47,6 +48,7 @@ TEST(WorldGrid, SnappingMovesAtMostHalfAUnitAndGridPointsNotAtAll) {
   }
 }
 
+// Law W1.
 TEST(WorldGrid, FittingChoosesTheFinestUnitThatHoldsEveryDifference) {
   constexpr std::int64_t kReach = std::int64_t{1} << WorldGrid::coordinate_bits;
   for (double side : {1e-3, 1.0, 511.9, 1023.9, 1024.1, 1e4, 123456.0, 1e9}) {

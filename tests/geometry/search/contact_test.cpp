@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/search/vertical_line.hpp"
 
 namespace tubefoot {
@@ -18,6 +18,7 @@ std::optional<Part> contact(const FacetMesh& mesh, GridPoint point) {
   return found ? std::optional(found->part) : std::nullopt;
 }
 
+// Law F3.
 TEST(Contact, IsToldToTheGridUnit) {
   // As large as the grid allows: products of three coordinates have 94 bits.
   constexpr std::int32_t far = 1 << 29;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/visibility/closure.hpp"
 
 // The law: what a tube sees does not depend on whether sheets were looked for. And the proof of a sheet must
@@ -132,6 +132,7 @@ TEST(HeightSheets, ARampIsASheetUntilItPassesOverItself) {
   EXPECT_EQ(HeightSheets(ramp(1.25, 1000)).count(), 0u);
 }
 
+// Law H1.
 TEST(HeightSheets, ATipThatPokesOverAnotherBorderIsFound) {
   FacetMesh mesh = ramp(0.9, 1000);
   GridPoint& tip = mesh.vertices.back();
@@ -167,8 +168,10 @@ FacetMesh two_storeys(std::int32_t unit) {
   return mesh;
 }
 
+// Law H1.
 TEST(HeightSheets, TwoStoreysJoinedAtASlitAreNone) { EXPECT_EQ(HeightSheets(two_storeys(1000)).count(), 0u); }
 
+// Law H1.
 TEST(HeightSheets, AnOverhangIsCutOutOfItsSheet) {
   Random random(3);
   FacetMesh mesh = terrain(random, 12);
@@ -194,6 +197,7 @@ TEST(HeightSheets, AnOverhangIsCutOutOfItsSheet) {
   }
 }
 
+// Law H2.
 TEST(HeightSheets, ChangeNothingThatIsSeen) {
   std::size_t left = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 60 / one_in; ++seed) {

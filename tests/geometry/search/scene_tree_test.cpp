@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/mesh/facet_cone.hpp"
-#include "geometry/scenes_for_tests.hpp"
 #include "geometry/visibility/visibility.hpp"
 
 namespace tubefoot {
@@ -61,6 +61,7 @@ double box_distance(const FacetMesh& mesh, FacetId f, GridPoint apex) {
   return std::sqrt(sum);
 }
 
+// Law T1.
 TEST(SceneTree, MissesNoFacetThatMeetsThePyramid) {
   std::size_t expected = 0, returned = 0, asked = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed)
@@ -182,6 +183,7 @@ TEST(SceneTree, KeepsAlikeDegenerateAndExtremeFacets) {
   EXPECT_TRUE(behind.empty());
 }
 
+// Law V11.
 TEST(SceneTree, BeyondTheReachNothingIsSeenAndNothingHides) {
   FacetMesh mesh;
   add_plate(mesh, 100, 2, 100, false);

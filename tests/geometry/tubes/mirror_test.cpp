@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "geometry/looks_for_tests.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
@@ -17,6 +17,7 @@ namespace {
 
 glm::dvec3 real(GridPoint p) { return {p.x, p.y, p.z}; }
 
+// Law I1.
 TEST(Mirror, HorizontalImagesAreExact) {
   const MirrorPlane surface = MirrorPlane::horizontal(17);
   EXPECT_EQ(surface.image({5, -6, -100}), (GridPoint{5, -6, 134}));
@@ -26,6 +27,7 @@ TEST(Mirror, HorizontalImagesAreExact) {
   EXPECT_THROW(surface.image({0, 0, -2147483647}), GridRangeError);
 }
 
+// Law I1.
 TEST(Mirror, ImagesAreNearestGridPointsAndBackAgain) {
   const unsigned seed = 8128;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -64,6 +66,7 @@ TEST(Mirror, CoplanarFacetsHaveTheSamePlaneAndItsSidesDiffer) {
   EXPECT_TRUE(first < MirrorPlane::of_facet(mesh, 0, below) || MirrorPlane::of_facet(mesh, 0, below) < first);
 }
 
+// Law I2.
 TEST(Mirror, FacetsEndAtThePlane) {
   FacetMesh mesh;
   for (const GridPoint p :
@@ -102,6 +105,7 @@ CGAL::Exact_rational area_of(const TubeSet& set, const ExactVector& axis) {
   return sum;
 }
 
+// Law B4.
 TEST(WindowTubes, AFanOfConesIsTheirUnionExactly) {
   // Cones of 3 to 9 corners about a common ray, all corners of one convex cone: their areas add up to its
   // own.
@@ -154,6 +158,7 @@ TEST(WindowTubes, LeavesOutWhatRoundingMakesFlat) {
   EXPECT_FALSE(holds(windows.tubes(), 0, {-1, 1 << 29, 1000}, 1e-9));
 }
 
+// Law I3.
 TEST(LineOfSight, AgreesWithRationalsOnSmallNumbers) {
   const unsigned seed = 33550336;
   SCOPED_TRACE(testing::Message() << "seed " << seed);

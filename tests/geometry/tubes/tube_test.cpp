@@ -77,6 +77,7 @@ TEST(Direction, FollowsTheFramesColumns) {
   EXPECT_TRUE(near(direction(grid, 90 * degree, 30 * degree), {std::sqrt(0.75), 0, 0.5}));
 }
 
+// Law B1.
 TEST(IntegerRay, RoundsToNearestAndKeepsToTheBitBudget) {
   constexpr std::int32_t largest = (1 << 30) - 1;
   EXPECT_EQ(integer_ray({1, 0, 0}), (GridPoint{largest, 0, 0}));
@@ -109,6 +110,7 @@ TEST(AppendTubes, IsAzimuthMajorAndReturnsTheFirst) {
   EXPECT_NEAR(std::asin(mean.z) / degree, 20, 0.5);
 }
 
+// Law B3.
 TEST(AppendTubes, WallsPointInwardInEitherHandednessAndAnyAttitude) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
@@ -127,6 +129,7 @@ TEST(AppendTubes, WallsPointInwardInEitherHandednessAndAnyAttitude) {
   }
 }
 
+// Law B2.
 TEST(AppendTubes, NeighboursShareRaysSoThatTheyPartitionTheSector) {
   TubeSet set;
   const int columns = 7, rows = 4;
@@ -144,6 +147,7 @@ TEST(AppendTubes, NeighboursShareRaysSoThatTheyPartitionTheSector) {
   EXPECT_EQ(border, 2 * (columns + rows));
 }
 
+// Law B2.
 TEST(AppendTubes, AFullTurnHasNoSeam) {
   TubeSet set;
   append_tubes(set, sector(360, 36, 40, 1));
@@ -156,6 +160,7 @@ TEST(AppendTubes, AFullTurnHasNoSeam) {
 
 // physics.md 7.3. A cell's upper and lower walls are great circles through its corners, so a cell of half
 // azimuth a and corner elevation +-e is a rectangular pyramid of half angles a and e' = atan(tan e / cos a).
+// Law B2.
 TEST(AppendTubes, SolidAnglesSumToTheSectors) {
   const auto pyramid = [](double half_azimuth, double corner_elevation) {
     return 4 * std::asin(std::sin(half_azimuth) *

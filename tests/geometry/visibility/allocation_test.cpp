@@ -3,8 +3,8 @@
 
 #include <new>
 
+#include "fixtures/geometry/layered_scenes.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
-#include "geometry/layered_scenes_for_tests.hpp"
 #include "validation/bench/allocations.hpp"
 
 // In the steady state nothing is allocated: not per predicate, not per facet, not per footprint. A program of

@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
-#include "geometry/exact_for_tests.hpp"
-#include "geometry/small_views_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/small_views.hpp"
 #include "geometry/visibility/closure.hpp"
 
 // The arithmetic that constructs everything in rationals against the two that decide by names, doubles and
@@ -37,6 +37,7 @@ Answer answer(const Scene& scene, const SceneTree& tree, std::uint32_t tube, Ari
   return found;
 }
 
+// Law V2.
 TEST(ArithmeticOracle, FixedAndFilteredSeeWhatRationalSees) {
   std::map<std::string, std::size_t> compared;
   for (std::uint64_t seed = 1; seed < 1 + (4 + one_in - 1) / one_in; ++seed) {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
-#include "geometry/looks_for_tests.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 
 // The audit must have teeth: any tampering with a result shows.
 namespace tubefoot {
@@ -59,6 +59,7 @@ void on_soups(const Check& check) {
   }
 }
 
+// Law C1.
 TEST(Closure, EmptySceneIsAllOpenWater) {
   const Seen seen = see_first_tube({}, forward_tubes({1, 2, 3}, 1, 1, 30, 20));
   const TubeAudit audit = seen.check(seen.visibility);
@@ -92,6 +93,7 @@ TEST(Closure, CoveredFractionIsThatOfTheGnomonicPlane) {
   }
 }
 
+// Laws C1 and C2.
 TEST(Closure, AMissingPieceShows) {
   on_soups([](const Seen& seen, const TubeAudit& right) {
     for (const std::size_t k : some(seen.visibility.pieces.size())) {
@@ -110,6 +112,7 @@ TEST(Closure, AMissingPieceShows) {
   });
 }
 
+// Laws C1 and C2.
 TEST(Closure, ADoubledPieceShows) {
   on_soups([](const Seen& seen, const TubeAudit& right) {
     for (const std::size_t k : some(seen.visibility.pieces.size())) {
@@ -126,6 +129,7 @@ TEST(Closure, ADoubledPieceShows) {
   });
 }
 
+// Law C2.
 TEST(Closure, APieceOfAnotherFacetShowsInTheHash) {
   on_soups([](const Seen& seen, const TubeAudit& right) {
     for (const std::size_t k : some(seen.visibility.pieces.size())) {
@@ -139,6 +143,7 @@ TEST(Closure, APieceOfAnotherFacetShowsInTheHash) {
   });
 }
 
+// Laws C1 and C2.
 TEST(Closure, AMovedCornerShows) {
   on_soups([](const Seen& seen, const TubeAudit& right) {
     const TubeVisibility& original = seen.visibility;
@@ -161,6 +166,7 @@ TEST(Closure, AMovedCornerShows) {
   });
 }
 
+// Law C2.
 TEST(Closure, HowAPieceIsCutUpDoesNotShow) {
   std::size_t cut = 0;
   on_soups([&](const Seen& seen, const TubeAudit& right) {
@@ -198,6 +204,7 @@ TEST(Closure, HashTellsTubesFacetsAndDepthsApart) {
   });
 }
 
+// Law C2.
 TEST(Closure, HashesAddUpInAnyOrder) {
   std::vector<TopologyHash> hashes;
   std::set<std::string> distinct;

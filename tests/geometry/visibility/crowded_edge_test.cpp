@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/looks_for_tests.hpp"
-#include "geometry/scenes_for_tests.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/visibility/closure.hpp"
 
 namespace tubefoot {
@@ -61,6 +61,7 @@ TEST(CrowdedEdge, WhatIsSeenIsWhatIsSeenOfPagesThatShareNothing) {
   EXPECT_EQ(shared.audit.hash, apart.audit.hash);
 }
 
+// Law V2.
 TEST(CrowdedEdge, EveryArithmeticSeesTheSame) {
   const FacetMesh mesh = book(60, true);
   const Book fixed = open_book(mesh, Arithmetic::fixed);

@@ -11,8 +11,8 @@
 #include <map>
 #include <string>
 
-#include "geometry/exact_for_tests.hpp"
-#include "geometry/small_views_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/small_views.hpp"
 #include "geometry/visibility/visibility.hpp"
 
 // What the kernel sees, against CGAL's lower envelope of triangles. The projective map
@@ -118,6 +118,7 @@ std::size_t compare_with_envelope(const Scene& scene) {
   return compared;
 }
 
+// Law V1.
 TEST(EnvelopeOracle, AreasEqualThoseOfTheLowerEnvelope) {
   std::size_t compared = 0, scenes = 0;
   for (std::uint64_t seed = 201; seed < 201 + (12 + one_in - 1) / one_in; ++seed)

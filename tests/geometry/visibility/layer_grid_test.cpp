@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 
-#include "geometry/exact_for_tests.hpp"
-#include "geometry/layered_scenes_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
 
 // What the layer grid says of facets and pairs, against what is so: every facet is clipped by every other, in
 // rationals, with no grid and no reasoning about surfaces.
@@ -213,6 +213,7 @@ void check(const Scene& scene, Tally& tally) {
   }
 }
 
+// Laws L1 and L2.
 TEST(LayerGrid, HidesOnlyTheHiddenAndMissesNoOccluder) {
   Tally tally;
   const std::uint64_t seed = 1;

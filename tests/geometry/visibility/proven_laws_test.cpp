@@ -30,6 +30,7 @@ std::uint64_t seed() {
 
 class ProvenLaws : public testing::TestWithParam<std::uint64_t> {};
 
+// Laws C1, V2, A1, A2, A3, A4, A5, A6, A8, V3, V4, V6, V7 and V8.
 TEST_P(ProvenLaws, HoldOnEveryTube) {
   Prover prover;
   Ledger ledger;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/arithmetic/arithmetic_filtered.hpp"
 #include "geometry/arithmetic/arithmetic_fixed.hpp"
 #include "geometry/arithmetic/arithmetic_rational.hpp"
-#include "geometry/scenes_for_tests.hpp"
 #include "geometry/visibility/visibility_solver.hpp"
 #include "prove/small_scenes.hpp"
 
@@ -152,6 +152,7 @@ TYPED_TEST(TiersOf, NamesSettleTheZerosOfSharedVertices) {
   }
 }
 
+// Law A8.
 TYPED_TEST(TiersOf, IntegersSettleTheZerosThatNoNameTells) {
   // A ray through a vertex, walls through edges, coplanar facets: coincidences of numbers, not of names.
   Random random(5);

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "geometry/layered_scenes_for_tests.hpp"
-#include "geometry/looks_for_tests.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 
 // Tubes that gather their facets together see what each of them sees alone, bit for bit.
 namespace tubefoot {
@@ -74,6 +74,7 @@ void compare(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
   EXPECT_EQ(next, run.end);
 }
 
+// Law V12.
 TEST(TubeRuns, SeeWhatEachTubeSeesAlone) {
   Compared compared;
   for (std::uint64_t seed = 1; seed <= 24 / one_in; ++seed) {

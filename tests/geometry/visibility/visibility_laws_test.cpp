@@ -6,8 +6,8 @@
 #include <numeric>
 #include <set>
 
-#include "geometry/layered_scenes_for_tests.hpp"
-#include "geometry/looks_for_tests.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 
 // Laws that what is seen obeys on every scene, whatever the algorithm. All are equalities of rationals.
 namespace tubefoot {
@@ -49,6 +49,7 @@ bool shares_plane(const FacetMesh& mesh, FacetId f, GridPoint apex) {
   return false;
 }
 
+// Laws C1 and V2.
 TEST(VisibilityLaws, ExactArithmeticsCloseAndAgree) {
   std::size_t tubes = 0;
   on_all_scenes(1, 16, [&](const Scene& scene, Random&) {
@@ -65,6 +66,7 @@ TEST(VisibilityLaws, ExactArithmeticsCloseAndAgree) {
   EXPECT_GT(tubes, 3000 / one_in);
 }
 
+// Law V8.
 TEST(VisibilityLaws, SplittingATubeInternallyChangesNothing) {
   std::size_t finer = 0;
   on_all_scenes(101, 12, [&](const Scene& scene, Random&) {
@@ -80,6 +82,7 @@ TEST(VisibilityLaws, SplittingATubeInternallyChangesNothing) {
   EXPECT_GT(finer, 100 / one_in) << "hardly a tube was split: the test says little";
 }
 
+// Law V3.
 TEST(VisibilityLaws, OrderAndNamesChangeNothing) {
   on_all_scenes(201, 16, [&](const Scene& scene, Random& random) {
     const std::string expected = look(scene.mesh, scene.tubes).hash.hex();
@@ -109,6 +112,7 @@ TEST(VisibilityLaws, OrderAndNamesChangeNothing) {
   });
 }
 
+// Law V4.
 TEST(VisibilityLaws, TranslationChangesNothing) {
   on_all_scenes(301, 16, [&](const Scene& scene, Random& random) {
     const GridPoint by{uniform(random, -(1 << 29), 1 << 29), uniform(random, -(1 << 29), 1 << 29),
@@ -120,6 +124,7 @@ TEST(VisibilityLaws, TranslationChangesNothing) {
   });
 }
 
+// Law V5.
 TEST(VisibilityLaws, ScalingAboutTheApexAndTurningTheAxesKeepAreas) {
   on_all_scenes(401, 16, [&](const Scene& scene, Random& random) {
     const auto expected = areas_of(scene.mesh, scene.tubes);
@@ -159,6 +164,7 @@ TEST(VisibilityLaws, ScalingAboutTheApexAndTurningTheAxesKeepAreas) {
   });
 }
 
+// Law V7.
 TEST(VisibilityLaws, SplittingAFacetChangesNothing) {
   std::size_t split = 0;
   on_all_scenes(501, 14, [&](const Scene& scene, Random& random) {
@@ -209,6 +215,7 @@ TEST(VisibilityLaws, SplittingAFacetChangesNothing) {
   EXPECT_GT(split, 80 / one_in);
 }
 
+// Law V6.
 TEST(VisibilityLaws, TubesAddUp) {
   std::size_t compared = 0;
   on_all_scenes(601, 12, [&](const Scene& scene, Random& random) {
@@ -237,6 +244,7 @@ TEST(VisibilityLaws, TubesAddUp) {
   EXPECT_GT(compared, 500 / one_in);
 }
 
+// Law V9.
 TEST(VisibilityLaws, AddingAFacetUncoversNothing) {
   on_all_scenes(701, 16, [&](const Scene& scene, Random& random) {
     const auto before = areas_of(scene.mesh, scene.tubes);
@@ -254,6 +262,7 @@ TEST(VisibilityLaws, AddingAFacetUncoversNothing) {
   });
 }
 
+// Law V10.
 TEST(VisibilityLaws, NothingIsSeenThroughAWall) {
   for (std::uint64_t seed = 801; seed < 801 + 40 / one_in; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -277,6 +286,7 @@ TEST(VisibilityLaws, NothingIsSeenThroughAWall) {
   }
 }
 
+// Law F2.
 TEST(VisibilityLaws, OfCoincidentFacetsExactlyOneIsSeen) {
   for (std::uint64_t seed = 901; seed < 901 + 40 / one_in; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <string>
 
-#include "geometry/exact_for_tests.hpp"
-#include "geometry/small_views_for_tests.hpp"
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/small_views.hpp"
 #include "geometry/visibility/exact_direction.hpp"
 #include "geometry/visibility/visibility.hpp"
 
@@ -119,6 +119,7 @@ std::vector<Scene> scenes_for_rays(std::uint64_t seed) {
   return scenes;
 }
 
+// Law V1.
 TEST(VisibilityOracle, RaysMeetTheFacetWhosePieceHoldsThem) {
   std::size_t rays = 0, skipped = 0, hits = 0;
   for (std::uint64_t seed = 1; seed < 1 + std::max<std::uint64_t>(4, 12 / one_in); ++seed)
@@ -283,6 +284,7 @@ std::size_t compare_with_polygons(const Scene& scene) {
   return compared;
 }
 
+// Law V1.
 TEST(VisibilityOracle, AreasEqualThoseOfPolygonBooleans) {
   std::size_t compared = 0;
   for (std::uint64_t seed = 101; seed < 101 + (3 + one_in - 1) / one_in; ++seed)

@@ -6,8 +6,7 @@
 
 #include <algorithm>
 
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/world/long_run.hpp"
 #include "run/partial_run.hpp"
 
 namespace tubefoot {
@@ -17,43 +16,13 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-struct Signals : testing::Test {
-  TestFolder folder;
-  const fs::path results = folder / "results", partial = folder / "results.partial";
+struct Signals : LongRun {
   const std::set<std::string> input{"scene.toml", "thing.obj"};
-  Signals() {
-    folder.write("thing.obj", tetrahedron);
-    write_scene(3000);
-  }
-  void write_scene(std::size_t pings) const {
-    std::string scene(small_scene);
-    scene.resize(scene.find("[[sensors]]"));
-    folder.write("scene.toml", scene + R"([[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 40
-ping_interval_s = 0.001
-pings = )" + std::to_string(pings));
-  }
+  Signals() : LongRun(3000) {}
   Outcome run(const Surroundings& surroundings = {}, const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words{"run", (folder / "scene.toml").string(), "-o", results.string()};
     words.insert(words.end(), more.begin(), more.end());
     return run_program(words, surroundings);
-  }
-  std::size_t done() const {
-    try {
-      return fs::exists(partial) ? summary_of(partial).done : 0;
-    } catch (const UnusableStore&) {
-      return 0;  // just being made
-    }
-  }
-  Surroundings signalled(int signal) const {
-    Surroundings surroundings;
-    surroundings.signal = signal;
-    surroundings.interrupt_when = [this] { return done() >= 5; };
-    return surroundings;
   }
 };
 
@@ -119,7 +88,7 @@ TEST_F(Signals, AFileTooLargeIsSaidAndLosesNothing) {
 TEST_F(Signals, AClosedTerminalAndAUsedUpLimitEndARunAsSigtermDoes) {
   for (const int signal : {SIGTERM, SIGHUP, SIGXCPU}) {
     SCOPED_TRACE(signal);
-    const Outcome outcome = run(signalled(signal));
+    const Outcome outcome = run(stopped_at(5, signal));
     EXPECT_EQ(outcome.signal, 0);
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 3000 pings are kept in"),
@@ -135,7 +104,7 @@ TEST_F(Signals, AClosedTerminalAndAUsedUpLimitEndARunAsSigtermDoes) {
 TEST_F(Signals, ThatAreIgnoredByWhoStartsItStayIgnored) {
   for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGXCPU}) {
     SCOPED_TRACE(signal);
-    Surroundings surroundings = signalled(signal);
+    Surroundings surroundings = stopped_at(5, signal);
     surroundings.ignored = {signal};
     const Outcome outcome = run(surroundings);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.signal << outcome.err;
@@ -146,7 +115,7 @@ TEST_F(Signals, ThatAreIgnoredByWhoStartsItStayIgnored) {
 
 // Who presses Ctrl-\ wants the program dead, and its core: it is left alone.
 TEST_F(Signals, SigquitEndsItWhereItStandsAndLosesNothing) {
-  Surroundings surroundings = signalled(SIGQUIT);
+  Surroundings surroundings = stopped_at(5, SIGQUIT);
   surroundings.before = {"/bin/sh", "-c", "ulimit -c 0; exec \"$@\"", "sh"};
   EXPECT_EQ(run(surroundings).signal, SIGQUIT);
   EXPECT_GE(done(), 5u);
@@ -155,7 +124,7 @@ TEST_F(Signals, SigquitEndsItWhereItStandsAndLosesNothing) {
 
 // It ends before its first ping, and says so: what was kept before is told again.
 TEST_F(Signals, WhatWasKeptBeforeIsToldAgain) {
-  run(signalled(SIGTERM));
+  run(stopped_at(5, SIGTERM));
   const std::size_t kept = done();
   ASSERT_GE(kept, 5u);
   write_scene(3000);

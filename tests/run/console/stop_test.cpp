@@ -13,7 +13,8 @@
 #include <chrono>
 #include <regex>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,9 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/mpirun.hpp"
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/mpirun.hpp"
+#include "fixtures/world/long_run.hpp"
 #include "run/kept/ping_store.hpp"
 
 namespace tubefoot {
@@ -20,26 +19,11 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-struct Builds : testing::Test {
-  TestFolder folder;
-  const fs::path results = folder / "results", partial = folder / "results.partial";
+struct Builds : LongRun {
   const std::string sources = build_identity().at("sources").get<std::string>(),
                     others = std::string(sources.size(), '0');
 
-  Builds() {
-    folder.write("thing.obj", tetrahedron);
-    std::string scene(small_scene);
-    scene.resize(scene.find("[[sensors]]"));
-    folder.write("scene.toml", scene + R"([[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 40
-ping_interval_s = 0.001
-pings = 1000
-)");
-  }
+  Builds() : LongRun(1000) {}
   /// A program of its own, beside what it loads.
   fs::path other_build() const {
     std::string program = bytes_of(TUBEFOOT_PROGRAM);
@@ -59,19 +43,10 @@ pings = 1000
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  std::size_t done() const {
-    try {
-      return fs::exists(partial) ? summary_of(partial).done : 0;
-    } catch (const UnusableStore&) {
-      return 0;  // just being made
-    }
-  }
 };
 
 TEST_F(Builds, GoOnWithTheirOwnRunsOnly) {
-  Surroundings interrupted;
-  interrupted.interrupt_when = [this] { return done() >= 5; };
-  ASSERT_EQ(run_program(run_here(), interrupted).exit_code, 1);
+  ASSERT_EQ(run_program(run_here(), stopped_at(5, SIGINT)).exit_code, 1);
   const std::string kept = bytes_of(partial);
   Surroundings elsewhere;
   elsewhere.program = other_build();

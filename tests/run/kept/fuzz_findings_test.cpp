@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/program.hpp"
 #include "files/usage_error.hpp"
+#include "fixtures/program.hpp"
 #include "run/partial_run.hpp"
 
 namespace tubefoot {

@@ -7,8 +7,7 @@
 
 #include <random>
 
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/world/long_run.hpp"
 #include "run/partial_run.hpp"
 
 namespace tubefoot {
@@ -19,33 +18,10 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-struct KeptPings : testing::Test {
-  TestFolder folder;
-  const fs::path results = folder / "results", partial = folder / "results.partial";
+struct KeptPings : LongRun {
   std::string kept;  ///< a file with some pings
-  KeptPings() {
-    folder.write("thing.obj", tetrahedron);
-    std::string scene(small_scene);
-    scene.resize(scene.find("[[sensors]]"));
-    folder.write("scene.toml", scene + R"([[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 40
-ping_interval_s = 0.001
-pings = 600
-)");
-    Surroundings impatient;
-    impatient.signal = SIGKILL;
-    impatient.interrupt_when = [this] {
-      try {
-        return fs::exists(partial) && summary_of(partial).done >= 20;
-      } catch (const UnusableStore&) {
-        return false;
-      }
-    };
-    run(impatient);
+  KeptPings() : LongRun(600) {
+    run(stopped_at(20, SIGKILL));
     kept = bytes_of(partial);
   }
   Outcome run(const Surroundings& surroundings = {}) const {

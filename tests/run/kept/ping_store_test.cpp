@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
 
 namespace tubefoot {
 namespace {

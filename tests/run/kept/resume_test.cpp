@@ -6,8 +6,7 @@
 
 #include <fstream>
 
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/world/long_run.hpp"
 #include "run/partial_run.hpp"
 
 namespace tubefoot {
@@ -19,44 +18,17 @@ using testing::HasSubstr;
 
 constexpr std::size_t pings = 3000;
 
-struct Resume : testing::Test {
-  TestFolder folder;
-  const fs::path results = folder / "results", partial = folder / "results.partial";
-  Resume() {
-    write_scene(pings);
-    folder.write("thing.obj", tetrahedron);
-  }
-  void write_scene(std::size_t count) const {
-    std::string scene(small_scene);
-    scene.resize(scene.find("[[sensors]]"));
-    folder.write("scene.toml", scene + R"([[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 40
-ping_interval_s = 0.001
-pings = )" + std::to_string(count));
-  }
+struct Resume : LongRun {
+  Resume() : LongRun(pings) {}
   Outcome run(const fs::path& output, const std::vector<std::string>& more = {},
               const Surroundings& surroundings = {}) const {
     std::vector<std::string> words{"run", (folder / "scene.toml").string(), "-o", output.string()};
     words.insert(words.end(), more.begin(), more.end());
     return run_program(words, surroundings);
   }
-  std::size_t done() const {
-    try {
-      return fs::exists(partial) ? summary_of(partial).done : 0;
-    } catch (const UnusableStore&) {
-      return 0;  // just being made
-    }
-  }
   /// Ends a run by a signal once it has finished `enough` pings.
   Outcome stopped(int signal, std::size_t enough, const std::vector<std::string>& more = {}) const {
-    Surroundings surroundings;
-    surroundings.signal = signal;
-    surroundings.interrupt_when = [&] { return done() >= enough; };
-    return run(results, more, surroundings);
+    return run(results, more, stopped_at(enough, signal));
   }
   static void expect_same(const fs::path& a, const fs::path& b) {
     ASSERT_EQ(names_below(a), names_below(b));

@@ -10,7 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/program.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
 #include "run/partial_run.hpp"
 #include "run/ranks/ping_crew.hpp"
 #include "run/ranks/rank_notes.hpp"
@@ -103,24 +104,9 @@ TEST(AHelper, DoesNotRunAheadOfItsLink) {
   constexpr std::size_t mebibyte = std::size_t{1} << 20;
   TestFolder folder;
   RunOptions options;
-  options.scene = folder.write("scene.toml", R"([[materials]]
-name = "sand"
-[[terrain]]
-kind = "flat"
-width_m = 20
-length_m = 30
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 2]
-[[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 65536
-ping_interval_s = 0.001
-pings = 90
-)");
+  options.scene =
+      folder.write("scene.toml", lambert_material("sand", -27) + flat_terrain(20, 30) + fixed_at(0, 0, 2) +
+                                     replaced(short_pings(pings), "samples = 40", "samples = 65536"));
   options.engine = "ray";
   options.rays = 100;
   options.threads = 2;

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/mpirun.hpp"
-#include "app/program.hpp"
+#include "fixtures/mpirun.hpp"
+#include "fixtures/program.hpp"
 
 namespace tubefoot {
 namespace {

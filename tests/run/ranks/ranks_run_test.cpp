@@ -10,9 +10,8 @@
 #include <set>
 #include <sstream>
 
-#include "app/mpirun.hpp"
-#include "app/program.hpp"
-#include "app/small_scene.hpp"
+#include "fixtures/mpirun.hpp"
+#include "fixtures/world/long_run.hpp"
 #include "run/kept/ping_store.hpp"
 
 namespace tubefoot {
@@ -53,29 +52,18 @@ int rank_of(pid_t process) {
   return -1;
 }
 
-struct Ranks : testing::Test {
-  TestFolder folder;
-  const fs::path results = folder / "results", partial = folder / "results.partial";
+struct Ranks : LongRun {
   Sending sending = Sending::as_usual;
 
+  Ranks() : LongRun(pings) {}
   void SetUp() override {
     if (!fs::exists(TUBEFOOT_MPIRUN) || !fs::exists(TUBEFOOT_MPI_LIBRARY))
       GTEST_SKIP() << "Open MPI is not installed: libopenmpi-dev, openmpi-bin";
     write_scene(pings);
-    folder.write("thing.obj", tetrahedron);
   }
+  /// With three pings of the camera before them.
   void write_scene(std::size_t sidescan_pings) const {
-    std::string scene(small_scene);
-    folder.write("scene.toml", scene + R"(pings = 3
-[[sensors]]
-name = "side"
-kind = "sidescan"
-depression_min_deg = 20
-range_max_m = 10
-samples = 40
-ping_interval_s = 0.001
-pings = )" + std::to_string(sidescan_pings) +
-                                   "\n");
+    folder.write("scene.toml", std::string(small_scene) + "pings = 3\n" + short_pings(sidescan_pings));
   }
   std::vector<std::string> command(const fs::path& output, const std::vector<std::string>& more) const {
     std::vector<std::string> words{
@@ -91,13 +79,6 @@ pings = )" + std::to_string(sidescan_pings) +
     Surroundings surroundings = given;
     surroundings.before = mpirun(ranks, sending);
     return run_program(command(output, more), surroundings);
-  }
-  std::size_t done() const {
-    try {
-      return fs::exists(partial) ? summary_of(partial).done : 0;
-    } catch (const UnusableStore&) {
-      return 0;  // just being made
-    }
   }
   static void expect_same(const fs::path& a, const fs::path& b) {
     ASSERT_EQ(names_below(a), names_below(b));

@@ -12,11 +12,11 @@
 #include <numeric>
 #include <random>
 
+#include "fixtures/world/read_scenes.hpp"
 #include "geometry/search/vertical_line.hpp"
 #include "geometry/visibility/closure.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/scene.hpp"
-#include "scene/scene_file_folder.hpp"
 
 // What lies where: areas and places against the map itself, whatever the terrain's facets are.
 namespace tubefoot {
@@ -56,7 +56,7 @@ class MaterialMaps : public testing::Test {
  protected:
   Scene load(const std::string& map, const std::string& terrain = "kind = \"flat\"") const {
     return load_scene(
-        folder_.read(replaced(scene_with(map), "[[terrain]]\n", "[[terrain]]\n" + terrain + "\n")));
+        read_scene(folder_, replaced(scene_with(map), "[[terrain]]\n", "[[terrain]]\n" + terrain + "\n")));
   }
   std::string error_of(const std::string& map) const {
     try {
@@ -92,7 +92,7 @@ class MaterialMaps : public testing::Test {
     return "kind = \"raster\"\nfile = \"classes.asc\"\nclasses = " + named + "\n";
   }
 
-  SceneFolder folder_;
+  TestFolder folder_;
 };
 
 /// Areas seen from above, by material.
@@ -291,9 +291,9 @@ TEST_F(MaterialMaps, PatchesKeepTheirSharesAndTheirSeed) {
   EXPECT_EQ(load(patches, hills).mesh.material, scene.mesh.material);
   EXPECT_NE(plan_areas(load(patches + "seed = 2\n", hills)), areas);
   // Of place alone: a larger terrain with other facets has the same patches, and so has one of two facets.
-  const Scene larger = load_scene(
-      folder_.read(replaced(replaced(scene_with(patches), "width_m = 20", "kind = \"flat\"\nwidth_m = 33"),
-                            "length_m = 30", "length_m = 31")));
+  const Scene larger = load_scene(read_scene(
+      folder_, replaced(replaced(scene_with(patches), "width_m = 20", "kind = \"flat\"\nwidth_m = 33"),
+                        "length_m = 30", "length_m = 31")));
   const SceneTree tree(scene.mesh), larger_tree(larger.mesh);
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> x(-9.99, 9.99), y(-14.99, 14.99);
@@ -343,8 +343,8 @@ TEST_F(MaterialMaps, CarriesPolygonsIntoTheFrame) {
     const std::string frame =
         tangent ? fmt::format("origin_lat_lon_deg = [{:.12f}, {:.12f}]\n", origin.y, origin.x)
                 : "crs = \"EPSG:32630\"\norigin_crs = [432000, 5372000]\n";
-    const Scene scene = load_scene(
-        folder_.read("[georeference]\n" + frame +
+    const Scene scene = load_scene(read_scene(
+        folder_, "[georeference]\n" + frame +
                      replaced(scene_with(map), "[[terrain]]\n", "[[terrain]]\nkind = \"flat\"\n")));
     EXPECT_NEAR(plan_areas(scene)[mud], 64, tangent ? 1e-4 : 1e-6);
     const SceneTree tree(scene.mesh);
@@ -379,9 +379,9 @@ TEST_F(MaterialMaps, CarriesRastersIntoTheFrame) {
   EXPECT_GT(std::abs(corner.x - 3.999), 0.05) << "grid north is not north here";
   const std::string map =
       "kind = \"raster\"\nfile = \"classes.tif\"\nclasses = { 0 = \"sand\", 1 = \"mud\", 2 = \"gravel\" }\n";
-  const Scene scene = load_scene(folder_.read(
-      fmt::format("[georeference]\norigin_lat_lon_deg = [{:.12f}, {:.12f}]\n", origin.y, origin.x) +
-      replaced(scene_with(map), "[[terrain]]\n", "[[terrain]]\nkind = \"flat\"\n")));
+  const Scene scene = load_scene(read_scene(
+      folder_, fmt::format("[georeference]\norigin_lat_lon_deg = [{:.12f}, {:.12f}]\n", origin.y, origin.x) +
+                   replaced(scene_with(map), "[[terrain]]\n", "[[terrain]]\nkind = \"flat\"\n")));
   EXPECT_NEAR(plan_areas(scene)[mud], 64, 0.1);  // the projection's scale is within 0.05 % of one
   EXPECT_NEAR(plan_areas(scene)[gravel], 16, 0.03);
   const SceneTree tree(scene.mesh);
@@ -449,7 +449,7 @@ TEST_F(MaterialMaps, ManyClasses) {
   std::string text = scene_with(raster(classes, "{ " + named + " }"));
   text = materials + text.substr(text.find("[[terrain]]"));
   const Scene scene =
-      load_scene(folder_.read(replaced(text, "[[terrain]]\n", "[[terrain]]\nkind = \"flat\"\n")));
+      load_scene(read_scene(folder_, replaced(text, "[[terrain]]\n", "[[terrain]]\nkind = \"flat\"\n")));
   const std::vector<double> areas = plan_areas(scene);
   EXPECT_NEAR(areas[0], 0, 1e-9);
   for (std::size_t m = 1; m < areas.size(); ++m) EXPECT_NEAR(areas[m], 4, 1e-6);

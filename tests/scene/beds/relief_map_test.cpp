@@ -9,7 +9,7 @@
 #include <cmath>
 #include <functional>
 
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -28,7 +28,7 @@ struct TestMap {
   const char* unit = "";
 };
 
-std::filesystem::path write(const SceneFolder& folder, const TestMap& map) {
+std::filesystem::path write(const TestFolder& folder, const TestMap& map) {
   GDALAllRegister();
   const auto file = folder.path() / "map.tif";
   char sparse[] = "SPARSE_OK=TRUE";
@@ -57,7 +57,7 @@ std::filesystem::path write(const SceneFolder& folder, const TestMap& map) {
 
 std::shared_ptr<const ElevationField> read(const TestMap& map, const LocalFrame& frame = {},
                                            std::optional<double> tile_m = {}, double scale = 1) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::vector<std::string> warnings;
   auto field = read_relief_map({write(folder, map), tile_m, scale}, frame, warnings);
   EXPECT_THAT(warnings, IsEmpty());
@@ -161,7 +161,7 @@ TEST(ReliefMap, WhatCannotBePlacedOrReadIsTold) {
   EXPECT_THAT(error_of({.columns = 10000, .rows = 5001, .value = {}}, {}, 3.0), HasSubstr("5e+07"));
   EXPECT_THAT(error_of({.value = [](int, int) { return 1e30; }}, {}, 3.0), HasSubstr("10000 m"));
   EXPECT_THAT(error_of({.value = wavy, .unit = "fathom"}, {}, 3.0), HasSubstr("fathom"));
-  const SceneFolder folder;
+  const TestFolder folder;
   std::vector<std::string> warnings;
   EXPECT_THROW(read_relief_map({folder.write("map.tif", "no raster"), 3.0, 1}, {}, warnings), InputError);
 }

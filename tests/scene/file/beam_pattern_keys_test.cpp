@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -13,13 +13,12 @@ using testing::StartsWith;
 std::string scene_with(const std::string& lines) { return std::string(smallest_scene) + lines; }
 
 TEST(BeamPatternKeys, AreReadForBothSides) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("beam.csv", "angle_deg,level_db\n0,0\n1,-3\n");
   const SensorDescription sensor =
-      folder
-          .read(scene_with("transmit_pattern = \"table\"\ntransmit_pattern_angle = \"elevation\"\n"
-                           "transmit_pattern_file = \"beam.csv\"\nreceive_pattern = \"line\"\n"
-                           "receive_aperture_m = 0.1\n"))
+      read_scene(folder, scene_with("transmit_pattern = \"table\"\ntransmit_pattern_angle = \"elevation\"\n"
+                                    "transmit_pattern_file = \"beam.csv\"\nreceive_pattern = \"line\"\n"
+                                    "receive_aperture_m = 0.1\n"))
           .sensors.front();
   EXPECT_EQ(sensor.transmit.pattern, "table");
   EXPECT_EQ(sensor.transmit.angle, "elevation");
@@ -31,7 +30,7 @@ TEST(BeamPatternKeys, AreReadForBothSides) {
 }
 
 TEST(BeamPatternKeys, EachGoesToItsSide) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("beam.csv", "angle_deg,level_db\n0,0\n1,-3\n");
   using Of = const PatternDescription& (*)(const SensorDescription&);
   const std::pair<std::string, Of> sides[] = {
@@ -39,7 +38,7 @@ TEST(BeamPatternKeys, EachGoesToItsSide) {
       {"receive", [](const SensorDescription& s) -> const PatternDescription& { return s.receive; }}};
   for (const auto& [side, of] : sides) {
     const auto read = [&, &name = side, get = of](const std::string& pattern, const std::string& key) {
-      return get(folder.read(scene_with(name + "_pattern = \"" + pattern + "\"\n" + name + key + "\n"))
+      return get(read_scene(folder, scene_with(name + "_pattern = \"" + pattern + "\"\n" + name + key + "\n"))
                      .sensors.front());
     };
     EXPECT_EQ(read("piston", "_aperture_m = 0.25").aperture_m, 0.25);
@@ -51,12 +50,12 @@ TEST(BeamPatternKeys, EachGoesToItsSide) {
 }
 
 TEST(BeamPatternKeys, TableCountsInTheSceneHash) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string scene = scene_with("receive_pattern = \"table\"\nreceive_pattern_file = \"beam.csv\"\n");
   folder.write("beam.csv", "angle_deg,level_db\n0,0\n1,-3\n");
-  const std::string before = folder.read(scene).sha256;
+  const std::string before = read_scene(folder, scene).sha256;
   folder.write("beam.csv", "angle_deg,level_db\n0,0\n1,-4\n");
-  EXPECT_NE(folder.read(scene).sha256, before);
+  EXPECT_NE(read_scene(folder, scene).sha256, before);
 }
 
 TEST(BeamPatternKeys, MistakesAreToldWithTheirPlace) {
@@ -82,9 +81,9 @@ TEST(BeamPatternKeys, MistakesAreToldWithTheirPlace) {
       {"receive_pattern = \"gaussian\"\nreceive_beam_width_rad = 1\n", "13:1", "give it in degrees"},
       {"receive_pattern = \"table\"\nreceive_pattern_file = \"no.csv\"\n", "13:24", "there is no file"},
   };
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const auto& m : mistakes) {
-    const std::string error = folder.error_of(scene_with(m.lines));
+    const std::string error = scene_error(folder, scene_with(m.lines));
     EXPECT_THAT(error, StartsWith(std::string("scene.toml:") + m.place + ": ")) << m.lines;
     EXPECT_THAT(error, HasSubstr(m.says)) << m.lines;
   }

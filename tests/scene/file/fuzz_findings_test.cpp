@@ -6,13 +6,13 @@
 #include <optional>
 
 #include "files/shown.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/beds/material_map.hpp"
 #include "scene/beds/relief_map.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/raster.hpp"
 #include "scene/rasters/terrain.hpp"
-#include "scene/scene_file_folder.hpp"
 #include "scene/scene_water.hpp"
 #include "scene/trajectory_file.hpp"
 
@@ -28,7 +28,7 @@ using testing::Not;
 /// The message of the InputError that reading a file of these bytes gives; empty if it gives none.
 template <class Read>
 std::string refusal(const std::string& name, const std::string& content, const Read& read) {
-  const SceneFolder folder;
+  const TestFolder folder;
   try {
     read(folder.write(name, content));
   } catch (const InputError& error) {
@@ -234,7 +234,7 @@ TEST(FuzzFindings, NothingIsPrintedWhileADamagedMaterialMapIsRead) {
 
 // GDAL takes the name of a file, or an address, for what is in it.
 TEST(FuzzFindings, CoordinateReferenceSystemIsNoNameOfAFile) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto file = folder.write("crs.txt", "EPSG:32632");
   const SourcePlace place{"scene.toml", 2, 1};
   const auto refused = [&](const std::string& crs) {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "sensors/kinds/kind_multibeam.hpp"
 
 namespace tubefoot {
@@ -16,7 +16,7 @@ std::string scene_with(const std::string& lines) {
 }
 
 MultibeamDescription fan_of(const std::string& lines) {
-  return SceneFolder().read(scene_with(lines)).sensors.back().kind.as<MultibeamDescription>();
+  return read_scene(TestFolder(), scene_with(lines)).sensors.back().kind.as<MultibeamDescription>();
 }
 
 TEST(MultibeamKeys, AreAllRead) {
@@ -49,8 +49,8 @@ grid_cell_m = 0.5
 }
 
 TEST(MultibeamKeys, PresetHasThePublishedFiguresOfThe8101) {
-  const SceneFolder folder;
-  const SensorDescription sensor = folder.read(scene_with("preset = \"reson-8101\"\n")).sensors.back();
+  const TestFolder folder;
+  const SensorDescription sensor = read_scene(folder, scene_with("preset = \"reson-8101\"\n")).sensors.back();
   EXPECT_EQ(sensor.signal.source_level_db, 210);
   const auto& fan = sensor.kind.as<MultibeamDescription>();
   EXPECT_EQ(fan.frequency_khz, 240);
@@ -64,7 +64,7 @@ TEST(MultibeamKeys, PresetHasThePublishedFiguresOfThe8101) {
 
 TEST(MultibeamKeys, MustAgree) {
   const auto error_of = [](const std::string& lines) {
-    return SceneFolder().error_of(scene_with("kind = \"multibeam\"\n" + lines));
+    return scene_error(TestFolder(), scene_with("kind = \"multibeam\"\n" + lines));
   };
   EXPECT_THAT(error_of("range_min_m = 100\n"),
               HasSubstr("'range_min_m' (100) must be less than 'range_max_m'"));

@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "engine/law/perlin_reflectivity.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/beds/reflectivity.hpp"
 #include "scene/scene.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -24,9 +24,9 @@ std::string with_texture(std::string_view lines) {
 }
 
 TEST(ReflectivityKeys, AreReadLayerByLayer) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("map.asc", "grid");
-  const SceneDescription scene = folder.read(with_texture(R"([[materials.reflectivity]]
+  const SceneDescription scene = read_scene(folder, with_texture(R"([[materials.reflectivity]]
 kind = "perlin"
 wavelength_m = 0.8
 octaves = 5
@@ -55,9 +55,9 @@ tile_m = [4, 2.5]
 }
 
 TEST(ReflectivityKeys, AreRefusedWithTheirPlace) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto error = [&](const std::string& lines) {
-    return folder.error_of(with_texture("[[materials.reflectivity]]\nkind = \"perlin\"\n" + lines));
+    return scene_error(folder, with_texture("[[materials.reflectivity]]\nkind = \"perlin\"\n" + lines));
   };
   EXPECT_THAT(error("depth = 0.97\n"), AllOf(HasSubstr("scene.toml:5:"), HasSubstr("less than nothing")));
   EXPECT_THAT(error("depth = -0.1\n"), HasSubstr("scene.toml:5:"));
@@ -67,10 +67,10 @@ TEST(ReflectivityKeys, AreRefusedWithTheirPlace) {
   EXPECT_THAT(error("persistence = 1.5\n"), HasSubstr("0 to 1"));
   EXPECT_THAT(error("wavelength = 1\n"), HasSubstr("wavelength_m"));
   EXPECT_THAT(error("tile_m = [1, 1]\n"), HasSubstr("map"));
-  EXPECT_THAT(folder.error_of(with_texture("reflectivity = 3\n")),
+  EXPECT_THAT(scene_error(folder, with_texture("reflectivity = 3\n")),
               AllOf(HasSubstr("scene.toml:3:"), HasSubstr("[[materials.reflectivity]]")));
-  EXPECT_THAT(folder.error_of(with_texture("reflectivity = [1]\n")), HasSubstr("expected tables"));
-  EXPECT_THAT(folder.error_of(with_texture("[[materials.reflectivity]]\nkind = \"map\"\n")),
+  EXPECT_THAT(scene_error(folder, with_texture("reflectivity = [1]\n")), HasSubstr("expected tables"));
+  EXPECT_THAT(scene_error(folder, with_texture("[[materials.reflectivity]]\nkind = \"map\"\n")),
               HasSubstr("file"));
 }
 
@@ -82,7 +82,7 @@ struct Raster {
   std::array<double, 6> geotransform{10, 0.5, 0, 20, 0, -0.25};
 };
 
-std::filesystem::path write(const SceneFolder& folder, const Raster& raster, const char* name = "map.tif") {
+std::filesystem::path write(const TestFolder& folder, const Raster& raster, const char* name = "map.tif") {
   GDALAllRegister();
   const auto file = folder.path() / name;
   const GDALDatasetUniquePtr out(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
@@ -117,7 +117,7 @@ std::shared_ptr<const ReflectivityField> load(const std::vector<MapReflectivityK
 }
 
 TEST(ReflectivityMap, LiesWhereItsGeotransformSays) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto map = load({keys_of(write(folder, {}))});
   // Pixels' centres: north-west 10.25, 19.875.
   EXPECT_NEAR(map->factor({10.25, 19.875, 3}), 1.0 / 3, 1e-6);
@@ -128,7 +128,7 @@ TEST(ReflectivityMap, LiesWhereItsGeotransformSays) {
 }
 
 TEST(ReflectivityMap, OfDecibelsAndWithoutData) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto map = load({keys_of(write(folder, {.values = {0, 10, -99, 10}}), "db")});
   EXPECT_NEAR(map->factor({10.25, 19.875, 0}), 1.0 / 7, 1e-6);
   EXPECT_NEAR(map->factor({10.75, 19.875, 0}), 10.0 / 7, 1e-6);
@@ -136,7 +136,7 @@ TEST(ReflectivityMap, OfDecibelsAndWithoutData) {
 }
 
 TEST(ReflectivityMap, TilesAreNorthUpFromTheFramesOrigin) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto map = load({keys_of(write(folder, {.placed = false}), "factor", std::array{4.0, 2.0})});
   for (const glm::dvec3 away : {glm::dvec3{0, 0, 0}, {4, 0, 0}, {-40, 22, 5}}) {
     EXPECT_NEAR(map->factor(glm::dvec3{1, 1.5, 0} + away), 1.0 / 3, 1e-6);  // north-west
@@ -145,7 +145,7 @@ TEST(ReflectivityMap, TilesAreNorthUpFromTheFramesOrigin) {
 }
 
 TEST(ReflectivityMap, OfAProjectionIsCarriedIntoTheFrame) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const Raster utm{.crs = "EPSG:32602", .geotransform = {573000, 2, 0, 6012345, 0, -2}};
   const LocalFrame same = LocalFrame::projected("EPSG:32602", 573000, 6012345, 0, {});
   const auto map = load({keys_of(write(folder, utm))}, same);
@@ -159,7 +159,7 @@ TEST(ReflectivityMap, OfAProjectionIsCarriedIntoTheFrame) {
 }
 
 TEST(ReflectivityMap, IsRefusedWithItsFilesName) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto expect = [&](const MapReflectivityKeys& keys, const LocalFrame& frame, const char* what) {
     EXPECT_THAT([&] { load({keys}, frame); },
                 ThrowsMessage<InputError>(AllOf(HasSubstr("map.tif"), HasSubstr(what))));
@@ -199,11 +199,11 @@ TEST(ReflectivityLayers, OfOneSeedDiffer) {
 }
 
 TEST(ReflectivityLayers, BelongToTheirMaterial) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string text =
       with_texture("[[materials.reflectivity]]\nkind = \"perlin\"\n[[materials]]\nname = \"mud\"\n");
-  const Scene scene =
-      load_scene(folder.read(replaced(text, "kind = \"flat\"\n", "kind = \"flat\"\nmaterial = \"sand\"\n")));
+  const Scene scene = load_scene(
+      read_scene(folder, replaced(text, "kind = \"flat\"\n", "kind = \"flat\"\nmaterial = \"sand\"\n")));
   ASSERT_EQ(scene.reflectivity.size(), 2u);
   EXPECT_NE(scene.reflectivity[0], nullptr);
   EXPECT_EQ(scene.reflectivity[1], nullptr);

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/scene.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -17,9 +17,9 @@ std::string with_relief(std::string_view lines) {
 }
 
 TEST(ReliefKeys, AreReadInTheirOrder) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("map.tif", "II*");
-  const SceneDescription scene = folder.read(with_relief(R"([[materials.relief]]
+  const SceneDescription scene = read_scene(folder, with_relief(R"([[materials.relief]]
 kind = "fbm"
 hurst = 0.7
 rms_height_m = 0.2
@@ -66,7 +66,7 @@ scale = -2
 }
 
 TEST(ReliefKeys, MistakesAreToldWithTheirPlace) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string fbm = "[[materials.relief]]\nkind = \"fbm\"\ntile_m = 10\nresolution_m = 0.1\n";
   const struct {
     std::string lines, begin, has;
@@ -86,21 +86,23 @@ TEST(ReliefKeys, MistakesAreToldWithTheirPlace) {
       {"[[materials.releif]]\n", "scene.toml:3:", "did you mean 'relief'?"},
   };
   for (const auto& [lines, begin, has] : cases) {
-    const std::string message = folder.error_of(with_relief(lines));
+    const std::string message = scene_error(folder, with_relief(lines));
     EXPECT_THAT(message, StartsWith(begin)) << lines;
     EXPECT_THAT(message, HasSubstr(has)) << lines;
   }
 }
 
 TEST(ReliefKeys, ASingleEntryMayBeOneTable) {
-  const SceneFolder folder;
-  const SceneDescription scene = folder.read(with_relief(
-      "relief = {kind = \"fbm\", hurst = 0.5, rms_height_m = 1, tile_m = 10, resolution_m = 1}\n"));
+  const TestFolder folder;
+  const SceneDescription scene = read_scene(
+      folder,
+      with_relief(
+          "relief = {kind = \"fbm\", hurst = 0.5, rms_height_m = 1, tile_m = 10, resolution_m = 1}\n"));
   EXPECT_EQ(scene.materials[0].relief.size(), 1u);
 }
 
 TEST(ReliefKeys, SceneHasTheFieldOfEveryMaterial) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string rock =
       "[[materials.relief]]\nkind = \"fbm\"\nhurst = 0.8\nrms_height_m = 0.1\ntile_m = 10\nresolution_m = "
       "0.1\n";
@@ -112,7 +114,7 @@ TEST(ReliefKeys, SceneHasTheFieldOfEveryMaterial) {
                             "[[materials]]\nname = \"sand 2\"\n" +
                             replaced(rock, "hurst = 0.8", "spectral_exponent = 3.6");
   const Scene loaded = load_scene(
-      folder.read(replaced(with_relief(scene), "width_m = 20", "width_m = 20\nmaterial = \"sand\"")));
+      read_scene(folder, replaced(with_relief(scene), "width_m = 20", "width_m = 20\nmaterial = \"sand\"")));
   ASSERT_EQ(loaded.relief.size(), 5u);
   EXPECT_EQ(loaded.relief[1], nullptr);
   ASSERT_NE(loaded.relief[0], nullptr);
@@ -128,9 +130,9 @@ TEST(ReliefKeys, SceneHasTheFieldOfEveryMaterial) {
 }
 
 TEST(ReliefKeys, WhatCannotBeMadeIsToldAtItsEntry) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto error_of = [&](const std::string& lines) -> std::string {
-    const SceneDescription scene = folder.read(with_relief(lines));
+    const SceneDescription scene = read_scene(folder, with_relief(lines));
     try {
       load_scene(scene);
     } catch (const InputError& error) {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/beds/scattering.hpp"
 #include "scene/scene.hpp"
-#include "scene/scene_file_folder.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 
 namespace tubefoot {
@@ -30,13 +30,13 @@ struct Loaded {
   std::vector<std::string> warnings;
   double db(double grazing_deg) const { return 10 * std::log10(law->cross_section(grazing_deg * degree)); }
 };
-Loaded load(const SceneFolder& folder, std::string_view keys) {
+Loaded load(const TestFolder& folder, std::string_view keys) {
   Loaded loaded;
-  loaded.law = load_scattering(folder.read(scene_with(keys)), loaded.warnings).at(0);
+  loaded.law = load_scattering(read_scene(folder, scene_with(keys)), loaded.warnings).at(0);
   return loaded;
 }
 
-std::string load_error(const SceneFolder& folder, std::string_view keys) {
+std::string load_error(const TestFolder& folder, std::string_view keys) {
   try {
     load(folder, keys);
   } catch (const InputError& error) {
@@ -46,16 +46,16 @@ std::string load_error(const SceneFolder& folder, std::string_view keys) {
 }
 
 TEST(ScatteringKeys, AllAreRead) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("measured.csv", "10, -30\n");
-  const MaterialDescription lambert = folder.read(smallest_scene).materials.at(0);
+  const MaterialDescription lambert = read_scene(folder, smallest_scene).materials.at(0);
   EXPECT_EQ(lambert.law, "lambert");
   EXPECT_FALSE(lambert.unbounded);
   const MaterialDescription gsab =
-      folder
-          .read(scene_with("law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 4\noblique_db = -17\n"
-                           "oblique_exponent = 1.5\ntransition_db = -14\ntransition_width_deg = 25\n"
-                           "unbounded = true"))
+      read_scene(folder,
+                 scene_with("law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 4\noblique_db = -17\n"
+                            "oblique_exponent = 1.5\ntransition_db = -14\ntransition_width_deg = 25\n"
+                            "unbounded = true"))
           .materials.at(0);
   EXPECT_EQ(gsab.law, "gsab");
   EXPECT_EQ(gsab.specular_db, -3);
@@ -66,20 +66,23 @@ TEST(ScatteringKeys, AllAreRead) {
   EXPECT_EQ(gsab.transition_width_deg, 25);
   EXPECT_TRUE(gsab.unbounded);
   const MaterialDescription table =
-      folder.read(scene_with("law = \"table\"\ntable_grazing_deg = [10, 45]\ntable_db = [-35, -22]"))
+      read_scene(folder, scene_with("law = \"table\"\ntable_grazing_deg = [10, 45]\ntable_db = [-35, -22]"))
           .materials.at(0);
   EXPECT_THAT(table.table_grazing_deg, ElementsAre(10, 45));
   EXPECT_THAT(table.table_db, ElementsAre(-35, -22));
-  EXPECT_EQ(folder.read(scene_with("law = \"table\"\ntable_file = \"measured.csv\"")).materials[0].table_file,
+  EXPECT_EQ(read_scene(folder, scene_with("law = \"table\"\ntable_file = \"measured.csv\""))
+                .materials[0]
+                .table_file,
             folder.path() / "measured.csv");
   const MaterialDescription sediment =
-      folder.read(scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20")).materials.at(0);
+      read_scene(folder, scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"))
+          .materials.at(0);
   EXPECT_EQ(sediment.sediment, "silt");
   EXPECT_EQ(sediment.sediment_khz, 20);
 }
 
 TEST(ScatteringKeys, LawsScatterAsTheKeysSay) {
-  const SceneFolder folder;
+  const TestFolder folder;
   EXPECT_EQ(load(folder, "lambert_db = -20").law, nullptr);
   const Loaded gsab = load(folder,
                            "law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 4\noblique_db = -17\n"
@@ -103,14 +106,14 @@ TEST(ScatteringKeys, LawsScatterAsTheKeysSay) {
 }
 
 TEST(ScatteringKeys, SensorsOutsideASedimentsFrequencyAreWarnedOf) {
-  const SceneFolder folder;  // a camera of 1800 kHz
+  const TestFolder folder;  // a camera of 1800 kHz
   const Loaded far = load(folder, "law = \"sediment\"\nsediment = \"coarse sand\"");
   EXPECT_NEAR(far.db(30), -14.97, 1e-9);
   EXPECT_THAT(far.warnings,
               ElementsAre("material 'sand' is 'coarse sand' as it scatters at 300 kHz, but sensor "
                           "'camera' works at 1800 kHz: its table is meant for 200 to 450 kHz"));
   SceneDescription scene =
-      folder.read(scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"));
+      read_scene(folder, scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"));
   std::vector<std::string> warnings;
   scene.sensors[0].kind.edit<DidsonDescription>().frequency_khz = 30;
   EXPECT_NEAR(10 * std::log10(load_scattering(scene, warnings)[0]->cross_section(90 * degree)), -1.55, 1e-9);
@@ -121,7 +124,7 @@ TEST(ScatteringKeys, SensorsOutsideASedimentsFrequencyAreWarnedOf) {
 }
 
 TEST(ScatteringKeys, EverySedimentKeepsTheEnergyBound) {
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const char* sediment :
        {"rough rock", "rock", "cobble", "sandy gravel", "coarse sand", "medium sand", "fine sand", "silt"})
     for (const int khz : {20, 300})
@@ -131,7 +134,7 @@ TEST(ScatteringKeys, EverySedimentKeepsTheEnergyBound) {
 }
 
 TEST(ScatteringKeys, WhatScattersMoreThanItReceivesIsRefusedUnlessAllowed) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string bright = "law = \"gsab\"\noblique_db = -4.9";  // 10 log10(1 / pi) = -4.9715
   EXPECT_THAT(load_error(folder, bright),
               HasSubstr("scene.toml:1:1: material 'sand' scatters 1.02 times what it receives at a grazing "
@@ -150,9 +153,9 @@ TEST(ScatteringKeys, WhatScattersMoreThanItReceivesIsRefusedUnlessAllowed) {
 }
 
 TEST(ScatteringKeys, MistakesAreToldWithTheirPlace) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto expect = [&](std::string_view keys, std::string_view message) {
-    EXPECT_THAT(folder.error_of(scene_with(keys)), HasSubstr(std::string(message))) << keys;
+    EXPECT_THAT(scene_error(folder, scene_with(keys)), HasSubstr(std::string(message))) << keys;
   };
   expect("law = \"lommel\"", "scene.toml:3:7");
   expect("specular_db = -3",
@@ -179,7 +182,7 @@ TEST(ScatteringKeys, MistakesAreToldWithTheirPlace) {
 }
 
 TEST(ScatteringKeys, TablesInFilesAreCheckedLineByLine) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto expect = [&](std::string_view text, std::string_view message) {
     folder.write("t.csv", text);
     EXPECT_THAT(load_error(folder, "law = \"table\"\ntable_file = \"t.csv\""),

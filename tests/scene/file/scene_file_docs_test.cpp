@@ -2,13 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <tuple>
 #include <vector>
 
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/file/scene_file_keys.hpp"
-#include "scene/scene_file_folder.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
@@ -66,20 +67,20 @@ TEST(SceneFileDocs, TablesSayWhatTheReaderDoes) {
 TEST(SceneFileDocs, CompleteExampleIsAScene) {
   const std::string text = documentation(), fence = "```toml\n";
   const std::size_t begin = text.find(fence) + fence.size();
-  const SceneFolder folder;
-  const SceneDescription scene = folder.read(text.substr(begin, text.find("```", begin) - begin));
+  const TestFolder folder;
+  const SceneDescription scene = read_scene(folder, text.substr(begin, text.find("```", begin) - begin));
   EXPECT_EQ(scene.title, "A sphere on sand");
   EXPECT_EQ(scene.objects.size(), 1u);
 }
 
 TEST(SceneFileDocs, QuotedMessagesAreReal) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string text = documentation();
   const std::string filler(11, '\n');
   for (const char* mistake :
        {"[[objects]]\nshape = \"box\"\nname = \"b\"\nheading_rad = 1\n",
         "[[sensors]]\nkind = \"didson\"\nname = \"s\"\nbeams = 0\n", "[[terrain]]\n\n\nkind = \"flatt\"\n"}) {
-    const std::string message = folder.error_of(filler.substr(3) + mistake);
+    const std::string message = scene_error(folder, filler.substr(3) + mistake);
     EXPECT_NE(text.find("\n" + message + "\n"), std::string::npos) << message;
   }
 }

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "files/words.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/file/scene_file_keys.hpp"
-#include "scene/scene_file_folder.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
@@ -31,10 +31,10 @@ struct Mistake {
 };
 
 void expect_mistakes(const std::vector<Mistake>& mistakes) {
-  const SceneFolder folder;
-  ASSERT_EQ(folder.error_of(smallest_scene), "");
+  const TestFolder folder;
+  ASSERT_EQ(scene_error(folder, smallest_scene), "");
   for (const Mistake& m : mistakes) {
-    const std::string error = folder.error_of(replaced(smallest_scene, m.from, m.to));
+    const std::string error = scene_error(folder, replaced(smallest_scene, m.from, m.to));
     const std::string place = *m.place == '\0' ? "scene.toml: " : std::string("scene.toml:") + m.place + ": ";
     EXPECT_THAT(error, StartsWith(place)) << "for: " << m.to;
     EXPECT_THAT(error, HasSubstr(m.says)) << "for: " << m.to;
@@ -296,24 +296,24 @@ TEST(SceneFileErrors, NamesMustDifferAndReferToSomething) {
       {sensor_name, "name = \"caméra\"", "10:8", "becomes the name of files"},
       {sensor_name, "name = \"..\"", "10:8", "becomes the name of files"},
   });
-  const SceneFolder folder;
-  EXPECT_THAT(folder.error_of(replaced(smallest_scene, "\"camera\"", '"' + std::string(65, 'c') + '"')),
+  const TestFolder folder;
+  EXPECT_THAT(scene_error(folder, replaced(smallest_scene, "\"camera\"", '"' + std::string(65, 'c') + '"')),
               StartsWith("scene.toml:10:8: "));
 }
 
 TEST(SceneFileErrors, AScenesPartsMustBeThere) {
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const char* nothing : {"", "\n\n", "# nothing\n", "title = \"empty\"\n", "objects = []\n"}) {
-    EXPECT_THAT(folder.error_of(nothing),
+    EXPECT_THAT(scene_error(folder, nothing),
                 StartsWith("scene.toml: the scene has no terrain and no object: add"));
   }
   const std::string box = "[[materials]]\nname = \"m\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\n";
-  EXPECT_THAT(folder.error_of(box), StartsWith("scene.toml: the scene has no sensor: add [[sensors]]"));
+  EXPECT_THAT(scene_error(folder, box), StartsWith("scene.toml: the scene has no sensor: add [[sensors]]"));
   const std::string sensor = "[[sensors]]\nname = \"s\"\nkind = \"didson\"\n";
-  EXPECT_THAT(folder.error_of(box + sensor), StartsWith("scene.toml: the scene has no trajectory"));
+  EXPECT_THAT(scene_error(folder, box + sensor), StartsWith("scene.toml: the scene has no trajectory"));
   const std::string trajectory = "[trajectory]\nkind = \"fixed\"\n";
-  EXPECT_EQ(folder.error_of(box + sensor + trajectory), "");
-  EXPECT_THAT(folder.error_of(box + "on_terrain_m = 0\n" + sensor + trajectory),
+  EXPECT_EQ(scene_error(folder, box + sensor + trajectory), "");
+  EXPECT_THAT(scene_error(folder, box + "on_terrain_m = 0\n" + sensor + trajectory),
               StartsWith("scene.toml:6:16: 'on_terrain_m' needs a terrain: add [[terrain]]"));
 }
 
@@ -330,25 +330,25 @@ TEST(SceneFileErrors, SyntaxErrorsArePlaced) {
 }
 
 TEST(SceneFileErrors, NestingDoesNotOverflowTheStack) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto repeated = [](const std::string& text, int times) {
     std::string all;
     for (int i = 0; i < times; ++i) all += text;
     return all;
   };
-  EXPECT_THAT(folder.error_of(repeated("a.", 100000) + "a = 1"),
+  EXPECT_THAT(scene_error(folder, repeated("a.", 100000) + "a = 1"),
               StartsWith("scene.toml:1:130: more than 64 dots"));
-  EXPECT_THAT(folder.error_of("a = " + repeated("[", 100000)), StartsWith("scene.toml:1:"));
-  EXPECT_THAT(folder.error_of("a = " + repeated("[\n{" + repeated("a.", 63) + "a=", 128)),
+  EXPECT_THAT(scene_error(folder, "a = " + repeated("[", 100000)), StartsWith("scene.toml:1:"));
+  EXPECT_THAT(scene_error(folder, "a = " + repeated("[\n{" + repeated("a.", 63) + "a=", 128)),
               HasSubstr("not valid TOML"));
-  EXPECT_THAT(folder.error_of("[" + repeated("a.", 64) + "a]\n" + repeated("a.", 64) + "a=1"),
+  EXPECT_THAT(scene_error(folder, "[" + repeated("a.", 64) + "a]\n" + repeated("a.", 64) + "a=1"),
               HasSubstr("unknown section or key 'a'"));
   // Dots in comments and numbers do no harm.
-  EXPECT_EQ(folder.error_of("# " + repeated(".", 300) + "\n" + std::string(smallest_scene)), "");
+  EXPECT_EQ(scene_error(folder, "# " + repeated(".", 300) + "\n" + std::string(smallest_scene)), "");
 }
 
 TEST(SceneFileErrors, TheSceneFileItselfMustBeReadable) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto error_of = [](const std::filesystem::path& file) -> std::string {
     try {
       read_scene_file(file);
@@ -366,12 +366,12 @@ TEST(SceneFileErrors, TheSceneFileItselfMustBeReadable) {
 }
 
 TEST(SceneFileErrors, NamedFilesMustExistAndBeReadable) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::filesystem::create_directory(folder.path() / "sub");
   ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
   const auto error_of = [&folder](const std::string& name) {
-    return folder.error_of(
-        replaced(smallest_scene, flat_lines, "kind = \"raster\"\nfile = \"" + name + "\""));
+    return scene_error(folder,
+                       replaced(smallest_scene, flat_lines, "kind = \"raster\"\nfile = \"" + name + "\""));
   };
   EXPECT_EQ(
       error_of("grid.tif"),
@@ -388,10 +388,11 @@ TEST(SceneFileErrors, NamedFilesMustExistAndBeReadable) {
 
 TEST(SceneFileErrors, NamedFilesNeedPermission) {
   if (geteuid() == 0) GTEST_SKIP() << "root reads everything";
-  const SceneFolder folder;
+  const TestFolder folder;
   std::filesystem::permissions(folder.write("grid.tif", "II*"), std::filesystem::perms::none);
-  EXPECT_THAT(folder.error_of(replaced(smallest_scene, flat_lines, "kind = \"raster\"\nfile = \"grid.tif\"")),
-              StartsWith("scene.toml:5:8: 'file': the file 'grid.tif' cannot be read"));
+  EXPECT_THAT(
+      scene_error(folder, replaced(smallest_scene, flat_lines, "kind = \"raster\"\nfile = \"grid.tif\"")),
+      StartsWith("scene.toml:5:8: 'file': the file 'grid.tif' cannot be read"));
 }
 
 // Every key against values of every wrong type, and numbers just beyond its range.
@@ -439,12 +440,12 @@ class EveryKey : public testing::Test {
     const auto after = key.section.starts_with("[[materials.") ? 2 : 0;  // lines of the material
     const auto line = std::count(text.begin(), text.end(), '\n') - after;
     const std::size_t column = key.name.size() + 4 + deeper;
-    EXPECT_THAT(folder_.error_of(text),
+    EXPECT_THAT(scene_error(folder_, text),
                 StartsWith(fmt::format("scene.toml:{}:{}: '{}' must", line, column, key.name)))
         << text;
   }
 
-  SceneFolder folder_;
+  TestFolder folder_;
 };
 
 TEST_F(EveryKey, RefusesOtherTypes) {
@@ -506,7 +507,7 @@ TEST_F(EveryKey, IsMissedByOneLetterAndFound) {
     std::string text = scene(key, good_value(key));
     const std::size_t at = text.rfind("\n" + key.name + " = ") + 1;
     text.replace(at, key.name.size(), misspelt.name);
-    EXPECT_THAT(folder_.error_of(text), HasSubstr("did you mean '" + key.name + "'?")) << text;
+    EXPECT_THAT(scene_error(folder_, text), HasSubstr("did you mean '" + key.name + "'?")) << text;
   }
 }
 

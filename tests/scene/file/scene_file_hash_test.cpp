@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "files/file_hash.hpp"
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -40,7 +40,7 @@ TEST(Sha256, DoesNotDependOnHowTheBytesAreCut) {
 }
 
 TEST(SceneHash, IsThatOfTheTextAndTheNamedFilesInTheirOrder) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string wreck = "o wreck\n", track(3000000, 't');
   folder.write("wreck.obj", wreck);
   folder.write("track.csv", track);
@@ -48,33 +48,33 @@ TEST(SceneHash, IsThatOfTheTextAndTheNamedFilesInTheirOrder) {
   std::string scene =
       replaced(smallest_scene, "kind = \"fixed\"", "kind = \"waypoints\"\nfile = \"track.csv\"");
   scene += "[[objects]]\nfile = \"wreck.obj\"\nshape = \"mesh\"\nname = \"wreck\"\n";
-  EXPECT_EQ(folder.read(scene).sha256,
+  EXPECT_EQ(read_scene(folder, scene).sha256,
             sha256(scene + sha256(track) + "  track.csv\n" + sha256(wreck) + "  wreck.obj\n"));
 }
 
 TEST(SceneHash, BytesThatMoveFromOneFileToTheNextAreSeen) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string scene =
       std::string(smallest_scene) +
       "[[objects]]\nname = \"a\"\nshape = \"mesh\"\nfile = \"a.obj\"\n[[objects]]\nname = \"b\"\nshape = "
       "\"mesh\"\nfile = \"b.obj\"\n";
   folder.write("a.obj", "v 0 0 0\n");
   folder.write("b.obj", "v 0 0 1\nv 0 0 2\n");
-  const std::string before = folder.read(scene).sha256;
+  const std::string before = read_scene(folder, scene).sha256;
   folder.write("a.obj", "v 0 0 0\nv 0 0 1\n");
   folder.write("b.obj", "v 0 0 2\n");
-  EXPECT_NE(folder.read(scene).sha256, before);
+  EXPECT_NE(read_scene(folder, scene).sha256, before);
 }
 
 TEST(SceneHash, ChangesWithAnyByteOfANamedFile) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("wreck.obj", "v 0 0 0\n");
   const std::string scene =
       std::string(smallest_scene) + "[[objects]]\nname = \"wreck\"\nshape = \"mesh\"\nfile = \"wreck.obj\"\n";
-  const std::string before = folder.read(scene).sha256;
-  EXPECT_EQ(folder.read(scene).sha256, before);
+  const std::string before = read_scene(folder, scene).sha256;
+  EXPECT_EQ(read_scene(folder, scene).sha256, before);
   folder.write("wreck.obj", "v 0 0 1\n");
-  EXPECT_NE(folder.read(scene).sha256, before);
+  EXPECT_NE(read_scene(folder, scene).sha256, before);
 }
 
 }  // namespace

@@ -6,8 +6,9 @@
 
 #include <random>
 
+#include "fixtures/full_scene.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/file/scene_file_keys.hpp"
-#include "scene/scene_file_folder.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/kinds/kind_echosounder.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
@@ -20,305 +21,6 @@ namespace {
 using testing::ElementsAre;
 using testing::Optional;
 using testing::StartsWith;
-
-/// Every key there is, none at its default.
-constexpr std::string_view full_scene = R"(title = "Everything"
-
-[georeference]
-origin_lat_lon_deg = [48.5, -4]
-origin_height_m = 51.5
-
-[water]
-sound_speed_m_s = 1480
-absorption_db_per_km = 320.5
-temperature_c = 4
-salinity_psu = 30
-ph = 7.8
-depth_m = 120
-sound_speed_formula = "leroy"
-latitude_deg = -30
-absorption_model = "ainslie-mccolm"
-profile = "gradient"
-surface_height_m = 2
-profile_bottom_m = 80
-gradient_per_s = 0.016
-refraction_gap_m = 0.02
-refraction_tolerance_db = 0.2
-
-[[materials]]
-name = "mud"
-lambert_db = -32
-specular_loss_db = 12
-
-[[materials]]
-name = "steel"
-lambert_db = -8.5
-
-[[terrain]]
-kind = "flat"
-name = "plain"
-material = "mud"
-width_m = 100
-length_m = 200
-centre_m = [1, 2, -3]
-cell_m = 0.5
-
-[terrain.material_map]
-kind = "raster"
-file = "../grids/classes.tif"
-classes = { -2 = "steel", 7 = "mud" }
-origin_m = [-50, -100]
-cell_m = 0.25
-
-[[terrain]]
-kind = "fractal"
-name = "rough"
-material = "mud"
-width_m = 50
-length_m = 60
-centre_m = [100, 0, -3]
-cell_m = 0.25
-rms_height_m = 0.3
-hurst = 0.6
-largest_wavelength_m = 12
-seed = 9223372036854775807
-ripple_height_m = 0.05
-ripple_wavelength_m = 0.75
-ripple_direction_deg = 45
-
-[terrain.material_map]
-kind = "polygons"
-file = "../grids/areas.geojson"
-layer = "areas"
-attribute = "kind"
-classes = { "Silty mud" = "mud" }
-overlaps = "first"
-coordinates = "local"
-
-[[terrain]]
-kind = "raster"
-name = "chart"
-material = "mud"
-file = "../grids/chart.tif"
-window = [10, 20, 300, 400]
-decimate = 3
-depth_positive_down = true
-load = "whole"
-
-[terrain.material_map]
-kind = "patches"
-patch_size_m = 12.5
-shares = { steel = 0.5, mud = 3 }
-seed = 44
-
-[[objects]]
-shape = "mesh"
-name = "wreck"
-material = "steel"
-file = "wreck.obj"
-up = "y"
-unit_m = 0.01
-materials = { "Oak planks" = "steel" }
-position_m = [5, 6, -7]
-position_lat_lon_deg = [48.51, -4.01]
-on_terrain_m = -0.5
-heading_deg = 10
-pitch_deg = -20
-roll_deg = 30
-scale = [0.001, 0.002, 0.003]
-
-[[objects]]
-shape = "sphere"
-name = "float"
-material = "steel"
-radius_m = 0.2
-chord_error_m = 0.001
-
-[[objects]]
-shape = "cylinder"
-name = "post"
-material = "steel"
-radius_m = 0.3
-height_m = 4
-chord_error_m = 0.002
-
-[[objects]]
-shape = "cone"
-name = "anchor"
-material = "steel"
-radius_m = 0.8
-top_radius_m = 0.4
-height_m = 0.6
-chord_error_m = 0.003
-
-[[objects]]
-shape = "box"
-name = "block"
-material = "steel"
-size_m = [2, 3, 4]
-
-[[trajectories]]
-kind = "fixed"
-name = "tripod"
-position_m = [0, 0, 2]
-heading_deg = 90
-pitch_deg = 1
-roll_deg = 2
-
-[[trajectories]]
-kind = "line"
-name = "pass"
-start_m = [-10, 0, 5]
-end_m = [10, 0, 5]
-speed_m_s = 2.5
-pitch_deg = 3
-roll_deg = 4
-
-[[trajectories]]
-kind = "waypoints"
-name = "track"
-file = "track.csv"
-
-[[sensors]]
-kind = "didson"
-name = "camera"
-trajectory = "tripod"
-lever_arm_m = [0.1, 0.2, 0.3]
-receiver_arm_m = [0.5, -1.25, 2]
-yaw_deg = 5
-tilt_deg = 25
-roll_deg = 6
-first_ping_s = 1.5
-pings = 7
-ping_interval_s = 0.25
-cone_tolerance = 1e-6
-frequency_khz = 1100
-beams = 48
-beam_centres = "even"
-cycles = 4
-cycle_interval_s = 0.02
-firing_order = [0, 2, 1, 3]
-transmit_pattern = "line"
-transmit_aperture_m = 0.1
-transmit_steering = "fan"
-receive_pattern = "line"
-receive_aperture_m = 0.1
-receive_margin_deg = 2
-pictures = "sequence"
-horizontal_deg = 28
-vertical_deg = 12
-transmit_horizontal_deg = 27
-transmit_vertical_deg = 11
-samples = 256
-window_start_m = 2
-window_length_m = 10
-
-[[sensors]]
-kind = "sidescan"
-name = "fish_1-B"
-trajectory = "track"
-frequency_khz = 900
-along_track_deg = 0.2
-depression_min_deg = 5
-depression_max_deg = 80
-samples = 2000
-range_min_m = 1
-range_max_m = 75
-
-[[sensors]]
-kind = "imaging"
-name = "ahead"
-trajectory = "track"
-frequency_khz = 1200
-beams = 130
-horizontal_deg = 60
-vertical_deg = 12
-samples = 300
-range_min_m = 0.2
-range_max_m = 9
-
-[[sensors]]
-kind = "echosounder"
-name = "down"
-trajectory = "track"
-frequency_khz = 38
-beam_deg = 12
-sector_deg = 50
-samples = 400
-range_min_m = 3
-range_max_m = 90
-detection = "first_return"
-detection_threshold_db = -10
-source_level_db = 205
-noise_level_db = 90
-speckle = "k"
-speckle_looks = 3
-speckle_shape = 0.5
-tvg_spreading = 40
-tvg_absorption_db_per_km = 12
-tvg_gain_db = 6
-
-[[sensors]]
-preset = "geoswath-500"
-name = "swath"
-trajectory = "track"
-along_track_deg = 0.9
-range_max_m = 120
-baseline_m = 0.02
-staff_tilt_deg = 35
-phase_noise = true
-
-[sea_surface]
-height_m = 3.5
-loss_db = 0.5
-rms_roughness_m = 0.25
-
-[paths]
-order = 4
-only_order = 3
-cutoff_db = 40
-scatterings = 2
-patch_m = 0.125
-most_images = 77
-direct = true
-
-[run]
-start_utc = "2024-02-29T12:00:00Z"
-engine = "ray"
-arithmetic = "filtered"
-binning = "spread"
-facets_per_split = 24
-zero_tolerance = 1e-14
-sampling = "column"
-rays_per_ping = 5000
-seed = 99
-grid_exponent = 16
-threads = 3
-terrain_cache_mb = 700
-
-[relief]
-mode = "offline"
-cell_m = 0.03
-displace = "normal"
-file = "bed.ply"
-)";
-
-/// The full scene's files, beside and outside its folder.
-struct FullSceneFolder {
-  SceneFolder outside;
-  std::filesystem::path scene_file;
-
-  explicit FullSceneFolder(std::string_view scene = full_scene) {
-    std::filesystem::create_directory(outside.path() / "grids");
-    std::filesystem::create_directory(outside.path() / "scene");
-    outside.write("grids/chart.tif", "II*");
-    outside.write("grids/classes.tif", "II*");
-    outside.write("grids/areas.geojson", "{}");
-    outside.write("scene/wreck.obj", "v 0 0 0\n");
-    outside.write("scene/track.csv", "time_s\n");
-    scene_file = outside.write("scene/scene.toml", scene);
-  }
-};
 
 TEST(SceneFile, ReadsEveryKey) {
   const FullSceneFolder folder;
@@ -620,8 +322,8 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {
-  const SceneFolder folder;
-  const SceneDescription scene = folder.read(smallest_scene);
+  const TestFolder folder;
+  const SceneDescription scene = read_scene(folder, smallest_scene);
   EXPECT_EQ(scene.title, "");
   EXPECT_FALSE(scene.georeference);
   EXPECT_FALSE(scene.water.sound_speed_m_s);
@@ -650,21 +352,22 @@ TEST(SceneFile, LeavesTheRestAtTheDefaults) {
 }
 
 TEST(SceneFile, TheOnlyMaterialAndTrajectoryNeedNoNaming) {
-  const SceneFolder folder;
-  const SceneDescription scene = folder.read(smallest_scene);
+  const TestFolder folder;
+  const SceneDescription scene = read_scene(folder, smallest_scene);
   EXPECT_EQ(scene.terrains[0].material, "sand");
   EXPECT_EQ(scene.sensors[0].trajectory, "trajectory");
 }
 
 TEST(SceneFile, SectionsMayBeInlineSingleOrRepeated) {
-  const SceneFolder folder;
-  const SceneDescription scene = folder.read(
-      "materials = [{name = \"a\"}, {name = \"b\", lambert_db = -20}]\n"
-      "water.temperature_c = 5\n"
-      "[terrain]\nkind = \"flat\"\nmaterial = \"a\"\nwidth_m = 1\nlength_m = 1\n"
-      "[[trajectory]]\nkind = \"fixed\"\nname = \"one\"\n"
-      "[[trajectories]]\nkind = \"fixed\"\nname = \"two\"\n"
-      "[[sensors]]\nkind = \"didson\"\nname = \"s\"\ntrajectory = \"two\"\n");
+  const TestFolder folder;
+  const SceneDescription scene =
+      read_scene(folder,
+                 "materials = [{name = \"a\"}, {name = \"b\", lambert_db = -20}]\n"
+                 "water.temperature_c = 5\n"
+                 "[terrain]\nkind = \"flat\"\nmaterial = \"a\"\nwidth_m = 1\nlength_m = 1\n"
+                 "[[trajectory]]\nkind = \"fixed\"\nname = \"one\"\n"
+                 "[[trajectories]]\nkind = \"fixed\"\nname = \"two\"\n"
+                 "[[sensors]]\nkind = \"didson\"\nname = \"s\"\ntrajectory = \"two\"\n");
   EXPECT_EQ(scene.materials[1].lambert_db, -20);
   EXPECT_EQ(scene.water.temperature_c, 5);
   EXPECT_EQ(scene.terrains.size(), 1u);
@@ -673,14 +376,14 @@ TEST(SceneFile, SectionsMayBeInlineSingleOrRepeated) {
 }
 
 TEST(SceneFile, IntegersDoWhereNumbersAreWanted) {
-  const SceneFolder folder;
-  const SceneDescription scene = folder.read(
-      replaced(smallest_scene, "kind = \"fixed\"", "kind = \"fixed\"\nposition_m = [1, 2.5, 0x10]"));
+  const TestFolder folder;
+  const SceneDescription scene = read_scene(
+      folder, replaced(smallest_scene, "kind = \"fixed\"", "kind = \"fixed\"\nposition_m = [1, 2.5, 0x10]"));
   EXPECT_THAT(std::get<FixedTrajectory>(scene.trajectories[0].kind).position_m, ElementsAre(1, 2.5, 16));
 }
 
 TEST(SceneFile, PlacesNameTheFileAsItWasGiven) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::filesystem::create_directory(folder.path() / "scenes");
   folder.write("scenes/scene.toml", "[water]\ndepth_m = true\n");
   const auto before = std::filesystem::current_path();
@@ -696,16 +399,17 @@ TEST(SceneFile, PlacesNameTheFileAsItWasGiven) {
 }
 
 TEST(SceneFile, RangesIncludeTheirEndsUnlessTheySayOtherwise) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto camera = [](std::string_view keys) { return std::string(smallest_scene) + std::string(keys); };
-  EXPECT_EQ(
-      folder.error_of(camera("beams = 4096\nsamples = 16384\nvertical_deg = 170\nhorizontal_deg = 179.9")),
-      "");
-  EXPECT_EQ(folder.error_of(camera("beams = 1024\nsamples = 65536")), "");
-  EXPECT_EQ(folder.error_of(camera("beams = 1\nsamples = 1\npings = 10000000\ntilt_deg = -90")), "");
-  EXPECT_EQ(folder.error_of(camera("[water]\nsalinity_psu = 0\nsound_speed_m_s = 1300\n")), "");
-  EXPECT_EQ(folder.error_of(camera("[water]\nsalinity_psu = 25\ndepth_m = 8000\ntemperature_c = -2\n")), "");
-  EXPECT_EQ(folder.error_of(replaced(smallest_scene, "\"sand\"", "\"sand\"\nlambert_db = -4.9715")), "");
+  EXPECT_EQ(scene_error(folder,
+                        camera("beams = 4096\nsamples = 16384\nvertical_deg = 170\nhorizontal_deg = 179.9")),
+            "");
+  EXPECT_EQ(scene_error(folder, camera("beams = 1024\nsamples = 65536")), "");
+  EXPECT_EQ(scene_error(folder, camera("beams = 1\nsamples = 1\npings = 10000000\ntilt_deg = -90")), "");
+  EXPECT_EQ(scene_error(folder, camera("[water]\nsalinity_psu = 0\nsound_speed_m_s = 1300\n")), "");
+  EXPECT_EQ(scene_error(folder, camera("[water]\nsalinity_psu = 25\ndepth_m = 8000\ntemperature_c = -2\n")),
+            "");
+  EXPECT_EQ(scene_error(folder, replaced(smallest_scene, "\"sand\"", "\"sand\"\nlambert_db = -4.9715")), "");
 }
 
 // Whatever the bytes: a scene, or an InputError that starts with the file's name.

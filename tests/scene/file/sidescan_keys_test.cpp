@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "sensors/kinds/kind_sidescan.hpp"
 
 namespace tubefoot {
@@ -21,43 +21,47 @@ SidescanDescription fan_of(const SceneDescription& scene) {
 }
 
 TEST(SidescanKeys, SamplingFrequencyTakesThePlaceOfSamples) {
-  const SceneFolder folder;
-  const auto plain = fan_of(folder.read(scene_with("kind = \"sidescan\"\nsampling_frequency_khz = 20\n")));
+  const TestFolder folder;
+  const auto plain =
+      fan_of(read_scene(folder, scene_with("kind = \"sidescan\"\nsampling_frequency_khz = 20\n")));
   EXPECT_EQ(plain.sampling_frequency_khz, 20);
-  EXPECT_THAT(folder.error_of(scene_with("kind = \"sidescan\"\nsamples = 10\nsampling_frequency_khz = 20\n")),
-              AllOf(HasSubstr("'samples' and 'sampling_frequency_khz'"), HasSubstr("remove one")));
+  EXPECT_THAT(
+      scene_error(folder, scene_with("kind = \"sidescan\"\nsamples = 10\nsampling_frequency_khz = 20\n")),
+      AllOf(HasSubstr("'samples' and 'sampling_frequency_khz'"), HasSubstr("remove one")));
   // A preset's number of samples gives way to the scene's own sampling frequency.
-  EXPECT_EQ(fan_of(folder.read(scene_with("preset = \"klein-3000-445\"\nsampling_frequency_khz = 20\n")))
-                .sampling_frequency_khz,
-            20);
+  EXPECT_EQ(
+      fan_of(read_scene(folder, scene_with("preset = \"klein-3000-445\"\nsampling_frequency_khz = 20\n")))
+          .sampling_frequency_khz,
+      20);
 }
 
 TEST(SidescanKeys, AxisNeedsAPatternToTurn) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string axis = "kind = \"sidescan\"\naxis_depression_deg = 20\n";
-  EXPECT_THAT(folder.error_of(scene_with(axis)), HasSubstr("add transmit_pattern or receive_pattern"));
+  EXPECT_THAT(scene_error(folder, scene_with(axis)), HasSubstr("add transmit_pattern or receive_pattern"));
   for (const std::string side : {"transmit", "receive"})
-    EXPECT_EQ(fan_of(folder.read(scene_with(axis + side + "_pattern = \"gaussian\"\n" + side +
-                                            "_beam_width_deg = 50\n")))
+    EXPECT_EQ(fan_of(read_scene(folder, scene_with(axis + side + "_pattern = \"gaussian\"\n" + side +
+                                                   "_beam_width_deg = 50\n")))
                   .axis_depression_deg,
               20);
 }
 
 TEST(SidescanKeys, GainMayBeFixedBelowAnyRange) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const std::string near = "kind = \"sidescan\"\ntvg_fixed_below_m = 1.5\n";
-  EXPECT_THAT(folder.error_of(scene_with(near)), HasSubstr("'tvg_fixed_below_m' needs 'tvg_spreading'"));
-  EXPECT_EQ(folder.read(scene_with(near + "tvg_spreading = 30\n")).sensors.back().signal.tvg_fixed_below_m,
-            1.5);
+  EXPECT_THAT(scene_error(folder, scene_with(near)), HasSubstr("'tvg_fixed_below_m' needs 'tvg_spreading'"));
+  EXPECT_EQ(
+      read_scene(folder, scene_with(near + "tvg_spreading = 30\n")).sensors.back().signal.tvg_fixed_below_m,
+      1.5);
 }
 
 TEST(SidescanKeys, AnySensorMayHaveAPulse) {
-  const SceneFolder folder;
-  EXPECT_EQ(folder.read(scene_with("kind = \"didson\"\npulse_length_us = 16\n"))
+  const TestFolder folder;
+  EXPECT_EQ(read_scene(folder, scene_with("kind = \"didson\"\npulse_length_us = 16\n"))
                 .sensors.back()
                 .signal.pulse_length_us,
             16);
-  EXPECT_THAT(folder.error_of(scene_with("kind = \"sidescan\"\npulse_length_us = 0\n")),
+  EXPECT_THAT(scene_error(folder, scene_with("kind = \"sidescan\"\npulse_length_us = 0\n")),
               HasSubstr("pulse_length_us"));
 }
 

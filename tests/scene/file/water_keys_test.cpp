@@ -4,7 +4,7 @@
 
 #include "engine/water/absorption.hpp"
 #include "engine/water/sound_speed.hpp"
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/scene_water.hpp"
 
 namespace tubefoot {
@@ -17,8 +17,10 @@ std::string scene_with(const std::string& lines) { return std::string(smallest_s
 
 class WaterKeys : public testing::Test {
  protected:
-  SceneWater water(const std::string& lines) { return SceneWater(folder_.read(scene_with(lines)).water); }
-  std::string error_of(const std::string& lines) { return folder_.error_of(scene_with(lines)); }
+  SceneWater water(const std::string& lines) {
+    return SceneWater(read_scene(folder_, scene_with(lines)).water);
+  }
+  std::string error_of(const std::string& lines) { return scene_error(folder_, scene_with(lines)); }
   /// Of loading the water from a file "p.csv".
   std::string file_error(const std::string& profile, const std::string& csv) {
     const auto file = folder_.write("p.csv", csv);
@@ -29,7 +31,7 @@ class WaterKeys : public testing::Test {
     }
     return {};
   }
-  SceneFolder folder_;
+  TestFolder folder_;
 };
 
 TEST_F(WaterKeys, EvenWaterIsAsItWas) {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 
-#include "scene/scene_file_folder.hpp"
+#include "fixtures/world/read_scenes.hpp"
 
 namespace tubefoot {
 namespace {
@@ -22,7 +22,7 @@ using testing::ThrowsMessage;
 using Triangle = std::array<std::uint32_t, 3>;
 
 ComponentMesh read(const std::string& name, const std::string& content) {
-  const SceneFolder folder;
+  const TestFolder folder;
   return read_mesh_file(folder.write(name, content));
 }
 
@@ -225,7 +225,7 @@ class MeshFileRefuses : public testing::TestWithParam<BadMesh> {};
 
 TEST_P(MeshFileRefuses, BadInputWithItsPlace) {
   const BadMesh& bad = GetParam();
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto file = folder.write(bad.file, bad.content);
   EXPECT_THAT([&] { read_mesh_file(file); },
               ThrowsMessage<InputError>(AllOf(HasSubstr(bad.file + bad.place), HasSubstr(bad.message))));
@@ -315,7 +315,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, MeshFileRefuses, testing::ValuesIn(bad_meshes(
                          [](const auto& bad) { return bad.param.title; });
 
 TEST(MeshFile, RefusesAMissingFileAndAFolder) {
-  const SceneFolder folder;
+  const TestFolder folder;
   EXPECT_THAT([&] { read_mesh_file(folder.path() / "none.obj"); },
               ThrowsMessage<InputError>(HasSubstr("none.obj")));
   std::filesystem::create_directory(folder.path() / "folder.obj");
@@ -323,7 +323,7 @@ TEST(MeshFile, RefusesAMissingFileAndAFolder) {
 }
 
 TEST(MeshFile, EveryCutOfEveryFormatEndsWellOrInAnInputError) {
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const auto& [name, content] :
        std::vector<std::pair<std::string, std::string>>{{"t.obj", kObj},
                                                         {"t.off", kOff},

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/model_samples.hpp"
+#include "fixtures/model_samples.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/scene.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -58,9 +58,9 @@ std::string with_entries(const std::string& entries) {
 }
 
 std::vector<std::uint16_t> materials(const std::string& entries) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("boat.obj", boat);
-  return load_scene(folder.read(with_entries(entries))).mesh.material;
+  return load_scene(read_scene(folder, with_entries(entries))).mesh.material;
 }
 
 TEST(MeshMaterials, MaterialsOfObjFirstThenGroupsThenObjects) {
@@ -72,9 +72,9 @@ TEST(MeshMaterials, MaterialsOfObjFirstThenGroupsThenObjects) {
 }
 
 TEST(MeshMaterials, TheReportListsNamesWithTheirFacets) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("boat.obj", boat);
-  const Scene loaded = load_scene(folder.read(with_entries("Oak = \"wood\"")));
+  const Scene loaded = load_scene(read_scene(folder, with_entries("Oak = \"wood\"")));
   const auto& names = loaded.report.components[0].names;
   ASSERT_EQ(names.size(), 3u);
   EXPECT_EQ(names[0].name, "boat");
@@ -87,24 +87,24 @@ TEST(MeshMaterials, TheReportListsNamesWithTheirFacets) {
 }
 
 TEST(MeshMaterials, MistakesAreToldWhereTheyStand) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("boat.obj", boat);
-  EXPECT_THAT([&] { load_scene(folder.read(with_entries("Oka = \"wood\""))); },
+  EXPECT_THAT([&] { load_scene(read_scene(folder, with_entries("Oka = \"wood\""))); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:13:7: "),
                                               HasSubstr("no face of the mesh goes by the name \"Oka\""),
                                               HasSubstr("\"Oak\""))));
-  EXPECT_THAT(folder.error_of(with_entries("Oak = \"wodo\"")),
+  EXPECT_THAT(scene_error(folder, with_entries("Oak = \"wodo\"")),
               AllOf(HasSubstr("scene.toml:13:7: "), HasSubstr("did you mean \"wood\"?")));
 }
 
 TEST(MeshMaterials, NodesAndMaterialsOfModelsCount) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("boat.glb", glb_model());
   std::string text = with_entries("child = \"wood\"");
   text.replace(text.find("boat.obj"), 8, "boat.glb");
-  EXPECT_THAT(load_scene(folder.read(text)).mesh.material, ElementsAre(0, 0, 2, 2));
+  EXPECT_THAT(load_scene(read_scene(folder, text)).mesh.material, ElementsAre(0, 0, 2, 2));
   text.replace(text.find("child = \"wood\""), 14, "child = \"wood\"\nsteel = \"steel\"");
-  EXPECT_THAT(load_scene(folder.read(text)).mesh.material, ElementsAre(1, 1, 1, 1));
+  EXPECT_THAT(load_scene(read_scene(folder, text)).mesh.material, ElementsAre(1, 1, 1, 1));
 }
 
 }  // namespace

@@ -9,15 +9,16 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <random>
 
+#include "fixtures/model_samples.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/meshes/mesh_file_apart.hpp"
 #include "scene/meshes/mesh_file_model.hpp"
-#include "scene/model_samples.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -40,7 +41,7 @@ std::vector<Sample> samples() {
           {"m.fbx", fbx_model()}};
 }
 
-NamedMesh read(const SceneFolder& folder, const Sample& sample, const MeshAxes& axes = {}) {
+NamedMesh read(const TestFolder& folder, const Sample& sample, const MeshAxes& axes = {}) {
   folder.write("numbers.bin", gltf_numbers());
   return read_mesh_file(folder.write(sample.name, sample.content), axes);
 }
@@ -66,7 +67,7 @@ double area(const ComponentMesh& mesh) {
 }
 
 TEST(Models, NodesPutMeshesWhereTheyBelongAndUnitsMakeThemMetres) {
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const Sample& sample : samples()) {
     SCOPED_TRACE(sample.name);
     const bool one = sample.name == "m.3ds";
@@ -81,7 +82,7 @@ TEST(Models, NodesPutMeshesWhereTheyBelongAndUnitsMakeThemMetres) {
 }
 
 TEST(Models, WhatTheFileDeclaresIsTaken) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto is = [&](const Sample& sample, glm::dvec3 lo, glm::dvec3 hi) {
     const Box box = box_of(read(folder, sample));
     EXPECT_LT(glm::distance(box.lo, lo) + glm::distance(box.hi, hi), 1e-6) << sample.name;
@@ -103,7 +104,7 @@ TEST(Models, WhatTheFileDeclaresIsTaken) {
 
 // What an FBX turns its nodes by besides: the inverse of PostRotation, about the node's own axes.
 TEST(Models, PivotsOfAnFbxTurnAsTheyShould) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::string text = fbx_model();
   const std::string hull = "\"A\",3,0,0\n";
   const std::size_t at = text.find(hull);
@@ -121,7 +122,7 @@ TEST(Models, PivotsOfAnFbxTurnAsTheyShould) {
 
 // Positions in whole numbers are what the reader cannot take.
 TEST(Models, QuantisedPositionsAreRefused) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::string text = gltf_model(R"(,"uri":"numbers.bin")");
   text.insert(text.find('{') + 1, R"("extensionsRequired":["KHR_mesh_quantization"],)");
   EXPECT_THAT(
@@ -132,7 +133,7 @@ TEST(Models, QuantisedPositionsAreRefused) {
 }
 
 TEST(Models, WhatNeitherFileNorSceneSaysIsRefused) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto refused = [&](const Sample& sample, const MeshAxes& axes, const char* what) {
     EXPECT_THAT([&] { read(folder, sample, axes); }, ThrowsMessage<InputError>(HasSubstr(what)))
         << sample.name;
@@ -157,13 +158,13 @@ TEST(Models, WhatNeitherFileNorSceneSaysIsRefused) {
 }
 
 TEST(Models, TheSceneHasTheLastWordOnAxesAndUnits) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const Box box = box_of(read(folder, {"m.dae", collada_model()}, {"y", 1.0}));
   EXPECT_LT(glm::distance(box.hi, glm::dvec3(4, 0, 2)), 1e-6);
 }
 
 TEST(Models, FacesGoByMaterialMeshAndNodes) {
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const Sample& sample : samples()) {
     const NamedMesh mesh = read(folder, sample, {"z", 1.0});
     ASSERT_EQ(mesh.names_of.size(), mesh.triangles.size()) << sample.name;
@@ -177,7 +178,7 @@ TEST(Models, FacesGoByMaterialMeshAndNodes) {
 }
 
 TEST(Models, PolygonsAreCutByOurselves) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::string text = collada_model();
   const auto put = [&](const std::string& from, const std::string& to) {
     text.replace(text.find(from), from.size(), to);
@@ -193,7 +194,7 @@ TEST(Models, PolygonsAreCutByOurselves) {
 }
 
 TEST(Models, BuffersOfGltfStayInItsFolder) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::filesystem::create_directory(folder.path() / "model");
   folder.write("outside.bin", gltf_numbers());
   std::filesystem::create_symlink("../outside.bin", folder.path() / "model/link.bin");
@@ -211,21 +212,21 @@ TEST(Models, BuffersOfGltfStayInItsFolder) {
 }
 
 TEST(Models, BuffersOfGltfAreInTheSceneHash) {
-  const SceneFolder folder;
+  const TestFolder folder;
   folder.write("m.gltf", gltf_model(R"(,"uri":"numbers.bin")"));
   const std::string scene =
       std::string(smallest_scene) + "[[objects]]\nname = \"o\"\nshape = \"mesh\"\nfile = \"m.gltf\"\n";
   folder.write("numbers.bin", gltf_numbers());
-  const SceneDescription first = folder.read(scene);
+  const SceneDescription first = read_scene(folder, scene);
   EXPECT_THAT(first.inputs, Contains(folder.path() / "numbers.bin"));
   std::string other = gltf_numbers();
   other[3] = 1;
   folder.write("numbers.bin", other);
-  EXPECT_NE(folder.read(scene).sha256, first.sha256);
+  EXPECT_NE(read_scene(folder, scene).sha256, first.sha256);
 }
 
 TEST(Models, GltfThatNeedsWhatIsNotReadIsRefused) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto refused = [&](const std::string& text, const char* what) {
     EXPECT_THAT([&] { read(folder, {"m.gltf", text}); }, ThrowsMessage<InputError>(HasSubstr(what)));
   };
@@ -240,7 +241,7 @@ TEST(Models, CutOrChangedFilesEndWellOrInAnInputError) {
   constexpr unsigned seed = 20262;
   RecordProperty("seed", seed);
   std::mt19937 random(seed);
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const Sample& sample : samples())
     for (int trial = 0; trial < 40; ++trial) {
       SCOPED_TRACE(fmt::format("seed {}, {} {}", seed, sample.name, trial));
@@ -259,7 +260,7 @@ TEST(Models, CutOrChangedFilesEndWellOrInAnInputError) {
 }
 
 TEST(Models, NestingWithoutEndIsRefused) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::string text = collada_model(), deep, back;
   for (int i = 0; i < 200000; ++i) {
     deep += "<node>";
@@ -276,7 +277,7 @@ TEST(Models, NestingWithoutEndIsRefused) {
 
 TEST(Models, NodesThatDoubleAndDoubleEndInALimit) {
   // Each node holds the next twice: 2^60 plates.
-  const SceneFolder folder;
+  const TestFolder folder;
   std::string nodes;
   for (int i = 0; i < 60; ++i)
     nodes += fmt::format("<node id=\"d{}\"><instance_node url=\"#d{}\"/><instance_node url=\"#d{}\"/></node>",

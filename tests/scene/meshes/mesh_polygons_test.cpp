@@ -11,8 +11,8 @@
 #include <numbers>
 #include <random>
 
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/meshes/mesh_file.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,7 +26,7 @@ using testing::ThrowsMessage;
 using Outline = std::vector<glm::dvec2>;
 
 NamedMesh read(const std::string& name, const std::string& content) {
-  const SceneFolder folder;
+  const TestFolder folder;
   return read_mesh_file(folder.write(name, content));
 }
 
@@ -188,7 +188,7 @@ TEST(MeshPolygons, AHoleOnABridgeIsAHole) {
 TEST(MeshPolygons, WhatCrossesItselfIsRefusedAtItsLine) {
   const std::string square = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 0 2 0\n";
   const auto refuses = [&](const std::string& faces) {
-    const SceneFolder folder;
+    const TestFolder folder;
     const auto file = folder.write("m.obj", square + faces);
     EXPECT_THAT(
         [&] { read_mesh_file(file); },

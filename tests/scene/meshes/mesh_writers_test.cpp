@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/meshes/mesh_file.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -21,7 +21,7 @@ using testing::ThrowsMessage;
 using namespace std::string_literals;
 
 NamedMesh read(const std::string& name, const std::string& content) {
-  const SceneFolder folder;
+  const TestFolder folder;
   return read_mesh_file(folder.write(name, content));
 }
 

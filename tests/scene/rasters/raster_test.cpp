@@ -11,10 +11,10 @@
 #include <glm/geometric.hpp>
 
 #include "files/netcdf_size.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "geometry/numbers/world_grid.hpp"
 #include "scene/beds/reflectivity.hpp"
 #include "scene/rasters/terrain_tiles.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -38,7 +38,7 @@ struct TestRaster {
   double scale = 1, offset = 0;
 };
 
-std::filesystem::path write_tiff(const SceneFolder& folder, const TestRaster& raster,
+std::filesystem::path write_tiff(const TestFolder& folder, const TestRaster& raster,
                                  const char* name = "r.tif") {
   GDALAllRegister();
   const auto file = folder.path() / name;
@@ -68,7 +68,7 @@ std::filesystem::path write_tiff(const SceneFolder& folder, const TestRaster& ra
 
 ComponentMesh read(const TestRaster& raster, std::optional<LocalFrame> frame = {},
                    RasterTerrain terrain = {}) {
-  const SceneFolder folder;
+  const TestFolder folder;
   terrain.file = write_tiff(folder, raster);
   return read_raster(terrain, frame);
 }
@@ -183,7 +183,7 @@ TEST(Raster, InATangentFrameEachVertexGoesToItsLatitudeAndLongitude) {
 }
 
 TEST(Raster, SetsTheFrameOfASceneWithoutGeoreference) {
-  const SceneFolder folder;
+  const TestFolder folder;
   std::optional<LocalFrame> frame;
   const ComponentMesh first = read_raster({write_tiff(folder, {}), {}, 1, false}, frame);
   ASSERT_TRUE(frame && frame->is_georeferenced());
@@ -201,7 +201,7 @@ TEST(Raster, AGeographicRasterSetsATangentFrame) {
   raster.crs = "EPSG:4326";
   raster.geotransform = {20, 0.001, 0, 60.003, 0, -0.001};
   std::optional<LocalFrame> frame;
-  const SceneFolder folder;
+  const TestFolder folder;
   const ComponentMesh mesh = read_raster({write_tiff(folder, raster), {}, 1, false}, frame);
   EXPECT_THAT(mesh.warnings, ElementsAre(AllOf(HasSubstr("60.0015"), HasSubstr("20.002"))));
   ASSERT_THAT(mesh.points_m, SizeIs(12));
@@ -259,7 +259,7 @@ TEST(Raster, RefusesWindowsWithoutFacets) {
 
 // --- formats, whole and cut off ---
 
-std::filesystem::path copy_as(const SceneFolder& folder, const char* driver, const char* name,
+std::filesystem::path copy_as(const TestFolder& folder, const char* driver, const char* name,
                               char** options = nullptr) {
   TestRaster raster;
   raster.columns = raster.rows = 60;
@@ -275,7 +275,7 @@ std::filesystem::path copy_as(const SceneFolder& folder, const char* driver, con
 
 // The units are in the file where it has any, and else the values say it.
 TEST(Raster, DegreesWithoutCrsAreNotTakenForMetres) {
-  SceneFolder folder;
+  TestFolder folder;
   RasterTerrain terrain;
   const auto refused = [&](const char* what) {
     std::optional<LocalFrame> frame;
@@ -323,7 +323,7 @@ TEST(Raster, DegreesWithoutCrsAreNotTakenForMetres) {
 
 // Whatever is asked of it: red is no height, no reflectivity and no class.
 TEST(Raster, PicturesInColoursAreRefused) {
-  SceneFolder folder;
+  TestFolder folder;
   GDALAllRegister();
   RasterTerrain terrain;
   for (const auto& [driver, name, bands] : {std::tuple{"GTiff", "rgb.tif", 3}, {"GTiff", "rgba.tif", 4}}) {
@@ -353,7 +353,7 @@ TEST(Raster, PicturesInColoursAreRefused) {
 class RasterFormat : public testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 TEST_P(RasterFormat, IsReadWholeAndRefusedWhenCutOff) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto file = copy_as(folder, GetParam().first.c_str(), GetParam().second.c_str());
   std::optional<LocalFrame> frame = utm_frame();
   const ComponentMesh mesh = read_raster({file, {}, 1, false}, frame);
@@ -382,7 +382,7 @@ INSTANTIATE_TEST_SUITE_P(Gdal, RasterFormat,
                          [](const auto& format) { return format.param.first; });
 
 TEST(RasterFormats, OthersAreRefusedWithTheOnesThatAreRead) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto file = folder.write("picture.png", "\x89PNG\r\n");
   std::optional<LocalFrame> frame;
   EXPECT_THAT(
@@ -393,7 +393,7 @@ TEST(RasterFormats, OthersAreRefusedWithTheOnesThatAreRead) {
 }
 
 TEST(NetcdfClassicSize, IsThatOfTheFileForEveryVariant) {
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const char* format : {"FORMAT=NC", "FORMAT=NC2"}) {
     char* options[] = {const_cast<char*>(format), nullptr};
     const auto file = copy_as(folder, "netCDF", "classic.nc", options);
@@ -422,7 +422,7 @@ TEST(RealRaster, TheWholeGridLoadsWithItsHoles) {
 TEST(RealRaster, ACutOffBagIsRefusedQuietly) {
   const std::filesystem::path source = std::filesystem::path(TUBEFOOT_SHARED_DATA) / "jd211.bag";
   if (!std::filesystem::exists(source)) GTEST_SKIP() << "no " << source;
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto file = folder.path() / "cut.bag";
   std::filesystem::copy_file(source, file);
   std::filesystem::permissions(file, std::filesystem::perms::owner_all);

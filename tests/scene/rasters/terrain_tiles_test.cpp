@@ -15,8 +15,8 @@
 #include "files/companions.hpp"
 #include "files/input_error.hpp"
 #include "files/vrt_file.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/rasters/raster.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -30,7 +30,7 @@ constexpr int columns = 211, rows = 150;
 constexpr double no_data = 9999;
 
 /// `holes_of_1000` pixels without data among a thousand.
-RasterTerrain write_raster(const SceneFolder& folder, unsigned seed, unsigned holes_of_1000,
+RasterTerrain write_raster(const TestFolder& folder, unsigned seed, unsigned holes_of_1000,
                            const char* crs_name = "EPSG:32630") {
   GDALAllRegister();
   const auto file = folder.path() / "bed.tif";
@@ -121,14 +121,14 @@ void expect_parts_of_the_whole(const RasterTerrain& terrain, unsigned seed) {
 }
 
 TEST(TerrainTiles, AreTheFacetsOfTheWholeInItsOrder) {
-  const SceneFolder folder;
+  const TestFolder folder;
   expect_parts_of_the_whole(write_raster(folder, 1, 0), 1);
   expect_parts_of_the_whole(write_raster(folder, 2, 30), 2);
   expect_parts_of_the_whole(write_raster(folder, 3, 600), 3);
 }
 
 TEST(TerrainTiles, KeepWindowStepAndFrame) {
-  const SceneFolder folder;
+  const TestFolder folder;
   RasterTerrain terrain = write_raster(folder, 4, 20, "EPSG:4326");
   expect_parts_of_the_whole(terrain, 4);
   terrain.window = {{3, 5, 200, 140}};
@@ -141,7 +141,7 @@ TEST(TerrainTiles, KeepWindowStepAndFrame) {
 }
 
 TEST(TerrainTiles, RefuseARasterWithoutAFacet) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const RasterTerrain terrain = write_raster(folder, 7, 1000);
   EXPECT_THAT(
       [&] {
@@ -160,7 +160,7 @@ std::string vrt_of(const std::string& source, int relative = 1) {
 }
 
 TEST(VrtSources, AreFoundThroughVirtualRastersAndEachOnce) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto outer = folder.write("outer.vrt", vrt_of("inner.tif") + "<!-- -->"),
              inner = folder.write("inner.tif", vrt_of("bed.asc"));  // told by its content, as GDAL does
   const auto bed = folder.write("bed.asc", "ncols 2\n");
@@ -174,7 +174,7 @@ TEST(VrtSources, AreFoundThroughVirtualRastersAndEachOnce) {
 }
 
 TEST(VrtSources, OfNetworksAndArchivesAreRefused) {
-  const SceneFolder folder;
+  const TestFolder folder;
   for (const char* source : {"/vsicurl/http://example.org/bed.tif", "/vsizip//bed.zip/bed.tif"}) {
     const auto file = folder.write("net.vrt", vrt_of(source, 0));
     EXPECT_THAT([&] { vrt_sources(file); }, ThrowsMessage<InputError>(HasSubstr("virtual file system")));
@@ -192,7 +192,7 @@ TEST(VrtSources, OfNetworksAndArchivesAreRefused) {
 }
 
 TEST(VrtSources, ThatAreMissingAreNamed) {
-  const SceneFolder folder;
+  const TestFolder folder;
   RasterTerrain terrain;
   terrain.file = folder.write("gone.vrt", vrt_of("gone.tif"));
   EXPECT_THAT(

@@ -14,10 +14,10 @@
 #include <map>
 #include <random>
 
+#include "fixtures/world/read_scenes.hpp"
 #include "scene/rasters/raster.hpp"
 #include "scene/rasters/raster_reader.hpp"
 #include "scene/rasters/terrain_tiles.hpp"
-#include "scene/scene_file_folder.hpp"
 
 namespace tubefoot {
 namespace {
@@ -41,7 +41,7 @@ double plane(double x, double y) { return -30 + 0.01 * (x - west) + 0.02 * (y - 
 
 /// A BAG of one resolution by GDAL's driver, and in it what makes it variable.
 struct VariableBag {
-  SceneFolder folder;
+  TestFolder folder;
   std::filesystem::path file = folder.path() / "vr.bag";
   std::vector<std::vector<float>> heights;  ///< of each supergrid
 
@@ -320,7 +320,7 @@ TEST(VariableGrid, RefusesWhatItCannotBe) {
 
 TEST(VariableGrid, ResolutionIsNotForOthers) {
   RasterTerrain terrain;
-  SceneFolder folder;
+  TestFolder folder;
   terrain.file =
       folder.write("grid.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 1\n1 1\n");
   terrain.resolution_m = 2;

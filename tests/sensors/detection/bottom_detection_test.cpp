@@ -10,8 +10,8 @@
 #include <numbers>
 #include <random>
 
+#include "fixtures/statistics.hpp"
 #include "sensors/receiver/receiver.hpp"
-#include "sensors/statistics.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "fixtures/statistics.hpp"
 #include "sensors/receiver/phase_noise.hpp"
-#include "sensors/statistics.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <random>
 
-#include "sensors/samples.hpp"
+#include "fixtures/world/recordings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -164,7 +164,7 @@ struct Raster {
 };
 
 TEST(SidescanMosaic, TheRasterLiesOnTheMap) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   SidescanMosaic mosaic(0.5);
   Survey survey(mosaic, {-18.1, 12.1});
   for (int k = 0; k <= 80; ++k) survey.ping(0, 0.25 * k, 0, 0.6);
@@ -235,7 +235,7 @@ TEST(SidescanMosaic, RefusesWhatMakesNoSense) {
         for (int k = 0; k < 1000; ++k) mosaic.add({heading_at(0, k, 0), kAltitude, 0, kStep, level, level});
       },
       ThrowsMessage<std::runtime_error>(HasSubstr("more than 1 MiB: make them larger")));
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   EXPECT_THAT([&] { SidescanMosaic(1).write_tiff(folder / "none.tif", LocalFrame(), "dB"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("nothing to write")));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));

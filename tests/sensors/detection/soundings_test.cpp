@@ -8,11 +8,11 @@
 #include <cmath>
 #include <sstream>
 
+#include "fixtures/world/recordings.hpp"
 #include "sensors/detection/sounding_grid.hpp"
 #include "sensors/formats/soundings_file.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/depth_picture.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {
@@ -50,14 +50,14 @@ void write(const std::filesystem::path& file, const LocalFrame& frame, std::uint
 }
 
 TEST(SoundingsFile, CsvStatesUnitsAndSigns) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   write(folder / "a.csv", LocalFrame(), 1, 1);
-  EXPECT_EQ(samples::bytes_of(folder / "a.csv"),
+  EXPECT_EQ(bytes_of(folder / "a.csv"),
             "ping,beam,time_s,east_m,north_m,up_m,two_way_travel_time_s,slant_range_m,"
             "beam_angle_deg_starboard_positive,amplitude,quality_0_to_1,method,status\n"
             "0,0,0,0.0000,-0.0000,-30.2500,0.046875,35.1250,-62.5,0.375,0.75,energy_centroid,good\n");
   write(folder / "b.csv", LocalFrame::projected("EPSG:32602", 500000, 0, 5, kPlace), 1, 1);
-  std::istringstream lines(samples::bytes_of(folder / "b.csv"));
+  std::istringstream lines(bytes_of(folder / "b.csv"));
   std::string head, row;
   std::getline(lines, head);
   std::getline(lines, row);
@@ -67,9 +67,9 @@ TEST(SoundingsFile, CsvStatesUnitsAndSigns) {
 }
 
 TEST(SoundingsFile, CsvHasEveryBeamOfALongLine) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   write(folder / "a.csv", LocalFrame(), 300, 101);
-  std::istringstream lines(samples::bytes_of(folder / "a.csv"));
+  std::istringstream lines(bytes_of(folder / "a.csv"));
   std::string line;
   std::getline(lines, line);
   for (int ping = 0; ping < 300; ++ping)
@@ -91,7 +91,7 @@ struct Points {
 };
 
 TEST(SoundingsFile, GeoPackageHasPointsInTheScenesCrs) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const LocalFrame utm = LocalFrame::projected("EPSG:32602", 621860, 7245027, 5, kPlace);
   write(folder / "utm.gpkg", utm, 100, 101);
   Points points(folder / "utm.gpkg");
@@ -120,7 +120,7 @@ TEST(SoundingsFile, GeoPackageHasPointsInTheScenesCrs) {
 }
 
 TEST(SoundingsFile, GeoPackageOfATangentFrameHasLongitudeAndLatitude) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const LocalFrame tangent = LocalFrame::at_lat_lon(48.3, -4.5, 0);
   write(folder / "t.gpkg", tangent, 3, 50);
   Points points(folder / "t.gpkg");
@@ -138,32 +138,32 @@ TEST(SoundingsFile, GeoPackageOfATangentFrameHasLongitudeAndLatitude) {
 }
 
 TEST(SoundingsFile, EqualRunsGiveEqualFiles) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::filesystem::create_directory(folder / "again");
   for (const char* name : {"a.csv", "a.gpkg"}) {
     write(folder / name, LocalFrame(), 5, 20);
     write(folder / "again" / name, LocalFrame(), 5, 20);
-    EXPECT_TRUE(samples::bytes_of(folder / name) == samples::bytes_of(folder / "again" / name)) << name;
+    EXPECT_TRUE(bytes_of(folder / name) == bytes_of(folder / "again" / name)) << name;
   }
 }
 
 TEST(SoundingsFile, IsTakenAwayUnlessItIsFinished) {
   for (const char* name : {"a.csv", "a.gpkg"}) {
-    const samples::TemporaryFolder folder;
+    const TestFolder folder;
     {
       SoundingsFile out(folder / name, LocalFrame());
       out.add(std::vector<Sounding>(10));
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name;
   }
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   EXPECT_THAT([&] { SoundingsFile(folder / "a.xyz", LocalFrame()); },
               ThrowsMessage<std::invalid_argument>(HasSubstr(".csv or .gpkg")));
 }
 
 TEST(SoundingsFile, SaysThatTheDiskIsFull) {
   for (const char* name : {"a.csv", "a.gpkg"}) {
-    const samples::TemporaryFolder folder;
+    const TestFolder folder;
     {
       const samples::FullDisk full(400000);
       samples::failure_naming(folder / name, [&] { write(folder / name, LocalFrame(), 2000, 101); });
@@ -173,7 +173,7 @@ TEST(SoundingsFile, SaysThatTheDiskIsFull) {
 }
 
 TEST(SoundingGrid, HoldsMeanDepthsPositiveDown) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   SoundingGrid grid(LocalFrame::projected("EPSG:32602", 621860, 7245027, 5, kPlace), 2);
   const auto add = [&](double east, double north, double up) {
     Sounding s;
@@ -253,7 +253,7 @@ TEST(SoundingGrid, LinesFillOnlyCellsThatHaveNoSounding) {
 }
 
 TEST(SoundingGrid, IsDrawnLitFromTheNorthWest) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const std::filesystem::path file = folder / "hill.png";
   draw_depths(hill().depths(), "a hill", label_font()).write_png(file, "");
   const OIIO::ImageBuf image(file.string());

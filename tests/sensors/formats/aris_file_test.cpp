@@ -8,7 +8,8 @@
 #include <cmath>
 #include <random>
 
-#include "sensors/camera_file_reader.hpp"
+#include "fixtures/refusal.hpp"
+#include "fixtures/world/camera_frames.hpp"
 
 namespace tubefoot {
 namespace {
@@ -17,21 +18,11 @@ using camera_file::expect_fields;
 using camera_file::Fields;
 using camera_file::Reader;
 using camera_file::single;
+using camera_file::with_one_frame;
 using ::testing::HasSubstr;
 
-template <typename Action>
-std::string refusal(Action action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "not refused";
-  return {};
-}
-
 TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   ArisHeader told;
   told.title = "mine-like objects";
   told.beams = 128;
@@ -45,16 +36,7 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
   told.salinity = ArisSalinity::brackish;
   told.serial_number = 417;
   const std::vector<std::uint8_t> dark(128 * 1000);
-  CameraFrame frame;
-  frame.unix_time_s = 1163073296.789;  // 2006-11-09 11:54:56.789 UTC
-  frame.latitude_deg = 48.3601;
-  frame.longitude_deg = -4.5703;
-  frame.platform = {271.25, -3.4, 1.7};
-  frame.camera = CameraAttitude{268.1, -21.3, -0.6};
-  frame.velocity_m_s = 1.02;
-  frame.depth_m = 17.3;
-  frame.altitude_m = 4.6;
-  frame.amplitudes = dark;
+  CameraFrame frame = camera_file::frame_of_a_dive(dark);
   {
     ArisFile file(folder / "a.aris", told);
     file.add(frame);
@@ -65,7 +47,7 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
   const Reader reader(folder / "a.aris");
   const double size = 1024 + 2 * (1024 + 128 * 1000);
   EXPECT_EQ(reader.size(), size);
-  EXPECT_EQ(samples::bytes_of(folder / "a.aris").substr(0, 4), "DDF\x05");
+  EXPECT_EQ(bytes_of(folder / "a.aris").substr(0, 4), "DDF\x05");
   // 2000 us of sound at 1480 m/s, there and back, are 1.48 m; 1000 samples of 8 us 5.92 m.
   expect_fields(reader.file_fields(), Fields{{"Version", 0x05464444},
                                              {"FrameCount", 2},
@@ -95,17 +77,6 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
                 {"TS_Hsecond", 79},
                 {"WindowStart", single(1.48)},
                 {"WindowLength", single(5.92)},
-                {"Velocity", single(1.02)},
-                {"Depth", single(17.3)},
-                {"Altitude", single(4.6)},
-                {"Pitch", single(-3.4)},
-                {"Roll", single(1.7)},
-                {"Heading", 271.25},
-                {"CompassHeading", single(268.1)},
-                {"CompassPitch", single(-21.3)},
-                {"CompassRoll", single(-0.6)},
-                {"Latitude", 48.3601},
-                {"Longitude", -4.5703},
                 {"WaterTemp", single(11.3)},
                 {"SampleRate", 125000},
                 {"PingMode", 9},
@@ -124,6 +95,7 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
                 {"SonarSerialNumber", 417},
                 {"ReorderedSamples", 1},
                 {"Salinity", 15}};
+  wanted.merge(camera_file::fields_of_a_dive());
   expect_fields(reader.frame_fields(0), wanted);
   wanted["FrameIndex"] = 1;
   expect_fields(reader.frame_fields(1), wanted);
@@ -131,7 +103,7 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
 
 // The file's header has codes where the frames have numbers.
 TEST(ArisFile, its_header_says_the_water_that_its_frames_are_in) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const struct {
     ArisSalinity salinity;
     double temperature_c;
@@ -144,12 +116,7 @@ TEST(ArisFile, its_header_says_the_water_that_its_frames_are_in) {
     ArisHeader told;
     told.salinity = water.salinity;
     told.water_temperature_c = water.temperature_c;
-    CameraFrame frame;
-    frame.amplitudes = dark;
-    ArisFile file(folder / "water.aris", told);
-    file.add(frame);
-    file.finish();
-    const Reader reader(folder / "water.aris");
+    const Reader reader = with_one_frame<ArisFile>(folder / "water.aris", told, dark);
     EXPECT_EQ(reader.file_fields().at("Salinity").number, water.salinity_code);
     EXPECT_EQ(reader.file_fields().at("WaterTemp").number, water.temperature_code);
     EXPECT_EQ(reader.number(0, "Salinity"), static_cast<double>(water.salinity));
@@ -158,7 +125,7 @@ TEST(ArisFile, its_header_says_the_water_that_its_frames_are_in) {
 }
 
 TEST(ArisFile, each_number_of_beams_has_its_ping_mode_and_model) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const unsigned seed = 48649;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -179,12 +146,7 @@ TEST(ArisFile, each_number_of_beams_has_its_ping_mode_and_model) {
                rows = static_cast<std::size_t>(expected.samples);
     std::vector<std::uint8_t> picture(columns * rows);
     for (auto& amplitude : picture) amplitude = static_cast<std::uint8_t>(random());
-    CameraFrame frame;
-    frame.amplitudes = picture;
-    ArisFile file(folder / "a.aris", told);
-    file.add(frame);
-    file.finish();
-    const Reader reader(folder / "a.aris");
+    const Reader reader = with_one_frame<ArisFile>(folder / "a.aris", told, picture);
     ASSERT_EQ(reader.beams, columns);
     ASSERT_EQ(reader.samples_per_beam, rows);
     ASSERT_EQ(reader.frames, 1u);
@@ -199,7 +161,7 @@ TEST(ArisFile, each_number_of_beams_has_its_ping_mode_and_model) {
 }
 
 TEST(ArisFile, headers_no_aris_has_are_refused_before_a_file_is_made) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const auto refused = [&](auto change) {
     ArisHeader told;
     change(told);

@@ -10,7 +10,8 @@
 #include <functional>
 
 #include "files/streamed_file.hpp"
-#include "sensors/camera_file_reader.hpp"
+#include "fixtures/camera_file_reader.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "sensors/formats/aris_file.hpp"
 #include "sensors/formats/ddf_file.hpp"
 
@@ -49,7 +50,7 @@ class CameraFile : public testing::Test {
     return Reader(path);
   }
 
-  samples::TemporaryFolder folder;
+  TestFolder folder;
   std::filesystem::path path = folder / "a.ddf";
   std::vector<std::uint8_t> picture = std::vector<std::uint8_t>(96 * 512, 7);
   CameraFrame frame;
@@ -199,9 +200,9 @@ TYPED_TEST(CameraFile, that_is_finished_takes_nothing_more_and_stays) {
 
 TYPED_TEST(CameraFile, equal_frames_give_equal_bytes) {
   this->written();
-  const std::string once = samples::bytes_of(this->path);
+  const std::string once = bytes_of(this->path);
   this->written();
-  EXPECT_EQ(samples::bytes_of(this->path), once);
+  EXPECT_EQ(bytes_of(this->path), once);
 }
 
 // Sizes at which the disk is full: in a header, in the samples, in the last block (which is only found out by
@@ -244,7 +245,7 @@ TYPED_TEST(CameraFile, a_missing_folder_is_told) {
 
 /// What a reader in Python makes of the file: frames, then column (from the left), range and value of the
 /// brightest pixel. Empty without Python and numpy.
-std::vector<double> seen_by_numpy(const samples::TemporaryFolder& folder, const std::filesystem::path& file) {
+std::vector<double> seen_by_numpy(const TestFolder& folder, const std::filesystem::path& file) {
   const auto answer = folder / "answer";
   for (const std::string python : {"python3", "/usr/bin/python3"}) {
     if (std::system((python + " -c 'import numpy' 2> /dev/null").c_str()) != 0) continue;
@@ -258,7 +259,7 @@ std::vector<double> seen_by_numpy(const samples::TemporaryFolder& folder, const 
 }
 
 TEST(CameraFileOracle, numpy_sees_the_target_on_its_side_at_its_range) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::vector<std::uint8_t> picture(96 * 512, 7);
   picture[20 * 512 + 300] = 251;  // the 21st beam from port
   CameraFrame frame;
@@ -284,7 +285,7 @@ TEST(CameraFileOracle, numpy_sees_the_target_on_its_side_at_its_range) {
 
 // So little that the library holds all of it until the file is closed.
 TEST(StreamedFile, a_disk_that_fills_with_the_last_block_is_told_and_leaves_nothing) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const auto path = folder / "small";
   const std::array<std::uint8_t, 10> bytes{};
   {

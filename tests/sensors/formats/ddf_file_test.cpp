@@ -7,7 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "sensors/camera_file_reader.hpp"
+#include "fixtures/refusal.hpp"
+#include "fixtures/world/camera_frames.hpp"
 
 namespace tubefoot {
 namespace {
@@ -16,6 +17,7 @@ using camera_file::expect_fields;
 using camera_file::Fields;
 using camera_file::Reader;
 using camera_file::single;
+using camera_file::with_one_frame;
 using ::testing::HasSubstr;
 
 DdfHeader header() {
@@ -37,19 +39,8 @@ DdfHeader with_flags(bool high_resolution, std::uint32_t flags) {
   return made;
 }
 
-template <typename Action>
-std::string refusal(Action action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "not refused";
-  return {};
-}
-
 TEST(DdfFile, every_field_of_the_format_is_as_told_or_zero) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   DdfHeader told = header();
   told.title = "wreck of the Scotsman";
   told.window = {5, 2};
@@ -58,16 +49,7 @@ TEST(DdfFile, every_field_of_the_format_is_as_told_or_zero) {
   told.water_temperature_c = 11.3;
   told.serial_number = 417;
   const std::vector<std::uint8_t> dark(96 * 512);
-  CameraFrame frame;
-  frame.unix_time_s = 1163073296.789;  // 2006-11-09 11:54:56.789 UTC
-  frame.latitude_deg = 48.3601;
-  frame.longitude_deg = -4.5703;
-  frame.platform = {271.25, -3.4, 1.7};
-  frame.camera = CameraAttitude{268.1, -21.3, -0.6};
-  frame.velocity_m_s = 1.02;
-  frame.depth_m = 17.3;
-  frame.altitude_m = 4.6;
-  frame.amplitudes = dark;
+  CameraFrame frame = camera_file::frame_of_a_dive(dark);
   {
     DdfFile file(folder / "a.ddf", told);
     file.add(frame);
@@ -79,7 +61,7 @@ TEST(DdfFile, every_field_of_the_format_is_as_told_or_zero) {
   const Reader reader(folder / "a.ddf");
   EXPECT_EQ(reader.size(), 512u + 2 * (256 + 96 * 512));
   EXPECT_EQ(reader.frames, 2u);
-  EXPECT_EQ(samples::bytes_of(folder / "a.ddf").substr(0, 4), "DDF\x03");
+  EXPECT_EQ(bytes_of(folder / "a.ddf").substr(0, 4), "DDF\x03");
   expect_fields(reader.file_fields(), Fields{{"Signature", 0x03464444},
                                              {"FrameTotal", 2},
                                              {"FrameRate", 7},
@@ -107,19 +89,9 @@ TEST(DdfFile, every_field_of_the_format_is_as_told_or_zero) {
                 {"WindowStart", 5},
                 {"WindowLength", 2},
                 {"Intensity", 90},
-                {"Velocity", single(1.02)},
-                {"Depth", single(17.3)},
-                {"Altitude", single(4.6)},
-                {"Pitch", single(-3.4)},
-                {"Roll", single(1.7)},
-                {"Heading", 271.25},
-                {"CompassHeading", single(268.1)},
-                {"CompassPitch", single(-21.3)},
-                {"CompassRoll", single(-0.6)},
-                {"Latitude", 48.3601},
-                {"Longitude", -4.5703},
                 {"ConfigFlags", 4},
                 {"WaterTemp", single(11.3)}};
+  wanted.merge(camera_file::fields_of_a_dive());
   expect_fields(reader.frame_fields(0), wanted);
   wanted["FrameNumber"] = 1;
   wanted["CompassHeading"] = 271.25;  // no attitude of its own: as the platform
@@ -129,14 +101,9 @@ TEST(DdfFile, every_field_of_the_format_is_as_told_or_zero) {
 }
 
 TEST(DdfFile, low_resolution_has_48_beams_and_says_so) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const std::vector<std::uint8_t> dark(48 * 512);
-  CameraFrame frame;
-  frame.amplitudes = dark;
-  DdfFile file(folder / "a.ddf", low_resolution());
-  file.add(frame);
-  file.finish();
-  const Reader reader(folder / "a.ddf");
+  const Reader reader = with_one_frame<DdfFile>(folder / "a.ddf", low_resolution(), dark);
   EXPECT_EQ(reader.size(), 512u + 256 + 48 * 512);
   EXPECT_EQ(reader.beams, 48u);
   EXPECT_EQ(reader.file_fields().at("HighResolution").number, 0);
@@ -144,21 +111,17 @@ TEST(DdfFile, low_resolution_has_48_beams_and_says_so) {
 }
 
 TEST(DdfFile, port_ahead_is_the_last_beam_of_its_range) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::vector<std::uint8_t> picture(96 * 512);
   picture[3 * 512 + 300] = 200;  // the fourth beam from port, range sample 300
-  CameraFrame frame;
-  frame.amplitudes = picture;
-  DdfFile file(folder / "a.ddf", header());
-  file.add(frame);
-  file.finish();
-  const std::string bytes = samples::bytes_of(folder / "a.ddf");
+  with_one_frame<DdfFile>(folder / "a.ddf", header(), picture);
+  const std::string bytes = bytes_of(folder / "a.ddf");
   EXPECT_EQ(bytes[512 + 256 + 300 * 96 + 92], static_cast<char>(200));
   EXPECT_EQ(std::count(bytes.begin() + 512 + 256, bytes.end(), '\0'), 96 * 512 - 1);
 }
 
 TEST(DdfFile, every_amplitude_comes_back_mirrored_and_range_by_range) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const unsigned seed = 20061109;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -180,21 +143,17 @@ TEST(DdfFile, every_amplitude_comes_back_mirrored_and_range_by_range) {
 }
 
 TEST(DdfFile, a_long_title_is_cut_between_characters) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const std::vector<std::uint8_t> dark(96 * 512);
-  CameraFrame frame;
-  frame.amplitudes = dark;
   DdfHeader told = header();
   told.title =
       std::string(254, 'x') + "\u00e9pave";  // 254 and 2 bytes: the second does not fit before the zero
-  DdfFile file(folder / "a.ddf", told);
-  file.add(frame);
-  file.finish();
-  EXPECT_EQ(Reader(folder / "a.ddf").file_fields().at("HeaderID").text, std::string(254, 'x'));
+  EXPECT_EQ(with_one_frame<DdfFile>(folder / "a.ddf", told, dark).file_fields().at("HeaderID").text,
+            std::string(254, 'x'));
 }
 
 TEST(DdfFile, headers_no_didson_has_are_refused_before_a_file_is_made) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const auto refused = [&](auto change) {
     DdfHeader told = header();
     change(told);
@@ -222,17 +181,13 @@ TEST(DdfFile, headers_no_didson_has_are_refused_before_a_file_is_made) {
 }
 
 TEST(DdfFile, frame_rates_are_whole_and_never_zero) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const std::vector<std::uint8_t> dark(96 * 512);
-  CameraFrame frame;
-  frame.amplitudes = dark;
   for (const auto& [rate, kept] : {std::pair{0.2, 1.0}, {1.4, 1.0}, {2.5, 3.0}, {21.0, 21.0}}) {
     DdfHeader told = header();
     told.frame_rate_hz = rate;
-    DdfFile file(folder / "a.ddf", told);
-    file.add(frame);
-    file.finish();
-    EXPECT_EQ(Reader(folder / "a.ddf").file_fields().at("FrameRate").number, kept);
+    EXPECT_EQ(with_one_frame<DdfFile>(folder / "a.ddf", told, dark).file_fields().at("FrameRate").number,
+              kept);
   }
 }
 

@@ -6,13 +6,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <random>
 
-#include "sensors/packet_reader.hpp"
+#include "fixtures/packet_reader.hpp"
+#include "fixtures/refusal.hpp"
 
 namespace tubefoot {
 namespace {
@@ -28,7 +30,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::filesystem::path scratch(const std::string& name) {
-  return std::filesystem::path(testing::TempDir()) / ("gsf_" + name + ".gsf");
+  static const TestFolder folder;
+  return folder / (name + ".gsf");
 }
 
 /// Five beams over a flat bottom 20 m below, the outer ones at 60 degrees; the port-most one is rejected.
@@ -442,16 +445,6 @@ TEST(GsfFile, RandomPingsComeBackToHalfAUnit) {
   }
 }
 
-template <typename Call>
-void expect_refused(Call call, const std::string& what) {
-  try {
-    call();
-    ADD_FAILURE() << "not refused: " << what;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), HasSubstr(what));
-  }
-}
-
 TEST(GsfFile, RefusesPingsThatItsFieldsDoNotHold) {
   const struct {
     double GsfPing::*field;
@@ -549,7 +542,6 @@ TEST(GsfFile, RefusesOptionsBeforeTouchingTheFile) {
   refuse([](GsfOptions& o) { o.mean_amplitude.bytes = 4; }, "must be 1 or 2");
   const auto left = file_content(path);
   EXPECT_EQ(std::string(left.begin(), left.end()), "what was there");
-  std::filesystem::remove(path);
 }
 
 TEST(GsfFile, LeavesNothingUnlessFinished) {
@@ -575,7 +567,6 @@ TEST(GsfFile, SaysWhenTheDiskIsFull) {
     EXPECT_THAT(error.what(), HasSubstr("No space left"));
   }
   EXPECT_THROW(file.add_ping(five_beams()), std::logic_error);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -12,8 +12,8 @@
 #include <numbers>
 #include <random>
 
+#include "fixtures/packet_reader.hpp"
 #include "sensors/formats/xtf_file.hpp"
-#include "sensors/packet_reader.hpp"
 
 namespace tubefoot {
 namespace {
@@ -170,7 +170,8 @@ TEST(Reson8101, FlatBottomAndAWallToPortAreReadBack) {
 }
 
 TEST(Reson8101, TravelsInAnXtfPacketOfType2) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "reson.xtf";
+  const TestFolder folder;
+  const auto path = folder / "reson.xtf";
   const std::vector<Reson8101Beam> beams(101, {0.05, kBrightness, 7});
   XtfPlace place;
   place.unix_time_s = 1735689599.25;
@@ -194,7 +195,6 @@ TEST(Reson8101, TravelsInAnXtfPacketOfType2) {
   EXPECT_EQ(packet.f32(208), -3.25f);
   EXPECT_EQ(packet.part(256, 525), reson_8101_packet(settings(), 1735689599.25, 70000, beams, "here"));
   for (std::size_t k = 256 + 525; k < 832; ++k) EXPECT_EQ(packet.u8(k), 0u);
-  std::filesystem::remove(path);
 }
 
 TEST(Reson8101, RefusesWhatItsFieldsDoNotHold) {

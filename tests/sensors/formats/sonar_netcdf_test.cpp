@@ -15,8 +15,9 @@
 #include <sstream>
 #include <thread>
 
-#include "sensors/full_disk.hpp"
-#include "sensors/samples.hpp"
+#include "fixtures/full_disk.hpp"
+#include "fixtures/netcdf_reader.hpp"
+#include "fixtures/world/recordings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -96,137 +97,6 @@ void write(const std::filesystem::path& file, int pings) {
   for (int k = 0; k < pings; ++k) out.add(ping(k));
   out.finish();
 }
-
-/// Strict reading: what is missing or of another type throws.
-class Reader {
- public:
-  explicit Reader(const std::filesystem::path& file) {
-    check(nc_open(file.c_str(), NC_NOWRITE, &id_), file.string());
-  }
-  ~Reader() { nc_close(id_); }
-
-  int group(const std::string& path) const {
-    int id = id_;
-    if (path != "/") check(nc_inq_grp_full_ncid(id_, path.c_str(), &id), path);
-    return id;
-  }
-  std::string text(const std::string& path, const char* name, const char* variable = nullptr) const {
-    const int g = group(path), v = variable ? find(path, variable) : NC_GLOBAL;
-    nc_type type = 0;
-    std::size_t length = 0;
-    check(nc_inq_att(g, v, name, &type, &length), path + " " + (variable ? variable : "") + ":" + name);
-    if (type != NC_CHAR) throw std::logic_error(std::string(name) + " is no text");
-    std::string value(length, ' ');
-    check(nc_get_att_text(g, v, name, value.data()), name);
-    return value;
-  }
-  double number(const std::string& path, const char* name, const char* variable = nullptr) const {
-    double value = 0;
-    check(nc_get_att_double(group(path), variable ? find(path, variable) : NC_GLOBAL, name, &value), name);
-    return value;
-  }
-  std::string type_name(const std::string& path, nc_type type) const {
-    char name[NC_MAX_NAME + 1];
-    check(nc_inq_type(group(path), type, name, nullptr), "type");
-    return name;
-  }
-  std::string type(const std::string& path, const std::string& variable) const {
-    nc_type type = 0;
-    check(nc_inq_vartype(group(path), find(path, variable), &type), variable);
-    return type_name(path, type);
-  }
-  std::string dimensions(const std::string& path, const std::string& variable) const {
-    const int g = group(path), v = find(path, variable);
-    int count = 0;
-    check(nc_inq_varndims(g, v, &count), variable);
-    std::vector<int> ids(count);
-    check(nc_inq_vardimid(g, v, ids.data()), variable);
-    std::string names;
-    for (const int id : ids) {
-      char name[NC_MAX_NAME + 1];
-      check(nc_inq_dimname(g, id, name), variable);
-      names += (names.empty() ? "" : ",") + std::string(name);
-    }
-    return names.empty() ? "scalar" : names;
-  }
-  std::size_t length(const std::string& path, const char* dimension) const {
-    int id = 0;
-    std::size_t length = 0;
-    check(nc_inq_dimid(group(path), dimension, &id), path + " " + dimension);
-    check(nc_inq_dimlen(group(path), id, &length), dimension);
-    return length;
-  }
-  std::size_t size(const std::string& path, const std::string& variable) const {
-    const int g = group(path), v = find(path, variable);
-    int count = 0;
-    nc_inq_varndims(g, v, &count);
-    std::vector<int> ids(count);
-    nc_inq_vardimid(g, v, ids.data());
-    std::size_t all = 1, one = 0;
-    for (const int id : ids) nc_inq_dimlen(g, id, &one), all *= one;
-    return all;
-  }
-  std::vector<double> values(const std::string& path, const std::string& variable) const {
-    std::vector<double> values(size(path, variable));
-    check(nc_get_var_double(group(path), find(path, variable), values.data()), variable);
-    return values;
-  }
-  std::vector<int> codes(const std::string& path, const std::string& variable) const {
-    std::vector<signed char> codes(size(path, variable));
-    check(nc_get_var(group(path), find(path, variable), codes.data()), variable);
-    return {codes.begin(), codes.end()};
-  }
-  std::vector<unsigned long long> times(const std::string& path, const std::string& variable) const {
-    std::vector<unsigned long long> times(size(path, variable));
-    check(nc_get_var_ulonglong(group(path), find(path, variable), times.data()), variable);
-    return times;
-  }
-  std::vector<std::string> texts(const std::string& path, const std::string& variable) const {
-    std::vector<char*> raw(size(path, variable));
-    check(nc_get_var_string(group(path), find(path, variable), raw.data()), variable);
-    std::vector<std::string> texts(raw.begin(), raw.end());
-    nc_free_string(raw.size(), raw.data());
-    return texts;
-  }
-  std::vector<std::vector<float>> lists(const std::string& path, const std::string& variable) const {
-    std::vector<nc_vlen_t> raw(size(path, variable));
-    check(nc_get_var(group(path), find(path, variable), raw.data()), variable);
-    std::vector<std::vector<float>> lists;
-    for (const nc_vlen_t& list : raw) {
-      const auto* first = static_cast<const float*>(list.p);
-      lists.emplace_back(first, first + list.len);
-    }
-    nc_free_vlens(raw.size(), raw.data());
-    return lists;
-  }
-  std::map<std::string, int> members(const std::string& path, const char* enumeration) const {
-    nc_type type = 0;
-    check(nc_inq_typeid(group(path), enumeration, &type), enumeration);
-    nc_type base = 0;
-    std::size_t count = 0;
-    check(nc_inq_enum(group(path), type, nullptr, &base, nullptr, &count), enumeration);
-    if (base != NC_BYTE) throw std::logic_error("enumerations are bytes");
-    std::map<std::string, int> members;
-    for (std::size_t k = 0; k < count; ++k) {
-      char name[NC_MAX_NAME + 1];
-      signed char code = 0;
-      check(nc_inq_enum_member(group(path), type, int(k), name, &code), enumeration);
-      members[name] = code;
-    }
-    return members;
-  }
-  int find(const std::string& path, const std::string& variable) const {
-    int id = 0;
-    check(nc_inq_varid(group(path), variable.c_str(), &id), path + " " + variable);
-    return id;
-  }
-  static void check(int status, const std::string& what) {
-    if (status != NC_NOERR) throw std::logic_error(what + ": " + nc_strerror(status));
-  }
-
- private:
-  int id_ = 0;
-};
 
 /// "group | variable | type | dimensions | units": rows of the convention that are mandatory, or that apply.
 constexpr const char* kTables = R"(
@@ -345,9 +215,9 @@ std::vector<std::string> cells_of(const std::string& line) {
 const std::string kBeamGroup = "/Sonar/Beam_group1", kBathymetry = "/Sonar/Beam_group1/Bathymetry";
 
 TEST(SonarNetcdf, HasEveryRowOfTheTables) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   write(folder / "line.nc", 2);
-  const Reader file(folder / "line.nc");
+  const NetcdfReader file(folder / "line.nc");
   std::istringstream tables(kTables);
   int rows = 0;
   for (std::string line; std::getline(tables, line);) {
@@ -369,9 +239,9 @@ TEST(SonarNetcdf, HasEveryRowOfTheTables) {
 }
 
 TEST(SonarNetcdf, SaysWhatItIs) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   write(folder / "line.nc", 1);
-  const Reader file(folder / "line.nc");
+  const NetcdfReader file(folder / "line.nc");
   EXPECT_EQ(file.text("/", "Conventions"), "SONAR-netCDF4-2.0, ACDD-1.3");
   EXPECT_EQ(file.text("/", "sonar_convention_authority"), "ICES");
   EXPECT_EQ(file.text("/", "sonar_convention_name"), "SONAR-netCDF4");
@@ -394,9 +264,9 @@ TEST(SonarNetcdf, SaysWhatItIs) {
                                    std::pair{kBathymetry, "detection_conversion_equation_type"}}) {
     nc_type type = 0;
     signed char code = 0;
-    Reader::check(nc_inq_atttype(file.group(path), NC_GLOBAL, name, &type), name);
+    NetcdfReader::check(nc_inq_atttype(file.group(path), NC_GLOBAL, name, &type), name);
     EXPECT_EQ(file.type_name(path, type), "conversion_equation_t");
-    Reader::check(nc_get_att(file.group(path), NC_GLOBAL, name, &code), name);
+    NetcdfReader::check(nc_get_att(file.group(path), NC_GLOBAL, name, &code), name);
     EXPECT_EQ(code, 5);
   }
 
@@ -417,8 +287,8 @@ TEST(SonarNetcdf, SaysWhatItIs) {
             (Members{{"type_1", 1}, {"type_2", 2}}));
 
   int unlimited = 0, ping = 0;
-  Reader::check(nc_inq_unlimdim(file.group(kBeamGroup), &unlimited), "unlimited");
-  Reader::check(nc_inq_dimid(file.group(kBeamGroup), "ping_time", &ping), "ping_time");
+  NetcdfReader::check(nc_inq_unlimdim(file.group(kBeamGroup), &unlimited), "unlimited");
+  NetcdfReader::check(nc_inq_dimid(file.group(kBeamGroup), "ping_time", &ping), "ping_time");
   EXPECT_EQ(unlimited, ping);
   for (const char* one : {"subbeam", "tx_beam", "frequency"}) EXPECT_EQ(file.length(kBeamGroup, one), 1u);
   EXPECT_EQ(file.length(kBathymetry, "detection"), kBeams);
@@ -440,10 +310,10 @@ TEST(SonarNetcdf, SaysWhatItIs) {
 }
 
 TEST(SonarNetcdf, KeepsEveryPing) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   constexpr int pings = 37;  // more than two chunks of the file, and a rest
   write(folder / "line.nc", pings);
-  const Reader file(folder / "line.nc");
+  const NetcdfReader file(folder / "line.nc");
   const auto times = file.times(kBeamGroup, "ping_time");
   const auto latitude = file.values(kBeamGroup, "platform_latitude");
   const auto travel = file.values(kBathymetry, "detection_two_way_travel_time");
@@ -471,10 +341,10 @@ TEST(SonarNetcdf, KeepsEveryPing) {
 
 // So many lists that the file is opened anew on the way.
 TEST(SonarNetcdf, KeepsALongLine) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   constexpr int pings = 3500;
   write(folder / "line.nc", pings);
-  const Reader file(folder / "line.nc");
+  const NetcdfReader file(folder / "line.nc");
   const auto times = file.times(kBeamGroup, "ping_time");
   const auto lists = file.lists(kBeamGroup, "backscatter_r");
   const auto latitude = file.values("/Platform/Position/001", "latitude");
@@ -490,9 +360,9 @@ TEST(SonarNetcdf, KeepsALongLine) {
 }
 
 TEST(SonarNetcdf, TurnsSignsAndUnitsAsTheConventionWants) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   write(folder / "line.nc", 1);
-  const Reader file(folder / "line.nc");
+  const NetcdfReader file(folder / "line.nc");
   // Port is negative here and positive in the file.
   EXPECT_THAT(file.values(kBeamGroup, "rx_beam_rotation_phi"), ElementsAre(60, 30, 0, -30, -60));
   EXPECT_THAT(file.values(kBathymetry, "detection_beam_pointing_angle"), ElementsAre(60, 30, 0, -30, -60));
@@ -536,7 +406,7 @@ TEST(SonarNetcdf, PutsATargetToPortAhead) {
 }
 
 TEST(SonarNetcdf, KeepsSilenceAndALineWithoutPings) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   {
     SonarNetcdfFile out(folder / "line.nc", header());
     SonarNetcdfPing silent = ping(0);
@@ -544,21 +414,22 @@ TEST(SonarNetcdf, KeepsSilenceAndALineWithoutPings) {
     out.add(silent);
     out.finish();
   }
-  EXPECT_THAT(Reader(folder / "line.nc").lists(kBeamGroup, "backscatter_r")[1], ElementsAre(-INFINITY, -3));
+  EXPECT_THAT(NetcdfReader(folder / "line.nc").lists(kBeamGroup, "backscatter_r")[1],
+              ElementsAre(-INFINITY, -3));
   write(folder / "empty.nc", 0);
-  EXPECT_EQ(Reader(folder / "empty.nc").length(kBeamGroup, "ping_time"), 0u);
+  EXPECT_EQ(NetcdfReader(folder / "empty.nc").length(kBeamGroup, "ping_time"), 0u);
 }
 
 TEST(SonarNetcdf, EqualPingsGiveEqualFiles) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   write(folder / "a.nc", 20);
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 knows a clock of seconds
   write(folder / "b.nc", 20);
-  EXPECT_TRUE(samples::bytes_of(folder / "a.nc") == samples::bytes_of(folder / "b.nc"));
+  EXPECT_TRUE(bytes_of(folder / "a.nc") == bytes_of(folder / "b.nc"));
 }
 
 TEST(SonarNetcdf, IsTakenAwayUnlessItIsFinished) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   {
     SonarNetcdfFile out(folder / "line.nc", header());
     out.add(ping(0));
@@ -567,7 +438,7 @@ TEST(SonarNetcdf, IsTakenAwayUnlessItIsFinished) {
 }
 
 TEST(SonarNetcdf, RefusesWhatDoesNotFit) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const auto refuses = [&](auto change, const char* message) {
     SonarNetcdfFile out(folder / "line.nc", header());
     out.add(ping(0));
@@ -576,7 +447,7 @@ TEST(SonarNetcdf, RefusesWhatDoesNotFit) {
     EXPECT_THAT([&] { out.add(wrong); }, ThrowsMessage<std::invalid_argument>(HasSubstr(message)));
     out.add(ping(1));
     out.finish();
-    EXPECT_EQ(Reader(folder / "line.nc").length(kBeamGroup, "ping_time"), 2u);
+    EXPECT_EQ(NetcdfReader(folder / "line.nc").length(kBeamGroup, "ping_time"), 2u);
   };
   refuses([](auto& p) { p.across_angle_deg.pop_back(); }, "ping 1: 4 beam angles for 5 beams");
   refuses([](auto& p) { p.backscatter_db.pop_back(); }, "ping 1: 4 time series for 5 beams");
@@ -617,7 +488,7 @@ TEST(SonarNetcdfDeathTest, SurvivesAFullDisk) {
   for (const std::size_t megabytes : {1, 5, 7, 10, 17})
     for (const std::size_t samples : {20000, 50}) {
       if (samples == 50 && megabytes > 5) continue;  // all would go in
-      const samples::TemporaryFolder folder;
+      const TestFolder folder;
       EXPECT_EXIT(
           {
             full_disk::mount(folder.path(), megabytes << 20);
@@ -631,7 +502,7 @@ TEST(SonarNetcdfDeathTest, SurvivesAFullDisk) {
 TEST(SonarNetcdfDeathTest, SurvivesAFileSizeLimit) {
   testing::FLAGS_gtest_death_test_style = "threadsafe";  // exit() joins threads of libraries
   for (const std::size_t megabytes : {5, 12}) {
-    const samples::TemporaryFolder folder;
+    const TestFolder folder;
     EXPECT_EXIT(
         {
           const samples::FullDisk limit(megabytes << 20);
@@ -646,7 +517,7 @@ TEST(SonarNetcdfDeathTest, SurvivesAFileSizeLimit) {
 TEST(SonarNetcdf, AnotherClientReadsIt) {
   if (std::system("/usr/bin/python3 -c 'import netCDF4' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-netcdf4 is not installed";
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   write(folder / "line.nc", 3);
   std::ofstream(folder / "read.py") << R"(
 import sys, netCDF4, numpy as np

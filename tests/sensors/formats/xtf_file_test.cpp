@@ -6,12 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
 
-#include "sensors/packet_reader.hpp"
+#include "fixtures/packet_reader.hpp"
+#include "fixtures/refusal.hpp"
 
 namespace tubefoot {
 namespace {
@@ -32,7 +34,8 @@ constexpr double new_years_eve = 1735689599.25;
 constexpr unsigned new_years_eve_tag = 2 * 86400000 - 750;
 
 std::filesystem::path scratch(const std::string& name) {
-  return std::filesystem::path(testing::TempDir()) / ("xtf_" + name + ".xtf");
+  static const TestFolder folder;
+  return folder / (name + ".xtf");
 }
 
 XtfHeader both_sonars() {
@@ -178,7 +181,7 @@ TEST(XtfFile, FileHeaderHasEachFieldInItsPlace) {
   EXPECT_EQ(header.text(18, 16), "tow fish");
   EXPECT_EQ(header.u16(34), 15u);
   EXPECT_EQ(header.text(36, 64), "a line");
-  EXPECT_EQ(header.text(100, 64), "xtf_header.xtf");
+  EXPECT_EQ(header.text(100, 64), "header.xtf");
   EXPECT_EQ(header.u16(164), 3u);
   EXPECT_EQ(header.u16(166), 2u);
   EXPECT_EQ(header.u16(168), 1u);
@@ -214,7 +217,6 @@ TEST(XtfFile, FileHeaderHasEachFieldInItsPlace) {
     EXPECT_EQ(header.u8(begin + 74), 3u);
   }
   EXPECT_THAT(header.unread(), IsEmpty());
-  std::filesystem::remove(path);
 }
 
 TEST(XtfFile, HeaderSaysWhatIsThereAndInWhichUnits) {
@@ -472,16 +474,6 @@ TEST(XtfFile, TimeTagsStayBelowTwoToThe31AndFollowTheClock) {
   }
 }
 
-template <typename Call>
-void expect_refused(Call call, const std::string& what) {
-  try {
-    call();
-    ADD_FAILURE() << "not refused: " << what;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), HasSubstr(what));
-  }
-}
-
 TEST(XtfFile, RefusesPlacesThatItsFieldsDoNotHold) {
   const struct {
     void (*spoil)(XtfPlace&, double);
@@ -586,7 +578,6 @@ TEST(XtfFile, RefusesHeadersBeforeTouchingTheFile) {
   refuse([](XtfHeader& h) { h.sidescan.reset(), h.bathymetry.reset(); }, "neither");
   const auto left = file_content(path);
   EXPECT_EQ(std::string(left.begin(), left.end()), "what was there");
-  std::filesystem::remove(path);
 }
 
 TEST(XtfFile, LeavesNothingUnlessFinished) {
@@ -601,7 +592,6 @@ TEST(XtfFile, LeavesNothingUnlessFinished) {
   EXPECT_THROW(file.add_note(0, "late"), std::logic_error);
   EXPECT_THROW(file.finish(), std::logic_error);
   EXPECT_TRUE(std::filesystem::exists(path));
-  std::filesystem::remove(path);
 }
 
 TEST(XtfFile, SaysWhenTheDiskIsFull) {
@@ -628,7 +618,6 @@ TEST(XtfFile, SaysWhenTheDiskIsFull) {
   });
   EXPECT_THROW(file.finish(), std::logic_error);
   EXPECT_TRUE(std::filesystem::exists("/dev/full"));
-  std::filesystem::remove(path);
 }
 
 TEST(XtfFile, SaysWhereItCannotBeWritten) {
@@ -636,7 +625,7 @@ TEST(XtfFile, SaysWhereItCannotBeWritten) {
     XtfFile(scratch("no/such/folder"), both_sonars());
     FAIL() << "no error";
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("xtf_no/such/folder.xtf"));
+    EXPECT_THAT(error.what(), HasSubstr("no/such/folder.xtf"));
     EXPECT_THAT(error.what(), HasSubstr("No such file"));
   }
 }

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/kinds/kind_echosounder.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
@@ -13,7 +14,6 @@
 #include "sensors/kinds/kind_multibeam.hpp"
 #include "sensors/kinds/kind_sidescan.hpp"
 #include "sensors/model/angles.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {

@@ -2,11 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <glm/geometric.hpp>
 
+#include "fixtures/world/recordings.hpp"
 #include "sensors/model/pattern_file.hpp"
 #include "sensors/model/sensor.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {
@@ -116,7 +117,7 @@ class PatternFile : public testing::Test {
     }
     return {};
   }
-  samples::TemporaryFolder folder;
+  TestFolder folder;
   std::filesystem::path file = folder / "beam.csv";
 };
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/kinds/kind_sidescan.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {

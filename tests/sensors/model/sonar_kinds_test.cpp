@@ -5,12 +5,12 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/kinds/kind_echosounder.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
 #include "sensors/kinds/kind_interferometric.hpp"
 #include "sensors/kinds/kind_sidescan.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <numeric>
 
+#include "fixtures/world/recordings.hpp"
 #include "sensors/pictures/image_file.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {
@@ -19,7 +19,7 @@ constexpr int width = 301, height = 77;
 OIIO::ImageSpec sixteen_bits() { return OIIO::ImageSpec(1, 1, 1, OIIO::TypeDesc::UINT16); }
 
 TEST(ScanlinePicture, ExrRowByRowIsTheExrAsAWhole) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::vector<float> values(width * height);
   std::iota(values.begin(), values.end(), -1000.25f);
   OIIO::ParamValueList attributes;
@@ -28,12 +28,12 @@ TEST(ScanlinePicture, ExrRowByRowIsTheExrAsAWhole) {
   ScanlinePicture picture(folder / "rows.exr", width, height, exr_spec(attributes));
   for (int row = 0; row < height; ++row) picture.add_row(values.data() + row * width);
   picture.finish();
-  EXPECT_EQ(samples::bytes_of(folder / "rows.exr"), samples::bytes_of(folder / "whole.exr"));
+  EXPECT_EQ(bytes_of(folder / "rows.exr"), bytes_of(folder / "whole.exr"));
   EXPECT_GT(std::filesystem::file_size(folder / "rows.exr"), 1000u);
 }
 
 TEST(ScanlinePicture, PngKeepsEveryBit) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::vector<std::uint16_t> values(width * height);
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = static_cast<std::uint16_t>(k * 40503u);
   ScanlinePicture picture(folder / "rows.png", width, height, sixteen_bits());
@@ -49,7 +49,7 @@ TEST(ScanlinePicture, PngKeepsEveryBit) {
 }
 
 TEST(ScanlinePicture, IsGoneUnlessFinished) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   const std::vector<std::uint16_t> row(width);
   for (const int rows : {0, 1, 2}) {
     {
@@ -66,7 +66,7 @@ TEST(ScanlinePicture, IsGoneUnlessFinished) {
 }
 
 TEST(ScanlinePicture, SaysThatTheDiskIsFullAndLeavesNothing) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   for (const std::string name : {"full.png", "full.exr"}) {
     const OIIO::ImageSpec spec = name == "full.png" ? sixteen_bits() : exr_spec({});
     const samples::FullDisk disk(20000);

@@ -10,13 +10,13 @@
 #include <random>
 #include <thread>
 
+#include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/pictures/camera_picture.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/waterfall_picture.hpp"
 #include "sensors/recordings/recording.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {
@@ -44,7 +44,7 @@ Image read(const std::filesystem::path& file) {
 }
 
 Image read(const Canvas& canvas) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   canvas.write_png(folder / "picture.png", "");
   return read(folder / "picture.png");
 }
@@ -179,7 +179,7 @@ TEST(Waterfall, AveragesPingsThatShareARow) {
 }
 
 TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   auto made = samples::silent(samples::camera(5, 7), 2);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> decades(-30, 3);
@@ -238,7 +238,7 @@ TEST(Pictures, ASequenceIsOnOneScale) {
 }
 
 TEST(Pictures, ACameraMayAskForItsSequenceAlone) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   SensorDescription description = samples::camera(5, 7);
   description.kind.edit<DidsonDescription>().pictures = "sequence";
   const auto made = samples::silent(description, 3);
@@ -260,7 +260,7 @@ double roughness_of(const Image& image, double from) {
 
 /// A camera and a sidescan, their energies even: what they show of it has speckle.
 TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
-  const samples::TemporaryFolder plain, both;
+  const TestFolder plain, both;
   for (const bool camera : {true, false}) {
     auto made = samples::silent(camera ? samples::camera(20, 40) : samples::sidescan(40), 2);
     for (double& energy : made.energies) energy = 1e-9;
@@ -288,7 +288,7 @@ TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
     for (const auto& [ideal, received] : pairs) {
       SCOPED_TRACE(received);
       EXPECT_THAT(files, Contains(std::filesystem::path(received)));
-      EXPECT_EQ(samples::bytes_of(both / ideal), samples::bytes_of(plain / ideal));
+      EXPECT_EQ(bytes_of(both / ideal), bytes_of(plain / ideal));
       const Image a = read(both / ideal), b = read(both / received);
       const double from = ideal.starts_with("camera-0") ? 0.35 : 0.15;
       EXPECT_GT(roughness_of(b, from), 1.3 * roughness_of(a, from));
@@ -297,7 +297,7 @@ TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
 }
 
 TEST(Pictures, SidescanFilesArePingByPingPortTurnedOver) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   auto made = samples::silent(samples::sidescan(6), 4);
   for (std::size_t k = 0; k < made.energies.size(); ++k) made.energies[k] = 1e-12 * double(k + 1) / 3;
   EXPECT_THAT(sidescan_pictures(folder.path(), made.recording, {}),
@@ -315,18 +315,17 @@ TEST(Pictures, SidescanFilesArePingByPingPortTurnedOver) {
 }
 
 TEST(Pictures, AreTheSameByteForByteAtAnotherTime) {
-  const samples::TemporaryFolder a, b;
+  const TestFolder a, b;
   auto made = samples::silent(samples::camera(5, 7), 1);
   made.energy(0, 2, 3) = 1e-9;
   const auto files = camera_pictures(a.path(), made.recording, {});
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // EXR files like to say at which second
   camera_pictures(b.path(), made.recording, {});
-  for (const auto& file : files)
-    EXPECT_EQ(samples::bytes_of(a / file.string()), samples::bytes_of(b / file.string())) << file;
+  for (const auto& file : files) EXPECT_EQ(bytes_of(a / file.string()), bytes_of(b / file.string())) << file;
 }
 
 TEST(Pictures, NameTheFileThatCannotBeWritten) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   auto made = samples::silent(samples::camera(5, 7), 1);
   const auto fails_in = [&](const std::filesystem::path& where, const char* file) {
     return samples::failure_naming(where / file, [&] { camera_pictures(where, made.recording, {}); });
@@ -339,7 +338,7 @@ TEST(Pictures, NameTheFileThatCannotBeWritten) {
     std::filesystem::remove(folder / name);
   }
   for (const auto room : {0u, 300u, 2000u}) {
-    const samples::TemporaryFolder small;
+    const TestFolder small;
     const samples::FullDisk full(room);
     EXPECT_THROW(camera_pictures(small.path(), made.recording, {}), std::runtime_error);
     EXPECT_FALSE(std::filesystem::exists(small / "camera-0000.png")) << "room for " << room << " bytes";
@@ -347,7 +346,7 @@ TEST(Pictures, NameTheFileThatCannotBeWritten) {
 }
 
 TEST(Pictures, RefuseANameThatLeadsElsewhere) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   for (const char* name : {"", ".", "..", "../camera", "a/b"}) {
     SensorDescription description = samples::camera(2, 3);
     description.name = name;
@@ -360,7 +359,7 @@ TEST(Pictures, RefuseANameThatLeadsElsewhere) {
 TEST(Pictures, AreLabelledWhereThereIsAFont) {
   auto made = samples::silent(samples::camera(5, 7), 1);
   EXPECT_EQ(find_font({"NoSuchFontAnywhere"}), "");
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::vector<std::string> warnings;
   write_fan_pictures(folder.path(), made.recording, {}, false, warnings);
   if (label_font().empty()) {

@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "sensors/statistics.hpp"
+#include "fixtures/statistics.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "sensors/statistics.hpp"
+#include "fixtures/statistics.hpp"
 
 namespace tubefoot {
 namespace {

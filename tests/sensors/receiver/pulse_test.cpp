@@ -8,8 +8,8 @@
 #include <numeric>
 #include <random>
 
+#include "fixtures/world/recordings.hpp"
 #include "sensors/products/received.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-#include "sensors/statistics.hpp"
+#include "fixtures/statistics.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,7 +8,7 @@
 #include <boost/math/special_functions/bessel.hpp>
 #include <numbers>
 
-#include "sensors/statistics.hpp"
+#include "fixtures/statistics.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,8 +10,8 @@
 #include <limits>
 
 #include "files/input_error.hpp"
-#include "sensors/foreign_echoes.hpp"
-#include "sensors/samples.hpp"
+#include "fixtures/foreign_echoes.hpp"
+#include "fixtures/world/recordings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,7 +26,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct EchoReader : testing::Test {
-  samples::TemporaryFolder folder;
+  TestFolder folder;
   std::filesystem::path file = folder / "echoes.nc";
   ForeignGroup group = least_echoes();
 
@@ -255,7 +255,7 @@ TEST_F(EchoReader, FilesThatAreNone) {
 TEST_F(EchoReader, FilesCutOffAnywhereAreRefused) {
   for (const int mode : {NC_NETCDF4, 0}) {
     write_foreign(file, group, {}, mode);
-    const std::string whole = samples::bytes_of(file);
+    const std::string whole = bytes_of(file);
     for (std::size_t length = 0; length < whole.size(); length += 1 + whole.size() / 61) {
       SCOPED_TRACE(fmt::format("mode {}, {} of {} bytes", mode, length, whole.size()));
       std::ofstream(file, std::ios::binary) << whole.substr(0, length);

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "files/input_error.hpp"
-#include "scene/scene_file_folder.hpp"
-#include "sensors/foreign_echoes.hpp"
+#include "fixtures/foreign_echoes.hpp"
+#include "fixtures/world/read_scenes.hpp"
 #include "sensors/recordings/echo_reader.hpp"
 
 namespace tubefoot {
@@ -19,7 +19,7 @@ using testing::ThrowsMessage;
 
 // netCDF writes no such file, but reads it, and then gives all 64 values to who asked for one.
 TEST(FuzzFindings, FillValueOfManyValuesIsRefusedBeforeItIsRead) {
-  const SceneFolder folder;
+  const TestFolder folder;
   const auto file = write_foreign(folder.path() / "echoes.nc", least_echoes(), {}, 0);
   EXPECT_EQ(read_echo_file(file).sensors.size(), 1u);
   constexpr std::array<double, 64> values{1};

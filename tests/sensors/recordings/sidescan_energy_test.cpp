@@ -11,9 +11,9 @@
 
 #include "engine/law/lambert.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/world/recordings.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
-#include "sensors/samples.hpp"
 
 namespace tubefoot {
 namespace {
@@ -56,7 +56,7 @@ double over_footprint(const FootprintSet& set, const Footprint& footprint, doubl
 }
 
 TEST(Sidescan, SamplesAddUpToTheFootprints) {
-  const samples::TemporaryFolder folder;
+  const TestFolder folder;
   std::ofstream(folder / "scene.toml") << R"(
 [[materials]]
 name = "sand"

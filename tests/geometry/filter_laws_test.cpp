@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
+#include "geometry/visibility/gathering.hpp"
+#include "geometry/visibility/gnomonic_frame.hpp"
+
+// What doubles say surely is so, in rationals.
+namespace tubefoot {
+namespace {
+
+using namespace test;
+
+Cone cone_of(const SeenFrom& facet) { return {facet.vertex.begin(), facet.vertex.end()}; }
+
+/// Whether a convex cone has an interior.
+bool is_solid(const Cone& cone) {
+  for (std::size_t j = 1; j < cone.size(); ++j)
+    for (std::size_t k = j + 1; k < cone.size(); ++k)
+      if (scalar_product(cone[0], vector_product(cone[j], cone[k])) != 0) return true;
+  return false;
+}
+
+std::array<GridPoint, 4> rays_of(const TubeSet& tubes, std::uint32_t tube) {
+  std::array<GridPoint, 4> rays{};
+  for (std::size_t k = 0; k < 4; ++k) rays[k] = tubes.rays[tubes.tubes[tube][k]];
+  return rays;
+}
+
+// Laws K1, K2 and K3.
+TEST(GnomonicFilters, WhatIsSureIsSo) {
+  std::size_t apart = 0, covered = 0, inside = 0, outside = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    for (const Scene& scene : all_scenes(seed)) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
+      Random random(seed);
+      const GnomonicFrame frame(rays_of(scene.tubes, 0));
+      std::vector<SeenFacet> facets;
+      std::vector<SeenFrom> exact;
+      for (FacetId f = 0; f < scene.mesh.facets.size() && facets.size() < 40; ++f) {
+        RangedFacet facet;
+        if (!FacetCone::make(scene.mesh, f, scene.tubes.apex, facet.cone)) continue;
+        facet.measure_ranges();
+        facets.emplace_back(facet).place(frame);
+        exact.push_back(seen_from(scene.mesh, f, scene.tubes.apex).value());
+      }
+      for (int k = 0; k < 300 && !facets.empty(); ++k) {
+        const std::size_t a = random() % facets.size(), b = random() % facets.size();
+        if (surely_apart(facets[a], facets[b])) {
+          ++apart;
+          EXPECT_FALSE(
+              is_solid(clipped(cone_of(exact[a]), {exact[b].inward.begin(), exact[b].inward.end()})));
+        }
+        if (surely_covers(facets[a], facets[b])) {
+          ++covered;
+          for (const V3& wall : exact[a].inward)
+            for (const V3& vertex : exact[b].vertex) EXPECT_GE(scalar_product(wall, vertex), 0);
+        }
+        if (facets[a].turn == 0) continue;
+        const Bounds& box = facets[a].bounds;
+        const auto between = [&](double lo, double hi) {
+          return lo + (hi - lo) * uniform(random, 0, 1000) / 1000;
+        };
+        const glm::dvec2 p{between(box.x0, box.x1), between(box.y0, box.y1)};
+        const glm::dvec3 rounded = frame.direction(p);  // by far less than the filters' margin
+        const V3 d{Q(rounded.x), Q(rounded.y), Q(rounded.z)};
+        bool holds = true;
+        for (const V3& wall : exact[a].inward) holds = holds && scalar_product(wall, d) >= 0;
+        const int place = where(facets[a], p);
+        inside += place > 0;
+        outside += place < 0;
+        if (place != 0) {
+          EXPECT_EQ(place > 0, holds);
+        }
+      }
+    }
+  EXPECT_GT(apart, 3000u);
+  EXPECT_GT(covered, 50u);
+  EXPECT_GT(inside, 2000u);
+  EXPECT_GT(outside, 2000u);
+}
+
+// Law G1.
+TEST(Gathering, RefusesOnlyFacetsThatAWallHasNoVertexOf) {
+  std::size_t admitted = 0, refused = 0;
+  Gathering gathering;
+  for (std::uint64_t seed = 11; seed <= 16; ++seed)
+    for (const Scene& scene : all_scenes(seed)) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
+      const SceneTree tree(scene.mesh);
+      const auto tubes = static_cast<std::uint32_t>(scene.tubes.tubes.size());
+      if (!gathering.gather(scene.mesh, tree, scene.tubes, 0, tubes)) continue;
+      for (std::uint32_t t = 0; t < tubes; ++t) {
+        const std::array<GridPoint, 4> rays = rays_of(scene.tubes, t);
+        const auto normal = [&](std::size_t k) { return cross(rays[k], rays[(k + 1) % 4]); };
+        const std::array<Gathering::Wall, 4> walls{Gathering::Wall(normal(0)), Gathering::Wall(normal(1)),
+                                                   Gathering::Wall(normal(2)), Gathering::Wall(normal(3))};
+        for (std::size_t f = 0; f < gathering.facets().size(); ++f) {
+          if (gathering.admits(f, walls)) {
+            ++admitted;
+            continue;
+          }
+          ++refused;
+          bool outside = false;  // of one wall, whole
+          for (std::size_t k = 0; k < 4; ++k) {
+            bool none = true;
+            for (const GridPoint& p : gathering.facets()[f].cone.point) none = none && dot(normal(k), p) <= 0;
+            outside = outside || none;
+          }
+          EXPECT_TRUE(outside) << "tube " << t;
+        }
+      }
+    }
+  EXPECT_GT(admitted, 2000u);
+  EXPECT_GT(refused, 2000u);
+}
+
+}  // namespace
+}  // namespace tubefoot
