@@ -21,7 +21,6 @@
 #include "run/simulation.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
-#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/recordings/pose_angles.hpp"
 #include "sensors/recordings/sensor_kind.hpp"

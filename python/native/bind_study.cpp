@@ -114,7 +114,7 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
       own.setting = "Python";
       own.run.own_engine = own_engine(name, function);
     }
-    for (Trial& trial : all_trials(scene, settings, request.repeats, request.seconds, step))
+    for (Trial& trial : all_trials(scene, settings, request.repeats, {.seconds = request.seconds}, step))
       trials.push_back(std::move(trial));
   }
   if (output) {

@@ -13,12 +13,12 @@
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "sensors/formats/aris_file.hpp"
-#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/model/lens_beams.hpp"
 #include "sensors/products/camera_files.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/products/received.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

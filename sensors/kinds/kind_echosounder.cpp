@@ -12,7 +12,6 @@
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "sensors/detection/bottom_detection.hpp"
-#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/model/range_window.hpp"
 #include "sensors/pictures/canvas.hpp"
@@ -21,6 +20,7 @@
 #include "sensors/products/noise_floor.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/products/received.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,12 +6,12 @@
 
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
-#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/model/fan_sector.hpp"
 #include "sensors/model/range_window.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/products/received.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

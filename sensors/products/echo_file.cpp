@@ -12,7 +12,6 @@
 
 #include "files/checked_file.hpp"
 #include "files/reserved_space.hpp"
-#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/recordings/pose_angles.hpp"
 #include "sensors/recordings/recording.hpp"

@@ -12,8 +12,8 @@
 #include "sensors/formats/gsf_file.hpp"
 #include "sensors/formats/sonar_netcdf.hpp"
 #include "sensors/formats/xtf_file.hpp"
-#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {

@@ -196,7 +196,7 @@ std::vector<EngineSetting> builtin_settings(std::size_t beams) {
 }
 
 std::vector<Trial> all_trials(const TrialScene& scene, const std::vector<EngineSetting>& settings,
-                              int repeats, double seconds_per_trial, const std::function<void()>& step) {
+                              int repeats, const LadderEnd& end, const std::function<void()>& step) {
   constexpr double next_rung = 5;  // rungs are about 4 apart
   constexpr double slow_seconds = 0.5;
   std::vector<Trial> trials;
@@ -208,11 +208,11 @@ std::vector<Trial> all_trials(const TrialScene& scene, const std::vector<EngineS
       step();
       continue;
     }
-    if (setting.rays == 0 || next_rung * last <= seconds_per_trial) {
+    if (setting.rays == 0 || (setting.rays <= end.rays && next_rung * last <= end.seconds)) {
       trials.push_back(scene.run(setting, last > slow_seconds ? 1 : repeats));
       last = trials.back().seconds;
     } else {
-      last = seconds_per_trial;  // nor any finer one
+      last = end.seconds;  // nor any finer one
     }
     step();
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -78,12 +79,19 @@ class TrialScene {
 /// Every setting of both engines on `beams` beams.
 std::vector<EngineSetting> builtin_settings(std::size_t beams);
 
-/// Settings on a scene, `step` called after each. What cannot compute it is left out. A ladder of rays ends
-/// before a rung that would probably take longer than `seconds_per_trial`; slow settings are run once instead
-/// of `repeats` times. Throws Interrupted when somebody wants to stop.
+/// Where a ladder of rays ends: before a rung that would probably take longer, which depends on the machine,
+/// or that has more rays a ping, which does not.
+struct LadderEnd {
+  double seconds = std::numeric_limits<double>::infinity();
+  double rays = std::numeric_limits<double>::infinity();
+};
+
+/// Settings on a scene, `step` called after each. What cannot compute it is left out, and so is what is
+/// beyond the end; slow settings are run once instead of `repeats` times. Throws Interrupted when somebody
+/// wants to stop.
 std::vector<Trial> all_trials(
-    const TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats,
-    double seconds_per_trial, const std::function<void()>& step = [] {});
+    const TrialScene& scene, const std::vector<EngineSetting>& settings, int repeats, const LadderEnd& end,
+    const std::function<void()>& step = [] {});
 
 /// The first pings of the first sensor.
 TrialScene::Choice first_pings(std::size_t count);

@@ -45,8 +45,9 @@ int chart_command(const ChartOptions& options) {
     if (!names.insert(scene.name()).second)
       throw UsageError(
           fmt::format("two scenes are called '{}': the chart could not tell them apart", scene.name()));
-    const std::vector<Trial> own = all_trials(scene, builtin_settings(scene.beams()), options.repeats,
-                                              options.seconds_per_trial, [&] { progress.step(); });
+    const std::vector<Trial> own =
+        all_trials(scene, builtin_settings(scene.beams()), options.repeats,
+                   {.seconds = options.seconds_per_trial}, [&] { progress.step(); });
     trials.insert(trials.end(), own.begin(), own.end());
   }
   write_chart(output.staging(), trials,

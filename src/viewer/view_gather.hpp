@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "run/options.hpp"
-#include "run/survey.hpp"
 #include "run/shot.hpp"
+#include "run/survey.hpp"
 #include "viewer/view_data.hpp"
 
 namespace tubefoot {

@@ -7,9 +7,9 @@
 
 #include <numeric>
 
-#include "fixtures/world/echoes.hpp"
-#include "fixtures/program.hpp"
 #include "files/checked_file.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/world/echoes.hpp"
 #include "run/run_steps.hpp"
 #include "run/simulation.hpp"
 #include "scene/file/sensor_ranges.hpp"

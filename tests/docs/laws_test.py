@@ -60,7 +60,7 @@ for path in files("tests/**/*.cpp"):
             else:
                 shown[law].add(test)
 
-for path in files("docs/*.md", "validation/*.md", "geometry/*", "src/**/*.[ch]pp"):
+for path in files("docs/*.md", "validation/*.md", "geometry/**/*.[ch]pp", "src/**/*.[ch]pp"):
     for words in QUOTED.findall(path.read_text()):
         wrong += [f"{path.relative_to(ROOT)}: there is no law {law}" for law in numbers(words) if law not in stated]
 

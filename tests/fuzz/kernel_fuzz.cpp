@@ -6,8 +6,8 @@
 #include <map>
 #include <vector>
 
-#include "fuzz.hpp"
 #include "fixtures/geometry/exact_oracles.hpp"
+#include "fuzz.hpp"
 #include "geometry/visibility/closure.hpp"
 #include "geometry/visibility/visibility.hpp"
 

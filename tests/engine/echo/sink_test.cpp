@@ -10,8 +10,8 @@
 #include "engine/echo/echo.hpp"
 #include "engine/law/density.hpp"
 #include "engine/sight/tube_engine.hpp"
-#include "geometry/numbers/ball.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
+#include "geometry/numbers/ball.hpp"
 
 namespace tubefoot {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_didson.hpp"
-#include "sensors/recordings/sensor_kind.hpp"
 #include "sensors/pictures/camera_picture.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/waterfall_picture.hpp"
 #include "sensors/recordings/recording.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
 namespace {
