@@ -10,6 +10,7 @@
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
 #   make fuzz    damage everything that is read, and the kernel's input, for FUZZ_SECONDS (3600) each: docs/fuzzing.md
 #   make bench   build without assertions and run the benchmarks
+#   make against today's program and another in turn, scene by scene: AGAINST=REVISION or a program
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
 #   make rays    hold rays in layered water against published ones: validation/rays.md
@@ -25,7 +26,7 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test install package build setup sanitize prove fuzz bench atlas advise-study refraction-study track-study \
+.PHONY: demo python test install package build setup sanitize prove fuzz bench against atlas advise-study refraction-study track-study \
   rays scaling long-run reference docs figures format tidy clean
 
 demo: build
@@ -97,6 +98,11 @@ fuzz: setup
 	@cmake --preset dev -Wno-dev >build/configure-dev.log 2>&1 || { cat build/configure-dev.log; exit 1; }
 	cmake --build --preset dev --parallel $(JOBS) --target fuzz_targets
 	@tests/fuzz/run build/dev/fuzz --seconds $(FUZZ_SECONDS) --targets $(FUZZ_TARGETS) --jobs $(FUZZ_JOBS)
+
+AGAINST := HEAD~1
+
+against: build
+	validation/bench/against $(AGAINST) --jobs $(JOBS)
 
 bench: setup
 	cmake --preset bench -Wno-dev
