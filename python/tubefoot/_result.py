@@ -78,7 +78,7 @@ class SensorResult:
 
     @property
     def kind(self) -> str:
-        """``didson``, ``sidescan``, ``multibeam``, ``imaging``, ``echosounder`` or ``interferometric``."""
+        """The kind of sensor as scene files name it, such as ``didson`` or ``sidescan`` (docs/sensors.md)."""
         return self._attributes["sensor_kind"]
 
     @property

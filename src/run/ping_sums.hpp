@@ -6,7 +6,7 @@
 #include <span>
 
 #include "engine/certified/reference.hpp"
-#include "engine/ground/ground.hpp"
+#include "engine/echo/finer_relief.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/shot.hpp"
 

@@ -6,7 +6,8 @@
 
 namespace tubefoot {
 
-/// The echo law of a sensor at a shot, and the patterns that it refers to. Site and ground outlive it.
+/// The echo law of a sensor at a shot, and the patterns that it refers to. The site, and what the ground
+/// refers to, outlive it.
 struct SensorLaw {
   SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sensor);
   SensorLaw(const SensorLaw&) = delete;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "compare/echo_errors.hpp"
+#include "engine/echo/echo.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "scene/meshes/primitives.hpp"
@@ -109,7 +110,7 @@ int main() {
   const std::vector<double> mu{0.002, 0.1};  // of the bed and of the box
   const EchoLaw law{mu, mesh.material, 0.25};
   const auto echo_of = [&](const History& history) {
-    return integrate_echo(history, sonar.beam_of_tube(), static_cast<int>(sonar.beams().size()),
+    return integrate_echo(history, {static_cast<int>(sonar.beams().size()), sonar.beam_of_tube()},
                           sonar.samples(), law);
   };
 

@@ -67,14 +67,14 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
       sink({beam, slab.sample, parts_[beam - first_beam].sum});
   }
   const auto enclose_gap = [&](const PolarSlabs::Gap& gap) {
-    // g(r) times the area between the two circles. The arcs of a circle in a convex polygon are no longer
-    // than its perimeter: they are a part of the boundary of what both have in common.
+    // The density times the area between the two circles. The arcs of a circle in a convex polygon are no
+    // longer than its perimeter: they are a part of the boundary of what both have in common.
     const Ball r = Ball::between(double(gap.lo) * (1 - 1e-15), double(gap.hi) * (1 + 1e-15)),
                rho = root(squared(r) - distance2_);
     const double turn = 2 * Ball::pi().hi(), by_perimeter = (polygon.perimeter / rho).hi();
     const Ball angle(by_perimeter < turn ? by_perimeter : turn);  // also where it is not a number
     const Ball area = (Ball(gap.hi) - Ball(gap.lo)) * angle * r;
-    const Ball most = area * density_over(r) * largest_gain_;
+    const Ball most = area * most_density(r, r) * largest_gain_;
     const Ball part = Ball(most.hi()) * Ball::between(0, 1);
     for (std::uint32_t sample = gap.first_sample; sample < gap.end_sample; ++sample)
       for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) sink({beam, sample, part});
@@ -116,13 +116,17 @@ void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clea
   }
 }
 
-/// Over ranges, whatever pieces of the law they meet.
-Ball CertifiedIntegrator::density_over(const Ball& r) const {
-  const auto way = Way<Ball>::of(r);
+/// The law over ranges, whatever pieces of it they meet.
+Ball CertifiedIntegrator::scattered_over(const Ball& r) const {
+  return cross_section_over(*law_, atan2(root(squared(r) - distance2_), polygon_->distance),
+                            polygon_->distance / r);
+}
+
+/// No less than the density anywhere from `nearest` on, up to the ranges' far end.
+Ball CertifiedIntegrator::most_density(const Ball& nearest, const Ball& over) const {
+  const auto way = Way<Ball>::of(nearest);
   if (law_ == nullptr) return lambert_density(way, beta_);
-  return density(cross_section_over(*law_, atan2(root(squared(r) - distance2_), polygon_->distance),
-                                    polygon_->distance / r),
-                 way, beta_);
+  return density(Ball(scattered_over(over).hi()), way, beta_);
 }
 
 /// Chooses q and pairs the arcs; false if that is not certain.
@@ -257,7 +261,7 @@ void CertifiedIntegrator::enclose(const Interval& interval) {
   const Ball width = interval.to - interval.from, share((interval.v_to - interval.v_from) / 2);
   const Ball t(std::max(interval.to.hi(), 0.0)), r(root(q2_ + squared(interval.from)).lo());
   const Ball farthest = root(q2_ + squared(interval.to)), over = Ball::between(r.lo(), farthest.hi());
-  const Ball radial_most = law_ == nullptr ? radial(t, r) : t * density_over(over);
+  const Ball radial_most = t * most_density(r, over);
   const Ball largest = radial_most * Ball(2) * Ball::pi() * width * share * largest_gain_;
   const double most = std::max(largest.hi(), 0.0);
   const std::vector<Ball> range =

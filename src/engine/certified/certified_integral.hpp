@@ -33,6 +33,7 @@ class CertifiedIntegrator {
     std::function<double(std::uint32_t beam, std::uint32_t sample)> absolute;
   };
 
+  /// `beta_per_m`: absorption, one way.
   CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m);
 
   /// The law of the polygons from now on; null: r^-2 in its place, which is Lambert's but for a factor.
@@ -77,7 +78,8 @@ class CertifiedIntegrator {
   bool find_arcs(std::span<const Crossing> crossings, const Ball& t);
   void integrate_slab(const PolarSlabs::Slab& slab, bool clear, double relative);
   void integrate(const Ball& t0, const Ball& t1, double relative);
-  Ball density_over(const Ball& r) const;
+  Ball scattered_over(const Ball& r) const;
+  Ball most_density(const Ball& nearest, const Ball& over) const;
   bool try_interval(const Interval& interval, const Ball& whole, double relative);
   void halve(const Interval& interval);
   void enclose(const Interval& interval);

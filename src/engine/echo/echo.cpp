@@ -26,7 +26,7 @@ void check(const BeamPatterns& patterns, const ReceiveBeams& beams, std::size_t 
 
 void check_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
                     const EchoLaw& law, Binning binning) {
-  if (law.path.over_mirrors() || law.path.home)
+  if (law.path.over_mirrors() || law.path.home || law.path.out.to_true != glm::dmat3(1))
     refuse("footprints of one apex are there and back; two legs need what both apexes share");
   if (law.patterns == nullptr) return;
   check(*law.patterns, beams, beams.of_tube.size());

@@ -61,10 +61,10 @@ struct Echo {
 /// receive pattern in that from the apex of the way home, and by what mirrors on either way take
 /// (law.path).
 ///
-/// One apex: footprints are cut at the samples' borders, arcs on the facet, and integrated in closed form,
-/// with patterns or texture by polar moments (pattern_integral.hpp); or they are binned as `how.binning`
-/// says, which reads what measure() filled, the law and the texture taken at the centroid. A ray's hit falls
-/// into the sample that holds its range. With patterns a beam hears the tubes that
+/// One apex: footprints are cut at the samples' borders, arcs on the facet, and integrated, range in closed
+/// form, with patterns or texture by polar moments (pattern_integral.hpp); or they are binned as
+/// `how.binning` says, which reads what measure() filled, the law and the texture taken at the centroid. A
+/// ray's hit falls into the sample that holds its range. With patterns a beam hears the tubes that
 /// `law.patterns->beams_of_tube` says.
 ///
 /// Two apexes: cells between ellipses (path_cut.hpp), Lambert's law being mu sin(out) sin(home) and another

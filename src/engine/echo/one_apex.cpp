@@ -87,6 +87,7 @@ class OneApex {
     else if (!even())
       weighed(ideal_beams(beams_), true);
     hits();
+    if (how_.by_owner && sight_.hits().empty()) return;  // all of it has been told
     const auto samples = std::size_t(samples_.count);
     for (std::size_t bin = 0; bin < energy_.size(); ++bin)
       if (energy_[bin] != 0)
@@ -216,11 +217,12 @@ class OneApex {
                                                       std::cos(footprint.grazing_angle_rad)),
                                     Way<double>::of(range), beta_) *
                             texture_at(bed, footprint.facet, footprint.centroid_m) * footprint.area_m2;
-      near_m_ = footprint.slant_range_min_m;
-      far_m_ = footprint.slant_range_max_m;
-      const bool at_once = how_.binning == Binning::centroid || !(far_m_ > near_m_);
-      share(footprint.tube, energy, range, at_once ? range : near_m_, at_once ? range : far_m_,
+      const double near = footprint.slant_range_min_m, far = footprint.slant_range_max_m;
+      const bool at_once = how_.binning == Binning::centroid || !(far > near);
+      share(footprint.tube, energy, range, at_once ? range : near, at_once ? range : far,
             [&] { return footprint.centroid_m / range; });
+      near_m_ = std::min(near, range);  // of a footprint with a hole its centroid may be nearer
+      far_m_ = std::max(far, range);
       told(number);
     }
   }

@@ -14,7 +14,7 @@ namespace tubefoot {
 /// Ranges at which a law changes from one of its pieces to the next on a plane at that distance, increasing.
 std::vector<double> corner_ranges_m(const ScatteringLaw& law, double distance_m);
 
-/// Integrates g(r) = sigma(D / r) r^-4 e^(-beta r) over polygons cut by range samples: an echo without
+/// Integrates g(r) = sigma(D / r) r^-4 e^(-2 beta r) over polygons cut by range samples: an echo without
 /// patterns, for any law. On a plane at distance D the sine of the grazing angle is D / r, so the law is a
 /// function of range alone there, another one for each D: a RadialIntegral is made for the samples that a
 /// polygon reaches, and for all of them once a second polygon of the same plane comes.

@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-/// Facets that one task takes: results are gathered by task, so the number is part of the summation's order.
+/// Facets that one task takes. No result depends on it.
 constexpr std::size_t facets_per_task = 32;
 
 /// An angle over which rough mirrors' losses change little: by e where the sum of the sines' squares changes

@@ -8,7 +8,7 @@ namespace tubefoot {
 
 /// What of a Lambert facet's echo depends on range alone. On a facet plane at distance D the sine of the
 /// grazing angle is D/r, so the energy from an area element is
-///     mu (D/r)^2 r^-4 e^(-beta r) dA = mu D^2 g(r) dA,   g(r) = r^-6 e^(-beta r),
+///     mu (D/r)^2 r^-4 e^(-2 beta r) dA = mu D^2 g(r) dA,   g(r) = r^-6 e^(-2 beta r),
 /// and g serves every facet. Throws std::invalid_argument for samples that have no extent or a negative
 /// range.
 RadialIntegral lambert_radial_integral(const RangeSamples& samples, double absorption_db_per_m);

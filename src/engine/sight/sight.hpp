@@ -50,8 +50,8 @@ class Sight {
   /// Facets [first, end) alone, with their numbers.
   Sight within(std::size_t first, std::size_t end) const {
     Sight part = *this;
-    part.first_ = first;
-    part.end_ = end;
+    part.first_ = std::max(first, first_);
+    part.end_ = std::min(end, end_);
     return part;
   }
   SeenFacet operator[](std::size_t number) const {

@@ -50,7 +50,7 @@ TEST(SensorKinds, AreNamedInTheirOwnFilesAlone) {
     const std::regex words("[\"']" + name + "[\"']|\\b" + type + "(Description|Kind)?\\b|\\b" + name +
                            "_kind\\b|kind_" + name);
     EXPECT_THAT(lines_with(words), testing::IsEmpty()) << name;
-    std::ifstream own(fs::path(TUBEFOOT_SOURCE_DIR) / "sensors" / ("kind_" + name + ".cpp"));
+    std::ifstream own(fs::path(TUBEFOOT_SOURCE_DIR) / "sensors" / "kinds" / ("kind_" + name + ".cpp"));
     EXPECT_TRUE(own) << "no file of its own: " << name;
   }
 }
