@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/arithmetic/wide_direction.hpp"
 
 #include <gtest/gtest.h>
 

@@ -391,7 +391,7 @@ TEST(BistaticEcho, BadInputIsRefused) {
   const RangeSamples samples{0, 1, 10};
   const auto run = [&](const ReceiveBeams& b, const RangeSamples& s, const EchoLaw& l,
                        double tolerance = 1e-10) {
-    return integrate_echo(history, {s, b}, l, {Binning::exact, tolerance});
+    return integrate_echo(history, b, s, l, {Binning::exact, tolerance});
   };
   EXPECT_NO_THROW(run({1, beams}, samples, law));
   EXPECT_THROW(run({-1, beams}, samples, law), std::invalid_argument);
