@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <numeric>
 
 #include "files/checked_file.hpp"
@@ -149,9 +150,10 @@ pings = 2
 /// What a run writes.
 std::vector<std::filesystem::path> run_into(const TestFolder& folder, const Survey& survey) {
   SimulationStats stats;
-  const std::vector<Recording> recordings = simulate(survey, true, stats);
+  const RunRequest request = request_of(survey.scene.description.run);
+  const std::vector<Recording> recordings = simulate(survey, request, stats);
   std::vector<std::string> warnings;
-  return write_result_files(folder.path(), survey, recordings, std::nullopt, warnings);
+  return write_result_files(folder.path(), survey, request, recordings, warnings);
 }
 
 std::string error_of(const std::string& keys) {
@@ -210,7 +212,8 @@ range_max_m = 8
   const std::string text{std::istreambuf_iterator<char>(csv), {}};
   EXPECT_THAT(text, HasSubstr(fmt::format("\n1,11,{}\n", scan.beam_total(1, 11))));
 
-  const ViewData view = gather_view(*survey, 0, PingRange{0, 0}, true);
+  const ViewData view =
+      gather_view(Shots(*survey, request_of(survey->scene.description.run)), 0, PingRange{0, 0}, true);
   EXPECT_EQ(view.kind, "scanning");
   EXPECT_EQ(view.layout, PictureLayout::fan);
   EXPECT_GT(view.footprints.size(), 0u);

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 /// How a scene gets a feature: lines of its own tables, of the material, and of the sensor.
 struct InScene {
   Feature feature;
-  std::string tables, material, sensor;
+  std::string tables{}, material{}, sensor{};
 };
 const std::vector<InScene> of_scenes{
     {Feature::refraction,
@@ -115,7 +115,9 @@ struct AbilitiesWalk : testing::Test {
     const Outcome outcome = run_program(words);
     const auto reason = reason_of_the_table(features);
     EXPECT_EQ(outcome.exit_code, reason ? 2 : 0) << outcome.err;
-    if (reason) EXPECT_THAT(outcome.err, HasSubstr(*reason));
+    if (reason) {
+      EXPECT_THAT(outcome.err, HasSubstr(*reason));
+    }
   }
   void walk_with(const std::vector<Asked>& asked) {
     for (const InScene& one : of_scenes)

@@ -155,8 +155,8 @@ TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
   const SensorLaw law = shot.law(0);
   const Echo echo = shot.echo(history, 0, law.law);
   std::vector<double> sum(echo.energy.size(), 0.0);
-  for (const Contribution& c : contributions(history, {beams, sensor.beam_of_tube(0)}, sensor.samples(),
-                                             law.law, shots.request().binning, echo))
+  for (const Contribution& c : contributions(history, {shot.beams(0), sensor.beam_of_tube(0)},
+                                             sensor.samples(), law.law, shots.request().binning, echo))
     sum.at(std::size_t(c.beam) * echo.samples + c.sample) += c.energy_j;
   const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
   EXPECT_GT(peak, 0);
