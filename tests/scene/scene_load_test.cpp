@@ -11,6 +11,7 @@
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/scene.hpp"
 #include "scene/scene_placement.hpp"
+#include "sensors/kinds/kind_didson.hpp"
 
 namespace tubefoot {
 namespace {
@@ -55,6 +56,7 @@ SceneDescription pond() {
   d.sensors.resize(1);
   d.sensors[0].place = {"scene.toml", 40, 1};
   d.sensors[0].name = "camera";
+  d.sensors[0].kind = DidsonDescription();
   return d;
 }
 
