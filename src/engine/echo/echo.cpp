@@ -79,7 +79,12 @@ void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples
   check(law);
   if (sight.one_apex()) {
     check_one_apex(sight, beams, samples, law, how.binning);
-    return integrate_one_apex(sight, beams, samples, law, how, sink);
+    const std::vector<double> energy = integrate_one_apex(sight, beams, samples, law, how, sink);
+    if (how.by_owner && sight.hits().empty()) return;  // all of it has been told
+    const auto count = std::size_t(samples.count);
+    for (std::size_t bin = 0; bin < energy.size(); ++bin)
+      if (energy[bin] != 0) sink({std::uint32_t(bin / count), std::uint32_t(bin % count), energy[bin]});
+    return;
   }
   check_two_apexes(*sight.two_apexes(), beams, samples, law, how);
   const bool through_images =
@@ -98,6 +103,12 @@ Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSa
   Echo echo;
   echo.beams = beams.count;
   echo.samples = samples.count;
+  if (sight.one_apex() && !how.by_owner) {  // no sink between: pings of many bins are mostly that
+    check(law);
+    check_one_apex(sight, beams, samples, law, how.binning);
+    echo.energy = integrate_one_apex(sight, beams, samples, law, how, {});
+    return echo;
+  }
   const int channels = law.patterns != nullptr ? law.patterns->channels() : 1;
   echo.energy.assign(std::size_t(channels) * std::size_t(beams.count) * std::size_t(samples.count), 0);
   integrate(sight, beams, samples, law, how, [&](const Part<double>& part) {

@@ -79,7 +79,7 @@ class OneApex {
     for (const Fringe& fringe : law.patterns->fringes) spread_m_ = std::max(spread_m_, fringe.baseline_m);
   }
 
-  void integrate() {
+  std::vector<double> integrate() {
     if (how_.binning != Binning::exact)
       whole();
     else if (law_.patterns != nullptr)
@@ -87,11 +87,7 @@ class OneApex {
     else if (!even())
       weighed(ideal_beams(beams_), true);
     hits();
-    if (how_.by_owner && sight_.hits().empty()) return;  // all of it has been told
-    const auto samples = std::size_t(samples_.count);
-    for (std::size_t bin = 0; bin < energy_.size(); ++bin)
-      if (energy_[bin] != 0)
-        sink_({std::uint32_t(bin / samples), std::uint32_t(bin % samples), energy_[bin]});
+    return std::move(energy_);
   }
 
  private:
@@ -321,9 +317,10 @@ class OneApex {
 
 }  // namespace
 
-void integrate_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                        const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
-  OneApex(sight, beams, samples, law, how, sink).integrate();
+std::vector<double> integrate_one_apex(const Sight& sight, const ReceiveBeams& beams,
+                                       const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                                       const Sink<double>& sink) {
+  return OneApex(sight, beams, samples, law, how, sink).integrate();
 }
 
 }  // namespace tubefoot

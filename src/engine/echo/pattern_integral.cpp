@@ -363,13 +363,13 @@ int PatternIntegrator::nodes_of_arc(double half, double rho, double radius) cons
 void PatternIntegrator::add_circle(double t, double weight) {
   const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
   const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
-  const Way<double> way{r2, 2 * (r2 * per_r)};
+  const double per_r2 = per_r * per_r;
+  const double sigma =  // Lambert's over mu and the squared distance
+      piece_.law == nullptr
+          ? per_r2
+          : ScatteringLaw::in_piece(*piece_.law, std::atan2(rho, piece_.distance), piece_.distance * per_r);
   const double radial =
-      piece_.factor * weight * t *
-      (piece_.law == nullptr ? lambert_density(way, beta_)
-                             : density(ScatteringLaw::in_piece(*piece_.law, std::atan2(rho, piece_.distance),
-                                                               piece_.distance * per_r),
-                                       way, beta_));
+      piece_.factor * weight * t * density_by_reciprocal(sigma, per_r2, 2 * (r2 * per_r), beta_);
   if (piece_.full_circle) add_arc(per_r, rho, {1, 0}, pi, radial);
   for (const Arc& arc : arcs_) {
     const glm::dvec2 begin = point_at(arc.begin, t2), end = point_at(arc.end, t2);

@@ -6,8 +6,10 @@
 // The quadratures behind integrate() (echo.hpp), which has looked at what they are given.
 namespace tubefoot {
 
-void integrate_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                        const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
+/// Laid out as Echo::energy. Parts whose owner is asked for go to the sink instead.
+std::vector<double> integrate_one_apex(const Sight& sight, const ReceiveBeams& beams,
+                                       const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,
+                                       const Sink<double>& sink);
 void integrate_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
                           const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
 

@@ -46,6 +46,11 @@ N lambert_density(const Way<N>& way, const N& beta) {
   return absorbed(way, beta) / (squared(way.product) * way.product);
 }
 
+/// The same where a root has given the reciprocal of the product already: a division less at every node.
+inline double density_by_reciprocal(double sigma, double per_product, double sum, double beta) {
+  return sigma * std::exp(-(beta * sum)) * squared(per_product);
+}
+
 /// A law's cross-section on a plane at a distance from an apex, at a range from there.
 inline double cross_section(const ScatteringLaw& law, double distance_m, double range_m) {
   const double sine = std::min(distance_m / range_m, 1.0);
