@@ -25,11 +25,11 @@ struct Mesh {
   std::vector<Triangle> triangles;
 };
 
-double cross(glm::dvec2 u, glm::dvec2 v) { return u.x * v.y - u.y * v.x; }
+double cross_in_plan(glm::dvec2 u, glm::dvec2 v) { return u.x * v.y - u.y * v.x; }
 
 double area_from_above(const Mesh& mesh, const Triangle& t) {
   const glm::dvec2 a = mesh.points[t[0]], b = mesh.points[t[1]], c = mesh.points[t[2]];
-  return cross(b - a, c - a) / 2;
+  return cross_in_plan(b - a, c - a) / 2;
 }
 
 /// Hills on a grid of n x n cells whose inner vertices are moved aside.
@@ -90,7 +90,7 @@ Mesh expect_lawful(const Mesh& mesh, const std::vector<PlanSegment>& segments, d
                      v = mesh.points[mesh.triangles[f][2]] - a;
     for (const std::uint32_t index : parts.triangles[k]) {
       const glm::dvec3 p = parts.points[index] - a;
-      const double s = cross(p, v) / (2 * whole), t = cross(u, p) / (2 * whole);
+      const double s = cross_in_plan(p, v) / (2 * whole), t = cross_in_plan(u, p) / (2 * whole);
       EXPECT_NEAR(p.z, s * u.z + t * v.z, 1e-12 * size);
     }
   }
@@ -129,8 +129,8 @@ void expect_no_part_entered(const Mesh& parts, const std::vector<PlanSegment>& s
       for (unsigned k = 0; k < 3; ++k) {
         // From the middle to just inside a corner nothing may be crossed.
         const glm::dvec2 p = middle, q = middle + 0.999999 * (glm::dvec2(parts.points[t[k]]) - middle);
-        const double side_p = cross(s.b - s.a, p - s.a), side_q = cross(s.b - s.a, q - s.a);
-        const double side_a = cross(q - p, s.a - p), side_b = cross(q - p, s.b - p);
+        const double side_p = cross_in_plan(s.b - s.a, p - s.a), side_q = cross_in_plan(s.b - s.a, q - s.a);
+        const double side_a = cross_in_plan(q - p, s.a - p), side_b = cross_in_plan(q - p, s.b - p);
         EXPECT_FALSE(side_p * side_q < 0 && side_a * side_b < 0);
       }
   }
