@@ -12,7 +12,7 @@
 #include <map>
 
 #include "geometry/footprints/facet_regions.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "geometry/arithmetic/wide_direction.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,7 +9,7 @@
 #include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/footprints/plane_lines.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "geometry/integrals/gauss_rules.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

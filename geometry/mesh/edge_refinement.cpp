@@ -12,7 +12,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/mesh/weld_table.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

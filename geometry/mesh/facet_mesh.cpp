@@ -9,7 +9,7 @@
 
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/numbers/int128.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

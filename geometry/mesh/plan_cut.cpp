@@ -17,7 +17,7 @@
 #include <utility>
 
 #include "geometry/mesh/segment_bins.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,7 +11,7 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/search/vertical_line.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

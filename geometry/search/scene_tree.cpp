@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "geometry/search/height_sheets.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

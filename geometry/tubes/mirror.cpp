@@ -8,7 +8,7 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -8,8 +8,8 @@
 #include <array>
 #include <vector>
 
+#include "geometry/steps/stop.hpp"
 #include "geometry/visibility/exact_direction.hpp"
-#include "geometry/work/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -5,7 +5,7 @@
 #include <bit>
 #include <numeric>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,12 +10,12 @@
 
 #include "geometry/arithmetic/cone_clip.hpp"
 #include "geometry/mesh/facet_cone.hpp"
+#include "geometry/steps/reused_list.hpp"
+#include "geometry/steps/stop.hpp"
 #include "geometry/visibility/gathering.hpp"
 #include "geometry/visibility/gnomonic_frame.hpp"
 #include "geometry/visibility/layer_grid.hpp"
 #include "geometry/visibility/visibility.hpp"
-#include "geometry/work/reused_list.hpp"
-#include "geometry/work/stop.hpp"
 
 // The visibility algorithm, once for all arithmetics; instantiated in visibility_<arithmetic>.cpp.
 // Steps and their proofs: docs/visibility.md.

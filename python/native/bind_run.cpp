@@ -11,7 +11,7 @@
 #include "files/checked_file.hpp"
 #include "files/json_text.hpp"
 #include "files/outlet.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
 #include "run/refraction.hpp"

@@ -12,7 +12,7 @@
 #include "files/json_text.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "own_echo.hpp"
 #include "result.hpp"
 #include "run/settings.hpp"

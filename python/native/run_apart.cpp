@@ -12,7 +12,7 @@
 #include <mutex>
 #include <thread>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot::python {
 namespace py = pybind11;

@@ -11,7 +11,7 @@ namespace tubefoot::python {
 
 /// Does `work` on a thread of its own, without the interpreter's lock, while this thread looks for signals
 /// and tells `progress` (None, or called with the pings finished and all pings). Ctrl-C, and whatever
-/// `progress` throws, stops the work (geometry/work/stop.hpp) and is raised once it has ended. Else throws
+/// `progress` throws, stops the work (geometry/steps/stop.hpp) and is raised once it has ended. Else throws
 /// what the work throws.
 void run_apart(RunWatch& watch, const pybind11::object& progress, const std::function<void()>& work);
 

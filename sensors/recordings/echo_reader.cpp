@@ -19,7 +19,7 @@
 #include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "files/netcdf_size.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

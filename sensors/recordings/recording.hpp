@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "sensors/model/sensor.hpp"
 

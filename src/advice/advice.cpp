@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "files/usage_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"

@@ -11,7 +11,7 @@
 
 #include "compare/echo_errors.hpp"
 #include "files/json_text.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/simulation.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "app/commands.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"

@@ -17,7 +17,7 @@
 #include "files/usage_error.hpp"
 #include "footprints/coverage_file.hpp"
 #include "footprints/coverage_picture.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"

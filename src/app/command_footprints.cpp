@@ -11,7 +11,7 @@
 #include "files/usage_error.hpp"
 #include "footprints/footprint_file.hpp"
 #include "footprints/footprint_rationals.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"

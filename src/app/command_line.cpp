@@ -20,7 +20,7 @@
 #include "files/input_error.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/console/interrupt.hpp"
 #include "run/console/say.hpp"
 #include "run/kept/build_identity.hpp"

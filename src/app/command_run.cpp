@@ -11,7 +11,7 @@
 #include "files/json_text.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/console/say.hpp"
 #include "run/partial_run.hpp"
 #include "run/ranks/run_ranks.hpp"

@@ -11,7 +11,7 @@
 #include "files/input_error.hpp"
 #include "files/library_settings.hpp"
 #include "files/limits.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

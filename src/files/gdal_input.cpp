@@ -14,7 +14,7 @@
 #include "files/inlet.hpp"
 #include "files/library_settings.hpp"
 #include "files/limits.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "files/inlet.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <ext/stdio_filebuf.h>
 
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 

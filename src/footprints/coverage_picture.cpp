@@ -11,7 +11,7 @@
 #include <limits>
 #include <span>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 

@@ -9,7 +9,7 @@
 #include "files/streamed_file.hpp"
 #include "footprints/footprint_file.hpp"
 #include "footprints/footprint_place.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -12,7 +12,7 @@
 #include "footprints/footprint_file.hpp"
 #include "footprints/footprint_place.hpp"
 #include "footprints/plan_shape.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -11,8 +11,8 @@
 #include "files/usage_error.hpp"
 #include "footprints/footprint_table.hpp"
 #include "geometry/mesh/facet_cone.hpp"
+#include "geometry/steps/steps.hpp"
 #include "geometry/visibility/exact_direction.hpp"
-#include "geometry/work/steps.hpp"
 #include "run/abilities.hpp"
 
 namespace tubefoot {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "engine/echo/echo.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,7 +9,7 @@
 #include "files/durable.hpp"
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/kept/build_identity.hpp"
 
 namespace tubefoot {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/run_request.hpp"
 

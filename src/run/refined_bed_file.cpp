@@ -11,7 +11,7 @@
 #include "files/file_hash.hpp"
 #include "files/inlet.hpp"
 #include "files/streamed_file.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

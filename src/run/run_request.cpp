@@ -33,32 +33,6 @@ RunRequest of_words(const Make& make) {
 
 std::string_view name_of(Engine engine) { return engine == Engine::tube ? "tube" : "ray"; }
 
-std::string_view name_of(Binning binning) {
-  switch (binning) {
-    case Binning::spread:
-      return "spread";
-    case Binning::centroid:
-      return "centroid";
-    case Binning::exact:
-      break;
-  }
-  return "exact";
-}
-
-std::string_view name_of(RaySampling sampling) {
-  switch (sampling) {
-    case RaySampling::regular:
-      return "regular";
-    case RaySampling::random:
-      return "random";
-    case RaySampling::column:
-      return "column";
-    case RaySampling::stratified:
-      break;
-  }
-  return "stratified";
-}
-
 RunRequest request_of(const RunDescription& run) {
   return of_words([&] {
     RunRequest request;

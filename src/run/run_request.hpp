@@ -34,8 +34,6 @@ struct RunRequest {
 RunRequest request_of(const RunDescription& run);
 
 std::string_view name_of(Engine engine);
-std::string_view name_of(Binning binning);
-std::string_view name_of(RaySampling sampling);
 
 /// All settings of a built-in engine that energies depend on, and back, everything else as in `otherwise`.
 /// The way back throws nlohmann::json::exception, and UsageError as request_of().

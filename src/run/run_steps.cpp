@@ -10,7 +10,7 @@
 
 #include "files/usage_error.hpp"
 #include "files/utc.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/kept/build_identity.hpp"
 #include "run/own_engine.hpp"

@@ -9,7 +9,7 @@
 #include <chrono>
 #include <functional>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"

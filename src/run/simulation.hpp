@@ -69,7 +69,7 @@ struct Onlookers {
 };
 
 /// Runs all pings of all sensors that `store` has not yet, as PingSimulation does. Returns early, with
-/// what was finished in the store, when somebody wants to stop (geometry/work/stop.hpp).
+/// what was finished in the store, when somebody wants to stop (geometry/steps/stop.hpp).
 void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers);
 
 /// The sums over a store's pings, added in the order of the pings.

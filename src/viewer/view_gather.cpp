@@ -10,7 +10,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "files/usage_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "sensors/recordings/sensor_kind.hpp"

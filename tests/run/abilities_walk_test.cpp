@@ -58,7 +58,8 @@ const std::vector<Asked> of_commands{
     {Feature::view, {"view", "-o", "page.html"}},
     {Feature::footprints, {"footprints", "--sensor", "sonar", "-o", "f.csv"}},
     {Feature::exact_corners, {"footprints", "--sensor", "sonar", "-o", "f.txt"}},
-    {Feature::refine, {"refine", "-o", "bed.ply"}}};
+    {Feature::refine, {"refine", "-o", "bed.ply"}},
+    {Feature::trial, {"advise", "--tolerance", "10%"}}};
 
 std::string scene_with(const std::set<Feature>& features) {
   std::string tables, material, table_of_material, sensor;
@@ -122,7 +123,7 @@ struct AbilitiesWalk : testing::Test {
   void walk_with(const std::vector<Asked>& asked) {
     for (const InScene& one : of_scenes)
       for (const Asked& two : asked) {
-        // What refining a bed asks of it, and of a footprint's corners, is there or not.
+        // A bed is refined that has relief: with what tells beds apart.
         if (two.feature == Feature::refine && one.feature != Feature::relief_each_shot &&
             one.feature != Feature::tiles)
           continue;

@@ -9,7 +9,7 @@
 #include <glm/vec2.hpp>
 #include <numbers>
 
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

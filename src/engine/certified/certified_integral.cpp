@@ -8,7 +8,7 @@
 #include "engine/certified/certified_scattering.hpp"
 #include "engine/law/density.hpp"
 #include "geometry/integrals/certified_rule.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

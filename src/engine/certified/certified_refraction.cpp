@@ -14,7 +14,7 @@
 
 #include "engine/certified/certified_integral.hpp"
 #include "engine/certified/uncertain_edges.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

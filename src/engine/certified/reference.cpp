@@ -14,7 +14,7 @@
 
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/certified_integral.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

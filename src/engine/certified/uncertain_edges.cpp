@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/arithmetic/exact_corner.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

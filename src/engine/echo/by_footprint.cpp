@@ -7,7 +7,7 @@
 #include <map>
 
 #include "engine/echo/echo.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

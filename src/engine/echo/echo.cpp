@@ -64,29 +64,19 @@ void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams,
         samples.first_m, samples.step_m, samples.count));
 }
 
-}  // namespace
-
-Binning binning_from_name(std::string_view name) {
-  if (name == "exact") return Binning::exact;
-  if (name == "spread") return Binning::spread;
-  if (name == "centroid") return Binning::centroid;
-  throw std::invalid_argument(fmt::format("no binning named '{}': exact, spread or centroid", name));
-}
-
-void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-               const Quadrature& how, const Sink<double>& sink) {
+void check(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+           const Quadrature& how) {
   if (beams.count < 0) refuse(fmt::format("a receiver cannot have {} beams", beams.count));
   check(law);
-  if (sight.one_apex()) {
+  if (sight.one_apex())
     check_one_apex(sight, beams, samples, law, how.binning);
-    const std::vector<double> energy = integrate_one_apex(sight, beams, samples, law, how, sink);
-    if (how.by_owner && sight.hits().empty()) return;  // all of it has been told
-    const auto count = std::size_t(samples.count);
-    for (std::size_t bin = 0; bin < energy.size(); ++bin)
-      if (energy[bin] != 0) sink({std::uint32_t(bin / count), std::uint32_t(bin % count), energy[bin]});
-    return;
-  }
-  check_two_apexes(*sight.two_apexes(), beams, samples, law, how);
+  else
+    check_two_apexes(*sight.two_apexes(), beams, samples, law, how);
+}
+
+/// Patterns by the directions that images have.
+void between_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                        const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
   const bool through_images =
       law.path.out.to_true != glm::dmat3(1) || law.path.back().to_true != glm::dmat3(1);
   if (law.patterns == nullptr || !through_images)
@@ -97,21 +87,50 @@ void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples
   integrate_two_apexes(sight, beams, samples, own, how, sink);
 }
 
+}  // namespace
+
+Binning binning_from_name(std::string_view name) {
+  for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid})
+    if (name_of(binning) == name) return binning;
+  throw std::invalid_argument(fmt::format("no binning named '{}': exact, spread or centroid", name));
+}
+
+std::string_view name_of(Binning binning) {
+  switch (binning) {
+    case Binning::spread:
+      return "spread";
+    case Binning::centroid:
+      return "centroid";
+    case Binning::exact:
+      break;
+  }
+  return "exact";
+}
+
+void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+               const Quadrature& how, const Sink<double>& sink) {
+  check(sight, beams, samples, law, how);
+  if (!sight.one_apex()) return between_two_apexes(sight, beams, samples, law, how, sink);
+  const std::vector<double> energy = integrate_one_apex(sight, beams, samples, law, how, sink);
+  if (how.by_owner && sight.hits().empty()) return;  // all of it has been told
+  const auto count = std::size_t(samples.count);
+  for (std::size_t bin = 0; bin < energy.size(); ++bin)
+    if (energy[bin] != 0) sink({std::uint32_t(bin / count), std::uint32_t(bin % count), energy[bin]});
+}
+
 Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                    const EchoLaw& law, const Quadrature& how) {
-  if (beams.count < 0) refuse(fmt::format("a receiver cannot have {} beams", beams.count));
+                    const EchoLaw& law, Quadrature how) {
+  how.by_owner = false;
+  check(sight, beams, samples, law, how);
   Echo echo;
   echo.beams = beams.count;
   echo.samples = samples.count;
-  if (sight.one_apex() && !how.by_owner) {  // no sink between: pings of many bins are mostly that
-    check(law);
-    check_one_apex(sight, beams, samples, law, how.binning);
+  if (sight.one_apex()) {  // no sink between: pings of many bins are mostly that
     echo.energy = integrate_one_apex(sight, beams, samples, law, how, {});
     return echo;
   }
-  const int channels = law.patterns != nullptr ? law.patterns->channels() : 1;
-  echo.energy.assign(std::size_t(channels) * std::size_t(beams.count) * std::size_t(samples.count), 0);
-  integrate(sight, beams, samples, law, how, [&](const Part<double>& part) {
+  echo.energy.assign(std::size_t(beams.count) * std::size_t(samples.count), 0);
+  between_two_apexes(sight, beams, samples, law, how, [&](const Part<double>& part) {
     echo.energy[part.beam * std::size_t(samples.count) + part.sample] += part.value;
   });
   return echo;

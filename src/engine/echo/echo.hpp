@@ -22,6 +22,7 @@ enum class Binning {
 
 /// Name as in scene files; throws std::invalid_argument.
 Binning binning_from_name(std::string_view name);
+std::string_view name_of(Binning binning);
 
 /// Which beams hear what.
 struct ReceiveBeams {
@@ -80,7 +81,7 @@ void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples
 
 /// All of it, added up.
 Echo integrate_echo(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
-                    const EchoLaw& law, const Quadrature& how = {});
+                    const EchoLaw& law, Quadrature how = {});
 
 /// What one seen facet adds to one range sample of one beam.
 struct Contribution {

@@ -14,7 +14,7 @@
 #include "engine/law/density.hpp"
 #include "engine/law/radial_law.hpp"
 #include "geometry/integrals/range_cut.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

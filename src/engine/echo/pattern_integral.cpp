@@ -8,7 +8,7 @@
 
 #include "engine/echo/scattering_cut.hpp"
 #include "engine/law/density.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -12,7 +12,7 @@
 #include "engine/echo/path_on_facet.hpp"
 #include "engine/echo/texture_cells.hpp"
 #include "geometry/integrals/convex_clip.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

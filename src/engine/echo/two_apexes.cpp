@@ -9,7 +9,7 @@
 #include "engine/echo/path_on_facet.hpp"
 #include "engine/echo/quadratures.hpp"
 #include "engine/echo/texture_cells.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "geometry/search/vertical_line.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

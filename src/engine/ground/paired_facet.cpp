@@ -7,7 +7,7 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "engine/ground/paired_facet.hpp"
 #include "geometry/mesh/weld_table.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/steps/stop.hpp"
 #include "geometry/tubes/window_tubes.hpp"
-#include "geometry/work/stop.hpp"
 
 namespace tubefoot {
 

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "engine/law/density.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -17,7 +17,7 @@
 #include "engine/law/density.hpp"
 #include "engine/paths/patch_echo.hpp"
 #include "engine/paths/patches.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

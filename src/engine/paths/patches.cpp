@@ -13,8 +13,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "geometry/steps/stop.hpp"
 #include "geometry/tubes/mirror.hpp"
-#include "geometry/work/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -13,8 +13,8 @@
 
 #include "engine/paths/patch_paths.hpp"
 #include "geometry/search/line_of_sight.hpp"
+#include "geometry/steps/steps.hpp"
 #include "geometry/tubes/window_tubes.hpp"
-#include "geometry/work/steps.hpp"
 
 namespace tubefoot {
 namespace {

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "geometry/numbers/int128.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

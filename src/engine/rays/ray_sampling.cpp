@@ -88,12 +88,25 @@ std::vector<std::int64_t> drawn(const std::vector<double>& parts, std::int64_t r
 }  // namespace
 
 RaySampling ray_sampling_from_name(std::string_view name) {
-  if (name == "stratified") return RaySampling::stratified;
-  if (name == "regular") return RaySampling::regular;
-  if (name == "random") return RaySampling::random;
-  if (name == "column") return RaySampling::column;
+  for (const RaySampling sampling :
+       {RaySampling::stratified, RaySampling::regular, RaySampling::random, RaySampling::column})
+    if (name_of(sampling) == name) return sampling;
   throw std::invalid_argument(
       fmt::format("there is no sampling '{}': stratified, regular, random or column", name));
+}
+
+std::string_view name_of(RaySampling sampling) {
+  switch (sampling) {
+    case RaySampling::regular:
+      return "regular";
+    case RaySampling::random:
+      return "random";
+    case RaySampling::column:
+      return "column";
+    case RaySampling::stratified:
+      break;
+  }
+  return "stratified";
 }
 
 RayPlan::RayPlan(const TubeSet& tubes, const RaySettings& settings,

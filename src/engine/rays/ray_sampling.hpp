@@ -29,6 +29,7 @@ enum class RaySampling { stratified, regular, random, column };
 
 /// The sampling of that name; throws std::invalid_argument.
 RaySampling ray_sampling_from_name(std::string_view name);
+std::string_view name_of(RaySampling sampling);
 
 struct RaySettings {
   enum class Per { ping, beam };

@@ -14,7 +14,7 @@
 
 #include "engine/relief/fourier.hpp"
 #include "engine/relief/portable_random.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

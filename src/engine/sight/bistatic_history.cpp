@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {

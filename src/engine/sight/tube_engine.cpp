@@ -7,7 +7,7 @@
 
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 

@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <string_view>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -5,7 +5,7 @@ namespace tubefoot {
 
 /// What signals do to the program, set once, as it starts. What it finds ignored (nohup) stays so.
 /// - SIGINT (Ctrl-C), SIGTERM, SIGHUP (a closed terminal) and SIGXCPU (`ulimit -t`) ask all work to stop
-///   (stop_wanted() of geometry/work/stop.hpp); SIGINT or SIGTERM after that ends the program where it
+///   (stop_wanted() of geometry/steps/stop.hpp); SIGINT or SIGTERM after that ends the program where it
 ///   stands. A closed terminal and a used up limit come more than once of themselves: they do not count
 ///   twice.
 /// - SIGPIPE and SIGXFSZ (`ulimit -f`) are ignored: a write that fails says so.

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <system_error>
 
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 #include "run/console/say.hpp"
 
 namespace tubefoot {

@@ -11,14 +11,14 @@
 
 namespace tubefoot {
 
-/// Between a run and somebody who waits for it on another thread, and may stop it (geometry/work/stop.hpp).
+/// Between a run and somebody who waits for it on another thread, and may stop it (geometry/steps/stop.hpp).
 struct RunWatch {
   std::atomic<std::size_t> pings{0}, total{0};  ///< finished, and to do
 };
 
 /// Progress on stderr: a bar with an estimate of the time left on a terminal, a plain line every tenth
 /// otherwise, nothing if quiet. Where one step takes long, also how far the work within it is (Steps of
-/// geometry/work/steps.hpp): at the bar's end, or in plain lines that come ever less often. Thread-safe.
+/// geometry/steps/steps.hpp): at the bar's end, or in plain lines that come ever less often. Thread-safe.
 class Progress {
  public:
   Progress(std::string what, std::size_t total, bool quiet);

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "files/usage_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/kept/build_identity.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/ranks/outbox.hpp"

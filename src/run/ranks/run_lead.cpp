@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/console/progress.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/ranks/ping_crew.hpp"

@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "files/words.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/beds/material_map_sources.hpp"
 
 namespace tubefoot {

@@ -9,7 +9,7 @@
 
 #include "files/gdal_input.hpp"
 #include "files/words.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/beds/material_map_gdal.hpp"
 #include "scene/beds/material_map_sources.hpp"
 

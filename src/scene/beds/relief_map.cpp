@@ -12,7 +12,7 @@
 
 #include "engine/relief/map_surface.hpp"
 #include "files/limits.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/rasters/raster_file.hpp"
 
 namespace tubefoot {

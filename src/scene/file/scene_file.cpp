@@ -13,7 +13,7 @@
 #include "files/inlet.hpp"
 #include "files/limits.hpp"
 #include "files/words.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/file/scene_file_sections.hpp"
 #include "scene/file/scene_file_tables.hpp"

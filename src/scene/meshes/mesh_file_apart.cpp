@@ -17,7 +17,7 @@
 #include <system_error>
 
 #include "files/inlet.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -9,7 +9,7 @@
 #include <OpenMesh/Core/System/omstream.hh>
 #include <limits>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/meshes/mesh_file.hpp"
 
 namespace tubefoot {

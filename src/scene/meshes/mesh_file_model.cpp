@@ -12,7 +12,7 @@
 #include "files/gltf_file.hpp"
 #include "files/inlet.hpp"
 #include "files/memory_at_hand.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/meshes/mesh_file_apart.hpp"
 
 namespace tubefoot {

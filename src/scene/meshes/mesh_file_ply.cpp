@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/meshes/mesh_file_polygons.hpp"
 #include "scene/meshes/mesh_file_text.hpp"
 

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "files/input_error.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/meshes/polygon_cutter.hpp"
 
 namespace tubefoot {

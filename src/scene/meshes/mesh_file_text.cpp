@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

@@ -14,7 +14,7 @@
 #include <optional>
 #include <utility>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {

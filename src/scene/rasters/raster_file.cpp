@@ -6,7 +6,7 @@
 #include <mutex>
 #include <system_error>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 namespace tubefoot {
 
 RasterFile::RasterFile(const std::filesystem::path& file, GdalInput::Variable variable)

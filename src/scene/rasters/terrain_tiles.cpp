@@ -12,7 +12,7 @@
 #include <glm/geometric.hpp>
 
 #include "files/limits.hpp"
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/rasters/raster_reader.hpp"
 

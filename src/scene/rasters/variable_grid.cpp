@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 #include "scene/rasters/raster_reader.hpp"
 
 namespace tubefoot {

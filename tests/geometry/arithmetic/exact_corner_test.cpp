@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/arithmetic/exact_corner.hpp"
-#include "geometry/arithmetic/wide_direction.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +9,7 @@
 #include "fixtures/geometry/exact_oracles.hpp"
 #include "fixtures/geometry/layered_scenes.hpp"
 #include "fixtures/geometry/looks.hpp"
+#include "geometry/arithmetic/wide_direction.hpp"
 
 // Corners against what their names stand for, in rationals.
 namespace tubefoot {

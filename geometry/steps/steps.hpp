@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "geometry/work/stop.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 

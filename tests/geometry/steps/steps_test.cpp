@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "geometry/work/steps.hpp"
+#include "geometry/steps/steps.hpp"
 
 #include <gtest/gtest.h>
 
