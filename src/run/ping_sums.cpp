@@ -60,4 +60,10 @@ void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certifi
   add(shot, s, 1, certified.echo.energy);
 }
 
+void PingSums::add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh,
+                                double sample_m) {
+  if (const auto& omitted = shot.site().relief.omitted)
+    finer_relief += tubefoot::finer_relief(sight, mesh, *omitted, sample_m);
+}
+
 }  // namespace tubefoot

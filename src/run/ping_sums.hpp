@@ -29,12 +29,8 @@ class PingSums {
   void add(const Shot& shot, std::size_t sensor, std::size_t order, std::span<const double> energy);
   /// Of order 1, with their bounds.
   void add(const Shot& shot, std::size_t sensor, const CertifiedEcho& certified);
-  /// What finer relief than a history's facets would change of it.
-  template <class Met>
-  void add_finer_relief(const Shot& shot, const Met& history, const FacetMesh& mesh, double sample_m) {
-    if (const auto& omitted = shot.site().relief.omitted)
-      finer_relief += tubefoot::finer_relief(history, mesh, *omitted, sample_m);
-  }
+  /// What finer relief than the facets that are seen would change of it.
+  void add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh, double sample_m);
   /// Does a part of the work whose seconds are the echo's, not those of what is seen.
   template <class Work>
   void as_echo(const Work& work) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "files/outlet.hpp"
-#include "geometry/visibility/visibility.hpp"
 #include "run/options.hpp"
 #include "scene/description/scene_description.hpp"
 #include "study/tolerance.hpp"
