@@ -31,6 +31,23 @@ std::vector<double> ranges_m(const RangeSamples& samples) {
   return ranges;
 }
 
+std::size_t receivers(const Recording& recording) { return recording.sensor->has_staff() ? 2 : 1; }
+
+/// What receivers hear, [ping][receiver][beam][sample]: cross products of their signals can't be told in dB.
+/// `values`: the recording's energies, or their bounds.
+std::vector<double> heard(const Recording& recording, std::span<const double> values) {
+  if (values.empty()) return {};
+  std::vector<double> all;
+  for (std::size_t p = 0; p < recording.pings(); ++p) {
+    const auto ping = values.subspan(p * recording.channels() * recording.cells(),
+                                     receivers(recording) * recording.cells());
+    all.insert(all.end(), ping.begin(), ping.end());
+  }
+  return all;
+}
+
+double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
 std::string scene_name(const std::filesystem::path& scene) {
   const std::string stem = scene.stem().string();
   return text_of_name(stem == "scene" ? std::filesystem::absolute(scene).parent_path().filename().string()
@@ -114,9 +131,8 @@ TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
   double ignored = 0;
   reference_ = record(request, ignored);
   for (const Recording& r : reference_) {
-    const double total = std::accumulate(r.energy.begin(), r.energy.end(), 0.0);
-    if (total > 0)
-      bound_ = std::max(bound_, std::accumulate(r.energy_bound.begin(), r.energy_bound.end(), 0.0) / total);
+    const double total = sum(heard(r, r.energy));
+    if (total > 0) bound_ = std::max(bound_, sum(heard(r, r.energy_bound)) / total);
   }
 }
 
@@ -170,9 +186,11 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
   for (std::size_t s = 0; s < candidate.size(); ++s) {
     const Recording& reference = reference_[s];
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());
-    const EchoShape ping{1, reference.sensor->beams().size(), ranges.size()};
+    const EchoShape ping{1, receivers(reference) * reference.sensor->beams().size(), ranges.size()};
     const EchoShape all{reference.ping_time_s.size(), ping.beams, ping.samples};
-    const EchoErrors errors = echo_errors({all, reference.energy, candidate[s].energy, {}, ranges});
+    const std::vector<double> sure = heard(reference, reference.energy),
+                              tried = heard(candidate[s], candidate[s].energy);
+    const EchoErrors errors = echo_errors({all, sure, tried, {}, ranges});
     trial.l1_error = std::max(trial.l1_error, errors.l1);
     trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
     std::vector<PingError>& pings = trial.pings.emplace_back();
@@ -180,7 +198,7 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
       const auto part = [&](std::span<const double> energies) {
         return energies.subspan(p * ping.bins(), ping.bins());
       };
-      const EchoErrors e = echo_errors({ping, part(reference.energy), part(candidate[s].energy), {}, ranges});
+      const EchoErrors e = echo_errors({ping, part(sure), part(tried), {}, ranges});
       const auto lit = static_cast<double>(e.lit_bins);
       pings.push_back({e.reference_total_j > 0 ? e.l1 * e.reference_total_j : e.candidate_total_j,
                        e.reference_total_j, e.rms_db * e.rms_db * lit, lit});

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A walk over the table of what can be combined: every pair of features either runs or is refused, with its
-// reason.
+// A walk over the table of what can be combined: every pair of features either runs and keeps its law, or is
+// refused, with its reason. The laws hold whatever is combined: rays, which see for themselves, find the same
+// energy; other arithmetics and binnings that energy, too; a reference's bounds hold it; footprints add up to
+// it.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
+#include "fixtures/csv_rows.hpp"
+#include "fixtures/netcdf_reader.hpp"
 #include "fixtures/program.hpp"
 #include "run/abilities.hpp"
 
@@ -51,7 +58,7 @@ struct Asked {
 const std::vector<Asked> of_runs{{Feature::reference, {"run", "--reference", "--tolerance", "1e-2"}},
                                  {Feature::double_arithmetic, {"run", "--arithmetic", "double"}},
                                  {Feature::fast_binning, {"run", "--binning", "centroid"}},
-                                 {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "50"}}};
+                                 {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "30000"}}};
 const std::vector<Asked> of_commands{
     {Feature::audit, {"audit"}},
     {Feature::coverage, {"coverage", "-o", "covered.csv"}},
@@ -101,25 +108,77 @@ struct AbilitiesWalk : testing::Test {
     folder.write("bed.asc", bed);
   }
 
-  void walk(const std::set<Feature>& features, std::vector<std::string> words) {
-    const std::string scene = scene_with(features);
-    SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene));
-    const auto file = folder.write("scene.toml", scene);
+  /// Paths in the words get the test's folder. `output`: of a run.
+  Outcome tried(const std::set<Feature>& features, std::vector<std::string> words,
+                const std::filesystem::path& output) {
     for (std::string& word : words)
       if (word.find('.') != std::string::npos && !word.starts_with('-') && word != "1e-2")
         word = (folder / word).string();
-    words.insert(words.begin() + 1, file.string());
-    if (words.front() == "run") {
-      words.push_back("-o");
-      words.push_back((folder / fmt::format("out{}", ++runs)).string());
-    }
-    const Outcome outcome = run_program(words);
+    words.insert(words.begin() + 1, folder.write("scene.toml", scene_with(features)).string());
+    if (words.front() == "run") words.insert(words.end(), {"-o", output.string()});
+    return run_program(words);
+  }
+
+  void walk(const std::set<Feature>& features, const std::vector<std::string>& words) {
+    SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene_with(features)));
+    const auto output = folder / fmt::format("out{}", ++runs);
+    const Outcome outcome = tried(features, words, output);
     const auto reason = reason_of_the_table(features);
     EXPECT_EQ(outcome.exit_code, reason ? 2 : 0) << outcome.err;
     if (reason) {
       EXPECT_THAT(outcome.err, HasSubstr(*reason));
+    } else if (outcome.exit_code == 0) {
+      keep_law(features, words, output);
     }
   }
+
+  /// What the scene alone returns, by the tube engine.
+  std::vector<double> measured(const std::set<Feature>& features) {
+    std::set<Feature> scene;
+    for (const InScene& one : of_scenes)
+      if (features.contains(one.feature)) scene.insert(one.feature);
+    if (const auto known = energies.find(scene); known != energies.end()) return known->second;
+    const auto output = folder / fmt::format("measured{}", ++runs);
+    const Outcome outcome = tried(scene, {"run"}, output);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return energies[scene] = NetcdfReader(output / "echoes.nc").values("/", "energy");
+  }
+
+  /// What a staff's footprints are told with is what the transmitter's own place would hear.
+  static double footprints_tolerance(const std::set<Feature>& features) {
+    return features.contains(Feature::two_receivers) ? 0.02 : 1e-9;
+  }
+
+  void keep_law(const std::set<Feature>& features, const std::vector<std::string>& words,
+                const std::filesystem::path& output) {
+    const std::vector<double> sure = measured(features);
+    const double total = std::reduce(sure.begin(), sure.end()), largest = *std::ranges::max_element(sure);
+    ASSERT_GT(total, 0);
+    for (const double energy : sure) ASSERT_TRUE(energy >= 0 && std::isfinite(energy));
+    if (words.front() == "run") {
+      const NetcdfReader file(output / "echoes.nc");
+      const std::vector<double> here = file.values("/", "energy");
+      ASSERT_EQ(here.size(), sure.size());
+      const double sum = std::reduce(here.begin(), here.end());
+      if (features.contains(Feature::rays) || features.contains(Feature::fast_binning)) {
+        EXPECT_NEAR(sum, total, 0.02 * total);
+      } else if (features.contains(Feature::double_arithmetic)) {
+        for (std::size_t k = 0; k < sure.size(); ++k) EXPECT_NEAR(here[k], sure[k], 1e-9 * largest);
+      }
+      if (!features.contains(Feature::reference)) return;
+      const std::vector<double> bound = file.values("/", "energy_bound");
+      for (std::size_t k = 0; k < sure.size(); ++k) {
+        EXPECT_NEAR(here[k], sure[k], bound[k] + 1e-6 * largest) << "bin " << k;
+        EXPECT_LE(bound[k], 3e-2 * largest) << "bin " << k;  // where it is wider than asked, that is told
+      }
+    } else if (words.front() == "footprints" && !features.contains(Feature::exact_corners) &&
+               !features.contains(Feature::mirrors)) {  // their footprints are of the way without mirrors
+      double sum = 0;
+      for (const auto& row : csv_rows(folder / "f.csv")) sum += std::stod(row.at("energy_j"));
+      EXPECT_NEAR(sum, total, footprints_tolerance(features) * total);
+    }
+  }
+
   void walk_with(const std::vector<Asked>& asked) {
     for (const InScene& one : of_scenes)
       for (const Asked& two : asked) {
@@ -135,11 +194,15 @@ struct AbilitiesWalk : testing::Test {
 
   TestFolder folder;
   int runs = 0;
+  std::map<std::set<Feature>, std::vector<double>> energies;
 };
 
 TEST_F(AbilitiesWalk, EveryPairOfASceneRunsOrIsRefused) {
   for (std::size_t a = 0; a < of_scenes.size(); ++a)
-    for (std::size_t b = 0; b <= a; ++b) walk({of_scenes[a].feature, of_scenes[b].feature}, {"run"});
+    for (std::size_t b = 0; b <= a; ++b) {
+      walk({of_scenes[a].feature, of_scenes[b].feature}, {"run"});
+      walk({of_scenes[a].feature, of_scenes[b].feature, Feature::rays}, of_runs.back().words);
+    }
 }
 
 TEST_F(AbilitiesWalk, EveryFeatureOfASceneWithEveryRun) { walk_with(of_runs); }
