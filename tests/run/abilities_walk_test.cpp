@@ -13,6 +13,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <random>
 #include <set>
 
 #include "fixtures/csv_rows.hpp"
@@ -33,8 +34,8 @@ struct InScene {
 const std::vector<InScene> of_scenes{
     {Feature::refraction,
      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 40\n"
-     "surface_height_m = 20\n"},
-    {Feature::mirrors, "[sea_surface]\nheight_m = 20\n"},
+     "surface_height_m = 6.5\n"},
+    {Feature::mirrors, "[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\n"},
     {Feature::receiver_apart, {}, {}, "receiver_arm_m = [0, 1, 0]\n"},
     {Feature::two_receivers, {}, {}, {}},  // another kind of sensor
     {Feature::tiles, {}, {}, {}},          // another way to load
@@ -76,7 +77,7 @@ std::string scene_with(const std::set<Feature>& features) {
     (one.material.starts_with("[[") ? table_of_material : material) += one.material;
     sensor += one.sensor;
   }
-  const bool staff = features.contains(Feature::two_receivers);
+  const bool staff = features.contains(Feature::two_receivers), mirrors = features.contains(Feature::mirrors);
   return fmt::format(
       "{}[[materials]]\nname = \"rock\"\n{}{}"
       "[[terrain]]\nname = \"bed\"\nkind = \"raster\"\nfile = \"bed.asc\"\nmaterial = \"rock\"\nload = "
@@ -85,7 +86,9 @@ std::string scene_with(const std::set<Feature>& features) {
       "[[sensors]]\nname = \"sonar\"\nrange_min_m = 6\nrange_max_m = 10\nsamples = 8\n{}{}",
       tables, material, table_of_material, features.contains(Feature::tiles) ? "tiles" : "whole",
       staff ? "kind = \"interferometric\"\nalong_track_deg = 3\nfrequency_khz = 100\nbaseline_m = 0.05\n"
-            : "kind = \"imaging\"\nbeams = 2\nhorizontal_deg = 4\nvertical_deg = 6\ntilt_deg = 50\n",
+            : fmt::format(
+                  "kind = \"imaging\"\nbeams = 2\nhorizontal_deg = 4\nvertical_deg = {}\ntilt_deg = {}\n",
+                  mirrors ? 140 : 6, mirrors ? 20 : 50),  // up to the surface, too
       sensor);
 }
 
@@ -216,6 +219,22 @@ TEST_F(AbilitiesWalk, EveryPairOfWhatARunAsks) {
       words.insert(words.end(), of_runs[b].words.begin() + 1, of_runs[b].words.end());
       walk({of_runs[a].feature, of_runs[b].feature}, words);
     }
+}
+
+// More than two at once: a real scene has four.
+TEST_F(AbilitiesWalk, DrawnScenesOfManyFeatures) {
+  const unsigned seed = 20;
+  std::mt19937 random(seed);
+  SCOPED_TRACE(fmt::format("seed {}", seed));
+  for (int draw = 0; draw < 16; ++draw) {
+    std::set<Feature> features;
+    for (const InScene& one : of_scenes)
+      if (random() % 2 == 0) features.insert(one.feature);
+    const Asked& asked = of_runs[random() % of_runs.size()];
+    walk(features, {"run"});
+    features.insert(asked.feature);
+    walk(features, asked.words);
+  }
 }
 
 }  // namespace

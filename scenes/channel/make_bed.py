@@ -1,0 +1,30 @@
+#!/usr/bin/env python3
+"""Writes bed.asc: a channel's bed, 160 m across and 96 m along in cells of 1 m, between 14 m and 22 m deep.
+
+A trough along the track with shelving sides, a ledge to port and three dunes across. Python's own library only.
+"""
+import math
+import pathlib
+
+COLUMNS, ROWS, CELL_M = 161, 97, 1.0
+
+
+def depth_m(east, north):
+    trough = 14 + 7.5 / (1 + (abs(east - 5 * math.sin(north / 30)) / 32) ** 4)
+    ledge = 1.6 / (1 + math.exp(-(east + 24 + 3 * math.cos(north / 9)) / 0.8))
+    dunes = 0.5 * math.cos(2 * math.pi * (north + 0.2 * east) / 31) * math.exp(-((east - 12) / 20) ** 2)
+    return trough + ledge - 1.6 + dunes
+
+
+def main():
+    west, south = -COLUMNS // 2 + 1, -ROWS // 2 + 1
+    lines = [f"ncols {COLUMNS}", f"nrows {ROWS}", f"xllcenter {west * CELL_M}", f"yllcenter {south * CELL_M}",
+             f"cellsize {CELL_M}"]
+    for row in reversed(range(ROWS)):
+        north = (south + row) * CELL_M
+        lines.append(" ".join(f"{-depth_m((west + column) * CELL_M, north):.2f}" for column in range(COLUMNS)))
+    pathlib.Path(__file__).with_name("bed.asc").write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()
