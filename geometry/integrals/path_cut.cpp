@@ -59,7 +59,10 @@ void PathCutter::add(const PlanarPolygon& polygon, std::span<const Receiver> rec
   transmit_ = {polygon.distance, -c_};
   receive_ = {receiver.distance, receiver.foot * (receiver.distance / heights)};
   second_.reset();
-  if (receivers.size() > 1) second_ = Apex{receivers[1].distance, receivers[1].foot - c_};
+  if (receivers.size() > 1) {
+    second_ = Apex{receivers[1].distance, receivers[1].foot - c_};
+    second_shortest_ = range(polygon.distance + receivers[1].distance, receivers[1].foot);
+  }
   transmit_range_ = range(transmit_.height, transmit_.foot);
   receive_range_ = range(receive_.height, receive_.foot);
   shortest_ = range(heights, receiver.foot);

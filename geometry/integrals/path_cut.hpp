@@ -157,6 +157,7 @@ class PathCutter {
   std::optional<Apex> second_;
   double transmit_range_ = 0, receive_range_ = 0;  // of c
   double shortest_ = 0;                            // path, at c
+  double second_shortest_ = 0;                     // to the second receiver
   std::vector<Line> lines_;
   std::vector<Sector> sectors_;
   std::vector<double> angles_, values_;

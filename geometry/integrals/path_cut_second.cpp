@@ -54,6 +54,8 @@ void PathCutter::add_tangents(double path, const Sector& sector, std::vector<dou
 
 /// Where a ray from c is inside an ellipse of the second receiver.
 std::optional<PathCutter::Stretch> PathCutter::in_second(double path, glm::dvec2 direction) const {
+  // Apexes may be farther from each other than that: the equation is then one of a hyperbola.
+  if (!(path > second_shortest_)) return std::nullopt;
   const EllipseOnRay on(path, transmit_range_, second_->range({0, 0}), -glm::dot(transmit_.foot, direction),
                         -glm::dot(second_->foot, direction));
   if (!(on.a > 0)) return std::nullopt;

@@ -45,6 +45,21 @@ py::array by_beam(const NativeShot& shot, Value value) {
   return array_of(values);
 }
 
+/// Of each beam's fan; none with one receiver.
+py::object staffs(const NativeShot& shot) {
+  const std::size_t number = shot.which().shot;
+  const BeamPatterns patterns =
+      shot.sensor().patterns(shot.pose(), shot.pings().sound_speed_m_s, number);
+  if (patterns.fringes.empty()) return py::none();
+  std::vector<double> ways(3 * shot.sensor().beams_of_shot(number).size());
+  const std::vector<std::uint32_t>& beams = shot.sensor().beam_of_tube(number);
+  for (std::size_t tube = 0; tube < beams.size(); ++tube) {
+    const Fringe& staff = patterns.fringes[patterns.fan_of_tube[tube]];
+    for (int k = 0; k < 3; ++k) ways[3 * beams[tube] + std::size_t(k)] = staff.baseline_m * staff.axis[k];
+  }
+  return array_of(ways, 3);
+}
+
 std::vector<std::string> material_names(const NativeShot& shot) {
   std::vector<std::string> names;
   for (const MaterialDescription& m : shot.survey().scene.description.materials) names.push_back(m.name);
@@ -86,6 +101,7 @@ void bind_shot_class(py::module_& module) {
           "beam_elevation_rad",
           [](const NativeShot& s) { return by_beam(s, [](const BeamAxis& b) { return b.elevation_rad; }); })
       .def_property_readonly("range_edges_m", &range_edges)
+      .def_property_readonly("staff_m", &staffs)
       .def_property_readonly("rays", &rays)
       .def_property_readonly(
           "tubes",

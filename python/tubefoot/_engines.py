@@ -34,17 +34,19 @@ class Engine:
         return self.function(seen)
 
     def checked(self, native: _native.Shot) -> np.ndarray:
-        """Energies of a shot, (beams, samples) float64, finite and not negative."""
+        """Energies of a shot, of its energy_shape, float64, finite; not negative, but for products."""
         shot = Shot(native)
         energy = np.asarray(self.function(shot.history() if self._takes_history else shot))
         if energy.shape != shot.energy_shape:
+            axes = "(beams, samples)" if len(shot.energy_shape) == 2 else "(channels, beams, samples)"
             raise ValueError(f"engine '{self.name}' returned an array of shape {energy.shape}, expected "
-                             f"(beams, samples) = {shot.energy_shape}")
+                             f"{axes} = {shot.energy_shape}")
         try:
             energy = energy.astype(np.float64, casting="safe", copy=False)
         except TypeError:
             raise ValueError(f"engine '{self.name}' returned {energy.dtype}, expected float64") from None
-        if not np.isfinite(energy).all() or (energy < 0).any():
+        energies = energy if energy.ndim == 2 else energy[:2]  # products have signs
+        if not np.isfinite(energy).all() or (energies < 0).any():
             raise ValueError(f"engine '{self.name}' returned energies that are negative or not finite")
         return np.ascontiguousarray(energy)
 
@@ -56,7 +58,8 @@ def engine(name: str) -> Callable[[Callable[[Shot], np.ndarray]], Engine]:
     """Marks a function as an engine: ``@tubefoot.engine("mine")``.
 
     The function gets a :class:`Shot` (facets, tubes and pose as arrays) and returns the energies of the shot's beams,
-    (beams, samples) float64 in J, for a source of 1 J/sr at 1 m. It is called once a shot, in no certain order.
+    (beams, samples) float64 in J, for a source of 1 J/sr at 1 m; of two receivers (4, beams, samples), see
+    :attr:`Shot.energy_shape`. It is called once a shot, in no certain order.
     """
     return lambda function: Engine(name, function, False)
 

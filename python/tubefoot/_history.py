@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Optional
+
 import numpy as np
 
 from . import _native
@@ -36,9 +38,18 @@ class Shot:
         return self._native.shot
 
     @property
-    def energy_shape(self) -> tuple[int, int]:
-        """(B, K): shape of the energies that an engine returns."""
-        return len(self._native.beams), len(self._native.range_edges_m) - 1
+    def energy_shape(self) -> tuple[int, ...]:
+        """(B, K): shape of the energies that an engine returns. With two receivers (4, B, K): energies of the upper
+        and of the lower one, and real and imaginary part of the mean product of the upper one's signal with the
+        conjugate of the lower one's."""
+        cells = len(self._native.beams), len(self._native.range_edges_m) - 1
+        return cells if self.staff_m is None else (4, *cells)
+
+    @property
+    def staff_m(self) -> Optional[np.ndarray]:
+        """(B, 3) float64: way from the lower to the upper receiver of each beam in m, east, north, up; the
+        transmitter is in its middle. None with one receiver."""
+        return self._native.staff_m
 
     @property
     def vertices_m(self) -> np.ndarray:

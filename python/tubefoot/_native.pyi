@@ -26,6 +26,7 @@ class Shot:
     sound_speed_m_s: float
     absorption_db_per_m: float
     time_s: float
+    staff_m: Optional[np.ndarray]
     apex_m: np.ndarray
     position_m: np.ndarray
     attitude: np.ndarray

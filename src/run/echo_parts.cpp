@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 #include "engine/paths/path_echo.hpp"
+#include "engine/paths/staff_paths.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "run/own_engine.hpp"
 #include "run/paths.hpp"
@@ -22,43 +24,114 @@ bool staffs_are_apart(const RunRequest& request) {
   return request.engine == Engine::tube && request.binning == Binning::exact;
 }
 
+/// Two signals have no more in common than either has. `channels`: [4][beam][sample].
+void check_coherence(const Shot& shot, std::size_t s, std::span<const double> channels) {
+  constexpr double rounding = 1e-6;
+  const std::size_t cells = channels.size() / 4,
+                    samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
+  for (std::size_t k = 0; k < cells; ++k) {
+    const double upper = channels[k], lower = channels[cells + k],
+                 product = std::hypot(channels[2 * cells + k], channels[3 * cells + k]);
+    if (!(product <= (1 + rounding) * std::sqrt(upper) * std::sqrt(lower)))
+      throw std::domain_error(fmt::format(
+          "engine '{}': in beam {} and sample {} of {} the mean product of the two receivers' signals is "
+          "{:.6g} J, more than the root of the product of their energies, {:.6g} J and {:.6g} J",
+          shot.request().own_engine->name, k / samples, k % samples, shot.name(), product, upper, lower));
+  }
+}
+
 void add_own_engine(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors) {
-    const auto samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
-    std::vector<double> energy(static_cast<std::size_t>(shot.beams(s)) * samples);
+    const Sensor& sensor = shot.sensor(s);
+    std::vector<double> energy(static_cast<std::size_t>(sensor.channels() * shot.beams(s)) *
+                               static_cast<std::size_t>(sensor.samples().count));
     shot.request().own_engine->echo(shot, s, energy);
+    if (sensor.has_staff()) check_coherence(shot, s, energy);
     sums.add(shot, s, 1, energy);
   }
 }
 
-/// Every sensor follows its own paths: its range says how far.
-void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings, PingSums& sums) {
-  const Scene& scene = shot.scene();
-  const Sensor& sensor = shot.sensor(s);
-  TubeSet transmit = shot.tubes(), receive = shot.receive_tubes(s);
-  transmit.reach = receive.reach = 2 * sensor.reach(scene.grid);
-  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
-  const SensorLaw law = shot.law(s);
-  PathEcho paths;
-  try {
-    paths = path_echo(scene.mesh, *shot.site().tree, scene.grid.unit_m(), shot.request().visibility, transmit,
-                      receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law, settings);
-  } catch (const std::length_error& error) {
-    throw InputError(sensor.description().place,
-                     fmt::format("sensor '{}', paths: {}", sensor.description().name, error.what()));
+/// Where every sensor's own paths begin and end: its range says how far they go.
+struct PathEnds {
+  TubeSet transmit, receive;
+  PathEnds(const Shot& shot, std::size_t s) : transmit(shot.tubes()), receive(shot.receive_tubes(s)) {
+    transmit.reach = receive.reach = 2 * shot.sensor(s).reach(shot.scene().grid);
   }
-  const std::optional<int> only = scene.description.paths.only_order;
-  for (std::size_t order = 0; order < paths.by_order.size(); ++order)
-    if (only.value_or(int(order)) == int(order)) sums.add(shot, s, order, paths.by_order[order].energy);
+};
+
+bool is_wanted(const Shot& shot, std::size_t order) {
+  return shot.scene().description.paths.only_order.value_or(int(order)) == int(order);
+}
+
+void count_paths(const auto& paths, PingSums& sums) {
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
   sums.counts.pieces += paths.shared_pieces;
 }
 
+void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings, PingSums& sums) {
+  const Sensor& sensor = shot.sensor(s);
+  const PathEnds ends(shot, s);
+  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
+  const SensorLaw law = shot.law(s);
+  const PathEcho paths = path_echo(shot.ground().mesh(), shot.ground().tree(), shot.scene().grid.unit_m(),
+                                   shot.request().visibility, ends.transmit, ends.receive,
+                                   shot.beams_by_fans(s, fans), sensor.samples(), law.law, settings);
+  for (std::size_t order = 0; order < paths.by_order.size(); ++order)
+    if (is_wanted(shot, order)) sums.add(shot, s, order, paths.by_order[order].energy);
+  count_paths(paths, sums);
+}
+
+/// The four channels of a staff: [channel][beam][sample], a beam a fan.
+class StaffRows {
+ public:
+  StaffRows(const Shot& shot, std::size_t s)
+      : samples_(static_cast<std::size_t>(shot.sensor(s).samples().count)),
+        beams_(static_cast<std::size_t>(shot.beams(s))),
+        all_(4 * beams_ * samples_) {}
+  void set(std::size_t fan, const StaffEcho& echo) {
+    std::size_t channel = 0;
+    for (const auto* row : {&echo.upper_j, &echo.lower_j, &echo.cross_real_j, &echo.cross_imag_j})
+      std::copy(row->begin(), row->end(),
+                all_.begin() + std::ptrdiff_t((channel++ * beams_ + fan) * samples_));
+  }
+  std::span<const double> all() const { return all_; }
+
+ private:
+  std::size_t samples_, beams_;
+  std::vector<double> all_;
+};
+
+void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings, PingSums& sums) {
+  const Sensor& sensor = shot.sensor(s);
+  const PathEnds ends(shot, s);
+  const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
+  const SensorLaw law = shot.law(s);
+  std::vector<StaffRows> by_order(std::size_t(settings.order) + 1, StaffRows(shot, s));
+  for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
+    const TubeSet receive = tubes_of_fan(ends.receive, fans, fan);
+    const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, receive.tubes.size());
+    EchoLaw own = law.law;
+    own.patterns = &patterns;
+    const StaffPathEcho paths =
+        staff_path_echo(shot.ground().mesh(), shot.ground().tree(), shot.scene().grid.unit_m(),
+                        shot.request().visibility, tubes_of_fan(ends.transmit, fans, fan), receive,
+                        law.patterns.fringes[fan], sensor.samples(), own, settings);
+    for (std::size_t order = 0; order < paths.by_order.size(); ++order)
+      by_order[order].set(fan, paths.by_order[order]);
+    count_paths(paths, sums);
+  }
+  for (std::size_t order = 0; order < by_order.size(); ++order)
+    if (is_wanted(shot, order)) sums.add(shot, s, order, by_order[order].all());
+}
+
 void add_paths(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors)
-    if (const auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz()))
-      add_paths_of(shot, s, *settings, sums);
+    if (const auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz())) try {
+        (shot.sensor(s).has_staff() ? add_staff_paths_of : add_paths_of)(shot, s, *settings, sums);
+      } catch (const std::length_error& error) {
+        throw too_many_images(shot.sensor(s).description(), error);
+      }
 }
 
 /// Through refracting water a reference chooses its own apparent ground.
@@ -116,17 +189,11 @@ void add_receiver_apart(const Shot& shot, PingSums& sums) {
 void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
   const Sensor& sensor = shot.sensor(s);
   const SensorLaw law = shot.law(s);
-  const auto samples = static_cast<std::size_t>(sensor.samples().count),
-             beams = static_cast<std::size_t>(shot.beams(s));
-  std::vector<double> all(4 * beams * samples);
+  StaffRows rows(shot, s);
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
     const StaffHistory history = shot.trace_staff(s, fan, law.patterns.fringes[fan]);
     sums.as_echo([&] {
-      const StaffEcho echo = shot.echo(history, s, fan, law);
-      std::size_t channel = 0;
-      for (const auto* row : {&echo.upper_j, &echo.lower_j, &echo.cross_real_j, &echo.cross_imag_j})
-        std::copy(row->begin(), row->end(),
-                  all.begin() + std::ptrdiff_t((channel++ * beams + fan) * samples));
+      rows.set(fan, shot.echo(history, s, fan, law));
       sums.add_finer_relief(
           shot,
           BistaticHistory{history.transmit, history.upper, shot.scene().grid.unit_m(), history.by_upper},
@@ -136,7 +203,7 @@ void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
       sums.counts.pieces += history.pieces();
     });
   }
-  sums.add(shot, s, 1, all);
+  sums.add(shot, s, 1, rows.all());
 }
 
 void add_staffs(const Shot& shot, PingSums& sums) {
@@ -257,8 +324,8 @@ constexpr auto table = std::to_array<Row>({
     {{"a receiver apart, through refracting water", add_refracted_receiver_apart},
      [](A a) { return a.direct && a.refracted && a.apart && !a.certified; }},
     {{"the ground", count_ground}, [](A a) { return a.one_ground; }},
-    {{"a receiver apart", add_receiver_apart}, [](A a) { return a.one_ground && a.apart; }},
-    {{"each receiver of a staff", add_staffs}, [](A a) { return a.one_ground && !a.apart && a.staffs; }},
+    {{"a receiver apart", add_receiver_apart}, [](A a) { return a.one_ground && a.apart && !a.staffs; }},
+    {{"each receiver of a staff", add_staffs}, [](A a) { return a.one_ground && a.staffs; }},
     {{"sampled", add_sampled}, [](A a) { return a.one_ground && !a.apart && a.others && a.rays; }},
     {{"certified", add_certified},
      [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && a.certified; }},

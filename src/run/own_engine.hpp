@@ -13,8 +13,9 @@ class Shot;
 /// An engine that is not built in. It runs, and is charted and compared, like those that are.
 struct OwnEngine {
   std::string name;
-  /// Fills the energies [J] that a sensor hears of a shot, [beam of the shot][sample], which are 0 before.
-  /// Called from several threads at a time. What it throws ends the run.
+  /// Fills the energies [J] that a sensor hears of a shot, [channel][beam of the shot][sample]
+  /// (Sensor::channels()), which are 0 before. Called from several threads at a time. What it throws ends the
+  /// run; so does a product of two receivers' signals that their energies cannot have (std::domain_error).
   std::function<void(const Shot& shot, std::size_t sensor, std::span<double> energy)> echo;
 };
 

@@ -4,8 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+
+#include "engine/ground/sector.hpp"
+#include "geometry/tubes/window_tubes.hpp"
+#include "run/shot.hpp"
 
 namespace tubefoot {
 
@@ -31,6 +36,61 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   return settings;
 }
 
+namespace {
+
+/// All directions, in eight parts.
+TubeSet all_round(GridPoint apex, double reach) {
+  WindowTubes octants(apex, reach);
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double z : {-1.0, 1.0}) {
+        std::array corners{glm::dvec3(x, 0, 0), glm::dvec3(0, y, 0), glm::dvec3(0, 0, z)};
+        if (x * y * z < 0) std::swap(corners[0], corners[1]);
+        octants.add(corners, 0);
+      }
+  return octants.tubes();
+}
+
+/// Of a sensor. What other facets hide does not count: no window is left out that relief may open.
+void add_looks(const Shot& shot, std::size_t s, const PathSettings& settings, std::vector<PathLook>& looks) {
+  const Scene& scene = shot.scene();
+  const double unit_m = scene.grid.unit_m();
+  std::vector<TubeSet> apexes{shot.tubes()};
+  if (shot.has_receiver_apart()) apexes.push_back(shot.receive_tubes(s));
+  const double beam_rad = Sector(apexes.front(), unit_m).narrowest_rad();
+  for (const TubeSet& tubes : apexes) looks.push_back({tubes, beam_rad});
+  // No point of a path is farther from its ends.
+  if (settings.scatterings > 1)
+    looks.push_back({all_round(apexes.front().apex, apexes.front().reach), std::numbers::pi / 2});
+  if (settings.order < 2) return;
+  const RefinedMesh mirrors = mirrors_about(shot, apexes.front().reach * unit_m);
+  const SceneTree tree(mirrors.mesh, SceneTree::Sheets::ignored);
+  const ImageFinder finder(mirrors.mesh, tree, shot.request().visibility, settings.mirrors, settings.least(),
+                           settings.most_images);
+  for (TubeSet& tubes : apexes) {
+    tubes.reach = 2 * shot.sensor(s).reach(scene.grid);
+    for (Image& image : finder.images_of(tubes, settings.order - 1))
+      if (image.mirrors > 0) looks.push_back({std::move(image.windows), beam_rad});
+  }
+}
+
+}  // namespace
+
+InputError too_many_images(const SensorDescription& sensor, const std::length_error& error) {
+  return InputError(sensor.place, fmt::format("sensor '{}', paths: {}", sensor.name, error.what()));
+}
+
+std::vector<PathLook> looks_of_paths(const Shot& shot) {
+  std::vector<PathLook> looks;
+  for (const std::size_t s : shot.group().sensors)
+    if (const auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz())) try {
+        add_looks(shot, s, *settings, looks);
+      } catch (const std::length_error& error) {
+        throw too_many_images(shot.sensor(s).description(), error);
+      }
+  return looks;
+}
+
 void check_paths(const Scene& scene, const Fleet& fleet) {
   const SceneDescription& d = scene.description;
   for (const SensorPings& pings : fleet.sensors) {
@@ -43,13 +103,19 @@ void check_paths(const Scene& scene, const Fleet& fleet) {
       continue;
     }
     if (!d.sea_surface) continue;
+    const auto check = [&](const std::string& what, double height_m) {
+      if (height_m >= d.sea_surface->height_m)
+        throw InputError(sensor.place,
+                         fmt::format("{} is {:.3g} m above the sea surface (at {:.6g} m)", what,
+                                     height_m - d.sea_surface->height_m, d.sea_surface->height_m));
+    };
+    const std::string name = fmt::format("sensor '{}'", sensor.name);
     for (const auto* poses : {&pings.shot_poses, &pings.receiver_poses})
-      for (const Pose& pose : *poses)
-        if (pose.position_m.z >= d.sea_surface->height_m)
-          throw InputError(
-              sensor.place,
-              fmt::format("sensor '{}' is {:.3g} m above the sea surface (at {:.6g} m)", sensor.name,
-                          pose.position_m.z - d.sea_surface->height_m, d.sea_surface->height_m));
+      for (const Pose& pose : *poses) check(name, pose.position_m.z);
+    if (!pings.sensor->has_staff()) continue;
+    for (const Pose& pose : pings.receiver_poses.empty() ? pings.shot_poses : pings.receiver_poses)
+      for (const Fringe& staff : pings.sensor->patterns(pose, pings.sound_speed_m_s).fringes)
+        check("the staff of " + name, pose.position_m.z + staff.baseline_m / 2 * std::abs(staff.axis.z));
   }
 }
 

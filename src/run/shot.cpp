@@ -104,8 +104,11 @@ BistaticHistory Shot::trace_both() const {
 }
 
 StaffHistory Shot::trace_staff(std::size_t s, std::uint32_t fan, const Fringe& staff) const {
+  const std::vector<std::uint32_t> fans = sensor(s).fan_of_tube(number_);
   return tubefoot::trace_staff(ground().mesh(), ground().tree(), scene().grid.unit_m(), request().visibility,
-                               tubes_of_fan(tubes(), sensor(s).fan_of_tube(number_), fan), staff);
+                               tubes_of_fan(tubes(), fans, fan),
+                               tubes_of_fan(has_receiver_apart() ? receive_tubes(s) : tubes(), fans, fan),
+                               staff);
 }
 
 ReceiveBeams Shot::beams_by_fans(std::size_t s, const std::vector<std::uint32_t>& fans) const {

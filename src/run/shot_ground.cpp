@@ -7,8 +7,11 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "files/memory_at_hand.hpp"
+#include "geometry/tubes/mirror.hpp"
+#include "run/paths.hpp"
 #include "run/refined_bed_file.hpp"
 #include "run/refraction.hpp"
 #include "run/shot.hpp"
@@ -18,6 +21,12 @@ namespace {
 
 /// A facet of a refined bed with its share of vertices and tree takes some 60 bytes.
 constexpr RefinementLimits most_offline{100'000'000}, most_a_shot{20'000'000};
+
+std::vector<bool> mirror_materials(const Scene& scene) {
+  std::vector<bool> mirrors;
+  for (const double reflection : scene.material_reflection) mirrors.push_back(reflection > 0);
+  return mirrors;
+}
 
 bool has_relief(const Scene& scene) {
   return std::any_of(scene.relief.begin(), scene.relief.end(), [](const auto& r) { return r != nullptr; });
@@ -77,7 +86,7 @@ std::unique_ptr<Ground> relief_ground(const Scene& scene) {
   return std::make_unique<Ground>(
       scene.mesh, scene.grid, scene.relief,
       GroundSettings{cell_m, keys.displace == "normal" ? Displacement::normal : Displacement::vertical,
-                     keys.tolerance.value_or(GroundSettings().tolerance)});
+                     keys.tolerance.value_or(GroundSettings().tolerance), mirror_materials(scene)});
 }
 
 RefinedMesh refined_bed(const Scene& scene, const Ground& ground) {
@@ -119,9 +128,12 @@ void lay_relief(Site& site) {
   site.relief.parent = std::move(bed.parent);
 }
 
-RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks) {
+namespace {
+
+template <class Refine>
+RefinedMesh refined_for(const Shot& shot, const Refine& refine) {
   try {
-    return shot.site().ground->seen_by(looks, most_a_shot);
+    return refine();
   } catch (const RefinementTooLarge&) {
     throw InputError(shot.scene().description.refinement.place,
                      fmt::format("{} looks at more than {} facets of its ground: use a larger 'cell_m' or "
@@ -130,13 +142,48 @@ RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks) {
   }
 }
 
+}  // namespace
+
+RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks) {
+  return refined_for(shot, [&] { return shot.site().ground->seen_by(looks, most_a_shot); });
+}
+
+RefinedMesh mirrors_about(const Shot& shot, double distance_m) {
+  RefinedMesh mirrors = refined_for(shot, [&] {
+    return shot.site().ground->mirrors_within(shot.pose().position_m, distance_m, most_a_shot);
+  });
+  cut_at_surface(shot.scene(), mirrors.mesh, mirrors.parent);
+  return mirrors;
+}
+
+bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent) {
+  if (!scene.description.sea_surface) return false;
+  const std::int32_t height = scene.surface_height();
+  if (std::ranges::all_of(mesh.vertices, [=](GridPoint v) { return v.z <= height; })) return false;
+  std::vector<FacetId> all(mesh.facets.size());
+  std::iota(all.begin(), all.end(), FacetId{0});
+  MeshPart wet = in_front_of(MirrorPlane::horizontal(height), mesh, all);
+  mesh = std::move(wet.mesh);
+  if (!parent.empty()) {
+    for (FacetId& facet : wet.origin) facet = parent[facet];
+    parent = std::move(wet.origin);
+  }
+  return true;
+}
+
 ShotGround ground_of(const Shot& shot) {
   const Site& site = shot.site();
   if (site.scene.water->refracts()) return refracted_ground_of(shot);
   if (!site.ground) return ShotGround(site);
   std::vector<TubeSet> tubes{shot.tubes()};
   if (shot.has_receiver_apart()) tubes.push_back(shot.receive_tubes(shot.first()));
-  return ShotGround(site, relief_seen_by(shot, shot.looks(tubes)));
+  std::vector<Look> looks = shot.looks(tubes);
+  const std::vector<PathLook> of_paths = looks_of_paths(shot);
+  for (const PathLook& look : of_paths)
+    looks.push_back({&look.tubes, 0, shot.sample_length_m(), nullptr, look.beam_rad});
+  RefinedMesh bed = relief_seen_by(shot, looks);
+  cut_at_surface(site.scene, bed.mesh, bed.parent);
+  return ShotGround(site, std::move(bed));
 }
 
 ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m) {

@@ -51,6 +51,11 @@ class ShotGround {
 ShotGround ground_of(const Shot& shot);
 /// The relief that a shot sees. Throws InputError where it takes too many facets.
 RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks);
+/// The mirrors within a distance of a shot, with their relief, and nothing else. Throws as relief_seen_by().
+RefinedMesh mirrors_about(const Shot& shot, double distance_m);
+/// Leaves of a mesh what is in the water of a scene with [sea_surface], and of `parent`, by facet, what
+/// belongs to it. False: all of it was.
+bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent);
 /// The ground above and below a place.
 ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m);
 

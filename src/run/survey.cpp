@@ -213,10 +213,12 @@ void check_places(Site& site, Fleet& fleet) {
         check_place(scene, patch, {pings, ping, pings.receiver_pose(ping, 0).position_m, receiver},
                     receiver_inside);
       if (sensor.has_staff())
-        for (const Fringe& staff : sensor.patterns(pings.poses[ping], pings.sound_speed_m_s, 0).fringes)
+        for (const Fringe& staff :
+             sensor.patterns(pings.receiver_pose(ping, 0), pings.sound_speed_m_s, 0).fringes)
           for (const double end : {1.0, -1.0})
             check_place(scene, patch,
-                        {pings, ping, at_m + end * staff.baseline_m / 2 * staff.axis,
+                        {pings, ping,
+                         pings.receiver_pose(ping, 0).position_m + end * staff.baseline_m / 2 * staff.axis,
                          fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)},
                         receiver_inside);
       // Of the later shots of a ping only what would spoil them.
@@ -235,22 +237,10 @@ void check_places(Site& site, Fleet& fleet) {
   }
 }
 
-/// Leaves what is in the water. After check_places(), which counts the crossings of whole objects.
+/// After check_places(), which counts the crossings of whole objects. Ground of its own each shot cuts.
 void cut_at_surface(Site& site) {
-  Scene& scene = site.scene;
-  if (!scene.description.sea_surface || site.ground) return;  // no path follows ground of its own
-  const std::int32_t height = scene.surface_height();
-  const auto& vertices = scene.mesh.vertices;
-  if (std::all_of(vertices.begin(), vertices.end(), [=](GridPoint v) { return v.z <= height; })) return;
-  std::vector<FacetId> all(scene.mesh.facets.size());
-  std::iota(all.begin(), all.end(), FacetId{0});
-  MeshPart wet = in_front_of(MirrorPlane::horizontal(height), scene.mesh, all);
-  scene.mesh = std::move(wet.mesh);
-  if (!site.relief.parent.empty()) {
-    for (FacetId& facet : wet.origin) facet = site.relief.parent[facet];
-    site.relief.parent = std::move(wet.origin);
-  }
-  site.tree = std::make_unique<SceneTree>(scene.mesh);
+  if (!site.ground && cut_at_surface(site.scene, site.scene.mesh, site.relief.parent))
+    site.tree = std::make_unique<SceneTree>(site.scene.mesh);
 }
 
 SensorPings pings_of(Site& site, const SensorDescription& description, const Trajectory& trajectory) {

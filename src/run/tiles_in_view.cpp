@@ -91,10 +91,10 @@ TileChoice TilesInView::of(const Shots& shots, const SharedShots& group, std::si
     const SensorPings& pings = shot.pings();
     std::vector<TubeSet> sets{shot.tubes()};
     if (shot.has_receiver_apart()) sets.push_back(shot.receive_tubes(shot.first()));
+    const TubeSet middle = sets.back();  // of a staff
     if (pings.sensor->has_staff())
       for (const Fringe& staff : pings.sensor->patterns(shot.pose(), pings.sound_speed_m_s, number).fringes)
-        for (const double end : {1.0, -1.0})
-          sets.push_back(moved_along(sets.front(), staff, end, grid.unit_m()));
+        for (const double end : {1.0, -1.0}) sets.push_back(moved_along(middle, staff, end, grid.unit_m()));
     for (const TubeSet& tubes : sets) {
       if (scene.water->refracts()) {
         const Straightening straightening = straightening_of(site_, pings, grid.to_metres(tubes.apex));

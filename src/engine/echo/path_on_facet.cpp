@@ -38,6 +38,15 @@ void PathOnFacet::finish(const EchoLaw& law) {
   if (!law.path.back().loss.none()) home_loss = &law.path.back().loss;
 }
 
+double smooth_angle_rad(const Path& path) {
+  constexpr double least = 1e-3;
+  double angle = 1;
+  for (const MirrorLoss* loss : {&path.out.loss, &path.back().loss})
+    if (!loss->rough_normals.empty())
+      angle = std::min(angle, 1 / std::sqrt(loss->roughness * double(loss->rough_normals.size())));
+  return std::max(angle, least);
+}
+
 void Smoothness::take(const ScatteringLaw* law) {
   if (law == nullptr) return;
   angle_rad = std::min(angle_rad, resolution_of([&](double y) { return law->growth(y); }));

@@ -75,6 +75,10 @@ double resolution_of(const Growth& growth) {
   return angle;
 }
 
+/// An angle over which rough mirrors' losses change little: by e where the sum of the sines' squares changes
+/// by 1 / roughness. Below the least, cells are halved where the loss asks for it. 1 without them.
+double smooth_angle_rad(const Path& path);
+
 /// How smooth an integrand is over a facet.
 struct Smoothness {
   double angle_rad = 1;   ///< as seen from either apex, over which it is smooth

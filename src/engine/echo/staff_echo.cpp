@@ -26,15 +26,17 @@ constexpr std::size_t facets_per_task = 64;
 class StaffIntegral {
  public:
   StaffIntegral(const StaffHistory& history, const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
-                std::span<const double> borders, const EchoLaw& law)
+                std::span<const double> borders, std::array<const EchoLaw*, 2> laws)
       : history_(history),
         staff_(staff),
-        sent_(law.patterns->transmit[fan]),
-        heard_(law.patterns->receive[beam]),
-        law_(law),
+        sent_(laws[0]->patterns->transmit[fan]),
+        heard_(laws[0]->patterns->receive[beam]),
+        laws_(laws),
         cutter_(borders) {
-    at_m_[0] = staff.baseline_m / 2 * staff.axis;
-    at_m_[1] = -at_m_[0];
+    const glm::dvec3 half = staff.baseline_m / 2 * staff.axis;
+    at_m_ = {history.middle_m + half, history.middle_m - half};
+    for (const EchoLaw* law : laws_)
+      patterns_.angle_rad = std::min(patterns_.angle_rad, smooth_angle_rad(law->path));
     for (const Directivity& beam_sent : sent_.beams) patterns_.take(beam_sent, heard_);
     weighed_ = heard_.kind != Directivity::Kind::uniform || sent_.beams.size() != 1 ||
                sent_.beams[0].kind != Directivity::Kind::uniform;
@@ -85,10 +87,11 @@ class StaffIntegral {
     for (std::size_t end = 0; end < 2; ++end) {
       const double distance_m = plane_.distance_m + glm::dot(plane_.normal, at_m_[end]);
       if (!(distance_m > 0)) return false;
-      paths_[end] = PathOnFacet(plane_, frame_, at_m_[end], distance_m, facet.facet, law_);
+      paths_[end] = PathOnFacet(plane_, frame_, at_m_[end], distance_m, facet.facet, *laws_[end]);
     }
-    along_ = {glm::dot(frame_.u, staff_.axis), glm::dot(frame_.v, staff_.axis),
-              -plane_.distance_m * glm::dot(plane_.normal, staff_.axis)};
+    along_ = {
+        glm::dot(frame_.u, staff_.axis), glm::dot(frame_.v, staff_.axis),
+        -plane_.distance_m * glm::dot(plane_.normal, staff_.axis) - glm::dot(history_.middle_m, staff_.axis)};
     smooth_ = patterns_;
     smooth_.take(paths_[0].bed.scattering);
     return true;
@@ -96,9 +99,11 @@ class StaffIntegral {
 
   /// What a square metre sends by way of a receiver, but for texture.
   double even(const PathOnFacet& path, glm::dvec2 p, double out, double home) const {
-    const double density = path.density_at(out, home);
-    if (!weighed_) return density;
-    return density * (sent_.gain(path.out.direction(p, out)) * heard_.gain(path.home.direction(p, home)));
+    double density = path.density_at(out, home);
+    if (!weighed_ && !path.over_mirrors()) return density;
+    const glm::dvec3 there = path.out.direction(p, out), back = path.home.direction(p, home);
+    if (path.over_mirrors()) density *= path.passed(there, back);
+    return weighed_ ? density * (sent_.gain(there) * heard_.gain(back)) : density;
   }
 
   /// One path: its energies. Two: the size of the products, and their real and imaginary parts.
@@ -115,6 +120,8 @@ class StaffIntegral {
     if (paths.size() > 1) {
       work.values = 3;
       work.resolution_rad = std::min(work.resolution_rad, fringe_rad_);
+      // Beside the transmitter the lower receiver may be nearer than what cells are measured by.
+      if (history_.middle_m != glm::dvec3(0)) work.agreements = 2;
     }
     std::array<PathCutter::Receiver, 2> receivers;
     for (std::size_t k = 0; k < paths.size(); ++k) receivers[k] = paths[k].home.over;
@@ -143,7 +150,7 @@ class StaffIntegral {
   const Fringe& staff_;
   const TransmitPattern& sent_;
   const Directivity& heard_;
-  const EchoLaw& law_;
+  std::array<const EchoLaw*, 2> laws_;  // by receiver
   PathCutter cutter_;
   Smoothness patterns_;
   double fringe_rad_ = 1;
@@ -152,7 +159,7 @@ class StaffIntegral {
   // Of the facet at hand.
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
-  glm::dvec3 along_{0};               // the staff's axis times a place: of x, of y, and of the foot point
+  glm::dvec3 along_{0};  // the staff's axis times a place from its middle: of x, of y, and of the foot point
   std::array<PathOnFacet, 2> paths_;  // by way of either receiver
   Smoothness smooth_;
   PlanarPolygon polygon_;
@@ -180,14 +187,20 @@ TubeSet moved_along(const TubeSet& tubes, const Fringe& staff, double end, doubl
   return moved;
 }
 
+glm::dvec3 way_m(GridPoint from, GridPoint to, double grid_unit_m) {
+  return glm::dvec3(double(to.x) - from.x, double(to.y) - from.y, double(to.z) - from.z) * grid_unit_m;
+}
+
 StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
-                         const VisibilityOptions& options, TubeSet transmit, const Fringe& staff) {
+                         const VisibilityOptions& options, TubeSet transmit, const TubeSet& receive,
+                         const Fringe& staff) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument(
         "two receivers on a staff need an exact arithmetic: fixed, filtered or rational");
   StaffHistory history;
-  history.upper = moved_along(transmit, staff, 1, grid_unit_m);
-  history.lower = moved_along(transmit, staff, -1, grid_unit_m);
+  history.upper = moved_along(receive, staff, 1, grid_unit_m);
+  history.lower = moved_along(receive, staff, -1, grid_unit_m);
+  history.middle_m = way_m(transmit.apex, receive.apex, grid_unit_m);
   history.transmit = std::move(transmit);
   const auto sent = look(mesh, tree, history.transmit, options);
   const auto share = [&](const TubeSet& tubes, SharedFootprints& shared) {
@@ -199,8 +212,11 @@ StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double gr
   return history;
 }
 
-StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
-                               std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law) {
+namespace {
+
+/// `laws`: by receiver.
+StaffEcho integrated(const StaffHistory& history, const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
+                     const RangeSamples& samples, std::array<const EchoLaw*, 2> laws, bool energies) {
   const std::vector<double> borders = sample_borders_m(samples);
   if (!(staff.baseline_m >= 0 && staff.baseline_m <= samples.first_m))
     throw std::invalid_argument("a staff's baseline may not be longer than the nearest range");
@@ -216,12 +232,12 @@ StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff,
   }
   std::vector<std::optional<StaffIntegral>> parts((jobs.size() + facets_per_task - 1) / facets_per_task);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
-    StaffIntegral& part = parts[task].emplace(history, staff, fan, beam, borders, law);
+    StaffIntegral& part = parts[task].emplace(history, staff, fan, beam, borders, laws);
     const std::size_t end = std::min((task + 1) * facets_per_task, jobs.size());
     for (std::size_t k = task * facets_per_task; k < end; ++k) {
       stop_if_wanted();
-      if (jobs[k].upper != nullptr) part.add_energy(0, *jobs[k].upper);
-      if (jobs[k].lower != nullptr) part.add_energy(1, *jobs[k].lower);
+      if (energies && jobs[k].upper != nullptr) part.add_energy(0, *jobs[k].upper);
+      if (energies && jobs[k].lower != nullptr) part.add_energy(1, *jobs[k].lower);
       if (jobs[k].upper != nullptr && jobs[k].lower != nullptr)
         part.add_product(*jobs[k].upper, *jobs[k].lower);
     }
@@ -237,6 +253,19 @@ StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff,
       echo.cross_imag_j[k] += part->cross()[3 * k + 2];
     }
   return echo;
+}
+
+}  // namespace
+
+StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
+                               std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law) {
+  return integrated(history, staff, fan, beam, samples, {&law, &law}, true);
+}
+
+StaffEcho integrate_staff_products(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
+                                   std::uint32_t beam, const RangeSamples& samples, const EchoLaw& by_upper,
+                                   const EchoLaw& by_lower) {
+  return integrated(history, staff, fan, beam, samples, {&by_upper, &by_lower}, false);
 }
 
 }  // namespace tubefoot

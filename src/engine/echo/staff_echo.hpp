@@ -14,18 +14,23 @@ namespace tubefoot {
 struct StaffHistory {
   TubeSet transmit, upper, lower;       ///< of the fan
   SharedFootprints by_upper, by_lower;  ///< what the transmitter and either receiver see
+  glm::dvec3 middle_m{0};               ///< of the staff, relative to the transmit apex
   std::size_t pieces() const { return by_upper.pieces.size() + by_lower.pieces.size(); }
 };
 
 /// The tubes of one fan of a set.
 TubeSet tubes_of_fan(const TubeSet& tubes, std::span<const std::uint32_t> fan_of_tube, std::uint32_t fan);
+/// From one apex to another.
+glm::dvec3 way_m(GridPoint from, GridPoint to, double grid_unit_m);
 /// The same tubes half a baseline up the staff (`end` 1) or down (-1), on the grid.
 TubeSet moved_along(const TubeSet& tubes, const Fringe& staff, double end, double grid_unit_m);
 
-/// Exact visibility from the transmitter and from both ends of the staff, whose tubes look in the
-/// transmitter's directions. `options` must name an exact arithmetic.
+/// Exact visibility from the transmitter and from both ends of the staff, whose tubes look in the directions
+/// of `receive`, the tubes of its middle: the transmitter's, unless that is elsewhere. `options` must name an
+/// exact arithmetic.
 StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
-                         const VisibilityOptions& options, TubeSet transmit, const Fringe& staff);
+                         const VisibilityOptions& options, TubeSet transmit, const TubeSet& receive,
+                         const Fringe& staff);
 
 /// Covariances of a fan's two signals by sample: energies of the upper and of the lower receiver, and the
 /// real and the imaginary part of the mean product of the upper one with the conjugate of the lower one.
@@ -44,5 +49,12 @@ struct StaffEcho {
 /// transmitter's apparent ones.
 StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
                                std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law);
+
+/// The products alone (energies are 0) by way of mirrors: `history` is that of images, `staff` the image of
+/// the staff, and the legs of the two laws have the losses of their own receiver's mirrors. A chain of
+/// mirrors turns the phases of both receivers alike, so that they cancel.
+StaffEcho integrate_staff_products(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
+                                   std::uint32_t beam, const RangeSamples& samples, const EchoLaw& by_upper,
+                                   const EchoLaw& by_lower);
 
 }  // namespace tubefoot

@@ -17,17 +17,6 @@ namespace {
 /// Facets that one task takes. No result depends on it.
 constexpr std::size_t facets_per_task = 32;
 
-/// An angle over which rough mirrors' losses change little: by e where the sum of the sines' squares changes
-/// by 1 / roughness. Below the least, cells are halved where the loss asks for it.
-double smooth_angle_rad(const Path& path) {
-  constexpr double least = 1e-3;
-  double angle = 1;
-  for (const MirrorLoss* loss : {&path.out.loss, &path.back().loss})
-    if (!loss->rough_normals.empty())
-      angle = std::min(angle, 1 / std::sqrt(loss->roughness * double(loss->rough_normals.size())));
-  return std::max(angle, least);
-}
-
 /// One per thread.
 class FacetEcho {
  public:

@@ -66,6 +66,7 @@ struct Ground::Seen : Cells {
   }
 
   bool wants(const BasePoint& a, const BasePoint& b, double edge2) const override {
+    if (ground.mirrors_along(a, b)) return true;
     const glm::dvec3 middle = 0.5 * (a.at_m + b.at_m);
     const double length = std::sqrt(edge2), lift = ground.omitted_.largest_height_m() + ground.grid_.unit_m();
     for (std::size_t k = 0; k < looks.size(); ++k) {
@@ -79,7 +80,7 @@ struct Ground::Seen : Cells {
       cell.range_m = std::max({glm::length(from_apex) - length - lift, looks[k].first_m, looks[k].sample_m});
       cell.sine_grazing = ground.sine_grazing(a, b, from_apex, length);
       cell.sample_m = looks[k].sample_m;
-      cell.beam_rad = sectors[k].narrowest_rad();
+      cell.beam_rad = looks[k].beam_rad > 0 ? looks[k].beam_rad : sectors[k].narrowest_rad();
       if (omitted_change(ground.omitted_.at(edge2), edge2, cell) > ground.settings_.tolerance) return true;
     }
     return false;
@@ -182,18 +183,25 @@ bool Ground::textured_at(const BasePoint& point) const {
   return std::any_of(materials.begin(), materials.end(), [&](std::uint16_t m) { return textured(m); });
 }
 
+std::span<const std::uint16_t> Ground::materials_along(const BasePoint& a, const BasePoint& b) const {
+  const std::span<const std::uint16_t> own(&base_.material[a.facet], 1);
+  const std::size_t k = common_edge(a, b);
+  if (k == 3 || edge_materials_.empty()) return own;
+  const auto& corner = base_.facets[a.facet];
+  const auto found = edge_materials_.find(edge_key(corner[(k + 1) % 3], corner[(k + 2) % 3]));
+  return found == edge_materials_.end() ? own : found->second;
+}
+
 bool Ground::textured_along(const BasePoint& a, const BasePoint& b) const {
   // A flat facet is cut where an edge ends on relief, so that what its border does to it ends there too.
-  if (textured(base_.material[a.facet]) || textured_at(a) || textured_at(b)) {
-    const std::size_t k = common_edge(a, b);
-    if (k == 3 || textured_at(a) || textured_at(b)) return true;
-    const auto& corner = base_.facets[a.facet];
-    const auto found = edge_materials_.find(edge_key(corner[(k + 1) % 3], corner[(k + 2) % 3]));
-    return found == edge_materials_.end() ? textured(base_.material[a.facet])
-                                          : std::any_of(found->second.begin(), found->second.end(),
-                                                        [&](std::uint16_t m) { return textured(m); });
-  }
-  return false;
+  if (textured_at(a) || textured_at(b)) return true;
+  return textured(base_.material[a.facet]) &&
+         std::ranges::any_of(materials_along(a, b), [&](std::uint16_t m) { return textured(m); });
+}
+
+bool Ground::mirrors_along(const BasePoint& a, const BasePoint& b) const {
+  return !settings_.mirrors.empty() &&
+         std::ranges::any_of(materials_along(a, b), [&](std::uint16_t m) { return mirrors(m); });
 }
 
 double Ground::sine_grazing(const BasePoint& a, const BasePoint& b, glm::dvec3 from_apex,
@@ -254,6 +262,16 @@ RefinedMesh Ground::seen_by(std::span<const Look> looks, const RefinementLimits&
   std::sort(facets.begin(), facets.end());
   facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
   return refined(facets, rule, limits);
+}
+
+RefinedMesh Ground::mirrors_within(glm::dvec3 place_m, double distance_m,
+                                   const RefinementLimits& limits) const {
+  std::vector<FacetId> facets;
+  tree_.query(grid_.snap(place_m), std::span<const SceneTree::HalfSpace>(), distance_m / grid_.unit_m(),
+              omitted_.largest_height_m() / grid_.unit_m() + 1, facets);
+  std::erase_if(facets, [&](FacetId f) { return !mirrors(base_.material[f]); });
+  std::ranges::sort(facets);
+  return refined(facets, Cells(*this), limits);
 }
 
 RefinedMesh Ground::in_line_with(glm::dvec3 place_m) const {

@@ -24,6 +24,9 @@ struct GroundSettings {
   Displacement displacement = Displacement::vertical;
   /// RMS change of a range sample's energy, relative, that coarser facets may make; 0: cells everywhere.
   double tolerance = 0.01;
+  /// By material, or empty: facets that are mirrors are in cells wherever they are seen, so that their images
+  /// do not depend on who looks.
+  std::vector<bool> mirrors{};
 };
 
 /// What a shot asks of the ground.
@@ -32,6 +35,7 @@ struct Look {
   double first_m = 0;                ///< slant range where its samples begin
   double sample_m = 0.01;            ///< length of one
   const Outlook* outlook = nullptr;  ///< where it looks through refracting water; null: straight
+  double beam_rad = 0;               ///< width of its beams; 0: of the narrowest tube
 };
 
 class Ground {
@@ -46,6 +50,9 @@ class Ground {
   /// All facets that these shots may see, as fine as they need; coarse beside them. Throws
   /// RefinementTooLarge.
   RefinedMesh seen_by(std::span<const Look> looks, const RefinementLimits& limits) const;
+  /// The mirrors within a distance of a place and nothing else: the same parts as in seen_by(). Throws
+  /// RefinementTooLarge.
+  RefinedMesh mirrors_within(glm::dvec3 place_m, double distance_m, const RefinementLimits& limits) const;
   /// The facets above and below a place, in cells there.
   RefinedMesh in_line_with(glm::dvec3 place_m) const;
 
@@ -62,6 +69,12 @@ class Ground {
   struct InLine;
 
   bool textured(std::uint16_t material) const { return relief_[material] != nullptr; }
+  bool mirrors(std::uint16_t material) const {
+    return material < settings_.mirrors.size() && settings_.mirrors[material];
+  }
+  bool mirrors_along(const BasePoint& a, const BasePoint& b) const;
+  /// The base edge that both points lie on is between other materials too: these, or the facet's own.
+  std::span<const std::uint16_t> materials_along(const BasePoint& a, const BasePoint& b) const;
   glm::dvec3 place(const BasePoint& point) const;
   std::span<const std::uint16_t> materials_at(const BasePoint& point) const;
   bool textured_at(const BasePoint& point) const;

@@ -74,7 +74,7 @@ struct ImageFinder::State {
     });
   }
 
-  std::vector<Image> grow(TubeSet tubes, int most_mirrors, std::optional<GridPoint> heard_at) {
+  std::vector<Image> grow(TubeSet tubes, int most_mirrors, std::span<const GridPoint> heard_at) {
     std::vector<Image> images(1);
     Image& root = images.front();
     root.windows = std::move(tubes);
@@ -84,10 +84,10 @@ struct ImageFinder::State {
     std::atomic<std::size_t> found{0};
     for (std::size_t first = 0, end = 1; first < end; first = end, end = images.size()) {
       const int mirrors = int(images[first].mirrors);
-      if (mirrors < most_mirrors || !heard_at)
+      if (mirrors < most_mirrors || heard_at.empty())
         tbb::parallel_for(first, end, [&](std::size_t i) { look(images[i]); });
       if (mirrors >= most_mirrors) break;
-      const Wanted wanted{mirrors + 1 == most_mirrors ? heard_at : std::nullopt, found};
+      const Wanted wanted{mirrors + 1 == most_mirrors ? heard_at : std::span<const GridPoint>(), found};
       std::vector<std::vector<Image>> children(end - first);
       tbb::parallel_for(first, end,
                         [&](std::size_t i) { children[i - first] = children_of(images[i], wanted); });
@@ -98,7 +98,7 @@ struct ImageFinder::State {
 
   /// Which images are kept, and how many of them there are so far.
   struct Wanted {
-    std::optional<GridPoint> heard_at;
+    std::span<const GridPoint> heard_at;  ///< empty: all
     std::atomic<std::size_t>& found;
   };
 
@@ -163,6 +163,8 @@ struct ImageFinder::State {
     Image child;
     child.mirrors = image.mirrors + 1;
     child.last = plane;
+    child.chain = image.chain;
+    child.chain.push_back(plane);
     const glm::dmat3 reflect = plane.reflection();
     child.leg.to_true = image.leg.to_true * reflect;
     child.leg.loss = image.leg.loss;
@@ -187,7 +189,9 @@ struct ImageFinder::State {
     }
     if (windows.tubes().tubes.empty()) return;
     child.windows = windows.tubes();
-    if (wanted.heard_at && !has_window_to(child, *wanted.heard_at)) return;
+    if (!wanted.heard_at.empty() &&
+        std::ranges::none_of(wanted.heard_at, [&](GridPoint place) { return has_window_to(child, place); }))
+      return;
     if (++wanted.found > most_images_)
       throw std::length_error(
           fmt::format("more than {} images of one apex, of up to {} mirrors: a mirror of many small facets "
@@ -269,7 +273,7 @@ ImageFinder::ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const Vis
 ImageFinder::~ImageFinder() = default;
 
 std::vector<Image> ImageFinder::images_of(TubeSet tubes, int most_mirrors,
-                                          std::optional<GridPoint> heard_at) const {
+                                          std::span<const GridPoint> heard_at) const {
   return state_->grow(std::move(tubes), most_mirrors, heard_at);
 }
 

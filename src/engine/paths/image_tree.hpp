@@ -35,6 +35,7 @@ struct Mirrors {
 struct Image {
   std::uint32_t mirrors = 0;  ///< length of the chain; 0: the apex itself
   std::optional<MirrorPlane> last;
+  std::vector<MirrorPlane> chain;       ///< its mirrors, the one next to the apex first
   TubeSet windows;                      ///< of the image; the apex's own tubes if there is no mirror
   std::vector<std::uint32_t> own_tube;  ///< by window: the true apex's tube that it belongs to
   Leg leg;                              ///< from it, but for its place
@@ -67,10 +68,10 @@ class ImageFinder {
 
   /// The apex of `tubes` (first) and its images in up to `most_mirrors` mirrors, those of fewer first. All
   /// have looked; but with `heard_at`, images in `most_mirrors` mirrors have not, and are only those that
-  /// have a window towards that place. tubes.reach should be twice the longest half path: a path may lie all
-  /// on one side. Throws std::length_error if there are more images than `most_images`.
+  /// have a window towards one of these places. tubes.reach should be twice the longest half path: a path may
+  /// lie all on one side. Throws std::length_error if there are more images than `most_images`.
   std::vector<Image> images_of(TubeSet tubes, int most_mirrors,
-                               std::optional<GridPoint> heard_at = std::nullopt) const;
+                               std::span<const GridPoint> heard_at = {}) const;
 
  private:
   struct State;

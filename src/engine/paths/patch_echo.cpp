@@ -19,6 +19,8 @@ constexpr double largest_angle = 0.125;
 constexpr double most_bent = 0.1;
 /// Near the point parts need not be smaller than this, over `longest_m`: it stands for a patch of that size.
 constexpr double smallest_part = 1.0 / 16;
+/// How far the phase between two receivers may turn over a part: its mean then is a thousandth too large.
+constexpr double most_turned_rad = 0.15;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
@@ -108,19 +110,26 @@ PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longe
       beta_(absorption_per_m(law.absorption_db_per_m)),
       levels_(1) {}
 
-std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, const HeardFacets& heard,
-                           glm::dvec3 local_m, const RangeSamples& samples, SparseEnergy& out) {
+std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, const Listener& heard,
+                           glm::dvec3 local_m, const RangeSamples& samples, double borders_m,
+                           SparseEnergy& out) {
   point_ = &point;
-  image_ = &heard.image();
+  heard_ = &heard;
   samples_ = samples;
+  borders_m_ = borders_m;
   out_ = &out;
-  image_local_ = local_m + heard.apex_m();
-  const glm::dvec3 from_heard = point.at_m - heard.apex_m();
+  upper_ = {&heard.image(), 0, {}, local_m + heard.upper.apex_m()};
+  lower_ = {};
+  if (heard.lower) lower_ = {&heard.lower->image(), 0, {}, local_m + heard.lower->apex_m()};
+  const glm::dvec3 from_heard = point.at_m - heard.upper.apex_m();
   std::size_t met = 0;
-  Polygon source, next;
+  Polygon source;
   for (const SharedFacet& facet : seen.facets) {
-    facet_ = heard.find(facet.facet);
+    facet_ = heard.upper.find(facet.facet);
     if (facet_ == nullptr || !(glm::dot(facet_->plane.normal, facet.plane_normal) > 0)) continue;
+    const HeardFacets::Facet* lower = heard.lower ? heard.lower->find(facet.facet) : nullptr;
+    if (heard.lower && (lower == nullptr || !(glm::dot(lower->plane.normal, facet.plane_normal) > 0)))
+      continue;
     const std::uint16_t material = law_.material[facet.facet];
     scattering_ = law_.law_of(facet.facet);
     mu_ = scattering_ == nullptr ? law_.material_mu[material] : 1;
@@ -128,6 +137,11 @@ std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, con
     texture_ = law_.texture(facet.facet);
     distance_ = facet.transmit_distance_m;
     foot_ = facet_->frame.project(from_heard);
+    upper_.height = facet_->plane.distance_m;
+    if (lower != nullptr) {
+      lower_.height = lower->plane.distance_m;
+      lower_.foot = facet_->frame.project(heard.lower->apex_m() - heard.upper.apex_m());
+    }
     for (std::uint32_t k = facet.first_piece; k < facet.first_piece + facet.piece_count; ++k) {
       stop_if_wanted();
       const SharedPiece& piece = seen.pieces[k];
@@ -138,24 +152,50 @@ std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, con
       for (const HeardFacets::Piece& other : facet_->pieces) {
         if (low.x > other.high.x || low.y > other.high.y || other.low.x > high.x || other.low.y > high.y)
           continue;
-        own_tube_ = image_->own_tube[other.tube];
+        own_tube_ = upper_.image->own_tube[other.tube];
         if (!beams_.fan_of_receive_tube.empty() && beams_.fan_of_receive_tube[own_tube_] != point.fan)
           continue;
         levels_[0] = source;
-        for (std::size_t c = 0; c < other.corners.size() && levels_[0].size() > 2; ++c) {
-          const glm::dvec2 a = other.corners[c],
-                           along = other.corners[c + 1 == other.corners.size() ? 0 : c + 1] - a;
-          split(
-              levels_[0], [&](glm::dvec2 p) { return cross(along, p - a); }, nullptr, &next);
-          std::swap(levels_[0], next);
-        }
+        clip(other.corners, levels_[0]);
         if (levels_[0].size() < 3) continue;
-        ++met;
-        halve(0);
+        if (lower == nullptr) {
+          ++met;
+          halve(0);
+          continue;
+        }
+        common_ = levels_[0];
+        for (const HeardFacets::Piece& third : lower->pieces) {
+          both_.clear();
+          for (const glm::dvec2 corner : third.corners) both_.push_back(from_lower(*lower, corner));
+          if (turning(both_) < 0) std::reverse(both_.begin(), both_.end());
+          levels_[0] = common_;
+          clip(both_, levels_[0]);
+          if (levels_[0].size() < 3) continue;
+          ++met;
+          halve(0);
+        }
       }
     }
   }
   return met;
+}
+
+void PatchEcho::clip(const std::vector<glm::dvec2>& by, Polygon& polygon) {
+  for (std::size_t c = 0; c < by.size() && polygon.size() > 2; ++c) {
+    const glm::dvec2 a = by[c], along = by[c + 1 == by.size() ? 0 : c + 1] - a;
+    split(
+        polygon, [&](glm::dvec2 p) { return cross(along, p - a); }, nullptr, &rest_);
+    std::swap(polygon, rest_);
+  }
+}
+
+glm::dvec2 PatchEcho::from_lower(const HeardFacets::Facet& lower, glm::dvec2 corner) const {
+  return lower_.foot + facet_->frame.project(corner.x * lower.frame.u + corner.y * lower.frame.v);
+}
+
+double PatchEcho::fringe_rad_a_m(glm::dvec2 centre) const {
+  return heard_->wavenumber_rad_m * glm::length((centre - upper_.foot) / upper_.range(centre) -
+                                                (centre - lower_.foot) / lower_.range(centre));
 }
 
 void PatchEcho::halve(std::size_t level) {
@@ -165,13 +205,15 @@ void PatchEcho::halve(std::size_t level) {
   const double diameter = glm::length(size);
   const double rt = std::hypot(distance_, glm::length(centre - foot_)),
                rr = std::hypot(facet_->plane.distance_m, glm::length(centre)), half = (rt + rr) / 2;
-  // A half path changes by no more than the way.
-  if (half + diameter / 2 < samples_.first_m ||
-      half - diameter / 2 >= samples_.first_m + samples_.step_m * samples_.count)
+  // A half path changes by no more than the way, and that of the other end of a staff is no further off.
+  const double off = diameter / 2 + glm::length(heard_->arm_m) / 2;
+  if (half + off < samples_.first_m || half - off >= samples_.first_m + samples_.step_m * samples_.count)
     return;
-  const bool small = diameter <= smallest_part * longest_m_ ||
-                     (diameter <= longest_m_ && diameter <= largest_angle * std::min(rt, rr) &&
-                      diameter * diameter * (1 / rt + 1 / rr) / 16 <= most_bent * samples_.step_m);
+  const bool turned = heard_->lower && fringe_rad_a_m(centre) * diameter > most_turned_rad;
+  const bool small =
+      !turned && (diameter <= smallest_part * longest_m_ ||
+                  (diameter <= longest_m_ && diameter <= largest_angle * std::min(rt, rr) &&
+                   diameter * diameter * (1 / rt + 1 / rr) / 16 <= most_bent * samples_.step_m));
   if (small) return cut_into_samples(levels_[level], centre);
   if (levels_.size() < level + 3) levels_.resize(level + 3);
   const int axis = size.x >= size.y ? 0 : 1;
@@ -185,8 +227,21 @@ void PatchEcho::halve(std::size_t level) {
 void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
   const double rt = std::hypot(distance_, glm::length(centre - foot_)),
                rr = std::hypot(facet_->plane.distance_m, glm::length(centre));
-  const double per_step = 1 / samples_.step_m, middle = ((rt + rr) / 2 - samples_.first_m) * per_step;
-  const glm::dvec2 gradient = ((centre - foot_) / rt + centre / rr) * (0.5 * per_step);
+  const double per_step = 1 / samples_.step_m;
+  double middle = ((rt + rr) / 2 - samples_.first_m) * per_step;
+  glm::dvec2 gradient = ((centre - foot_) / rt + centre / rr) * (0.5 * per_step);
+  const double other = heard_->lower ? lower_.range(centre) : rr;
+  const double lower_middle = middle + (other - rr) / 2 * per_step;
+  const glm::dvec2 lower_gradient =
+      heard_->lower ? ((centre - foot_) / rt + (centre - lower_.foot) / other) * (0.5 * per_step) : gradient;
+  if (heard_->lower && borders_m_ > 0) {
+    middle = (middle + lower_middle) / 2;
+    gradient = (gradient + lower_gradient) * 0.5;
+  }
+  const auto take_part = [&](const Polygon& part, double sample) {
+    if (!heard_->lower || borders_m_ > 0) return take(part, sample);
+    cut_for_both(part, sample, lower_middle, lower_gradient, centre);
+  };
   double least = middle, most = middle;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const double here = middle + glm::dot(gradient, polygon[k] - centre);
@@ -194,16 +249,26 @@ void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
     most = k == 0 ? here : std::max(most, here);
   }
   const double first = std::floor(least), last = std::floor(most);
-  if (first == last) return take(polygon, first);
+  if (first == last) return take_part(polygon, first);
   rest_ = polygon;
   for (double sample = first; sample < last && rest_.size() > 2; ++sample) {
     split(
         rest_, [&](glm::dvec2 p) { return middle + glm::dot(gradient, p - centre) - (sample + 1); }, &below_,
         &above_);
-    take(below_, sample);
+    take_part(below_, sample);
     std::swap(rest_, above_);
   }
-  take(rest_, last);
+  take_part(rest_, last);
+}
+
+/// What of a sample of the upper receiver's lies in the same one of the lower's.
+void PatchEcho::cut_for_both(const Polygon& polygon, double sample, double middle, glm::dvec2 gradient,
+                             glm::dvec2 centre) {
+  const auto place = [&](glm::dvec2 p) { return middle + glm::dot(gradient, p - centre) - sample; };
+  split(polygon, place, nullptr, &before_);
+  split(
+      before_, [&](glm::dvec2 p) { return place(p) - 1; }, &both_, nullptr);
+  take(both_, sample);
 }
 
 void PatchEcho::take(const Polygon& polygon, double sample) {
@@ -218,26 +283,46 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
   }
   if (area == 0) return;
   const glm::dvec2 p = polygon[0] + centroid / (3 * area), away = p - foot_;
-  const double height = facet_->plane.distance_m;
-  const double rt2 = distance_ * distance_ + glm::dot(away, away), rr2 = height * height + glm::dot(p, p);
-  const double rt = std::sqrt(rt2), rr = std::sqrt(rr2);
+  const double rt = std::sqrt(distance_ * distance_ + glm::dot(away, away));
   const PlaneFrame& frame = facet_->frame;
   const glm::dvec3 down = facet_->plane.normal,
-                   sent = (-distance_ * down + away.x * frame.u + away.y * frame.v) / rt,
-                   foot = -height * down + p.x * frame.u + p.y * frame.v, back = foot / rr;
+                   sent = (-distance_ * down + away.x * frame.u + away.y * frame.v) / rt;
   const double lobe = scattering_lobe(point_->scattering, glm::dot(sent, point_->axis));
   if (lobe == 0) return;
-  const double sigma =
-      mu_ * scattering_lobe(scattering_, distance_ / rt) * scattering_lobe(scattering_, height / rr);
-  double energy = density(sigma, Way<double>::of(rt, rr), beta_) * (std::abs(area) / 2) * lobe *
-                  point_->loss.at(sent) * image_->leg.loss.at(back);
-  if (texture_ != nullptr) energy *= texture_->factor(image_local_ + foot);
+  glm::dvec3 true_back{0};
+  const auto energy_by = [&](const Over& receiver) {
+    const glm::dvec2 there = p - receiver.foot;
+    const double height = receiver.height, rr = std::sqrt(height * height + glm::dot(there, there));
+    const glm::dvec3 foot = -height * down + there.x * frame.u + there.y * frame.v, back = foot / rr;
+    const double sigma =
+        mu_ * scattering_lobe(scattering_, distance_ / rt) * scattering_lobe(scattering_, height / rr);
+    double energy = density(sigma, Way<double>::of(rt, rr), beta_) * (std::abs(area) / 2) * lobe *
+                    point_->loss.at(sent) * receiver.image->leg.loss.at(back);
+    if (texture_ != nullptr) energy *= texture_->factor(receiver.at_m + foot);
+    true_back = receiver.image->leg.to_true * back;
+    return heard_->row ? energy * law_.patterns->receive.front().gain(true_back) : energy;
+  };
+  const double energy = energy_by(upper_);
+  if (heard_->lower) return take_product(sample, p, energy, energy_by(lower_));
   const auto bin = [&](std::size_t beam) { return beam * std::size_t(samples_.count) + std::size_t(sample); };
+  if (heard_->row) return out_->add(bin(*heard_->row), energy);
   if (law_.patterns == nullptr) return out_->add(bin(beams_.of_tube[own_tube_]), energy);
-  const glm::dvec3 true_back = image_->leg.to_true * back;
   const auto [begin, end] = law_.patterns->beams_of_tube[own_tube_];
   for (std::uint32_t beam = begin; beam < end; ++beam)
     out_->add(bin(beam), energy * law_.patterns->receive[beam].gain(true_back));
+}
+
+void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double lower) {
+  const glm::dvec3 at = heard_->upper.apex_m() - upper_.height * facet_->plane.normal +
+                        p.x * facet_->frame.u + p.y * facet_->frame.v;
+  // (upper^2 - lower^2) / (upper + lower) of the ranges: no cancellation where the staff is short.
+  const double further =
+      -2 * glm::dot(at - heard_->middle_m, heard_->arm_m) / (upper_.range(p) + lower_.range(p));
+  double size = std::sqrt(upper * lower);
+  if (borders_m_ > 0) size *= std::max(1 - std::abs(further) / 2 / borders_m_, 0.0);
+  const std::size_t bin = std::size_t(*heard_->row) * std::size_t(samples_.count) + std::size_t(sample);
+  out_->add(bin, size * std::cos(heard_->wavenumber_rad_m * further));
+  out_->add(bin + std::size_t(samples_.count), size * std::sin(heard_->wavenumber_rad_m * further));
 }
 
 }  // namespace tubefoot

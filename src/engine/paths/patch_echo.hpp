@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -44,6 +46,23 @@ class HeardFacets {
   const Image& image_;
   glm::dvec3 apex_m_;
   std::vector<Facet> facets_;  // by id
+};
+
+/// Who hears the last scattering: an image of a receiver, or those of both receivers of a staff in the same
+/// mirrors.
+struct Listener {
+  HeardFacets upper;                 ///< or the only receiver
+  std::optional<HeardFacets> lower;  ///< for the mean product of both
+  /// Of a staff: the row of bins that energies go to; a product's real and imaginary part go to this and the
+  /// next. None: those of the beams that hear them.
+  std::optional<std::uint32_t> row;
+  glm::dvec3 middle_m{0}, arm_m{0};  ///< of the staff's image: from its lower to its upper end
+  double wavenumber_rad_m = 0;
+
+  const Image& image() const { return upper.image(); }
+  double largest() const {
+    return lower ? std::min(image().largest, lower->image().largest) : image().largest;
+  }
 };
 
 /// Bins of which few are not empty.
@@ -87,35 +106,54 @@ class PatchEcho {
   /// Adds, for a point that scatters 1 J/sr along its normal, the energy of beam b and sample k to bin
   /// b * samples.count + k of `out`. Sample k holds half paths, from the point to the receiver,
   /// first + k step on; the first may be negative. Returns how many polygons met. `seen`: what the point
-  /// sees. `local_m`: the local frame's coordinates of the frame's origin.
-  std::size_t add(const SharedFootprints& seen, const Point& point, const HeardFacets& heard,
-                  glm::dvec3 local_m, const RangeSamples& samples, SparseEnergy& out);
+  /// sees. `local_m`: the local frame's coordinates of the frame's origin. A product has what both receivers
+  /// hear in sample k; with `borders_m` above 0, where samples are that far apart but do not begin where
+  /// these do, it is in that of the mean of both half paths, as much of it as both have in one on average.
+  std::size_t add(const SharedFootprints& seen, const Point& point, const Listener& heard, glm::dvec3 local_m,
+                  const RangeSamples& samples, double borders_m, SparseEnergy& out);
 
  private:
   using Polygon = std::vector<glm::dvec2>;
 
+  /// A receiver over the facet at hand.
+  struct Over {
+    const Image* image = nullptr;
+    double height = 0;   ///< over the plane
+    glm::dvec2 foot{0};  ///< its foot point
+    glm::dvec3 at_m{0};  ///< in the local frame
+    double range(glm::dvec2 p) const { return std::hypot(height, glm::length(p - foot)); }
+  };
+
+  void clip(const std::vector<glm::dvec2>& by, Polygon& polygon);
+  /// A corner of a piece of the lower receiver's, in the coordinates of the upper one's plane.
+  glm::dvec2 from_lower(const HeardFacets::Facet& lower, glm::dvec2 corner) const;
   void halve(std::size_t level);
   void cut_into_samples(const Polygon& polygon, glm::dvec2 centre);
+  void cut_for_both(const Polygon& polygon, double sample, double middle, glm::dvec2 gradient,
+                    glm::dvec2 centre);
   void take(const Polygon& polygon, double sample);
+  double fringe_rad_a_m(glm::dvec2 centre) const;
+  void take_product(double sample, glm::dvec2 p, double upper, double lower);
 
   const EchoLaw& law_;
   const ReceiveBeams& beams_;
   double longest_m_, beta_;
   // Of the facet and the piece at hand.
   const Point* point_ = nullptr;
+  const Listener* heard_ = nullptr;
   const HeardFacets::Facet* facet_ = nullptr;
-  const Image* image_ = nullptr;
+  Over upper_, lower_;  // the lower one of a staff's, if a product is asked for
+  double borders_m_ = 0;
   RangeSamples samples_;
   SparseEnergy* out_ = nullptr;
   std::uint32_t own_tube_ = 0;
-  glm::dvec2 foot_{0};         // of the point
-  double distance_ = 0;        // of the point from the plane
-  glm::dvec3 image_local_{0};  // the receiver's image in the local frame
+  glm::dvec2 foot_{0};   // of the point
+  double distance_ = 0;  // of the point from the plane
   const ScatteringLaw* scattering_ = nullptr;
   const ReflectivityField* texture_ = nullptr;
   double mu_ = 0;
   std::vector<Polygon> levels_;
-  Polygon below_, above_, rest_;
+  Polygon below_, above_, rest_, before_, both_, common_;
 };
 
 }  // namespace tubefoot

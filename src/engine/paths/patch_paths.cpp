@@ -160,18 +160,15 @@ class Generation {
 
 class PatchPaths {
  public:
-  PatchPaths(const PathScene& scene, std::span<const Image> heard, PathEcho& echo)
+  PatchPaths(const PathScene& scene, std::span<const Listener> heard, PathEcho& echo)
       : scene_(scene),
+        heard_(heard),
         echo_(echo),
-        least_(std::pow(10, -scene.settings.cutoff_db / 10)),
+        least_(scene.settings.least()),
         beta_(absorption_per_m(scene.law.absorption_db_per_m)),
         workers_([&] {
           return Worker{PatchEcho(scene.law, scene.beams, scene.settings.patch_m), {}, {}};
-        }) {
-    for (const Image& image : heard)
-      if (!image.seen.empty())
-        heard_.emplace_back(scene.mesh, image, from_apex(image.windows.apex), scene.unit_m);
-  }
+        }) {}
 
   void follow(std::span<const Image> sent) {
     std::vector<Source> sources;
@@ -213,10 +210,7 @@ class PatchPaths {
     SparseEnergy direct, delayed;
   };
 
-  glm::dvec3 from_apex(GridPoint p) const {
-    const GridPoint& o = scene_.apex;
-    return glm::dvec3(double(p.x) - o.x, double(p.y) - o.y, double(p.z) - o.z) * scene_.unit_m;
-  }
+  glm::dvec3 from_apex(GridPoint p) const { return scene_.from_apex(p); }
 
   /// What a patch scatters along its normal of 1 J that comes in (mu / 1 J if that is Lambert's).
   double scattered_by(GridPoint from, const Patch& patch) const {
@@ -290,9 +284,9 @@ class PatchPaths {
       const SharedFootprints seen = shared_with_itself(scene_.mesh, image.look(), scene_.unit_m);
       const PatchEcho::Point point{from_apex(image.windows.apex), image.leg.loss,
                                    glm::transpose(image.leg.to_true) * source.normal, scattering, source.fan};
-      for (const HeardFacets& heard : heard_) {
+      for (const Listener& heard : heard_) {
         const int order = interactions + int(heard.image().mirrors);
-        if (order <= scene_.settings.order && image.largest * heard.image().largest > least_)
+        if (order <= scene_.settings.order && image.largest * heard.largest() > least_)
           hear(source, seen, point, heard, std::size_t(order), sent);
       }
       if (!again || interactions >= scene_.settings.order) continue;
@@ -312,7 +306,7 @@ class PatchPaths {
   }
 
   void hear(const Source& source, const SharedFootprints& seen, const PatchEcho::Point& point,
-            const HeardFacets& heard, std::size_t order, Sent& sent) {
+            const Listener& heard, std::size_t order, Sent& sent) {
     Worker& worker = workers_.local();
     const RangeSamples& samples = scene_.samples;
     RangeSamples last_legs = samples;
@@ -320,7 +314,7 @@ class PatchPaths {
       const Delayed& only = source.signal.front();
       last_legs.first_m -= only.way_m / 2;
       sent.pieces +=
-          worker.gather.add(seen, point, heard, scene_.law.path.out.apex_m, last_legs, worker.direct);
+          worker.gather.add(seen, point, heard, scene_.law.path.out.apex_m, last_legs, 0, worker.direct);
       worker.direct.drain([&](std::size_t bin, double energy) {
         sent.bins.push_back({order, bin, energy * only.strength});
       });
@@ -333,8 +327,8 @@ class PatchPaths {
     last_legs.count = int(std::ceil(
         (samples.first_m + samples.step_m * samples.count - soonest - last_legs.first_m) / last_legs.step_m));
     if (last_legs.count <= 0) return;
-    sent.pieces +=
-        worker.gather.add(seen, point, heard, scene_.law.path.out.apex_m, last_legs, worker.direct);
+    sent.pieces += worker.gather.add(seen, point, heard, scene_.law.path.out.apex_m, last_legs,
+                                     samples.step_m, worker.direct);
     const double step = samples.step_m;
     worker.direct.drain([&](std::size_t bin, double energy) {
       const std::size_t beam = bin / std::size_t(last_legs.count);
@@ -357,17 +351,33 @@ class PatchPaths {
   }
 
   const PathScene& scene_;
+  std::span<const Listener> heard_;
   PathEcho& echo_;
   double least_, beta_;
-  std::vector<HeardFacets> heard_;
   tbb::enumerable_thread_specific<Worker> workers_;
 };
 
 }  // namespace
 
-void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
+glm::dvec3 PathScene::from_apex(GridPoint p) const {
+  return glm::dvec3(double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z) * unit_m;
+}
+
+HeardFacets PathScene::heard_by(const Image& image) const {
+  return {mesh, image, from_apex(image.windows.apex), unit_m};
+}
+
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Listener> heard,
                          PathEcho& echo) {
   PatchPaths(scene, heard, echo).follow(sent);
+}
+
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
+                         PathEcho& echo) {
+  std::vector<Listener> listeners;
+  for (const Image& image : heard)
+    if (!image.seen.empty()) listeners.push_back({scene.heard_by(image), {}, {}});
+  add_scattered_paths(scene, sent, listeners, echo);
 }
 
 }  // namespace tubefoot

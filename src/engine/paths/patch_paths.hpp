@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "engine/paths/patch_echo.hpp"
 #include "engine/paths/path_echo.hpp"
 
 // Paths that are scattered more than once. docs/paths.md
@@ -19,6 +20,9 @@ struct PathScene {
   const PathSettings& settings;
   GridPoint apex;  ///< true one of the transmitter
   double reach;    ///< TubeSet::reach
+
+  glm::dvec3 from_apex(GridPoint p) const;  ///< metres
+  HeardFacets heard_by(const Image& image) const;
 };
 
 /// Adds to `echo` the paths with 2 to settings.scatterings scatterings, generation by generation: what the
@@ -26,6 +30,10 @@ struct PathScene {
 /// facet and place, becomes the next patches. Of each generation the weakest patches, which together scatter
 /// less than the cut-off allows of what the first one does, are left out.
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
+                         PathEcho& echo);
+
+/// The same for listeners that may have rows of their own, of which `echo` then has as many as beams.
+void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Listener> heard,
                          PathEcho& echo);
 
 }  // namespace tubefoot

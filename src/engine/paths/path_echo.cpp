@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/paths/path_echo.hpp"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
+#include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/steps.hpp"
@@ -33,30 +32,30 @@ glm::dvec3 difference_m(GridPoint a, GridPoint b, double unit_m) {
 /// Both apexes' images, and what passes between them.
 class PathTracer {
  public:
-  PathTracer(const FacetMesh& mesh, const SceneTree& tree, double unit_m, const VisibilityOptions& options,
-             const TubeSet& transmit, const TubeSet& receive, const ReceiveBeams& beams,
+  PathTracer(const FacetMesh& mesh, double unit_m, const ImageFinder& finder, std::span<const Image> sent,
+             std::span<const Image> heard, const TubeSet& receive, const ReceiveBeams& beams,
              const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings)
       : mesh_(mesh),
         unit_m_(unit_m),
+        finder_(finder),
+        transmit_(sent),
+        receive_(heard),
         beams_(beams),
         samples_(samples),
         law_(law),
         settings_(settings),
-        least_(std::pow(10, -settings.cutoff_db / 10)),
+        least_(settings.least()),
         beta_(absorption_per_m(law.absorption_db_per_m)),
-        true_apex_(transmit.apex),
+        true_apex_(sent.front().windows.apex),
         true_receive_(receive),
-        one_place_(transmit == receive),
-        finder_(mesh, tree, options, settings.mirrors, least_, settings.most_images) {
-    transmit_ = finder_.images_of(transmit, settings.order, receive.apex);
-    if (!one_place_) receive_ = finder_.images_of(receive, settings.order - 1);
+        one_place_(sent.data() == heard.data()) {
     echo_.by_order.resize(std::size_t(settings.order) + 1);
     for (Echo& echo : echo_.by_order) {
       echo.beams = beams.count;
       echo.samples = samples.count;
       echo.energy.assign(std::size_t(beams.count) * std::size_t(samples.count), 0);
     }
-    echo_.images = transmit_.size() + receive_.size() - (one_place_ ? 1 : 2);
+    echo_.images = transmit_.size() - 1 + (one_place_ ? 0 : receive_.size() - 1);
   }
 
   PathEcho trace() {
@@ -64,7 +63,7 @@ class PathTracer {
     if (settings_.scatterings > 1)
       add_scattered_paths(
           {mesh_, unit_m_, finder_, beams_, samples_, law_, settings_, true_apex_, true_receive_.reach},
-          transmit_, receivers(), echo_);
+          transmit_, receive_, echo_);
     for (const Image& image : transmit_)
       if (image.mirrors > 0 || (settings_.direct && !one_place_)) arrive(image);
     return std::move(echo_);
@@ -81,64 +80,17 @@ class PathTracer {
     std::size_t pieces = 0;
   };
 
-  const std::vector<Image>& receivers() const { return one_place_ ? transmit_ : receive_; }
-
-  /// Facets of the whole mesh, each once.
-  static std::vector<FacetId> facets_seen(const Image& image) {
-    std::vector<FacetId> facets;
-    for (const TubeVisibility& seen : image.seen)
-      for (const NamedPiece& piece : seen.pieces)
-        facets.push_back(image.origin.empty() ? piece.facet : image.origin[piece.facet]);
-    std::sort(facets.begin(), facets.end());
-    facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
-    return facets;
-  }
-
-  /// Which image sees which facet, sorted.
-  static std::vector<std::pair<FacetId, std::size_t>> who_sees(const std::vector<Image>& images) {
-    std::vector<std::pair<FacetId, std::size_t>> who;
-    for (std::size_t i = 0; i < images.size(); ++i)
-      for (const FacetId facet : facets_seen(images[i])) who.emplace_back(facet, i);
-    std::sort(who.begin(), who.end());
-    return who;
-  }
-
   /// All pairs of images between which something is scattered. What two images share is found once, also
   /// where both ends swap their parts.
   void scatter() {
     if (settings_.order < 2) return;
-    struct Pair {
-      std::size_t transmit, receive;
-    };
-    std::vector<Pair> pairs;
-    const auto who = who_sees(receivers());
-    std::vector<std::size_t> same, last(receivers().size(), transmit_.size());
-    for (std::size_t i = 0; i < transmit_.size(); ++i) {
-      stop_if_wanted();
-      same.clear();
-      for (const FacetId facet : facets_seen(transmit_[i]))
-        for (auto at = std::lower_bound(who.begin(), who.end(), std::pair(facet, one_place_ ? i : 0));
-             at != who.end() && at->first == facet; ++at)
-          if (std::exchange(last[at->second], i) != i) same.push_back(at->second);
-      std::sort(same.begin(), same.end());
-      for (const std::size_t j : same) {
-        const std::uint32_t mirrors = transmit_[i].mirrors + receivers()[j].mirrors;
-        if (mirrors > 0 && int(mirrors) < settings_.order &&
-            transmit_[i].largest * receivers()[j].largest > least_)
-          pairs.push_back({i, j});
-      }
-      if (pairs.size() / 100 > settings_.most_images)
-        throw std::length_error(
-            fmt::format("more than {} pairs of images that see the same facets: make mirrors of many small "
-                        "facets coarser, "
-                        "follow fewer orders or cut off sooner",
-                        100 * settings_.most_images));
-    }
+    const std::vector<ImagePair> pairs = pairs_of_images(transmit_, receive_, one_place_, settings_.order,
+                                                         least_, 100 * settings_.most_images);
     std::vector<Part> parts(pairs.size());
     Steps steps("pairs of images", pairs.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
       steps.done();
-      const Image &sent = transmit_[pairs[k].transmit], &heard = receivers()[pairs[k].receive];
+      const Image &sent = transmit_[pairs[k].sent], &heard = receive_[pairs[k].heard];
       const bool itself = &sent == &heard;
       SharedFootprints shared = itself ? shared_with_itself(mesh_, sent.look(), unit_m_)
                                        : FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_).all();
@@ -232,8 +184,9 @@ class PathTracer {
     if (!(passes > least_)) return;
     const double energy = passes * std::exp(-beta_ * length) / (length * length);
     const auto add = [&](std::uint32_t beam, double weight) {
-      echo_.by_order[image.mirrors]
-          .energy[std::size_t(beam) * std::size_t(samples_.count) + std::size_t(sample)] += weight * energy;
+      const std::size_t bin = std::size_t(beam) * std::size_t(samples_.count) + std::size_t(sample);
+      echo_.by_order[image.mirrors].energy[bin] += weight * energy;
+      echo_.arrived.push_back({image.windows.apex, image.mirrors, bin, weight * energy});
     };
     ++echo_.arrivals;
     if (law_.patterns == nullptr) return add(beams_.of_tube[receive_tube], 1);
@@ -247,6 +200,8 @@ class PathTracer {
 
   const FacetMesh& mesh_;
   double unit_m_;
+  const ImageFinder& finder_;
+  std::span<const Image> transmit_, receive_;
   const ReceiveBeams& beams_;
   const RangeSamples& samples_;
   const EchoLaw& law_;
@@ -255,8 +210,6 @@ class PathTracer {
   GridPoint true_apex_;
   const TubeSet& true_receive_;
   bool one_place_;
-  ImageFinder finder_;
-  std::vector<Image> transmit_, receive_;
   std::set<std::pair<GridPoint, std::uint32_t>> arrived_;  // images' apexes and fans
   PathEcho echo_;
 };
@@ -267,8 +220,19 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
                    const PathSettings& settings) {
-  return PathTracer(mesh, tree, grid_unit_m, options, transmit, receive, beams, samples, law, settings)
-      .trace();
+  const ImageFinder finder(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images);
+  const std::vector<Image> sent = finder.images_of(transmit, settings.order, {{receive.apex}});
+  if (transmit == receive)
+    return path_echo(mesh, grid_unit_m, finder, sent, sent, receive, beams, samples, law, settings);
+  const std::vector<Image> heard = finder.images_of(receive, settings.order - 1);
+  return path_echo(mesh, grid_unit_m, finder, sent, heard, receive, beams, samples, law, settings);
+}
+
+PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const ImageFinder& finder,
+                   std::span<const Image> sent, std::span<const Image> heard, const TubeSet& receive,
+                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                   const PathSettings& settings) {
+  return PathTracer(mesh, grid_unit_m, finder, sent, heard, receive, beams, samples, law, settings).trace();
 }
 
 }  // namespace tubefoot

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "engine/echo/echo.hpp"
@@ -19,6 +21,16 @@ struct PathSettings {
   std::size_t most_images = 10000;  ///< of one apex; and a hundred times as many pairs of images
   bool direct = false;              ///< also the way straight from a transmitter to a receiver apart
   Mirrors mirrors;
+
+  /// The part of the energy that has to be left.
+  double least() const { return std::pow(10, -cutoff_db / 10); }
+};
+
+/// What came straight from an image of the transmitter, in a bin [beam][sample].
+struct Arrival {
+  GridPoint from;
+  std::size_t order = 0, bin = 0;
+  double energy_j = 0;
 };
 
 /// Echoes of several orders.
@@ -27,6 +39,7 @@ struct PathEcho {
   /// holds only reflections without scattering: the scattering on its own is the ordinary echo.
   std::vector<Echo> by_order;
   std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
+  std::vector<Arrival> arrived;  ///< by image and beam; part of the energies
 };
 
 /// The echoes over mirrors of a transmission from `transmit`'s apex, heard at `receive`'s (both the same for
@@ -49,6 +62,14 @@ struct PathEcho {
 /// pairs of them, patches, or their delays) than may be.
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
+                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                   const PathSettings& settings);
+
+/// The same between images that are known: of the transmitter, with `settings.order` mirrors those that have
+/// a window towards `receive`'s apex, and of the receiver, with one mirror less (the very same span for a
+/// sonar in one place). `finder`: that made them.
+PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const ImageFinder& finder,
+                   std::span<const Image> sent, std::span<const Image> heard, const TubeSet& receive,
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
                    const PathSettings& settings);
 

@@ -183,7 +183,7 @@ double over_polygon(const FacetPlane& plane, const Polygon2& polygon, const Dens
   return sum;
 }
 
-// All in one sample: nothing but the integrals, with patterns.
+// All in one sample: nothing but the integrals, with patterns; then with the transmitter elsewhere.
 TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
   const unsigned seed = 161803;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -191,7 +191,7 @@ TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
   std::uniform_real_distribution<double> place(-5, 5), distance(1, 6), share(0, 1), waves(0.3, 6);
   std::normal_distribution<double> gauss;
   const auto unit = [&] { return glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random))); };
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 12; ++i) {
     const FacetPlane plane = test::random_plane(random, distance(random));
     const Fringe staff{unit(), 0.9 * plane.distance_m * share(random), 2 * pi * waves(random)};
     Directivity transmit, receive;
@@ -199,24 +199,30 @@ TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
     if (i % 3 > 1) receive = {Directivity::Kind::line, unit(), false, 0.1, 3};
     const glm::dvec2 centre = i % 4 ? glm::dvec2(place(random), place(random)) : glm::dvec2(0.2, -0.1);
     const Polygon2 polygon = test::random_convex(random, centre, 2.5, 1.5);
-    const double nearest = 0.9 * plane.distance_m;
+    StaffHistory history = piece_on(plane, polygon);
+    if (i >= 8) {
+      // Off along the plane, and above it by as much as its ends need.
+      const PlaneFrame frame(plane);
+      history.middle_m =
+          place(random) * frame.u + place(random) * frame.v + (distance(random) - 0.1) / 2 * plane.normal;
+    }
+    const glm::dvec3 half = staff.baseline_m / 2 * staff.axis, end = history.middle_m + half,
+                     other = history.middle_m - half;
     const StaffEcho echo =
-        echo_of(piece_on(plane, polygon), patterns_of(staff, transmit, receive), {nearest, 100, 1});
-    const glm::dvec3 end = staff.baseline_m / 2 * staff.axis;
+        echo_of(history, patterns_of(staff, transmit, receive), {0.9 * plane.distance_m, 100, 1});
     const auto energy = [&](glm::dvec3 at, glm::dvec3 receiver) {
       return heard(plane, at, 1, receiver, {0, 1e6, 1}).energy * transmit.gain(glm::normalize(at)) *
              receive.gain(glm::normalize(at - receiver));
     };
     const auto product = [&](glm::dvec3 at) {
-      return std::polar(std::sqrt(energy(at, end) * energy(at, -end)),
-                        staff.wavenumber_rad_m * (glm::distance(at, end) - glm::distance(at, -end)));
+      return std::polar(std::sqrt(energy(at, end) * energy(at, other)),
+                        staff.wavenumber_rad_m * (glm::distance(at, end) - glm::distance(at, other)));
     };
-    const double upper = over_polygon(plane, polygon, [&](glm::dvec3 at) { return energy(at, end); });
-    const double scale = 1e-7 * upper;
-    EXPECT_NEAR(echo.upper_j[0], upper, scale) << i;
-    EXPECT_NEAR(echo.lower_j[0],
-                over_polygon(plane, polygon, [&](glm::dvec3 at) { return energy(at, -end); }), scale)
-        << i;
+    const double upper = over_polygon(plane, polygon, [&](glm::dvec3 at) { return energy(at, end); }),
+                 lower = over_polygon(plane, polygon, [&](glm::dvec3 at) { return energy(at, other); });
+    const double scale = (i < 8 ? 1e-7 : 1e-6) * std::sqrt(upper * lower);
+    EXPECT_NEAR(echo.upper_j[0], upper, 1e-7 * upper) << i;
+    EXPECT_NEAR(echo.lower_j[0], lower, 1e-7 * lower) << i;
     EXPECT_NEAR(echo.cross_real_j[0],
                 over_polygon(plane, polygon, [&](glm::dvec3 at) { return product(at).real(); }), scale)
         << i;
@@ -354,7 +360,7 @@ TEST(StaffEcho, WhatOneReceiverAloneSeesIsHeardByItAlone) {
                        glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0))});
   const Fringe staff = staff_at(0.1, baseline, 20e3);
   const BeamPatterns patterns = patterns_of(staff);
-  const StaffHistory history = trace_staff(mesh, tree, grid.unit_m(), {}, tubes, staff);
+  const StaffHistory history = trace_staff(mesh, tree, grid.unit_m(), {}, tubes, tubes, staff);
   const RangeSamples samples{12, 0.25, 60};
   const StaffEcho echo = echo_of(history, patterns, samples, mesh.material);
 
@@ -398,7 +404,7 @@ TEST(StaffEcho, RefusesWhatHasNoCommonFootprints) {
   VisibilityOptions plain;
   plain.arithmetic = Arithmetic::plain_double;
   const FacetMesh mesh;
-  EXPECT_THROW(trace_staff(mesh, SceneTree(mesh), 1e-6, plain, {}, staff), std::invalid_argument);
+  EXPECT_THROW(trace_staff(mesh, SceneTree(mesh), 1e-6, plain, {}, {}, staff), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/image_pairs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Facets of the whole mesh, each once.
+std::vector<FacetId> facets_seen(const Image& image) {
+  std::vector<FacetId> facets;
+  for (const TubeVisibility& seen : image.seen)
+    for (const NamedPiece& piece : seen.pieces)
+      facets.push_back(image.origin.empty() ? piece.facet : image.origin[piece.facet]);
+  std::sort(facets.begin(), facets.end());
+  facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
+  return facets;
+}
+
+/// Which image sees which facet, sorted.
+std::vector<std::pair<FacetId, std::size_t>> who_sees(std::span<const Image> images) {
+  std::vector<std::pair<FacetId, std::size_t>> who;
+  for (std::size_t i = 0; i < images.size(); ++i)
+    for (const FacetId facet : facets_seen(images[i])) who.emplace_back(facet, i);
+  std::sort(who.begin(), who.end());
+  return who;
+}
+
+}  // namespace
+
+std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> heard,
+                                       bool one_place, int order, double least, std::size_t most) {
+  std::vector<ImagePair> pairs;
+  const auto who = who_sees(heard);
+  std::vector<std::size_t> same, last(heard.size(), sent.size());
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    stop_if_wanted();
+    same.clear();
+    for (const FacetId facet : facets_seen(sent[i]))
+      for (auto at = std::lower_bound(who.begin(), who.end(), std::pair(facet, one_place ? i : 0));
+           at != who.end() && at->first == facet; ++at)
+        if (std::exchange(last[at->second], i) != i) same.push_back(at->second);
+    std::sort(same.begin(), same.end());
+    for (const std::size_t j : same) {
+      const std::uint32_t mirrors = sent[i].mirrors + heard[j].mirrors;
+      if (mirrors > 0 && int(mirrors) < order && sent[i].largest * heard[j].largest > least)
+        pairs.push_back({i, j});
+    }
+    if (pairs.size() > most)
+      throw std::length_error(
+          fmt::format("more than {} pairs of images that see the same facets: make mirrors of many small "
+                      "facets coarser, follow fewer orders or cut off sooner",
+                      most));
+  }
+  return pairs;
+}
+
+}  // namespace tubefoot

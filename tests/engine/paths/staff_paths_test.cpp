@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Two receivers on a staff that hear over mirrors: against the staff's image, against points with rays to
+// both of its ends, and in closed form.
+#include "engine/paths/staff_paths.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <optional>
+
+#include "fixtures/world/path_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace test;
+using Complex = std::complex<double>;
+
+const Fringe slanting{glm::normalize(glm::dvec3(0.5, -0.2, 1)), 0.3, 40};
+
+/// `receive` has the staff in its middle.
+StaffPathEcho run(const Setting& s, const Fringe& staff) {
+  const SceneTree tree(s.mesh);
+  const std::vector<double> none(s.mu.size(), 0);
+  PathSettings settings = s.paths;
+  settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
+  const std::size_t tubes = s.receive.tubes.size();
+  const BeamPatterns patterns{
+      {Directivity()}, {Directivity()}, std::vector<std::uint32_t>(tubes, 0), {tubes, {0, 1}}, {}};
+  return staff_path_echo(s.mesh, tree, unit, {}, s.transmit, s.receive, staff, s.samples,
+                         s.law(s.transmit, &patterns), settings);
+}
+
+Complex product(const StaffEcho& echo, std::size_t k) { return {echo.cross_real_j[k], echo.cross_imag_j[k]}; }
+
+/// 1.5 m below the surface and 2.5 m above a bed, before a plate that leans away and mirrors and scatters.
+Setting before_a_plate(int order) {
+  Setting s;
+  s.mesh = square_bed(-4, 3);
+  add_quad(s.mesh, {2, -1.5, -3.5}, {2, 1.5, -3.6}, {2.6, 1.5, -1}, {2.6, -1.5, -0.9}, 1);
+  s.transmit = s.receive = around({0, 0, -1.5}, -89.9, 89.9, 4, 24);
+  s.samples = {1, 0.25, 44};
+  s.mu = {0.1, 0.05};
+  s.reflection = {0, 0.6};
+  s.paths.order = order;
+  s.paths.cutoff_db = 300;
+  s.paths.mirrors.surface = SeaSurface{0, 0.8, 0};
+  s.absorption_db_per_m = 0.05;
+  return s;
+}
+
+/// Straight ways between points, and over mirrors, by rays.
+class Rays {
+ public:
+  explicit Rays(const FacetMesh& mesh) {
+    for (const auto& f : mesh.facets)
+      facets_.push_back(
+          {metres(mesh.vertices[f[0]]), metres(mesh.vertices[f[1]]), metres(mesh.vertices[f[2]])});
+  }
+  /// A mirror: the surface (none), or the facets whose plane is that of a facet.
+  using Mirror = std::optional<std::size_t>;
+
+  struct Way {
+    double length;
+    glm::dvec3 arrives;  // direction at the point
+  };
+  std::optional<Way> way(glm::dvec3 apex, const std::vector<Mirror>& chain, glm::dvec3 point) const {
+    std::vector<glm::dvec3> images{apex};
+    for (const Mirror& mirror : chain) images.push_back(reflected(images.back(), mirror));
+    const Way way{glm::distance(images.back(), point), glm::normalize(point - images.back())};
+    glm::dvec3 to = point;
+    for (std::size_t k = chain.size(); k-- > 0;) {
+      const auto [normal, offset] = plane(chain[k]);
+      const double here = glm::dot(normal, to) - offset, there = glm::dot(normal, images[k + 1]) - offset;
+      if (!(here * there < 0) || std::abs(here) < 1e-5) return std::nullopt;  // not in the mirror itself
+      const glm::dvec3 met = to + here / (here - there) * (images[k + 1] - to);
+      if (chain[k] && !on_mirror(*chain[k], met)) return std::nullopt;
+      if (blocked(met, to)) return std::nullopt;
+      to = met;
+    }
+    if (blocked(apex, to)) return std::nullopt;
+    return way;
+  }
+
+ private:
+  struct Triangle {
+    glm::dvec3 a, b, c;
+  };
+  std::pair<glm::dvec3, double> plane(const Mirror& mirror) const {
+    if (!mirror) return {glm::dvec3(0, 0, 1), 0.0};
+    const auto& [a, b, c] = facets_[*mirror];
+    const glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
+    return {normal, glm::dot(normal, a)};
+  }
+  glm::dvec3 reflected(glm::dvec3 p, const Mirror& mirror) const {
+    const auto [normal, offset] = plane(mirror);
+    return p - 2 * (glm::dot(normal, p) - offset) * normal;
+  }
+  bool on_mirror(std::size_t mirror, glm::dvec3 p) const {
+    const auto normal = plane(mirror).first;
+    for (std::size_t f = 0; f < facets_.size(); ++f)
+      if (std::abs(glm::dot(plane(f).first, normal)) > 1 - 1e-9 && inside(facets_[f], normal, p) &&
+          std::abs(glm::dot(normal, facets_[f].a - p)) < 1e-5)
+        return true;
+    return false;
+  }
+  static bool inside(const Triangle& t, glm::dvec3 normal, glm::dvec3 p) {
+    const double u = glm::dot(glm::cross(t.b - t.a, p - t.a), normal),
+                 v = glm::dot(glm::cross(t.c - t.b, p - t.b), normal),
+                 w = glm::dot(glm::cross(t.a - t.c, p - t.c), normal);
+    return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
+  }
+  bool blocked(glm::dvec3 from, glm::dvec3 to) const {
+    for (const Triangle& t : facets_) {
+      const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+      const double here = glm::dot(normal, from - t.a), there = glm::dot(normal, to - t.a);
+      if (here * there >= 0) continue;
+      const double part = here / (here - there);
+      if (part < 1e-6 || part > 1 - 1e-6) continue;
+      if (inside(t, normal, from + part * (to - from))) return true;
+    }
+    return false;
+  }
+  std::vector<Triangle> facets_;
+};
+
+struct Sums {
+  std::vector<double> upper, lower;
+  std::vector<Complex> cross;
+};
+
+/// Of n^2 points a facet: by order - 2 (paths of 2 and 3 interactions).
+std::array<Sums, 2> over_points(const Setting& s, const Fringe& staff, int n) {
+  const Rays rays(s.mesh);
+  using Mirror = Rays::Mirror;
+  const std::vector<std::vector<Mirror>> chains{
+      {}, {Mirror()}, {Mirror(2)}, {Mirror(), Mirror(2)}, {Mirror(2), Mirror()}};
+  const auto loss = [&](const std::vector<Mirror>& chain) {
+    double part = 1;
+    for (const Mirror& mirror : chain) part *= mirror ? s.reflection[1] : s.paths.mirrors.surface->reflection;
+    return part;
+  };
+  const auto count = std::size_t(s.samples.count);
+  const Sums none{std::vector<double>(count), std::vector<double>(count), std::vector<Complex>(count)};
+  std::array<Sums, 2> sums{none, none};
+  const glm::dvec3 half = staff.baseline_m / 2 * staff.axis, middle = metres(s.receive.apex);
+  for (std::size_t f = 0; f < s.mesh.facets.size(); ++f) {
+    const auto& [i, j, k] = s.mesh.facets[f];
+    const glm::dvec3 a = metres(s.mesh.vertices[i]), u = (metres(s.mesh.vertices[j]) - a) / double(n),
+                     v = (metres(s.mesh.vertices[k]) - a) / double(n), cross = glm::cross(u, v),
+                     normal = glm::normalize(cross);
+    const double strength = s.mu[s.mesh.material[f]] * glm::length(cross) / 2;
+    for (int x = 0; x < n; ++x)
+      for (int y = 0; x + y < n; ++y)
+        for (int part = 0; part < (x + y + 1 < n ? 2 : 1); ++part) {
+          const glm::dvec3 p = a + (x + (1 + part) / 3.0) * u + (y + (1 + part) / 3.0) * v;
+          std::vector<std::array<std::optional<Rays::Way>, 3>> ways;
+          for (const auto& chain : chains)
+            ways.push_back({rays.way(metres(s.transmit.apex), chain, p), rays.way(middle + half, chain, p),
+                            rays.way(middle - half, chain, p)});
+          for (std::size_t out = 0; out < chains.size(); ++out)
+            for (std::size_t home = 0; home < chains.size(); ++home) {
+              const std::size_t mirrors = chains[out].size() + chains[home].size();
+              if (mirrors == 0 || mirrors > 2 || !ways[out][0]) continue;
+              const Rays::Way& there = *ways[out][0];
+              std::array<double, 2> energy{0, 0};
+              std::array<std::size_t, 2> sample{count, count};
+              for (std::size_t end = 0; end < 2; ++end) {
+                const auto& back = ways[home][1 + end];
+                if (!back) continue;
+                const double sines = glm::dot(normal, there.arrives) * glm::dot(normal, back->arrives);
+                if (!(sines > 0)) continue;
+                const double whole = there.length + back->length,
+                             place = std::floor((whole / 2 - s.samples.first_m) / s.samples.step_m);
+                if (!(place >= 0 && place < s.samples.count)) continue;
+                sample[end] = std::size_t(place);
+                energy[end] = strength * sines * std::pow(10, -s.absorption_db_per_m * whole / 10) /
+                              std::pow(there.length * back->length, 2) * loss(chains[out]) *
+                              loss(chains[home]);
+              }
+              Sums& to = sums[mirrors - 1];
+              if (sample[0] < count) to.upper[sample[0]] += energy[0];
+              if (sample[1] < count) to.lower[sample[1]] += energy[1];
+              if (sample[0] < count && sample[0] == sample[1])
+                to.cross[sample[0]] +=
+                    std::polar(std::sqrt(energy[0] * energy[1]),
+                               staff.wavenumber_rad_m * (ways[home][1]->length - ways[home][2]->length));
+            }
+        }
+  }
+  return sums;
+}
+
+/// Adds what comes to both ends over two mirrors, unscattered: of order 2, as what is scattered over one.
+void add_arrivals(const Setting& s, const Fringe& staff, Sums& to) {
+  const Rays rays(s.mesh);
+  const glm::dvec3 half = staff.baseline_m / 2 * staff.axis, middle = metres(s.receive.apex);
+  for (const std::vector<Rays::Mirror>& chain :
+       {std::vector<Rays::Mirror>{{}, 2}, std::vector<Rays::Mirror>{2, {}}}) {
+    std::array<std::optional<Rays::Way>, 2> ways;
+    std::array<double, 2> energy{};
+    std::array<std::size_t, 2> sample{};
+    for (std::size_t end = 0; end < 2; ++end) {
+      ways[end] = rays.way(metres(s.transmit.apex), chain, end == 0 ? middle + half : middle - half);
+      if (!ways[end]) continue;
+      const double length = ways[end]->length;
+      energy[end] = s.reflection[1] * s.paths.mirrors.surface->reflection *
+                    std::pow(10, -s.absorption_db_per_m * length / 10) / (length * length);
+      sample[end] = std::size_t((length / 2 - s.samples.first_m) / s.samples.step_m);
+      (end == 0 ? to.upper : to.lower)[sample[end]] += energy[end];
+    }
+    if (ways[0] && ways[1] && sample[0] == sample[1])
+      to.cross[sample[0]] += std::polar(std::sqrt(energy[0] * energy[1]),
+                                        staff.wavenumber_rad_m * (ways[0]->length - ways[1]->length));
+  }
+}
+
+void expect_sums(const StaffPathEcho& echo, const std::array<Sums, 2>& sums, double tolerance) {
+  for (std::size_t mirrors = 1; mirrors <= 2; ++mirrors) {
+    const StaffEcho& one = echo.by_order[mirrors + 1];
+    const Sums& expected = sums[mirrors - 1];
+    const double most = *std::ranges::max_element(expected.upper);
+    EXPECT_GT(most, 0);
+    for (std::size_t k = 0; k < expected.upper.size(); ++k) {
+      SCOPED_TRACE(testing::Message() << mirrors << " mirrors, sample " << k);
+      EXPECT_NEAR(one.upper_j[k], expected.upper[k], tolerance * most);
+      EXPECT_NEAR(one.lower_j[k], expected.lower[k], tolerance * most);
+      EXPECT_LT(std::abs(product(one, k) - expected.cross[k]), tolerance * most);
+      EXPECT_LE(std::abs(product(one, k)), std::sqrt(one.upper_j[k] * one.lower_j[k]) * (1 + 1e-6));
+    }
+  }
+}
+
+TEST(StaffPaths, PointsWithRaysOverMirrorsToBothEnds) {
+  for (const bool apart : {false, true}) {
+    Setting s = before_a_plate(3);
+    if (apart) s.receive = around({-0.4, 0.7, -1.2}, -89.9, 89.9, 4, 24);
+    // All in one sample: only the integrals, and what is seen.
+    s.samples = {0.5, 20, 1};
+    auto sums = over_points(s, slanting, 160);
+    add_arrivals(s, slanting, sums[0]);
+    for (const Sums& one : sums) EXPECT_LT(std::abs(one.cross[0]), 0.9 * one.upper[0]);  // phases differ
+    expect_sums(run(s, slanting), sums, 3e-3);
+  }
+}
+
+TEST(StaffPaths, EachReceiverHasItsOwnSamples) {
+  for (const bool apart : {false, true}) {
+    Setting s = before_a_plate(3);
+    if (apart) s.receive = around({-0.4, 0.7, -1.2}, -89.9, 89.9, 4, 24);
+    auto sums = over_points(s, slanting, 160);
+    add_arrivals(s, slanting, sums[0]);
+    expect_sums(run(s, slanting), sums, 3e-3);
+  }
+}
+
+// The surface and back: the staff's image looks down from above the water.
+TEST(StaffPaths, AStaffInTheSurfaceIsItsImage) {
+  Setting s;
+  s.mesh = square_bed(-9, 14);
+  const auto looking = [](double z, double up) {
+    TubeSet set;
+    set.apex = at({0, 0, z});
+    set.reach = 80 / unit;
+    append_tubes(set, {steps(-40, 40, 4), steps(-40, 40, 4),
+                       glm::dmat3(glm::dvec3(0, 0, up), glm::dvec3(0, up, 0), glm::dvec3(1, 0, 0))});
+    return set;
+  };
+  s.transmit = s.receive = looking(-5, 1);
+  s.samples = {13.5, 0.1, 40};
+  s.mu = {0.1};
+  s.paths.order = 3;
+  s.paths.cutoff_db = 300;
+  s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
+  Fringe staff = slanting;
+  staff.wavenumber_rad_m = 8;
+  const StaffPathEcho echo = run(s, staff);
+  Fringe image = staff;
+  image.axis.z = -image.axis.z;
+  const TubeSet down = looking(5, -1);
+  const SceneTree tree(s.mesh);
+  const std::size_t tubes = down.tubes.size();
+  const BeamPatterns patterns{
+      {Directivity()}, {Directivity()}, std::vector<std::uint32_t>(tubes, 0), {tubes, {0, 1}}, {}};
+  const StaffEcho expected = integrate_staff_echo(trace_staff(s.mesh, tree, unit, {}, down, down, image),
+                                                  image, 0, 0, s.samples, s.law(down, &patterns));
+  double turned = 0;
+  for (std::size_t k = 0; k < 40; ++k) {
+    const double scale = 1e-6 * (expected.upper_j[k] + expected.upper_j[k > 0 ? k - 1 : 0]) + 1e-20;
+    EXPECT_NEAR(echo.by_order[3].upper_j[k], 0.49 * expected.upper_j[k], scale) << k;
+    EXPECT_NEAR(echo.by_order[3].lower_j[k], 0.49 * expected.lower_j[k], scale) << k;
+    EXPECT_LT(std::abs(product(echo.by_order[3], k) - 0.49 * product(expected, k)), scale) << k;
+    turned = std::max(turned, std::abs(product(expected, k).imag()));
+  }
+  EXPECT_GT(turned, 0.02 * *std::ranges::max_element(expected.upper_j));
+}
+
+// What comes straight from an image has the phase of its two lengths, also in mirrors that the grid does not
+// hold exactly.
+TEST(StaffPaths, ArrivalsHaveThePhaseOfTheirLengths) {
+  Setting s = before_a_plate(1);
+  s.receive = around({0.6, -0.4, -2.2}, -89.9, 89.9, 4, 24);
+  s.samples = {0.5, 0.5, 30};
+  Fringe staff = slanting;
+  staff.wavenumber_rad_m = 2000;
+  const StaffPathEcho echo = run(s, staff);
+  const Rays rays(s.mesh);
+  const glm::dvec3 from = metres(s.transmit.apex), middle = metres(s.receive.apex),
+                   half = staff.baseline_m / 2 * staff.axis;
+  std::size_t met = 0;
+  std::vector<double> upper(30), lower(30);
+  std::vector<Complex> cross(30);
+  for (const auto& mirror : {Rays::Mirror(), Rays::Mirror(2)}) {
+    const auto u = rays.way(from, {mirror}, middle + half), l = rays.way(from, {mirror}, middle - half);
+    if (!u || !l) continue;
+    ++met;
+    const auto energy = [&](const Rays::Way& way) {
+      return (mirror ? 0.6 : 0.8) * std::pow(10, -0.005 * way.length) / (way.length * way.length);
+    };
+    const auto sample = [&](const Rays::Way& way) { return std::size_t((way.length / 2 - 0.5) / 0.5); };
+    upper[sample(*u)] += energy(*u);
+    lower[sample(*l)] += energy(*l);
+    if (sample(*u) == sample(*l))
+      cross[sample(*u)] +=
+          std::polar(std::sqrt(energy(*u) * energy(*l)), staff.wavenumber_rad_m * (u->length - l->length));
+  }
+  EXPECT_EQ(met, 2u);
+  for (std::size_t k = 0; k < 30; ++k) {
+    EXPECT_NEAR(echo.by_order[1].upper_j[k], upper[k], 1e-5 * upper[k]) << k;
+    EXPECT_NEAR(echo.by_order[1].lower_j[k], lower[k], 1e-5 * lower[k]) << k;
+    EXPECT_LT(std::abs(product(echo.by_order[1], k) - cross[k]), 5e-3 * upper[k] + 1e-20) << k;
+  }
+}
+
+TEST(StaffPaths, WithoutLengthAStaffIsOneReceiver) {
+  Setting s = before_a_plate(3);
+  s.paths.scatterings = 3;
+  s.paths.patch_m = 1.5;
+  s.samples = {1, 0.5, 20};
+  Fringe staff = slanting;
+  staff.baseline_m = 1e-8;
+  const StaffPathEcho echo = run(s, staff);
+  const PathEcho one = s.run();
+  for (std::size_t order = 1; order <= 3; ++order)
+    for (std::size_t k = 0; k < 20; ++k) {
+      const StaffEcho& both = echo.by_order[order];
+      const double scale = 1e-6 * *std::ranges::max_element(one.by_order[order].energy);
+      EXPECT_NEAR(both.upper_j[k], one.by_order[order].energy[k], scale) << order << " " << k;
+      EXPECT_NEAR(both.lower_j[k], one.by_order[order].energy[k], scale) << order << " " << k;
+      EXPECT_LT(std::abs(product(both, k) - one.by_order[order].energy[k]), scale) << order << " " << k;
+    }
+}
+
+// A bed and a wall that light each other: all pairs of points of the two.
+TEST(StaffPaths, TwoScatteringsAgreeWithPairsOfPoints) {
+  Setting s;
+  s.mesh = square_bed(-4, 1.5);
+  add_quad(s.mesh, {2, -1.5, -3.5}, {2, -1.5, -1}, {2, 1.5, -1}, {2, 1.5, -3.5}, 1);
+  s.transmit = s.receive = around({-0.5, 0.2, -0.5}, -89.9, 89.9, 4, 24);
+  s.samples = {2, 0.4, 15};
+  s.mu = {0.1, 0.05};
+  s.paths.order = s.paths.scatterings = 2;
+  s.paths.patch_m = 0.4;
+  s.paths.cutoff_db = 300;
+  const StaffPathEcho echo = run(s, slanting);
+
+  struct Point {
+    glm::dvec3 at, normal;
+    double strength;
+  };
+  const auto lattice = [](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, int n, glm::dvec3 normal,
+                          double mu) {
+    std::vector<Point> points;
+    for (int x = 0; x < n; ++x)
+      for (int y = 0; y < n; ++y)
+        points.push_back({corner + (x + 0.5) / n * u + (y + 0.5) / n * v, normal,
+                          mu * glm::length(glm::cross(u, v)) / (n * n)});
+    return points;
+  };
+  constexpr int n = 40;
+  const std::vector<Point> bed = lattice({-1.5, -1.5, -4}, {3, 0, 0}, {0, 3, 0}, n, {0, 0, 1}, 0.1),
+                           wall = lattice({2, -1.5, -3.5}, {0, 3, 0}, {0, 0, 2.5}, n, {-1, 0, 0}, 0.05);
+  const glm::dvec3 apex = metres(s.transmit.apex), half = slanting.baseline_m / 2 * slanting.axis;
+  std::vector<double> upper(15), lower(15);
+  std::vector<Complex> cross(15);
+  const auto lobe = [](const Point& p, glm::dvec3 other) {
+    return std::max(glm::dot(p.normal, glm::normalize(other - p.at)), 0.0);
+  };
+  for (const auto& [first, second] : {std::pair(&bed, &wall), std::pair(&wall, &bed)})
+    for (const Point& b : *second) {
+      std::array<double, 2> heard, way;
+      for (std::size_t end = 0; end < 2; ++end) {
+        const glm::dvec3 receiver = end == 0 ? apex + half : apex - half;
+        way[end] = glm::distance(receiver, b.at);
+        heard[end] = b.strength * lobe(b, receiver) / (way[end] * way[end]);
+      }
+      for (const Point& a : *first) {
+        const double out = glm::distance(apex, a.at), between = glm::distance(a.at, b.at);
+        const double gain =
+            a.strength * lobe(a, apex) / (out * out) * lobe(a, b.at) * lobe(b, a.at) / (between * between);
+        std::array<int, 2> sample;
+        for (std::size_t end = 0; end < 2; ++end)
+          sample[end] = int(std::floor(((out + between + way[end]) / 2 - 2) / 0.4));
+        const auto inside = [](int k) { return k >= 0 && k < 15; };
+        if (inside(sample[0])) upper[std::size_t(sample[0])] += gain * heard[0];
+        if (inside(sample[1])) lower[std::size_t(sample[1])] += gain * heard[1];
+        if (inside(sample[0]) && sample[0] == sample[1])
+          cross[std::size_t(sample[0])] += std::polar(gain * std::sqrt(heard[0] * heard[1]),
+                                                      slanting.wavenumber_rad_m * (way[0] - way[1]));
+      }
+    }
+  const StaffEcho& two = echo.by_order[2];
+  const double most = *std::ranges::max_element(upper);
+  double coherent = 0;
+  for (std::size_t k = 0; k < 15; ++k) {
+    EXPECT_NEAR(two.upper_j[k], upper[k], 0.01 * most) << k;
+    EXPECT_NEAR(two.lower_j[k], lower[k], 0.01 * most) << k;
+    EXPECT_LT(std::abs(product(two, k) - cross[k]), 0.01 * most) << k;
+    coherent = std::max(coherent, std::abs(cross[k]));
+  }
+  EXPECT_GT(coherent, 0.2 * most);
+}
+
+}  // namespace
+}  // namespace tubefoot
