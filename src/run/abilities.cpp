@@ -55,15 +55,6 @@ constexpr auto table = std::to_array<Refusal>({
      "mirrors and further paths need even water: leave out [sea_surface], [paths] and 'specular_loss_db', or "
      "give "
      "profile = \"constant\""},
-    {refraction, scattering_law, reference,
-     "a reference through such water knows Lambert's law alone: leave out --reference, or 'law' of the "
-     "materials"},
-    {refraction, micro_texture, reference,
-     "a reference through such water knows no micro-texture: leave out --reference, or "
-     "[[materials.reflectivity]]"},
-    {refraction, relief_each_shot, reference,
-     "a reference through such water needs relief that is refined once for all shots: give [relief] mode = "
-     "\"offline\""},
     {refraction,
      coverage,
      {},

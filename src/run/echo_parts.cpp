@@ -140,6 +140,8 @@ void add_refracted_reference(const Shot& shot, PingSums& sums) {
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;
   add_counts(counts.refraction, *found.ground.apparent(), shot);
+  if (shot.site().ground) counts.refined_facets += found.ground.mesh().facets.size();
+  sums.add_finer_relief(shot, found.history, found.ground.mesh(), shot.sample_length_m());
   counts.candidates += found.candidates;
   counts.tubes += found.history.tubes.tubes.size();
   counts.footprints += found.history.footprints.footprints.size();

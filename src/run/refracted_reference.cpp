@@ -16,11 +16,17 @@ constexpr double most_facets = 24'000;  // of the last try: some half a minute o
 constexpr double coarsest = 0.1;        // tolerance that the first try is made for
 constexpr double least_worth = 1.2;
 
-RefractedShot certify(const Shot& shot, const StraighteningSettings& settings) {
+RefractedShot certify(const Shot& shot, const ShotStraightening& seen,
+                      const StraighteningSettings& settings) {
   const Scene& scene = shot.scene();
   const VisibilityOptions& options = shot.request().visibility;
-  RefractedShot found{refracted_ground_of(shot, settings), {}, 0, {}, false};
+  ApparentGround apparent = seen.ground(settings);
+  const std::vector<FacetId> parent = apparent.refined.parent;
+  seen.bed().name_by_scene(apparent);
+  RefractedShot found{ShotGround(shot.site(), std::move(apparent)), {}, 0, {}, false};
   const FacetMesh& mesh = found.ground.mesh();
+  const StraightenedBed bed{*found.ground.apparent(), found.ground.tree(), seen.bed().mesh(), parent,
+                            scene.grid};
   const TubeEngine engine(mesh, found.ground.tree(), scene.grid.unit_m(), options);
   found.history = engine.trace(shot.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
@@ -29,14 +35,10 @@ RefractedShot certify(const Shot& shot, const StraighteningSettings& settings) {
     const RayEnclosure rays(straightening, eigenray_options(shot.site()));
     const SensorLaw sensor_law(shot, found.ground, s);
     const EchoLaw& law = sensor_law.law;
-    const ApparentEnclosures enclosures =
-        enclose(*found.ground.apparent(), scene.mesh, scene.grid, rays, straightening.reference_speed_m_s(),
-                law.material_mu, law.absorption_db_per_m);
     const Sensor& sensor = shot.sensor(s);
     found.sensors.push_back(certify_refracted_echo(
-        mesh, found.ground.tree(), found.ground.apparent()->refined.parent, enclosures, rays, found.history,
-        options, sensor.beam_of_tube(shot.number()), sensor.samples(), law, shot.echo(found.history, s, law),
-        *shot.request().reference_tolerance));
+        bed, rays, found.history, options, sensor.beam_of_tube(shot.number()), sensor.samples(), law,
+        shot.echo(found.history, s, law), *shot.request().reference_tolerance));
   }
   return found;
 }
@@ -69,7 +71,8 @@ RefractedShot certify_refracted_shot(const Shot& shot) {
   settings.gap_m = std::min(settings.gap_m, std::max(first * sample / 16, 2 * unit));
   settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
   settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
-  RefractedShot best = certify(shot, settings);
+  const ShotStraightening seen(shot);
+  RefractedShot best = certify(shot, seen, settings);
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best);
     // Slivers at a beam's ends are wider than asked with any ground.
@@ -83,7 +86,7 @@ RefractedShot certify_refracted_shot(const Shot& shot) {
     const double finer = std::clamp(1.3 * quality.usual_excess, least_worth, room);
     settings.gap_m = std::max(settings.gap_m / finer, 2 * unit);
     settings.tolerance_db /= finer;
-    RefractedShot next = certify(shot, settings);
+    RefractedShot next = certify(shot, seen, settings);
     const Quality found = quality_of(next);
     const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
                             found.usual_excess * least_worth < quality.usual_excess;

@@ -46,44 +46,6 @@ auto made_for(const Shot& shot, const Make& make) {
   }
 }
 
-/// The bed of a shot where it lies: the scene's, or with relief as fine as bent rays need it.
-class LyingBed {
- public:
-  /// `outlooks`: of each set of tubes.
-  LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks)
-      : site_(shot.site()) {
-    if (!site_.ground) return;
-    std::vector<Look> looks = shot.looks(tubes);
-    for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
-    relief_ = relief_seen_by(shot, looks);
-    tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
-  }
-  const FacetMesh& mesh() const { return tree_ ? relief_.mesh : site_.scene.mesh; }
-  /// Of any of the outlooks, by increasing id.
-  std::vector<FacetId> facets(std::span<const Outlook> outlooks) const {
-    std::vector<FacetId> all;
-    for (const Outlook& outlook : outlooks) {
-      const std::vector<FacetId> some =
-          outlook.facets(mesh(), tree_ ? *tree_ : *site_.tree, site_.scene.grid);
-      all.insert(all.end(), some.begin(), some.end());
-    }
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
-  }
-  /// From facets of this bed to the scene's.
-  void name_by_scene(ApparentGround& ground) const {
-    if (!tree_) return;
-    for (FacetId& facet : ground.refined.parent) facet = relief_.parent[facet];
-    for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
-  }
-
- private:
-  const Site& site_;
-  RefinedMesh relief_;
-  std::unique_ptr<SceneTree> tree_;  // of the relief
-};
-
 nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
   return {{"azimuth_deg", place[0]}, {"elevation_deg", place[1]}, {"range_m", place[2]}};
 }
@@ -153,26 +115,57 @@ StraighteningSettings straightening_settings(const Shot& shot, double reach_m) {
   return settings;
 }
 
-ShotGround refracted_ground_of(const Shot& shot) {
-  return refracted_ground_of(shot,
-                             straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m()));
+LyingBed::LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks)
+    : site_(shot.site()) {
+  if (!site_.ground) return;
+  std::vector<Look> looks = shot.looks(tubes);
+  for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
+  relief_ = relief_seen_by(shot, looks);
+  tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
 }
 
-ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& settings) {
-  const Scene& scene = shot.scene();
-  const TubeSet tubes = shot.tubes();
-  const Straightening straightening =
-      straightening_of(shot.site(), shot.pings(), scene.grid.to_metres(tubes.apex));
-  const Outlook outlook(tubes, scene.grid.unit_m(), straightening);
-  const LyingBed bed(shot, {&tubes, 1}, {&outlook, 1});
-  const std::vector<FacetId> facets = bed.facets({&outlook, 1});
-  return made_for(shot, [&] {
-    ApparentGround ground = straighten(bed.mesh(), facets, scene.grid, straightening,
-                                       absorption_db_per_m(scene, *shot.pings().sensor), settings,
-                                       most_a_shot, scene.scattering, &outlook);
-    bed.name_by_scene(ground);
-    return ShotGround(shot.site(), std::move(ground));
+const FacetMesh& LyingBed::mesh() const { return tree_ ? relief_.mesh : site_.scene.mesh; }
+
+std::vector<FacetId> LyingBed::facets(std::span<const Outlook> outlooks) const {
+  std::vector<FacetId> all;
+  for (const Outlook& outlook : outlooks) {
+    const std::vector<FacetId> some = outlook.facets(mesh(), tree_ ? *tree_ : *site_.tree, site_.scene.grid);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+void LyingBed::name_by_scene(ApparentGround& ground) const {
+  if (!tree_) return;
+  for (FacetId& facet : ground.refined.parent) facet = relief_.parent[facet];
+  for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
+}
+
+ShotStraightening::ShotStraightening(const Shot& shot)
+    : shot_(shot),
+      tubes_(shot.tubes()),
+      straightening_(straightening_of(shot.site(), shot.pings(), shot.scene().grid.to_metres(tubes_.apex))),
+      outlook_(tubes_, shot.scene().grid.unit_m(), straightening_),
+      bed_(shot, {&tubes_, 1}, {&outlook_, 1}),
+      facets_(bed_.facets({&outlook_, 1})) {}
+
+ApparentGround ShotStraightening::ground(const StraighteningSettings& settings) const {
+  const Scene& scene = shot_.scene();
+  return made_for(shot_, [&] {
+    return straighten(bed_.mesh(), facets_, scene.grid, straightening_,
+                      absorption_db_per_m(scene, *shot_.pings().sensor), settings, most_a_shot,
+                      scene.scattering, &outlook_);
   });
+}
+
+ShotGround refracted_ground_of(const Shot& shot) {
+  const ShotStraightening seen(shot);
+  ApparentGround ground =
+      seen.ground(straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m()));
+  seen.bed().name_by_scene(ground);
+  return ShotGround(shot.site(), std::move(ground));
 }
 
 RefractedPaths refracted_paths_of(const Shot& shot) {

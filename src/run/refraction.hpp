@@ -24,9 +24,46 @@ Straightening straightening_of(const Site& site, const SensorPings& pings, glm::
 /// As the scene asks for.
 StraighteningSettings straightening_settings(const Shot& shot, double reach_m);
 
+/// The bed of a shot where it lies: the scene's, or with relief as fine as bent rays need it.
+class LyingBed {
+ public:
+  /// `outlooks`: of each set of tubes.
+  LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks);
+
+  const FacetMesh& mesh() const;
+  /// Of any of the outlooks, by increasing id.
+  std::vector<FacetId> facets(std::span<const Outlook> outlooks) const;
+  /// From facets of this bed to the scene's.
+  void name_by_scene(ApparentGround& ground) const;
+
+ private:
+  const Site& site_;
+  RefinedMesh relief_;
+  std::unique_ptr<SceneTree> tree_;  // of the relief
+};
+
 /// The facets of a shot where it sees them. Throws InputError where it takes too many.
 ShotGround refracted_ground_of(const Shot& shot);
-ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& settings);
+
+/// What a shot sees of its bed, straightened as finely as one likes; facets are named by the bed.
+class ShotStraightening {
+ public:
+  /// Throws as refracted_ground_of().
+  explicit ShotStraightening(const Shot& shot);
+  ShotStraightening(const ShotStraightening&) = delete;
+  ShotStraightening& operator=(const ShotStraightening&) = delete;
+  const LyingBed& bed() const { return bed_; }
+  /// Throws as refracted_ground_of().
+  ApparentGround ground(const StraighteningSettings& settings) const;
+
+ private:
+  const Shot& shot_;
+  TubeSet tubes_;
+  Straightening straightening_;
+  Outlook outlook_;
+  LyingBed bed_;
+  std::vector<FacetId> facets_;
+};
 
 /// What transmitter and receiver, apart, see together of a shot. Throws as refracted_ground_of().
 struct RefractedPaths {

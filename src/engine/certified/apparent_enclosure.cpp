@@ -9,6 +9,8 @@
 #include <glm/vec2.hpp>
 #include <numbers>
 
+#include "engine/certified/apparent_scattering.hpp"
+#include "engine/certified/reference.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
@@ -102,16 +104,22 @@ Bends bends_of(const RayJets& rays, const glm::dvec3& normal) {
   return {std::sqrt(all2) * (1 + slack), std::sqrt(across2) * (1 + slack)};
 }
 
+/// What lies on a facet.
+struct Surface {
+  const ScatteringLaw* law = nullptr;  ///< none: Lambert's, but for its mu
+  double most = 1;                     ///< of mu, or 1 with a law; times the texture
+};
+
 class Encloser {
  public:
-  Encloser(const RayEnclosure& rays, double reference_speed_m_s, double absorption_db_per_m)
+  Encloser(const RayEnclosure& rays, double absorption_db_per_m)
       : rays_(rays),
-        speed_(reference_speed_m_s),
+        speed_(rays.reference_speed_m_s()),
         absorption_(absorption_db_per_m),
         beta_(outwards(std::numbers::ln10 / 5, std::numbers::ln10 / 5, 4)) {}
 
   FacetEnclosure enclose(const Corners& base, const Corners& truth, const Corners& seen, double pad_m,
-                         double mu) const {
+                         const Surface& surface) const {
     FacetEnclosure facet;
     facet.seen = truth;
     facet.nearest_m = nearest_of(truth) * rays_.least_stretch();
@@ -145,10 +153,10 @@ class Encloser {
 
     // All of it in boxes; in smaller ones while that says more.
     Gathered best;
-    if (!gather(flat, facet.normal, alone, 1, best)) return facet;
+    if (!gather(flat, facet.normal, alone, surface.law, 1, best)) return facet;
     for (int parts = 2; parts <= 8; parts *= 2) {
       Gathered finer;
-      if (!gather(flat, facet.normal, alone, parts, finer)) return facet;
+      if (!gather(flat, facet.normal, alone, surface.law, parts, finer)) return facet;
       const auto slopes = [](const Gathered& all) { return all.level_a.largest() + all.level_b.largest(); };
       const bool enough = finer.bends.across > 0.8 * best.bends.across && slopes(finer) > 0.8 * slopes(best);
       best = finer;
@@ -168,14 +176,18 @@ class Encloser {
     facet.seen = seen;
     facet.nearest_m = std::max(nearest_of(seen) - facet.gap_m, 0.0);
     facet.farthest_m = farthest_of(seen) + facet.gap_m;
-    facet.most_per_sr = mu * best.per_sr.hi;
-    facet.most = mu * best.per_area.hi * flat.area_m2 * (1 + 100 * pad_m / flat.height_m);
+    facet.most_per_sr = surface.most * best.per_sr.hi;
+    facet.most = surface.most * best.per_area.hi * flat.area_m2 * (1 + 100 * pad_m / flat.height_m);
     facet.state = FacetEnclosure::State::loose;
 
     const double sine = facet.plane_m / facet.farthest_m;
     facet.shift_m = sine > 0 ? across_m / sine * (1 + slack) : infinite;
     // A ray that meets the image beside the facet's own part of it has to do so within the margin.
-    const bool within = facet.gap_m / sine / least_stretch(flat, seen) <= flat.margin_m;
+    const double drift_m = facet.gap_m / sine / least_stretch(flat, seen);
+    const bool within = drift_m <= flat.margin_m;
+    // Corners beside the plane, and the rounding of a map between triangles as thin as this one.
+    facet.place_off_m =
+        (drift_m + 4 * pad_m + 1e-14 * flat.longest_m * flat.longest_m / flat.height_m) * (1 + slack);
     const Interval towards = middle_sine(flat, *middle);
     if (!within || !(facet.shift_m < facet.nearest_m / 4) || best.sine.may_be_zero() ||
         (towards.lo > 0) != (facing > 0))
@@ -184,13 +196,31 @@ class Encloser {
     Interval level = log(towards.lo > 0 ? towards : -towards) +
                      3.0 * log(speed_ * middle->slowness_s_per_m.v) - log(middle->area_ratio_per_sr.v) -
                      beta_ * db - log(outwards(facet.plane_m * (1 - slack), facet.plane_m * (1 + slack)));
-    Interval change = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      const Interval own = best.level_a * flat.at[k].x + best.level_b * flat.at[k].y;
-      change = k == 0 ? own : hull(change, own);
+    // What slopes make between the middle and the corners, and in the margin around them.
+    const auto change = [&](const Interval& a, const Interval& b) {
+      Interval all = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        const Interval own = a * flat.at[k].x + b * flat.at[k].y;
+        all = k == 0 ? own : hull(all, own);
+      }
+      return all;
+    };
+    const auto beside = [&](const Interval& a, const Interval& b) {
+      const double wide = flat.margin_m * (a.largest() + b.largest());
+      return Interval(-wide, wide);
+    };
+    level = level + change(best.level_a, best.level_b) + beside(best.level_a, best.level_b);
+    if (surface.law != nullptr) {
+      const GrazingPatch at = grazing(flat, facet.normal, *middle, places(flat, 0.0, 0.0));
+      const Interval ratio = log((towards.lo > 0 ? towards : -towards) * speed_ * middle->slowness_s_per_m.v /
+                                 height_of(facet.normal, *middle).v);
+      const auto scattering = apparent_scattering(
+          *surface.law, at, ratio, best.grazing,
+          [&](const Interval& a, const Interval& b) { return change(a, b) + beside(a, b); });
+      if (!scattering) return facet;
+      facet.law = scattering->law;
+      level = level + scattering->rest;
     }
-    const double beside = flat.margin_m * (best.level_a.largest() + best.level_b.largest());
-    level = level + change + Interval(-beside, beside);
     const double range = 3 * std::log1p(facet.shift_m / (facet.nearest_m - facet.shift_m)) +
                          beta_.hi * absorption_ * facet.shift_m;
     facet.factor = exp(level + Interval(-range, range));
@@ -202,11 +232,38 @@ class Encloser {
   struct Gathered {
     Bends bends;
     Interval level_a, level_b, per_sr, per_area, sine;
+    std::vector<GrazingPatch> grazing;  // of a law
   };
 
+  /// The places of a facet's plane that are a and b from its middle.
+  static std::array<Jet, 2> places(const Flat& flat, const Interval& a, const Interval& b) {
+    std::array<Jet, 2> at;
+    for (int k = 0; k < 2; ++k) {
+      at[k].v = flat.padded(flat.centre_m)[k] + a * flat.u[k] + b * flat.v[k];
+      at[k].a = flat.u[k];
+      at[k].b = flat.v[k];
+    }
+    return at;
+  }
   static Interval middle_sine(const Flat& flat, const RayJets& rays) {
     const std::array<Interval, 3> centre = flat.padded(flat.centre_m);
     return sine_of(flat, rays, {centre[0], centre[1]}).v;
+  }
+  /// Height of the apex above the apparent facet's plane that a ray's image is on, as far as it is.
+  static Jet height_of(const glm::dvec3& normal, const RayJets& rays) {
+    Jet height;
+    for (int i = 0; i < 3; ++i) height = height + Jet(normal[i]) * rays.image[i];
+    return height;
+  }
+  GrazingPatch grazing(const Flat& flat, const glm::dvec3& normal, const RayJets& rays,
+                       const std::array<Jet, 2>& at) const {
+    const Jet lies = sine_of(flat, rays, at), height = height_of(normal, rays),
+              seen = height / (Jet(speed_) * rays.time_s);
+    const auto ratio = [&](const Interval& of_lies, const Interval& of_slowness, const Interval& of_height) {
+      return of_lies / lies.v + of_slowness / rays.slowness_s_per_m.v - of_height / height.v;
+    };
+    return {seen.v, seen.a, seen.b, ratio(lies.a, rays.slowness_s_per_m.a, height.a),
+            ratio(lies.b, rays.slowness_s_per_m.b, height.b)};
   }
   /// Sine of the grazing angle on the true facet times the distance: that of the plane, in even water.
   static Jet sine_of(const Flat& flat, const RayJets& rays, const std::array<Jet, 2>& at) {
@@ -221,7 +278,8 @@ class Encloser {
     return {least - flat.margin_m, most + flat.margin_m};
   }
 
-  bool gather(const Flat& flat, const glm::dvec3& normal, bool alone, int parts, Gathered& all) const {
+  bool gather(const Flat& flat, const glm::dvec3& normal, bool alone, const ScatteringLaw* law, int parts,
+              Gathered& all) const {
     const auto [least, most] = box_of(flat);
     const glm::dvec2 step = (most - least) / double(parts);
     bool first = true;
@@ -232,12 +290,7 @@ class Encloser {
         const Interval a(from.x, to.x), b(from.y, to.y);
         const auto rays = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, a, b, alone);
         if (!rays) return false;
-        std::array<Jet, 2> at;
-        for (int k = 0; k < 2; ++k) {
-          at[k].v = flat.padded(flat.centre_m)[k] + a * flat.u[k] + b * flat.v[k];
-          at[k].a = flat.u[k];
-          at[k].b = flat.v[k];
-        }
+        const std::array<Jet, 2> at = places(flat, a, b);
         const Jet sine = sine_of(flat, *rays, at);
         const Jet beyond = rays->absorption_db - Jet(absorption_ * speed_) * rays->time_s;
         const Interval lost = exp(-(beta_ * rays->absorption_db.v)), ratio = rays->area_ratio_per_sr.v;
@@ -246,9 +299,17 @@ class Encloser {
         Gathered own;
         own.bends = bends_of(*rays, normal);
         own.sine = sine.v;
-        own.per_sr = size * lost / area;
+        Interval scattered = squared(size), by_sine = size;
+        if (law != nullptr) {
+          const Interval along = sine.v / distance;
+          const double flattest = along.may_be_zero() ? 0 : std::min(std::abs(along.lo), std::abs(along.hi));
+          own.grazing.push_back(grazing(flat, normal, *rays, at));
+          scattered = Interval(0, largest_cross_section(*law, {flattest, size.hi}));
+          by_sine = Interval(0, scattered.hi / flattest);
+        }
+        own.per_sr = by_sine * lost / area;
         // Areas per steradian there and back: their ratio is that of the squared sound speeds.
-        own.per_area = squared(size) * lost / squared(area * rays_.least_area_ratio());
+        own.per_area = scattered * lost / squared(area * rays_.least_area_ratio());
         const auto slope = [&](const Interval& of_sine, const Interval& of_time, const Interval& of_area,
                                const Interval& of_db) {
           return of_sine / sine.v + 3.0 * (of_time / rays->slowness_s_per_m.v) - of_area / ratio -
@@ -261,6 +322,7 @@ class Encloser {
           first = false;
           continue;
         }
+        all.grazing.insert(all.grazing.end(), own.grazing.begin(), own.grazing.end());
         all.bends.all = std::max(all.bends.all, own.bends.all);
         all.bends.across = std::max(all.bends.across, own.bends.across);
         for (Interval Gathered::*part : {&Gathered::level_a, &Gathered::level_b, &Gathered::per_sr,
@@ -302,29 +364,36 @@ class Encloser {
 
 }  // namespace
 
-ApparentEnclosures enclose(const ApparentGround& ground, const FacetMesh& base, const WorldGrid& grid,
-                           const RayEnclosure& rays, double reference_speed_m_s,
-                           std::span<const double> lambert_mu, double absorption_db_per_m) {
-  const FacetMesh& mesh = ground.refined.mesh;
-  const Encloser encloser(rays, reference_speed_m_s, absorption_db_per_m);
+ApparentEnclosures enclose(const StraightenedBed& bed, const RayEnclosure& rays, const EchoLaw& law) {
+  const FacetMesh& mesh = bed.mesh();
+  const Encloser encloser(rays, law.absorption_db_per_m);
   const glm::dvec3 apex = rays.apex_m();
+  const auto textures = certified_textures(law);
+  std::vector<Surface> surfaces;
+  for (std::size_t material = 0; material < law.material_mu.size(); ++material) {
+    Surface surface{law.scattering.empty() ? nullptr : law.scattering[material].get(),
+                    law.material_mu[material]};
+    if (surface.law != nullptr) surface.most = 1;
+    if (textures[material] != nullptr) surface.most *= textures[material]->range().hi();
+    surfaces.push_back(surface);
+  }
   ApparentEnclosures all;
   all.facets.resize(mesh.facets.size());
   Steps steps("facets", mesh.facets.size());
   tbb::parallel_for(std::size_t{0}, mesh.facets.size(), [&](std::size_t f) {
     steps.done();
-    Corners parent, truth, seen;
-    const auto& whole = base.facets[ground.refined.parent[f]];
+    Corners base, truth, seen;
+    const auto& whole = bed.base.facets[bed.parent[f]];
     for (std::size_t k = 0; k < 3; ++k) {
-      parent[k] = grid.to_metres(base.vertices[whole[k]]) - apex;
-      truth[k] = ground.truth[mesh.facets[f][k]] - apex;
-      seen[k] = grid.to_metres(mesh.vertices[mesh.facets[f][k]]) - apex;
+      base[k] = bed.grid.to_metres(bed.base.vertices[whole[k]]) - apex;
+      truth[k] = bed.ground.truth[mesh.facets[f][k]] - apex;
+      seen[k] = bed.grid.to_metres(mesh.vertices[mesh.facets[f][k]]) - apex;
     }
-    all.facets[f] = encloser.enclose(parent, truth, seen, 2 * grid.unit_m(), lambert_mu[mesh.material[f]]);
+    all.facets[f] = encloser.enclose(base, truth, seen, 2 * bed.grid.unit_m(), surfaces[mesh.material[f]]);
   });
   for (const FacetEnclosure& facet : all.facets)
     if (facet.state == FacetEnclosure::State::unproven) all.unproven.push_back(facet);
-  for (const auto& corners : ground.left_out_m) {
+  for (const auto& corners : bed.ground.left_out_m) {
     FacetEnclosure facet;
     for (std::size_t k = 0; k < 3; ++k) facet.seen[k] = corners[k] - apex;
     facet.nearest_m = nearest_of(facet.seen) * rays.least_stretch();

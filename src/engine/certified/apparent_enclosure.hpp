@@ -2,13 +2,15 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/ground/refracted_ground.hpp"
+#include "engine/law/echo_law.hpp"
 #include "engine/water/ray_enclosure.hpp"
+#include "geometry/search/scene_tree.hpp"
 
 namespace tubefoot {
 
@@ -32,6 +34,10 @@ struct FacetEnclosure {
   double nearest_m = 0, farthest_m = 0;  ///< ranges of the image
   /// What the facet returns along a ray over what the straight law makes of the apparent facet.
   Interval factor;
+  /// The straight law, of a material that has one; none: Lambert's.
+  std::optional<ScatteringLaw> law;
+  /// No place that a ray meets is farther from where the facet's map (FacetMap) has it.
+  double place_off_m = 0;
   double most_per_sr = 0;  ///< upper bound of what it returns [J] per steradian of launch
   double most = 0;         ///< and in all
 };
@@ -41,10 +47,18 @@ struct ApparentEnclosures {
   std::vector<FacetEnclosure> unproven;  ///< facets that may be seen, among them those that were left out
 };
 
-/// Encloses the facets of an apparent ground that was made of `base`. `lambert_mu`: by material.
-/// `absorption_db_per_m`: what the echo law applies to apparent ranges.
-ApparentEnclosures enclose(const ApparentGround& ground, const FacetMesh& base, const WorldGrid& grid,
-                           const RayEnclosure& rays, double reference_speed_m_s,
-                           std::span<const double> lambert_mu, double absorption_db_per_m);
+/// An apparent ground, and the facets that it is straightened of.
+struct StraightenedBed {
+  const ApparentGround& ground;
+  const SceneTree& tree;              ///< of the apparent facets
+  const FacetMesh& base;              ///< flat facets, where they lie
+  std::span<const FacetId> parent{};  ///< by apparent facet: the one that it is part of
+  const WorldGrid& grid;
+
+  const FacetMesh& mesh() const { return ground.refined.mesh; }
+};
+
+/// Encloses the facets of an apparent ground. `law`: that of apparent ranges.
+ApparentEnclosures enclose(const StraightenedBed& bed, const RayEnclosure& rays, const EchoLaw& law);
 
 }  // namespace tubefoot

@@ -22,17 +22,28 @@ constexpr double largest_off = 0.01;
 
 class Cutter {
  public:
-  Cutter(const CertifiedPolygon& polygon, const CertifiedTexture& texture, glm::dvec3 apex_m,
+  Cutter(const CertifiedPolygon& polygon, const CertifiedTexture& texture, const FacetMap& lies,
          std::size_t most, const CellSink& sink)
       : polygon_(polygon), most_(most), sink_(sink) {
     cell_.texture = &texture;
-    const std::array<Ball, 3> apex{Ball(apex_m.x), Ball(apex_m.y), Ball(apex_m.z)};
+    const auto balls = [](const glm::dvec3& p) {
+      return std::array<Ball, 3>{Ball(p.x), Ball(p.y), Ball(p.z)};
+    };
+    // Ways where the polygon lies, of ways where it is seen.
+    const auto way = [&](const std::array<Ball, 3>& e) {
+      std::array<Ball, 3> on;
+      for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) on[row] += Ball(lies.linear[column][row]) * e[column];
+      return on;
+    };
+    const std::array<Ball, 3> at = balls(lies.lies_m), from = way(balls(lies.seen_m)),
+                              away = way(polygon.away), u = way(polygon.u), v = way(polygon.v);
     for (const CertifiedTexture::Axis& axis : texture.axes()) {
       const auto along = [&](const std::array<Ball, 3>& e) {
         return axis.per_m[0] * e[0] + axis.per_m[1] * e[1] + axis.per_m[2] * e[2];
       };
-      cell_.traces.push_back({along(apex) + along(polygon.away) * polygon.distance + axis.origin,
-                              along(polygon.u), along(polygon.v)});
+      cell_.traces.push_back(
+          {along(at) + along(away) * polygon.distance + axis.origin - along(from), along(u), along(v)});
     }
     cell_.cell.resize(cell_.traces.size());
   }
@@ -128,10 +139,10 @@ double CertifiedCell::largest(const ComplexBall& rho, const ComplexBall& angle) 
   return std::max(texture->largest(cell, at(*this, rho, angle)), least_bound);
 }
 
-std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture, glm::dvec3 apex_m,
-                         std::size_t most, const CellSink& sink) {
+std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture,
+                         const FacetMap& lies, std::size_t most, const CellSink& sink) {
   if (polygon.edges.size() < 3) return 0;
-  return Cutter(polygon, texture, apex_m, most, sink).cut();
+  return Cutter(polygon, texture, lies, most, sink).cut();
 }
 
 }  // namespace tubefoot

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/certified/certified_texture.hpp"
+#include "engine/law/facet_map.hpp"
 #include "geometry/integrals/certified_polygon.hpp"
 
 namespace tubefoot {
@@ -34,10 +35,11 @@ struct CertifiedCell {
 /// Receives the parts of a polygon by cell.
 using CellSink = std::function<void(const CertifiedPolygon& part, const CertifiedCell& cell)>;
 
-/// Cuts a convex polygon along the planes between a texture's cells. `apex_m`: where the polygon's apex is.
-/// The parts are the polygon, no more and no less (CertifiedPolygon's split). Returns their number,
-/// or 0 if there are more than `most`: then the sink has seen some of them. Without a sink they are counted.
-std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture, glm::dvec3 apex_m,
-                         std::size_t most, const CellSink& sink);
+/// Cuts a convex polygon along the planes between a texture's cells. `lies`: where the polygon lies, which is
+/// told relative to its apex; the map is taken for exact. The parts are the polygon, no more and no less
+/// (CertifiedPolygon's split). Returns their number, or 0 if there are more than `most`: then the sink has
+/// seen some of them. Without a sink they are counted.
+std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture,
+                         const FacetMap& lies, std::size_t most, const CellSink& sink);
 
 }  // namespace tubefoot

@@ -69,9 +69,11 @@ double CertifiedMap::largest(std::span<const std::int64_t> cell, std::span<const
   return largest * up;
 }
 
-double CertifiedMap::difference(double off) const {
-  // A tenth more for the slopes' own change outside.
-  return 2 * 1.1 * (along_columns_ + along_rows_) * off;
+double CertifiedMap::difference(double off) const { return 2 * change(off); }
+
+double CertifiedMap::change(double off) const {
+  // A tenth more for the slopes' own change outside of a cell.
+  return 1.1 * (along_columns_ + along_rows_) * off;
 }
 
 }  // namespace tubefoot

@@ -20,6 +20,7 @@ class CertifiedMap : public CertifiedTexture {
   Ball factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const override;
   double largest(std::span<const std::int64_t> cell, std::span<const ComplexBall> q) const override;
   double difference(double off) const override;
+  double change(double off) const override;
   Ball range() const override { return Ball::between(least_, most_); }
 
  private:

@@ -105,9 +105,9 @@ double CertifiedPerlin::largest(std::span<const std::int64_t> cell, std::span<co
   return (1 + std::abs(depth_) * sum) * up;
 }
 
-double CertifiedPerlin::difference(double off) const {
-  return 2 * 3 * steepest * off * std::abs(depth_) * up;
-}
+double CertifiedPerlin::difference(double off) const { return 2 * change(off); }
+
+double CertifiedPerlin::change(double off) const { return 3 * steepest * off * std::abs(depth_) * up; }
 
 Ball CertifiedPerlin::range() const {
   return Ball(1) + Ball(std::abs(depth_) * largest_noise * up) * Ball::between(-1, 1);

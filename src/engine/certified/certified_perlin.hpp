@@ -21,6 +21,7 @@ class CertifiedPerlin : public CertifiedTexture {
   Ball factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const override;
   double largest(std::span<const std::int64_t> cell, std::span<const ComplexBall> q) const override;
   double difference(double off) const override;
+  double change(double off) const override;
   Ball range() const override;
 
  private:

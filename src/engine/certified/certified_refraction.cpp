@@ -12,6 +12,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "engine/certified/certified_cells.hpp"
 #include "engine/certified/certified_integral.hpp"
 #include "engine/certified/uncertain_edges.hpp"
 #include "geometry/steps/steps.hpp"
@@ -29,24 +30,114 @@ struct Between {
 };
 using Bins = std::map<std::size_t, Between>;
 
-void check_reference(const EchoLaw& law) {
-  const auto any = [](const auto& list) {
-    return std::any_of(list.begin(), list.end(), [](const auto& entry) { return entry != nullptr; });
-  };
-  if (any(law.reflectivity) || any(law.scattering))
-    throw std::invalid_argument(
-        "a reference through refracting water knows Lambert's law and even beds alone");
-}
-
 /// Samples that are cut `shift_m` before and after each border: number 2 k + 1 is surely of sample k, and 2 k
 /// lies about the border between k - 1 and k.
-std::vector<double> borders_about(std::span<const double> borders, double shift_m) {
-  std::vector<double> about;
-  for (const double b : borders) {
-    about.push_back(std::max(b - shift_m, 0.0));
-    about.push_back(b + shift_m);
+class ShiftedSamples {
+ public:
+  ShiftedSamples(std::span<const double> borders, double step_m, double shift_m)
+      : borders_(borders), shift_m_(shift_m), most_shift_m_(0.45 * step_m) {
+    // An interval so wide that borders meet is one sample about each.
+    const double shift = std::min(shift_m_, most_shift_m_);
+    for (const double b : borders) {
+      about_.push_back(std::max(b - shift, 0.0));
+      about_.push_back(b + shift);
+    }
   }
-  return about;
+  std::span<const double> borders() const { return about_; }
+
+  /// What a part of these samples has, from `lo` to `hi`, to the beam's bins.
+  void add(std::uint32_t beam, std::uint32_t sample, double lo, double hi, Bins& bins) const {
+    const std::size_t row = borders_.size() - 1, first = beam * row;
+    if (shift_m_ > most_shift_m_) {
+      const double from = about_[sample] - shift_m_ - most_shift_m_,
+                   to = about_[sample + 1] + shift_m_ + most_shift_m_;
+      for (std::size_t k = 0; k < row; ++k)
+        if (borders_[k] <= to && borders_[k + 1] >= from) bins[first + k].hi += hi;
+    } else if (sample % 2 == 1) {
+      Between& bin = bins[first + sample / 2];
+      bin.lo += lo;
+      bin.hi += hi;
+    } else {
+      if (sample / 2 < row) bins[first + sample / 2].hi += hi;
+      if (sample > 0) bins[first + sample / 2 - 1].hi += hi;
+    }
+  }
+
+ private:
+  std::span<const double> borders_;
+  double shift_m_, most_shift_m_;
+  std::vector<double> about_;
+};
+
+/// What all pieces share.
+struct Asked {
+  const EchoLaw& law;
+  std::vector<std::shared_ptr<const CertifiedTexture>> textures;  // by material
+  std::vector<double> borders, target;
+  double step_m, tolerance;
+  Ball beta;
+};
+
+/// One visible piece of a proven facet, and the tube that sees it.
+struct ProvenPiece {
+  const CertifiedPolygon& polygon;
+  const FacetEnclosure& facet;
+  FacetId id;
+  std::uint32_t tube, beam;
+};
+
+void add_piece(const ProvenPiece& piece, const Asked& asked, Bins& bins) {
+  const EchoLaw& law = asked.law;
+  const CertifiedPolygon& polygon = piece.polygon;
+  const FacetEnclosure& facet = piece.facet;
+  const std::uint16_t material = law.material[piece.id];
+  const std::size_t row = asked.borders.size() - 1;
+  const ShiftedSamples samples(asked.borders, asked.step_m, facet.shift_m * (1 + slack));
+  CertifiedIntegrator integrator(samples.borders(), asked.beta);
+  if (facet.law) integrator.take_law(&*facet.law);
+  const Ball factor = facet.law ? Ball(1) : Ball(law.material_mu[material]) * squared(polygon.distance);
+  const double size = factor.hi() * facet.factor.hi;
+  std::size_t cells = 1;
+  const CertifiedIntegrator::Allowance allowance{
+      asked.tolerance / 50, [&](std::uint32_t beam, std::uint32_t sample) {
+        const std::size_t bin = beam * row + std::min<std::size_t>(sample / 2, row - 1);
+        return std::max(asked.target[bin] / 2000 / double(cells) / size, 1e-300);
+      }};
+  // `times`: of a part, all that is not in its integral.
+  const auto add = [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Between& times) {
+    const auto sink = [&](const Part<Ball>& own) {
+      const Ball whole = factor * own.value;
+      const double hi = whole.hi() * facet.factor.hi * (1 + slack),
+                   lo = std::max(whole.lo() * facet.factor.lo * (1 - slack), 0.0);
+      samples.add(own.beam, own.sample, (times.lo < 0 ? hi : lo) * times.lo, hi * times.hi, bins);
+    };
+    if (law.patterns != nullptr)
+      integrator.add(part, *law.patterns, piece.tube, allowance, sink, cell);
+    else
+      integrator.add(part, piece.beam, allowance, sink, cell);
+  };
+  const CertifiedTexture* texture = asked.textures[material].get();
+  if (texture == nullptr) return add(polygon, nullptr, {1, 1});
+  const Between range{std::max(texture->range().lo(), 0.0), texture->range().hi()};
+  const FacetMap& lies = law.path.out.facet_map[piece.id];
+  const bool worth_it = range.hi - range.lo > asked.tolerance / 8 * range.lo;
+  cells = worth_it ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
+  if (cells == 0) {
+    cells = 1;
+    return add(polygon, nullptr, range);
+  }
+  cut_by_cells(polygon, *texture, lies, most_cells,
+               [&](const CertifiedPolygon& part, const CertifiedCell& cell) {
+                 add(part, &cell, {1, 1});
+               });
+  // Places are not quite where the map has them.
+  double per_m = 0;
+  for (const CertifiedTexture::Axis& axis : texture->axes())
+    per_m =
+        std::max(per_m, root(squared(axis.per_m[0]) + squared(axis.per_m[1]) + squared(axis.per_m[2])).hi());
+  const double change = std::min(texture->change(per_m * facet.place_off_m * (1 + slack)), range.hi);
+  cells = 1;
+  add(polygon, nullptr, {-change, change});
 }
 
 /// Which facets have images that a tube may see.
@@ -153,21 +244,28 @@ class Unknown {
 
 }  // namespace
 
-RefractedReference certify_refracted_echo(const FacetMesh& apparent, const SceneTree& tree,
-                                          std::span<const FacetId> parent,
-                                          const ApparentEnclosures& enclosures, const RayEnclosure& rays,
+RefractedReference certify_refracted_echo(const StraightenedBed& bed, const RayEnclosure& rays,
                                           const History& history, const VisibilityOptions& options,
                                           std::span<const std::uint32_t> beam_of_tube,
                                           const RangeSamples& samples, const EchoLaw& law,
                                           const Echo& ordinary, double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
-  check_reference(law);
-  const std::vector<double> borders = sample_borders_m(samples);
-  const std::vector<double> target = reference_targets(ordinary, tolerance);
-  const Ball beta = Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10);
+  const Asked asked{law,
+                    certified_textures(law),
+                    sample_borders_m(samples),
+                    reference_targets(ordinary, tolerance),
+                    samples.step_m,
+                    tolerance,
+                    Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)};
+  if (law.path.out.facet_map.empty() &&
+      std::ranges::any_of(asked.textures, [](const auto& texture) { return texture != nullptr; }))
+    throw std::invalid_argument("a micro-texture is that of where facets lie: it takes their maps");
+  const FacetMesh& apparent = bed.mesh();
+  const std::vector<double>& borders = asked.borders;
   const auto row = std::size_t(samples.count);
-  const UncertainEdges edges(apparent, parent, enclosures);
+  const ApparentEnclosures enclosures = enclose(bed, rays, law);
+  const UncertainEdges edges(apparent, bed.parent, enclosures);
   const Unknown unknown(enclosures.unproven, rays);
   TubeSet tubes = history.tubes;
   // Facets that begin beyond the reach may be seen before it.
@@ -184,7 +282,7 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
     steps.done();
     auto& [visibility, seen] = threads.local();
-    see(apparent, tree, tubes, tube, options, visibility, seen);
+    see(apparent, bed.tree, tubes, tube, options, visibility, seen);
     const NameContext context{apparent, tubes.apex, seen.rays};
     Bins& bins = by_tube[tube];
     const auto beams = law.patterns != nullptr ? law.patterns->beams_of_tube[tube]
@@ -207,7 +305,7 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
     TubeSet own = tubes;
     own.tubes = {tubes.tubes[tube]};
     const Sector sector(own, history.grid_unit_m);
-    const std::vector<FacetId> nearby = looked.in(sector, tree);
+    const std::vector<FacetId> nearby = looked.in(sector, bed.tree);
     for (const FacetId f : nearby) {
       const FacetEnclosure& facet = enclosures.facets[f];
       if (facet.state == State::loose)
@@ -221,39 +319,7 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
       pieces.push_back(seen_piece(piece, polygon));
       const FacetEnclosure& facet = enclosures.facets[piece.facet];
       if (facet.state != State::proven || polygon.edges.size() < 3) continue;
-      // An interval so wide that borders meet is one sample about each.
-      const double shift = facet.shift_m * (1 + slack), most_shift = 0.45 * samples.step_m;
-      const std::vector<double> about = borders_about(borders, std::min(shift, most_shift));
-      CertifiedIntegrator integrator(about, beta);
-      const Ball factor = Ball(law.material_mu[law.material[piece.facet]]) * squared(polygon.distance);
-      const double size = factor.hi() * facet.factor.hi;
-      const CertifiedIntegrator::Allowance allowance{
-          tolerance / 50, [&](std::uint32_t beam, std::uint32_t sample) {
-            const std::size_t bin = beam * row + std::min<std::size_t>(sample / 2, row - 1);
-            return std::max(target[bin] / 2000 / size, 1e-300);
-          }};
-      const auto sink = [&](const Part<Ball>& part) {
-        const auto [beam, sample] = std::pair(part.beam, part.sample);
-        const Ball whole = factor * part.value;
-        const double hi = whole.hi() * facet.factor.hi * (1 + slack),
-                     lo = std::max(whole.lo() * facet.factor.lo * (1 - slack), 0.0);
-        if (shift > most_shift) {
-          const double from = about[sample] - shift - most_shift, to = about[sample + 1] + shift + most_shift;
-          for (std::size_t k = 0; k < row; ++k)
-            if (borders[k] <= to && borders[k + 1] >= from) bins[beam * row + k].hi += hi;
-        } else if (sample % 2 == 1) {
-          Between& bin = bins[beam * row + sample / 2];
-          bin.lo += lo;
-          bin.hi += hi;
-        } else {
-          if (sample / 2 < row) bins[beam * row + sample / 2].hi += hi;
-          if (sample > 0) bins[beam * row + sample / 2 - 1].hi += hi;
-        }
-      };
-      if (law.patterns != nullptr)
-        integrator.add(polygon, *law.patterns, tube, allowance, sink);
-      else
-        integrator.add(polygon, beam_of_tube[tube], allowance, sink);
+      add_piece({polygon, facet, piece.facet, tube, beam_of_tube[tube]}, asked, bins);
     }
     edges.add_doubts(context, seen, pieces, nearby, doubt);
 
@@ -293,9 +359,9 @@ RefractedReference certify_refracted_echo(const FacetMesh& apparent, const Scene
     Echo least = finite.echo;
     for (std::size_t bin = 0; bin < total.size(); ++bin)
       least.energy[bin] = std::max(least.energy[bin] - finite.bound[bin], 0.0);
-    const std::vector<double> asked = reference_targets(least, tolerance);
+    const std::vector<double> targets = reference_targets(least, tolerance);
     for (std::size_t bin = 0; bin < total.size(); ++bin)
-      if (finite.bound[bin] > asked[bin]) excess.push_back(finite.bound[bin] / asked[bin]);
+      if (finite.bound[bin] > targets[bin]) excess.push_back(finite.bound[bin] / targets[bin]);
     const auto middle = excess.begin() + std::ssize(excess) / 2;
     std::nth_element(excess.begin(), middle, excess.end());
     reference.usual_excess = *middle;

@@ -39,13 +39,11 @@ class CertifiedProduct : public CertifiedTexture {
 
   double difference(double off) const override {
     // Each layer's factors may be off by its own difference, in the cell's values and outside of it.
-    Ball with(1), without(1);
-    for (const auto& layer : layers_) {
-      const Ball largest(layer->range().hi());
-      with = with * (largest + Ball(layer->difference(off)));
-      without = without * largest;
-    }
-    return (Ball(2) * (with - without)).hi();
+    return 2 * more_by([&](const CertifiedTexture& layer) { return layer.difference(off); });
+  }
+
+  double change(double off) const override {
+    return more_by([&](const CertifiedTexture& layer) { return layer.change(off); });
   }
 
   Ball range() const override {
@@ -55,6 +53,18 @@ class CertifiedProduct : public CertifiedTexture {
   }
 
  private:
+  /// What the largest product grows by where each layer's factor does by what `more` says.
+  template <class More>
+  double more_by(const More& more) const {
+    Ball with(1), without(1);
+    for (const auto& layer : layers_) {
+      const Ball largest(layer->range().hi());
+      with = with * (largest + Ball(more(*layer)));
+      without = without * largest;
+    }
+    return (with - without).hi();
+  }
+
   template <class N, class Take>
   void each(std::span<const std::int64_t> cell, std::span<const N> q, const Take& take) const {
     std::size_t first = 0;

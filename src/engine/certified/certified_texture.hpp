@@ -36,6 +36,9 @@ class CertifiedTexture {
   /// itself does.
   virtual double difference(double off) const = 0;
 
+  /// The factors of two places that are apart by no more than `off` along each axis differ by no more.
+  virtual double change(double off) const = 0;
+
   /// Encloses all factors.
   virtual Ball range() const = 0;
 };

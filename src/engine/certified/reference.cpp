@@ -20,8 +20,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double least_allowed = 1e-300;
-/// Of a texture, in one piece: half a minute's work. A piece of more is enclosed by the texture's range.
-constexpr std::size_t most_cells = 1 << 16;
 
 std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
                                                  std::span<const std::uint32_t> beam_of_tube,
@@ -45,18 +43,6 @@ std::vector<double> slabs_of_bins(const History& history, std::span<const std::u
         slabs[beam * samples + std::size_t(k)] += 4.0 * footprint.piece_count;
   }
   return slabs;
-}
-
-/// By material; null where it is even.
-std::vector<std::shared_ptr<const CertifiedTexture>> textures_of(const EchoLaw& law) {
-  if (const auto material = material_without_enclosure(law.reflectivity))
-    throw std::invalid_argument(
-        fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
-  std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
-  for (std::size_t material = 0; material < law.reflectivity.size(); ++material)
-    if (law.reflectivity[material] != nullptr)
-      textures.at(material) = certified_texture(law.reflectivity[material]);
-  return textures;
 }
 
 using Bins = std::map<std::size_t, Ball>;
@@ -124,10 +110,10 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
       const Ball range = texture->range();
       const bool worth_it = range.hi() - range.lo() > working / 8 * range.lo();
       const std::size_t count =
-          worth_it ? cut_by_cells(polygon, *texture, law.path.out.apex_m, most_cells, {}) : 0;
+          worth_it ? cut_by_cells(polygon, *texture, law.path.out.map_of(piece.facet), most_cells, {}) : 0;
       if (count > 0) {
         cells = count;
-        cut_by_cells(polygon, *texture, law.path.out.apex_m, most_cells,
+        cut_by_cells(polygon, *texture, law.path.out.map_of(piece.facet), most_cells,
                      [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add(part, &cell); });
       } else {
         if (worth_it) any_coarse = true;
@@ -206,6 +192,17 @@ std::optional<std::size_t> material_without_enclosure(
   return std::nullopt;
 }
 
+std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoLaw& law) {
+  if (const auto material = material_without_enclosure(law.reflectivity))
+    throw std::invalid_argument(
+        fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
+  std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
+  for (std::size_t material = 0; material < law.reflectivity.size(); ++material)
+    if (law.reflectivity[material] != nullptr)
+      textures.at(material) = certified_texture(law.reflectivity[material]);
+  return textures;
+}
+
 CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoLaw& law, const Echo& ordinary,
@@ -218,7 +215,7 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   // prove wrong: then all of them are done again, as much narrower as that bin needs.
   constexpr int most_tries = 3;
   double working = tolerance;
-  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = textures_of(law);
+  const std::vector<std::shared_ptr<const CertifiedTexture>> textures = certified_textures(law);
   for (int tries = 1;; ++tries) {
     bool coarse = false;
     CertifiedEcho certified = enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary,

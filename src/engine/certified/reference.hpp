@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/certified/certified_texture.hpp"
 #include "engine/echo/echo.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
@@ -35,6 +36,13 @@ void hold_against(CertifiedEcho& certified, double tolerance);
 /// noise, maps and products of them can be enclosed.
 std::optional<std::size_t> material_without_enclosure(
     std::span<const std::shared_ptr<const ReflectivityField>> reflectivity);
+
+/// The micro-textures of a law by material, null where it is even. Throws std::invalid_argument for one that
+/// cannot be enclosed.
+std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoLaw& law);
+
+/// Of a texture, in one piece: half a minute's work. A piece of more is enclosed by the texture's range.
+constexpr std::size_t most_cells = 1 << 16;
 
 /// Encloses the echo of one ping: exact visibility, corners from exact integers, iso-range cuts and integrals
 /// in ball arithmetic, refined until each bound is at most tolerance * max(energy, reference_floor * the

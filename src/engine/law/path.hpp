@@ -48,6 +48,10 @@ struct Leg {
   /// seen.
   std::span<const FacetMap> facet_map{};
 
+  /// Where a facet lies that is seen.
+  FacetMap map_of(FacetId facet) const {
+    return facet_map.empty() ? FacetMap{glm::dvec3(0), apex_m} : facet_map[facet];
+  }
   /// Where a place on a facet lies that is seen `from_apex_m`; local frame.
   glm::dvec3 true_place(FacetId facet, glm::dvec3 from_apex_m) const {
     return facet_map.empty() ? apex_m + from_apex_m : facet_map[facet].at(from_apex_m);

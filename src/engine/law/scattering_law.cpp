@@ -88,6 +88,28 @@ ScatteringLaw ScatteringLaw::table(std::span<const double> grazing_deg, std::spa
   return law;
 }
 
+ScatteringLaw ScatteringLaw::of_angle(double from_rad, double stretch, double sines) const {
+  ScatteringLaw law;
+  for (const Piece& piece : pieces_) {
+    const double to = (piece.to - from_rad) / stretch;
+    const bool last = &piece == &pieces_.back() || to >= pi / 2;
+    if (!last && !(to > 0)) continue;
+    const double from = std::max((piece.from - from_rad) / stretch, 0.0), own = from_rad + stretch * from;
+    Piece other{from, last ? pi / 2 : to, {}};
+    for (const Term& t : piece.terms) {
+      // The exponent at `from`, and how it goes on.
+      const double curvature = t.curvature * stretch * stretch;
+      other.terms.push_back(
+          {t.level * power_of(sines, t.power) *
+               std::exp(t.slope * (own - piece.from) - t.curvature * own * own + curvature * from * from),
+           stretch * (t.slope - 2 * t.curvature * own) + 2 * curvature * from, curvature, t.power});
+    }
+    law.pieces_.push_back(std::move(other));
+    if (last) break;
+  }
+  return law;
+}
+
 double ScatteringLaw::in_piece(const Piece& piece, double incidence_rad, double sine) {
   double sum = 0;
   for (const Term& t : piece.terms) {

@@ -53,6 +53,11 @@ class ScatteringLaw {
   double cross_section(double sine, double cosine) const;
   double cross_section(double grazing_rad) const;
 
+  /// This law as a function of another angle of incidence psi, from 0 to pi / 2, where its own is
+  /// from_rad + stretch psi and its sine of the grazing angle is `sines` times the other one's: the same
+  /// terms again. stretch > 0; where its own angle would be below 0, its first terms go on.
+  ScatteringLaw of_angle(double from_rad, double stretch, double sines) const;
+
   /// In order of growing incidence; the last one ends at pi / 2.
   const std::vector<Piece>& pieces() const { return pieces_; }
   /// The one that holds an angle of incidence.

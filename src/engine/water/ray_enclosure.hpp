@@ -50,6 +50,7 @@ class RayEnclosure {
                          const Interval& a, const Interval& b) const;
 
   glm::dvec3 apex_m() const { return straightening_.apex_m(); }
+  double reference_speed_m_s() const { return reference_speed_; }
   /// No image is nearer than this times its point.
   double least_stretch() const { return least_stretch_; }
   /// No area per steradian to a point is less than this times that from the point back.

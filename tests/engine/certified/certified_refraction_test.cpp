@@ -12,90 +12,29 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
-#include <numeric>
 #include <random>
 
-#include "engine/sight/tube_engine.hpp"
-#include "fixtures/geometry/metre_meshes.hpp"
+#include "fixtures/world/gradient_bed.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
-const double mu = std::pow(10, -2.7);
-using Triangle = std::array<glm::dvec3, 3>;
+using test::bed_fan;
+using test::bed_gradient;
+using test::GradientBed;
+using test::Triangle;
 
-/// A flat bed of two facets 20 m below the apex, which is 10 m below the surface, and what stands on it.
-struct Site {
-  static constexpr double below_m = 20, apex_depth_m = 10;
-  WorldGrid grid{20, glm::dvec3(0)};
-  FacetMesh base;
+constexpr double degree = GradientBed::degree;
+const double mu = GradientBed::mu;
 
-  explicit Site(const std::vector<Triangle>& more = {}, double half_m = 256, double cell_m = 512) {
-    MeshBuilder builder(grid);
-    test::add_flat_bed(builder, half_m, cell_m, below_m);
-    for (const Triangle& t : more)
-      builder.add(std::vector<glm::dvec3>(t.begin(), t.end()),
-                  std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}}, 1, 1);
-    MeshReport report;
-    base = builder.finish(report);
-  }
-};
-
-TubeSet fan(double width_deg) {
-  AngularGrid angles;
-  for (int k = 0; k <= 2; ++k) angles.azimuth_edges_rad.push_back(width_deg * degree * (k / 2.0 - 0.5));
-  angles.elevation_edges_rad = {-80 * degree, -40 * degree, -20 * degree, -3 * degree};
-  TubeSet set;
-  set.reach = 100 * 0x1p20;
-  append_tubes(set, angles);
-  return set;
-}
-
-RefractedReference certified(const Site& site, const WaterColumn& water, const TubeSet& tubes,
-                             const StraighteningSettings& settings, const RangeSamples& samples,
-                             double absorption, double tolerance) {
-  std::vector<FacetId> all(site.base.facets.size());
-  std::iota(all.begin(), all.end(), 0u);
-  const EigenrayOptions options{.deepest_turn_m = Site::apex_depth_m + Site::below_m};
-  const Straightening straightening(water, glm::dvec3(0), Site::apex_depth_m, options);
-  const Outlook outlook(tubes, site.grid.unit_m(), straightening);
-  const ApparentGround ground =
-      straighten(site.base, all, site.grid, straightening, absorption, settings, {}, {}, &outlook);
-  const FacetMesh& mesh = ground.refined.mesh;
-  const SceneTree tree(mesh);
-  const std::vector<double> material_mu{mu, 3 * mu};
-  EchoLaw law{material_mu, mesh.material, absorption, nullptr};
-  law.path.facet_factor = ground.facet_factor;
-  const std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
-  const History history = TubeEngine(mesh, tree, site.grid.unit_m(), {}).trace(tubes);
-  const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
-  const RayEnclosure rays(straightening, options);
-  const ApparentEnclosures enclosures = enclose(ground, site.base, site.grid, rays,
-                                                straightening.reference_speed_m_s(), material_mu, absorption);
-  return certify_refracted_echo(mesh, tree, ground.refined.parent, enclosures, rays, history, {}, beams,
-                                samples, law, ordinary, tolerance);
-}
-
-WaterColumn gradient(double g, double absorption = 0) {
-  return {SoundSpeedProfile({{-10, 1500 - 20 * g}, {60, 1500 + 50 * g}}),
-          {absorption, absorption, absorption}};
-}
-
-/// Energy from the ring between two one-way travel times, per radian of azimuth (physics.md; the sheet's
-/// section 2.2): area element, tube area, angles and length of one gradient's arcs in closed form, integrated
-/// over the time.
+/// Energy from the ring between two one-way travel times, per radian of azimuth.
 double ring_energy(double g, double t1, double t2, double absorption) {
-  const double h = Site::below_m, cs = 1500, cr = cs + g * h, beta = absorption * std::numbers::ln10 / 5;
-  const auto density = [&](double t) {
-    const double x2 = 2 * cs * cr / (g * g) * (std::cosh(g * t) - 1) - h * h;
-    const double sinh_g = std::sinh(g * t) / g, area = cr * cr * sinh_g * sinh_g;
-    const double chord = std::sqrt(x2 + h * h), tilt = std::atan(g * std::sqrt(x2) / (cs + cr));
-    const double sine = std::sin(std::asin(h / chord) - tilt), length = chord * tilt / std::sin(tilt);
-    return mu * sine * sine * cr * cr / (cs * cs) / (area * area) * cs * cr * sinh_g *
-           std::exp(-beta * length);
-  };
-  return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(density, t1, t2, 5, 1e-13);
+  return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
+      [&](double t) {
+        const test::BedRay ray(g, t, absorption);
+        return mu * ray.sine * ray.sine * ray.density;
+      },
+      t1, t2, 5, 1e-13);
 }
 
 TEST(CertifiedRefraction, HoldsTheClosedFormOfOneGradientAndNotFarInside) {
@@ -109,8 +48,8 @@ TEST(CertifiedRefraction, HoldsTheClosedFormOfOneGradientAndNotFarInside) {
     const RangeSamples samples{26, 0.1 + 0.5 * unit(random), 80};
     const double gap = std::pow(10, -1.5 - 2 * unit(random)), width_deg = 2 + 8 * unit(random);
     SCOPED_TRACE(fmt::format("seed {} trial {}: g {} absorption {} gap {}", seed, trial, g, absorption, gap));
-    const RefractedReference found =
-        certified(Site(), gradient(g, absorption), fan(width_deg), {.gap_m = gap}, samples, absorption, 1e-2);
+    const RefractedReference found = GradientBed().certified(bed_gradient(g, absorption), bed_fan(width_deg),
+                                                             {.gap_m = gap}, samples, absorption, 1e-2);
     EXPECT_EQ(found.unbounded, 0u);
     for (int k = 0; k < samples.count; ++k) {
       const double from = samples.first_m + k * samples.step_m;
@@ -130,7 +69,7 @@ TEST(CertifiedRefraction, BoundsShrinkWithTheGapToAnyTolerance) {
   double before = 1;
   for (const double gap : {1e-2, 1e-3, 1e-4}) {
     const RefractedReference found =
-        certified(Site(), gradient(-0.2), fan(2), {.gap_m = gap}, samples, 0, 1e-3);
+        GradientBed().certified(bed_gradient(-0.2), bed_fan(2), {.gap_m = gap}, samples, 0, 1e-3);
     double worst = 0;
     for (std::size_t k = 0; k < found.certified.bound.size(); ++k)
       worst = std::max(worst, found.certified.bound[k] / found.certified.echo.energy[k]);
@@ -142,19 +81,12 @@ TEST(CertifiedRefraction, BoundsShrinkWithTheGapToAnyTolerance) {
 }
 
 TEST(CertifiedRefraction, EvenWaterIsTheStraightReference) {
-  const Site site;
-  const TubeSet tubes = fan(10);
+  const GradientBed site;
+  const TubeSet tubes = bed_fan(10);
   const RangeSamples samples{26, 2, 20};
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
-  const RefractedReference found = certified(site, even, tubes, {.gap_m = 1}, samples, 0, 1e-6);
-  const SceneTree tree(site.base);
-  const std::vector<double> material_mu{mu};
-  const EchoLaw law{material_mu, site.base.material, 0, nullptr};
-  const std::vector<std::uint32_t> beams(tubes.tubes.size(), 0);
-  const History history = TubeEngine(site.base, tree, site.grid.unit_m(), {}).trace(tubes);
-  const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
-  const CertifiedEcho straight =
-      certify_echo(site.base, tree, history, {}, beams, samples, law, ordinary, 1e-9);
+  const RefractedReference found = site.certified(even, tubes, {.gap_m = 1}, samples, 0, 1e-6);
+  const CertifiedEcho straight = site.straight(tubes, samples, 1e-9);
   for (std::size_t k = 0; k < straight.bound.size(); ++k) {
     EXPECT_LE(std::abs(found.certified.echo.energy[k] - straight.echo.energy[k]),
               found.certified.bound[k] + straight.bound[k]);
@@ -179,10 +111,11 @@ TEST(CertifiedRefraction, HoldsFinerGroundsBehindObjects) {
         p = at + 4.0 * glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
       more.push_back(t);
     }
-    const Site site(more);
+    const GradientBed site(more);
     const double g = trial % 2 ? 0.5 : -0.8;
     const auto run = [&](double gap) {
-      return certified(site, gradient(g), fan(8), {.gap_m = gap, .shortest_edge_m = 0.01}, samples, 0, 1e-2)
+      return site
+          .certified(bed_gradient(g), bed_fan(8), {.gap_m = gap, .shortest_edge_m = 0.01}, samples, 0, 1e-2)
           .certified;
     };
     const CertifiedEcho fine = run(2e-4), coarse = run(3e-2);
@@ -201,10 +134,11 @@ TEST(CertifiedRefraction, HoldsFinerGroundsBehindObjects) {
 
 // A long straight edge is seen curved, and what lies behind it is seen or not, over many samples.
 TEST(CertifiedRefraction, HoldsShadowsOfLongEdges) {
-  const Site site({{{{25, -6, -12}, {25, 6, -12}, {25.5, 0, -20}}}}, 64, 2);
+  const GradientBed site({{{{25, -6, -12}, {25, 6, -12}, {25.5, 0, -20}}}}, 64, 2);
   const RangeSamples samples{43, 0.003, 1500};
   const auto run = [&](double gap) {
-    return certified(site, gradient(-1), fan(6), {.gap_m = gap, .shortest_edge_m = 0.01}, samples, 0, 1e-2)
+    return site
+        .certified(bed_gradient(-1), bed_fan(6), {.gap_m = gap, .shortest_edge_m = 0.01}, samples, 0, 1e-2)
         .certified;
   };
   const CertifiedEcho fine = run(1e-4), coarse = run(1);
@@ -227,21 +161,22 @@ TEST(CertifiedRefraction, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
     for (glm::dvec3& p : t)
       p = at + 3.0 * glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
     more.push_back(t);
-    const Site site(more);
+    const GradientBed site(more);
     const double absorption = 0.1;
-    const WaterColumn one = gradient(trial % 2 ? 0.7 : -0.7, absorption);
+    const WaterColumn one = bed_gradient(trial % 2 ? 0.7 : -0.7, absorption);
     const WaterColumn layers{SoundSpeedProfile({{0, 1530}, {11, 1515}, {13, 1495}, {30, 1490}}),
                              {0.1, 0.12, 0.09, 0.08, 0.1}};
     const WaterColumn& water = trial % 4 < 2 ? one : layers;
     const EigenrayOptions options{.deepest_turn_m = 30};
-    const Straightening straightening(water, glm::dvec3(0), Site::apex_depth_m, options);
+    const Straightening straightening(water, glm::dvec3(0), GradientBed::apex_depth_m, options);
     std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
     const ApparentGround ground =
         straighten(site.base, facets, site.grid, straightening, absorption, {.gap_m = 1e9});
     const RayEnclosure rays(straightening, options);
-    const std::vector<double> material_mu{mu, 3 * mu};
-    const ApparentEnclosures all = enclose(ground, site.base, site.grid, rays,
-                                           straightening.reference_speed_m_s(), material_mu, absorption);
+    const SceneTree tree(ground.refined.mesh);
+    const EchoLaw law = site.law(ground.refined.mesh, absorption);
+    const ApparentEnclosures all =
+        enclose({ground, tree, site.base, ground.refined.parent, site.grid}, rays, law);
     for (std::size_t f = 0; f < all.facets.size(); ++f) {
       const FacetEnclosure& facet = all.facets[f];
       if (facet.state != FacetEnclosure::State::proven) continue;
@@ -291,8 +226,8 @@ TEST(CertifiedRefraction, WhereNoRayIsProvenNothingIsClaimed) {
   // Bent up: the last ray to touch the bed is level there.
   const double g = 6, cr = 1500 + 20 * g;
   const double last_m = 1500 * std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;
-  const RefractedReference found =
-      certified(Site(), gradient(g), fan(4), {.gap_m = 1e-2, .shortest_edge_m = 0.1}, samples, 0, 1e-2);
+  const RefractedReference found = GradientBed().certified(
+      bed_gradient(g), bed_fan(4), {.gap_m = 1e-2, .shortest_edge_m = 0.1}, samples, 0, 1e-2);
   EXPECT_GT(found.unbounded, 0u);
   std::size_t infinite = 0;
   for (int k = 0; k < samples.count; ++k) {
