@@ -38,11 +38,21 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings,
   TubeSet transmit = shot.tubes(), receive = shot.receive_tubes(s);
   transmit.reach = receive.reach = 2 * sensor.reach(scene.grid);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
-  const SensorLaw law = shot.law(s);
+  // Images in refracting water have grounds of their own.
+  const bool refracts = scene.water->refracts();
+  const ShotGround lying(shot.site());
+  const SensorLaw law(shot, refracts ? lying : shot.ground(), s);
+  std::optional<PathWater> water;
+  if (refracts) water.emplace(path_water(shot, s, transmit.reach * scene.grid.unit_m()));
   PathEcho paths;
   try {
     paths = path_echo(scene.mesh, *shot.site().tree, scene.grid.unit_m(), shot.request().visibility, transmit,
-                      receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law, settings);
+                      receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law, settings,
+                      water ? &*water : nullptr);
+  } catch (const RefinementTooLarge&) {
+    rethrow_as_seen_by(shot);
+  } catch (const std::range_error&) {
+    rethrow_as_seen_by(shot);
   } catch (const std::length_error& error) {
     throw InputError(sensor.description().place,
                      fmt::format("sensor '{}', paths: {}", sensor.description().name, error.what()));
@@ -50,6 +60,9 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings,
   const std::optional<int> only = scene.description.paths.only_order;
   for (std::size_t order = 0; order < paths.by_order.size(); ++order)
     if (only.value_or(int(order)) == int(order)) sums.add(shot, s, order, paths.by_order[order].energy);
+  StraighteningCounts& counts = sums.counts.refraction;
+  for (const ApparentGround& ground : paths.grounds) add_counts(counts, ground, shot);
+  counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
   sums.counts.pieces += paths.shared_pieces;

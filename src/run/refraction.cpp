@@ -28,21 +28,10 @@ std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
 /// What `make` makes for a shot; what it throws, with the scene file's words.
 template <class Make>
 auto made_for(const Shot& shot, const Make& make) {
-  const SourcePlace& place = shot.scene().description.water.place;
   try {
     return make();
-  } catch (const RefinementTooLarge&) {
-    throw InputError(place, fmt::format("{} needs more than {} facets to be seen through the water: raise "
-                                        "'refraction_gap_m' or 'refraction_tolerance_db'",
-                                        shot.name(), most_a_shot.facets));
-  } catch (const GridRangeError&) {
-    throw InputError(place, fmt::format("{} sees facets through the water outside of the scene's grid: "
-                                        "shorten its range",
-                                        shot.name()));
-  } catch (const std::range_error& error) {
-    throw InputError(place, fmt::format("{} cannot be seen through the water: {}, or give the terrain "
-                                        "smaller facets",
-                                        shot.name(), error.what()));
+  } catch (...) {
+    rethrow_as_seen_by(shot);
   }
 }
 
@@ -89,6 +78,32 @@ nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
 }
 
 }  // namespace
+
+void rethrow_as_seen_by(const Shot& shot) {
+  const SourcePlace& place = shot.scene().description.water.place;
+  try {
+    throw;
+  } catch (const RefinementTooLarge&) {
+    throw InputError(place, fmt::format("{} needs more than {} facets to be seen through the water: raise "
+                                        "'refraction_gap_m' or 'refraction_tolerance_db'",
+                                        shot.name(), most_a_shot.facets));
+  } catch (const GridRangeError&) {
+    throw InputError(place, fmt::format("{} sees facets through the water outside of the scene's grid: "
+                                        "shorten its range",
+                                        shot.name()));
+  } catch (const std::range_error& error) {
+    throw InputError(place, fmt::format("{} cannot be seen through the water: {}, or give the terrain "
+                                        "smaller facets",
+                                        shot.name(), error.what()));
+  }
+}
+
+PathWater path_water(const Shot& shot, std::size_t sensor, double reach_m) {
+  const SensorPings& pings = shot.survey().sensors[sensor];
+  return {*pings.water,          shot.scene().water->surface_height_m(), eigenray_options(shot.site()),
+          pings.sound_speed_m_s, straightening_settings(shot, reach_m),  most_a_shot,
+          shot.scene().grid};
+}
 
 EigenrayOptions eigenray_options(const Site& site) {
   EigenrayOptions options;
