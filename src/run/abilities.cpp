@@ -27,6 +27,8 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "scattering law",
                                                        "micro-texture",
                                                        "unbounded texture",
+                                                       "inclined mirrors",
+                                                       "several scatterings",
                                                        "--reference",
                                                        "double arithmetic",
                                                        "fast binning",
@@ -49,12 +51,20 @@ constexpr std::string_view exact_only =
     "that takes an exact arithmetic: fixed, filtered or rational, not double";
 
 constexpr auto table = std::to_array<Refusal>({
-    {refraction,
-     mirrors,
+    {inclined_mirrors,
+     refraction,
      {},
-     "mirrors and further paths need even water: leave out [sea_surface], [paths] and 'specular_loss_db', or "
-     "give "
-     "profile = \"constant\""},
+     "an inclined mirror's image of layered water is not layered, and rays through it have no closed form: "
+     "lay the facets level, leave out 'specular_loss_db', or give profile = \"constant\""},
+    {scatterings,
+     refraction,
+     {},
+     "every place that scatters would see the bed through the water from its own depth: give scatterings = "
+     "1, "
+     "or profile = \"constant\""},
+    {refraction, mirrors, two_receivers,
+     "phases over mirrors need even water: give profile = \"constant\", or leave out [sea_surface], [paths] "
+     "and 'specular_loss_db'"},
     {refraction,
      coverage,
      {},
@@ -144,6 +154,12 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     if (sensor.has_receiver_apart()) add(receiver_apart, "has its receiver apart");
     if (sensor.has_staff()) add(two_receivers, "has two receivers");
   }
+  if (const auto material = material_of_inclined_mirrors(scene))
+    found.push_back(
+        {inclined_mirrors, d.materials[*material].place,
+         fmt::format("material '{}' mirrors where it is not level", d.materials[*material].name)});
+  if (d.paths.scatterings > 1)
+    found.push_back({scatterings, d.paths.place, "[paths] asks for several scatterings"});
   if (survey.site->is_tiled()) add_tiles(d, found);
   if (survey.site->ground)
     found.push_back({relief_each_shot, d.refinement.place, "[relief] is refined anew for each shot"});

@@ -29,6 +29,8 @@ enum class Feature : unsigned char {
   scattering_law,    ///< another than Lambert's
   micro_texture,
   unbounded_texture,  ///< a micro-texture of one's own, that has no enclosure
+  inclined_mirrors,   ///< facets that mirror and are not level
+  scatterings,        ///< more than one on a path
   // of a run
   reference,
   double_arithmetic,

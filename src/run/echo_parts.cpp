@@ -73,12 +73,30 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings,
   const Sensor& sensor = shot.sensor(s);
   const PathEnds ends(shot, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
-  const SensorLaw law = shot.law(s);
-  const PathEcho paths = path_echo(shot.ground().mesh(), shot.ground().tree(), shot.scene().grid.unit_m(),
-                                   shot.request().visibility, ends.transmit, ends.receive,
-                                   shot.beams_by_fans(s, fans), sensor.samples(), law.law, settings);
+  // Images in refracting water make apparent grounds of their own.
+  std::optional<ShotGround> lying;
+  std::optional<PathWater> water;
+  if (shot.scene().water->refracts()) {
+    lying.emplace(lying_ground_of(shot));
+    water.emplace(path_water(shot, s, ends.transmit.reach * shot.scene().grid.unit_m()));
+  }
+  const ShotGround& ground = lying ? *lying : shot.ground();
+  const SensorLaw law(shot, ground, s);
+  PathEcho paths;
+  try {
+    paths = path_echo(ground.mesh(), ground.tree(), shot.scene().grid.unit_m(), shot.request().visibility,
+                      ends.transmit, ends.receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law,
+                      settings, water ? &*water : nullptr);
+  } catch (const RefinementTooLarge&) {
+    rethrow_as_seen_by(shot);
+  } catch (const std::range_error&) {
+    rethrow_as_seen_by(shot);
+  }
   for (std::size_t order = 0; order < paths.by_order.size(); ++order)
     if (is_wanted(shot, order)) sums.add(shot, s, order, paths.by_order[order].energy);
+  StraighteningCounts& counts = sums.counts.refraction;
+  for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, shot);
+  counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
   count_paths(paths, sums);
 }
 

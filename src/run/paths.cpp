@@ -29,7 +29,12 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   settings.patch_m = d.paths.patch_m;
   settings.mirrors.reflection = reflection;
   if (d.sea_surface) {
-    const double wave_number = 2000 * std::numbers::pi * frequency_khz / scene.sound_speed_m_s;
+    // At the surface, where it is rough.
+    const double speed =
+        scene.water->refracts()
+            ? scene.water->profile().at(scene.water->surface_height_m() - d.sea_surface->height_m)
+            : scene.sound_speed_m_s;
+    const double wave_number = 2000 * std::numbers::pi * frequency_khz / speed;
     settings.mirrors.surface = SeaSurface{scene.surface_height(), std::pow(10, -d.sea_surface->loss_db / 10),
                                           std::pow(2 * wave_number * d.sea_surface->rms_roughness_m, 2)};
   }
@@ -63,6 +68,10 @@ void add_looks(const Shot& shot, std::size_t s, const PathSettings& settings, st
   if (settings.scatterings > 1)
     looks.push_back({all_round(apexes.front().apex, apexes.front().reach), std::numbers::pi / 2});
   if (settings.order < 2) return;
+  if (scene.water->refracts()) {  // images look along bent rays
+    for (const TubeSet& tubes : apexes) looks.push_back({all_round(tubes.apex, tubes.reach), beam_rad});
+    return;
+  }
   const RefinedMesh mirrors = mirrors_about(shot, apexes.front().reach * unit_m);
   const SceneTree tree(mirrors.mesh, SceneTree::Sheets::ignored);
   const ImageFinder finder(mirrors.mesh, tree, shot.request().visibility, settings.mirrors, settings.least(),
@@ -89,6 +98,21 @@ std::vector<PathLook> looks_of_paths(const Shot& shot) {
         throw too_many_images(shot.sensor(s).description(), error);
       }
   return looks;
+}
+
+std::optional<std::size_t> material_of_inclined_mirrors(const Scene& scene) {
+  const FacetMesh& mesh = scene.mesh;
+  const auto reflects = [&](std::size_t material) {
+    return material < scene.material_reflection.size() && scene.material_reflection[material] > 0;
+  };
+  const auto height = [&](FacetId f, std::size_t k) { return mesh.vertices[mesh.facets[f][k]].z; };
+  for (FacetId f = 0; f < mesh.facets.size(); ++f)
+    if (reflects(mesh.material[f]) && (height(f, 0) != height(f, 1) || height(f, 1) != height(f, 2)))
+      return mesh.material[f];
+  // Tiles are not there yet.
+  for (const TiledTerrain& terrain : scene.tiled)
+    if (terrain.tiles && reflects(terrain.material)) return terrain.material;
+  return std::nullopt;
 }
 
 void check_paths(const Scene& scene, const Fleet& fleet) {

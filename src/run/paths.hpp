@@ -26,6 +26,8 @@ std::vector<PathLook> looks_of_paths(const Shot& shot);
 
 /// What path_echo()'s and looks_of_paths()'s std::length_error says of a sensor.
 InputError too_many_images(const SensorDescription& sensor, const std::length_error& error);
+/// A material with facets that are mirrors and not level, if there is one.
+std::optional<std::size_t> material_of_inclined_mirrors(const Scene& scene);
 
 /// Throws InputError for paths that the scene cannot have: several orders without a mirror, sensors above the
 /// sea.

@@ -28,9 +28,23 @@ std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
 /// What `make` makes for a shot; what it throws, with the scene file's words.
 template <class Make>
 auto made_for(const Shot& shot, const Make& make) {
-  const SourcePlace& place = shot.scene().description.water.place;
   try {
     return make();
+  } catch (...) {
+    rethrow_as_seen_by(shot);
+  }
+}
+
+nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
+  return {{"azimuth_deg", place[0]}, {"elevation_deg", place[1]}, {"range_m", place[2]}};
+}
+
+}  // namespace
+
+void rethrow_as_seen_by(const Shot& shot) {
+  const SourcePlace& place = shot.scene().description.water.place;
+  try {
+    throw;
   } catch (const RefinementTooLarge&) {
     throw InputError(place, fmt::format("{} needs more than {} facets to be seen through the water: raise "
                                         "'refraction_gap_m' or 'refraction_tolerance_db'",
@@ -46,11 +60,12 @@ auto made_for(const Shot& shot, const Make& make) {
   }
 }
 
-nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
-  return {{"azimuth_deg", place[0]}, {"elevation_deg", place[1]}, {"range_m", place[2]}};
+PathWater path_water(const Shot& shot, std::size_t sensor, double reach_m) {
+  const SensorPings& pings = shot.survey().sensors[sensor];
+  return {*pings.water,          shot.scene().water->surface_height_m(), eigenray_options(shot.site()),
+          pings.sound_speed_m_s, straightening_settings(shot, reach_m),  most_a_shot,
+          shot.scene().grid};
 }
-
-}  // namespace
 
 EigenrayOptions eigenray_options(const Site& site) {
   EigenrayOptions options;

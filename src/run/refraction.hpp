@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/paths/path_echo.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/shot.hpp"
 
@@ -64,6 +65,13 @@ class ShotStraightening {
   LyingBed bed_;
   std::vector<FacetId> facets_;
 };
+
+/// Throws what is being handled as an InputError with the scene file's words, if it is about a shot's view
+/// through the water; else as it is.
+[[noreturn]] void rethrow_as_seen_by(const Shot& shot);
+
+/// What paths over mirrors are followed through, of tubes with that reach.
+PathWater path_water(const Shot& shot, std::size_t sensor, double reach_m);
 
 /// What transmitter and receiver, apart, see together of a shot. Throws as refracted_ground_of().
 struct RefractedPaths {

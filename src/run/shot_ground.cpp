@@ -172,8 +172,11 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
 }
 
 ShotGround ground_of(const Shot& shot) {
+  return shot.scene().water->refracts() ? refracted_ground_of(shot) : lying_ground_of(shot);
+}
+
+ShotGround lying_ground_of(const Shot& shot) {
   const Site& site = shot.site();
-  if (site.scene.water->refracts()) return refracted_ground_of(shot);
   if (!site.ground) return ShotGround(site);
   std::vector<TubeSet> tubes{shot.tubes()};
   if (shot.has_receiver_apart()) tubes.push_back(shot.receive_tubes(shot.first()));

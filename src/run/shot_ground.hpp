@@ -49,6 +49,8 @@ class ShotGround {
 
 /// The ground of a shot (Shot::ground() keeps it). Throws InputError where it takes too many facets.
 ShotGround ground_of(const Shot& shot);
+/// The same where it lies, also in water that refracts.
+ShotGround lying_ground_of(const Shot& shot);
 /// The relief that a shot sees. Throws InputError where it takes too many facets.
 RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks);
 /// The mirrors within a distance of a shot, with their relief, and nothing else. Throws as relief_seen_by().

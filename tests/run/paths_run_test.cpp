@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "fixtures/scene_texts.hpp"
@@ -127,6 +129,45 @@ TEST(PathsRun, ScatteringsToAnyDepthByAnyLaw) {
   EXPECT_LT(three, 0.9 * two);  // no albedo is above 0.9
 }
 
+/// In water whose sound speed changes with depth, 1500 m/s at the sonar.
+std::string bent(std::string text, double g) {
+  return text.replace(text.find(still_water()), still_water().size(),
+                      fmt::format("[water]\nabsorption_db_per_km = 0\nprofile = \"gradient\"\n"
+                                  "sound_speed_m_s = {}\ngradient_per_s = {}\nprofile_bottom_m = 40\n"
+                                  "refraction_gap_m = 0.0005\nrefraction_tolerance_db = 0.01\n",
+                                  1500 - 5 * g, g));
+}
+
+// The less water refracts, the more is heard what even water returns: by the surface both ways, and over a
+// level bed that mirrors.
+TEST(PathsRun, RefractingWaterIsCloseToEvenWater) {
+  std::string text = scene(surface + "[paths]\norder = 3\nonly_order = 3\n");
+  text.insert(text.find("[[terrain]]"), "specular_loss_db = 6\n");
+  const Echoes even = echoes_of(text), half = echoes_of(bent(text, 0.05)), whole = echoes_of(bent(text, 0.1));
+  for (const std::size_t k : {5, 10, 18}) {
+    double sums[3]{};
+    for (std::size_t beam = 0; beam < even.beams; ++beam) {
+      sums[0] += even.at(0, beam, k);
+      sums[1] += half.at(0, beam, k);
+      sums[2] += whole.at(0, beam, k);
+    }
+    EXPECT_GT(sums[0], 0);
+    EXPECT_NEAR((sums[2] - sums[0]) / (sums[1] - sums[0]), 2, 0.1) << k;
+    EXPECT_NEAR(sums[2], sums[0], 0.05 * sums[0]) << k;
+  }
+}
+
+TEST(PathsRun, RefractedPathsAreCounted) {
+  const TestFolder folder;
+  const auto file = folder.write("scene.toml", bent(scene(surface + "[paths]\norder = 3\n"), -1));
+  const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const nlohmann::json stats = nlohmann::json::parse(std::ifstream(folder / "out/stats.json"));
+  EXPECT_GT(stats.at("refraction").at("apparent_facets").get<int>(), 2);
+  EXPECT_EQ(stats.at("refraction").at("facets_folded"), 0);
+  EXPECT_GT(stats.at("paths").at("images").get<int>(), 0);
+}
+
 TEST(PathsRun, SaysWhatItCannotDo) {
   const auto error_of = [](const std::string& text) {
     const TestFolder folder;
@@ -142,6 +183,14 @@ TEST(PathsRun, SaysWhatItCannotDo) {
   EXPECT_THAT(error_of(two_mirrors), HasSubstr("more than 1 images"));
   EXPECT_THAT(error_of(scene("[sea_surface]\nheight_m = -6\n")), HasSubstr("1 m above the sea surface"));
   EXPECT_THAT(error_of(scene("[paths]\norder = 9\nscatterings = 9\n")), HasSubstr("1 to 8"));
+  const std::string box =
+      "specular_loss_db = 6\n[[objects]]\nname = \"box\"\nshape = \"box\"\nmaterial = \"bed\"\n"
+      "size_m = [3, 1, 6]\nposition_m = [0, 12, -17]\n";
+  std::string inclined = bent(scene(surface), 0.5);
+  EXPECT_THAT(error_of(inclined.insert(inclined.find("[[terrain]]"), box)),
+              HasSubstr("'bed' mirrors where it is not level, and an inclined mirror's image"));
+  EXPECT_THAT(error_of(bent(scene("[paths]\norder = 2\nscatterings = 2\n"), 0.5)),
+              HasSubstr("give scatterings = 1"));
   EXPECT_THAT(error_of(scene(surface + "[run]\nengine = \"ray\"\n")), HasSubstr("tube engine"));
   EXPECT_THAT(error_of(scene(surface + "[run]\narithmetic = \"double\"\n")), HasSubstr("exact arithmetic"));
 }

@@ -420,7 +420,9 @@ TEST(RefractionRun, WhatCannotBeHadIsRefused) {
                    "law = \"gsab\"\nspecular_db = -10\nspecular_width_deg = 5\noblique_db = "
                    "-25\noblique_exponent = 2"),
           "Lambert's law alone", {"--reference"});
-  refused(replaced(plain, "[trajectory]", "[sea_surface]\nheight_m = 20\n[trajectory]"), "mirrors");
+  refused(replaced(replaced(plain, "lambert_db = -27", "lambert_db = -27\nspecular_loss_db = 6"),
+                   "[trajectory]", std::string(cube) + "[trajectory]"),
+          "mirrors where it is not level");
   refused(replaced(plain, "position_m = [0, 0, 10]", "position_m = [0, 0, 21]"), "above the sea surface");
 }
 

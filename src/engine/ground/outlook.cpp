@@ -46,7 +46,7 @@ glm::dvec2 nearest_of(const std::array<glm::dvec2, 3>& corners) {
 Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening)
     : sector_(tubes, grid_unit_m), straightening_(straightening), apex_m_(straightening.apex_m()) {
   const SoundSpeedProfile& profile = straightening.water().profile;
-  const double apex_depth_m = straightening.depth_m(apex_m_), at_apex = profile.at(apex_depth_m);
+  const double apex_depth_m = straightening.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
   double fastest = at_apex;
   for (const ProfilePoint& p : profile.points()) {
     Side& side = p.depth_m < apex_depth_m ? above_ : below_;
@@ -67,7 +67,7 @@ Outlook::Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& 
 void Outlook::trace_flattest(Side& side, bool down, double launch_sine) {
   const SoundSpeedProfile& profile = straightening_.water().profile;
   const std::vector<ProfilePoint>& points = profile.points();
-  const double apex_depth_m = straightening_.depth_m(apex_m_), at_apex = profile.at(apex_depth_m);
+  const double apex_depth_m = straightening_.finder().source_depth_m(), at_apex = profile.at(apex_depth_m);
   launch_sine = std::max(0.0, launch_sine - 1e-9);  // far more than rounding
   side.flattest = {at_apex, launch_sine, other_leg(launch_sine)};
   const double sign = down ? 1 : -1;
@@ -129,7 +129,8 @@ bool Outlook::may_see(DirectionBox& box, double lowest_m, double highest_m, doub
 }
 
 bool Outlook::may_see(const glm::dvec3& centre_m, double radius_m) const {
-  const glm::dvec3 way = centre_m - apex_m_;
+  if (!straightening_.unfolding().may_reach(centre_m.z - radius_m, centre_m.z + radius_m)) return false;
+  const glm::dvec3 way = straightening_.unfolded(centre_m) - apex_m_;
   const double across = std::hypot(way.x, way.y);
   DirectionBox box;
   box.all_round = !(radius_m < across);
@@ -174,13 +175,20 @@ bool Outlook::may_see(std::span<const glm::dvec2> ways_m, glm::dvec2 nearest_m, 
 }
 
 bool Outlook::may_see(const glm::dvec3 (&corners_m)[3]) const {
-  const glm::dvec3 a = corners_m[0] - apex_m_, b = corners_m[1] - apex_m_, c = corners_m[2] - apex_m_;
+  const auto [lowest, highest] = std::minmax({corners_m[0].z, corners_m[1].z, corners_m[2].z});
+  if (!straightening_.unfolding().may_reach(lowest, highest)) return false;
+  const glm::dvec3 a = straightening_.unfolded(corners_m[0]) - apex_m_,
+                   b = straightening_.unfolded(corners_m[1]) - apex_m_,
+                   c = straightening_.unfolded(corners_m[2]) - apex_m_;
   const std::array ways{glm::dvec2(a), glm::dvec2(b), glm::dvec2(c)};
   return may_see(ways, nearest_of(ways), std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z}));
 }
 
 bool Outlook::may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_m) const {
-  const glm::dvec3 lo = lowest_m - apex_m_, hi = highest_m - apex_m_;
+  if (!straightening_.unfolding().may_reach(lowest_m.z, highest_m.z)) return false;
+  const glm::dvec3 one = straightening_.unfolded(lowest_m) - apex_m_,
+                   other = straightening_.unfolded(highest_m) - apex_m_, lo = glm::min(one, other),
+                   hi = glm::max(one, other);
   return may_see(std::array{glm::dvec2(lo), glm::dvec2(hi.x, lo.y), glm::dvec2(hi), glm::dvec2(lo.x, hi.y)},
                  glm::clamp(glm::dvec2(0), glm::dvec2(lo), glm::dvec2(hi)), lo.z, hi.z);
 }

@@ -17,7 +17,8 @@ namespace tubefoot {
 /// over depth), so that by Snell's law the cosine of its launch angle is that of the straight line, times the
 /// sound speed at the apex over one between the slowest and the fastest on that side of it. One that turns is
 /// launched no steeper than one that is level at the fastest place on that side. And of those that fall
-/// (rise) all the way none that is launched like the tubes comes farther than the flattest of them.
+/// (rise) all the way none that is launched like the tubes comes farther than the flattest of them. Over
+/// mirrors all this is so in the unfolded water; what lies behind the last mirror is not seen.
 class Outlook {
  public:
   Outlook(const TubeSet& tubes, double grid_unit_m, const Straightening& straightening);

@@ -104,6 +104,15 @@ double spreading(const Straightening& receive, const Eigenray& sent, const Eigen
 std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
                                        const WorldGrid& grid, const Straightening& transmit,
                                        const Straightening& receive, double absorption_db_per_m) {
+  return paired_facets(shared, pair.mesh, {pair.transmit, transmit}, {pair.receive, receive}, grid,
+                       absorption_db_per_m);
+}
+
+std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const FacetMesh& bed,
+                                       const ApparentEnd& transmit_end, const ApparentEnd& receive_end,
+                                       const WorldGrid& grid, double absorption_db_per_m) {
+  const Straightening &transmit = transmit_end.water, &receive = receive_end.water;
+  const ApparentGround &sent_to = transmit_end.ground, &heard_from = receive_end.ground;
   std::vector<PairedFacet> paired;
   paired.reserve(shared.facets.size());
   Rays sent(transmit), heard(receive);
@@ -111,13 +120,13 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const App
   const glm::dvec3 transmit_apex = transmit.apex_m(), receive_apex = receive.apex_m();
   for (const SharedFacet& of : shared.facets) {
     stop_if_wanted();
-    std::array<VertexId, 3> vertex = pair.mesh.facets[of.facet];
+    std::array<VertexId, 3> vertex = bed.facets[of.facet];
     glm::dvec3 from_t[3], from_r[3], lies[3];
     const auto take = [&] {
       for (std::size_t k = 0; k < 3; ++k) {
-        from_t[k] = grid.to_metres(pair.transmit.refined.mesh.vertices[vertex[k]]) - transmit_apex;
-        from_r[k] = grid.to_metres(pair.receive.refined.mesh.vertices[vertex[k]]) - receive_apex;
-        lies[k] = pair.transmit.truth[vertex[k]];
+        from_t[k] = grid.to_metres(sent_to.refined.mesh.vertices[vertex[k]]) - transmit_apex;
+        from_r[k] = grid.to_metres(heard_from.refined.mesh.vertices[vertex[k]]) - receive_apex;
+        lies[k] = sent_to.truth[vertex[k]];
       }
     };
     take();

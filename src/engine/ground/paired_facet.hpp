@@ -46,7 +46,17 @@ struct PairedFacet {
   double misfit_m = 0;  ///< of half paths at the corners
 };
 
-/// Facets that two apexes share, in their order. `shared` is about pair.mesh.
+/// One end of a path, and where it sees the bed: vertices of the ground have the numbers of the bed's.
+struct ApparentEnd {
+  const ApparentGround& ground;
+  const Straightening& water;
+};
+
+/// Facets that two ends share, in their order. `shared` is about `bed`, whose facets both see.
+std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const FacetMesh& bed,
+                                       const ApparentEnd& transmit, const ApparentEnd& receive,
+                                       const WorldGrid& grid, double absorption_db_per_m);
+/// The same of a pair. `shared` is about pair.mesh.
 std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
                                        const WorldGrid& grid, const Straightening& transmit,
                                        const Straightening& receive, double reference_absorption_db_per_m);

@@ -2,10 +2,13 @@
 #include "engine/ground/refracted_ground.hpp"
 
 #include <tbb/concurrent_unordered_map.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <deque>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -372,13 +375,12 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
   return ground;
 }
 
-/// Cuts what either of two rules cuts.
-struct EitherRule final : EdgeRule {
-  EitherRule(const EdgeRule& one, const EdgeRule& other) : first(one), second(other) {}
+/// Cuts what any of several rules cuts.
+struct AnyRule final : EdgeRule {
   bool cuts(const BasePoint& a, const BasePoint& b) const override {
-    return first.cuts(a, b) || second.cuts(a, b);
+    return std::ranges::any_of(rules, [&](const GapRule& rule) { return rule.cuts(a, b); });
   }
-  const EdgeRule &first, &second;
+  std::deque<GapRule> rules;
 };
 
 FineFacets with_images(const RefinedMesh& cut, const WorldGrid& grid, const GapRule& rule) {
@@ -407,20 +409,33 @@ ApparentPair straighten_pair(const FacetMesh& base, std::span<const FacetId> fac
                              double reference_absorption_db_per_m, const StraighteningSettings& settings,
                              const RefinementLimits& limits, const Outlook* transmit_outlook,
                              const Outlook* receive_outlook) {
+  AlikeGrounds grounds =
+      straighten_alike(base, facets, grid, std::array{&transmit, &receive}, reference_absorption_db_per_m,
+                       settings, limits, std::array{transmit_outlook, receive_outlook});
+  return {std::move(grounds.bed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
+          std::move(grounds.origin[0]), std::move(grounds.origin[1])};
+}
+
+AlikeGrounds straighten_alike(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                              std::span<const Straightening* const> ways,
+                              double reference_absorption_db_per_m, const StraighteningSettings& settings,
+                              const RefinementLimits& limits, std::span<const Outlook* const> outlooks) {
   check(settings);
-  const Images sent(transmit, reference_absorption_db_per_m, settings, transmit_outlook),
-      heard(receive, reference_absorption_db_per_m, settings, receive_outlook);
-  const GapRule sent_rule(sent, base, grid), heard_rule(heard, base, grid);
-  ApparentPair pair;
-  RefinedMesh cut = refine(
-      base, facets, grid, EitherRule(sent_rule, heard_rule), [](const BasePoint& p) { return p.at_m; },
-      limits);
-  pair.transmit =
-      seen_of(with_images(cut, grid, sent_rule), sent, grid, transmit, settings, {}, &pair.transmit_origin);
-  pair.receive =
-      seen_of(with_images(cut, grid, heard_rule), heard, grid, receive, settings, {}, &pair.receive_origin);
-  pair.mesh = std::move(cut.mesh);
-  return pair;
+  std::deque<Images> images;
+  AnyRule any;
+  for (std::size_t k = 0; k < ways.size(); ++k)
+    any.rules.emplace_back(
+        images.emplace_back(*ways[k], reference_absorption_db_per_m, settings, outlooks[k]), base, grid);
+  AlikeGrounds grounds;
+  grounds.bed = refine(
+      base, facets, grid, any, [](const BasePoint& p) { return p.at_m; }, limits);
+  grounds.seen.resize(ways.size());
+  grounds.origin.resize(ways.size());
+  tbb::parallel_for(std::size_t{0}, ways.size(), [&](std::size_t k) {
+    grounds.seen[k] = seen_of(with_images(grounds.bed, grid, any.rules[k]), images[k], grid, *ways[k],
+                              settings, {}, &grounds.origin[k]);
+  });
+  return grounds;
 }
 
 glm::dvec3 ApparentGround::true_place(FacetId facet, glm::dvec3 seen_m, const WorldGrid& grid) const {

@@ -72,4 +72,18 @@ ApparentGround straighten(const FacetMesh& base, std::span<const FacetId> facets
                           std::span<const std::shared_ptr<const ScatteringLaw>> laws = {},
                           const Outlook* outlook = nullptr);
 
+/// What several ways see of a bed whose facets are cut alike for all of them, where any needs it. The
+/// vertices of all apparent meshes have the numbers of `mesh`.
+struct AlikeGrounds {
+  RefinedMesh bed;                           ///< where it lies; parents are facets of the base
+  std::vector<ApparentGround> seen;          ///< by way
+  std::vector<std::vector<FacetId>> origin;  ///< by way and apparent facet: that of `bed`
+};
+
+/// straighten() for several ways, each with its outlook (none: null).
+AlikeGrounds straighten_alike(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
+                              std::span<const Straightening* const> ways,
+                              double reference_absorption_db_per_m, const StraighteningSettings& settings,
+                              const RefinementLimits& limits, std::span<const Outlook* const> outlooks);
+
 }  // namespace tubefoot

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -24,6 +25,9 @@ struct MirrorLoss {
   /// exp(-(2 k sigma sin(grazing))^2) (Eckart 1953; Jensen et al., Computational Ocean Acoustics). Here
   /// (2 k sigma)^2.
   double roughness = 0;
+  /// (c / c_apex)^2 - 1 at that surface: in refracting water grazing angles are others there than at the
+  /// apex, cos / c the same (Snell's law; normals are vertical).
+  double bend = 0;
 
   bool none() const { return factor == 1 && rough_normals.empty(); }
   double at(glm::dvec3 direction) const {
@@ -31,7 +35,7 @@ struct MirrorLoss {
     double exponent = 0;
     for (const glm::dvec3& normal : rough_normals) {
       const double sine = glm::dot(direction, normal);
-      exponent += sine * sine;
+      exponent += std::max(0.0, sine * sine - bend * (1 - sine * sine));
     }
     return factor * std::exp(-roughness * exponent);
   }

@@ -41,6 +41,8 @@ struct Image {
   Leg leg;                              ///< from it, but for its place
   double largest = 1;                   ///< of the loss over all windows, at least
 
+  std::size_t way = 0;  ///< in refracting water: its chain of mirrors (refracted_images.hpp)
+
   /// What it sees: `origin` empty if that is the whole mesh.
   const FacetMesh* mesh = nullptr;
   const SceneTree* tree = nullptr;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "engine/paths/image_pairs.hpp"
@@ -34,7 +35,8 @@ class PathTracer {
  public:
   PathTracer(const FacetMesh& mesh, double unit_m, const ImageFinder& finder, std::span<const Image> sent,
              std::span<const Image> heard, const TubeSet& receive, const ReceiveBeams& beams,
-             const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings)
+             const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings,
+             RefractedImages* bent = nullptr, const WorldGrid* grid = nullptr)
       : mesh_(mesh),
         unit_m_(unit_m),
         finder_(finder),
@@ -48,7 +50,9 @@ class PathTracer {
         beta_(absorption_per_m(law.absorption_db_per_m)),
         true_apex_(sent.front().windows.apex),
         true_receive_(receive),
-        one_place_(sent.data() == heard.data()) {
+        one_place_(sent.data() == heard.data()),
+        bent_(bent),
+        grid_(grid) {
     echo_.by_order.resize(std::size_t(settings.order) + 1);
     for (Echo& echo : echo_.by_order) {
       echo.beams = beams.count;
@@ -66,6 +70,7 @@ class PathTracer {
           transmit_, receive_, echo_);
     for (const Image& image : transmit_)
       if (image.mirrors > 0 || (settings_.direct && !one_place_)) arrive(image);
+    if (bent_) echo_.grounds = bent_->take_grounds();
     return std::move(echo_);
   }
 
@@ -78,6 +83,7 @@ class PathTracer {
     };
     std::vector<Bin> bins;
     std::size_t pieces = 0;
+    double misfit_m = 0;
   };
 
   /// All pairs of images between which something is scattered. What two images share is found once, also
@@ -92,16 +98,32 @@ class PathTracer {
       steps.done();
       const Image &sent = transmit_[pairs[k].sent], &heard = receive_[pairs[k].heard];
       const bool itself = &sent == &heard;
+      const std::size_t order = sent.mirrors + heard.mirrors + 1;
+      if (bent_) {
+        add_bent(parts[k], order, sent, heard);
+        if (one_place_ && !itself) add_bent(parts[k], order, heard, sent);
+        return;
+      }
       SharedFootprints shared = itself ? shared_with_itself(mesh_, sent.look(), unit_m_)
                                        : FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_).all();
       if (shared.pieces.empty()) return;
-      const std::size_t order = sent.mirrors + heard.mirrors + 1;
       if (one_place_ && !itself)
         add(parts[k], order, scattered(heard, sent, exchanged(shared)), shared.pieces.size());
       const std::size_t pieces = shared.pieces.size();
       add(parts[k], order, scattered(sent, heard, std::move(shared)), pieces);
     });
     for (const Part& part : parts) take(part);
+  }
+
+  /// Each end sees the bed elsewhere: what they share is told where the one sees it that sends.
+  void add_bent(Part& part, std::size_t order, const Image& sent, const Image& heard) const {
+    SharedFootprints shared = FootprintSharer(sent.look(), heard.look(), unit_m_).all();
+    if (shared.pieces.empty()) return;
+    std::vector<PairedFacet> paired = paired_facets(shared, bent_->bed(), bent_->end_of(sent),
+                                                    bent_->end_of(heard), *grid_, law_.absorption_db_per_m);
+    for (const PairedFacet& facet : paired) part.misfit_m = std::max(part.misfit_m, facet.misfit_m);
+    const std::size_t pieces = shared.pieces.size();
+    add(part, order, scattered(sent, heard, std::move(shared), std::move(paired)), pieces);
   }
 
   static void add(Part& part, std::size_t order, const Echo& echo, std::size_t pieces) {
@@ -113,14 +135,17 @@ class PathTracer {
   void take(const Part& part) {
     for (const Part::Bin& bin : part.bins) echo_.by_order[bin.order].energy[bin.bin] += bin.energy;
     echo_.shared_pieces += part.pieces;
+    echo_.largest_misfit_m = std::max(echo_.largest_misfit_m, part.misfit_m);
   }
 
-  Echo scattered(const Image& sent, const Image& heard, SharedFootprints shared) const {
-    const BistaticHistory history{sent.windows, heard.windows, unit_m_, std::move(shared)};
+  Echo scattered(const Image& sent, const Image& heard, SharedFootprints shared,
+                 std::vector<PairedFacet> paired = {}) const {
+    const BistaticHistory history{sent.windows, heard.windows, unit_m_, std::move(shared), std::move(paired)};
     const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_tube),
                                      from = of_windows(sent, beams_.fan_of_transmit_tube),
                                      to = of_windows(heard, beams_.fan_of_receive_tube);
     EchoLaw law = law_;
+    if (bent_) law.material = bent_->bed().material;
     law.path.home = heard.leg;
     law.path.out = sent.leg;
     law.path.out.apex_m = law_.path.out.apex_m + difference_m(sent.windows.apex, true_apex_, unit_m_);
@@ -151,38 +176,69 @@ class PathTracer {
     return (behind + units) / (behind + before);
   }
 
-  /// What comes straight from an image to the true receiver. Two chains have the same image only where their
-  /// windows adjoin (two mirrors at a right angle), so a place is heard once.
+  /// What comes from an image to the true receiver: straight, or in refracting water by rays. Two chains have
+  /// the same image only where their windows adjoin (two mirrors at a right angle), so a place is heard once.
   void arrive(const Image& image) {
-    const GridPoint from = image.windows.apex, to = true_receive_.apex;
-    const GridPoint along = to - from, back = from - to;
+    const GridPoint from = image.windows.apex;
+    if (bent_) {
+      for (const MirroredRay& ray : bent_->rays_to(image, true_receive_.apex)) {
+        const GridPoint back = grid_->snap(grid_->to_metres(from) - 2 * ray.half_path_m * ray.arrives) - from;
+        arrive(image,
+               {ray.seen_at - from, back, ray.sent, ray.arrives, ray.half_path_m, ray.kept, ray.tube_area_m2},
+               {from, ray.sent.z, ray.unfolded_height_m}, [] { return true; });
+      }
+      return;
+    }
+    const GridPoint to = true_receive_.apex;
+    const GridPoint along = to - from;
     if (along == GridPoint{} || (image.last && image.last->side(to) <= 0)) return;
+    const glm::dvec3 path_m = difference_m(to, from, unit_m_);
+    const double length = glm::length(path_m);
+    const glm::dvec3 direction = path_m / length;
+    arrive(image,
+           {along, from - to, direction, direction, length / 2, std::exp(-beta_ * length), length * length},
+           {from, 0, 0},
+           [&] { return in_sight(*image.mesh, *image.tree, from, to, part_to_mirror(image, to)); });
+  }
+
+  /// A way from an image to the receiver.
+  struct ArrivingRay {
+    GridPoint along, back;           ///< where it goes to from the image, and comes from
+    glm::dvec3 sent{0}, arrives{0};  ///< unit vectors, as the image has it and as the receiver
+    double half_path_m;
+    double kept, tube_area_m2;  ///< what absorption leaves, and the area at the receiver per steradian sent
+  };
+  /// An image, as far as arrivals are told apart: its apex, and the ray in unfolded water.
+  using Source = std::tuple<GridPoint, double, double>;
+
+  template <class InSight>
+  void arrive(const Image& image, const ArrivingRay& arrival, const Source& source,
+              const InSight& is_in_sight) {
     std::optional<bool> seen;
     for (std::uint32_t window = 0; window < image.own_tube.size(); ++window) {
       stop_if_wanted();
       const std::uint32_t fan =
           beams_.fan_of_transmit_tube.empty() ? 0 : beams_.fan_of_transmit_tube[image.own_tube[window]];
-      if (arrived_.contains({from, fan}) || !holds(image.windows, window, along, window_border_rad)) continue;
-      if (!seen) seen = in_sight(*image.mesh, *image.tree, from, to, part_to_mirror(image, to));
+      if (arrived_.contains({source, fan}) || !holds(image.windows, window, arrival.along, window_border_rad))
+        continue;
+      if (!seen) seen = is_in_sight();
       if (!*seen) return;
       for (std::uint32_t tube = 0; tube < true_receive_.tubes.size(); ++tube) {
         if (!beams_.fan_of_receive_tube.empty() && beams_.fan_of_receive_tube[tube] != fan) continue;
-        if (!holds(true_receive_, tube, back)) continue;
-        hear(image, tube, difference_m(to, from, unit_m_));
-        arrived_.insert({from, fan});
+        if (!holds(true_receive_, tube, arrival.back)) continue;
+        hear(image, tube, arrival);
+        arrived_.insert({source, fan});
         break;
       }
     }
   }
 
-  void hear(const Image& image, std::uint32_t receive_tube, glm::dvec3 path_m) {
-    const double length = glm::length(path_m);
-    const double sample = std::floor((length / 2 - samples_.first_m) / samples_.step_m);
+  void hear(const Image& image, std::uint32_t receive_tube, const ArrivingRay& arrival) {
+    const double sample = std::floor((arrival.half_path_m - samples_.first_m) / samples_.step_m);
     if (!(sample >= 0 && sample < samples_.count)) return;
-    const glm::dvec3 direction = path_m / length;
-    const double passes = image.leg.loss.at(direction);
+    const double passes = image.leg.loss.at(arrival.sent);
     if (!(passes > least_)) return;
-    const double energy = passes * std::exp(-beta_ * length) / (length * length);
+    const double energy = passes * arrival.kept / arrival.tube_area_m2;
     const auto add = [&](std::uint32_t beam, double weight) {
       const std::size_t bin = std::size_t(beam) * std::size_t(samples_.count) + std::size_t(sample);
       echo_.by_order[image.mirrors].energy[bin] += weight * energy;
@@ -193,9 +249,9 @@ class PathTracer {
     const BeamPatterns& patterns = *law_.patterns;
     const auto [first, end] = patterns.beams_of_tube[receive_tube];
     const double sent =
-        patterns.transmit[patterns.fan_of_tube[receive_tube]].gain(image.leg.to_true * direction);
+        patterns.transmit[patterns.fan_of_tube[receive_tube]].gain(image.leg.to_true * arrival.sent);
     for (std::uint32_t beam = first; beam < end; ++beam)
-      add(beam, sent * patterns.receive[beam].gain(-direction));
+      add(beam, sent * patterns.receive[beam].gain(-arrival.arrives));
   }
 
   const FacetMesh& mesh_;
@@ -210,7 +266,9 @@ class PathTracer {
   GridPoint true_apex_;
   const TubeSet& true_receive_;
   bool one_place_;
-  std::set<std::pair<GridPoint, std::uint32_t>> arrived_;  // images' apexes and fans
+  RefractedImages* bent_;                               // in refracting water: who made the images
+  const WorldGrid* grid_;                               // with these
+  std::set<std::pair<Source, std::uint32_t>> arrived_;  // and fans
   PathEcho echo_;
 };
 
@@ -219,10 +277,24 @@ class PathTracer {
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-                   const PathSettings& settings) {
+                   const PathSettings& settings, const PathWater* water) {
   const ImageFinder finder(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images);
+  const bool one_place = transmit == receive;
+  if (water != nullptr) {
+    if (settings.scatterings > 1)
+      throw std::invalid_argument("in refracting water no path has more than one scattering");
+    std::vector<TubeSet> ends{transmit};
+    if (!one_place) ends.push_back(receive);
+    RefractedImages bent(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
+                         law.absorption_db_per_m, *water, std::move(ends), settings.order);
+    const std::vector<Image> sent = bent.images_of(0, receive.apex),
+                             heard = one_place ? std::vector<Image>{} : bent.images_of(1);
+    return PathTracer(mesh, grid_unit_m, finder, sent, one_place ? sent : heard, receive, beams, samples, law,
+                      settings, &bent, &water->grid)
+        .trace();
+  }
   const std::vector<Image> sent = finder.images_of(transmit, settings.order, {{receive.apex}});
-  if (transmit == receive)
+  if (one_place)
     return path_echo(mesh, grid_unit_m, finder, sent, sent, receive, beams, samples, law, settings);
   const std::vector<Image> heard = finder.images_of(receive, settings.order - 1);
   return path_echo(mesh, grid_unit_m, finder, sent, heard, receive, beams, samples, law, settings);

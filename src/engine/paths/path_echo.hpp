@@ -8,6 +8,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/paths/image_tree.hpp"
+#include "engine/paths/refracted_images.hpp"
 
 // Echoes over mirrors. docs/paths.md
 namespace tubefoot {
@@ -40,6 +41,10 @@ struct PathEcho {
   std::vector<Echo> by_order;
   std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
   std::vector<Arrival> arrived;  ///< by image and beam; part of the energies
+  /// In refracting water: what each chain of mirrors made of the bed, and the largest misfit of its facets
+  /// (PairedFacet).
+  std::vector<ApparentGround> grounds;
+  double largest_misfit_m = 0;
 };
 
 /// The echoes over mirrors of a transmission from `transmit`'s apex, heard at `receive`'s (both the same for
@@ -60,10 +65,14 @@ struct PathEcho {
 /// the true tubes, as are `law.patterns`' tubes; `law.material` that of the mesh. TubeSet::reach must be
 /// twice the end of the last sample (in grid units). Throws std::length_error if there are more images (or
 /// pairs of them, patches, or their delays) than may be.
+///
+/// `water`: what refracts, null where it is even. Mirrors are level there, no path has two scatterings, and
+/// ways without scattering arrive with exp(-absorption) over the area of their ray tube at the receiver, one
+/// for each ray (RefractedImages, whose errors are thrown too).
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-                   const PathSettings& settings);
+                   const PathSettings& settings, const PathWater* water = nullptr);
 
 /// The same between images that are known: of the transmitter, with `settings.order` mirrors those that have
 /// a window towards `receive`'s apex, and of the receiver, with one mirror less (the very same span for a

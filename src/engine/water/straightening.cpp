@@ -8,11 +8,13 @@
 namespace tubefoot {
 
 Straightening::Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
-                             const EigenrayOptions& options, std::optional<double> reference_speed_m_s)
+                             const EigenrayOptions& options, std::optional<double> reference_speed_m_s,
+                             const Unfolding& unfolding)
     : finder_(water, surface_height_m - apex_m.z, options),
       apex_m_(apex_m),
       surface_height_m_(surface_height_m),
-      reference_speed_m_s_(reference_speed_m_s.value_or(finder_.source_speed_m_s())) {}
+      reference_speed_m_s_(reference_speed_m_s.value_or(finder_.source_speed_m_s())),
+      unfolding_(unfolding) {}
 
 std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
   const glm::dvec3 way = point_m - apex_m_;
@@ -33,15 +35,16 @@ std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
   const double distance = reference_speed_m_s_ * first.time_s;
   // A vertical ray has no azimuth and needs none.
   const double across = range > 0 ? distance * first.launch_cosine / range : 0;
-  return ApparentPoint{apex_m_ + glm::dvec3(across * way.x, across * way.y, -distance * first.launch_sine),
-                       first, static_cast<int>(count)};
+  return ApparentPoint{
+      apex_m_ + glm::dvec3(across * way.x, across * way.y, -unfolding_.sign * distance * first.launch_sine),
+      first, static_cast<int>(count)};
 }
 
 glm::dvec3 Straightening::arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const {
   const glm::dvec3 way = point_m - apex_m_;
   const double range = std::hypot(way.x, way.y);
   const double across = range > 0 ? ray.arrival_cosine / range : 0;
-  return {across * way.x, across * way.y, -ray.arrival_sine};
+  return {across * way.x, across * way.y, -unfolding_.sign * ray.arrival_sine};
 }
 
 double Straightening::return_area_m2_per_sr(glm::dvec3 point_m, const Eigenray& ray) const {

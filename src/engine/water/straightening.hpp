@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "engine/water/eigenray.hpp"
+#include "engine/water/unfolding.hpp"
 
 namespace tubefoot {
 
@@ -24,12 +25,17 @@ struct ApparentPoint {
 ///
 /// Local frame: z up, depth = surface height - z. Of several rays the first to arrive is taken, and their
 /// number told.
+///
+/// Over level mirrors (Unfolding): rays are those through unfolded water. What is seen over an odd number of
+/// mirrors is seen mirrored; so it is put upside down about the apex, as an image of the apex sees it, and
+/// facets turn as they do.
 class Straightening {
  public:
   /// Refers to `water`. `reference_speed_m_s`: else the apex's own. Throws std::invalid_argument for an apex
-  /// above the surface.
+  /// above the surface. `unfolding`: with its unfolded water and options.
   Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
-                const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {});
+                const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {},
+                const Unfolding& unfolding = {});
 
   /// None where no ray leads to (a shadow zone).
   std::optional<ApparentPoint> apparent(glm::dvec3 point_m) const;
@@ -37,7 +43,13 @@ class Straightening {
   /// The sound speed that times become ranges by.
   double reference_speed_m_s() const { return reference_speed_m_s_; }
   glm::dvec3 apex_m() const { return apex_m_; }
-  double depth_m(glm::dvec3 point_m) const { return surface_height_m_ - point_m.z; }
+  /// Of the end of a way, in the water (over mirrors: the unfolded).
+  double depth_m(glm::dvec3 point_m) const { return surface_height_m_ - unfolding_.height_m(point_m.z); }
+  const Unfolding& unfolding() const { return unfolding_; }
+  /// A place at the end of a way as it lies in the unfolded water, local frame.
+  glm::dvec3 unfolded(glm::dvec3 point_m) const {
+    return {point_m.x, point_m.y, unfolding_.height_m(point_m.z)};
+  }
   const WaterColumn& water() const { return finder_.water(); }
   const EigenrayFinder& finder() const { return finder_; }
 
@@ -52,6 +64,7 @@ class Straightening {
   EigenrayFinder finder_;
   glm::dvec3 apex_m_;
   double surface_height_m_, reference_speed_m_s_;
+  Unfolding unfolding_;
 };
 
 /// The second-order gap of an edge: how far the image of its middle lies from the middle of its ends' images.

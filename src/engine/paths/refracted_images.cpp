@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/refracted_images.hpp"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/mesh/weld_table.hpp"
+#include "geometry/search/line_of_sight.hpp"
+#include "geometry/steps/stop.hpp"
+#include "geometry/tubes/window_tubes.hpp"
+
+namespace tubefoot {
+namespace {
+
+struct Cone {
+  std::vector<glm::dvec3> corners;
+  std::uint32_t own_tube = 0;
+};
+
+std::array<std::int32_t, 3> heights_of(const FacetMesh& mesh, FacetId facet) {
+  const auto& [a, b, c] = mesh.facets[facet];
+  return {mesh.vertices[a].z, mesh.vertices[b].z, mesh.vertices[c].z};
+}
+
+/// The mesh with facets cut in two that lie on both sides of a height.
+FacetMesh cut_at(const FacetMesh& mesh, std::int32_t height) {
+  std::vector<FacetId> crossing;
+  for (FacetId f = 0; f < mesh.facets.size(); ++f) {
+    const auto heights = heights_of(mesh, f);
+    const auto [least, most] = std::ranges::minmax(heights);
+    if (least < height && height < most) crossing.push_back(f);
+  }
+  if (crossing.empty()) return mesh;
+  FacetMesh cut;
+  WeldTable weld(cut.vertices);
+  weld.reserve(mesh.vertices.size() + 4 * crossing.size());
+  const auto add = [&](const FacetMesh& from, FacetId f) {
+    std::array<VertexId, 3> facet;
+    for (std::size_t k = 0; k < 3; ++k) facet[k] = weld.id_of(from.vertices[from.facets[f][k]]);
+    cut.facets.push_back(facet);
+    cut.material.push_back(from.material[f]);
+    cut.component.push_back(from.component[f]);
+  };
+  for (FacetId f = 0; f < mesh.facets.size(); ++f)
+    if (!std::ranges::binary_search(crossing, f)) add(mesh, f);
+  const MirrorPlane below = MirrorPlane::horizontal(height), above{{0, 0, 1}, Int128(height)};
+  for (const MirrorPlane& plane : {above, below}) {
+    const MeshPart part = in_front_of(plane, mesh, crossing);
+    for (FacetId f = 0; f < part.mesh.facets.size(); ++f) add(part.mesh, f);
+  }
+  return cut;
+}
+
+glm::dvec3 upside_down(glm::dvec3 v) { return {v.x, v.y, -v.z}; }
+
+/// No less than what passes anywhere in a cone.
+double most_of(const MirrorLoss& loss, const std::vector<glm::dvec3>& corners) {
+  double least = 1;
+  bool above = false, below = false;
+  for (const glm::dvec3& corner : corners) {
+    above = above || corner.z > 0;
+    below = below || corner.z < 0;
+    least = std::min(least, std::abs(corner.z));
+  }
+  if (above && below) least = 0;
+  return loss.at({std::sqrt((1 - least) * (1 + least)), 0, least});
+}
+
+}  // namespace
+
+/// From an end over a chain of mirrors.
+struct RefractedImages::Way {
+  Way(std::size_t of, Heights chain, const PathWater& water, const TubeSet& tubes)
+      : end(of),
+        heights(std::move(chain)),
+        up_first(!heights.empty() && heights.front() > tubes.apex.z),
+        unfolded(unfold(water.column, water.rays, water.surface_height_m, in_metres(heights, water.grid),
+                        up_first)),
+        straightening(unfolded.water, water.grid.to_metres(tubes.apex), water.surface_height_m, unfolded.rays,
+                      water.reference_speed_m_s, unfolded.unfolding),
+        outlook(tubes, water.grid.unit_m(), straightening) {}
+  Way(const Way&) = delete;
+  Way& operator=(const Way&) = delete;
+
+  static std::vector<double> in_metres(const Heights& heights, const WorldGrid& grid) {
+    std::vector<double> metres;
+    for (const std::int32_t z : heights) metres.push_back(grid.to_metres({0, 0, z}).z);
+    return metres;
+  }
+
+  std::size_t end;
+  Heights heights;
+  bool up_first;
+  UnfoldedWater unfolded;
+  Straightening straightening;
+  Outlook outlook;
+  std::unique_ptr<SceneTree> tree;  ///< of what it sees
+};
+
+RefractedImages::~RefractedImages() = default;
+
+RefractedImages::RefractedImages(const FacetMesh& mesh, const SceneTree& tree,
+                                 const VisibilityOptions& options, const Mirrors& mirrors, double least_loss,
+                                 std::size_t most_images, double absorption_db_per_m, const PathWater& water,
+                                 std::vector<TubeSet> ends, int order)
+    : options_([&] {
+        VisibilityOptions own = options;
+        own.open_water = mirrors.surface.has_value();
+        return own;
+      }()),
+      mirrors_(mirrors),
+      least_loss_(least_loss),
+      most_images_(most_images),
+      absorption_db_per_m_(absorption_db_per_m),
+      water_(water),
+      ends_(std::move(ends)),
+      order_(order),
+      mesh_(&mesh),
+      tree_(&tree) {
+  find_levels(mesh);
+  for (const auto& [height, reflection] : levels_) {
+    FacetMesh cut = cut_at(*mesh_, height);
+    if (cut.facets.size() == mesh_->facets.size()) continue;
+    cut_ = std::move(cut);
+    mesh_ = &cut_;
+  }
+  if (mesh_ == &cut_) {
+    cut_tree_ = std::make_unique<SceneTree>(cut_);
+    tree_ = cut_tree_.get();
+  }
+  std::vector<FacetId> facets;
+  for (std::size_t end = 0; end < ends_.size(); ++end) find_ways(end, {}, false, 1, 0, order_ - 1);
+  std::vector<const Straightening*> straightenings;
+  std::vector<const Outlook*> outlooks;
+  for (const Way& way : ways_) {
+    stop_if_wanted();
+    straightenings.push_back(&way.straightening);
+    outlooks.push_back(&way.outlook);
+    const std::vector<FacetId> some = way.outlook.facets(*mesh_, *tree_, water_.grid);
+    facets.insert(facets.end(), some.begin(), some.end());
+  }
+  std::ranges::sort(facets);
+  facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
+  alike_ = straighten_alike(*mesh_, facets, water_.grid, straightenings, absorption_db_per_m_,
+                            water_.straightening, water_.limits, outlooks);
+  for (std::size_t k = 0; k < ways_.size(); ++k)
+    ways_[k].tree = std::make_unique<SceneTree>(alike_.seen[k].refined.mesh, SceneTree::Sheets::ignored);
+}
+
+void RefractedImages::find_levels(const FacetMesh& mesh) {
+  if (mirrors_.surface) levels_[mirrors_.surface->height] = mirrors_.surface->reflection;
+  if (mirrors_.reflection.empty()) return;
+  for (FacetId f = 0; f < mesh.facets.size(); ++f) {
+    const double reflection = mirrors_.reflection[mesh.material[f]];
+    if (!(reflection > 0)) continue;
+    const auto [a, b, c] = heights_of(mesh, f);
+    if (a != b || b != c)
+      throw std::invalid_argument("paths through refracting water are followed over level mirrors only");
+    double& most = levels_[a];
+    most = std::max(most, reflection);
+  }
+}
+
+/// Whether sound that has come over a chain can next meet a mirror at a height, on its way up (or down).
+bool RefractedImages::is_next(const Heights& heights, bool up_first, std::int32_t apex, std::int32_t next,
+                              bool up) const {
+  if (!up && mirrors_.surface && next == mirrors_.surface->height) return false;
+  const std::int32_t from = heights.empty() ? apex : heights.back();
+  if (!heights.empty() && up != ((heights.size() % 2 == 0) == up_first)) return false;
+  return up ? next > from : next < from;
+}
+
+RefractedImages::Way& RefractedImages::add_way(std::size_t end, const Heights& heights) {
+  if (ways_.size() > most_images_)
+    throw std::length_error(
+        fmt::format("more than {} chains of level mirrors: follow fewer orders or cut "
+                    "off sooner",
+                    most_images_));
+  way_of_[{end, heights}] = ways_.size();
+  return ways_.emplace_back(end, heights, water_, ends_[end]);
+}
+
+void RefractedImages::find_ways(std::size_t end, const Heights& heights, bool up_first, double passes,
+                                double way_m, int most) {
+  add_way(end, heights);
+  if (int(heights.size()) >= most) return;
+  const std::int32_t apex = ends_[end].apex.z, from = heights.empty() ? apex : heights.back();
+  double fastest = 0;
+  for (const ProfilePoint& p : water_.column.profile.points()) fastest = std::max(fastest, p.sound_speed_m_s);
+  for (const auto& [height, reflection] : levels_)
+    for (const bool up : {true, false}) {
+      if (!is_next(heights, up_first, apex, height, up)) continue;
+      const double through = passes * reflection,
+                   on_m = way_m + std::abs(double(height) - from) * water_.grid.unit_m(),
+                   reach_m = ends_[end].reach * water_.grid.unit_m();
+      if (!(through > least_loss_) || on_m * water_.reference_speed_m_s / fastest > reach_m) continue;
+      Heights longer = heights;
+      longer.push_back(height);
+      find_ways(end, longer, heights.empty() ? up : up_first, through, on_m, most);
+    }
+}
+
+void RefractedImages::look(Image& image) {
+  image.seen.resize(image.windows.tubes.size());
+  tbb::enumerable_thread_specific<VisibilityScratch> scratch;
+  tbb::parallel_for(std::uint32_t{0}, std::uint32_t(image.seen.size()), [&](std::uint32_t tube) {
+    see(*image.mesh, *image.tree, image.windows, tube, options_, scratch.local(), image.seen[tube]);
+  });
+}
+
+std::vector<Image> RefractedImages::images_of(std::size_t end, std::optional<GridPoint> heard_at) {
+  std::vector<Image> images(1);
+  Image& root = images.front();
+  root.windows = ends_[end];
+  for (std::uint32_t t = 0; t < root.windows.tubes.size(); ++t) root.own_tube.push_back(t);
+  root.way = way_of_.at({end, {}});
+  for (std::size_t first = 0, last = 1; first < last; first = last, last = images.size()) {
+    const int mirrors = int(images[first].mirrors);
+    if (mirrors >= order_) break;
+    for (std::size_t i = first; i < last; ++i) {
+      Image& image = images[i];
+      image.mesh = &alike_.seen[image.way].refined.mesh;
+      image.tree = ways_[image.way].tree.get();
+      image.origin = alike_.origin[image.way];
+      look(image);
+    }
+    if (mirrors + 1 == order_ && !heard_at) break;
+    for (std::size_t i = first; i < last; ++i)
+      for (Image& child : children_of(images[i], mirrors + 1 == order_ ? heard_at : std::nullopt))
+        images.push_back(std::move(child));
+  }
+  return images;
+}
+
+std::vector<Image> RefractedImages::children_of(const Image& image, std::optional<GridPoint> heard_at) {
+  stop_if_wanted();
+  const Way& way = ways_[image.way];
+  const GridPoint apex = image.windows.apex;
+  // By height, whether it is met from below, and reflection; the surface's are of no facet.
+  std::map<std::tuple<std::int32_t, bool, double, bool>, std::vector<Cone>> mirrors;
+  for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
+    const TubeVisibility& seen = image.seen[tube];
+    const NameContext context{*image.mesh, apex, seen.rays};
+    const auto cone_of = [&](const NamedPiece& piece) {
+      Cone cone{{}, image.own_tube[tube]};
+      for (std::uint32_t k = 0; k < piece.count; ++k)
+        cone.corners.push_back(glm::normalize(direction_of(context, seen.corners[piece.first + k])));
+      return cone;
+    };
+    if (mirrors_.surface)
+      for (const NamedPiece& open : seen.open)
+        mirrors[{mirrors_.surface->height, true, mirrors_.surface->reflection, true}].push_back(
+            cone_of(open));
+    for (const NamedPiece& piece : seen.pieces) {
+      const double reflection =
+          mirrors_.reflection.empty() ? 0 : mirrors_.reflection[image.mesh->material[piece.facet]];
+      if (!(reflection > 0)) continue;
+      // The side that is seen: facets turn as they do where they lie.
+      glm::dvec3 lies[3], from_apex[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        lies[k] = water_.grid.to_metres(bed().vertices[bed().facets[image.origin[piece.facet]][k]]);
+        from_apex[k] = water_.grid.to_metres(image.mesh->vertices[image.mesh->facets[piece.facet][k]]) -
+                       water_.grid.to_metres(apex);
+      }
+      const bool faces =
+          glm::dot(glm::cross(from_apex[1] - from_apex[0], from_apex[2] - from_apex[0]), from_apex[0]) < 0;
+      const bool points_up = glm::cross(lies[1] - lies[0], lies[2] - lies[0]).z > 0;
+      mirrors[{bed().vertices[bed().facets[image.origin[piece.facet]][0]].z, faces != points_up, reflection,
+               false}]
+          .push_back(cone_of(piece));
+    }
+  }
+  std::vector<Image> children;
+  for (const auto& [mirror, cones] : mirrors) {
+    const auto [height, up, reflection, is_surface] = mirror;
+    if (!is_next(way.heights, way.up_first, apex.z, height, up)) continue;
+    Heights chain = way.heights;
+    chain.push_back(height);
+    auto known = way_of_.find({way.end, chain});
+    if (known == way_of_.end()) {
+      if (!heard_at) continue;  // nothing passes, or nothing in time
+      add_way(way.end, chain);
+      known = way_of_.find({way.end, chain});
+    }
+    Image child;
+    child.mirrors = image.mirrors + 1;
+    child.way = known->second;
+    const Straightening& water = ways_[child.way].straightening;
+    child.leg.to_true[2][2] = water.unfolding().sign;
+    child.leg.loss = image.leg.loss;
+    child.leg.loss.factor *= reflection;
+    if (is_surface && mirrors_.surface->roughness > 0) {
+      const double depth_m =
+                       water_.surface_height_m - water_.grid.to_metres({0, 0, mirrors_.surface->height}).z,
+                   ratio = water_.column.profile.at(depth_m) / water.finder().source_speed_m_s();
+      child.leg.loss.rough_normals.push_back({0, 0, 1});
+      child.leg.loss.roughness = mirrors_.surface->roughness;
+      child.leg.loss.bend = (ratio - 1) * (ratio + 1);
+    }
+    WindowTubes windows(apex, image.windows.reach);
+    std::vector<glm::dvec3> mirrored;
+    child.largest = 0;
+    for (const Cone& cone : cones) {
+      mirrored.clear();
+      for (auto corner = cone.corners.rbegin(); corner != cone.corners.rend(); ++corner)
+        mirrored.push_back(upside_down(*corner));
+      const double passes = most_of(child.leg.loss, mirrored);
+      if (passes <= least_loss_) continue;
+      child.largest = std::max(child.largest, passes);
+      windows.add(mirrored, cone.own_tube);
+    }
+    if (windows.tubes().tubes.empty()) continue;
+    child.windows = windows.tubes();
+    child.own_tube = windows.labels();
+    if (heard_at && rays_to(child, *heard_at).empty()) continue;
+    if (++found_ > most_images_)
+      throw std::length_error(
+          fmt::format("more than {} images of one apex, of up to {} mirrors: follow "
+                      "fewer orders or cut off sooner",
+                      most_images_, child.mirrors));
+    children.push_back(std::move(child));
+  }
+  return children;
+}
+
+ApparentEnd RefractedImages::end_of(const Image& image) const {
+  return {alike_.seen[image.way], ways_[image.way].straightening};
+}
+
+std::vector<ApparentGround> RefractedImages::take_grounds() {
+  std::vector<ApparentGround> grounds;
+  for (std::size_t k = 0; k < alike_.seen.size(); ++k) {
+    if (ways_[k].heights.empty()) continue;
+    for (UnclearPlace& place : alike_.seen[k].unclear)
+      if (place.eigenrays > 0) place.direction.z *= ways_[k].straightening.unfolding().sign;
+    grounds.push_back(std::move(alike_.seen[k]));
+  }
+  return grounds;
+}
+
+bool RefractedImages::is_hidden(const Image& image, const GridPoint& from, const GridPoint& to) {
+  if (image.mesh != nullptr) return !in_sight(*image.mesh, *image.tree, from, to);
+  // Of the last mirror nothing is scattered: what lies behind it has not been straightened.
+  Way& way = ways_[image.way];
+  const ApparentGround ground =
+      straighten(*mesh_, way.outlook.facets(*mesh_, *tree_, water_.grid), water_.grid, way.straightening,
+                 absorption_db_per_m_, water_.straightening, water_.limits, {}, &way.outlook);
+  const SceneTree tree(ground.refined.mesh, SceneTree::Sheets::ignored);
+  return !in_sight(ground.refined.mesh, tree, from, to);
+}
+
+std::vector<MirroredRay> RefractedImages::rays_to(const Image& image, GridPoint place) {
+  const Straightening& water = ways_[image.way].straightening;
+  const glm::dvec3 at_m = water_.grid.to_metres(place), way = at_m - water.apex_m();
+  std::vector<MirroredRay> rays;
+  if (!water.unfolding().may_reach(at_m.z, at_m.z)) return rays;
+  const double range = std::hypot(way.x, way.y);
+  const glm::dvec2 across = range > 0 ? glm::dvec2(way) / range : glm::dvec2(0);
+  for (const Eigenray& ray : water.finder().all(water.depth_m(at_m), range)) {
+    if (!(ray.tube_area_m2_per_sr > 0)) continue;  // on a caustic, where rays say nothing
+    const double distance = water.reference_speed_m_s() * ray.time_s;
+    MirroredRay found;
+    found.sent = {ray.launch_cosine * across, -water.unfolding().sign * ray.launch_sine};
+    found.seen_at = water_.grid.snap(water.apex_m() + distance * found.sent);
+    found.arrives = water.arrival_direction(at_m, ray);
+    found.half_path_m = distance / 2;
+    found.kept = std::exp(-ray.absorption_db * std::numbers::ln10 / 10);
+    found.tube_area_m2 = ray.tube_area_m2_per_sr;
+    found.unfolded_height_m = water.unfolding().height_m(at_m.z);
+    const GridPoint along = found.seen_at - image.windows.apex;
+    bool in_window = false;
+    for (std::uint32_t w = 0; w < image.windows.tubes.size() && !in_window; ++w)
+      in_window = holds(image.windows, w, along, window_border_rad);
+    if (in_window && !is_hidden(image, image.windows.apex, found.seen_at)) rays.push_back(found);
+  }
+  return rays;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/ground/paired_facet.hpp"
+#include "engine/paths/image_tree.hpp"
+
+// Apexes and their images in level mirrors, in refracting water. docs/paths.md, "In refracting water"
+namespace tubefoot {
+
+/// Water that refracts, and how finely the bed is seen through it.
+struct PathWater {
+  const WaterColumn& column;
+  double surface_height_m = 0;  ///< depth = this - z
+  EigenrayOptions rays;
+  double reference_speed_m_s = 1500;  ///< by which a travel time becomes a range
+  StraighteningSettings straightening;
+  RefinementLimits limits;
+  const WorldGrid& grid;
+};
+
+/// A ray from an image, over its mirrors, to a receiver.
+struct MirroredRay {
+  GridPoint seen_at;             ///< where the image sees the receiver
+  glm::dvec3 sent{0};            ///< direction as the image has it, unit vector
+  glm::dvec3 arrives{0};         ///< direction of travel at the receiver, unit vector
+  double half_path_m = 0;        ///< half of what sound covers in its time at the reference speed
+  double kept = 1;               ///< what absorption leaves of the energy
+  double tube_area_m2 = 0;       ///< at the receiver, perpendicular to the ray, per steradian at the apex
+  double unfolded_height_m = 0;  ///< of the receiver: tells chains of mirrors apart
+};
+
+/// The images of one apex or of two, over one bed that is cut alike for all of them.
+///
+/// An image has the place of its true apex, and sees the bed where rays over its chain of mirrors say
+/// (Straightening with Unfolding): through the windows that the mirror is seen in, as anywhere. Mirrors are
+/// the sea surface and level facets; of rays that turn, those are followed that do it before the first mirror
+/// or after the last.
+class RefractedImages {
+ public:
+  /// `ends`: tubes of the transmitter, and of a receiver that is apart. `order`: most mirrors of a chain of
+  /// the transmitter; one less of what scatters. What is referred to must outlive it. Throws as
+  /// straighten_alike(); std::length_error for more than `most_images` chains; std::invalid_argument for
+  /// mirrors that are not level.
+  RefractedImages(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
+                  const Mirrors& mirrors, double least_loss, std::size_t most_images,
+                  double absorption_db_per_m, const PathWater& water, std::vector<TubeSet> ends, int order);
+  ~RefractedImages();
+
+  /// As ImageFinder::images_of() has them.
+  std::vector<Image> images_of(std::size_t end, std::optional<GridPoint> heard_at = std::nullopt);
+
+  /// The bed that shared facets are of.
+  const FacetMesh& bed() const { return alike_.bed.mesh; }
+  ApparentEnd end_of(const Image& image) const;
+  /// What came of straightening, but for the apexes' own; by chain of mirrors. Directions are those of
+  /// launch.
+  std::vector<ApparentGround> take_grounds();
+
+  /// All rays from an image over its mirrors to a place, those not hidden by facets.
+  std::vector<MirroredRay> rays_to(const Image& image, GridPoint place);
+
+ private:
+  struct Way;
+  using Heights = std::vector<std::int32_t>;
+  struct Children;
+
+  void find_levels(const FacetMesh& mesh);
+  void find_ways(std::size_t end, const Heights& heights, bool up, double passes, double way_m, int most);
+  Way& add_way(std::size_t end, const Heights& heights);
+  bool is_next(const Heights& heights, bool up_first, std::int32_t apex, std::int32_t next, bool up) const;
+  void look(Image& image);
+  std::vector<Image> children_of(const Image& image, std::optional<GridPoint> heard_at);
+  bool is_hidden(const Image& image, const GridPoint& from, const GridPoint& to);
+
+  const VisibilityOptions options_;
+  const Mirrors& mirrors_;
+  double least_loss_;
+  std::size_t most_images_, found_ = 0;
+  double absorption_db_per_m_;
+  PathWater water_;
+  std::vector<TubeSet> ends_;
+  int order_;
+  std::map<std::int32_t, double> levels_;  ///< heights of level mirrors, and the most that one reflects
+  FacetMesh cut_;                          ///< no facet lies on both sides of a mirror's height
+  std::unique_ptr<SceneTree> cut_tree_;
+  const FacetMesh* mesh_;
+  const SceneTree* tree_;
+  std::deque<Way> ways_;
+  std::map<std::pair<std::size_t, Heights>, std::size_t> way_of_;
+  AlikeGrounds alike_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,497 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Paths over mirrors in refracting water.
+#include <gtest/gtest.h>
+
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <map>
+#include <random>
+
+#include "engine/sight/tube_engine.hpp"
+#include "fixtures/world/path_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace test;
+
+const WorldGrid grid{20, glm::dvec3(0)};
+constexpr double c_ref = 1500;
+
+/// The surface is at z = 0, where the speed of sound is c; it changes by g per metre of depth.
+WaterColumn gradient(double g, double c = 1500, double absorption_db_per_m = 0) {
+  return {SoundSpeedProfile({{0, c}, {60, c + 60 * g}}),
+          {absorption_db_per_m, absorption_db_per_m, absorption_db_per_m}};
+}
+
+PathWater water_of(const WaterColumn& column, double gap_m = 1e-4, double deepest_m = 60) {
+  EigenrayOptions rays;
+  rays.deepest_turn_m = deepest_m;
+  return {column, 0, rays, c_ref, {.gap_m = gap_m}, {}, grid};
+}
+
+PathEcho through(const PathWater& water, const Setting& s, const BeamPatterns* patterns = nullptr) {
+  const SceneTree tree(s.mesh);
+  const std::vector<std::uint32_t> beam(s.receive.tubes.size(), 0);
+  const std::vector<double> none(s.mu.size(), 0);
+  PathSettings settings = s.paths;
+  settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
+  return path_echo(s.mesh, tree, unit, VisibilityOptions(), s.transmit, s.receive, {1, beam}, s.samples,
+                   s.law(s.transmit, patterns), settings, &water);
+}
+
+/// One gradient: rays are circles (physics sheet, 2.1). Launch and arrival angles are grazing ones, positive
+/// down; distances are horizontal.
+struct Circles {
+  double c0, g;  ///< at depth 0, per metre
+  double speed(double depth) const { return c0 + g * depth; }
+  struct Leg {
+    double x = 0, t = 0, s = 0;
+  };
+  /// From a depth to another without turning.
+  Leg between(double p, double from, double to) const {
+    const double s1 = std::sqrt(1 - std::pow(p * speed(from), 2)),
+                 s2 = std::sqrt(1 - std::pow(p * speed(to), 2));
+    const double x = std::abs((s1 - s2) / (p * g)),
+                 t = std::abs(std::atanh(s1) - std::atanh(s2)) / std::abs(g);
+    return {x, t, std::abs(std::asin(s1) - std::asin(s2)) / (p * std::abs(g))};
+  }
+  /// Over mirrors at these depths, in turn.
+  Leg over(double launch, double from, const std::vector<double>& mirrors, double to) const {
+    const double p = std::cos(launch) / speed(from);
+    Leg sum;
+    const auto add = [&](double a, double b) {
+      const Leg leg = between(p, a, b);
+      sum = {sum.x + leg.x, sum.t + leg.t, sum.s + leg.s};
+    };
+    for (const double mirror : mirrors) {
+      add(from, mirror);
+      from = mirror;
+    }
+    add(from, to);
+    return sum;
+  }
+  struct Ray {
+    double launch, arrival, mirror_sine;  ///< angles without sign; sine of grazing at a depth of 0
+    double t, area, area_back;            ///< tube areas per steradian, out and back by reciprocity
+  };
+  /// The ray to a distance; `x` falls with the angle while no ray turns.
+  Ray to(double x, double from, const std::vector<double>& mirrors, double end) const {
+    double fastest = std::max(speed(from), speed(end));
+    for (const double m : mirrors) fastest = std::max(fastest, speed(m));
+    double lo = std::acos(std::min(1.0, speed(from) / fastest)) + 1e-2, hi = std::numbers::pi / 2 - 2e-3;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = (lo + hi) / 2;
+      (over(middle, from, mirrors, end).x > x ? lo : hi) = middle;
+    }
+    const double launch = (lo + hi) / 2, d = 5e-4, p = std::cos(launch) / speed(from);
+    const auto range = [&](double by) { return over(launch + by, from, mirrors, end).x; };
+    const double slope = (8 * (range(-d) - range(d)) - (range(-2 * d) - range(2 * d))) / (12 * d);
+    const double arrival = std::acos(p * speed(end));
+    const double area = x * std::sin(arrival) * slope / std::cos(launch);
+    return {launch,
+            arrival,
+            std::sqrt(1 - std::pow(p * c0, 2)),
+            over(launch, from, mirrors, end).t,
+            area,
+            area * std::pow(speed(from) / speed(end), 2)};
+  }
+};
+
+/// A flat bed 20 m down, 400 m wide, and a sonar 5 m down that looks all round.
+Setting under_surface(int order) {
+  Setting s;
+  s.mesh = square_bed(-20, 200);
+  s.transmit = s.receive = around({0, 0, -5}, -88, 88, 8, 120);
+  s.samples = {26, 1, 30};
+  s.mu = {0.01};
+  s.reflection = {0};
+  s.paths.order = order;
+  s.paths.mirrors.surface = SeaSurface{0, 0.6, 0};
+  return s;
+}
+
+/// And a receiver apart, a level plate that mirrors, a wall that crosses its height, a loose facet.
+Setting furnished(bool apart) {
+  Setting s = under_surface(3);
+  s.mesh = square_bed(-20, 60);
+  add_quad(s.mesh, {6, -8, -15}, {22, -8, -15}, {22, 9, -15}, {6, 9, -15}, 1);
+  add_quad(s.mesh, {25, -10, -20}, {26, 12, -20}, {26, 12, -8}, {25, -10, -8}, 0);
+  add_triangle(s.mesh, {3, 4, -9}, {5, 6, -16}, {9, 5, -3}, 0);
+  s.transmit = around({0, 0, -5}, -86, 86, 6, 120);
+  s.receive = apart ? around({2, -3, -7}, -86, 86, 6, 120) : s.transmit;
+  s.samples = {1, 1, 43};
+  s.mu = {0.01, 0.02};
+  s.reflection = {0, 0.5};
+  s.paths.direct = true;
+  s.paths.cutoff_db = 300;
+  return s;
+}
+
+// Images by rays through even water are the images by planes. Where a mirror's height cuts facets, corners
+// are rounded to the grid (1e-6 m), for all images or for those of this mirror.
+TEST(RefractedPaths, EvenWaterIsTheStraightEngine) {
+  const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {60, c_ref}}), {0.02, 0.02, 0.02}};
+  for (const bool apart : {false, true}) {
+    Setting s = furnished(apart);
+    s.absorption_db_per_m = 0.02;
+    s.paths.mirrors.surface->roughness = 0.8;
+    const PathEcho straight = s.run(), bent = through(water_of(even), s);
+    EXPECT_EQ(bent.arrivals, straight.arrivals);
+    EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // direct and by the surface
+    for (std::size_t order = 0; order < straight.by_order.size(); ++order) {
+      const double peak = *std::ranges::max_element(straight.by_order[order].energy);
+      if (order > 1) {
+        EXPECT_GT(peak, 0) << order;
+      }
+      for (std::size_t k = 0; k < straight.by_order[order].energy.size(); ++k)
+        EXPECT_NEAR(bent.by_order[order].energy[k], straight.by_order[order].energy[k],
+                    3e-6 * straight.by_order[order].energy[k] + 1e-9 * peak)
+            << apart << " order " << order << " sample " << k;
+    }
+  }
+}
+
+// To first order: half of the gradient moves energies half as far from those of even water. The bed's cells
+// are small enough for all, so that all are cut alike.
+TEST(RefractedPaths, AGradientThatGoesToZeroLeavesTheImageSeries) {
+  Setting s = under_surface(3);
+  s.mesh = FacetMesh();
+  for (double x = -80; x < 80; x += 10)
+    for (double y = -80; y < 80; y += 10)
+      add_quad(s.mesh, {x, y, -20}, {x + 10, y, -20}, {x + 10, y + 10, -20}, {x, y + 10, -20});
+  const PathEcho straight = s.run();
+  const auto at = [&](double g) {
+    const WaterColumn column = gradient(g, 1500 - 5 * g);  // 1500 m/s at the sonar
+    return through(water_of(column, 1), s);
+  };
+  const PathEcho whole = at(4e-3), half = at(2e-3), next_to_none = at(1e-9);
+  for (const std::size_t order : {2, 3})
+    for (const int k : {5, 12, 20}) {
+      const auto moved = [&](const PathEcho& bent) {
+        return bent.by_order[order].at(0, k) / straight.by_order[order].at(0, k) - 1;
+      };
+      EXPECT_GT(std::abs(moved(whole)), 1e-6) << order << ' ' << k;
+      EXPECT_NEAR(moved(whole) / moved(half), 2, 0.03) << order << ' ' << k;
+      EXPECT_LT(std::abs(moved(next_to_none)), 1e-8);
+    }
+}
+
+// Mirror and bed in one gradient, there by the surface and straight back, and by the surface both ways: rings
+// of the bed by rays in closed form.
+TEST(RefractedPaths, SurfaceMultiplesOfAFlatBedInOneGradient) {
+  for (const double g : {-0.6, 0.5}) {
+    for (const double roughness : {0.0, 2.5}) {
+      Setting s = under_surface(3);
+      s.mesh = square_bed(-20, 60);
+      s.paths.mirrors.surface->roughness = roughness;
+      const WaterColumn column = gradient(g, 1510);
+      const PathEcho paths = through(water_of(column, 5e-4), s);
+      const Circles circles{1510, g};
+      const auto direct = [&](double x) { return circles.to(x, 5, {}, 20); };
+      const auto mirrored = [&](double x) { return circles.to(x, 5, {0}, 20); };
+      const auto through_surface = [&](const Circles::Ray& ray) {
+        return 0.6 * std::exp(-roughness * ray.mirror_sine * ray.mirror_sine);
+      };
+      const auto distance_of = [&](double half_path_m, const auto& half_time) {
+        double lo = 1e-6, hi = 120;
+        for (int k = 0; k < 100; ++k) {
+          const double x = (lo + hi) / 2;
+          (half_time(x) * c_ref < half_path_m ? lo : hi) = x;
+        }
+        return (lo + hi) / 2;
+      };
+      const auto integral = [](const auto& f, double from, double to) {
+        return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(f, from, to, 0);
+      };
+      for (const int k : {1, 5, 12, 18}) {
+        const double from = 26 + k;
+        const auto once = [&](double x) {
+          const Circles::Ray a = direct(x), b = mirrored(x);
+          return 0.01 * 2 * pi * x * std::sin(a.arrival) * std::sin(b.arrival) * through_surface(b) *
+                 (1 / (a.area * b.area_back) + 1 / (b.area * a.area_back));
+        };
+        const auto mean = [&](double x) { return (direct(x).t + mirrored(x).t) / 2; };
+        const double one = integral(once, distance_of(from, mean), distance_of(from + 1, mean));
+        EXPECT_NEAR(paths.by_order[2].at(0, k), one, 2e-4 * one) << g << " sample " << k;
+        const auto twice = [&](double x) {
+          const Circles::Ray b = mirrored(x);
+          return 0.01 * 2 * pi * x * std::pow(std::sin(b.arrival) * through_surface(b), 2) /
+                 (b.area * b.area_back);
+        };
+        const auto both = [&](double x) { return mirrored(x).t; };
+        const double two = integral(twice, distance_of(from, both), distance_of(from + 1, both));
+        EXPECT_NEAR(paths.by_order[3].at(0, k), two, 2e-4 * two) << g << " sample " << k;
+      }
+    }
+  }
+}
+
+// A channel: what comes unscattered from a transmitter to a receiver 40 m away, over surface and bed.
+TEST(RefractedPaths, AChannelIsASeriesOfRays) {
+  constexpr int order = 4;
+  Setting s;
+  s.mesh = square_bed(-20, 150);
+  s.transmit = around({0, 0, -5}, -86, 86, 2, 180);
+  s.receive = around({40, 0, -10}, -86, 86, 2, 180);
+  s.samples = {15, 0.05, 1200};
+  s.mu = {1e-12};
+  s.reflection = {0.25};
+  s.absorption_db_per_m = 0.01;
+  s.paths.order = order;
+  s.paths.cutoff_db = 300;
+  s.paths.direct = true;
+  s.paths.mirrors.surface = SeaSurface{0, 0.8, 0.3};
+  const Circles circles{1490, 0.4};
+  const WaterColumn column = gradient(0.4, 1490, 0.01);
+  const PathEcho paths = through(water_of(column, 1), s);
+  EXPECT_EQ(paths.arrivals, 1u + 2 * order);
+  for (int n = 0; n <= order; ++n) {
+    std::vector<double> expected(s.samples.count);
+    for (int first = 0; first < (n == 0 ? 1 : 2); ++first) {
+      std::vector<double> mirrors;
+      double passes = 1;
+      int rough = 0;
+      for (int k = 0; k < n; ++k) {
+        const bool at_surface = (first + k) % 2 == 0;
+        mirrors.push_back(at_surface ? 0 : 20);
+        rough += at_surface;
+        passes *= at_surface ? 0.8 : 0.25;
+      }
+      Circles::Leg leg;
+      double energy = 0;
+      const Circles::Ray ray = circles.to(40, 5, mirrors, 10);
+      leg = circles.over(ray.launch, 5, mirrors, 10);
+      energy = passes * std::exp(-0.3 * rough * ray.mirror_sine * ray.mirror_sine) *
+               std::pow(10, -0.001 * leg.s) / ray.area;
+      expected[std::size_t((leg.t * c_ref / 2 - s.samples.first_m) / s.samples.step_m)] += energy;
+    }
+    double scattered = 0;
+    for (int k = 0; k < s.samples.count; ++k) {
+      const double energy = paths.by_order[n].at(0, k);
+      if (expected[k] == 0)
+        scattered += energy;
+      else
+        EXPECT_NEAR(energy, expected[k], 1e-8 * expected[k]) << "order " << n << " sample " << k;
+    }
+    EXPECT_LT(scattered, 1e-12) << n;
+  }
+}
+
+// Exchanged, transmitter and receiver hear the same but for the square of the speed of sound at each: energy
+// is what passes a square metre.
+TEST(RefractedPaths, TransmitterAndReceiverExchangePlaces) {
+  Setting s = furnished(true);
+  Setting back = s;
+  std::swap(back.transmit, back.receive);
+  const WaterColumn column = gradient(-0.7, 1510);
+  const PathWater water = water_of(column, 1e-3);
+  const PathEcho there = through(water, s), home = through(water, back);
+  const double speeds = std::pow((1510 - 0.7 * 5) / (1510 - 0.7 * 7), 2);
+  for (std::size_t order = 0; order < there.by_order.size(); ++order) {
+    const double all = total(there.by_order[order]);
+    EXPECT_GT(all, 0) << order;
+    for (int k = 0; k < s.samples.count; ++k)
+      EXPECT_NEAR(there.by_order[order].at(0, k), speeds * home.by_order[order].at(0, k), 1e-7 * all)
+          << order << ' ' << k;
+  }
+}
+
+// By the surface both ways, the bed is heard as a bed mirrored in it is heard through water mirrored in it.
+TEST(RefractedPaths, ASurfaceIsItsImage) {
+  Setting s = under_surface(3);
+  s.mesh = FacetMesh();
+  add_quad(s.mesh, {-90, -90, -20}, {90, -80, -22}, {90, 90, -23}, {-90, 90, -19});
+  const double g = -0.5;
+  const WaterColumn column = gradient(g, 1510),
+                    mirrored{SoundSpeedProfile({{0, 1510 + 60 * g}, {60, 1510}, {120, 1510 + 60 * g}}),
+                             {0, 0, 0, 0}};
+  const PathEcho paths = through(water_of(column, 2e-4), s);
+
+  FacetMesh above = s.mesh;
+  for (GridPoint& v : above.vertices) v.z = -v.z;
+  std::vector<FacetId> all{0, 1};
+  const Straightening straightening(mirrored, {0, 0, -5}, 60, {}, c_ref);
+  const ApparentGround ground = straighten(above, all, grid, straightening, 0, {.gap_m = 2e-4});
+  const std::vector<std::uint32_t> beam(s.transmit.tubes.size(), 0);
+  EchoLaw law{s.mu, ground.refined.mesh.material, 0, nullptr};
+  law.path.facet_factor = ground.facet_factor;
+  const SceneTree tree(ground.refined.mesh);
+  const History history = TubeEngine(ground.refined.mesh, tree, unit, {}).trace(s.transmit);
+  const Echo direct = integrate_echo(history, {1, beam}, s.samples, law);
+  for (int k = 0; k < s.samples.count; ++k)
+    EXPECT_NEAR(paths.by_order[3].at(0, k), 0.36 * direct.at(0, k), 3e-4 * 0.36 * direct.at(0, k)) << k;
+}
+
+/// Rays by Runge-Kutta steps, over whatever they meet: one gradient, a surface at z = 0, facets one after the
+/// other.
+struct Stepped {
+  const Setting& s;
+  Circles water;
+  static constexpr double step_m = 0.25;
+
+  std::vector<glm::dvec3> corners = [this] {
+    std::vector<glm::dvec3> all;
+    for (const GridPoint p : s.mesh.vertices) all.push_back(metres(p));
+    return all;
+  }();
+
+  static constexpr int surface = -1, nothing = -2;
+  struct Meeting {
+    int what = nothing;  ///< or a facet
+    glm::dvec3 at{0}, along{0};
+    double t = 0;  ///< since the launch
+  };
+  /// All that a ray meets, in turn, until it is not mirrored or has met so many mirrors.
+  std::vector<Meeting> follow(glm::dvec3 from, glm::dvec3 launch, int most_mirrors) const {
+    std::vector<Meeting> met;
+    const double flat = std::hypot(launch.x, launch.y);
+    const glm::dvec2 across = glm::dvec2(launch) / flat;
+    std::array<double, 4> y{0, -from.z, std::atan2(-launch.z, flat), 0};  // range, depth, angle, time
+    const auto rate = [&](const std::array<double, 4>& v) {
+      const double c = water.speed(v[1]);
+      return std::array<double, 4>{std::cos(v[2]), std::sin(v[2]), -water.g * std::cos(v[2]) / c, 1 / c};
+    };
+    const auto moved = [](const std::array<double, 4>& v, const std::array<double, 4>& d, double by) {
+      std::array<double, 4> sum;
+      for (std::size_t i = 0; i < 4; ++i) sum[i] = v[i] + by * d[i];
+      return sum;
+    };
+    const auto place = [&](const std::array<double, 4>& v) {
+      return glm::dvec3(from.x + v[0] * across.x, from.y + v[0] * across.y, -v[1]);
+    };
+    int but = nothing;
+    for (int steps = 0; steps < 800; ++steps) {
+      const auto k1 = rate(y), k2 = rate(moved(y, k1, step_m / 2)), k3 = rate(moved(y, k2, step_m / 2)),
+                 k4 = rate(moved(y, k3, step_m));
+      std::array<double, 4> next = y;
+      for (std::size_t i = 0; i < 4; ++i) next[i] += step_m * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]) / 6;
+      const glm::dvec3 a = place(y), b = place(next);
+      double part = 2;
+      int what = nothing;
+      if (but != surface && b.z > 0) {
+        part = a.z / (a.z - b.z);
+        what = surface;
+      }
+      for (std::size_t f = 0; f < s.mesh.facets.size(); ++f) {
+        if (int(f) == but) continue;
+        const auto& [i, j, k] = s.mesh.facets[f];
+        const glm::dvec3 u = corners[j] - corners[i], v = corners[k] - corners[i], n = glm::cross(u, v);
+        const double down = glm::dot(n, b - a);
+        if (down == 0) continue;
+        const double x = glm::dot(n, corners[i] - a) / down;
+        if (x < 0 || x > 1 || x >= part) continue;
+        const glm::dvec3 p = a + x * (b - a) - corners[i];
+        const double nn = glm::dot(n, n), q = glm::dot(glm::cross(p, v), n) / nn,
+                     r = glm::dot(glm::cross(u, p), n) / nn;
+        if (q < 0 || r < 0 || q + r > 1) continue;
+        part = x;
+        what = int(f);
+      }
+      if (what == nothing) {
+        y = next;
+        but = nothing;
+        continue;
+      }
+      for (std::size_t i = 0; i < 4; ++i) y[i] += part * (next[i] - y[i]);
+      met.push_back({what, place(y), {std::cos(y[2]) * across, -std::sin(y[2])}, y[3]});
+      const bool mirrors = what == surface || s.reflection[s.mesh.material[std::size_t(what)]] > 0;
+      if (!mirrors || most_mirrors-- == 0) break;
+      y[2] = -y[2];  // all mirrors are level
+      but = what;
+    }
+    return met;
+  }
+  glm::dvec3 normal(int facet) const {
+    const auto& [i, j, k] = s.mesh.facets[std::size_t(facet)];
+    return glm::normalize(glm::cross(corners[j] - corners[i], corners[k] - corners[i]));
+  }
+};
+
+// Rays that are stepped through the water and reflected, each place that they light joined to the sonar by
+// the rays of one gradient in closed form; these are stepped, too, to see what hides them.
+TEST(RefractedPaths, AgreeWithBruteForceRays) {
+  const Setting s = furnished(false);
+  const double g = -1.2;
+  const Circles circles{1510, g};
+  const WaterColumn column = gradient(g, 1510);
+  const PathEcho paths = through(water_of(column, 5e-4), s);
+  const Stepped rays{s, circles};
+  const unsigned seed = 20;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> any(0, 1);
+  constexpr int count = 12000, groups = 4;
+  constexpr std::array<double, groups + 1> borders{4, 20, 28, 36, 44};
+  const double top = std::sin(86 * pi / 180), whole = 2 * pi * 2 * top;
+  const glm::dvec3 apex{0, 0, -5};
+  const auto reflected = [&](int what) {
+    return what == Stepped::surface ? 0.6 : s.reflection[s.mesh.material[std::size_t(what)]];
+  };
+  std::array<std::array<double, groups>, 4> sum{}, square{};
+  for (int n = 0; n < count; ++n) {
+    // Stratified: each in its own band of elevations.
+    const double z = top * (2 * (n + any(random)) / count - 1), azimuth = 2 * pi * any(random);
+    const double flat = std::sqrt(1 - z * z);
+    const auto met = rays.follow(apex, {flat * std::cos(azimuth), flat * std::sin(azimuth), z}, 2);
+    std::array<std::array<double, groups>, 4> own{};
+    double passed = 1;
+    for (std::size_t there = 0; there < met.size(); ++there) {
+      const Stepped::Meeting& lit = met[there];
+      for (const std::vector<int>& chain : {std::vector<int>{}, {0}, {15}, {0, 15}, {15, 0}}) {
+        const std::size_t order = there + chain.size() + 1;
+        if (lit.what < 0 || order < 2 || order > 3) continue;
+        std::vector<double> mirrors(chain.begin(), chain.end());
+        const Circles::Ray back = circles.to(std::hypot(lit.at.x, lit.at.y), 5, mirrors, -lit.at.z);
+        double elevation = back.launch;  // up, if the way begins so
+        if (chain.empty() ? lit.at.z < apex.z : chain.front() == 15) elevation = -elevation;
+        if (std::abs(elevation) > 86 * pi / 180) continue;
+        const double angle = std::atan2(lit.at.y, lit.at.x);
+        const auto home = rays.follow(apex,
+                                      {std::cos(elevation) * std::cos(angle),
+                                       std::cos(elevation) * std::sin(angle), std::sin(elevation)},
+                                      int(chain.size()));
+        if (home.size() != chain.size() + 1 || home.back().what != lit.what ||
+            glm::distance(home.back().at, lit.at) > 1e-3)
+          continue;
+        bool same = true;
+        double passes = passed;
+        for (std::size_t k = 0; k < chain.size(); ++k) {
+          same = same && (home[k].what == Stepped::surface) == (chain[k] == 0);
+          passes *= reflected(home[k].what);
+        }
+        const glm::dvec3 normal = rays.normal(lit.what);
+        const double in = glm::dot(normal, lit.along), out = glm::dot(normal, home.back().along);
+        if (!same || in * out <= 0) continue;
+        const double half = (lit.t + home.back().t) / 2 * c_ref;
+        const auto group = std::ranges::upper_bound(borders, half) - borders.begin();
+        if (group < 1 || group > groups) continue;
+        own[order][std::size_t(group - 1)] +=
+            whole * passes * s.mu[s.mesh.material[std::size_t(lit.what)]] * std::abs(out) / back.area_back;
+      }
+      if (there + 1 < met.size()) passed *= reflected(lit.what);
+    }
+    for (std::size_t order = 2; order < 4; ++order)
+      for (std::size_t k = 0; k < groups; ++k) {
+        sum[order][k] += own[order][k] / count;
+        square[order][k] += own[order][k] * own[order][k] / count;
+      }
+  }
+  for (std::size_t order = 2; order < 4; ++order)
+    for (std::size_t k = 0; k < groups; ++k) {
+      double energy = 0;
+      for (double at_m = borders[k]; at_m < borders[k + 1]; ++at_m)
+        energy += paths.by_order[order].at(0, int(at_m - s.samples.first_m));
+      const double error = std::sqrt((square[order][k] - sum[order][k] * sum[order][k]) / count);
+      EXPECT_NEAR(energy, sum[order][k], 4.5 * error + 1e-3 * sum[order][k])
+          << "order " << order << " group " << k;
+      if (k > 0 && sum[order][k] > 0) {
+        EXPECT_LT(error, 0.2 * sum[order][k]) << order << ' ' << k;
+      }
+    }
+}
+
+}  // namespace
+}  // namespace tubefoot
