@@ -182,9 +182,6 @@ TubeSet moved_along(const TubeSet& tubes, const Fringe& staff, double end, doubl
 
 StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                          const VisibilityOptions& options, TubeSet transmit, const Fringe& staff) {
-  if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument(
-        "two receivers on a staff need an exact arithmetic: fixed, filtered or rational");
   StaffHistory history;
   history.upper = moved_along(transmit, staff, 1, grid_unit_m);
   history.lower = moved_along(transmit, staff, -1, grid_unit_m);

@@ -22,8 +22,8 @@ TubeSet tubes_of_fan(const TubeSet& tubes, std::span<const std::uint32_t> fan_of
 /// The same tubes half a baseline up the staff (`end` 1) or down (-1), on the grid.
 TubeSet moved_along(const TubeSet& tubes, const Fringe& staff, double end, double grid_unit_m);
 
-/// Exact visibility from the transmitter and from both ends of the staff, whose tubes look in the
-/// transmitter's directions. `options` must name an exact arithmetic.
+/// Visibility from the transmitter and from both ends of the staff, whose tubes look in the transmitter's
+/// directions.
 StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                          const VisibilityOptions& options, TubeSet transmit, const Fringe& staff);
 

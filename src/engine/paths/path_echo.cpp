@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "engine/paths/patch_paths.hpp"
+#include "engine/rays/shared_hits.hpp"
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/window_tubes.hpp"
@@ -78,7 +80,10 @@ class PathTracer {
       double energy;
     };
     std::vector<Bin> bins;
-    std::size_t pieces = 0;
+    std::size_t pieces = 0, hits = 0;
+  };
+  struct Pair {
+    std::size_t transmit, receive;
   };
 
   const std::vector<Image>& receivers() const { return one_place_ ? transmit_ : receive_; }
@@ -107,9 +112,6 @@ class PathTracer {
   /// where both ends swap their parts.
   void scatter() {
     if (settings_.order < 2) return;
-    struct Pair {
-      std::size_t transmit, receive;
-    };
     std::vector<Pair> pairs;
     const auto who = who_sees(receivers());
     std::vector<std::size_t> same, last(receivers().size(), transmit_.size());
@@ -134,6 +136,7 @@ class PathTracer {
                         "follow fewer orders or cut off sooner",
                         100 * settings_.most_images));
     }
+    if (settings_.sampled) return sample(pairs);
     std::vector<Part> parts(pairs.size());
     Steps steps("pairs of images", pairs.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
@@ -144,10 +147,77 @@ class PathTracer {
                                        : FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_).all();
       if (shared.pieces.empty()) return;
       const std::size_t order = sent.mirrors + heard.mirrors + 1;
-      if (one_place_ && !itself)
-        add(parts[k], order, scattered(heard, sent, exchanged(shared)), shared.pieces.size());
       const std::size_t pieces = shared.pieces.size();
-      add(parts[k], order, scattered(sent, heard, std::move(shared)), pieces);
+      if (one_place_ && !itself)
+        add(parts[k], order,
+            scattered(heard, sent, {heard.windows, sent.windows, unit_m_, exchanged(shared)}), pieces);
+      add(parts[k], order, scattered(sent, heard, {sent.windows, heard.windows, unit_m_, std::move(shared)}),
+          pieces);
+    });
+    for (const Part& part : parts) take(part);
+  }
+
+  /// An image that takes part in sampled paths, made ready for rays.
+  struct RayImage {
+    RayImage(const Image& image, const FacetMesh& mesh, const SampledPaths& sampled) : finder(image.windows) {
+      if (image.mesh != &mesh) own.emplace(*image.mesh, sampled.grid);
+      end.emplace(SampledEnd{own ? *own : *sampled.scene, image.windows, finder, image.origin});
+    }
+    RayImage(const RayImage&) = delete;
+    RayImage& operator=(const RayImage&) = delete;
+    std::optional<RayScene> own;
+    TubeFinder finder;
+    std::optional<SampledEnd> end;
+  };
+  using RayImages = std::vector<std::unique_ptr<const RayImage>>;
+
+  RayImages made_ready(const std::vector<Image>& images, const std::vector<char>& wanted) const {
+    RayImages ready(images.size());
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+      if (wanted[i]) ready[i] = std::make_unique<const RayImage>(images[i], mesh_, *settings_.sampled);
+    });
+    return ready;
+  }
+
+  /// The same pairs by rays. Each image of the transmitter sends its own.
+  void sample(const std::vector<Pair>& pairs) {
+    std::vector<std::vector<std::size_t>> heard_by(transmit_.size());
+    std::vector<char> sends(transmit_.size()), hears(receivers().size());
+    const auto join = [&](std::size_t i, std::size_t j) {
+      heard_by[i].push_back(j);
+      sends[i] = hears[j] = 1;
+    };
+    for (const Pair& pair : pairs) {
+      join(pair.transmit, pair.receive);
+      if (one_place_ && pair.transmit != pair.receive) join(pair.receive, pair.transmit);
+    }
+    if (one_place_)
+      for (std::size_t i = 0; i < sends.size(); ++i) sends[i] = hears[i] = char(sends[i] | hears[i]);
+    const RayImages senders = made_ready(transmit_, sends),
+                    others = one_place_ ? RayImages() : made_ready(receive_, hears);
+    const RayImages& listeners = one_place_ ? senders : others;
+    std::vector<Part> parts(transmit_.size());
+    tbb::parallel_for(std::size_t{0}, transmit_.size(), [&](std::size_t i) {
+      if (heard_by[i].empty()) return;
+      const Image& sent = transmit_[i];
+      History history;
+      history.tubes = transmit_[0].windows;
+      history.grid_unit_m = unit_m_;
+      RaySettings rays = settings_.sampled->rays;
+      rays.seed += 0x9e3779b97f4a7c15u * i;  // samples of their own
+      const RaysOnwards onwards{sent.windows.apex, glm::transpose(sent.leg.to_true), senders[i]->finder};
+      trace_rays(
+          senders[i]->end->scene, history, rays, settings_.sampled->beam_of_tube,
+          [&] {
+            for (const std::size_t j : heard_by[i]) {
+              const Image& heard = receivers()[j];
+              BistaticHistory shared = shared_hits(history, *senders[i]->end, *listeners[j]->end, mesh_);
+              if (shared.hits.empty()) continue;
+              parts[i].hits += shared.hits.size();
+              add(parts[i], sent.mirrors + heard.mirrors + 1, scattered(sent, heard, std::move(shared)), 0);
+            }
+          },
+          sent.mirrors > 0 ? &onwards : nullptr);
     });
     for (const Part& part : parts) take(part);
   }
@@ -161,10 +231,10 @@ class PathTracer {
   void take(const Part& part) {
     for (const Part::Bin& bin : part.bins) echo_.by_order[bin.order].energy[bin.bin] += bin.energy;
     echo_.shared_pieces += part.pieces;
+    echo_.hits += part.hits;
   }
 
-  Echo scattered(const Image& sent, const Image& heard, SharedFootprints shared) const {
-    const BistaticHistory history{sent.windows, heard.windows, unit_m_, std::move(shared)};
+  Echo scattered(const Image& sent, const Image& heard, const BistaticHistory& history) const {
     const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_tube),
                                      from = of_windows(sent, beams_.fan_of_transmit_tube),
                                      to = of_windows(heard, beams_.fan_of_receive_tube);
@@ -181,7 +251,7 @@ class PathTracer {
         patterns.beams_of_tube.push_back(law_.patterns->beams_of_tube[tube]);
       law.patterns = &patterns;
     }
-    return integrate_echo(history, {beams_.count, beam, from, to}, samples_, law);
+    return integrate_echo(history, {beams_.count, beam, from, to}, samples_, law, settings_.binning);
   }
 
   /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
