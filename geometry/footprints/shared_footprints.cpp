@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
@@ -28,6 +29,11 @@ unsigned edges_of(const CornerName& corner, const std::array<VertexId, 3>& verte
     if (i < 3 && j < 3 && i != j) edges |= both_ends(i) & both_ends(j);
   }
   return edges;
+}
+
+/// Lines that plain double arithmetic has taken for neighbours may be parallel.
+bool is_finite(std::span<const glm::dvec3> corners) {
+  return std::ranges::all_of(corners, [](glm::dvec3 p) { return std::isfinite(p.x + p.y + p.z); });
 }
 
 /// A piece that one of the apexes sees, on its facet.
@@ -125,6 +131,18 @@ class SeenPiece {
 };
 
 }  // namespace
+
+SharedFacet facet_between(const FacetCone& from_transmitter, const FacetCone& from_receiver, double unit_m) {
+  SharedFacet facet;
+  facet.facet = from_transmitter.id;
+  const Vec64& n = from_transmitter.normal;
+  const glm::dvec3 normal(static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z));
+  const double length = glm::length(normal);
+  facet.plane_normal = -normal / length;
+  facet.transmit_distance_m = static_cast<double>(from_transmitter.offset) / length * unit_m;
+  facet.receive_distance_m = static_cast<double>(from_receiver.offset) / length * unit_m;
+  return facet;
+}
 
 std::vector<FootprintSharer::Seen> FootprintSharer::pieces_of(const ApexLook& look) {
   std::vector<Seen> pieces;
@@ -235,22 +253,17 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
                                                 *polygon[k == 0 ? polygon.size() - 1 : k - 1], *polygon[k]) *
                                   unit_m_);
       }
+      if (!is_finite(std::span(out.corners_m).subspan(piece.first))) out.corners_m.resize(piece.first);
       piece.count = static_cast<std::uint32_t>(out.corners_m.size()) - piece.first;
       if (piece.count > 0) out.pieces.push_back(piece);
     }
   }
   if (out.pieces.size() == first_piece) return;
 
-  SharedFacet facet;
+  SharedFacet facet = facet_between(from_transmitter, from_receiver, unit_m_);
   facet.facet = both.facet;
   facet.first_piece = first_piece;
   facet.piece_count = static_cast<std::uint32_t>(out.pieces.size()) - first_piece;
-  const Vec64& n = from_transmitter.normal;
-  const glm::dvec3 normal(static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z));
-  const double length = glm::length(normal);
-  facet.plane_normal = -normal / length;
-  facet.transmit_distance_m = static_cast<double>(from_transmitter.offset) / length * unit_m_;
-  facet.receive_distance_m = static_cast<double>(from_receiver.offset) / length * unit_m_;
   out.facets.push_back(facet);
 }
 

@@ -38,7 +38,11 @@ struct SharedFootprints {
   std::vector<glm::dvec3> corners_m;  ///< relative to the transmit apex, metres
 };
 
-/// What an apex sees: `seen[t]` is see()'s result for tube t, by an exact arithmetic.
+/// The facet itself, without pieces, from its cones of both apexes.
+SharedFacet facet_between(const FacetCone& from_transmitter, const FacetCone& from_receiver, double unit_m);
+
+/// What an apex sees: `seen[t]` is see()'s result for tube t; by plain double arithmetic, without its
+/// contradictions (contradictions.hpp).
 struct ApexLook {
   const TubeSet& tubes;
   std::span<const TubeVisibility> seen;
@@ -55,7 +59,8 @@ struct ApexLook {
 /// twice. A corner of a cut polygon is the exact one, each coordinate (relative to the transmit apex) off by
 /// at most 4 units in its last place. Where one of the two sees the whole facet, the other's corners are
 /// handed on; those of the receiver, moved to the transmit apex, are off by 4 units in the last place of
-/// their coordinates relative to the receive apex and of the baseline.
+/// their coordinates relative to the receive apex and of the baseline. What plain double arithmetic has seen
+/// is named as well, and its polygons are intersected as exactly: it is only as right as what was seen.
 /// Law S1 (intersection): the pieces are the intersections of what the two apexes see, in rationals.
 /// Law S2 (once): what a receiver's tubes share of a footprint adds up to what the receiver sees of it, and
 ///   contacts without area give nothing.

@@ -73,6 +73,35 @@ void PathCutter::add(const PlanarPolygon& polygon, std::span<const Receiver> rec
   }
 }
 
+std::pair<double, double> PathCutter::half_paths_of(const PlanarPolygon& polygon, const Receiver& receiver) {
+  const auto path = [&](glm::dvec2 p) {
+    return range(polygon.distance, p) + range(receiver.distance, p - receiver.foot);
+  };
+  // The mirrored receiver's straight line to the transmitter meets the plane in c.
+  const glm::dvec2 c = receiver.foot * (polygon.distance / (polygon.distance + receiver.distance));
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+  bool holds_c = true;
+  const std::size_t n = polygon.offsets.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const glm::dvec2 from = polygon.corner(k),
+                     edge = polygon.offsets[k + 1 == n ? 0 : k + 1] - polygon.offsets[k];
+    longest = std::max(longest, path(from));
+    shortest = std::min(shortest, path(from));
+    holds_c = holds_c && cross(edge, c - from) >= 0;
+    const double length = glm::length(edge);
+    if (!(length > 0)) continue;
+    // Turned about the edge into one plane with it, the way is straight where it is shortest.
+    const glm::dvec2 along = edge / length;
+    const double to_transmitter = range(polygon.distance, glm::dvec2(cross(along, from), 0)),
+                 to_receiver = range(receiver.distance, glm::dvec2(cross(along, from - receiver.foot), 0)),
+                 first = -glm::dot(from, along), second = glm::dot(receiver.foot - from, along),
+                 at = first + (second - first) * (to_transmitter / (to_transmitter + to_receiver));
+    if (at > 0 && at < length) shortest = std::min(shortest, path(from + at * along));
+  }
+  if (holds_c) shortest = range(polygon.distance + receiver.distance, receiver.foot);
+  return {shortest / 2, longest / 2};
+}
+
 std::pair<std::size_t, std::size_t> PathCutter::samples_of(const PlanarPolygon& polygon,
                                                            const Receiver& receiver) const {
   double longest = 0;

@@ -68,6 +68,9 @@ class PathCutter {
   void add(const PlanarPolygon& polygon, std::span<const Receiver> receivers, const Integrand& integrand,
            const Work& work, std::span<double> out);
 
+  /// The shortest and the longest half path by way of a point of the polygon, both apexes off the plane and
+  /// on the same side of it.
+  static std::pair<double, double> half_paths_of(const PlanarPolygon& polygon, const Receiver& receiver);
   /// Samples that the polygon may reach into: [first, second).
   std::pair<std::size_t, std::size_t> samples_of(const PlanarPolygon& polygon,
                                                  const Receiver& receiver) const;

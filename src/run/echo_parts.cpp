@@ -40,6 +40,36 @@ void check_coherence(const Shot& shot, std::size_t s, std::span<const double> ch
   }
 }
 
+/// Tells pings of a survey apart.
+std::uint64_t label_of(const Shot& shot) {
+  std::uint64_t label = shot.ping();
+  for (const SharedShots& group : shot.survey().shots) {
+    if (&group == &shot.group()) break;
+    label += shot.survey().fleet->pings(group);
+  }
+  return label + (std::uint64_t(shot.number()) << 40);
+}
+
+/// The rays of a shot: every ping draws its own sample, so that errors of neighbours are independent.
+RaySettings rays_of(const Shot& shot) {
+  RaySettings settings = shot.request().rays;
+  settings.seed += 0x9e3779b97f4a7c15u * label_of(shot);
+  return settings;
+}
+
+/// A shot's ground, made ready for rays.
+class RayGround {
+ public:
+  explicit RayGround(const Shot& shot) : site_(shot.site()) {
+    if (shot.ground().is_own()) own_.emplace(shot.ground().mesh(), shot.scene().grid);
+  }
+  const RayScene& operator*() const { return own_ ? *own_ : site_.rays(); }
+
+ private:
+  const Site& site_;
+  std::optional<RayScene> own_;
+};
+
 void add_own_engine(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors) {
     const Sensor& sensor = shot.sensor(s);
@@ -67,10 +97,13 @@ void count_paths(const auto& paths, PingSums& sums) {
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
   sums.counts.pieces += paths.shared_pieces;
+  sums.counts.hits += paths.hits;
 }
 
-void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings, PingSums& sums) {
+void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, PingSums& sums) {
   const Sensor& sensor = shot.sensor(s);
+  PathSettings settings = asked;
+  settings.binning = shot.request().binning;
   const PathEnds ends(shot, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
   // Images in refracting water make apparent grounds of their own.
@@ -82,6 +115,10 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings,
   }
   const ShotGround& ground = lying ? *lying : shot.ground();
   const SensorLaw law(shot, ground, s);
+  std::optional<RayGround> rays;
+  if (shot.request().engine == Engine::ray && !water)
+    settings.sampled = SampledPaths{&*rays.emplace(shot), shot.scene().grid, rays_of(shot),
+                                    sensor.beam_of_tube(shot.number())};
   PathEcho paths;
   try {
     paths = path_echo(ground.mesh(), ground.tree(), shot.scene().grid.unit_m(), shot.request().visibility,
@@ -181,18 +218,25 @@ void add_both(const Shot& shot, const BistaticHistory& history, const FacetMesh&
     sums.counts.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     sums.counts.footprints += history.shared.facets.size();
     sums.counts.pieces += history.shared.pieces.size();
+    sums.counts.hits += history.hits.size();
   });
 }
 
 void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {
-  const RefractedPaths paths = refracted_paths_of(shot);
+  const RefractedPair pair = refracted_pair_of(shot);
   StraighteningCounts& counts = sums.counts.refraction;
-  for (const ApparentGround* ground : {&paths.pair.transmit, &paths.pair.receive})
+  for (const ApparentGround* ground : {&pair.apparent.transmit, &pair.apparent.receive})
     add_counts(counts, *ground, shot);
-  for (const PairedFacet& facet : paths.history.paired)
-    counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
-  if (shot.site().ground) sums.counts.refined_facets += paths.pair.mesh.facets.size();
-  add_both(shot, paths.history, paths.pair.mesh, sums);
+  if (shot.site().ground) sums.counts.refined_facets += pair.apparent.mesh.facets.size();
+  const auto add = [&](const BistaticHistory& history) {
+    for (const PairedFacet& facet : history.paired)
+      counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
+    add_both(shot, history, pair.apparent.mesh, sums);
+  };
+  if (shot.request().engine == Engine::ray)
+    trace_rays_of_both(shot, pair, rays_of(shot), add);
+  else
+    add(trace_both(shot, pair));
 }
 
 /// No energies: what the ground took that the parts after this one share.
@@ -203,7 +247,13 @@ void count_ground(const Shot& shot, PingSums& sums) {
 }
 
 void add_receiver_apart(const Shot& shot, PingSums& sums) {
-  add_both(shot, shot.trace_both(), shot.ground().mesh(), sums);
+  const auto add = [&](const BistaticHistory& history) {
+    add_both(shot, history, shot.ground().mesh(), sums);
+  };
+  if (shot.request().engine == Engine::ray)
+    shot.trace_rays_of_both(*RayGround(shot), rays_of(shot), add);
+  else
+    add(shot.trace_both());
 }
 
 void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
@@ -273,31 +323,15 @@ void add_certified(const Shot& shot, PingSums& sums) {
   });
 }
 
-/// Tells pings of a survey apart.
-std::uint64_t label_of(const Shot& shot) {
-  std::uint64_t label = shot.ping();
-  for (const SharedShots& group : shot.survey().shots) {
-    if (&group == &shot.group()) break;
-    label += shot.survey().fleet->pings(group);
-  }
-  return label + (std::uint64_t(shot.number()) << 40);
-}
-
 void add_sampled(const Shot& shot, PingSums& sums) {
   const Scene& scene = shot.scene();
-  std::optional<RayScene> own;
-  if (shot.ground().is_own()) own.emplace(shot.ground().mesh(), scene.grid);
-  RaySettings settings = shot.request().rays;
-  // Every ping draws its own sample, so that errors of neighbours are independent.
-  settings.seed += 0x9e3779b97f4a7c15u * label_of(shot);
   History history;
   history.tubes = shot.tubes();
   history.grid_unit_m = scene.grid.unit_m();
   const auto add = [&](std::size_t s, const EchoLaw&, const Echo& echo) {
     sums.add(shot, s, 1, echo.energy);
   };
-  trace_rays(own ? *own : shot.site().rays(), history, settings,
-             shot.sensor(shot.first()).beam_of_tube(shot.number()),
+  trace_rays(*RayGround(shot), history, rays_of(shot), shot.sensor(shot.first()).beam_of_tube(shot.number()),
              [&] { add_history(shot, history, sums, add); });
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "engine/rays/shared_hits.hpp"
 #include "run/simulation.hpp"
 #include "scene/scene_water.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
@@ -183,29 +184,65 @@ ShotGround refracted_ground_of(const Shot& shot) {
   return ShotGround(shot.site(), std::move(ground));
 }
 
-RefractedPaths refracted_paths_of(const Shot& shot) {
+RefractedPair refracted_pair_of(const Shot& shot) {
   const Scene& scene = shot.scene();
-  const double unit = scene.grid.unit_m(), absorption = absorption_db_per_m(scene, *shot.pings().sensor);
+  const double unit = scene.grid.unit_m();
   std::array<TubeSet, 2> tubes{shot.tubes(), shot.receive_tubes(shot.first())};
   const auto water_from = [&](const TubeSet& set) {
     return straightening_of(shot.site(), shot.pings(), scene.grid.to_metres(set.apex));
   };
-  const Straightening transmit = water_from(tubes[0]), receive = water_from(tubes[1]);
-  const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, transmit), Outlook(tubes[1], unit, receive)};
+  RefractedPair both{tubes[0],
+                     tubes[1],
+                     water_from(tubes[0]),
+                     water_from(tubes[1]),
+                     absorption_db_per_m(scene, *shot.pings().sensor),
+                     {}};
+  const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, both.transmit_water),
+                                        Outlook(tubes[1], unit, both.receive_water)};
   const LyingBed bed(shot, tubes, outlooks);
   // What either may see: what hides from one need not be seen by the other.
   const std::vector<FacetId> facets = bed.facets(outlooks);
-  return made_for(shot, [&] {
+  both.apparent = made_for(shot, [&] {
     const double reach_m = std::max(tubes[0].reach, tubes[1].reach) * unit;
-    RefractedPaths paths;
-    paths.pair =
-        straighten_pair(bed.mesh(), facets, scene.grid, transmit, receive, absorption,
-                        straightening_settings(shot, reach_m), most_a_shot, &outlooks[0], &outlooks[1]);
-    bed.name_by_scene(paths.pair.transmit);
-    bed.name_by_scene(paths.pair.receive);
-    paths.history = trace_bistatic(paths.pair, scene.grid, shot.request().visibility, std::move(tubes[0]),
-                                   std::move(tubes[1]), transmit, receive, absorption);
-    return paths;
+    return straighten_pair(bed.mesh(), facets, scene.grid, both.transmit_water, both.receive_water,
+                           both.absorption_db_per_m, straightening_settings(shot, reach_m), most_a_shot,
+                           &outlooks[0], &outlooks[1]);
+  });
+  bed.name_by_scene(both.apparent.transmit);
+  bed.name_by_scene(both.apparent.receive);
+  return both;
+}
+
+BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair) {
+  return made_for(shot, [&] {
+    return trace_bistatic(pair.apparent, shot.scene().grid, shot.request().visibility, pair.transmit_tubes,
+                          pair.receive_tubes, pair.transmit_water, pair.receive_water,
+                          pair.absorption_db_per_m);
+  });
+}
+
+void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySettings& settings,
+                        const std::function<void(const BistaticHistory&)>& take) {
+  const WorldGrid& grid = shot.scene().grid;
+  const ApparentPair& seen = pair.apparent;
+  const RayScene sent_to(seen.transmit.refined.mesh, grid), heard_from(seen.receive.refined.mesh, grid);
+  const TubeFinder sent_tubes(pair.transmit_tubes), heard_tubes(pair.receive_tubes);
+  const SampledEnd sent{sent_to, pair.transmit_tubes, sent_tubes, seen.transmit_origin},
+      heard{heard_from, pair.receive_tubes, heard_tubes, seen.receive_origin};
+  ApparentFacets there;
+  there.heard.assign(seen.mesh.facets.size(), ApparentFacets::none);
+  for (FacetId facet = 0; facet < seen.receive_origin.size(); ++facet)
+    there.heard[seen.receive_origin[facet]] = facet;
+  History history;
+  history.tubes = pair.transmit_tubes;
+  history.grid_unit_m = grid.unit_m();
+  trace_rays(sent_to, history, settings, shot.sensor(shot.first()).beam_of_tube(shot.number()), [&] {
+    BistaticHistory both = shared_hits(history, sent, heard, seen.mesh, &there);
+    both.paired = made_for(shot, [&] {
+      return paired_facets(both.shared, seen, grid, pair.transmit_water, pair.receive_water,
+                           pair.absorption_db_per_m);
+    });
+    take(both);
   });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -73,12 +74,19 @@ class ShotStraightening {
 /// What paths over mirrors are followed through, of tubes with that reach.
 PathWater path_water(const Shot& shot, std::size_t sensor, double reach_m);
 
-/// What transmitter and receiver, apart, see together of a shot. Throws as refracted_ground_of().
-struct RefractedPaths {
-  ApparentPair pair;
-  BistaticHistory history;
+/// The facets of a shot where its transmitter and its receiver, apart, see them.
+struct RefractedPair {
+  TubeSet transmit_tubes, receive_tubes;
+  Straightening transmit_water, receive_water;
+  double absorption_db_per_m;
+  ApparentPair apparent;
 };
-RefractedPaths refracted_paths_of(const Shot& shot);
+/// Throws as refracted_ground_of().
+RefractedPair refracted_pair_of(const Shot& shot);
+/// What the two share of it; the same by rays, in portions.
+BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair);
+void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySettings& settings,
+                        const std::function<void(const BistaticHistory&)>& take);
 
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot);
 void add_counts(StraighteningCounts& sum, const StraighteningCounts& more);

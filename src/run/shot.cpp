@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
+#include "engine/rays/shared_hits.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -101,6 +103,18 @@ std::vector<TubeAudit> Shot::audit(std::uint64_t label) const { return engine().
 BistaticHistory Shot::trace_both() const {
   return trace_bistatic(ground().mesh(), ground().tree(), scene().grid.unit_m(), request().visibility,
                         tubes(), receive_tubes(first()));
+}
+
+void Shot::trace_rays_of_both(const RayScene& rays, const RaySettings& settings,
+                              const std::function<void(const BistaticHistory&)>& take) const {
+  const TubeSet receive = receive_tubes(first());
+  History history;
+  history.tubes = tubes();
+  history.grid_unit_m = scene().grid.unit_m();
+  const TubeFinder sent_tubes(history.tubes), heard_tubes(receive);
+  const SampledEnd sent{rays, history.tubes, sent_tubes}, heard{rays, receive, heard_tubes};
+  trace_rays(rays, history, settings, sensor(first()).beam_of_tube(number_),
+             [&] { take(shared_hits(history, sent, heard, ground().mesh())); });
 }
 
 StaffHistory Shot::trace_staff(std::size_t s, std::uint32_t fan, const Fringe& staff) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -8,6 +9,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/echo/staff_echo.hpp"
+#include "engine/rays/ray_engine.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "run/run_request.hpp"
 #include "run/sensor_law.hpp"
@@ -92,6 +94,9 @@ class Shot {
   History trace(TubeSet tubes, std::size_t* candidates = nullptr, bool measured = true) const;
   /// What transmitter and receiver, apart, both see in even water.
   BistaticHistory trace_both() const;
+  /// The same by rays, in portions.
+  void trace_rays_of_both(const RayScene& scene, const RaySettings& settings,
+                          const std::function<void(const BistaticHistory&)>& take) const;
   /// What a fan's transmitter and the two receivers on its staff see.
   StaffHistory trace_staff(std::size_t sensor, std::uint32_t fan, const Fringe& staff) const;
   /// The closure law for each of its tubes; `label` tells shots apart in the hash.

@@ -41,7 +41,6 @@ void check_one_apex(const Sight& sight, const ReceiveBeams& beams, const RangeSa
 void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams, const RangeSamples& samples,
                       const EchoLaw& law, const Quadrature& how) {
   const std::size_t sent = history.transmit.tubes.size(), heard = history.receive.tubes.size();
-  if (how.binning != Binning::exact) refuse("what two apexes share is cut exactly, not binned otherwise");
   if (beams.of_tube.size() != heard)
     refuse(fmt::format("the receiver has {} tubes, but {} have a beam", heard, beams.of_tube.size()));
   for (const std::uint32_t beam : beams.of_tube)

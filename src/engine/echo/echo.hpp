@@ -16,7 +16,7 @@ namespace tubefoot {
 /// How a footprint's energy gets into range samples.
 enum class Binning {
   exact,     ///< cut at the samples' borders, integrated over each part
-  spread,    ///< the law at the centroid, evenly over the footprint's interval of slant range
+  spread,    ///< the law at the centroid, evenly over the footprint's interval of slant range (or half path)
   centroid,  ///< the law at the centroid, all in the sample that holds the centroid's slant range
 };
 
@@ -31,6 +31,11 @@ struct ReceiveBeams {
   /// Fans of the tubes of two apexes: a receiver hears the transmissions of its own fan only. Both empty: one
   /// fan.
   std::span<const std::uint32_t> fan_of_transmit_tube{}, fan_of_receive_tube{};
+
+  bool in_one_fan(std::uint32_t transmit_tube, std::uint32_t receive_tube) const {
+    return fan_of_transmit_tube.empty() ||
+           fan_of_transmit_tube[transmit_tube] == fan_of_receive_tube[receive_tube];
+  }
 };
 
 /// Relative error that paths between two apexes keep if they are not told otherwise.
@@ -41,7 +46,7 @@ struct Quadrature {
   Quadrature(Binning by = Binning::exact, double tolerance = bistatic_tolerance)  // NOLINT: a binning is one
       : binning(by), path_tolerance(tolerance) {}
 
-  Binning binning;        ///< of footprints, which have one apex
+  Binning binning;        ///< of footprints
   double path_tolerance;  ///< relative error between two apexes
   bool by_owner = false;  ///< parts are told with whose they are (Part::seen, out_tube)
 };
@@ -72,8 +77,10 @@ struct Echo {
 /// sqrt(sigma(out) sigma(home)). `law.patterns` is about the tubes of the way home (its fans are used as
 /// theirs). The error of each energy is at most about how.path_tolerance times what it would be with
 /// patterns of 1; tabulated patterns, whose second derivative jumps, keep it only to about 1e-6, tabulated
-/// laws, whose first does, to about 1e-5. With paired facets, ranges are travel times by the reference speed,
-/// patterns are taken in the directions in which rays leave and arrive, and each facet has paired_factor().
+/// laws, whose first does, to about 1e-5. Other binnings take what a tube of the one and a tube of the other
+/// share of a facet at its centroid; a hit falls into the sample that holds half of its path. With paired
+/// facets, ranges are travel times by the reference speed, patterns are taken in the directions in which rays
+/// leave and arrive, and each facet has paired_factor().
 ///
 /// Throws std::invalid_argument for what does not fit.
 void integrate(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,

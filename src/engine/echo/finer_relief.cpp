@@ -59,18 +59,27 @@ FinerRelief finer_relief(const Sight& sight, const FacetMesh& mesh, const Omitte
   const auto left_out = [&](FacetId facet) -> const ElevationField::LeftOut& {
     return omitted.at(longest_edge2(mesh, facet, sight.grid_unit_m()), mesh.material[facet]);
   };
+  const auto add = [&](const SeenFacet& f, const ElevationField::LeftOut& left, glm::dvec3 at_m,
+                       double area_m2) {
+    const double out = glm::length(at_m), home = glm::distance(at_m, sight.home_m());
+    if (!(out > 0 && home > 0)) return;
+    const double sine_out = std::min(1.0, f.plane.distance_m / out),
+                 sine_home = std::min(1.0, f.home_distance_m / home),
+                 weight = area_m2 * sine_out * sine_home / (out * out * home * home);
+    all += change_at(left, sine_out, sine_home, sample_m, weight);
+  };
   for (std::size_t number = sight.first(); number < sight.end(); ++number) {
     const SeenFacet f = sight[number];
     const ElevationField::LeftOut& left = left_out(f.facet);
     for (std::uint32_t p = 0; p < f.piece_count; ++p) {
       const MeasuredPiece m = measured(sight.part(number, f.first_piece + p).corners_m);
-      const double out = glm::length(m.middle_m), home = glm::distance(m.middle_m, sight.home_m());
-      if (!(out > 0 && home > 0)) continue;
-      const double sine_out = std::min(1.0, f.plane.distance_m / out),
-                   sine_home = std::min(1.0, f.home_distance_m / home),
-                   weight = m.area_m2 * sine_out * sine_home / (out * out * home * home);
-      all += change_at(left, sine_out, sine_home, sample_m, weight);
+      add(f, left, m.middle_m, m.area_m2);
     }
+  }
+  for (const SharedHit& h : sight.shared_hits()) {
+    const SeenFacet f = sight[h.seen];
+    const double range = glm::length(h.at_m);
+    add(f, left_out(f.facet), h.at_m, h.solid_angle_sr * (range * range) * range / f.plane.distance_m);
   }
   for (const RayHit& h : sight.hits())
     all += change_at(left_out(h.facet), h.sine_grazing, h.sine_grazing, sample_m,

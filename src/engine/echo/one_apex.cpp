@@ -9,6 +9,7 @@
 
 #include "engine/echo/pattern_integral.hpp"
 #include "engine/echo/quadratures.hpp"
+#include "engine/echo/sample_finder.hpp"
 #include "engine/echo/scattering_cut.hpp"
 #include "engine/echo/texture_cells.hpp"
 #include "engine/law/density.hpp"
@@ -18,37 +19,6 @@
 
 namespace tubefoot {
 namespace {
-
-/// Finds the sample that holds a slant range.
-class SampleFinder {
- public:
-  explicit SampleFinder(const RangeSamples& samples)
-      : borders_(sample_borders_m(samples)),
-        samples_per_m_(samples.count / (borders_.back() - borders_.front())) {}
-  const std::vector<double>& borders() const { return borders_; }
-  bool holds(double range_m) const { return range_m >= borders_.front() && range_m < borders_.back(); }
-  /// Of a range that the samples hold. The borders decide, not the division: footprints are cut at the same
-  /// numbers.
-  std::size_t at(double range_m) const {
-    auto k = std::min(std::size_t((range_m - borders_.front()) * samples_per_m_), borders_.size() - 2);
-    while (range_m < borders_[k]) --k;
-    while (range_m >= borders_[k + 1]) ++k;
-    return k;
-  }
-  /// Samples that hold ranges from near to far, one to spare on both sides: [first, second).
-  std::pair<std::size_t, std::size_t> between(double near_m, double far_m) const {
-    const double samples = double(borders_.size() - 1);
-    const auto sample = [&](double range_m) {
-      return std::clamp(std::floor((range_m - borders_.front()) * samples_per_m_), -1.0, samples);
-    };
-    return {std::size_t(std::max(sample(near_m) - 1, 0.0)),
-            std::size_t(std::min(sample(far_m) + 2, samples))};
-  }
-
- private:
-  std::vector<double> borders_;
-  double samples_per_m_;
-};
 
 /// Beams that hear what is in their own tubes, all of it alike.
 BeamPatterns ideal_beams(const ReceiveBeams& beams) {
@@ -250,7 +220,7 @@ class OneApex {
     const auto samples = std::size_t(samples_.count);
     if (law_.patterns == nullptr) {
       double* row = energy_.data() + beams_.of_tube[tube] * samples;
-      in_samples(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * energy; });
+      finder_.share(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * energy; });
       return;
     }
     const BeamPatterns& patterns = *law_.patterns;
@@ -263,7 +233,7 @@ class OneApex {
       const double heard = sent * patterns.receive[beam].gain(d);
       double* row = energy_.data() + beam * samples;
       if (patterns.fringes.empty()) {
-        in_samples(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * heard; });
+        finder_.share(near_m, far_m, 0, 0, [&](std::size_t k, double part) { row[k] += part * heard; });
         continue;
       }
       const Fringe& fringe = patterns.fringes[fan];
@@ -272,33 +242,14 @@ class OneApex {
       const double upper = (fringe.range_from(1, range_m, cosine) - range_m) / 2,
                    lower = (fringe.range_from(-1, range_m, cosine) - range_m) / 2;
       const std::complex<double> cross = heard * fringe.product(range_m, cosine);
-      in_samples(near_m, far_m, upper, upper, [&](std::size_t k, double part) { row[k] += part * heard; });
-      in_samples(near_m, far_m, lower, lower,
-                 [&](std::size_t k, double part) { row[channel + k] += part * heard; });
-      in_samples(near_m, far_m, std::min(upper, lower), std::max(upper, lower),
-                 [&](std::size_t k, double part) {
-                   row[2 * channel + k] += part * cross.real();
-                   row[3 * channel + k] += part * cross.imag();
-                 });
-    }
-  }
-
-  /// Calls take(sample, part) with the parts of [near, far] that, moved by either of two shifts, lie in the
-  /// same sample.
-  template <class Take>
-  void in_samples(double near_m, double far_m, double least, double most, const Take& take) const {
-    const std::vector<double>& borders = finder_.borders();
-    if (!(far_m > near_m)) {
-      if (!finder_.holds(near_m + least) || !finder_.holds(near_m + most)) return;
-      const std::size_t k = finder_.at(near_m + least);
-      if (k == finder_.at(near_m + most)) take(k, 1);
-      return;
-    }
-    if (!(far_m + most > borders.front() && near_m + least < borders.back())) return;
-    for (std::size_t k = near_m + least <= borders.front() ? 0 : finder_.at(near_m + least);
-         k + 1 < borders.size() && borders[k] - least < far_m; ++k) {
-      const double part = std::min(far_m, borders[k + 1] - most) - std::max(near_m, borders[k] - least);
-      if (part > 0) take(k, part / (far_m - near_m));
+      finder_.share(near_m, far_m, upper, upper, [&](std::size_t k, double part) { row[k] += part * heard; });
+      finder_.share(near_m, far_m, lower, lower,
+                    [&](std::size_t k, double part) { row[channel + k] += part * heard; });
+      finder_.share(near_m, far_m, std::min(upper, lower), std::max(upper, lower),
+                    [&](std::size_t k, double part) {
+                      row[2 * channel + k] += part * cross.real();
+                      row[3 * channel + k] += part * cross.imag();
+                    });
     }
   }
 

@@ -47,6 +47,20 @@ double smooth_angle_rad(const Path& path) {
   return std::max(angle, least);
 }
 
+PathOnFacet path_on(const Sight& sight, std::size_t number, const PlaneFrame& frame, const EchoLaw& law) {
+  const SeenFacet facet = sight[number];
+  if (const PairedFacet* paired = sight.paired(number)) return PathOnFacet(*paired, facet.facet, law);
+  return PathOnFacet(facet.plane, frame, sight.home_m(), facet.home_distance_m, facet.facet, law);
+}
+
+void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon) {
+  polygon.distance = paired.transmit_distance_m;
+  polygon.first = glm::dvec2(paired.to_plane.at(corners_m[0]));
+  polygon.offsets.clear();
+  for (const glm::dvec3& corner : corners_m)
+    polygon.offsets.emplace_back(glm::dvec2(paired.to_plane.linear * (corner - corners_m[0])));
+}
+
 void Smoothness::take(const ScatteringLaw* law) {
   if (law == nullptr) return;
   angle_rad = std::min(angle_rad, resolution_of([&](double y) { return law->growth(y); }));

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <glm/vec2.hpp>
+#include <span>
 
 #include "engine/law/density.hpp"
 #include "engine/law/echo_law.hpp"
@@ -65,6 +66,11 @@ struct PathOnFacet {
  private:
   void finish(const EchoLaw& law);
 };
+
+/// The path on facet `number` of a sight of two apexes; `frame`: of its plane.
+PathOnFacet path_on(const Sight& sight, std::size_t number, const PlaneFrame& frame, const EchoLaw& law);
+/// What the way out sees of a facet, where it is laid out flat.
+void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, PlanarPolygon& polygon);
 
 /// The largest angle, at most 1, over which something that grows so into the complex plane changes little:
 /// there, rules of few nodes resolve it.

@@ -12,5 +12,11 @@ std::vector<double> integrate_one_apex(const Sight& sight, const ReceiveBeams& b
                                        const Sink<double>& sink);
 void integrate_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
                           const EchoLaw& law, const Quadrature& how, const Sink<double>& sink);
+/// Of two apexes, by a binning that is not exact.
+void integrate_whole(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                     const EchoLaw& law, Binning binning, const Sink<double>& sink);
+/// Of two apexes, what rays met.
+void integrate_hits(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                    const EchoLaw& law, const Sink<double>& sink);
 
 }  // namespace tubefoot

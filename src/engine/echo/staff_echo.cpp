@@ -194,9 +194,6 @@ glm::dvec3 way_m(GridPoint from, GridPoint to, double grid_unit_m) {
 StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                          const VisibilityOptions& options, TubeSet transmit, const TubeSet& receive,
                          const Fringe& staff) {
-  if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument(
-        "two receivers on a staff need an exact arithmetic: fixed, filtered or rational");
   StaffHistory history;
   history.upper = moved_along(receive, staff, 1, grid_unit_m);
   history.lower = moved_along(receive, staff, -1, grid_unit_m);

@@ -25,9 +25,8 @@ glm::dvec3 way_m(GridPoint from, GridPoint to, double grid_unit_m);
 /// The same tubes half a baseline up the staff (`end` 1) or down (-1), on the grid.
 TubeSet moved_along(const TubeSet& tubes, const Fringe& staff, double end, double grid_unit_m);
 
-/// Exact visibility from the transmitter and from both ends of the staff, whose tubes look in the directions
-/// of `receive`, the tubes of its middle: the transmitter's, unless that is elsewhere. `options` must name an
-/// exact arithmetic.
+/// Visibility from the transmitter and from both ends of the staff, whose tubes look in the directions of
+/// `receive`, the tubes of its middle: the transmitter's, unless that is elsewhere.
 StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                          const VisibilityOptions& options, TubeSet transmit, const TubeSet& receive,
                          const Fringe& staff);

@@ -35,18 +35,16 @@ class FacetEcho {
     const SeenFacet facet = sight_[number];
     const PairedFacet* paired = sight_.paired(number);
     const PlaneFrame frame(facet.plane);
-    path_ = paired == nullptr
-                ? PathOnFacet(facet.plane, frame, sight_.home_m(), facet.home_distance_m, facet.facet, law_)
-                : PathOnFacet(*paired, facet.facet, law_);
+    path_ = path_on(sight_, number, frame, law_);
     smooth_ = {mirrors_angle_rad_};
     smooth_.take(path_.bed.scattering);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SeenPart seen = sight_.part(number, facet.first_piece + k);
-      if (!same_fan(seen)) continue;
+      if (!beams_.in_one_fan(seen.out_tube, seen.home_tube)) continue;
       if (paired == nullptr)
         polygon_.assign(seen.corners_m, facet.plane, frame);
       else
-        lay_out(seen.corners_m, *paired);
+        lay_out(seen.corners_m, *paired, polygon_);
       const auto add_part = [&](const PlanarPolygon& part) {
         const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.out_tube};
         law_.patterns == nullptr ? add_plain(part, seen, owned, parts)
@@ -60,19 +58,6 @@ class FacetEcho {
   }
 
  private:
-  void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired) {
-    polygon_.distance = paired.transmit_distance_m;
-    polygon_.first = glm::dvec2(paired.to_plane.at(corners_m[0]));
-    polygon_.offsets.clear();
-    for (const glm::dvec3& corner : corners_m)
-      polygon_.offsets.emplace_back(glm::dvec2(paired.to_plane.linear * (corner - corners_m[0])));
-  }
-
-  bool same_fan(const SeenPart& part) const {
-    return beams_.fan_of_transmit_tube.empty() ||
-           beams_.fan_of_transmit_tube[part.out_tube] == beams_.fan_of_receive_tube[part.home_tube];
-  }
-
   void integrate(const PlanarPolygon& polygon, const PathCutter::Integrand& integrand,
                  const PathCutter::Work& work, std::uint32_t first_beam, Part<double> part,
                  std::vector<Part<double>>& parts) {
@@ -144,6 +129,8 @@ class FacetEcho {
 
 void integrate_two_apexes(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
                           const EchoLaw& law, const Quadrature& how, const Sink<double>& sink) {
+  if (!sight.shared_hits().empty()) integrate_hits(sight, beams, samples, law, sink);
+  if (how.binning != Binning::exact) return integrate_whole(sight, beams, samples, law, how.binning, sink);
   const std::vector<double> borders = sample_borders_m(samples);
   const std::size_t facets = sight.end() - sight.first();
   std::vector<std::vector<Part<double>>> parts((facets + facets_per_task - 1) / facets_per_task);

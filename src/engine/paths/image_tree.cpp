@@ -15,6 +15,7 @@
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/window_tubes.hpp"
+#include "geometry/visibility/contradictions.hpp"
 
 namespace tubefoot {
 
@@ -106,6 +107,8 @@ struct ImageFinder::State {
     image.seen.resize(image.windows.tubes.size());
     tbb::parallel_for(std::uint32_t{0}, std::uint32_t(image.seen.size()), [&](std::uint32_t tube) {
       see(*image.mesh, *image.tree, image.windows, tube, options_, scratch_.local(), image.seen[tube]);
+      if (options_.arithmetic == Arithmetic::plain_double)
+        leave_out_contradictions(*image.mesh, image.windows.apex, image.seen[tube]);
     });
   }
 
@@ -265,10 +268,7 @@ struct ImageFinder::State {
 
 ImageFinder::ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
                          const Mirrors& mirrors, double least_loss, std::size_t most_images)
-    : state_(std::make_unique<State>(mesh, tree, options, mirrors, least_loss, most_images)) {
-  if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument("multiple paths need an exact arithmetic: fixed, filtered or rational");
-}
+    : state_(std::make_unique<State>(mesh, tree, options, mirrors, least_loss, most_images)) {}
 
 ImageFinder::~ImageFinder() = default;
 

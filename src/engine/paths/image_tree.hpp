@@ -62,8 +62,8 @@ constexpr double window_border_rad = 4e-9;
 /// Finds the images of apexes over one mesh. Thread-safe; results do not depend on the threads.
 class ImageFinder {
  public:
-  /// `options` must name an exact arithmetic. Windows through which no more than `least_loss` passes are left
-  /// out. What is referred to must outlive it.
+  /// Windows through which no more than `least_loss` passes are left out. What is referred to must outlive
+  /// it.
   ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
               const Mirrors& mirrors, double least_loss, std::size_t most_images);
   ~ImageFinder();

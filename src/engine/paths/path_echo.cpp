@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
+#include "engine/rays/shared_hits.hpp"
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/window_tubes.hpp"
@@ -82,7 +84,7 @@ class PathTracer {
       double energy;
     };
     std::vector<Bin> bins;
-    std::size_t pieces = 0;
+    std::size_t pieces = 0, hits = 0;
     double misfit_m = 0;
   };
 
@@ -92,6 +94,7 @@ class PathTracer {
     if (settings_.order < 2) return;
     const std::vector<ImagePair> pairs = pairs_of_images(transmit_, receive_, one_place_, settings_.order,
                                                          least_, 100 * settings_.most_images);
+    if (settings_.sampled && bent_ == nullptr) return sample(pairs);
     std::vector<Part> parts(pairs.size());
     Steps steps("pairs of images", pairs.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
@@ -107,10 +110,77 @@ class PathTracer {
       SharedFootprints shared = itself ? shared_with_itself(mesh_, sent.look(), unit_m_)
                                        : FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_).all();
       if (shared.pieces.empty()) return;
-      if (one_place_ && !itself)
-        add(parts[k], order, scattered(heard, sent, exchanged(shared)), shared.pieces.size());
       const std::size_t pieces = shared.pieces.size();
-      add(parts[k], order, scattered(sent, heard, std::move(shared)), pieces);
+      if (one_place_ && !itself)
+        add(parts[k], order,
+            scattered(heard, sent, {heard.windows, sent.windows, unit_m_, exchanged(shared)}), pieces);
+      add(parts[k], order, scattered(sent, heard, {sent.windows, heard.windows, unit_m_, std::move(shared)}),
+          pieces);
+    });
+    for (const Part& part : parts) take(part);
+  }
+
+  /// An image that takes part in sampled paths, made ready for rays.
+  struct RayImage {
+    RayImage(const Image& image, const FacetMesh& mesh, const SampledPaths& sampled) : finder(image.windows) {
+      if (image.mesh != &mesh) own.emplace(*image.mesh, sampled.grid);
+      end.emplace(SampledEnd{own ? *own : *sampled.scene, image.windows, finder, image.origin});
+    }
+    RayImage(const RayImage&) = delete;
+    RayImage& operator=(const RayImage&) = delete;
+    std::optional<RayScene> own;
+    TubeFinder finder;
+    std::optional<SampledEnd> end;
+  };
+  using RayImages = std::vector<std::unique_ptr<const RayImage>>;
+
+  RayImages made_ready(std::span<const Image> images, const std::vector<char>& wanted) const {
+    RayImages ready(images.size());
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+      if (wanted[i]) ready[i] = std::make_unique<const RayImage>(images[i], mesh_, *settings_.sampled);
+    });
+    return ready;
+  }
+
+  /// The same pairs by rays. Each image of the transmitter sends its own.
+  void sample(std::span<const ImagePair> pairs) {
+    std::vector<std::vector<std::size_t>> heard_by(transmit_.size());
+    std::vector<char> sends(transmit_.size()), hears(receive_.size());
+    const auto join = [&](std::size_t i, std::size_t j) {
+      heard_by[i].push_back(j);
+      sends[i] = hears[j] = 1;
+    };
+    for (const ImagePair& pair : pairs) {
+      join(pair.sent, pair.heard);
+      if (one_place_ && pair.sent != pair.heard) join(pair.heard, pair.sent);
+    }
+    if (one_place_)
+      for (std::size_t i = 0; i < sends.size(); ++i) sends[i] = hears[i] = char(sends[i] | hears[i]);
+    const RayImages senders = made_ready(transmit_, sends),
+                    others = one_place_ ? RayImages() : made_ready(receive_, hears);
+    const RayImages& listeners = one_place_ ? senders : others;
+    std::vector<Part> parts(transmit_.size());
+    tbb::parallel_for(std::size_t{0}, transmit_.size(), [&](std::size_t i) {
+      if (heard_by[i].empty()) return;
+      const Image& sent = transmit_[i];
+      History history;
+      history.tubes = transmit_[0].windows;
+      history.grid_unit_m = unit_m_;
+      RaySettings rays = settings_.sampled->rays;
+      rays.seed += 0x9e3779b97f4a7c15u * i;  // samples of their own
+      const RaysOnwards onwards{sent.windows.apex, glm::transpose(sent.leg.to_true), senders[i]->finder};
+      trace_rays(
+          senders[i]->end->scene, history, rays, settings_.sampled->beam_of_tube,
+          [&] {
+            for (const std::size_t j : heard_by[i]) {
+              const Image& heard = receive_[j];
+              BistaticHistory shared = shared_hits(history, *senders[i]->end, *listeners[j]->end, mesh_);
+              if (shared.hits.empty()) continue;
+              parts[i].hits += shared.hits.size();
+              add(parts[i], sent.mirrors + heard.mirrors + 1, scattered(sent, heard, std::move(shared)), 0);
+            }
+          },
+          sent.mirrors > 0 ? &onwards : nullptr);
     });
     for (const Part& part : parts) take(part);
   }
@@ -123,7 +193,9 @@ class PathTracer {
                                                     bent_->end_of(heard), *grid_, law_.absorption_db_per_m);
     for (const PairedFacet& facet : paired) part.misfit_m = std::max(part.misfit_m, facet.misfit_m);
     const std::size_t pieces = shared.pieces.size();
-    add(part, order, scattered(sent, heard, std::move(shared), std::move(paired)), pieces);
+    add(part, order,
+        scattered(sent, heard, {sent.windows, heard.windows, unit_m_, std::move(shared), std::move(paired)}),
+        pieces);
   }
 
   static void add(Part& part, std::size_t order, const Echo& echo, std::size_t pieces) {
@@ -136,11 +208,10 @@ class PathTracer {
     for (const Part::Bin& bin : part.bins) echo_.by_order[bin.order].energy[bin.bin] += bin.energy;
     echo_.shared_pieces += part.pieces;
     echo_.largest_misfit_m = std::max(echo_.largest_misfit_m, part.misfit_m);
+    echo_.hits += part.hits;
   }
 
-  Echo scattered(const Image& sent, const Image& heard, SharedFootprints shared,
-                 std::vector<PairedFacet> paired = {}) const {
-    const BistaticHistory history{sent.windows, heard.windows, unit_m_, std::move(shared), std::move(paired)};
+  Echo scattered(const Image& sent, const Image& heard, const BistaticHistory& history) const {
     const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_tube),
                                      from = of_windows(sent, beams_.fan_of_transmit_tube),
                                      to = of_windows(heard, beams_.fan_of_receive_tube);
@@ -158,7 +229,7 @@ class PathTracer {
         patterns.beams_of_tube.push_back(law_.patterns->beams_of_tube[tube]);
       law.patterns = &patterns;
     }
-    return integrate_echo(history, {beams_.count, beam, from, to}, samples_, law);
+    return integrate_echo(history, {beams_.count, beam, from, to}, samples_, law, settings_.binning);
   }
 
   /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.

@@ -3,15 +3,27 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/echo/echo.hpp"
 #include "engine/paths/image_tree.hpp"
 #include "engine/paths/refracted_images.hpp"
+#include "engine/rays/ray_engine.hpp"
+#include "geometry/numbers/world_grid.hpp"
 
 // Echoes over mirrors. docs/paths.md
 namespace tubefoot {
+
+/// Rays in place of footprints: each of a transmission's rays goes on over the mirrors that it meets.
+struct SampledPaths {
+  const RayScene* scene = nullptr;  ///< of the mesh
+  WorldGrid grid;                   ///< its grid
+  RaySettings rays;
+  std::vector<std::uint32_t> beam_of_tube;  ///< of the transmitter, as RayPlan takes it
+};
 
 /// Which paths, and what they meet.
 struct PathSettings {
@@ -22,6 +34,8 @@ struct PathSettings {
   std::size_t most_images = 10000;  ///< of one apex; and a hundred times as many pairs of images
   bool direct = false;              ///< also the way straight from a transmitter to a receiver apart
   Mirrors mirrors;
+  Binning binning = Binning::exact;       ///< of what two images share
+  std::optional<SampledPaths> sampled{};  ///< instead of that; not in refracting water
 
   /// The part of the energy that has to be left.
   double least() const { return std::pow(10, -cutoff_db / 10); }
@@ -39,7 +53,7 @@ struct PathEcho {
   /// By order, 0 to the highest asked for. Order 0 is the way straight from transmitter to receiver; order 1
   /// holds only reflections without scattering: the scattering on its own is the ordinary echo.
   std::vector<Echo> by_order;
-  std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
+  std::size_t images = 0, shared_pieces = 0, hits = 0, arrivals = 0, patches = 0;
   std::vector<Arrival> arrived;  ///< by image and beam; part of the energies
   /// In refracting water: what each chain of mirrors made of the bed, and the largest misfit of its facets
   /// (PairedFacet).
@@ -51,7 +65,8 @@ struct PathEcho {
 /// a sonar in one place). A path of order n is
 ///  - scattered once: a chain of i mirrors from the transmitter, a facet, a chain of j mirrors to the
 ///    receiver, i + j + 1 = n, i + j > 0. integrate()'s law between the two images, times the
-///    reflections;
+///    reflections; over what both images see, or over the hits of rays (settings.sampled), which leave by the
+///    windows of the one and are seen by the other. Windows and patches are those of `options` also then;
 ///  - scattered n times, up to `scatterings`: chains of mirrors, or none, between facets that scatter
 ///    sqrt(sigma(incident) sigma(scattered)). All but the last scatter as patches, which are points to those
 ///    that they light (the error goes with the square of their size), each with its own exact visibility;

@@ -111,12 +111,33 @@ struct RayScene::State {
   }
 
   /// Traces the rays of a source and appends their hits to `hits`; returns the end.
-  RayHit* trace(GridPoint apex, double reach_m, RaySource source, RayHit* hits) const;
+  RayHit* trace(GridPoint apex, double reach_m, RaySource source, RayHit* hits,
+                const RaysOnwards* onwards) const;
   bool on_plane(GridPoint apex, glm::dvec3 direction, double embree_range_m, RayHit& hit) const;
   bool meet_beyond(GridPoint apex, glm::dvec3 direction, double from_m, double reach_m, RayHit& hit) const;
 };
 
-RayHit* RayScene::State::trace(GridPoint apex, double reach_m, RaySource source, RayHit* hits) const {
+namespace {
+
+/// Turns a packet; lanes that leave no window are not valid, the others have its number as their tube.
+void send_onwards(const RaysOnwards& onwards, RayPacket& packet, int* valid) {
+  for (int k = 0; k < packet.count; ++k) {
+    const glm::dvec3 d = onwards.turn * glm::dvec3(packet.x[k], packet.y[k], packet.z[k]);
+    packet.x[k] = d.x;
+    packet.y[k] = d.y;
+    packet.z[k] = d.z;
+    valid[k] = 0;
+    onwards.windows.find(d, [&](std::uint32_t window) {
+      valid[k] = -1;
+      packet.tube[k] = window;
+    });
+  }
+}
+
+}  // namespace
+
+RayHit* RayScene::State::trace(GridPoint apex, double reach_m, RaySource source, RayHit* hits,
+                               const RaysOnwards* onwards) const {
   constexpr int lanes = RayPacket::size;
   alignas(64) int valid[lanes];
   RTCRayHit16 rays;
@@ -138,6 +159,7 @@ RayHit* RayScene::State::trace(GridPoint apex, double reach_m, RaySource source,
   packet.x = packet.y = packet.z = {};
   while (source.next(packet)) {
     if (packet.count < lanes) std::fill_n(valid + packet.count, lanes - packet.count, 0);
+    if (onwards != nullptr) send_onwards(*onwards, packet, valid);
     for (int k = 0; k < lanes; ++k) {
       rays.ray.dir_x[k] = float(packet.x[k]);
       rays.ray.dir_y[k] = float(packet.y[k]);
@@ -221,6 +243,39 @@ bool RayScene::State::meet_beyond(GridPoint apex, glm::dvec3 direction, double f
   return true;
 }
 
+const FacetMesh& RayScene::mesh() const { return state_->mesh; }
+
+bool RayScene::reaches(GridPoint apex, glm::dvec3 direction, double range_m,
+                       const std::function<bool(FacetId)>& same) const {
+  const State& s = *state_;
+  const glm::dvec3 place = s.unit_m * glm::dvec3(apex.x, apex.y, apex.z);
+  const double uncertain = 1e-6 * (range_m + glm::length(place));
+  RTCRayHit ray{};
+  ray.ray.org_x = float(place.x);
+  ray.ray.org_y = float(place.y);
+  ray.ray.org_z = float(place.z);
+  ray.ray.dir_x = float(direction.x);
+  ray.ray.dir_y = float(direction.y);
+  ray.ray.dir_z = float(direction.z);
+  ray.ray.mask = ~0u;
+  for (;;) {
+    ray.ray.tfar = float(1.001 * range_m + uncertain);  // where the facet is met, even at a grazing angle
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(s.scene, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    const double met = double(ray.ray.tfar);
+    if (same(ray.hit.primID) || std::abs(met - range_m) <= uncertain) return true;
+    if (met > range_m) return false;
+    RayHit hit;
+    hit.facet = ray.hit.primID;
+    if (s.on_plane(apex, direction, met, hit)) return false;
+    ray.ray.tnear = std::nextafter(ray.ray.tfar, std::numeric_limits<float>::infinity());
+  }
+}
+
 RayScene::RayScene(const FacetMesh& mesh, const WorldGrid& grid)
     : state_(std::make_unique<State>(mesh, grid)) {
   state_->build();
@@ -230,7 +285,7 @@ RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
 void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, std::int64_t end,
-                History& history) {
+                History& history, const RaysOnwards* onwards) {
   const std::int64_t chunk = plan.rays_at_a_time();  // a task
   const TubeSet& tubes = history.tubes;
   const double reach_m = tubes.reach * history.grid_unit_m;
@@ -241,9 +296,9 @@ void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, 
   tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t c) {
     stop_if_wanted();
     const std::int64_t begin = c * chunk;
-    ends[c] = scene.state_->trace(tubes.apex, reach_m,
+    ends[c] = scene.state_->trace(onwards != nullptr ? onwards->apex : tubes.apex, reach_m,
                                   RaySource(plan, first + begin, first + std::min(begin + chunk, rays)),
-                                  hits + begin);
+                                  hits + begin, onwards);
   });
   RayHit* last = hits;
   for (std::int64_t c = 0; c < chunks; ++c) {
@@ -254,12 +309,13 @@ void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, 
 }
 
 void trace_rays(const RayScene& scene, History& history, const RaySettings& settings,
-                std::span<const std::uint32_t> beam_of_tube, const std::function<void()>& take) {
+                std::span<const std::uint32_t> beam_of_tube, const std::function<void()>& take,
+                const RaysOnwards* onwards) {
   constexpr std::int64_t portion = std::int64_t{1} << 18;
   const RayPlan plan(history.tubes, settings, beam_of_tube);
   Steps steps("portions of rays", std::size_t((plan.rays() + portion - 1) / portion));
   for (std::int64_t first = 0; first < plan.rays(); first += portion) {
-    trace_rays(scene, plan, first, std::min(first + portion, plan.rays()), history);
+    trace_rays(scene, plan, first, std::min(first + portion, plan.rays()), history, onwards);
     take();
     steps.done();
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <glm/mat3x3.hpp>
 #include <memory>
 #include <span>
 
@@ -10,8 +11,11 @@
 #include "engine/sight/history.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"
+#include "geometry/tubes/tube_finder.hpp"
 
 namespace tubefoot {
+
+struct RaysOnwards;
 
 /// A mesh made ready for rays: Embree's bounding volume hierarchy, built once and read by any number of pings
 /// and threads. Embree computes in float, in metres from the grid's origin, so which facet a ray meets is
@@ -25,10 +29,27 @@ class RayScene {
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
 
+  const FacetMesh& mesh() const;
+  /// Whether a place on a facet, `range_m` from an apex in a direction (unit), is met first there: what is
+  /// met is that facet (`same` says which are), or as far as Embree's float can tell (a millionth of the
+  /// range and of the apex's distance from the grid's origin). Facets whose plane contains the apex hide
+  /// nothing.
+  bool reaches(GridPoint apex, glm::dvec3 direction, double range_m,
+               const std::function<bool(FacetId)>& same) const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;
-  friend void trace_rays(const RayScene&, const RayPlan&, std::int64_t, std::int64_t, History&);
+  friend void trace_rays(const RayScene&, const RayPlan&, std::int64_t, std::int64_t, History&,
+                         const RaysOnwards*);
+};
+
+/// Rays that mirrors send on, as they come from an image of their apex: turned, and only those that lie in
+/// the image's windows, whose numbers hits have as tubes.
+struct RaysOnwards {
+  GridPoint apex;      ///< the image
+  glm::dmat3 turn{1};  ///< of directions, orthogonal
+  const TubeFinder& windows;
 };
 
 /// The sampling engine: traces the rays that `settings` ask for and fills History::hits, in the order of
@@ -39,12 +60,14 @@ History trace_rays(const RayScene& scene, TubeSet tubes, double grid_unit_m, con
                    std::span<const std::uint32_t> beam_of_tube = {});
 
 /// The same in portions, for any number of rays in little memory: `history` has tubes and grid unit already;
-/// its hits are filled with the next portion before each call of `take`.
+/// its hits are filled with the next portion before each call of `take`. `onwards`: of rays over mirrors,
+/// `scene` being what the image sees.
 void trace_rays(const RayScene& scene, History& history, const RaySettings& settings,
-                std::span<const std::uint32_t> beam_of_tube, const std::function<void()>& take);
+                std::span<const std::uint32_t> beam_of_tube, const std::function<void()>& take,
+                const RaysOnwards* onwards = nullptr);
 
 /// The rays [first, end) of a plan for history.tubes: fills history.hits.
 void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, std::int64_t end,
-                History& history);
+                History& history, const RaysOnwards* onwards = nullptr);
 
 }  // namespace tubefoot

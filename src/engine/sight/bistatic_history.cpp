@@ -5,22 +5,16 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include "geometry/steps/steps.hpp"
+#include "geometry/visibility/contradictions.hpp"
 
 namespace tubefoot {
 namespace {
 
 /// Facets that one task takes. No result depends on it.
 constexpr std::size_t facets_per_task = 32;
-
-void check_exact(const VisibilityOptions& options) {
-  if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument(
-        "a transmitter and a receiver apart need an exact arithmetic: fixed, filtered or rational");
-}
 
 void share(const FootprintSharer& sharer, SharedFootprints& shared) {
   std::vector<SharedFootprints> parts((sharer.facets() + facets_per_task - 1) / facets_per_task);
@@ -41,6 +35,8 @@ std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, c
   Steps steps("tubes", seen.size());
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(seen.size()), [&](std::uint32_t tube) {
     see(mesh, tree, tubes, tube, options, threads.local(), seen[tube]);
+    if (options.arithmetic == Arithmetic::plain_double)
+      leave_out_contradictions(mesh, tubes.apex, seen[tube]);
     steps.done();
   });
   return seen;
@@ -48,7 +44,6 @@ std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, c
 
 BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                const VisibilityOptions& options, TubeSet transmit, TubeSet receive) {
-  check_exact(options);
   BistaticHistory history{std::move(transmit), std::move(receive), grid_unit_m, {}};
   const auto sent = look(mesh, tree, history.transmit, options),
              heard = look(mesh, tree, history.receive, options);
@@ -61,7 +56,6 @@ BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
                                const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
                                const Straightening& transmit_water, const Straightening& receive_water,
                                double reference_absorption_db_per_m) {
-  check_exact(options);
   BistaticHistory history{std::move(transmit), std::move(receive), grid.unit_m(), {}};
   const FacetMesh &sent_to = pair.transmit.refined.mesh, &heard_from = pair.receive.refined.mesh;
   const SceneTree sent_tree(sent_to, SceneTree::Sheets::ignored),

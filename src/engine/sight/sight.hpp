@@ -86,6 +86,10 @@ class Sight {
   std::span<const RayHit> hits() const {
     return one_ != nullptr && with_hits_ ? std::span(one_->hits) : std::span<const RayHit>();
   }
+  /// The same with two.
+  std::span<const SharedHit> shared_hits() const {
+    return two_ != nullptr && with_hits_ ? std::span(two_->hits) : std::span<const SharedHit>();
+  }
   Sight without_hits() const {
     Sight part = *this;
     part.with_hits_ = false;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numeric>
 
 #include "engine/echo/echo.hpp"
@@ -112,6 +113,91 @@ TEST(FastBinning, SamplesConvergeAndSpreadIsTheBetterOne) {
   EXPECT_LT(l1(64, Binning::centroid), 0.5 * l1(8, Binning::centroid));
   EXPECT_LT(l1(32, Binning::spread), 0.1 * l1(4, Binning::spread));
   EXPECT_LT(l1(16, Binning::spread), l1(16, Binning::centroid));
+}
+
+/// The same footprints, heard by a receiver in another place.
+BistaticHistory heard_from(const History& history, glm::dvec3 receiver_m) {
+  BistaticHistory both;
+  both.transmit.tubes.resize(1);
+  both.receive.tubes.resize(1);
+  both.shared.receiver_m = receiver_m;
+  both.shared.corners_m = history.footprints.corners_m;
+  for (const Footprint& f : history.footprints.footprints) {
+    SharedFacet facet;
+    facet.first_piece = f.first_piece;
+    facet.piece_count = f.piece_count;
+    facet.plane_normal = f.plane_normal;
+    facet.transmit_distance_m = f.plane_distance_m;
+    facet.receive_distance_m = f.plane_distance_m + glm::dot(f.plane_normal, receiver_m);
+    both.shared.facets.push_back(facet);
+  }
+  for (const Piece& piece : history.footprints.pieces)
+    both.shared.pieces.push_back({0, 0, piece.first, piece.count});
+  return both;
+}
+
+std::vector<double> energies(const BistaticHistory& history, const RangeSamples& samples, Binning binning,
+                             const BeamPatterns* patterns = nullptr) {
+  EchoLaw law{material_mu, material, 0.05, patterns};
+  return integrate_echo(history, {1, beam_of_tube}, samples, law, binning).energy;
+}
+
+TEST(FastBinningApart, InOnePlaceItIsThatOfOneApex) {
+  const History history = bed(20, 24, 1, 6);
+  const RangeSamples samples{20, 0.3, 30};
+  for (const Binning binning : {Binning::centroid, Binning::spread}) {
+    const std::vector<double> alone = energies(history, samples, binning),
+                              same = energies(heard_from(history, glm::dvec3(0)), samples, binning);
+    for (std::size_t k = 0; k < alone.size(); ++k) EXPECT_NEAR(same[k], alone[k], 1e-12 * total(alone)) << k;
+  }
+}
+
+TEST(FastBinningApart, TheLawAtTheCentroidOfBothWays) {
+  const glm::dvec3 receiver(7, -3, -2), at = on_plane(flat_bed(height_m), {{20.01, 0}})[0];
+  const double out = glm::length(at), home = glm::distance(at, receiver), half = (out + home) / 2,
+               beta = 0.05 * std::log(10.0) / 10;
+  const double expected = mu * height_m / out * (height_m - 2) / home * 0.02 * 0.02 /
+                          std::pow(out * home, 2) * std::exp(-beta * (out + home));
+  const Directivity sent{Directivity::Kind::line, glm::normalize(glm::dvec3(1, 2, 0.5)), false, 0.1, 6},
+      heard{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 1, -1)), true, 0, 2.5};
+  const BeamPatterns patterns{{sent}, {heard}, {0}, {{0, 1}}};
+  const double gain = sent.gain(at / out) * heard.gain((at - receiver) / home);
+  const BistaticHistory history = heard_from(bed(20, 20.02, 0.01, 1), receiver);
+  const RangeSamples samples{15, 0.5, 20};
+  const auto sample = std::size_t((half - 15) / 0.5);
+  for (const Binning binning : {Binning::centroid, Binning::spread}) {
+    const std::vector<double> energy = energies(history, samples, binning),
+                              weighed = energies(history, samples, binning, &patterns);
+    EXPECT_NEAR(energy[sample] / expected, 1, 1e-9);
+    EXPECT_EQ(total(energy), energy[sample]);
+    EXPECT_NEAR(weighed[sample] / (gain * expected), 1, 1e-9);
+  }
+}
+
+TEST(FastBinningApart, ConvergesAtSecondOrderAndAnExchangeChangesNothing) {
+  const glm::dvec3 receiver(7, -3, -2);
+  const RangeSamples samples{14, 0.1, 240};
+  for (const Binning binning : {Binning::centroid, Binning::spread}) {
+    std::vector<double> errors, bins;
+    for (const int n : {4, 8, 16}) {
+      const BistaticHistory history = heard_from(bed(20, 24, 1, n), receiver);
+      BistaticHistory swapped = history;
+      swapped.shared = exchanged(history.shared);
+      const std::vector<double> exact = energies(history, samples, Binning::exact),
+                                fast = energies(history, samples, binning),
+                                back = energies(swapped, samples, binning);
+      errors.push_back(std::abs(total(fast) / total(exact) - 1));
+      double difference = 0;
+      for (std::size_t k = 0; k < exact.size(); ++k) {
+        difference += std::abs(exact[k] - fast[k]);
+        EXPECT_NEAR(back[k], fast[k], 1e-12 * total(fast));
+      }
+      bins.push_back(difference / total(exact));
+    }
+    EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2, 0.2);
+    EXPECT_NEAR(std::log2(errors[1] / errors[2]), 2, 0.2);
+    EXPECT_LT(bins[2], 0.6 * bins[0]);
+  }
 }
 
 TEST(FastBinning, KnowsItsNames) {

@@ -271,5 +271,36 @@ TEST(PathCut, TheSamplesOfAPolygonAreThoseItReachesInto) {
   EXPECT_GT(first, 60u);
 }
 
+// Against a fine grid of the polygon, and its borders.
+TEST(PathCut, TheShortestAndTheLongestHalfPathOfAPolygon) {
+  const unsigned seed = 8128;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> place(-6, 6), height(0.05, 5);
+  int inside = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Apexes apexes{height(random), height(random), {place(random), place(random)}};
+    const Polygon2 p = test::random_convex(random, {place(random), place(random)}, 4, 3);
+    const auto [shortest, longest] = PathCutter::half_paths_of(planar(p, apexes.transmit_height),
+                                                               {apexes.receive_height, apexes.receive_foot});
+    double least = 1e9, most = 0;
+    constexpr int n = 120;
+    for (std::size_t t = 2; t < p.size(); ++t)
+      for (int a = 0; a <= n; ++a)
+        for (int b = 0; a + b <= n; ++b) {
+          const double half =
+              apexes.path(p[0] + (p[t - 1] - p[0]) * (double(a) / n) + (p[t] - p[0]) * (double(b) / n)) / 2;
+          least = std::min(least, half);
+          most = std::max(most, half);
+        }
+    EXPECT_LE(shortest, least * (1 + 1e-14)) << i;
+    EXPECT_NEAR(shortest, least, 0.01) << i;
+    EXPECT_NEAR(longest, most, 1e-12) << i;
+    inside += std::abs(shortest - apexes.shortest() / 2) < 1e-12;
+  }
+  EXPECT_GT(inside, 3);
+  EXPECT_LT(inside, 50);
+}
+
 }  // namespace
 }  // namespace tubefoot

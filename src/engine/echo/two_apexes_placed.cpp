@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Paths by way of single places: the centroids of what two apexes share, and rays' hits.
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "engine/echo/path_on_facet.hpp"
+#include "engine/echo/quadratures.hpp"
+#include "engine/echo/sample_finder.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+class PlacedEcho {
+ public:
+  PlacedEcho(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+             const Sink<double>& sink)
+      : sight_(sight), beams_(beams), law_(law), sink_(sink), finder_(samples) {}
+
+  /// Each footprint that a tube of the one and a tube of the other share, at its centroid.
+  void whole(Binning binning) {
+    for (std::size_t number = sight_.first(); number < sight_.end(); ++number) {
+      stop_if_wanted();
+      begin(number);
+      for (std::uint32_t k = 0; k < facet_.piece_count;) {
+        const SeenPart first = sight_.part(number, facet_.first_piece + k);
+        Measured sum;
+        for (; k < facet_.piece_count; ++k) {
+          const SeenPart part = sight_.part(number, facet_.first_piece + k);
+          if (part.out_tube != first.out_tube || part.home_tube != first.home_tube) break;
+          assign(part);
+          sum.add(polygon_, path_.home.over);
+        }
+        if (!(sum.area > 0)) continue;
+        const glm::dvec2 centroid = sum.first + sum.weighed_offset / sum.area;
+        const double half = (path_.out.range(centroid) + path_.home.range(centroid)) / 2;
+        const bool at_once = binning == Binning::centroid || !(sum.far > sum.near);
+        add(centroid, sum.area, first.out_tube, first.home_tube, at_once ? half : sum.near,
+            at_once ? half : sum.far);
+      }
+    }
+  }
+
+  /// A hit stands for the area solid_angle r^2 / sin(grazing).
+  void hits() {
+    for (const SharedHit& hit : sight_.shared_hits()) {
+      if (hit.seen != number_) begin(hit.seen);
+      const double range = glm::length(hit.at_m);
+      const glm::dvec2 at =
+          paired_ == nullptr ? frame_.project(hit.at_m) : glm::dvec2(paired_->to_plane.at(hit.at_m));
+      const double half = (path_.out.range(at) + path_.home.range(at)) / 2;
+      if (!finder_.holds(half)) continue;
+      const double area = hit.solid_angle_sr * (range * range) * range / facet_.plane.distance_m;
+      add(at, area * laid_out_, hit.transmit_tube, hit.receive_tube, half, half);
+    }
+  }
+
+ private:
+  /// Of the pieces of a footprint; the centroid is summed up from the first one's first corner, so that a
+  /// small one far away keeps its digits.
+  struct Measured {
+    double area = 0, near = std::numeric_limits<double>::infinity(), far = 0;
+    glm::dvec2 first{0}, weighed_offset{0};
+    void add(const PlanarPolygon& polygon, const PathCutter::Receiver& receiver) {
+      if (polygon.offsets.empty()) return;
+      if (far == 0) first = polygon.first;
+      const auto [shortest, longest] = PathCutter::half_paths_of(polygon, receiver);
+      near = std::min(near, shortest);
+      far = std::max(far, longest);
+      const double own = std::max(tubefoot::area(polygon), 0.0);
+      area += own;
+      weighed_offset += own * (polygon.first - first + centroid_offset(polygon));
+    }
+  };
+
+  void begin(std::size_t number) {
+    number_ = number;
+    facet_ = sight_[number];
+    paired_ = sight_.paired(number);
+    frame_ = PlaneFrame(facet_.plane);
+    path_ = path_on(sight_, number, frame_, law_);
+    laid_out_ = 1;
+    if (paired_ != nullptr) {
+      const glm::dvec2 u(paired_->to_plane.linear * frame_.u), v(paired_->to_plane.linear * frame_.v);
+      laid_out_ = std::abs(u.x * v.y - u.y * v.x);
+    }
+  }
+
+  void assign(const SeenPart& part) {
+    if (paired_ == nullptr)
+      polygon_.assign(part.corners_m, facet_.plane, frame_);
+    else
+      lay_out(part.corners_m, *paired_, polygon_);
+  }
+
+  /// What an area at a place returns, evenly from half paths near to far.
+  void add(glm::dvec2 at, double area_m2, std::uint32_t out_tube, std::uint32_t home_tube, double near_m,
+           double far_m) {
+    if (!beams_.in_one_fan(out_tube, home_tube)) return;
+    const double out = path_.out.range(at), home = path_.home.range(at);
+    double energy = path_.density_at(out, home) * path_.texture_at(at) * area_m2;
+    glm::dvec3 there{0}, back{0};
+    if (path_.over_mirrors() || law_.patterns != nullptr) {
+      there = path_.out.direction(at, out);
+      back = path_.home.direction(at, home);
+      energy *= path_.passed(there, back);
+    }
+    if (law_.patterns == nullptr) return spread(beams_.of_tube[home_tube], energy, out_tube, near_m, far_m);
+    const BeamPatterns& patterns = *law_.patterns;
+    energy *= patterns.transmit[patterns.fan_of_tube[home_tube]].gain(there);
+    const auto [first, end] = patterns.beams_of_tube[home_tube];
+    for (std::uint32_t beam = first; beam < end; ++beam)
+      spread(beam, energy * patterns.receive[beam].gain(back), out_tube, near_m, far_m);
+  }
+
+  void spread(std::uint32_t beam, double energy, std::uint32_t out_tube, double near_m, double far_m) {
+    finder_.share(near_m, far_m, 0, 0, [&](std::size_t sample, double part) {
+      sink_({beam, std::uint32_t(sample), part * energy, std::uint32_t(number_), out_tube});
+    });
+  }
+
+  const Sight& sight_;
+  const ReceiveBeams& beams_;
+  const EchoLaw& law_;
+  const Sink<double>& sink_;
+  SampleFinder finder_;
+  // Of the facet at hand.
+  std::size_t number_ = std::numeric_limits<std::size_t>::max();
+  SeenFacet facet_;
+  const PairedFacet* paired_ = nullptr;
+  PlaneFrame frame_{FacetPlane{}};
+  PathOnFacet path_;
+  double laid_out_ = 1;  // area on the plane of the path over that which the way out sees
+  PlanarPolygon polygon_;
+};
+
+}  // namespace
+
+void integrate_whole(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                     const EchoLaw& law, Binning binning, const Sink<double>& sink) {
+  PlacedEcho(sight, beams, samples, law, sink).whole(binning);
+}
+
+void integrate_hits(const Sight& sight, const ReceiveBeams& beams, const RangeSamples& samples,
+                    const EchoLaw& law, const Sink<double>& sink) {
+  PlacedEcho(sight, beams, samples, law, sink).hits();
+}
+
+}  // namespace tubefoot

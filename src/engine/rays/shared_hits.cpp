@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/rays/shared_hits.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <unordered_map>
+
+#include "geometry/mesh/facet_cone.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Hits that one task takes. No result depends on it.
+constexpr std::size_t hits_per_task = 1 << 12;
+constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
+
+glm::dvec3 metres(GridPoint p, double unit_m) { return unit_m * glm::dvec3(p.x, p.y, p.z); }
+
+/// From where a facet is seen by one apex to where another sees it.
+struct Carried {
+  std::array<glm::dvec3, 3> from, to;  // corners, relative to the apexes
+  glm::dvec3 at(glm::dvec3 place) const {
+    const glm::dvec3 u = from[1] - from[0], v = from[2] - from[0], p = place - from[0];
+    const glm::dvec3 normal = glm::cross(u, v);
+    const double area2 = glm::dot(normal, normal), along_u = glm::dot(glm::cross(p, v), normal) / area2,
+                 along_v = glm::dot(glm::cross(u, p), normal) / area2;
+    return to[0] + along_u * (to[1] - to[0]) + along_v * (to[2] - to[0]);
+  }
+};
+
+/// A facet that hits lie on, as both ends have it.
+struct LitFacet {
+  SharedFacet shared;
+  FacetId heard = 0;  // where the receiver looks, in ApparentFacets
+  Carried carried;
+  std::uint32_t number = nowhere;  // among those with hits that both see
+};
+
+class Sharing {
+ public:
+  Sharing(const History& history, const SampledEnd& sent, const SampledEnd& heard, const FacetMesh& common,
+          const ApparentFacets* apparent)
+      : hits_(history.hits),
+        unit_m_(history.grid_unit_m),
+        sent_(sent),
+        heard_(heard),
+        common_(common),
+        apparent_(apparent),
+        receiver_m_(metres(heard.tubes.apex - sent.tubes.apex, unit_m_)) {}
+
+  BistaticHistory find() {
+    light();
+    std::vector<std::vector<SharedHit>> parts((hits_.size() + hits_per_task - 1) / hits_per_task);
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
+      stop_if_wanted();
+      const std::size_t end = std::min((task + 1) * hits_per_task, hits_.size());
+      for (std::size_t k = task * hits_per_task; k < end; ++k)
+        if (lit_by_[k] != nowhere) look_at(hits_[k], lit_by_[k], parts[task]);
+    });
+    BistaticHistory found{sent_.tubes, heard_.tubes, unit_m_, {}};
+    found.shared.receiver_m = receiver_m_;
+    for (const auto& part : parts)
+      for (SharedHit hit : part) {
+        LitFacet& facet = facets_[hit.seen];
+        if (facet.number == nowhere) {
+          facet.number = std::uint32_t(found.shared.facets.size());
+          found.shared.facets.push_back(facet.shared);
+        }
+        hit.seen = facet.number;
+        found.hits.push_back(hit);
+      }
+    return found;
+  }
+
+ private:
+  /// Facets that hits lie on, each once, and by hit its facet; nowhere: a side that the receiver is not on.
+  void light() {
+    std::unordered_map<FacetId, std::uint32_t> known;
+    FacetId last = no_point;
+    std::uint32_t number = nowhere;
+    lit_by_.reserve(hits_.size());
+    for (const RayHit& hit : hits_) {
+      if (hit.facet != last) {
+        last = hit.facet;
+        const auto [at, is_new] = known.try_emplace(hit.facet, nowhere);
+        if (is_new) at->second = add(hit.facet);
+        number = at->second;
+      }
+      lit_by_.push_back(number);
+    }
+  }
+
+  std::uint32_t add(FacetId seen) {
+    const FacetId origin = sent_.origin_of(seen);
+    LitFacet facet;
+    const FacetMesh *there = &common_, *here = &common_;
+    FacetId facet_here = origin;
+    facet.heard = origin;
+    if (apparent_ != nullptr) {
+      facet.heard = apparent_->heard[origin];
+      if (facet.heard == ApparentFacets::none) return nowhere;
+      here = &sent_.scene.mesh();
+      there = &heard_.scene.mesh();
+      facet_here = seen;
+    }
+    FacetCone from_transmitter, from_receiver;
+    if (!FacetCone::make(*here, facet_here, sent_.tubes.apex, from_transmitter) ||
+        !FacetCone::make(*there, facet.heard, heard_.tubes.apex, from_receiver) ||
+        from_transmitter.reversed != from_receiver.reversed)
+      return nowhere;
+    facet.shared = facet_between(from_transmitter, from_receiver, unit_m_);
+    facet.shared.facet = origin;
+    for (std::size_t k = 0; k < 3; ++k) {
+      facet.carried.from[k] = metres(from_transmitter.point[k], unit_m_);
+      facet.carried.to[k] = metres(from_receiver.point[k], unit_m_);
+    }
+    facets_.push_back(facet);
+    return std::uint32_t(facets_.size() - 1);
+  }
+
+  void look_at(const RayHit& hit, std::uint32_t lit, std::vector<SharedHit>& found) const {
+    const LitFacet& facet = facets_[lit];
+    const glm::dvec3 at = hit.slant_range_m * glm::normalize(glm::dvec3(hit.direction)),
+                     from_receiver = apparent_ == nullptr ? at - receiver_m_ : facet.carried.at(at);
+    const double range = glm::length(from_receiver);
+    if (!(range > 0)) return;
+    const std::size_t before = found.size();
+    heard_.finder.find(from_receiver, [&](std::uint32_t tube) {
+      found.push_back({lit, hit.tube, tube, hit.solid_angle_sr, at});
+    });
+    if (found.size() == before) return;
+    const FacetId wanted = apparent_ == nullptr ? facet.shared.facet : facet.heard;
+    if (!heard_.scene.reaches(heard_.tubes.apex, from_receiver / range, range, [&](FacetId met) {
+          return (apparent_ == nullptr ? heard_.origin_of(met) : met) == wanted;
+        }))
+      found.resize(before);
+  }
+
+  std::span<const RayHit> hits_;
+  double unit_m_;
+  const SampledEnd &sent_, &heard_;
+  const FacetMesh& common_;
+  const ApparentFacets* apparent_;
+  glm::dvec3 receiver_m_;
+  std::vector<LitFacet> facets_;
+  std::vector<std::uint32_t> lit_by_;
+};
+
+}  // namespace
+
+BistaticHistory shared_hits(const History& history, const SampledEnd& sent, const SampledEnd& heard,
+                            const FacetMesh& common, const ApparentFacets* apparent) {
+  return Sharing(history, sent, heard, common, apparent).find();
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Paths over mirrors by the cheaper settings: rays, fast binnings and plain doubles, against closed forms and
+// against exact cuts.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "engine/paths/path_echo.hpp"
+#include "fixtures/world/path_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace test;
+
+struct Spread {
+  double sum = 0, squares = 0;
+  int count = 0;
+  void add(double x) {
+    sum += x;
+    squares += x * x;
+    ++count;
+  }
+  double mean() const { return sum / count; }
+  double sigma() const { return std::sqrt(std::max(squares / count - mean() * mean(), 0.0) / (count - 1)); }
+};
+
+/// Rings of a plane between half paths, one apex h1, the other h2 above it (bistatic_echo_test.cpp).
+double rings(double mu, double h1, double h2, double half_path) {
+  const double path = 2 * half_path, a = h1 * h1, b = h2 * h2;
+  const double r1 = (path + (a - b) / path) / 2, u = r1 * r1 - a;
+  return -2 * pi * mu * h1 * h2 * (2 * u + a + b) / ((a - b) * (a - b) * std::sqrt((u + a) * (u + b)));
+}
+
+Setting under_surface() {
+  Setting s;
+  s.mesh = square_bed(-20, 200);
+  s.transmit = s.receive = around({0, 0, -5}, -88, 88, 8, 120);
+  s.samples = {26, 1, 30};
+  s.mu = {0.01};
+  s.reflection = {0};
+  s.paths.order = 3;
+  s.paths.mirrors.surface = SeaSurface{0, 0.6, 0};
+  return s;
+}
+
+TEST(PathRays, SurfaceMultiplesOfAFlatBedInClosedForm) {
+  Setting s = under_surface();
+  std::vector<Spread> once(30), twice(30);
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+    s.rays = RaySettings{RaySampling::stratified, 20000, RaySettings::Per::ping, seed};
+    const PathEcho paths = s.run();
+    EXPECT_EQ(paths.shared_pieces, 0u);
+    EXPECT_GT(paths.hits, 10000u);
+    for (int k = 0; k < 30; ++k) {
+      once[std::size_t(k)].add(paths.by_order[2].at(0, k));
+      twice[std::size_t(k)].add(paths.by_order[3].at(0, k));
+    }
+  }
+  for (int k = 0; k < 30; ++k) {
+    const double from = 26 + k, to = from + 1;
+    const double by_one = 2 * 0.6 * (rings(0.01, 15, 25, to) - rings(0.01, 15, 25, from)),
+                 by_both = 0.36 * pi / 2 * 0.01 * 625 * (std::pow(from, -4) - std::pow(to, -4));
+    EXPECT_NEAR(once[std::size_t(k)].mean(), by_one, 6 * once[std::size_t(k)].sigma()) << k;
+    EXPECT_NEAR(twice[std::size_t(k)].mean(), by_both, 6 * twice[std::size_t(k)].sigma()) << k;
+    EXPECT_LT(once[std::size_t(k)].sigma(), 0.04 * by_one) << k;
+    EXPECT_LT(twice[std::size_t(k)].sigma(), 0.04 * by_both) << k;
+  }
+}
+
+/// A receiver apart in a channel with a rough surface and a bed that scatters and reflects, and a block that
+/// stands on it, or floats.
+Setting harbour(bool apart, double block_from_m = -10, double block_to_m = -4) {
+  Setting s;
+  s.mesh = square_bed(-10, 40);
+  const auto box = [&](glm::dvec3 lo, glm::dvec3 hi) {
+    add_quad(s.mesh, {lo.x, lo.y, lo.z}, {hi.x, lo.y, lo.z}, {hi.x, lo.y, hi.z}, {lo.x, lo.y, hi.z}, 1);
+    add_quad(s.mesh, {lo.x, lo.y, hi.z}, {hi.x, lo.y, hi.z}, {hi.x, hi.y, hi.z}, {lo.x, hi.y, hi.z}, 1);
+    add_quad(s.mesh, {lo.x, lo.y, lo.z}, {lo.x, lo.y, hi.z}, {lo.x, hi.y, hi.z}, {lo.x, hi.y, lo.z}, 1);
+  };
+  box({2, 14, block_from_m}, {8, 18, block_to_m});
+  s.transmit = towards({-3, 0, -4}, {0, 16, -6}, 40, 3, 120);
+  s.receive = apart ? towards({2, 0, -3}, {0, 16, -6}, 40, 2, 120) : s.transmit;
+  s.samples = {10, 2, 12};
+  s.mu = {0.02, 0.1};
+  s.reflection = {0.3, 0.5};
+  s.paths.order = 3;
+  s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
+  s.absorption_db_per_m = 0.02;
+  return s;
+}
+
+TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGive) {
+  for (const bool apart : {false, true}) {
+    SCOPED_TRACE(apart ? "apart" : "in one place");
+    Setting s = harbour(apart);
+    const PathEcho exact = s.run();
+    std::vector<std::vector<Spread>> sampled(4, std::vector<Spread>(12));
+    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+      s.rays = RaySettings{RaySampling::stratified, 8000, RaySettings::Per::ping, seed};
+      const PathEcho paths = s.run();
+      EXPECT_EQ(paths.images, exact.images);
+      EXPECT_EQ(paths.arrivals, exact.arrivals);
+      for (std::size_t order = 1; order <= 3; ++order)
+        for (int k = 0; k < 12; ++k) sampled[order][std::size_t(k)].add(paths.by_order[order].at(0, k));
+    }
+    for (int k = 0; k < 12; ++k)  // no scattering, no rays
+      EXPECT_NEAR(sampled[1][std::size_t(k)].mean(), exact.by_order[1].at(0, k),
+                  1e-12 * exact.by_order[1].at(0, k));
+    for (std::size_t order = 2; order <= 3; ++order) {
+      const double all = total(exact.by_order[order]);
+      double wide = 0, squares = 0;
+      int lit = 0;
+      for (int k = 0; k < 12; ++k) {
+        const Spread& bin = sampled[order][std::size_t(k)];
+        const double expected = exact.by_order[order].at(0, k);
+        EXPECT_NEAR(bin.mean(), expected, 6 * bin.sigma() + 1e-5 * all)
+            << "order " << order << " sample " << k;
+        wide += bin.sigma();
+        if (!(expected > 1e-3 * all)) continue;
+        squares += std::pow((bin.mean() - expected) / bin.sigma(), 2);
+        ++lit;
+      }
+      EXPECT_LT(wide, 0.05 * all);
+      ASSERT_GE(lit, 5);
+      EXPECT_LT(squares / lit, 1 + 6 * std::sqrt(2.0 / lit));
+    }
+  }
+}
+
+TEST(PathRays, RaysGoToTheirOwnFansAndPatternsAreTakenAtTheTrueDirections) {
+  Setting s = under_surface();
+  const Directivity tilted{Directivity::Kind::gaussian, {0, 0, 1}, true, 0, 1.5};
+  BeamPatterns patterns{{tilted}, {Directivity()}, {}, {}};
+  patterns.fan_of_tube.assign(s.receive.tubes.size(), 0);
+  patterns.beams_of_tube.assign(s.receive.tubes.size(), {0, 1});
+  const PathEcho exact = s.run(&patterns);
+  s.rays = RaySettings{RaySampling::stratified, 200000, RaySettings::Per::ping, 1};
+  const PathEcho paths = s.run(&patterns);
+  for (std::size_t order = 2; order <= 3; ++order)
+    for (int k = 0; k < 30; k += 3)
+      EXPECT_NEAR(paths.by_order[order].at(0, k), exact.by_order[order].at(0, k),
+                  0.05 * exact.by_order[order].at(0, k))
+          << order << ' ' << k;
+}
+
+TEST(PathBinning, FastBinningsOfPathsApproachExactCuts) {
+  std::vector<double> errors;
+  for (const int cells : {8, 32}) {
+    Setting s = under_surface();
+    s.transmit = s.receive = around({0, 0, -5}, -88, 88, cells, 120, cells);
+    s.samples = {26, 4, 6};
+    const PathEcho exact = s.run();
+    for (const Binning binning : {Binning::spread, Binning::centroid}) {
+      s.paths.binning = binning;
+      const PathEcho fast = s.run();
+      double difference = 0, all = 0;
+      for (std::size_t order = 2; order <= 3; ++order)
+        for (int k = 0; k < 6; ++k) {
+          difference += std::abs(fast.by_order[order].at(0, k) - exact.by_order[order].at(0, k));
+          all += exact.by_order[order].at(0, k);
+        }
+      errors.push_back(difference / all);
+    }
+  }
+  EXPECT_GT(errors[0], 0.02);  // the option does what it says
+  EXPECT_LT(errors[2], 0.3 * errors[0]);
+  EXPECT_LT(errors[3], 0.5 * errors[1]);
+  EXPECT_LT(errors[2], 0.05);
+}
+
+/// Turned and tilted, so that nothing is in line with anything.
+Setting askew(bool apart) {
+  Setting s = harbour(apart, -9.3, -4.2);
+  for (GridPoint& p : s.mesh.vertices) {
+    const glm::dvec3 q = metres(p);
+    const double c = std::cos(0.123), d = std::sin(0.123);
+    p = at({c * q.x - d * q.y, d * q.x + c * q.y, q.z + 0.0137 * q.x + 0.0071 * q.y});
+  }
+  return s;
+}
+
+TEST(PathDoubles, SeeTheSameWhereNothingIsDegenerate) {
+  for (const bool apart : {false, true})
+    for (const int scatterings : {1, 2}) {
+      SCOPED_TRACE(testing::Message()
+                   << (apart ? "apart, " : "in one place, ") << scatterings << " scatterings");
+      Setting s = askew(apart);
+      s.paths.scatterings = scatterings;
+      s.paths.patch_m = 4;
+      const PathEcho exact = s.run();
+      s.options.arithmetic = Arithmetic::plain_double;
+      s.options.tolerance =
+          scatterings == 1 ? 0 : 1e-14;  // a patch's look has its own facet's neighbours edge-on
+      const PathEcho plain = s.run();
+      EXPECT_EQ(plain.images, exact.images);
+      EXPECT_EQ(plain.arrivals, exact.arrivals);
+      EXPECT_EQ(plain.patches, exact.patches);
+      for (std::size_t order = 1; order <= 3; ++order) {
+        const double all = total(exact.by_order[order]);
+        if (order > 1) {
+          EXPECT_GT(all, 0);
+        }
+        for (int k = 0; k < 12; ++k)
+          EXPECT_NEAR(plain.by_order[order].at(0, k), exact.by_order[order].at(0, k), 1e-12 * all)
+              << "order " << order << " sample " << k;
+      }
+    }
+}
+
+// A block on the bed whose top is as deep as the sonar.
+TEST(PathDoubles, InADegenerateSceneTheyStayFinite) {
+  for (const double tolerance : {0.0, 1e-14, 1e-9}) {
+    Setting s = harbour(true);
+    s.paths.scatterings = 2;
+    s.paths.patch_m = 4;
+    const PathEcho exact = s.run();
+    s.options.arithmetic = Arithmetic::plain_double;
+    s.options.tolerance = tolerance;
+    const PathEcho plain = s.run();
+    for (std::size_t order = 2; order <= 3; ++order)
+      EXPECT_NEAR(total(plain.by_order[order]), total(exact.by_order[order]),
+                  0.05 * total(exact.by_order[order]))
+          << order;
+  }
+}
+
+}  // namespace
+}  // namespace tubefoot
