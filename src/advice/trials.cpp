@@ -31,6 +31,20 @@ std::vector<double> ranges_m(const RangeSamples& samples) {
   return ranges;
 }
 
+/// Two of a staff, whose other channels are products of their signals.
+std::size_t receivers(const Recording& recording) { return recording.channels() > 1 ? 2 : 1; }
+
+/// Energies that each receiver hears: [ping][receiver][beam][sample].
+std::vector<double> heard_of(const Recording& recording) {
+  std::vector<double> energies;
+  for (std::size_t p = 0; p < recording.pings(); ++p)
+    for (std::size_t r = 0; r < receivers(recording); ++r) {
+      const auto channel = recording.channel_of(p, r);
+      energies.insert(energies.end(), channel.begin(), channel.end());
+    }
+  return energies;
+}
+
 std::string scene_name(const std::filesystem::path& scene) {
   const std::string stem = scene.stem().string();
   return text_of_name(stem == "scene" ? std::filesystem::absolute(scene).parent_path().filename().string()
@@ -170,9 +184,10 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
   for (std::size_t s = 0; s < candidate.size(); ++s) {
     const Recording& reference = reference_[s];
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());
-    const EchoShape ping{1, reference.sensor->beams().size(), ranges.size()};
+    const EchoShape ping{1, receivers(reference) * reference.sensor->beams().size(), ranges.size()};
     const EchoShape all{reference.ping_time_s.size(), ping.beams, ping.samples};
-    const EchoErrors errors = echo_errors({all, reference.energy, candidate[s].energy, {}, ranges});
+    const std::vector<double> expected = heard_of(reference), heard = heard_of(candidate[s]);
+    const EchoErrors errors = echo_errors({all, expected, heard, {}, ranges});
     trial.l1_error = std::max(trial.l1_error, errors.l1);
     trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
     std::vector<PingError>& pings = trial.pings.emplace_back();
@@ -180,7 +195,7 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
       const auto part = [&](std::span<const double> energies) {
         return energies.subspan(p * ping.bins(), ping.bins());
       };
-      const EchoErrors e = echo_errors({ping, part(reference.energy), part(candidate[s].energy), {}, ranges});
+      const EchoErrors e = echo_errors({ping, part(expected), part(heard), {}, ranges});
       const auto lit = static_cast<double>(e.lit_bins);
       pings.push_back({e.reference_total_j > 0 ? e.l1 * e.reference_total_j : e.candidate_total_j,
                        e.reference_total_j, e.rms_db * e.rms_db * lit, lit});
