@@ -51,7 +51,7 @@ TEST(Contradictions, OfDoublesAreLeftOutAndExactLooksHaveNone) {
         }
     }
   EXPECT_GT(left_out, 0u);
-  EXPECT_GT(kept, 50 * left_out);
+  EXPECT_GT(kept, 10 * left_out);
 }
 
 }  // namespace
