@@ -16,11 +16,9 @@ constexpr double most_facets = 24'000;  // of the last try: some half a minute o
 constexpr double coarsest = 0.1;        // tolerance that the first try is made for
 constexpr double least_worth = 1.2;
 
-RefractedShot certify(const Shot& shot, const ShotStraightening& seen,
-                      const StraighteningSettings& settings) {
+RefractedShot certify(const Shot& shot, const ShotStraightening& seen, ApparentGround apparent) {
   const Scene& scene = shot.scene();
   const VisibilityOptions& options = shot.request().visibility;
-  ApparentGround apparent = seen.ground(settings);
   const std::vector<FacetId> parent = apparent.refined.parent;
   seen.bed().name_by_scene(apparent);
   RefractedShot found{ShotGround(shot.site(), std::move(apparent)), {}, 0, {}, false};
@@ -72,7 +70,7 @@ RefractedShot certify_refracted_shot(const Shot& shot) {
   settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
   settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
   const ShotStraightening seen(shot);
-  RefractedShot best = certify(shot, seen, settings);
+  RefractedShot best = certify(shot, seen, seen.ground(settings));
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best);
     // Slivers at a beam's ends are wider than asked with any ground.
@@ -86,12 +84,19 @@ RefractedShot certify_refracted_shot(const Shot& shot) {
     const double finer = std::clamp(1.3 * quality.usual_excess, least_worth, room);
     settings.gap_m = std::max(settings.gap_m / finer, 2 * unit);
     settings.tolerance_db /= finer;
-    RefractedShot next = certify(shot, seen, settings);
+    ApparentGround ground = seen.ground(settings);
+    const std::size_t facets = ground.refined.mesh.facets.size(),
+                      facets_before = best.ground.mesh().facets.size();
+    // Where it was about as fine as that already, the next one is to be finer than it is.
+    const bool hardly_finer = double(facets) < least_worth * double(facets_before);
+    if (hardly_finer) settings.gap_m = std::min(settings.gap_m, std::max(ground.largest_gap_m, 2 * unit));
+    if (facets == facets_before) continue;
+    RefractedShot next = certify(shot, seen, std::move(ground));
     const Quality found = quality_of(next);
     const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
                             found.usual_excess * least_worth < quality.usual_excess;
     if (worth_more || found.over <= quality.over) best = std::move(next);
-    if (worth_more) continue;
+    if (worth_more || hardly_finer) continue;
     best.at_limit = true;
     break;
   }

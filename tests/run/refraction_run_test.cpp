@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -15,47 +14,14 @@
 #include <numeric>
 
 #include "engine/law/perlin_reflectivity.hpp"
-#include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
+#include "fixtures/world/gradient_scenes.hpp"
 
 namespace tubefoot {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr double degree = std::numbers::pi / 180, fan_rad = 1.5 * degree;
-constexpr double above_bed_m = 10, c_sonar = 1500;
-const double mu = std::pow(10, -2.7);
-
-/// A sonar at a depth of 10 m, 10 m above a flat bed at z = 0, with one beam of 1.5 degrees from straight
-/// ahead to nearly straight down. `water`: keys of [water].
-std::string scene_in(const std::string& water, const std::string& more = "") {
-  return "[water]\nsurface_height_m = 20\n" + water + "\n" + lambert_material("bed", -27) +
-         flat_terrain(256, 256) + fixed_at(0, 0, 10, "heading_deg = 37\n") + downward_fan(1, 1.5, 128) + more;
-}
-
-std::string gradient(double g, double absorption_db_per_km = 0, const std::string& more = "") {
-  return fmt::format(
-      "profile = \"gradient\"\nsound_speed_m_s = {}\ngradient_per_s = {}\nprofile_bottom_m = 30\n"
-      "absorption_db_per_km = {}\n{}",
-      c_sonar - 10 * g, g, absorption_db_per_km, more);
-}
-
-/// Energy from the ring of a flat bed between two slant ranges c_sonar t.
-double ring_energy(double g, double near_m, double far_m, double absorption_db_per_km) {
-  const double h = above_bed_m, cr = c_sonar + g * h;
-  const double beta = 2 * absorption_db_per_km / 1000 * std::numbers::ln10 / 10;
-  const auto density = [&](double t) {
-    const double x2 = 2 * c_sonar * cr / (g * g) * (std::cosh(g * t) - 1) - h * h;
-    const double sinh_g = std::sinh(g * t) / g, area = cr * cr * sinh_g * sinh_g;
-    const double chord = std::sqrt(x2 + h * h), tilt = std::atan(g * std::sqrt(x2) / (c_sonar + cr));
-    const double sine = std::sin(std::asin(h / chord) - tilt), length = chord * tilt / std::sin(tilt);
-    return mu * sine * sine * cr * cr / (c_sonar * c_sonar) / (area * area) * c_sonar * cr * sinh_g *
-           std::exp(-beta * length);
-  };
-  return fan_rad * boost::math::quadrature::gauss_kronrod<double, 31>::integrate(density, near_m / c_sonar,
-                                                                                 far_m / c_sonar, 5, 1e-12);
-}
+using namespace test;
 
 /// Largest error of the samples beyond 10.3 m, in dB, and of their sum, relative.
 struct Errors {
@@ -269,26 +235,10 @@ TEST(RefractionRun, SeveralLayersAgreeWithRaysIntegratedApart) {
   EXPECT_GT(compared, 60u);
 }
 
-/// A run in a folder that keeps all files.
-struct Kept {
-  TestFolder folder;
-  Outcome outcome;
-  nlohmann::json stats;
-  Kept(const std::string& scene, const std::vector<std::string>& more = {}) {
-    const auto file = folder.write("scene.toml", scene);
-    std::vector<std::string> arguments{"run", file.string(), "-o", (folder / "out").string()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    outcome = run_program(arguments);
-    if (outcome.exit_code != 0) return;
-    std::ifstream json(folder / "out/stats.json");
-    stats = nlohmann::json::parse(json);
-  }
-};
-
 TEST(RefractionRun, ShadowsAreLeftOutAndTold) {
   // Sound bends up from the bed; the last ray to touch it is level there.
   const double g = 10, cr = c_sonar + g * above_bed_m;
-  const Kept run(replaced(scene_in(gradient(g)), "window_length_m = 32", "window_length_m = 62"));
+  const KeptRun run(replaced(scene_in(gradient(g)), "window_length_m = 32", "window_length_m = 62"));
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_THAT(run.outcome.err, HasSubstr("shadow zone"));
   const nlohmann::json& refraction = run.stats.at("refraction");
@@ -303,7 +253,7 @@ TEST(RefractionRun, ShadowsAreLeftOutAndTold) {
 }
 
 TEST(RefractionRun, WithoutShadowsNothingIsWarned) {
-  const Kept run(scene_in(gradient(-0.3)));
+  const KeptRun run(scene_in(gradient(-0.3)));
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_EQ(run.outcome.err.find("apparent facets"), std::string::npos) << run.outcome.err;
   const nlohmann::json& refraction = run.stats.at("refraction");
@@ -370,56 +320,14 @@ TEST(RefractionRun, CheckAndPatternsKnowTheSpeedAtTheSonar) {
   EXPECT_THAT(outcome.out, HasSubstr("1500.00 m/s where it is first"));
 }
 
-// Whatever the scene's own gap: a reference chooses a finer one.
-TEST(RefractionRun, ReferenceHoldsTheClosedFormWithinTheTolerance) {
-  for (const double g : {-0.5, -0.2}) {
-    SCOPED_TRACE(g);
-    const double absorption = 0, tolerance = 2e-3;
-    const std::string scene = scene_in(gradient(g, absorption));
-    const Kept run(scene, {"--reference", "--tolerance", "2e-3"});
-    ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
-    EXPECT_THAT(run.outcome.out, HasSubstr("every energy within 0.002"));
-    EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
-    const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"), ordinary = echoes_of(scene);
-    for (std::size_t k = 0; k < echoes.samples; ++k) {
-      if (echoes.first_m(k) < 10.3) continue;
-      const double truth = ring_energy(g, echoes.first_m(k), echoes.last_m(k), absorption);
-      EXPECT_LE(echoes.energy_bound[k], tolerance * echoes.energy[k] * 1.001) << k;
-      // The tubes' rays are rounded to 2^-30, and so are a fan's walls.
-      EXPECT_LE(std::abs(echoes.energy[k] - truth), echoes.energy_bound[k] + 1e-6 * truth) << k;
-      // 0.1 dB is what the ordinary run promises.
-      EXPECT_LE(std::abs(echoes.energy[k] - ordinary.energy[k]), echoes.energy_bound[k] + 0.0233 * truth)
-          << k;
-    }
-  }
-}
-
-TEST(RefractionRun, ReferenceSaysWhereItHasNoBound) {
-  const Kept run(replaced(scene_in(gradient(10)), "window_length_m = 32", "window_length_m = 62"),
-                 {"--reference", "--tolerance", "1e-2"});
-  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
-  EXPECT_THAT(run.outcome.err, HasSubstr("have no bound"));
-  const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
-  std::size_t infinite = 0;
-  for (const double bound : echoes.energy_bound) infinite += std::isinf(bound);
-  EXPECT_EQ(run.stats.at("refraction").at("bins_without_bound"), infinite);
-  EXPECT_GT(infinite, 0u);
-  EXPECT_LT(infinite, echoes.samples - 10);
-  EXPECT_TRUE(std::isinf(echoes.energy_bound.back()));
-}
-
 TEST(RefractionRun, WhatCannotBeHadIsRefused) {
   const auto refused = [](const std::string& scene, const std::string& words,
                           const std::vector<std::string>& more = {}) {
-    const Kept run(scene, more);
+    const KeptRun run(scene, more);
     EXPECT_NE(run.outcome.exit_code, 0);
     EXPECT_THAT(run.outcome.err, HasSubstr(words));
   };
   const std::string plain = scene_in(gradient(-1));
-  refused(replaced(plain, "lambert_db = -27",
-                   "law = \"gsab\"\nspecular_db = -10\nspecular_width_deg = 5\noblique_db = "
-                   "-25\noblique_exponent = 2"),
-          "Lambert's law alone", {"--reference"});
   refused(replaced(replaced(plain, "lambert_db = -27", "lambert_db = -27\nspecular_loss_db = 6"),
                    "[trajectory]", std::string(cube) + "[trajectory]"),
           "mirrors where it is not level");

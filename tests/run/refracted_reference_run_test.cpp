@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// References through refracting water, through the whole program: closed forms of one gradient, beds that are
+// not Lambert's, even and flat, and what has no bound.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fixtures/world/echoes.hpp"
+#include "fixtures/world/gradient_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+using namespace test;
+
+// Whatever the scene's own gap: a reference chooses a finer one.
+TEST(RefractedReferenceRun, HoldsTheClosedFormWithinTheTolerance) {
+  for (const double g : {-0.5, -0.2}) {
+    SCOPED_TRACE(g);
+    const double absorption = 0, tolerance = 2e-3;
+    const std::string scene = scene_in(gradient(g, absorption));
+    const KeptRun run(scene, {"--reference", "--tolerance", "2e-3"});
+    ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+    EXPECT_THAT(run.outcome.out, HasSubstr("every energy within 0.002"));
+    EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
+    const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"), ordinary = echoes_of(scene);
+    for (std::size_t k = 0; k < echoes.samples; ++k) {
+      if (echoes.first_m(k) < 10.3) continue;
+      const double truth = ring_energy(g, echoes.first_m(k), echoes.last_m(k), absorption);
+      EXPECT_LE(echoes.energy_bound[k], tolerance * echoes.energy[k] * 1.001) << k;
+      // The tubes' rays are rounded to 2^-30, and so are a fan's walls.
+      EXPECT_LE(std::abs(echoes.energy[k] - truth), echoes.energy_bound[k] + 1e-6 * truth) << k;
+      // 0.1 dB is what the ordinary run promises.
+      EXPECT_LE(std::abs(echoes.energy[k] - ordinary.energy[k]), echoes.energy_bound[k] + 0.0233 * truth)
+          << k;
+    }
+  }
+}
+
+TEST(RefractedReferenceRun, SaysWhereItHasNoBound) {
+  const KeptRun run(replaced(scene_in(gradient(10)), "window_length_m = 32", "window_length_m = 62"),
+                    {"--reference", "--tolerance", "1e-2"});
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+  EXPECT_THAT(run.outcome.err, HasSubstr("have no bound"));
+  const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
+  std::size_t infinite = 0;
+  for (const double bound : echoes.energy_bound) infinite += std::isinf(bound);
+  EXPECT_EQ(run.stats.at("refraction").at("bins_without_bound"), infinite);
+  EXPECT_GT(infinite, 0u);
+  EXPECT_LT(infinite, echoes.samples - 10);
+  EXPECT_TRUE(std::isinf(echoes.energy_bound.back()));
+}
+
+constexpr std::string_view gsab =
+    "law = \"gsab\"\nspecular_db = -10\nspecular_width_deg = 8\noblique_db = -25\noblique_exponent = 3\n";
+constexpr std::string_view texture =
+    "lambert_db = -27\n[[materials.reflectivity]]\nkind = \"perlin\"\nwavelength_m = 1.5\noctaves = "
+    "1\ndepth = 0.5\nseed = 7\n";
+constexpr std::string_view relief =
+    "lambert_db = -27\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\nseed = "
+    "7\nwavelength_m = 0.8\ndirection_deg = 20\nrms_height_m = 0.01\n";
+
+/// 14 m in samples of 25 cm of a bed of 48 m.
+std::string scene_of(std::string_view material, const std::string& water) {
+  std::string scene = replaced(scene_in(water), "lambert_db = -27\n", material);
+  scene = replaced(scene, "width_m = 256\nlength_m = 256", "width_m = 48\nlength_m = 48");
+  return replaced(replaced(scene, "window_length_m = 32", "window_length_m = 14"), "samples = 128",
+                  "samples = 56");
+}
+
+TEST(RefractedReferenceRun, HoldsTheClosedFormOfALawWithinTheTolerance) {
+  const auto sigma = [](double sine) {
+    const double phi = std::acos(std::min(sine, 1.0)), width = 8 * degree;
+    return 0.1 * std::exp(-phi * phi / (2 * width * width)) + std::pow(10, -2.5) * sine * sine * sine;
+  };
+  for (const double g : {-0.5, 0.3}) {
+    SCOPED_TRACE(g);
+    const KeptRun run(scene_of(gsab, gradient(g, 200)), {"--reference", "--tolerance", "5e-3"});
+    ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+    EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
+    const Echoes echoes = read_echoes(run.folder / "out/echoes.nc");
+    for (std::size_t k = 0; k < echoes.samples; ++k) {
+      if (echoes.first_m(k) < 10.3) continue;
+      const double truth = ring_energy(g, echoes.first_m(k), echoes.last_m(k), 200, sigma);
+      EXPECT_LE(echoes.energy_bound[k], 5e-3 * echoes.energy[k] * 1.001) << k;
+      EXPECT_LE(std::abs(echoes.energy[k] - truth), echoes.energy_bound[k] + 1e-6 * truth) << k;
+    }
+  }
+}
+
+// Held against ordinary runs that are asked for more than they are asked for by default.
+TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
+  for (const std::string_view bed : {texture, relief}) {
+    const std::string online =
+        bed == relief ? "[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0.3\n" : "";
+    SCOPED_TRACE(bed);
+    const KeptRun run(online + scene_of(bed, gradient(-0.5)), {"--reference", "--tolerance", "1e-2"});
+    ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+    const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"),
+                 ordinary = echoes_of(online + scene_of(bed, gradient(-0.5, 0,
+                                                                      "refraction_tolerance_db = 0.002\n"
+                                                                      "refraction_gap_m = 0.0001\n")));
+    double bounds = 0, energies = 0;
+    for (std::size_t k = 0; k < echoes.samples; ++k) {
+      // Its gap beside a sample, twice, and its tolerance.
+      const double off = 2 * 1e-4 / 0.25 + 5e-4;
+      EXPECT_LE(std::abs(echoes.energy[k] - ordinary.energy[k]),
+                echoes.energy_bound[k] + off * ordinary.energy[k])
+          << k;
+      bounds += echoes.energy_bound[k];
+      energies += echoes.energy[k];
+    }
+    EXPECT_LT(bounds, 0.01 * energies);
+  }
+}
+
+// Cells wherever a shot looks are those of a bed that is refined once.
+TEST(RefractedReferenceRun, ReliefOfEachShotIsThatOfAllShots) {
+  const std::string scene = scene_of(relief, gradient(-0.5));
+  const std::vector<std::string> asked{"--reference", "--tolerance", "2e-2"};
+  const KeptRun online("[relief]\nmode = \"online\"\ncell_m = 0.4\ntolerance = 0\n" + scene, asked),
+      offline("[relief]\nmode = \"offline\"\ncell_m = 0.4\n" + scene, asked);
+  ASSERT_EQ(online.outcome.exit_code, 0) << online.outcome.err;
+  ASSERT_EQ(offline.outcome.exit_code, 0) << offline.outcome.err;
+  EXPECT_EQ(online.stats.at("reference").at("bins_over_tolerance"), 0);
+  EXPECT_GT(online.stats.at("relief").at("facets_made").get<int>(), 100);
+  const Echoes one = read_echoes(online.folder / "out/echoes.nc"),
+               all = read_echoes(offline.folder / "out/echoes.nc"),
+               flat = echoes_of(replaced(scene, relief, "lambert_db = -27\n"));
+  double largest = 0;
+  for (std::size_t k = 0; k < one.samples; ++k) {
+    EXPECT_LE(std::abs(one.energy[k] - all.energy[k]), 1e-6 * all.energy[k]) << k;
+    if (all.energy[k] > 0) largest = std::max(largest, std::abs(flat.energy[k] / all.energy[k] - 1));
+  }
+  EXPECT_GT(largest, 0.1);  // it is not flat
+}
+
+}  // namespace
+}  // namespace tubefoot
