@@ -144,7 +144,7 @@ TEST(PathsRun, ScatteringsToAnyDepthByAnyLaw) {
   EXPECT_LT(three, 0.9 * two);  // no albedo is above 0.9
 }
 
-/// In water whose sound speed changes with depth, 1500 m/s at the sonar.
+/// In water whose sound speed changes with depth, 1500 m/s at the sonar (5 m down).
 std::string bent(std::string text, double g) {
   return text.replace(text.find(still_water()), still_water().size(),
                       fmt::format("[water]\nabsorption_db_per_km = 0\nprofile = \"gradient\"\n"
@@ -153,22 +153,44 @@ std::string bent(std::string text, double g) {
                                   1500 - 5 * g, g));
 }
 
-// The less water refracts, the more is heard what even water returns: by the surface both ways, and over a
-// level bed that mirrors.
-TEST(PathsRun, RefractingWaterIsCloseToEvenWater) {
-  std::string text = scene(surface + "[paths]\norder = 3\nonly_order = 3\n");
-  text.insert(text.find("[[terrain]]"), "specular_loss_db = 6\n");
-  const Echoes even = echoes_of(text), half = echoes_of(bent(text, 0.05)), whole = echoes_of(bent(text, 0.1));
-  for (const std::size_t k : {5, 10, 18}) {
-    double sums[3]{};
-    for (std::size_t beam = 0; beam < even.beams; ++beam) {
-      sums[0] += even.at(0, beam, k);
-      sums[1] += half.at(0, beam, k);
-      sums[2] += whole.at(0, beam, k);
+// Straight up, by the surface and back: rings of the bed by rays that are arcs of circles (physics
+// sheet, 2.1).
+TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
+  for (const double g : {-2.0, 1.5}) {
+    const Echoes echoes = echoes_of(bent(scene(surface + "[paths]\norder = 3\n"), g));
+    const double at_surface = 1500 - 5 * g, at_sonar = 1500, at_bed = at_surface + 20 * g;
+    const auto sine = [&](double launch, double speed) {
+      return std::sqrt(1 - std::pow(std::cos(launch) * speed / at_sonar, 2));
+    };
+    const auto time = [&](double launch) {
+      const auto of = [&](double speed) { return std::atanh(sine(launch, speed)) / g; };
+      return std::abs(of(at_sonar) - of(at_surface)) + std::abs(of(at_surface) - of(at_bed));
+    };
+    const auto range = [&](double launch) {
+      const auto of = [&](double speed) { return sine(launch, speed) * at_sonar / (std::cos(launch) * g); };
+      return std::abs(of(at_sonar) - of(at_surface)) + std::abs(of(at_surface) - of(at_bed));
+    };
+    const auto energy = [&](double launch) {  // a radian of launch angle
+      const double d = 1e-4, slope = (range(launch - d) - range(launch + d)) / (2 * d);
+      const double area = range(launch) * sine(launch, at_bed) * slope / std::cos(launch);
+      return 2 * std::numbers::pi * std::cos(launch) * 0.1 * sine(launch, at_bed) *
+             std::pow(at_bed / at_sonar, 2) / area;
+    };
+    const auto launch_at = [&](double half_path_m) {
+      double lo = 0.5, hi = std::numbers::pi / 2 - 1e-6;
+      for (int k = 0; k < 60; ++k) (time((lo + hi) / 2) * 1500 > half_path_m ? lo : hi) = (lo + hi) / 2;
+      return (lo + hi) / 2;
+    };
+    for (std::size_t k = 4; k < echoes.samples; k += 3) {
+      double sum = 0, expected = 0;
+      for (std::size_t beam = 0; beam < echoes.beams; ++beam) sum += echoes.at(0, beam, k);
+      const double steep = launch_at(echoes.first_m(k)), flat = launch_at(echoes.last_m(k));
+      constexpr int steps = 64;
+      for (int n = 0; n < steps; ++n)
+        expected += energy(flat + (steep - flat) * (n + 0.5) / steps) * (steep - flat) / steps;
+      expected *= std::pow(10, -0.2);
+      EXPECT_NEAR(sum, expected, 2e-3 * expected) << g << ' ' << k;
     }
-    EXPECT_GT(sums[0], 0);
-    EXPECT_NEAR((sums[2] - sums[0]) / (sums[1] - sums[0]), 2, 0.1) << k;
-    EXPECT_NEAR(sums[2], sums[0], 0.05 * sums[0]) << k;
   }
 }
 

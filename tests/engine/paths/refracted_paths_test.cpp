@@ -229,6 +229,56 @@ TEST(RefractedPaths, SurfaceMultiplesOfAFlatBedInOneGradient) {
   }
 }
 
+// A pattern about the vertical, different up and down, on the way out only or on the way back only: up to the
+// surface one way, down the other way.
+TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
+  const Directivity tilted{Directivity::Kind::gaussian, {0, 0, 1}, true, 0, 1.5};
+  Setting s = under_surface(3);
+  s.mesh = square_bed(-20, 60);
+  const double g = -0.8;
+  const WaterColumn column = gradient(g, 1510);
+  const Circles circles{1510, g};
+  BeamPatterns out{{tilted}, {Directivity()}, {}, {}}, back{{TransmitPattern()}, {tilted}, {}, {}};
+  for (BeamPatterns* patterns : {&out, &back}) {
+    patterns->fan_of_tube.assign(s.receive.tubes.size(), 0);
+    patterns->beams_of_tube.assign(s.receive.tubes.size(), {0, 1});
+    const PathEcho paths = through(water_of(column, 5e-4), s, patterns);
+    // The whole of what is heard between two times: by distance, in small steps.
+    std::vector<double> once(30), twice(30);
+    constexpr int steps = 4000;
+    for (int n = 0; n < steps; ++n) {
+      const double width = 55.0 / steps, x = (n + 0.5) * width;
+      const Circles::Ray a = circles.to(x, 5, {}, 20), b = circles.to(x, 5, {0}, 20);
+      const double down = tilted.gain_at(-std::sin(a.launch)), up = tilted.gain_at(std::sin(b.launch)),
+                   sines = std::sin(a.arrival) * std::sin(b.arrival);
+      const double ring = 0.01 * 2 * pi * x * width;
+      const double sent_down = 0.6 * ring * sines / (a.area * b.area_back),
+                   sent_up = 0.6 * ring * sines / (b.area * a.area_back);
+      const auto put = [&](std::vector<double>& into, double half_path_m, double energy) {
+        const double k = half_path_m - s.samples.first_m;
+        if (k >= 0 && k < 30) into[std::size_t(k)] += energy;
+      };
+      put(once, (a.t + b.t) / 2 * c_ref,
+          patterns == &out ? sent_down * down + sent_up * up : sent_down * up + sent_up * down);
+      put(twice, b.t * c_ref, 0.36 * ring * std::pow(std::sin(b.arrival), 2) / (b.area * b.area_back) * up);
+    }
+    const auto sum = [](const auto& of, int from, int to) {
+      double all = 0;
+      for (int k = from; k < to; ++k) all += of(k);
+      return all;
+    };
+    // Steps end within samples: several together.
+    for (const int from : {2, 10}) {
+      const double one = sum([&](int k) { return once[std::size_t(k)]; }, from, from + 8),
+                   two = sum([&](int k) { return twice[std::size_t(k)]; }, from, from + 8);
+      EXPECT_NEAR(sum([&](int k) { return paths.by_order[2].at(0, k); }, from, from + 8), one, 3e-3 * one)
+          << from;
+      EXPECT_NEAR(sum([&](int k) { return paths.by_order[3].at(0, k); }, from, from + 8), two, 3e-3 * two)
+          << from;
+    }
+  }
+}
+
 // A channel: what comes unscattered from a transmitter to a receiver 40 m away, over surface and bed.
 TEST(RefractedPaths, AChannelIsASeriesOfRays) {
   constexpr int order = 4;
