@@ -83,7 +83,6 @@ constexpr auto table = std::to_array<Refusal>({
      {},
      "paths over mirrors need an exact arithmetic: fixed, filtered or rational"},
     {mirrors, rays, {}, "rays are not mirrored: paths over mirrors need the tube engine"},
-    {receiver_apart, two_receivers, {}, "has two receivers on its staff, too: leave out 'receiver_arm_m'"},
     {receiver_apart,
      reference,
      {},

@@ -164,17 +164,6 @@ void add_both(const Shot& shot, const BistaticHistory& history, const FacetMesh&
   });
 }
 
-void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {
-  const RefractedPaths paths = refracted_paths_of(shot);
-  StraighteningCounts& counts = sums.counts.refraction;
-  for (const ApparentGround* ground : {&paths.pair.transmit, &paths.pair.receive})
-    add_counts(counts, *ground, shot);
-  for (const PairedFacet& facet : paths.history.paired)
-    counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
-  if (shot.site().ground) sums.counts.refined_facets += paths.pair.mesh.facets.size();
-  add_both(shot, paths.history, paths.pair.mesh, sums);
-}
-
 /// No energies: what the ground took that the parts after this one share.
 void count_ground(const Shot& shot, PingSums& sums) {
   const ShotGround& ground = shot.ground();
@@ -186,18 +175,23 @@ void add_receiver_apart(const Shot& shot, PingSums& sums) {
   add_both(shot, shot.trace_both(), shot.ground().mesh(), sums);
 }
 
-void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
-  const Sensor& sensor = shot.sensor(s);
-  const SensorLaw law = shot.law(s);
+/// `mesh`: that of the histories' facets, which `trace(fan, staff)` makes.
+template <class Trace>
+void add_staff(const Shot& shot, std::size_t s, const SensorLaw& law, const FacetMesh& mesh, PingSums& sums,
+               const Trace& trace) {
+  const double unit_m = shot.scene().grid.unit_m();
+  EchoLaw on_mesh = law.law;
+  on_mesh.material = mesh.material;
   StaffRows rows(shot, s);
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
-    const StaffHistory history = shot.trace_staff(s, fan, law.patterns.fringes[fan]);
+    const Fringe& staff = law.patterns.fringes[fan];
+    const StaffHistory history = trace(fan, staff);
     sums.as_echo([&] {
-      rows.set(fan, shot.echo(history, s, fan, law));
+      rows.set(fan, integrate_staff_echo(history, staff, fan, fan, shot.sensor(s).samples(), on_mesh));
       sums.add_finer_relief(
           shot,
-          BistaticHistory{history.transmit, history.upper, shot.scene().grid.unit_m(), history.by_upper},
-          shot.ground().mesh(), sensor.samples().step_m);
+          BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.paired_upper},
+          mesh, shot.sensor(s).samples().step_m);
       sums.counts.tubes += 3 * history.transmit.tubes.size();
       sums.counts.footprints += history.by_upper.facets.size() + history.by_lower.facets.size();
       sums.counts.pieces += history.pieces();
@@ -206,9 +200,34 @@ void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
   sums.add(shot, s, 1, rows.all());
 }
 
+void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {
+  const RefractedPaths paths = refracted_paths_of(shot);
+  StraighteningCounts& counts = sums.counts.refraction;
+  for (const ApparentGround* ground : {&paths.pair.transmit, &paths.pair.receive})
+    add_counts(counts, *ground, shot);
+  const auto keep_misfit = [&](const std::vector<PairedFacet>& facets) {
+    for (const PairedFacet& facet : facets)
+      counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
+  };
+  keep_misfit(paths.history.paired);
+  for (const StaffHistory& staff : paths.staffs) {
+    keep_misfit(staff.paired_upper);
+    keep_misfit(staff.paired_lower);
+  }
+  if (shot.site().ground) sums.counts.refined_facets += paths.pair.mesh.facets.size();
+  const std::size_t s = shot.first();
+  if (!shot.sensor(s).has_staff()) return add_both(shot, paths.history, paths.pair.mesh, sums);
+  SensorLaw law(shot, ShotGround(shot.site()), s);
+  law.patterns.fringes = paths.fringes;
+  add_staff(shot, s, law, paths.pair.mesh, sums,
+            [&](std::uint32_t fan, const Fringe&) { return paths.staffs[fan]; });
+}
+
 void add_staffs(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors)
-    if (shot.sensor(s).has_staff()) add_staff(shot, s, sums);
+    if (shot.sensor(s).has_staff())
+      add_staff(shot, s, shot.law(s), shot.ground().mesh(), sums,
+                [&](std::uint32_t fan, const Fringe& staff) { return shot.trace_staff(s, fan, staff); });
 }
 
 /// What all sensors that do not see for themselves hear of one history.
@@ -323,7 +342,8 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.direct && a.refracted && a.certified; }},
     {{"a receiver apart, through refracting water", add_refracted_receiver_apart},
      [](A a) { return a.direct && a.refracted && a.apart && !a.certified; }},
-    {{"the ground", count_ground}, [](A a) { return a.one_ground; }},
+    {{"the ground", count_ground},
+     [](A a) { return a.one_ground || (a.mirrors && !a.own_engine && !a.refracted); }},
     {{"a receiver apart", add_receiver_apart}, [](A a) { return a.one_ground && a.apart && !a.staffs; }},
     {{"each receiver of a staff", add_staffs}, [](A a) { return a.one_ground && a.staffs; }},
     {{"sampled", add_sampled}, [](A a) { return a.one_ground && !a.apart && a.others && a.rays; }},

@@ -195,8 +195,24 @@ RefractedPaths refracted_paths_of(const Shot& shot) {
                         straightening_settings(shot, reach_m), most_a_shot, &outlooks[0], &outlooks[1]);
     bed.name_by_scene(paths.pair.transmit);
     bed.name_by_scene(paths.pair.receive);
-    paths.history = trace_bistatic(paths.pair, scene.grid, shot.request().visibility, std::move(tubes[0]),
-                                   std::move(tubes[1]), transmit, receive, absorption);
+    if (!shot.pings().sensor->has_staff()) {
+      paths.history = trace_bistatic(paths.pair, scene.grid, shot.request().visibility, std::move(tubes[0]),
+                                     std::move(tubes[1]), transmit, receive, absorption);
+      return paths;
+    }
+    // Phases turn by the speed at the receivers, ranges are told by another.
+    const double stretch = transmit.reference_speed_m_s() /
+                           scene.water->profile().at(scene.water->surface_height_m() - receive.apex_m().z);
+    const std::vector<std::uint32_t> fans = shot.pings().sensor->fan_of_tube(shot.number());
+    paths.fringes = shot.pings()
+                        .sensor->patterns(shot.receiver_pose(), shot.pings().sound_speed_m_s, shot.number())
+                        .fringes;
+    for (std::uint32_t fan = 0; fan < paths.fringes.size(); ++fan) {
+      paths.fringes[fan].baseline_m *= stretch;
+      paths.staffs.push_back(trace_staff(paths.pair, scene.grid, shot.request().visibility,
+                                         tubes_of_fan(tubes[0], fans, fan), tubes_of_fan(tubes[1], fans, fan),
+                                         paths.fringes[fan], transmit, receive, absorption));
+    }
     return paths;
   });
 }

@@ -31,7 +31,10 @@ ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& se
 /// What transmitter and receiver, apart, see together of a shot. Throws as refracted_ground_of().
 struct RefractedPaths {
   ApparentPair pair;
-  BistaticHistory history;
+  BistaticHistory history;           ///< of one receiver
+  std::vector<StaffHistory> staffs;  ///< of two, by fan
+  /// Those with the baselines that integrate_staff_echo() asks for.
+  std::vector<Fringe> fringes;
 };
 RefractedPaths refracted_paths_of(const Shot& shot);
 

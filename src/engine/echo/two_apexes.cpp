@@ -46,7 +46,7 @@ class FacetEcho {
       if (paired == nullptr)
         polygon_.assign(seen.corners_m, facet.plane, frame);
       else
-        lay_out(seen.corners_m, *paired);
+        PathOnFacet::lay_out(seen.corners_m, *paired, polygon_);
       const auto add_part = [&](const PlanarPolygon& part) {
         const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.out_tube};
         law_.patterns == nullptr ? add_plain(part, seen, owned, parts)
@@ -60,14 +60,6 @@ class FacetEcho {
   }
 
  private:
-  void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired) {
-    polygon_.distance = paired.transmit_distance_m;
-    polygon_.first = glm::dvec2(paired.to_plane.at(corners_m[0]));
-    polygon_.offsets.clear();
-    for (const glm::dvec3& corner : corners_m)
-      polygon_.offsets.emplace_back(glm::dvec2(paired.to_plane.linear * (corner - corners_m[0])));
-  }
-
   bool same_fan(const SeenPart& part) const {
     return beams_.fan_of_transmit_tube.empty() ||
            beams_.fan_of_transmit_tube[part.out_tube] == beams_.fan_of_receive_tube[part.home_tube];
