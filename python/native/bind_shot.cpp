@@ -48,8 +48,7 @@ py::array by_beam(const NativeShot& shot, Value value) {
 /// Of each beam's fan; none with one receiver.
 py::object staffs(const NativeShot& shot) {
   const std::size_t number = shot.which().shot;
-  const BeamPatterns patterns =
-      shot.sensor().patterns(shot.pose(), shot.pings().sound_speed_m_s, number);
+  const BeamPatterns patterns = shot.sensor().patterns(shot.pose(), shot.pings().sound_speed_m_s, number);
   if (patterns.fringes.empty()) return py::none();
   std::vector<double> ways(3 * shot.sensor().beams_of_shot(number).size());
   const std::vector<std::uint32_t>& beams = shot.sensor().beam_of_tube(number);

@@ -137,11 +137,75 @@ def test_engines_that_are_none(scene):
         tubefoot.engine("")(lambda shot: None)
 
 
-def test_two_receivers_need_phases(folder):
-    text = (folder / "scene.toml").read_text().replace('kind = "sidescan"', 'kind = "interferometric"')
+@pytest.fixture
+def two_receivers(folder):
+    text = (folder / "scene.toml").read_text().replace('kind = "sidescan"', 'kind = "interferometric"\nbaseline_m = 0.05')
     (folder / "two.toml").write_text(text)
-    with pytest.raises(tubefoot.UsageError, match="'side' has two receivers, and an engine of one's own computes no phases"):
-        tubefoot.run(tubefoot.load(folder / "two.toml"), engine=nothing)
+    return tubefoot.load(folder / "two.toml")
+
+
+@tubefoot.sensor("two centroids")
+def two_centroids(history):
+    """binning = "centroid" of two receivers: each by its own range, and their product where samples are the same."""
+    shot = history.shot
+    if shot.staff_m is None:
+        return centroids(history)
+    at, staff = history.centroid_m, shot.staff_m[history.beam]
+    ranges = np.linalg.norm(at, axis=1)
+    upper, lower = np.linalg.norm(at - staff / 2, axis=1), np.linalg.norm(at + staff / 2, axis=1)
+    mu = shot.material_mu[shot.material[history.facet]]
+    loss = 10 ** (-2 * shot.absorption_db_per_m * ranges / 10)
+    energy = mu * np.sin(history.grazing_rad) ** 2 * history.area_m2 / ranges**4 * loss
+    product = energy * np.exp(2j * np.pi * 1000 * shot.frequency_khz / shot.sound_speed_m_s * (upper - lower))
+    total = np.zeros(shot.energy_shape)
+    sample = [np.searchsorted(shot.range_edges_m, (ranges + own) / 2, side="right") - 1 for own in (upper, lower)]
+    inside = [(k >= 0) & (k < shot.energy_shape[-1]) for k in sample]
+    for channel in (0, 1):
+        heard = inside[channel]
+        np.add.at(total[channel], (history.beam[heard], sample[channel][heard]), energy[heard])
+    both = inside[0] & (sample[0] == sample[1])
+    for channel, part in ((2, product.real), (3, product.imag)):
+        np.add.at(total[channel], (history.beam[both], sample[0][both]), part[both])
+    return total
+
+
+def test_two_receivers_in_numpy_are_the_built_in_binning(two_receivers):
+    built_in, own = (tubefoot.run(two_receivers, **how) for how in ({"binning": "centroid"}, {"engine": two_centroids}))
+    assert own["side"].energy.sum() > 0 and np.abs(own["side"].cross.imag).sum() > 0
+    for name in own:
+        assert own[name].energy == pytest.approx(built_in[name].energy, rel=1e-9, abs=1e-30)
+    largest = own["side"].energy.max()
+    assert own["side"].energy_lower == pytest.approx(built_in["side"].energy_lower, rel=1e-9, abs=1e-30)
+    assert np.abs(own["side"].cross - built_in["side"].cross).max() < 1e-9 * largest
+    assert own["camera"].energy_lower is None
+
+
+@pytest.mark.parametrize("channels, text", [
+    ((1, 1, 1.01, 0), r"engine 'odd': in beam 0 and sample 0 of shot 0 of ping \d of sensor 'side' the mean product .* more than"),
+    ((1, 1, 0.8, -0.8), "more than the root of the product"),
+    ((0, 1, 0.1, 0), "more than the root of the product"),
+    ((1, -1, 0, 0), "negative or not finite"),
+    ((1, 1, np.nan, 0), "negative or not finite"),
+    (None, r"expected \(channels, beams, samples\) = \(4, "),
+])
+def test_channels_that_no_two_receivers_have(two_receivers, channels, text):
+    @tubefoot.engine("odd")
+    def odd(shot):
+        if shot.staff_m is None:
+            return np.zeros(shot.energy_shape)
+        if channels is None:
+            return np.zeros(shot.energy_shape[1:])
+        return np.ones(shot.energy_shape) * np.array(channels, dtype=float)[:, None, None]
+    with pytest.raises(ValueError, match=text):
+        tubefoot.run(two_receivers, engine=odd)
+
+
+def test_signals_that_are_as_alike_as_can_be(two_receivers):
+    @tubefoot.engine("alike")
+    def alike(shot):
+        return np.ones(shot.energy_shape) * ([1.0] if shot.staff_m is None else np.array([4, 1, 1.2, -1.6])[:, None, None])
+    result = tubefoot.run(two_receivers, engine=alike)["side"]
+    assert (result.energy == 4).all() and (result.energy_lower == 1).all() and (result.cross == 1.2 - 1.6j).all()
 
 
 def test_an_output_of_ones_own_engine_is_read_by_compare(scene, folder, program):

@@ -79,7 +79,6 @@ constexpr auto table = std::to_array<Refusal>({
      {},
      "a certified integral has one apex, a path over mirrors or two scatterings has more: leave out "
      "--reference"},
-    {receiver_apart, two_receivers, {}, "has two receivers on its staff, too: leave out 'receiver_arm_m'"},
     {receiver_apart,
      reference,
      {},

@@ -222,23 +222,6 @@ void add_both(const Shot& shot, const BistaticHistory& history, const FacetMesh&
   });
 }
 
-void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {
-  const RefractedPair pair = refracted_pair_of(shot);
-  StraighteningCounts& counts = sums.counts.refraction;
-  for (const ApparentGround* ground : {&pair.apparent.transmit, &pair.apparent.receive})
-    add_counts(counts, *ground, shot);
-  if (shot.site().ground) sums.counts.refined_facets += pair.apparent.mesh.facets.size();
-  const auto add = [&](const BistaticHistory& history) {
-    for (const PairedFacet& facet : history.paired)
-      counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
-    add_both(shot, history, pair.apparent.mesh, sums);
-  };
-  if (shot.request().engine == Engine::ray)
-    trace_rays_of_both(shot, pair, rays_of(shot), add);
-  else
-    add(trace_both(shot, pair));
-}
-
 /// No energies: what the ground took that the parts after this one share.
 void count_ground(const Shot& shot, PingSums& sums) {
   const ShotGround& ground = shot.ground();
@@ -256,18 +239,23 @@ void add_receiver_apart(const Shot& shot, PingSums& sums) {
     add(shot.trace_both());
 }
 
-void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
-  const Sensor& sensor = shot.sensor(s);
-  const SensorLaw law = shot.law(s);
+/// `mesh`: that of the histories' facets, which `trace(fan, staff)` makes.
+template <class Trace>
+void add_staff(const Shot& shot, std::size_t s, const SensorLaw& law, const FacetMesh& mesh, PingSums& sums,
+               const Trace& trace) {
+  const double unit_m = shot.scene().grid.unit_m();
+  EchoLaw on_mesh = law.law;
+  on_mesh.material = mesh.material;
   StaffRows rows(shot, s);
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
-    const StaffHistory history = shot.trace_staff(s, fan, law.patterns.fringes[fan]);
+    const Fringe& staff = law.patterns.fringes[fan];
+    const StaffHistory history = trace(fan, staff);
     sums.as_echo([&] {
-      rows.set(fan, shot.echo(history, s, fan, law));
+      rows.set(fan, integrate_staff_echo(history, staff, fan, fan, shot.sensor(s).samples(), on_mesh));
       sums.add_finer_relief(
           shot,
-          BistaticHistory{history.transmit, history.upper, shot.scene().grid.unit_m(), history.by_upper},
-          shot.ground().mesh(), sensor.samples().step_m);
+          BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.paired_upper},
+          mesh, shot.sensor(s).samples().step_m);
       sums.counts.tubes += 3 * history.transmit.tubes.size();
       sums.counts.footprints += history.by_upper.facets.size() + history.by_lower.facets.size();
       sums.counts.pieces += history.pieces();
@@ -276,9 +264,43 @@ void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
   sums.add(shot, s, 1, rows.all());
 }
 
+void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {
+  const RefractedPair pair = refracted_pair_of(shot);
+  const FacetMesh& mesh = pair.apparent.mesh;
+  StraighteningCounts& counts = sums.counts.refraction;
+  for (const ApparentGround* ground : {&pair.apparent.transmit, &pair.apparent.receive})
+    add_counts(counts, *ground, shot);
+  if (shot.site().ground) sums.counts.refined_facets += mesh.facets.size();
+  const auto keep_misfit = [&](const std::vector<PairedFacet>& facets) {
+    for (const PairedFacet& facet : facets)
+      counts.largest_gap_m = std::max(counts.largest_gap_m, facet.misfit_m);
+  };
+  const std::size_t s = shot.first();
+  if (shot.sensor(s).has_staff()) {
+    SensorLaw law(shot, ShotGround(shot.site()), s);
+    law.patterns.fringes = refracted_fringes(shot, pair);
+    return add_staff(shot, s, law, mesh, sums, [&](std::uint32_t fan, const Fringe& staff) {
+      StaffHistory history = trace_staff(shot, pair, fan, staff);
+      keep_misfit(history.paired_upper);
+      keep_misfit(history.paired_lower);
+      return history;
+    });
+  }
+  const auto add = [&](const BistaticHistory& history) {
+    keep_misfit(history.paired);
+    add_both(shot, history, mesh, sums);
+  };
+  if (shot.request().engine == Engine::ray)
+    trace_rays_of_both(shot, pair, rays_of(shot), add);
+  else
+    add(trace_both(shot, pair));
+}
+
 void add_staffs(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors)
-    if (shot.sensor(s).has_staff()) add_staff(shot, s, sums);
+    if (shot.sensor(s).has_staff())
+      add_staff(shot, s, shot.law(s), shot.ground().mesh(), sums,
+                [&](std::uint32_t fan, const Fringe& staff) { return shot.trace_staff(s, fan, staff); });
 }
 
 /// What all sensors that do not see for themselves hear of one history.
@@ -358,8 +380,10 @@ Asked asked_of(const Shots& shots, const SharedShots& group) {
   asked.refracted = survey.scene.water->refracts();
   asked.apart = sensor(group.sensors.front()).has_receiver_apart();
   asked.one_ground = asked.direct && !(asked.refracted && (asked.certified || asked.apart));
-  asked.staffs = staffs_are_apart(request) && std::ranges::any_of(group.sensors, has_staff);
-  asked.others = !(staffs_are_apart(request) && std::ranges::all_of(group.sensors, has_staff));
+  // Only a transmitter in their middle can see for both receivers of a staff.
+  const bool apart = staffs_are_apart(request) || asked.apart;
+  asked.staffs = apart && std::ranges::any_of(group.sensors, has_staff);
+  asked.others = !(apart && std::ranges::all_of(group.sensors, has_staff));
   asked.rays = request.engine == Engine::ray;
   return asked;
 }
@@ -377,7 +401,8 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.direct && a.refracted && a.certified; }},
     {{"a receiver apart, through refracting water", add_refracted_receiver_apart},
      [](A a) { return a.direct && a.refracted && a.apart && !a.certified; }},
-    {{"the ground", count_ground}, [](A a) { return a.one_ground; }},
+    {{"the ground", count_ground},
+     [](A a) { return a.one_ground || (a.mirrors && !a.own_engine && !a.refracted); }},
     {{"a receiver apart", add_receiver_apart}, [](A a) { return a.one_ground && a.apart && !a.staffs; }},
     {{"each receiver of a staff", add_staffs}, [](A a) { return a.one_ground && a.staffs; }},
     {{"sampled", add_sampled}, [](A a) { return a.one_ground && !a.apart && a.others && a.rays; }},

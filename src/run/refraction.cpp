@@ -221,6 +221,31 @@ BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair) {
   });
 }
 
+std::vector<Fringe> refracted_fringes(const Shot& shot, const RefractedPair& pair) {
+  // Phases turn by the speed at the receivers, ranges are told by another.
+  const Scene& scene = shot.scene();
+  const double stretch =
+      pair.transmit_water.reference_speed_m_s() /
+      scene.water->profile().at(scene.water->surface_height_m() - pair.receive_water.apex_m().z);
+  std::vector<Fringe> fringes =
+      shot.pings()
+          .sensor->patterns(shot.receiver_pose(), shot.pings().sound_speed_m_s, shot.number())
+          .fringes;
+  for (Fringe& fringe : fringes) fringe.baseline_m *= stretch;
+  return fringes;
+}
+
+StaffHistory trace_staff(const Shot& shot, const RefractedPair& pair, std::uint32_t fan,
+                         const Fringe& staff) {
+  const std::vector<std::uint32_t> fans = shot.pings().sensor->fan_of_tube(shot.number());
+  return made_for(shot, [&] {
+    return trace_staff(pair.apparent, shot.scene().grid, shot.request().visibility,
+                       tubes_of_fan(pair.transmit_tubes, fans, fan),
+                       tubes_of_fan(pair.receive_tubes, fans, fan), staff, pair.transmit_water,
+                       pair.receive_water, pair.absorption_db_per_m);
+  });
+}
+
 void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySettings& settings,
                         const std::function<void(const BistaticHistory&)>& take) {
   const WorldGrid& grid = shot.scene().grid;

@@ -88,6 +88,11 @@ BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair);
 void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySettings& settings,
                         const std::function<void(const BistaticHistory&)>& take);
 
+/// What a fan's transmitter and the two receivers on its staff share of it, `staff` being one of
+/// refracted_fringes(): those with the baselines that integrate_staff_echo() asks for.
+StaffHistory trace_staff(const Shot& shot, const RefractedPair& pair, std::uint32_t fan, const Fringe& staff);
+std::vector<Fringe> refracted_fringes(const Shot& shot, const RefractedPair& pair);
+
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot);
 void add_counts(StraighteningCounts& sum, const StraighteningCounts& more);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -219,6 +220,170 @@ TEST(InterferometricRun, RaysAgreeWithFootprints) {
                 0.02);
     EXPECT_NEAR(std::stod(a[k].at("coherence")), std::stod(b[k].at("coherence")), 0.01);
   }
+}
+
+/// 8 m above a bed, with a wall of a quay beside it.
+std::string short_scene(const std::string& kind, const std::string& water, const std::string& more = "") {
+  return water + R"([[materials]]
+name = "sand"
+[[terrain]]
+kind = "flat"
+width_m = 60
+length_m = 8
+centre_m = [0, 0, -8]
+[[objects]]
+name = "quay"
+shape = "box"
+size_m = [1, 6, 7]
+position_m = [14, 0, -5]
+[trajectory]
+kind = "fixed"
+[[sensors]]
+name = "swath"
+frequency_khz = 250
+along_track_deg = 1
+depression_min_deg = -60
+range_min_m = 5
+range_max_m = 25
+samples = 80
+)" + fmt::format("kind = \"{}\"\n{}", kind, more);
+}
+
+struct Channels {
+  std::vector<double> energy, lower, real, imaginary;
+  explicit Channels(const std::string& text) {
+    const TestFolder folder;
+    const auto file = folder.write("scene.toml", text);
+    const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string(), "--quiet"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    if (outcome.exit_code != 0) return;
+    const auto nc = folder / "out" / "echoes.nc";
+    energy = variable(nc, "energy");
+    if (text.find("interferometric") == std::string::npos) return;
+    lower = variable(nc, "energy_lower");
+    real = variable(nc, "cross_real");
+    imaginary = variable(nc, "cross_imag");
+  }
+};
+
+void expect_near(const std::vector<double>& a, const std::vector<double>& b, double scale) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) EXPECT_NEAR(a[k], b[k], scale) << k;
+}
+
+void expect_near(const Channels& a, const Channels& b, double tolerance) {
+  ASSERT_FALSE(b.energy.empty());
+  const double scale = tolerance * *std::ranges::max_element(b.energy);
+  EXPECT_GT(scale, 0);
+  expect_near(a.energy, b.energy, scale);
+  expect_near(a.lower, b.lower, scale);
+  expect_near(a.real, b.real, scale);
+  expect_near(a.imaginary, b.imaginary, scale);
+}
+
+const std::string surface =
+    "[water]\nsound_speed_m_s = 1500\n[sea_surface]\nheight_m = 4\nloss_db = 1\n[paths]\norder = 3\n";
+
+// Both receivers in one place hear what a sidescan does, over mirrors and by two scatterings.
+TEST(InterferometricRun, OverMirrorsAShortStaffIsOneReceiver) {
+  for (const std::string paths : {"only_order = 2\n", "only_order = 3\nscatterings = 2\npatch_m = 2\n"}) {
+    const Channels one(short_scene("sidescan", surface + paths)),
+        both(short_scene("interferometric", surface + paths, "baseline_m = 1e-5\n"));
+    const double scale = 3e-3 * *std::ranges::max_element(one.energy);
+    EXPECT_GT(scale, 0);
+    expect_near(both.energy, one.energy, scale);
+    expect_near(both.lower, one.energy, scale);
+    expect_near(both.real, one.energy, scale);
+    for (const double imaginary : both.imaginary) EXPECT_NEAR(imaginary, 0, 4 * scale);  // the phase is 0.01
+  }
+}
+
+TEST(InterferometricRun, OverMirrorsReceiversHaveNoMoreInCommonThanEither) {
+  const Channels both(short_scene("interferometric", surface, "baseline_m = 0.02\nstaff_tilt_deg = 20\n"));
+  ASSERT_FALSE(both.energy.empty());
+  double turned = 0;
+  for (std::size_t k = 0; k < both.energy.size(); ++k) {
+    EXPECT_LE(std::hypot(both.real[k], both.imaginary[k]),
+              std::sqrt(both.energy[k] * both.lower[k]) * (1 + 1e-6));
+    turned = std::max(turned, std::abs(both.imaginary[k]) / both.energy[k]);
+  }
+  EXPECT_GT(turned, 0.3);
+}
+
+TEST(InterferometricRun, AStaffOverTheSurfaceIsRefused) {
+  const SceneRun run(short_scene("interferometric", replaced(surface, "height_m = 4", "height_m = 0.005"),
+                                 "baseline_m = 0.02\nstaff_tilt_deg = 0\n"));
+  EXPECT_EQ(run.outcome.exit_code, 2);
+  EXPECT_NE(run.outcome.err.find("the staff of sensor 'swath' is 0.005 m above the sea surface"),
+            std::string::npos)
+      << run.outcome.err;
+}
+
+std::string gradient(double per_s) {
+  return fmt::format(
+      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = {}\n"
+      "profile_bottom_m = 40\nsurface_height_m = 5\n",
+      per_s);
+}
+
+TEST(InterferometricRun, ATransmitterBesideItsStaffByNothingIsInItsMiddle) {
+  // Facets that bent rays see keep 0.1 dB.
+  for (const auto& [water, tolerance] : {std::pair(still_water(), 1e-4), std::pair(gradient(2), 0.02)}) {
+    const std::string staff = "baseline_m = 0.02\nstaff_tilt_deg = 20\n";
+    expect_near(Channels(short_scene("interferometric", water, staff + "receiver_arm_m = [1e-5, 0, 0]\n")),
+                Channels(short_scene("interferometric", water, staff)), tolerance);
+  }
+}
+
+TEST(InterferometricRun, ATransmitterBesideItsStaffInEvenWaterThatIsToldAsLayers) {
+  const std::string staff = "baseline_m = 0.02\nstaff_tilt_deg = 20\nreceiver_arm_m = [0.5, 0.2, -0.8]\n";
+  expect_near(Channels(short_scene("interferometric", gradient(1e-7), staff)),
+              Channels(short_scene("interferometric", "[water]\nsound_speed_m_s = 1500\n", staff)), 1e-3);
+}
+
+// The staff hangs 4 m below its transmitter, where sound is faster: travel times of one gradient in closed
+// form, acosh(1 + g^2 d^2 / (2 c c')) / g, to both ends.
+TEST(InterferometricRun, PhasesOfAStaffBelowItsTransmitterAreThoseOfTravelTimes) {
+  constexpr double g = 5, baseline_m = 0.02, tilt_rad = 20 * degree, first = 12, long_m = 0.05;
+  std::string text = short_scene("interferometric", gradient(g),
+                                 "baseline_m = 0.02\nstaff_tilt_deg = 20\nreceiver_arm_m = [0.5, 0, -4]\n");
+  text = replaced(text, "range_min_m = 5", "range_min_m = 12");
+  text = replaced(text, "samples = 80", "samples = 260");
+  text = replaced(text, "along_track_deg = 1", "along_track_deg = 0.2");
+  text = replaced(text, "position_m = [14, 0, -5]", "position_m = [-14, 0, -5]");
+  const Channels both(text);
+  ASSERT_EQ(both.energy.size(), 520u);
+  struct Place {
+    double x, z;
+    double speed() const { return 1500 + g * (5 - z); }
+  };
+  const auto time = [](Place a, Place b) {
+    const double d2 = (a.x - b.x) * (a.x - b.x) + (a.z - b.z) * (a.z - b.z);
+    return std::acosh(1 + g * g * d2 / (2 * a.speed() * b.speed())) / g;
+  };
+  const Place sent{0, 0}, middle{0.5, -4};
+  const double ax = baseline_m / 2 * std::sin(tilt_rad), az = baseline_m / 2 * std::cos(tilt_rad);
+  const Place upper{middle.x + ax, middle.z + az}, lower{middle.x - ax, middle.z - az};
+  std::size_t compared = 0;
+  for (std::size_t k = 0; k < 260; ++k) {
+    const std::size_t cell = 260 + k;  // starboard
+    if (!(both.energy[cell] > 0) ||
+        !(std::hypot(both.real[cell], both.imaginary[cell]) > 0.8 * both.energy[cell]))
+      continue;
+    const double half = first + (double(k) + 0.5) * long_m;
+    double low = 3, high = 40;
+    for (int i = 0; i < 60; ++i) {
+      const Place met{(low + high) / 2, -8};
+      (sent.speed() * (time(sent, met) + time(met, middle)) / 2 < half ? low : high) = met.x;
+    }
+    const Place met{low, -8};
+    if (met.x > 24) continue;
+    const double phase = 2 * pi * 250e3 * (time(met, upper) - time(met, lower));
+    EXPECT_NEAR(std::remainder(std::atan2(both.imaginary[cell], both.real[cell]) - phase, 2 * pi), 0, 0.03)
+        << half << " m, " << phase;
+    ++compared;
+  }
+  EXPECT_GT(compared, 100u);
 }
 
 }  // namespace

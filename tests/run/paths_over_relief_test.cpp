@@ -16,17 +16,17 @@ constexpr std::string_view ripples =
     "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 12.8\nresolution_m = 0.1\nseed = 7\n"
     "wavelength_m = 1.6\ndirection_deg = 20\nrms_height_m = 0.06\n";
 
-/// 2.5 m below the surface, over a rippled bed 6 m below it, in view of a plate that is tilted: it mirrors
+/// 2 m below the surface, over a rippled bed 4 m below it, in view of a plate that is tilted: it mirrors
 /// what the sonar itself does not look at.
 std::string scene(std::string_view relief, std::string_view paths, std::string_view plate_relief = {},
                   std::string_view more = {}) {
   return still_water() + fmt::format("[sea_surface]\nloss_db = 1\n[paths]\n{}\n", paths) +
          lambert_material("bed", -12) + std::string(ripples) + lambert_material("steel", -20) +
          "specular_loss_db = 3\n" + std::string(plate_relief) +
-         flat_terrain(26, 26, "centre_m = [0, 0, -6]\n") + "material = \"bed\"\n" +
+         flat_terrain(26, 26, "centre_m = [0, 0, -4]\n") + "material = \"bed\"\n" +
          "[[objects]]\nname = \"plate\"\nshape = \"box\"\nmaterial = \"steel\"\nsize_m = [2, 0.2, 2]\n"
-         "position_m = [0.4, 5, -4]\nheading_deg = 30\npitch_deg = 12\n" +
-         fmt::format("[relief]\ncell_m = 0.4\n{}\n", relief) + fixed_at(0, 0, -2.5) + R"([[sensors]]
+         "position_m = [0.4, 5, -2.6]\nheading_deg = 30\npitch_deg = 12\n" +
+         fmt::format("[relief]\ncell_m = 0.4\n{}\n", relief) + fixed_at(0, 0, -2) + R"([[sensors]]
 name = "ahead"
 kind = "imaging"
 beams = 3
@@ -84,10 +84,10 @@ TEST(PathsOverRelief, AMirrorWithReliefIsManyMirrors) {
 
 // What is scattered twice comes by ways that no tube looks along.
 TEST(PathsOverRelief, SeveralScatteringsMeetReliefAllRound) {
-  const std::string paths = "order = 3\nscatterings = 3\npatch_m = 2\nonly_order = 3";
+  const std::string paths = "order = 3\nscatterings = 3\npatch_m = 3\nonly_order = 3";
   const auto echoes = [&](std::string_view how) {
-    return echoes_of(replaced(replaced(scene(how, paths), "cell_m = 0.4", "cell_m = 1.5"), "range_max_m = 11",
-                              "range_max_m = 7"));
+    return echoes_of(replaced(replaced(scene(how, paths), "cell_m = 0.4", "cell_m = 2"), "range_max_m = 11",
+                              "range_max_m = 5"));
   };
   const Echoes whole = echoes(offline);
   expect_equal(echoes("mode = \"online\"\ntolerance = 0"), whole, 1e-9);
@@ -96,15 +96,17 @@ TEST(PathsOverRelief, SeveralScatteringsMeetReliefAllRound) {
 // Coarser where that changes a sample by less than the tolerance.
 TEST(PathsOverRelief, CoarserReliefKeepsTheTolerance) {
   const std::string paths = "order = 3\nonly_order = 2";
-  const Echoes whole = echoes_of(scene(offline, paths)),
-               coarser = echoes_of(scene("mode = \"online\"\ntolerance = 0.1", paths));
+  const auto echoes = [&](std::string_view how) {
+    return echoes_of(replaced(scene(how, paths), "rms_height_m = 0.06", "rms_height_m = 0.01"));
+  };
+  const Echoes whole = echoes(offline), coarser = echoes("mode = \"online\"\ntolerance = 0.6");
   double squares = 0, weight = 0;
   for (std::size_t k = 0; k < whole.energy.size(); ++k) {
     squares += std::pow(coarser.energy[k] - whole.energy[k], 2);
     weight += whole.energy[k] * whole.energy[k];
   }
-  EXPECT_LT(std::sqrt(squares / weight), 0.1);
-  EXPECT_GT(squares, 0);
+  EXPECT_LT(std::sqrt(squares / weight), 0.6);
+  EXPECT_GT(std::sqrt(squares / weight), 0.01);
 }
 
 // A sand bank that stands out of the water ends there, as it does offline.
@@ -112,7 +114,7 @@ TEST(PathsOverRelief, ReliefEndsAtTheSurface) {
   const std::string paths = "order = 2";
   const auto echoes = [&](std::string_view how) {
     return echoes_of(replaced(replaced(scene(how, paths), "size_m = [2, 0.2, 2]", "size_m = [9, 2, 9]"),
-                              "position_m = [0.4, 5, -4]", "position_m = [0.4, 7, -2]"));
+                              "position_m = [0.4, 5, -2.6]", "position_m = [0.4, 7, -1]"));
   };
   expect_equal(echoes(online), echoes(offline), 1e-9);
 }

@@ -48,29 +48,27 @@ class StaffIntegral {
 
   /// Energies of one receiver.
   void add_energy(std::size_t end, const SharedFacet& facet) {
-    if (!place(facet)) return;
-    const SharedFootprints& shared = end == 0 ? history_.by_upper : history_.by_lower;
+    if (!place(end, facet)) return;
+    const SharedFootprints& shared = seen_by(end);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
-      const SharedPiece& piece = shared.pieces[facet.first_piece + k];
-      polygon_.assign(std::span(shared.corners_m).subspan(piece.first, piece.count), plane_, frame_);
+      assign(polygon_, shared, shared.pieces[facet.first_piece + k]);
       integrate(std::span(&paths_[end], 1), energy_[end]);
     }
   }
 
   /// What is common to both. `upper` and `lower` are the same facet.
   void add_product(const SharedFacet& upper, const SharedFacet& lower) {
-    if (!place(upper)) return;
+    if (!place(0, upper)) return;
     const SharedFootprints &by_upper = history_.by_upper, &by_lower = history_.by_lower;
     PlanarPolygon other;
     for (std::uint32_t k = 0; k < upper.piece_count; ++k) {
       const SharedPiece& one = by_upper.pieces[upper.first_piece + k];
-      const auto corners = std::span(by_upper.corners_m).subspan(one.first, one.count);
       for (std::uint32_t m = 0; m < lower.piece_count; ++m) {
         const SharedPiece& two = by_lower.pieces[lower.first_piece + m];
         if (two.transmit_tube != one.transmit_tube) continue;
         stop_if_wanted();
-        polygon_.assign(corners, plane_, frame_);
-        other.assign(std::span(by_lower.corners_m).subspan(two.first, two.count), plane_, frame_);
+        assign(polygon_, by_upper, one);
+        assign(other, by_lower, two);
         if (clip_convex(polygon_, other)) integrate(paths_, cross_);
       }
     }
@@ -80,8 +78,30 @@ class StaffIntegral {
   const std::vector<double>& cross() const { return cross_; }
 
  private:
-  /// False where a receiver looks along the plane or at its back, which only the grid's half units can do.
-  bool place(const SharedFacet& facet) {
+  const SharedFootprints& seen_by(std::size_t end) const {
+    return end == 0 ? history_.by_upper : history_.by_lower;
+  }
+
+  void assign(PlanarPolygon& polygon, const SharedFootprints& shared, const SharedPiece& piece) const {
+    const auto corners = std::span(shared.corners_m).subspan(piece.first, piece.count);
+    if (paired_ == nullptr)
+      polygon.assign(corners, plane_, frame_);
+    else
+      PathOnFacet::lay_out(corners, *paired_, polygon);
+  }
+
+  /// A facet, of those that a receiver shares. False where a receiver looks along the plane or at its back,
+  /// which only the grid's half units can do.
+  bool place(std::size_t end, const SharedFacet& facet) {
+    const std::vector<PairedFacet>& paired = end == 0 ? history_.paired_upper : history_.paired_lower;
+    paired_ = paired.empty() ? nullptr : &paired[std::size_t(&facet - seen_by(end).facets.data())];
+    const bool placed = paired_ == nullptr ? place_seen(facet) : place_paired(facet);
+    smooth_ = patterns_;
+    smooth_.take(paths_[0].bed.scattering);
+    return placed;
+  }
+
+  bool place_seen(const SharedFacet& facet) {
     plane_ = {facet.plane_normal, facet.transmit_distance_m};
     frame_ = PlaneFrame(plane_);
     for (std::size_t end = 0; end < 2; ++end) {
@@ -92,8 +112,17 @@ class StaffIntegral {
     along_ = {
         glm::dot(frame_.u, staff_.axis), glm::dot(frame_.v, staff_.axis),
         -plane_.distance_m * glm::dot(plane_.normal, staff_.axis) - glm::dot(history_.middle_m, staff_.axis)};
-    smooth_ = patterns_;
-    smooth_.take(paths_[0].bed.scattering);
+    return true;
+  }
+
+  bool place_paired(const SharedFacet& facet) {
+    const LyingPlane& seen = paired_->receive_seen;
+    for (std::size_t end = 0; end < 2; ++end) {
+      paths_[end] = PathOnFacet(*paired_, facet.facet, *laws_[end]);
+      if (!paths_[end].move_home(at_m_[end] - history_.middle_m)) return false;
+    }
+    along_ = {glm::dot(seen.u, staff_.axis), glm::dot(seen.v, staff_.axis),
+              glm::dot(seen.foot_m, staff_.axis)};
     return true;
   }
 
@@ -157,6 +186,7 @@ class StaffIntegral {
   bool weighed_ = false;
   std::array<glm::dvec3, 2> at_m_;  // the receivers, relative to the transmitter
   // Of the facet at hand.
+  const PairedFacet* paired_ = nullptr;
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
   glm::dvec3 along_{0};  // the staff's axis times a place from its middle: of x, of y, and of the foot point
@@ -209,13 +239,34 @@ StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double gr
   return history;
 }
 
+StaffHistory trace_staff(const ApparentPair& pair, const WorldGrid& grid, const VisibilityOptions& options,
+                         TubeSet transmit, const TubeSet& receive, const Fringe& staff,
+                         const Straightening& transmit_water, const Straightening& receive_water,
+                         double reference_absorption_db_per_m) {
+  StaffHistory history;
+  history.middle_m = way_m(transmit.apex, receive.apex, grid.unit_m());
+  history.transmit = std::move(transmit);
+  const auto end = [&](double which, TubeSet& tubes, SharedFootprints& shared,
+                       std::vector<PairedFacet>& paired) {
+    tubes = moved_along(receive, staff, which, grid.unit_m());
+    BistaticHistory both = trace_bistatic(pair, grid, options, history.transmit, tubes, transmit_water,
+                                          receive_water, reference_absorption_db_per_m);
+    shared = std::move(both.shared);
+    paired = std::move(both.paired);
+  };
+  end(1, history.upper, history.by_upper, history.paired_upper);
+  end(-1, history.lower, history.by_lower, history.paired_lower);
+  return history;
+}
+
 namespace {
 
 /// `laws`: by receiver.
 StaffEcho integrated(const StaffHistory& history, const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
                      const RangeSamples& samples, std::array<const EchoLaw*, 2> laws, bool energies) {
   const std::vector<double> borders = sample_borders_m(samples);
-  if (!(staff.baseline_m >= 0 && staff.baseline_m <= samples.first_m))
+  const bool in_the_middle = history.middle_m == glm::dvec3(0);
+  if (!(staff.baseline_m >= 0 && (staff.baseline_m <= samples.first_m || !in_the_middle)))
     throw std::invalid_argument("a staff's baseline may not be longer than the nearest range");
   struct Job {
     const SharedFacet *upper, *lower;

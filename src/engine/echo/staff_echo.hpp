@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/echo/echo.hpp"
+#include "engine/ground/paired_facet.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
@@ -15,6 +16,9 @@ struct StaffHistory {
   TubeSet transmit, upper, lower;       ///< of the fan
   SharedFootprints by_upper, by_lower;  ///< what the transmitter and either receiver see
   glm::dvec3 middle_m{0};               ///< of the staff, relative to the transmit apex
+  /// In refracting water with the transmitter elsewhere: by shared facet of either receiver, where else the
+  /// staff's middle sees it. Empty: facets are where the transmitter sees them.
+  std::vector<PairedFacet> paired_upper{}, paired_lower{};
   std::size_t pieces() const { return by_upper.pieces.size() + by_lower.pieces.size(); }
 };
 
@@ -31,6 +35,13 @@ StaffHistory trace_staff(const FacetMesh& mesh, const SceneTree& tree, double gr
                          const VisibilityOptions& options, TubeSet transmit, const TubeSet& receive,
                          const Fringe& staff);
 
+/// The same in refracting water with the transmitter elsewhere (as trace_bistatic()): both ends look at the
+/// bed as it appears from the staff's middle.
+StaffHistory trace_staff(const ApparentPair& pair, const WorldGrid& grid, const VisibilityOptions& options,
+                         TubeSet transmit, const TubeSet& receive, const Fringe& staff,
+                         const Straightening& transmit_water, const Straightening& receive_water,
+                         double reference_absorption_db_per_m);
+
 /// Covariances of a fan's two signals by sample: energies of the upper and of the lower receiver, and the
 /// real and the imaginary part of the mean product of the upper one with the conjugate of the lower one.
 struct StaffEcho {
@@ -45,7 +56,8 @@ struct StaffEcho {
 /// step on, its own. `fan`, `beam`: which patterns of law.patterns are the fan's. Ranges and phases are those
 /// from the staff's true ends, which the grid may have moved by half a unit for the visibility. What both
 /// receivers see is the intersection of the two exact shapes, in doubles. In refracting water facets are the
-/// transmitter's apparent ones.
+/// transmitter's apparent ones, or those of the staff's middle where that is elsewhere; its axis is then to
+/// be as much longer as sound there is slower than that by which ranges are measured.
 StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
                                std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law);
 
