@@ -14,7 +14,9 @@ class Shot;
 struct OwnEngine {
   std::string name;
   /// Fills the energies [J] that a sensor hears of a shot, [beam of the shot][sample], which are 0 before.
-  /// Called from several threads at a time. What it throws ends the run.
+  /// Where terrain is read by tiles, the shot's survey has those that the built-in engines need for it, and
+  /// its ground knows what facets are called in all of the scene. Called from several threads at a time. What
+  /// it throws ends the run.
   std::function<void(const Shot& shot, std::size_t sensor, std::span<double> energy)> echo;
 };
 

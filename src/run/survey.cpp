@@ -235,16 +235,26 @@ void check_places(Site& site, Fleet& fleet) {
   }
 }
 
+/// Whether the sea surface cuts the terrain or an object; of a part of a site, whether it cuts the whole.
+bool reaches_surface(const Site& site) {
+  if (site.whole) return site.whole->is_cut;
+  const Scene& scene = site.scene;
+  if (!scene.description.sea_surface || site.ground) return false;  // no path follows ground of its own
+  const std::int32_t height = scene.surface_height();
+  return std::ranges::any_of(scene.mesh.vertices, [=](GridPoint v) { return v.z > height; }) ||
+         std::ranges::any_of(scene.tiled, [&](const TiledTerrain& terrain) {
+           return terrain.tiles && scene.grid.snap(terrain.tiles->hi_m()).z > height;
+         });
+}
+
 /// Leaves what is in the water. After check_places(), which counts the crossings of whole objects.
 void cut_at_surface(Site& site) {
+  site.is_cut = reaches_surface(site);
+  if (!site.is_cut) return;
   Scene& scene = site.scene;
-  if (!scene.description.sea_surface || site.ground) return;  // no path follows ground of its own
-  const std::int32_t height = scene.surface_height();
-  const auto& vertices = scene.mesh.vertices;
-  if (std::all_of(vertices.begin(), vertices.end(), [=](GridPoint v) { return v.z <= height; })) return;
   std::vector<FacetId> all(scene.mesh.facets.size());
   std::iota(all.begin(), all.end(), FacetId{0});
-  MeshPart wet = in_front_of(MirrorPlane::horizontal(height), scene.mesh, all);
+  MeshPart wet = in_front_of(MirrorPlane::horizontal(scene.surface_height()), scene.mesh, all);
   scene.mesh = std::move(wet.mesh);
   if (!site.relief.parent.empty()) {
     for (FacetId& facet : wet.origin) facet = site.relief.parent[facet];
@@ -295,6 +305,8 @@ Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
   const std::shared_ptr<Site> part = loaded_with(*survey.site, choice);
   part->tree = std::make_unique<SceneTree>(part->scene.mesh);
   part->lowest_m = survey.site->lowest_m;
+  part->whole = survey.site;
+  part->tiles = choice;
   cut_at_surface(*part);
   return {part, survey.fleet};
 }
