@@ -31,6 +31,22 @@ std::vector<double> ranges_m(const RangeSamples& samples) {
   return ranges;
 }
 
+/// Two receivers hear an energy each; what is between them is none.
+std::size_t receivers_of(const Recording& recording) {
+  return std::min<std::size_t>(recording.channels(), 2);
+}
+
+/// Of the receivers, ping by ping.
+std::vector<double> energies_of(const Recording& recording) {
+  std::vector<double> energies;
+  const std::size_t a_ping = recording.cells() * recording.channels();
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    const auto of_ping = recording.energy.subspan(ping * a_ping, recording.cells() * receivers_of(recording));
+    energies.insert(energies.end(), of_ping.begin(), of_ping.end());
+  }
+  return energies;
+}
+
 std::string scene_name(const std::filesystem::path& scene) {
   const std::string stem = scene.stem().string();
   return text_of_name(stem == "scene" ? std::filesystem::absolute(scene).parent_path().filename().string()
@@ -169,9 +185,10 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
   for (std::size_t s = 0; s < candidate.size(); ++s) {
     const Recording& reference = reference_[s];
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());
-    const EchoShape ping{1, reference.sensor->beams().size(), ranges.size()};
+    const EchoShape ping{1, receivers_of(reference) * reference.sensor->beams().size(), ranges.size()};
     const EchoShape all{reference.ping_time_s.size(), ping.beams, ping.samples};
-    const EchoErrors errors = echo_errors({all, reference.energy, candidate[s].energy, {}, ranges});
+    const std::vector<double> expected = energies_of(reference), found = energies_of(candidate[s]);
+    const EchoErrors errors = echo_errors({all, expected, found, {}, ranges});
     trial.l1_error = std::max(trial.l1_error, errors.l1);
     trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
     std::vector<PingError>& pings = trial.pings.emplace_back();
@@ -179,7 +196,7 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
       const auto part = [&](std::span<const double> energies) {
         return energies.subspan(p * ping.bins(), ping.bins());
       };
-      const EchoErrors e = echo_errors({ping, part(reference.energy), part(candidate[s].energy), {}, ranges});
+      const EchoErrors e = echo_errors({ping, part(expected), part(found), {}, ranges});
       const auto lit = static_cast<double>(e.lit_bins);
       pings.push_back({e.reference_total_j > 0 ? e.l1 * e.reference_total_j : e.candidate_total_j,
                        e.reference_total_j, e.rms_db * e.rms_db * lit, lit});
