@@ -282,7 +282,7 @@ void Coverage::index() {
 FacetCoverage Coverage::facet(std::size_t number) const {
   const Group& group = groups_[number];
   FacetCoverage result;
-  result.facet = group.seen < group.seen_end ? seen_[group.seen].facet : within_[group.within].facet;
+  result.facet = facet_of(number);
   FacetRegions facet(mesh_, result.facet);
   for (std::size_t k = group.seen; k < group.seen_end; ++k)
     facet.add_seen(looks_[seen_[k].look], seen_[k].look, seen_[k].tube, seen_[k].piece);

@@ -60,6 +60,10 @@ class Coverage {
 
   /// Facets that may lie in the tubes of a look.
   std::size_t facets() const { return groups_.size(); }
+  FacetId facet_of(std::size_t number) const {
+    const Group& group = groups_[number];
+    return group.seen < group.seen_end ? seen_[group.seen].facet : within_[group.within].facet;
+  }
   /// The facet of that number, in the order of facet ids. Thread-safe; the result does not depend on threads.
   FacetCoverage facet(std::size_t number) const;
 

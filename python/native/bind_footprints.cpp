@@ -8,6 +8,7 @@
 #include "footprints/footprint_table.hpp"
 #include "run/abilities.hpp"
 #include "run/settings.hpp"
+#include "run/tiles_in_view.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
 
@@ -33,10 +34,12 @@ NativeFootprints compute(NativeScene& scene, const std::string& sensor, const st
   const SensorPings& all = survey.sensors[s];
   const PingRange range = resolved(pings, all.times_s.size());
   const std::vector<std::uint32_t> chosen = resolved_beams(beams, all.sensor->beams().size());
+  ShotsAround around(shots);
   watch.total = std::size_t(range.last - range.first + 1);
   for (auto ping = std::size_t(range.first); ping <= std::size_t(range.last); ++ping, ++watch.pings)
     for (std::size_t shot = 0; shot < all.sensor->shots(); ++shot)
-      footprints.table.append(footprint_table(shots.heard_by(s, ping, shot), s, chosen));
+      footprints.table.append(
+          footprint_table(around.at(survey.fleet->shots_of(s), ping).heard_by(s, ping, shot), s, chosen));
   return footprints;
 }
 

@@ -7,7 +7,6 @@
 
 #include "bindings.hpp"
 #include "files/file_hash.hpp"
-#include "run/abilities.hpp"
 #include "scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
@@ -80,7 +79,6 @@ std::vector<std::string> names_of(const std::vector<T>& described) {
 
 std::shared_ptr<const Survey> NativeScene::survey() {
   const std::scoped_lock lock(mutex_);
-  require_able(description_, Feature::shot);
   if (!survey_) survey_ = open_survey(description_);
   return survey_;
 }
@@ -122,8 +120,7 @@ void bind_scene(py::module_& module) {
         const py::gil_scoped_release released;
         const auto survey = s.survey();
         return std::make_shared<NativeShot>(*survey, request_of(s.description().run),
-                                            HeardShot{survey->fleet->sensor_named(sensor), ping, shot},
-                                            s.vertices());
+                                            HeardShot{survey->fleet->sensor_named(sensor), ping, shot});
       });
   module.def(
       "read_scene",

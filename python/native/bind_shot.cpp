@@ -59,6 +59,12 @@ py::object staffs(const NativeShot& shot) {
   return array_of(ways, 3);
 }
 
+py::array base_facets(const NativeShot& shot) {
+  std::vector<std::uint32_t> base(shot.ground().mesh().facets.size());
+  for (FacetId facet = 0; facet < base.size(); ++facet) base[facet] = shot.ground().base_facet(facet);
+  return array_of(base);
+}
+
 std::vector<std::string> material_names(const NativeShot& shot) {
   std::vector<std::string> names;
   for (const MaterialDescription& m : shot.survey().scene.description.materials) names.push_back(m.name);
@@ -121,6 +127,7 @@ void bind_shot_class(py::module_& module) {
                              [](const py::object& self) {
                                return view_of<std::uint16_t>(shot_in(self).ground().mesh().component, self);
                              })
+      .def_property_readonly("base_facet", &base_facets)
       .def_property_readonly("material_mu",
                              [](const NativeShot& s) { return array_of(s.survey().scene.material_mu); })
       .def_property_readonly("material_names", &material_names)

@@ -18,18 +18,17 @@ std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const py::o
     const py::gil_scoped_acquire inner;
     delete object;
   });
-  const auto vertices = std::make_shared<SharedVertices>();
-  return std::make_shared<const OwnEngine>(OwnEngine{
-      name, [held, vertices](const Shot& heard, std::size_t sensor, std::span<double> energy) {
-        const auto shot = std::make_shared<NativeShot>(
-            heard.survey(), heard.request(), HeardShot{sensor, heard.ping(), heard.number()}, vertices);
-        const py::gil_scoped_acquire lock;
-        using Energies = py::array_t<double, py::array::c_style | py::array::forcecast>;
-        const auto values = (*held)(shot).cast<Energies>();
-        if (std::size_t(values.size()) != energy.size())
-          throw std::length_error("an engine's energies have another size than its shot");
-        std::copy_n(values.data(), energy.size(), energy.begin());
-      }});
+  return std::make_shared<const OwnEngine>(
+      OwnEngine{name, [held](const Shot& heard, std::size_t sensor, std::span<double> energy) {
+                  const auto shot = std::make_shared<NativeShot>(
+                      heard.survey(), heard.request(), HeardShot{sensor, heard.ping(), heard.number()});
+                  const py::gil_scoped_acquire lock;
+                  using Energies = py::array_t<double, py::array::c_style | py::array::forcecast>;
+                  const auto values = (*held)(shot).cast<Energies>();
+                  if (std::size_t(values.size()) != energy.size())
+                    throw std::length_error("an engine's energies have another size than its shot");
+                  std::copy_n(values.data(), energy.size(), energy.begin());
+                }});
 }
 
 }  // namespace tubefoot::python

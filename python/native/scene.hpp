@@ -16,14 +16,11 @@ class NativeScene {
   const SceneDescription& description() const { return description_; }
   /// Loaded at the first call. Throws as open_survey(). Not to be called with the interpreter's lock held.
   std::shared_ptr<const Survey> survey();
-  /// Vertices of the survey in metres; after survey().
-  const std::shared_ptr<SharedVertices>& vertices() const { return vertices_; }
 
  private:
   SceneDescription description_;
   std::mutex mutex_;
   std::shared_ptr<const Survey> survey_;
-  std::shared_ptr<SharedVertices> vertices_ = std::make_shared<SharedVertices>();
 };
 
 }  // namespace tubefoot::python

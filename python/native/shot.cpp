@@ -5,6 +5,7 @@
 
 #include "files/usage_error.hpp"
 #include "run/abilities.hpp"
+#include "run/tiles_in_view.hpp"
 
 namespace tubefoot::python {
 namespace {
@@ -25,23 +26,29 @@ RunRequest checked(const Survey& survey, RunRequest request, const HeardShot& wh
   return request;
 }
 
+Survey around(const Survey& survey, const RunRequest& request, const HeardShot& which) {
+  if (!survey.site->is_tiled()) return survey;
+  return survey_around(Shots(survey, request), survey.fleet->shots_of(which.sensor), which.ping);
+}
+
 }  // namespace
 
-NativeShot::NativeShot(const Survey& survey, RunRequest request, HeardShot which,
-                       std::shared_ptr<SharedVertices> vertices)
+NativeShot::NativeShot(const Survey& survey, const RunRequest& request, HeardShot which)
     : which_(which),
-      shots_(survey, checked(survey, std::move(request), which)),
+      shots_(around(survey, checked(survey, request, which), which), checked(survey, request, which)),
       shot_(shots_.heard_by(which.sensor, which.ping, which.shot)),
-      tubes_(shot_.tubes_of(which.sensor)),
-      vertices_(shot_.ground().is_own() ? std::make_shared<SharedVertices>() : std::move(vertices)) {}
+      tubes_(shot_.tubes_of(which.sensor)) {
+  ground();
+}
 
 const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
-  std::call_once(vertices_->once, [this] {
+  if (!ground().is_own()) return survey().site->vertices_m();
+  std::call_once(vertices_made_, [this] {
     const auto& vertices = ground().mesh().vertices;
-    vertices_->points_m.reserve(vertices.size());
-    for (const GridPoint& p : vertices) vertices_->points_m.push_back(survey().scene.grid.to_metres(p));
+    vertices_m_.reserve(vertices.size());
+    for (const GridPoint& p : vertices) vertices_m_.push_back(survey().scene.grid.to_metres(p));
   });
-  return vertices_->points_m;
+  return vertices_m_;
 }
 
 std::shared_ptr<NativeHistory> NativeShot::trace() const {

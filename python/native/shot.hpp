@@ -11,12 +11,6 @@
 
 namespace tubefoot::python {
 
-/// A scene's vertices in metres, worked out once for all shots that ask.
-struct SharedVertices {
-  std::once_flag once;
-  std::vector<glm::dvec3> points_m;
-};
-
 /// A shot as one sensor hears it.
 struct HeardShot {
   std::size_t sensor = 0, ping = 0, shot = 0;
@@ -30,12 +24,12 @@ struct NativeHistory {
   History history;
 };
 
-/// One shot of one sensor: its ground, its tubes and how it listens.
+/// One shot of one sensor, where terrain is read by tiles with those that it needs: its ground, its tubes and
+/// how it listens.
 class NativeShot : public std::enable_shared_from_this<NativeShot> {
  public:
   /// Throws UsageError where there is no such shot.
-  NativeShot(const Survey& survey, RunRequest request, HeardShot which,
-             std::shared_ptr<SharedVertices> vertices);
+  NativeShot(const Survey& survey, const RunRequest& request, HeardShot which);
 
   const Survey& survey() const { return shots_.survey(); }
   const HeardShot& which() const { return which_; }
@@ -55,7 +49,8 @@ class NativeShot : public std::enable_shared_from_this<NativeShot> {
   const Shots shots_;
   const Shot shot_;  ///< whose ground is made already, so that threads may share it
   TubeSet tubes_;
-  std::shared_ptr<SharedVertices> vertices_;
+  mutable std::once_flag vertices_made_;
+  mutable std::vector<glm::dvec3> vertices_m_;  ///< of ground of its own
 };
 
 }  // namespace tubefoot::python

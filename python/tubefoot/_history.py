@@ -58,7 +58,8 @@ class Shot:
 
     @property
     def facets(self) -> np.ndarray:
-        """(F, 3) uint32: vertices of each facet. With relief, or through refracting water, of this shot's ground."""
+        """(F, 3) uint32: vertices of each facet. With relief, or through refracting water, of this shot's ground; of
+        terrain that is read by tiles, those in the tiles that its ping needs."""
         return self._native.facets
 
     @property
@@ -70,6 +71,11 @@ class Shot:
     def component(self) -> np.ndarray:
         """(F,) uint16: terrain or object of each facet."""
         return self._native.component
+
+    @property
+    def base_facet(self) -> np.ndarray:
+        """(F,) uint32, a copy: the facet of the scene as loaded, whole, that each facet is, or is a part of."""
+        return self._native.base_facet
 
     @property
     def material_mu(self) -> np.ndarray:

@@ -39,6 +39,7 @@ class Shot:
     beam_of_tube: np.ndarray
     vertices_m: np.ndarray
     facets: np.ndarray
+    base_facet: np.ndarray
     material: np.ndarray
     component: np.ndarray
     material_mu: np.ndarray

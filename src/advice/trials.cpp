@@ -116,7 +116,6 @@ TrialScene::Choice first_pings(std::size_t count) {
 TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
                        std::optional<double> reference_tolerance)
     : name_(scene_name(scene.file)) {
-  require_able(scene, Feature::trial);
   const std::unique_ptr<const Survey> survey = open_survey(scene);
   RunRequest request;
   request.reference_tolerance = reference_tolerance;

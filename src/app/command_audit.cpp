@@ -12,13 +12,13 @@
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
 #include "run/shot.hpp"
+#include "run/tiles_in_view.hpp"
 
 namespace tubefoot {
 
 int audit_command(const AuditOptions& options) {
   SceneDescription description = described(options);
   const ThreadLimit limit(description.run.threads);
-  require_able(description, Feature::audit);
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const std::size_t only = options.sensor ? survey->fleet->sensor_named(*options.sensor) : 0;
@@ -47,10 +47,11 @@ int audit_command(const AuditOptions& options) {
   std::size_t tubes = 0, pieces = 0, facets = 0, failures = 0;
   double worst = 0;
   TopologyHash hash;
+  ShotsAround around(all);
   Progress progress("audited shots", shots.size(), options.quiet);
   for (const Asked& asked : shots) {
     stop_if_wanted();
-    const Shot shot = all.of(*asked.group, asked.ping, asked.shot);
+    const Shot shot = around.at(*asked.group, asked.ping).of(*asked.group, asked.ping, asked.shot);
     const std::vector<TubeAudit> audits = shot.audit(asked.label);
     for (std::size_t tube = 0; tube < audits.size(); ++tube) {
       const TubeAudit& audit = audits[tube];

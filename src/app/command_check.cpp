@@ -51,6 +51,7 @@ void print_fineness(const Scene& scene) {
 void print_materials(const Scene& scene) {
   std::vector<std::size_t> facets(scene.description.materials.size());
   std::vector<double> area_m2(facets.size());
+  bool mapped = false;  // by a map of terrain of which only parts are in memory
   for (FacetId f = 0; f < scene.mesh.facets.size(); ++f) {
     const auto& [a, b, c] = scene.mesh.facets[f];
     const glm::dvec3 p = scene.grid.to_metres(scene.mesh.vertices[a]),
@@ -61,13 +62,15 @@ void print_materials(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
     if (!scene.tiled[i].tiles) continue;
+    if (scene.tiled[i].map) mapped = true;
     facets[scene.tiled[i].material] += scene.report.components[i].facets;
     area_m2[scene.tiled[i].material] = std::numeric_limits<double>::quiet_NaN();
   }
   tell("\n{:<24} {:>10} {:>14}\n", "material", "facets", "area (m2)");
   for (std::size_t m = 0; m < facets.size(); ++m)
-    tell("{:<24} {:>10} {:>14}\n", scene.description.materials[m].name, facets[m],
-         std::isnan(area_m2[m]) ? "-" : fmt::format("{:.6g}", area_m2[m]));
+    tell("{:<24} {:>10} {:>14}\n", scene.description.materials[m].name,
+         mapped ? "-" : std::to_string(facets[m]),
+         mapped || std::isnan(area_m2[m]) ? "-" : fmt::format("{:.6g}", area_m2[m]));
   for (const ComponentReport& c : scene.report.components)
     if (c.cut_facets > 0)
       tell("{}: {} facets are cut along the borders of its material map\n", c.name, c.cut_facets);

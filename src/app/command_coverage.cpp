@@ -4,9 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <map>
+#include <span>
 #include <tuple>
 
 #include "app/commands.hpp"
@@ -21,6 +22,8 @@
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
+#include "run/facet_blocks.hpp"
+#include "run/facet_numbering.hpp"
 #include "run/settings.hpp"
 #include "run/shot.hpp"
 
@@ -28,41 +31,44 @@ namespace tubefoot {
 namespace {
 namespace fs = std::filesystem;
 
-/// The pings that count, and what each sees.
-struct Looks {
-  std::vector<CountedPing> pings;
-  std::vector<CoverageLook> looks;
-};
+/// The pings that count.
+std::vector<HeardPing> counted(const Survey& survey, const CoverageOptions& options) {
+  std::vector<HeardPing> pings;
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    if (options.sensor && survey.fleet->sensor_named(*options.sensor) != s) continue;
+    const PingRange range = resolved(options.pings, survey.sensors[s].times_s.size());
+    for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
+         ++ping)
+      pings.push_back({s, ping});
+  }
+  return pings;
+}
 
-Looks look(const Shots& shots, const CoverageOptions& options) {
+/// What some of the pings that count see.
+std::vector<CoverageLook> look(const Shots& shots, std::span<const HeardPing> pings,
+                               std::span<const std::size_t> chosen, bool quiet) {
   const Survey& survey = shots.survey();
   const Scene& scene = survey.scene;
-  Looks all;
-  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
-    const SensorPings& sensor = survey.sensors[s];
-    if (options.sensor && survey.fleet->sensor_named(*options.sensor) != s) continue;
-    const std::string& name = sensor.sensor->description().name;
-    const PingRange range = resolved(options.pings, sensor.times_s.size());
-    for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
-         ++ping) {
-      for (std::size_t shot = 0; shot < sensor.sensor->shots(); ++shot)
-        all.looks.push_back({static_cast<std::uint32_t>(all.pings.size()),
-                             shots.heard_by(s, ping, shot).tubes_of(s),
-                             {},
-                             sensor.sensor->samples().first_m / scene.grid.unit_m(),
-                             sensor.sensor->reach(scene.grid)});
-      all.pings.push_back({name, ping});
-    }
+  std::vector<CoverageLook> looks;
+  for (const std::size_t p : chosen) {
+    const auto& [s, ping] = pings[p];
+    const Sensor& sensor = *survey.sensors[s].sensor;
+    for (std::size_t shot = 0; shot < sensor.shots(); ++shot)
+      looks.push_back({static_cast<std::uint32_t>(p),
+                       shots.heard_by(s, ping, shot).tubes_of(s),
+                       {},
+                       sensor.samples().first_m / scene.grid.unit_m(),
+                       sensor.reach(scene.grid)});
   }
   struct Buffers {
     VisibilityScratch visibility;
     TubeVisibility seen;
   };
   tbb::enumerable_thread_specific<Buffers> threads;
-  Progress progress("shots", all.looks.size(), options.quiet);
-  tbb::parallel_for(std::size_t{0}, all.looks.size(), [&](std::size_t l) {
+  Progress progress("shots", looks.size(), quiet);
+  tbb::parallel_for(std::size_t{0}, looks.size(), [&](std::size_t l) {
     stop_if_wanted();
-    CoverageLook& its = all.looks[l];
+    CoverageLook& its = looks[l];
     auto& [scratch, sees] = threads.local();
     const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
     its.seen.resize(its.tubes.tubes.size());
@@ -78,16 +84,18 @@ Looks look(const Shots& shots, const CoverageOptions& options) {
               });
     progress.step();
   });
-  return all;
+  return looks;
 }
 
-CoveredFacet measured(const Survey& survey, const Looks& looks, FacetCoverage&& coverage) {
+CoveredFacet measured(const Survey& survey, std::span<const CoverageLook> looks, FacetCoverage&& coverage) {
   const Scene& scene = survey.scene;
   const double unit_m = scene.grid.unit_m();
-  CoveredFacet facet{std::move(coverage), 0, {}, {}};
+  const FacetId id = coverage.facet;
+  CoveredFacet facet{std::move(coverage), scene.mesh.component[id], scene.mesh.material[id], 0, {}, {}};
+  facet.coverage.facet = survey.site->number_of(id);
   std::array<glm::dvec3, 3> p;
   for (std::size_t k = 0; k < 3; ++k)
-    p[k] = scene.grid.to_metres(scene.mesh.vertices[scene.mesh.facets[facet.coverage.facet][k]]);
+    p[k] = scene.grid.to_metres(scene.mesh.vertices[scene.mesh.facets[id][k]]);
   facet.area_m2 = glm::length(glm::cross(p[1] - p[0], p[2] - p[0])) / 2;
   for (const glm::dvec3& corner : facet.coverage.corners)
     facet.corners_m.push_back(scene.grid.origin_m() + corner * unit_m);
@@ -99,13 +107,48 @@ CoveredFacet measured(const Survey& survey, const Looks& looks, FacetCoverage&& 
     glm::dvec3 middle(0);
     for (std::uint32_t c = 0; c < cell.count; ++c)
       middle += facet.coverage.corners[cell.first + c] / static_cast<double>(cell.count);
-    const CoverageLook& first = looks.looks[cell.first_look];
+    const CoverageLook& first = looks[cell.first_look];
     const FacetId occluder = first_in_the_way(scene.mesh, *survey.site->tree, first.tubes.apex, middle);
     shadows[{first.ping, cell.in_sector, occluder}].push_back(k);
   }
-  for (auto& [key, cells] : shadows)
-    facet.shadows.push_back({std::get<1>(key), std::get<0>(key), std::get<2>(key), std::move(cells)});
+  for (auto& [key, cells] : shadows) {
+    const auto [ping, in_sector, occluder] = key;
+    const bool clear = occluder != no_facet;
+    facet.shadows.push_back({in_sector, ping, clear ? survey.site->number_of(occluder) : no_facet,
+                             clear ? scene.mesh.component[occluder] : std::uint16_t{0}, std::move(cells)});
+  }
   return facet;
+}
+
+/// Calls `add` with the facets of a block that were met, in the order of their numbers.
+void cover(const Shots& shots, const FacetBlock& block, const std::vector<CoverageLook>& looks, bool quiet,
+           const std::function<void(const CoveredFacet&)>& add) {
+  const Survey& survey = shots.survey();
+  const Coverage coverage(survey.scene.mesh, *survey.site->tree, looks);
+  // A batch at a time: facets are independent of each other, files want them in their order.
+  constexpr std::size_t batch = 2048;
+  Progress progress("facets", coverage.facets(), quiet);
+  for (std::size_t first = 0; first < coverage.facets(); first += batch) {
+    const std::size_t count = std::min(batch, coverage.facets() - first);
+    std::vector<CoveredFacet> facets(count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      stop_if_wanted();
+      progress.step();
+      const FacetId number = survey.site->number_of(coverage.facet_of(first + k));
+      if (number < block.first || number >= block.end) return;  // another block has all that see it
+      FacetCoverage covered = coverage.facet(first + k);
+      if (!covered.closes)
+        throw std::logic_error(
+            fmt::format("internal error: what is seen of facet {} and what is not do not add "
+                        "up to it. Please report the scene",
+                        number));
+      if (covered.met()) facets[k] = measured(survey, looks, std::move(covered));
+    });
+    for (const CoveredFacet& facet : facets) {
+      stop_if_wanted();
+      if (!facet.coverage.cells.empty()) add(facet);
+    }
+  }
 }
 
 /// Areas of all facets that were met, m^2.
@@ -170,7 +213,6 @@ int coverage_command(const CoverageOptions& options) {
   else
     file.emplace(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
-  require_able(description, Feature::coverage);
   const auto survey = open_survey(description);
   const Scene& scene = survey->scene;
   print_warnings(scene.report.warnings, options.quiet);
@@ -178,44 +220,31 @@ int coverage_command(const CoverageOptions& options) {
   require_able(*survey, shots.request(), Feature::coverage,
                options.sensor ? std::optional(survey->fleet->sensor_named(*options.sensor)) : std::nullopt);
 
-  const Looks looks = look(shots, options);
-  const Coverage coverage(scene.mesh, *survey->site->tree, looks.looks);
+  const std::vector<HeardPing> pings = counted(*survey, options);
+  std::vector<CountedPing> names;
+  for (const auto& [sensor, ping] : pings)
+    names.push_back({survey->sensors[sensor].sensor->description().name, ping});
 
   std::optional<CoverageFile> layers;
   if (!table) layers.emplace(scene);
   CoverageTables tables(scene);
   std::optional<CoveragePicture> picture;
-  if (folder || options.picture) picture.emplace(scene);
+  if (folder || options.picture) picture.emplace(*survey);
   Totals totals;
-  // A batch at a time: facets are independent of each other, files want them in their order.
-  constexpr std::size_t batch = 2048;
-  Progress progress("facets", coverage.facets(), options.quiet);
-  for (std::size_t first = 0; first < coverage.facets(); first += batch) {
-    const std::size_t count = std::min(batch, coverage.facets() - first);
-    std::vector<CoveredFacet> facets(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-      stop_if_wanted();
-      FacetCoverage covered = coverage.facet(first + k);
-      if (!covered.closes)
-        throw std::logic_error(
-            fmt::format("internal error: what is seen of facet {} and what is not do not add "
-                        "up to it. Please report the scene",
-                        covered.facet));
-      if (covered.met()) facets[k] = measured(*survey, looks, std::move(covered));
-      progress.step();
-    });
-    for (const CoveredFacet& facet : facets) {
-      stop_if_wanted();
-      if (facet.coverage.cells.empty()) continue;
-      totals.add(facet);
-      if (!package) tables.add(facet);
-      if (layers) layers->add(facet, looks.pings);
-      if (picture) picture->add(facet);
-    }
+  const auto add = [&](const CoveredFacet& facet) {
+    totals.add(facet);
+    if (!package) tables.add(facet);
+    if (layers) layers->add(facet, names);
+    if (picture) picture->add(facet);
+  };
+  for (const FacetBlock& block : facet_blocks(shots, pings)) {
+    const Shots around(survey->site->is_tiled() ? survey_with_tiles(*survey, block.tiles) : *survey,
+                       shots.request());
+    cover(around, block, look(around, pings, block.pings, options.quiet), options.quiet, add);
   }
-  const std::string title = fmt::format(
-      "{}: {}, {} ping{}", description.title.empty() ? "coverage" : shown_line(description.title),
-      options.sensor.value_or("all sensors"), looks.pings.size(), looks.pings.size() == 1 ? "" : "s");
+  const std::string title =
+      fmt::format("{}: {}, {} ping{}", description.title.empty() ? "coverage" : shown_line(description.title),
+                  options.sensor.value_or("all sensors"), pings.size(), pings.size() == 1 ? "" : "s");
   if (picture_file) {
     picture->write(picture_file->path(), title);
     picture_file->commit();
@@ -233,7 +262,8 @@ int coverage_command(const CoverageOptions& options) {
       write_file(file->path(), tables.facets());
     file->commit();
   }
-  totals.print(scene.mesh.facets.size(), looks.pings.size());
+  totals.print(survey->site->is_tiled() ? survey->site->numbering().facets() : scene.mesh.facets.size(),
+               pings.size());
   tell("wrote {}\n", options.output.string());
   return 0;
 }

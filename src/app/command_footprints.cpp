@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -42,7 +41,7 @@ struct Places {
 class Files {
  public:
   Files(Places& places, FootprintFileMaker make, const Shots& shots, std::size_t sensor)
-      : shots_(shots), sensor_(sensor), places_(places) {
+      : shots_(shots), around_(shots), sensor_(sensor), places_(places) {
     const Survey& survey = shots.survey();
     if (places.columns)
       columns_ =
@@ -52,11 +51,11 @@ class Files {
 
   /// Footprints written; without columns, pieces.
   std::size_t add(std::size_t ping, std::size_t number, std::span<const std::uint32_t> beams) {
-    const Shot shot = shots_.heard_by(sensor_, ping, number);
+    const Shots& around = around_.at(shots_.survey().fleet->shots_of(sensor_), ping);
+    const Shot shot = around.heard_by(sensor_, ping, number);
     const std::size_t pieces = exact_ ? exact_->add(shot, beams) : 0;
     if (!columns_) return pieces;
-    const FootprintTable table =
-        shot.site().is_tiled() ? table_by_tiles(shot, beams) : footprint_table(shot, sensor_, beams);
+    const FootprintTable table = footprint_table(shot, sensor_, beams);
     columns_->add(table);
     return table.rows();
   }
@@ -67,38 +66,16 @@ class Files {
     if (places_.columns) places_.columns->commit();
     if (places_.exact) places_.exact->commit();
   }
-  /// Facets are named as in all of the scene.
-  FootprintTable table_by_tiles(const Shot& shot, std::span<const std::uint32_t> beams) {
-    const Survey& survey = shot.survey();
-    if (!part_ || part_ping_ != shot.ping()) {
-      const TileChoice tiles = TilesInView(shot.site()).of(shots_, shot.group(), shot.ping());
-      part_ = std::make_unique<const Shots>(survey_with_tiles(survey, tiles), shot.request());
-      part_ping_ = shot.ping();
-      numbers_ = facet_numbers(survey.scene, tiles);
-    }
-    FootprintTable table =
-        footprint_table(part_->heard_by(sensor_, shot.ping(), shot.number()), sensor_, beams);
-    const auto rename = [&](std::vector<FacetId>& facets) {
-      for (FacetId& facet : facets) facet = static_cast<FacetId>(numbers_[facet]);
-    };
-    rename(table.base_facet);
-    if (shot.site().has_ground_a_shot()) return table;  // facets of its own
-    rename(table.facet);
-    rename(table.occluders);
-    return table;
-  }
 
   const char* counted() const { return columns_ ? "footprints" : "pieces"; }
 
  private:
   const Shots& shots_;
+  ShotsAround around_;
   std::size_t sensor_;
   Places& places_;
   std::unique_ptr<FootprintFile> columns_;
   std::optional<RationalsFile> exact_;
-  std::unique_ptr<const Shots> part_;  ///< with the tiles of one ping
-  std::size_t part_ping_ = 0;
-  std::vector<std::uint64_t> numbers_;
 };
 
 }  // namespace
@@ -107,19 +84,12 @@ int footprints_command(const FootprintOptions& options) {
   const FootprintFileMaker make =
       options.output.extension() == ".txt" ? nullptr : footprint_file_maker(options.output);
   const SceneDescription description = described(options);
-  const bool exact = options.rationals || options.output.extension() == ".txt";
-  if (exact) require_able(description, Feature::exact_corners);
   Places places(options, inputs_of(description));
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   const std::size_t index = survey->fleet->sensor_named(options.sensor);
   const Shots shots(*survey, request_of(description.run));
   require_able(*survey, shots.request(), Feature::footprints, index);
-  std::uint64_t facets = 0;
-  for (const ComponentReport& component : survey->scene.report.components) facets += component.facets;
-  if (facets > std::numeric_limits<FacetId>::max())
-    throw UsageError(
-        fmt::format("the files of footprints cannot name {} facets: give the terrain a window", facets));
   print_warnings(survey->scene.report.warnings, options.quiet);
   const SensorPings& pings = survey->sensors[index];
   const PingRange range = resolved(options.pings, pings.times_s.size());

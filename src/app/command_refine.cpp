@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "app/commands.hpp"
 #include "files/outlet.hpp"
-#include "run/abilities.hpp"
 #include "run/console/say.hpp"
 #include "run/refined_bed_file.hpp"
 #include "run/settings.hpp"
@@ -18,8 +19,8 @@ int refine_command(const RefineOptions& options) {
     std::erase(inputs, *description.refinement.file);  // this is how it is made
   OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
-  require_able(description, Feature::refine);
-  const Scene scene = load_scene(description);
+  Scene loaded = load_scene(description);
+  const Scene scene = loaded.tiled.empty() ? std::move(loaded) : with_tiles(loaded, all_tiles(loaded));
   print_warnings(scene.report.warnings, options.quiet);
   const std::unique_ptr<Ground> ground = relief_ground(scene);
   const RefinedMesh bed = refined_bed(scene, *ground);

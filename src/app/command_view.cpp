@@ -12,7 +12,6 @@
 #include "files/input_error.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
-#include "run/abilities.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
 #include "run/shot.hpp"
@@ -127,7 +126,6 @@ int view_command(const ViewOptions& options) {
     for (const char* name : {"stats.json", "echoes.nc", list_name}) inputs.push_back(options.scene / name);
   OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
-  require_able(description, Feature::view);
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
   const std::size_t sensor = options.sensor ? survey->fleet->sensor_named(*options.sensor) : 0;

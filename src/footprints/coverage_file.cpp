@@ -107,10 +107,10 @@ struct CoverageFile::State {
   void write(OGRLayer* to, OGRFeature& feature) const {
     require(to->CreateFeature(&feature) == OGRERR_NONE, "write");
   }
-  void names(OGRFeature& feature, FacetId facet) const {
-    feature.SetField("facet", static_cast<GIntBig>(facet));
-    feature.SetField("component", scene.report.components[scene.mesh.component[facet]].name.c_str());
-    feature.SetField("material", scene.description.materials[scene.mesh.material[facet]].name.c_str());
+  void names(OGRFeature& feature, const CoveredFacet& facet) const {
+    feature.SetField("facet", static_cast<GIntBig>(facet.coverage.facet));
+    feature.SetField("component", scene.report.components[facet.component].name.c_str());
+    feature.SetField("material", scene.description.materials[facet.material].name.c_str());
   }
   /// The cells as one geometry; adds up their areas.
   PlanShape shape(const CoveredFacet& facet, const std::vector<std::size_t>& cells, double& area_m2) const {
@@ -189,7 +189,7 @@ void CoverageFile::add(const CoveredFacet& facet, std::span<const CountedPing> p
   for (std::size_t k = 0; k < c.cells.size(); ++k) seen[c.cells[k].pings].push_back(k);
   for (const auto& [times, cells] : seen) {
     OGRFeature feature(s.coverage->GetLayerDefn());
-    s.names(feature, c.facet);
+    s.names(feature, facet);
     feature.SetField("pings", static_cast<GIntBig>(times));
     double area_m2 = 0;
     const PlanShape shape = s.shape(facet, cells, area_m2);
@@ -198,14 +198,14 @@ void CoverageFile::add(const CoveredFacet& facet, std::span<const CountedPing> p
   }
   for (const ShadowPart& shadow : facet.shadows) {
     OGRFeature feature(s.shadows->GetLayerDefn());
-    s.names(feature, c.facet);
+    s.names(feature, facet);
     feature.SetField("in_sector", static_cast<GIntBig>(shadow.in_sector));
     feature.SetField("first_sensor", pings[shadow.first_ping].sensor.c_str());
     feature.SetField("first_ping", static_cast<GIntBig>(pings[shadow.first_ping].ping));
     if (shadow.occluder != no_facet) {
       feature.SetField("occluder", static_cast<GIntBig>(shadow.occluder));
       feature.SetField("occluder_component",
-                       s.scene.report.components[s.scene.mesh.component[shadow.occluder]].name.c_str());
+                       s.scene.report.components[shadow.occluder_component].name.c_str());
     }
     double area_m2 = 0;
     const PlanShape shape = s.shape(facet, shadow.cells, area_m2);
@@ -213,7 +213,7 @@ void CoverageFile::add(const CoveredFacet& facet, std::span<const CountedPing> p
     s.write_shape(s.shadows, feature, shape);
   }
   OGRFeature row(s.facets->GetLayerDefn());
-  s.names(row, c.facet);
+  s.names(row, facet);
   row.SetField("most_pings", static_cast<GIntBig>(c.seen.pings));
   const auto reals = reals_of(facet);
   for (std::size_t k = 0; k < reals.size(); ++k) row.SetField(facet_reals[k], reals[k]);
@@ -256,9 +256,9 @@ CoverageTables::CoverageTables(const Scene& scene) : scene_(scene) {
 
 void CoverageTables::add(const CoveredFacet& facet) {
   const FacetId id = facet.coverage.facet;
-  facets_ += fmt::format(
-      "{},{},{},{}", id, csv_text(scene_.report.components[scene_.mesh.component[id]].name),
-      csv_text(scene_.description.materials[scene_.mesh.material[id]].name), facet.coverage.seen.pings);
+  facets_ +=
+      fmt::format("{},{},{},{}", id, csv_text(scene_.report.components[facet.component].name),
+                  csv_text(scene_.description.materials[facet.material].name), facet.coverage.seen.pings);
   for (const double value : reals_of(facet)) facets_ += fmt::format(",{}", value);
   for (const std::string& fraction : fractions_of(facet)) facets_ += fmt::format(",{}", fraction);
   facets_ += "\n";

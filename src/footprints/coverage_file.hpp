@@ -22,15 +22,18 @@ struct CountedPing {
 
 /// A part of a facet that is in the sector of pings and that none sees, hidden there by one facet.
 struct ShadowPart {
-  std::uint32_t in_sector = 0;       ///< pings that have it in their tubes and window
-  std::uint32_t first_ping = 0;      ///< the first of them, as an index into the counted pings
-  FacetId occluder = no_facet;       ///< what comes first on the way to its middle; no_facet if unclear
+  std::uint32_t in_sector = 0;   ///< pings that have it in their tubes and window
+  std::uint32_t first_ping = 0;  ///< the first of them, as an index into the counted pings
+  FacetId occluder = no_facet;   ///< what comes first on the way to its middle; no_facet if unclear
+  std::uint16_t occluder_component = 0;
   std::vector<std::size_t> cells{};  ///< of FacetCoverage::cells
 };
 
-/// A facet that lies in the sector of a ping, measured in metres.
+/// A facet that lies in the sector of a ping, measured in metres. Facets go by their numbers in all of the
+/// scene (Site::number_of).
 struct CoveredFacet {
   FacetCoverage coverage;
+  std::uint16_t component = 0, material = 0;
   double area_m2 = 0;
   std::vector<glm::dvec3> corners_m;  ///< local frame
   std::vector<ShadowPart> shadows;

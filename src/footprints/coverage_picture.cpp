@@ -12,6 +12,7 @@
 #include <span>
 
 #include "geometry/steps/stop.hpp"
+#include "run/tiles_in_view.hpp"
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 
@@ -20,6 +21,7 @@ namespace {
 
 constexpr int margin = 28, header = 2 * margin + 24, axis_height = 62, axis_width = 84, legend = 190;
 constexpr int largest_side = 1000, smallest_side = 300;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Colour shadow_colour{0.80f, 0.13f, 0.16f}, ground_colour{0.33f, 0.34f, 0.36f};
 
 /// From dark blue (once) to pale yellow (most often), even steps in the logarithm of the number.
@@ -108,13 +110,19 @@ void CoveragePicture::write(const std::filesystem::path& file, const std::string
   const auto pixels = static_cast<std::size_t>(plan.width) * static_cast<std::size_t>(plan.height);
   constexpr int nothing = -3;
   plan.value.assign(pixels, nothing);
-  plan.top_m.assign(pixels, -std::numeric_limits<double>::infinity());
-  for (const auto& facet : scene_.mesh.facets) {
-    stop_if_wanted();
-    std::array<glm::dvec3, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k) corners[k] = scene_.grid.to_metres(scene_.mesh.vertices[facet[k]]);
-    plan.draw(corners, out_of_sector);
-  }
+  plan.top_m.assign(pixels, -infinity);
+  const auto draw_ground = [&](const Scene& scene) {
+    for (const auto& facet : scene.mesh.facets) {
+      stop_if_wanted();
+      std::array<glm::dvec3, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = scene.grid.to_metres(scene.mesh.vertices[facet[k]]);
+      plan.draw(corners, out_of_sector);
+    }
+  };
+  draw_ground(survey_.scene);
+  for_tiles_within(survey_, {plan.origin_m, -infinity},
+                   {plan.origin_m + plan.pixel_m * glm::dvec2(plan.width, plan.height), infinity},
+                   draw_ground);
   for (const Polygon& polygon : polygons_) {
     stop_if_wanted();
     plan.draw(std::span(corners_).subspan(polygon.first, polygon.count), polygon.pings);

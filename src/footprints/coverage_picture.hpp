@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "footprints/coverage_file.hpp"
+#include "run/survey.hpp"
 
 namespace tubefoot {
 
@@ -14,7 +15,8 @@ namespace tubefoot {
 /// cell at their centre.
 class CoveragePicture {
  public:
-  explicit CoveragePicture(const Scene& scene) : scene_(scene) {}
+  /// The survey outlives this: the ground about what is covered is drawn, too.
+  explicit CoveragePicture(const Survey& survey) : survey_(survey) {}
   void add(const CoveredFacet& facet);
   /// Throws std::runtime_error naming the file.
   void write(const std::filesystem::path& file, const std::string& title) const;
@@ -26,7 +28,7 @@ class CoveragePicture {
     int pings;  ///< or one of the two above
   };
 
-  const Scene& scene_;
+  const Survey& survey_;
   std::vector<Polygon> polygons_;
   std::vector<glm::dvec3> corners_;
   glm::dvec2 lo_{1e300}, hi_{-1e300};

@@ -33,7 +33,7 @@ std::string text(const ExactVector& v) {
 ExactVector exact_metres(glm::dvec3 p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
 
 struct ShotLines {
-  const FacetMesh& mesh;
+  const ShotGround& ground;
   const TubeSet& tubes;
   ExactVector apex_m;
   Rational unit_m;
@@ -41,12 +41,12 @@ struct ShotLines {
   void piece(const NameContext& context, const TubeVisibility& seen, const NamedPiece& piece,
              std::string& lines) const {
     FacetCone cone;
-    FacetCone::make(mesh, piece.facet, tubes.apex, cone);
+    FacetCone::make(ground.mesh(), piece.facet, tubes.apex, cone);
     const ExactVector a = exact(cone.point[0]);
     const ExactVector normal =
         cross(difference(exact(cone.point[1]), a), difference(exact(cone.point[2]), a));
     const Rational offset = dot(normal, a);
-    lines += fmt::format("piece {} {}", piece.facet, piece.count);
+    lines += fmt::format("piece {} {}", ground.number_of(piece.facet), piece.count);
     for (const ExactVector& d : exact_directions(context, seen.corners, piece)) {
       const Rational along = Rational(unit_m * offset / dot(normal, d));
       ExactVector point;
@@ -97,7 +97,7 @@ std::size_t RationalsFile::add(const Shot& shot, std::span<const std::uint32_t> 
   const ShotGround& ground = shot.ground();
   VisibilityOptions options = shot.request().visibility;
   options.open_water = true;
-  const ShotLines lines{ground.mesh(), chosen.set, exact_metres(scene.grid.to_metres(chosen.set.apex)),
+  const ShotLines lines{ground, chosen.set, exact_metres(scene.grid.to_metres(chosen.set.apex)),
                         Rational(scene.grid.unit_m())};
   s.write(fmt::format("shot {} {}{}\n", shot.ping(), shot.number(), text(lines.apex_m)));
   std::size_t pieces = 0;

@@ -118,7 +118,7 @@ FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const 
     table.beam.push_back(
         sensor.beams_of_shot(shot.number())[sensor.beam_of_tube(shot.number())[footprint.tube]]);
     table.tube.push_back(footprint.tube);
-    table.facet.push_back(facet);
+    table.facet.push_back(ground.number_of(facet));
     table.base_facet.push_back(ground.base_facet(facet));
     table.component.push_back(ground.mesh().component[facet]);
     table.material.push_back(ground.mesh().material[facet]);
@@ -144,8 +144,8 @@ FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const 
       table.first_corner.push_back(table.corners_m.size());
     }
     table.first_piece.push_back(table.first_corner.size() - 1);
-    const auto occluder = set.occluders.begin() + footprint.first_occluder;
-    table.occluders.insert(table.occluders.end(), occluder, occluder + footprint.occluder_count);
+    for (std::uint32_t o = 0; o < footprint.occluder_count; ++o)
+      table.occluders.push_back(ground.number_of(set.occluders[footprint.first_occluder + o]));
     table.first_occluder.push_back(table.occluders.size());
   }
   return table;

@@ -11,7 +11,6 @@
 #include "run/paths.hpp"
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
-#include "scene/rasters/terrain_tiles.hpp"
 
 namespace tubefoot {
 namespace {
@@ -45,8 +44,6 @@ constexpr std::array<std::string_view, features> names{"refraction",
 
 constexpr std::string_view one_apex_only =
     "what one place sees is asked for: leave out 'receiver_arm_m', or choose another sensor";
-constexpr std::string_view all_facets =
-    "all facets are needed at once: give it a window, or load = \"whole\"";
 constexpr std::string_view exact_only =
     "that takes an exact arithmetic: fixed, filtered or rational, not double";
 
@@ -88,14 +85,6 @@ constexpr auto table = std::to_array<Refusal>({
     {receiver_apart, view, {}, one_apex_only},
     {receiver_apart, shot, {}, one_apex_only},
     {two_receivers, reference, {}, "no reference certifies their phases: leave the sensor out"},
-    {tiles, own_engine, {}, all_facets},
-    {tiles, audit, {}, "an audit's hash names the facets: give it a window, or load = \"whole\""},
-    {tiles, coverage, {}, all_facets},
-    {tiles, view, {}, all_facets},
-    {tiles, exact_corners, {}, all_facets},
-    {tiles, refine, {}, all_facets},
-    {tiles, trial, {}, all_facets},
-    {tiles, shot, {}, all_facets},
     {relief_each_shot,
      coverage,
      {},
@@ -115,12 +104,6 @@ struct Found {
   SourcePlace place;
   std::string subject;
 };
-
-void add_tiles(const SceneDescription& scene, std::vector<Found>& found) {
-  for (const TerrainDescription& terrain : scene.terrains)
-    if (is_read_by_tiles(terrain, scene))
-      found.push_back({tiles, terrain.place, fmt::format("'{}' is read by tiles", terrain.name)});
-}
 
 std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> only) {
   const Scene& scene = survey.scene;
@@ -147,7 +130,6 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
          fmt::format("material '{}' mirrors where it is not level", d.materials[*material].name)});
   if (d.paths.scatterings > 1)
     found.push_back({scatterings, d.paths.place, "[paths] asks for several scatterings"});
-  if (survey.site->is_tiled()) add_tiles(d, found);
   if (survey.site->ground)
     found.push_back({relief_each_shot, d.refinement.place, "[relief] is refined anew for each shot"});
   const auto add_material = [&](Feature feature, const auto& list, const char* what) {
@@ -237,12 +219,6 @@ void require_able(const RunRequest& request, Feature asked) {
   else if (request.visibility.arithmetic == Arithmetic::plain_double)
     all.push_back(double_arithmetic);
   require(refused(std::vector<Found>{}, all));
-}
-
-void require_able(const SceneDescription& scene, Feature asked) {
-  std::vector<Found> found;
-  add_tiles(scene, found);
-  require(refused(std::move(found), std::span(&asked, 1)));
 }
 
 }  // namespace tubefoot

@@ -14,7 +14,6 @@
 namespace tubefoot {
 
 struct RunRequest;
-struct SceneDescription;
 struct Survey;
 
 /// What a scene may have, what a run of it may ask for, and what else may be done with it.
@@ -78,8 +77,7 @@ std::vector<Feature> asked_by(const RunRequest& request);
 void require_able_to_run(const Survey& survey, const RunRequest& request);
 void require_able(const Survey& survey, const RunRequest& request, Feature asked,
                   std::optional<std::size_t> sensor = {});
-/// Before the scene is opened: of what its description says already.
-void require_able(const SceneDescription& scene, Feature asked);
+/// Before the scene is opened: of what the command line says already.
 void require_able(const RunRequest& request, Feature asked);
 
 }  // namespace tubefoot

@@ -14,8 +14,10 @@ class Shot;
 struct OwnEngine {
   std::string name;
   /// Fills the energies [J] that a sensor hears of a shot, [channel][beam of the shot][sample]
-  /// (Sensor::channels()), which are 0 before. Called from several threads at a time. What it throws ends the
-  /// run; so does a product of two receivers' signals that their energies cannot have (std::domain_error).
+  /// (Sensor::channels()), which are 0 before. Where terrain is read by tiles, the shot's survey has those
+  /// that the built-in engines need for it, and its ground knows what facets are called in all of the scene.
+  /// Called from several threads at a time. What it throws ends the run; so does a product of two receivers'
+  /// signals that their energies cannot have (std::domain_error).
   std::function<void(const Shot& shot, std::size_t sensor, std::span<double> energy)> echo;
 };
 

@@ -30,10 +30,12 @@ class ShotGround {
   const FacetMesh& mesh() const { return is_own() ? own().mesh : site_->scene.mesh; }
   const SceneTree& tree() const { return is_own() ? *tree_ : *site_->tree; }
   bool is_own() const { return tree_ != nullptr; }
-  /// The facet of the unrefined scene that a facet is part of.
+  /// What a facet is called: its number in this ground, or, of the site's own, in all of the scene.
+  FacetId number_of(FacetId facet) const { return is_own() ? facet : site_->number_of(facet); }
+  /// The facet of the unrefined scene that a facet is part of, by its number in all of the scene.
   FacetId base_facet(FacetId facet) const {
     if (is_own()) facet = own().parent[facet];
-    return site_->relief.parent.empty() ? facet : site_->relief.parent[facet];
+    return site_->base_number_of(facet);
   }
   /// Null where facets are where they seem to be.
   const ApparentGround* apparent() const { return apparent_.get(); }

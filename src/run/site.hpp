@@ -2,15 +2,18 @@
 #pragma once
 
 #include <atomic>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <mutex>
 #include <vector>
 
 #include "geometry/search/scene_tree.hpp"
 #include "scene/scene.hpp"
+#include "scene/tiled_scene.hpp"
 
 namespace tubefoot {
 
+class FacetNumbering;
 class Ground;
 class OmittedRelief;
 class RayScene;
@@ -42,19 +45,35 @@ struct Site {
   SiteRelief relief;
   std::unique_ptr<const Ground> ground;  ///< relief online: what shots refine, each for itself
   std::unique_ptr<const SceneTree> tree;
+  bool is_cut = false;  ///< by the sea surface, above which no facet is
   double lowest_m = 0;  ///< of the scene, where water refracts: rays do not turn below
   double load_seconds = 0, tree_seconds = 0;
   std::shared_ptr<TerrainUse> terrain_use;  ///< null without tiles
+  // Of what survey_with_tiles() makes:
+  std::shared_ptr<const Site> whole;  ///< the tiled site that this is a part of
+  TileChoice tiles;                   ///< its tiles that the mesh has
 
   bool is_tiled() const { return !scene.tiled.empty(); }
   /// Whether each shot meets facets of its own.
   bool has_ground_a_shot() const { return ground != nullptr || scene.water->refracts(); }
+  /// The number that a facet of the mesh has where all of the scene is in memory. Thread-safe. Throws as
+  /// FacetNumbering().
+  FacetId number_of(FacetId facet) const;
+  /// Of the facet, before relief, that a facet is part of.
+  FacetId base_number_of(FacetId facet) const;
+  /// Of a tiled site. Thread-safe.
+  const FacetNumbering& numbering() const;
+  /// The mesh's vertices in metres, worked out at the first call. Thread-safe.
+  const std::vector<glm::dvec3>& vertices_m() const;
   /// The facets made ready for rays, at the first call. Thread-safe. Throws as RayScene().
   const RayScene& rays() const;
 
  private:
-  mutable std::once_flag rays_made_;
+  mutable std::once_flag rays_made_, vertices_made_, numbered_;
   mutable std::unique_ptr<const RayScene> rays_;
+  mutable std::vector<glm::dvec3> vertices_m_;
+  mutable std::vector<FacetId> numbers_;                     ///< of a part, by facet
+  mutable std::unique_ptr<const FacetNumbering> numbering_;  ///< of a tiled site
 };
 
 }  // namespace tubefoot

@@ -237,9 +237,22 @@ void check_places(Site& site, Fleet& fleet) {
   }
 }
 
-/// After check_places(), which counts the crossings of whole objects. Ground of its own each shot cuts.
+/// Whether the sea surface cuts the terrain or an object; of a part of a site, whether it cuts the whole.
+bool reaches_surface(const Site& site) {
+  if (site.whole) return site.whole->is_cut;
+  const Scene& scene = site.scene;
+  if (!scene.description.sea_surface || site.ground) return false;  // ground of its own each shot cuts
+  const std::int32_t height = scene.surface_height();
+  return std::ranges::any_of(scene.mesh.vertices, [=](GridPoint v) { return v.z > height; }) ||
+         std::ranges::any_of(scene.tiled, [&](const TiledTerrain& terrain) {
+           return terrain.tiles && scene.grid.snap(terrain.tiles->hi_m()).z > height;
+         });
+}
+
+/// Leaves what is in the water. After check_places(), which counts the crossings of whole objects.
 void cut_at_surface(Site& site) {
-  if (!site.ground && cut_at_surface(site.scene, site.scene.mesh, site.relief.parent))
+  site.is_cut = reaches_surface(site);
+  if (site.is_cut && cut_at_surface(site.scene, site.scene.mesh, site.relief.parent))
     site.tree = std::make_unique<SceneTree>(site.scene.mesh);
 }
 
@@ -285,6 +298,8 @@ Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
   const std::shared_ptr<Site> part = loaded_with(*survey.site, choice);
   part->tree = std::make_unique<SceneTree>(part->scene.mesh);
   part->lowest_m = survey.site->lowest_m;
+  part->whole = survey.site;
+  part->tiles = choice;
   cut_at_surface(*part);
   return {part, survey.fleet};
 }

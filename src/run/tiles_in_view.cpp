@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/vector_relational.hpp>
 #include <optional>
 
 #include "engine/echo/staff_echo.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 constexpr std::int32_t far_up = 1 << WorldGrid::coordinate_bits;
 
-void add_box(FacetMesh& mesh, GridPoint lo, GridPoint hi) {
+void add_facet(FacetMesh& mesh, GridPoint lo, GridPoint hi) {
   const auto first = static_cast<VertexId>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), {lo, hi});
   mesh.facets.push_back({first, first + 1, first});
@@ -37,25 +38,30 @@ TilesInView::TilesInView(const Site& site)
       lift_m_((site.ground ? site.ground->omitted().largest_height_m() : 0) + 2 * site.scene.grid.unit_m()) {
   const Scene& scene = site.scene;
   for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
-    if (!scene.tiled[i].tiles) continue;
-    Boxes& boxes = boxes_.emplace_back();
+    const ComponentReport& whole = scene.report.components[i];
+    Boxes& boxes = (scene.tiled[i].tiles ? boxes_ : rest_).emplace_back();
     boxes.component = i;
-    const std::vector<TerrainTiles::Tile>& tiles = scene.tiled[i].tiles->tiles();
-    for (std::uint32_t k = 0; k < tiles.size(); ++k) {
-      if (tiles[k].facets == 0) continue;
-      boxes.tile.push_back(k);
-      const GridPoint lo = scene.grid.snap(tiles[k].lo_m), hi = scene.grid.snap(tiles[k].hi_m);
-      add_box(boxes.mesh, lo, hi);
-      add_box(boxes.columns, {lo.x, lo.y, -far_up}, {hi.x, hi.y, far_up});
+    if (!scene.tiled[i].tiles) {
+      if (whole.facets > 0) boxes.add(0, scene.grid, whole.lo_m, whole.hi_m);
+    } else {
+      const std::vector<TerrainTiles::Tile>& tiles = scene.tiled[i].tiles->tiles();
+      for (std::uint32_t k = 0; k < tiles.size(); ++k)
+        if (tiles[k].facets > 0) boxes.add(k, scene.grid, tiles[k].lo_m, tiles[k].hi_m);
     }
     boxes.tree = std::make_unique<SceneTree>(boxes.mesh, SceneTree::Sheets::ignored);
     boxes.column_tree = std::make_unique<SceneTree>(boxes.columns, SceneTree::Sheets::ignored);
   }
 }
 
-void TilesInView::add(const Boxes& boxes, const std::vector<FacetId>& found, TileChoice& choice) const {
-  std::vector<std::uint32_t>& list = choice[boxes.component];
-  for (const FacetId box : found) list.push_back(boxes.tile[box]);
+void TilesInView::Boxes::add(std::uint32_t number, const WorldGrid& grid, glm::dvec3 lo_m, glm::dvec3 hi_m) {
+  tile.push_back(number);
+  const GridPoint lo = grid.snap(lo_m), hi = grid.snap(hi_m);
+  add_facet(mesh, lo, hi);
+  add_facet(columns, {lo.x, lo.y, -far_up}, {hi.x, hi.y, far_up});
+}
+
+void TilesInView::Boxes::add_to(TileChoice& choice, const std::vector<FacetId>& found) const {
+  for (const FacetId box : found) choice[component].push_back(tile[box]);
 }
 
 void TilesInView::finish(TileChoice& choice) const {
@@ -83,6 +89,22 @@ void TilesInView::finish(TileChoice& choice) const {
 }
 
 TileChoice TilesInView::of(const Shots& shots, const SharedShots& group, std::size_t ping) const {
+  TileChoice choice = looked_at(boxes_, shots, group, ping);
+  finish(choice);
+  return choice;
+}
+
+std::vector<std::size_t> TilesInView::components_of(const Shots& shots, const SharedShots& group,
+                                                    std::size_t ping) const {
+  const TileChoice found = looked_at(rest_, shots, group, ping);
+  std::vector<std::size_t> components;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (!found[i].empty()) components.push_back(i);
+  return components;
+}
+
+TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Shots& shots, const SharedShots& group,
+                                  std::size_t ping) const {
   const Scene& scene = site_.scene;
   const WorldGrid& grid = scene.grid;
   TileChoice choice(scene.tiled.size());
@@ -99,22 +121,22 @@ TileChoice TilesInView::of(const Shots& shots, const SharedShots& group, std::si
       if (scene.water->refracts()) {
         const Straightening straightening = straightening_of(site_, pings, grid.to_metres(tubes.apex));
         const Outlook outlook(tubes, grid.unit_m(), straightening);
-        for (const Boxes& boxes : boxes_)
-          add(boxes, outlook.facets(boxes.mesh, *boxes.tree, grid, lift_m_), choice);
+        for (const Boxes& boxes : list)
+          boxes.add_to(choice, outlook.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
         continue;
       }
       // Without ground of its own a shot knows which sheets it sees from above, which what is under and over
       // its tubes may change: docs/big-terrain.md
       const Sector sector(tubes, grid.unit_m());
-      for (const Boxes& boxes : boxes_)
-        add(boxes, sector.facets(site_.ground ? *boxes.tree : *boxes.column_tree, lift_m_), choice);
+      for (const Boxes& boxes : list)
+        boxes.add_to(choice, sector.facets(site_.ground ? *boxes.tree : *boxes.column_tree, lift_m_));
       for (const std::size_t s : group.sensors) {
         const Sensor& sensor = shot.sensor(s);
         const std::optional<PathSettings> paths = path_settings(scene, sensor.frequency_khz());
         if (!paths) continue;
         const double farthest = farthest_of_paths(*paths, std::max(2 * sensor.reach(grid), tubes.reach)) +
                                 lift_m_ / grid.unit_m();
-        for (const Boxes& boxes : boxes_) {
+        for (const Boxes& boxes : list) {
           std::vector<FacetId> found;
           boxes.column_tree->query(
               [&](const GridPoint& lo, const GridPoint& hi) {
@@ -123,12 +145,23 @@ TileChoice TilesInView::of(const Shots& shots, const SharedShots& group, std::si
                                   gap(double(lo.y) - tubes.apex.y, double(hi.y) - tubes.apex.y)) <= farthest;
               },
               found);
-          add(boxes, found, choice);
+          boxes.add_to(choice, found);
         }
       }
     }
   }
-  finish(choice);
+  return choice;
+}
+
+TileChoice TilesInView::within(glm::dvec3 lo_m, glm::dvec3 hi_m) const {
+  TileChoice choice(site_.scene.tiled.size());
+  for (const Boxes& boxes : boxes_) {
+    const std::vector<TerrainTiles::Tile>& tiles = site_.scene.tiled[boxes.component].tiles->tiles();
+    for (const std::uint32_t k : boxes.tile)
+      if (glm::all(glm::lessThanEqual(tiles[k].lo_m - lift_m_, hi_m)) &&
+          glm::all(glm::greaterThanEqual(tiles[k].hi_m + lift_m_, lo_m)))
+        choice[boxes.component].push_back(k);
+  }
   return choice;
 }
 
@@ -138,7 +171,7 @@ TileChoice TilesInView::below(glm::dvec3 place_m) const {
     std::vector<FacetId> found;
     facets_near_vertical(*boxes.tree, site_.scene.grid.snap(place_m), lift_m_ / site_.scene.grid.unit_m(),
                          found);
-    add(boxes, found, choice);
+    boxes.add_to(choice, found);
   }
   for (std::vector<std::uint32_t>& list : choice) std::sort(list.begin(), list.end());
   return choice;
@@ -156,6 +189,34 @@ Survey survey_around(const Shots& shots, const SharedShots& group, std::size_t p
   const Survey& survey = shots.survey();
   if (!survey.site->is_tiled()) return survey;
   return survey_with_tiles(survey, TilesInView(*survey.site).of(shots, group, ping));
+}
+
+void for_tiles_within(const Survey& survey, glm::dvec3 lo_m, glm::dvec3 hi_m,
+                      const std::function<void(const Scene&)>& look) {
+  if (!survey.site->is_tiled()) return;
+  const TileChoice all = TilesInView(*survey.site).within(lo_m, hi_m);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t k = 0; k < all[i].size();) {
+      const std::size_t columns = survey.scene.tiled[i].tiles->columns(), row = all[i][k] / columns;
+      TileChoice one_row(all.size());
+      for (; k < all[i].size() && all[i][k] / columns == row; ++k) one_row[i].push_back(all[i][k]);
+      look(survey_with_tiles(survey, one_row).scene);
+    }
+}
+
+ShotsAround::ShotsAround(const Shots& shots) : shots_(shots) {
+  if (shots.survey().site->is_tiled()) view_.emplace(*shots.survey().site);
+}
+
+const Shots& ShotsAround::at(const SharedShots& group, std::size_t ping) {
+  if (!view_) return shots_;
+  TileChoice tiles = view_->of(shots_, group, ping);
+  if (!part_ || tiles != tiles_) {
+    part_.reset();  // before the next one is loaded
+    part_ = std::make_unique<const Shots>(survey_with_tiles(shots_.survey(), tiles), shots_.request());
+    tiles_ = std::move(tiles);
+  }
+  return *part_;
 }
 
 }  // namespace tubefoot

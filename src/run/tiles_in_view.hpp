@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "geometry/search/scene_tree.hpp"
@@ -22,6 +25,11 @@ class TilesInView {
 
   /// Of a ping of a group of these shots, which are of this site.
   TileChoice of(const Shots& shots, const SharedShots& group, std::size_t ping) const;
+  /// The components in the mesh, of which the ping may have to do with a facet.
+  std::vector<std::size_t> components_of(const Shots& shots, const SharedShots& group,
+                                         std::size_t ping) const;
+  /// Those with facets that come into a box.
+  TileChoice within(glm::dvec3 lo_m, glm::dvec3 hi_m) const;
   /// Those with facets above or below a place, before or after relief moves them.
   TileChoice below(glm::dvec3 place_m) const;
   std::uint64_t facets(const TileChoice& choice) const;
@@ -33,17 +41,43 @@ class TilesInView {
     std::vector<std::uint32_t> tile;  ///< by facet
     FacetMesh mesh, columns;          ///< columns: however high and low
     std::unique_ptr<SceneTree> tree, column_tree;
+
+    void add(std::uint32_t number, const WorldGrid& grid, glm::dvec3 lo_m, glm::dvec3 hi_m);
+    void add_to(TileChoice& choice, const std::vector<FacetId>& found) const;
   };
-  void add(const Boxes& boxes, const std::vector<FacetId>& found, TileChoice& choice) const;
+  TileChoice looked_at(std::span<const Boxes> list, const Shots& shots, const SharedShots& group,
+                       std::size_t ping) const;
   void finish(TileChoice& choice) const;
 
   const Site& site_;
   double lift_m_;  ///< of relief, and the grid's rounding
   std::vector<Boxes> boxes_;
+  std::vector<Boxes> rest_;  ///< of the components that are not tiled, one each
 };
 
 /// A survey that one ping can be seen in: the shots' own, or, where terrain is read by tiles, one with those
 /// that the ping needs.
 Survey survey_around(const Shots& shots, const SharedShots& group, std::size_t ping);
+
+/// Calls `look` with scenes that have the tiles between them that come into a box, a row of tiles at a time,
+/// and all that is not tiled each; not at all for a survey that is not tiled.
+void for_tiles_within(const Survey& survey, glm::dvec3 lo_m, glm::dvec3 hi_m,
+                      const std::function<void(const Scene&)>& look);
+
+/// A survey's shots, for who asks ping by ping: where terrain is read by tiles, those of survey_around().
+class ShotsAround {
+ public:
+  /// The shots outlive this.
+  explicit ShotsAround(const Shots& shots);
+  /// Shots of the survey that this ping can be seen in, which live until another ping is asked for. Throws
+  /// InputError for a raster that can no longer be read.
+  const Shots& at(const SharedShots& group, std::size_t ping);
+
+ private:
+  const Shots& shots_;
+  std::optional<TilesInView> view_;
+  TileChoice tiles_;
+  std::unique_ptr<const Shots> part_;
+};
 
 }  // namespace tubefoot

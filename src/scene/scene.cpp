@@ -300,6 +300,12 @@ class Loader {
     }
     for (std::size_t i = 0; i < terrains.size(); ++i) {
       const TerrainDescription& t = description_.terrains[i];
+      if (is_tiled(i) && t.material_map)
+        tiled_[i].map = named_at(t.place, [&] {
+          const TerrainTiles& tiles = *tiled_[i].tiles;
+          return std::make_shared<const TerrainMap>(t, description_.materials, frame_.value_or(LocalFrame()),
+                                                    tiles.lo_m(), tiles.hi_m());
+        });
       const std::size_t facets = terrains[i].triangles.size();
       const std::size_t cut =
           apply_material_map(terrains[i], t, description_.materials, frame_.value_or(LocalFrame()));

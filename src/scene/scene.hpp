@@ -39,10 +39,13 @@ struct SceneReport {
   std::vector<std::string> warnings;
 };
 
+class TerrainMap;
+
 /// A terrain that is read by tiles.
 struct TiledTerrain {
   std::shared_ptr<const TerrainTiles> tiles;  ///< null: a component that is in the scene's mesh
   std::uint16_t material = 0;
+  std::shared_ptr<const TerrainMap> map;  ///< null: all of it is of this material
 };
 
 /// Everything a run needs, loaded and immutable.

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/tiled_scene.hpp"
 
+#include <fmt/format.h>
+
 #include <limits>
+#include <numeric>
+
+#include "files/memory_at_hand.hpp"
+#include "scene/beds/material_map.hpp"
 
 namespace tubefoot {
 namespace {
@@ -29,6 +35,15 @@ ComponentMesh taken_from(const FacetMesh& mesh, const WorldGrid& grid, FacetId f
 }  // namespace
 
 Scene with_tiles(const Scene& scene, const TileChoice& choice) {
+  for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
+    if (!scene.tiled[i].tiles) continue;
+    double facets = 0;
+    for (const std::uint32_t tile : choice[i]) facets += scene.tiled[i].tiles->tiles()[tile].facets;
+    require_memory(bytes_a_facet * facets, scene.description.terrains[i].place,
+                   fmt::format("the {:.3g} facets of '{}' that are needed at once", facets,
+                               scene.report.components[i].name),
+                   "ask for fewer pings, or give the terrain a window");
+  }
   Scene part{.description = scene.description,
              .grid = scene.grid,
              .mesh = {},
@@ -50,9 +65,13 @@ Scene with_tiles(const Scene& scene, const TileChoice& choice) {
   for (std::size_t i = 0; i < scene.report.components.size(); ++i) {
     const auto component = static_cast<std::uint16_t>(i);
     if (scene.tiled[i].tiles) {
-      const ComponentMesh mesh = scene.tiled[i].tiles->read(choice[i]);
+      ComponentMesh mesh = scene.tiled[i].tiles->read(choice[i]);
+      if (scene.tiled[i].map)
+        scene.tiled[i].map->apply(mesh);
+      else
+        mesh.materials.assign(mesh.triangles.size(), scene.tiled[i].material);
       builder.add(mesh.points_m, mesh.triangles, scene.tiled[i].material, component);
-      materials.resize(materials.size() + mesh.triangles.size(), scene.tiled[i].material);
+      materials.insert(materials.end(), mesh.materials.begin(), mesh.materials.end());
       continue;
     }
     FacetId last = first;
@@ -68,19 +87,14 @@ Scene with_tiles(const Scene& scene, const TileChoice& choice) {
   return part;
 }
 
-std::vector<std::uint64_t> facet_numbers(const Scene& scene, const TileChoice& choice) {
-  std::vector<std::uint64_t> numbers;
-  std::uint64_t before = 0;
-  for (std::size_t i = 0; i < scene.report.components.size(); ++i) {
-    const std::uint64_t facets = scene.report.components[i].facets;
-    if (scene.tiled[i].tiles)
-      for (const std::uint64_t number : scene.tiled[i].tiles->numbers_of(choice[i]))
-        numbers.push_back(before + number);
-    else
-      for (std::uint64_t k = 0; k < facets; ++k) numbers.push_back(before + k);
-    before += facets;
+TileChoice all_tiles(const Scene& scene) {
+  TileChoice all(scene.tiled.size());
+  for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
+    if (!scene.tiled[i].tiles) continue;
+    all[i].resize(scene.tiled[i].tiles->tiles().size());
+    std::iota(all[i].begin(), all[i].end(), std::uint32_t{0});
   }
-  return numbers;
+  return all;
 }
 
 }  // namespace tubefoot

@@ -14,10 +14,10 @@ using TileChoice = std::vector<std::vector<std::uint32_t>>;
 
 /// A scene with tiled terrains, with some of their tiles in its mesh: facets and vertices in the order that
 /// the mesh would have with all of them. Its `tiled` is empty. Throws InputError for a raster that can no
-/// longer be read.
+/// longer be read, and for more facets than there is memory for.
 Scene with_tiles(const Scene& scene, const TileChoice& choice);
 
-/// The numbers that the facets of with_tiles() would have in a mesh with all tiles.
-std::vector<std::uint64_t> facet_numbers(const Scene& scene, const TileChoice& choice);
+/// All tiles of a scene's tiled terrains.
+TileChoice all_tiles(const Scene& scene);
 
 }  // namespace tubefoot

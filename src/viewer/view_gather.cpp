@@ -13,6 +13,7 @@
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
+#include "run/tiles_in_view.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 #include "viewer/view_surroundings.hpp"
 
@@ -40,6 +41,7 @@ class Gatherer {
  public:
   Gatherer(const Shots& shots, std::size_t sensor, const ViewLimits& limits)
       : shots_(shots),
+        around_(shots),
         pings_(shots.survey().sensors[sensor]),
         sensor_(*pings_.sensor),
         index_(sensor),
@@ -51,9 +53,10 @@ class Gatherer {
     view.pings.push_back(
         {static_cast<std::uint32_t>(ping), pings_.times_s[ping], pings_.poses[ping].position_m, 0});
     view.energy_j.resize(view.energy_j.size() + cells_, 0.0);
+    const Shots& around = around_.at(shots_.survey().fleet->shots_of(index_), ping);
     const std::size_t shadows_before = view.shadows.corners_of.size();
     for (std::size_t number = 0; number < sensor_.shots(); ++number) {
-      const Shot shot = shots_.heard_by(index_, ping, number);
+      const Shot shot = around.heard_by(index_, ping, number);
       const ShotGround& ground = shot.ground();
       const History history = shot.trace();
       if (view.footprints.size() + history.footprints.footprints.size() > limits_.footprints)
@@ -70,8 +73,7 @@ class Gatherer {
 
   void finish() {
     const Scene& scene = shots_.survey().scene;
-    const std::size_t left_out =
-        take_mesh(scene, own_mesh_.facets.empty() ? scene.mesh : own_mesh_, limits_.mesh_facets, view);
+    const std::size_t left_out = take_surroundings();
     if (left_out > 0)
       view.notes.push_back(
           fmt::format("The scene is drawn near the footprints only: {} of the facets about "
@@ -96,6 +98,18 @@ class Gatherer {
   ViewData view;
 
  private:
+  std::size_t take_surroundings() {
+    const Survey& survey = shots_.survey();
+    const Surroundings about = surroundings(view);
+    if (!own_mesh_.facets.empty())
+      return take_mesh(survey.scene, own_mesh_, about, limits_.mesh_facets, view);
+    if (!survey.site->is_tiled())
+      return take_mesh(survey.scene, survey.scene.mesh, about, limits_.mesh_facets, view);
+    const TileChoice tiles = TilesInView(*survey.site).within(about.lo_m, about.hi_m);
+    const Survey near = survey_with_tiles(survey, tiles);
+    return take_mesh(near.scene, near.scene.mesh, about, limits_.mesh_facets, view);
+  }
+
   void add_shot(const Shot& shot, const History& history, std::uint32_t place) {
     const Scene& scene = shot.scene();
     const ShotGround& ground = shot.ground();
@@ -161,6 +175,7 @@ class Gatherer {
   }
 
   const Shots& shots_;
+  ShotsAround around_;
   const SensorPings& pings_;
   const Sensor& sensor_;
   std::size_t index_;

@@ -123,7 +123,7 @@ bool add_shadows(const Scene& scene, const ShotGround& ground, const History& hi
   return true;
 }
 
-std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t most, ViewData& view) {
+Surroundings surroundings(const ViewData& view) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   glm::dvec3 lo(infinity), hi(-infinity);
   for (const auto* points : {&view.shapes.corners_m, &view.shadows.corners_m})
@@ -137,8 +137,13 @@ std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t mos
       hi = glm::max(hi, ping.sensor_m + 10.0);
     }
   const double margin = glm::distance(lo, hi) / 4;
-  lo -= margin;
-  hi += margin;
+  return {lo - margin, hi + margin};
+}
+
+std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, const Surroundings& about, std::size_t most,
+                      ViewData& view) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto& [lo, hi] = about;
   const Nearness nearness(view, lo, hi);
   struct Near {
     double distance_m;

@@ -15,9 +15,15 @@ namespace tubefoot {
 bool add_shadows(const Scene& scene, const ShotGround& ground, const History& history, std::size_t most,
                  ViewPolygons& shadows);
 
-/// Takes the facets of a mesh about the footprints: those that meet the box of footprints and shadows made
-/// larger by a quarter of its diagonal; of more than `most`, the nearest to them in plan. Returns how many
-/// were left out.
-std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, std::size_t most, ViewData& view);
+/// The box of footprints and shadows, or of the sensor's places, made larger by a quarter of its diagonal.
+struct Surroundings {
+  glm::dvec3 lo_m, hi_m;
+};
+Surroundings surroundings(const ViewData& view);
+
+/// Takes the facets of a mesh that meet the surroundings; of more than `most`, those nearest to footprints
+/// and shadows in plan. Returns how many were left out.
+std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, const Surroundings& about, std::size_t most,
+                      ViewData& view);
 
 }  // namespace tubefoot

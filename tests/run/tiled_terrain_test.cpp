@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Terrain that is read by tiles gives what it gives when it is loaded whole, to the last bit.
 #include <fmt/format.h>
-#include <gdal_priv.h>
-#include <gdal_utils.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <memory>
 
+#include "fixtures/mosaic.hpp"
 #include "fixtures/mpirun.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
@@ -25,121 +23,9 @@ namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace mosaic;
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr int columns = 300, rows = 260;
-constexpr double cell_m = 0.5, no_data = -9999;
-
-/// Some 12 m below the frame's level, waves of 7 to 60 m.
-double height(int column, int row) {
-  const double x = column * cell_m, y = row * cell_m;
-  return -12 + 1.1 * std::sin(x / 9 + 0.4 * std::sin(y / 7)) + 0.7 * std::sin((x + 2 * y) / 5) +
-         0.02 * std::sin(4.3 * x) * std::cos(3.7 * y);
-}
-
-/// A gap about the track, another that cuts all of the rest of it in two, single pixels without data, and
-/// islands of a few facets.
-bool is_hole(int column, int row) {
-  const double x = column - 120.0, y = row - 100.0;
-  const double r = std::hypot(x, y);
-  return (r < 12 && r > 4) || (row > 150 && row < 154) || (column * 7 + row * 13) % 997 == 0;
-}
-
-GDALDatasetUniquePtr raster(bool holes, int first_column = 0, int first_row = 0, int width = columns,
-                            int height_ = rows) {
-  GDALAllRegister();
-  GDALDatasetUniquePtr data(
-      GetGDALDriverManager()->GetDriverByName("MEM")->Create("", width, height_, 1, GDT_Float32, nullptr));
-  double place[6] = {500000 + first_column * cell_m, cell_m, 0, 5300000 - first_row * cell_m, 0, -cell_m};
-  data->SetGeoTransform(place);
-  OGRSpatialReference crs;
-  crs.SetFromUserInput("EPSG:32630");
-  data->SetSpatialRef(&crs);
-  std::vector<float> values;
-  for (int row = first_row; row < first_row + height_; ++row)
-    for (int column = first_column; column < first_column + width; ++column)
-      values.push_back(static_cast<float>(holes && is_hole(column, row) ? no_data : height(column, row)));
-  data->GetRasterBand(1)->SetNoDataValue(no_data);
-  EXPECT_EQ(data->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, width, height_, values.data(), width, height_,
-                                             GDT_Float32, 0, 0, nullptr),
-            CE_None);
-  return data;
-}
-
-void write(GDALDataset& data, const char* driver, const fs::path& file, char** options = nullptr) {
-  const GDALDatasetUniquePtr out(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(
-      file.c_str(), &data, 0, options, nullptr, nullptr));
-  ASSERT_NE(out, nullptr) << file;
-}
-
-/// Four GeoTIFFs and a virtual raster over them.
-fs::path write_mosaic(const TestFolder& folder, bool holes) {
-  std::vector<std::string> names;
-  for (int k = 0; k < 4; ++k) {
-    const int c = k % 2 * 170, r = k / 2 * 140;
-    names.push_back((folder / fmt::format("part{}.tif", k)).string());
-    write(*raster(holes, c, r, k % 2 ? columns - 170 : 170, k / 2 ? rows - 140 : 140), "GTiff", names.back());
-  }
-  std::vector<const char*> list;
-  for (const std::string& name : names) list.push_back(name.c_str());
-  const fs::path file = folder / "mosaic.vrt";
-  GDALDatasetH built = GDALBuildVRT(file.c_str(), 4, nullptr, list.data(), nullptr, nullptr);
-  EXPECT_NE(built, nullptr);
-  GDALClose(built);
-  return file;
-}
-
-constexpr std::string_view water = R"([georeference]
-crs = "EPSG:32630"
-origin_crs = [500070, 5299935]
-[[materials]]
-name = "sand"
-lambert_db = -25
-)";
-
-std::string terrain(std::string_view file, std::string_view load, std::string_view more = "") {
-  return fmt::format("[[terrain]]\nname = \"bed\"\nkind = \"raster\"\nfile = \"{}\"\nload = \"{}\"\n{}\n",
-                     file, load, more);
-}
-
-constexpr std::string_view diagonal = R"([[trajectories]]
-kind = "line"
-start_m = [-55, 50, -4]
-end_m = [50, -52, -4]
-speed_m_s = 2
-)";
-
-constexpr std::string_view sidescan = R"([[sensors]]
-name = "side"
-kind = "sidescan"
-along_track_deg = 1
-range_min_m = 1
-range_max_m = 22
-samples = 60
-pings = 9
-ping_interval_s = 8
-)";
-
-constexpr std::string_view multibeam = R"([[sensors]]
-name = "multi"
-kind = "multibeam"
-beams = 24
-range_min_m = 1
-range_max_m = 25
-samples = 50
-pings = 5
-ping_interval_s = 14
-)";
-
-constexpr std::string_view ball = R"([[objects]]
-name = "ball"
-shape = "sphere"
-radius_m = 1.5
-chord_error_m = 0.05
-position_m = [-4, 8, 0]
-on_terrain_m = -0.3
-)";
 
 struct Result {
   std::vector<std::vector<double>> energy;
@@ -192,15 +78,11 @@ double sum(const std::vector<double>& values) {
 struct TiledCase {
   const char* name;
   std::string text;  ///< with {} for the terrain
-  bool holes = false;
+  bool holes = false, island = false;
   const char* more = "";  ///< of the terrain
   std::optional<double> reference = {};
   friend void PrintTo(const TiledCase& of, std::ostream* out) { *out << of.name; }
 };
-
-std::string scene(std::string_view front, std::string_view back) {
-  return fmt::format("{}{}{{}}{}", front, water, back);
-}
 
 std::vector<TiledCase> scenes() {
   const std::string line(diagonal), side(sidescan);
@@ -218,7 +100,7 @@ std::vector<TiledCase> scenes() {
   return {
       {"Sidescan", scene("", line + side)},
       {"SidescanWithHolesAndAnObject", scene("", std::string(ball) + line + side), true},
-      {"MultibeamOfAWindowDecimated", scene("", line + std::string(multibeam)), false,
+      {"MultibeamOfAWindowDecimated", scene("", line + std::string(multibeam)), false, false,
        "window = [11, 7, 280, 250]\ndecimate = 2"},
       {"TwoSensors", scene("", line + side + std::string(multibeam)), true},
       {"ReliefOnline", relief},
@@ -227,7 +109,11 @@ std::vector<TiledCase> scenes() {
       {"ReceiverApart", scene("", line + few + "receiver_arm_m = [0.3, 0, 0]\n"), true},
       {"PathsOverTheSurface", scene("[sea_surface]\nheight_m = 0\n[paths]\norder = 2\n",
                                     line + replaced(few, "range_max_m = 22", "range_max_m = 9"))},
-      {"Reference", scene("", line + replaced(few, "samples = 60", "samples = 12")), true, "", 1e-6},
+      {"AnIslandAndTheSurface",
+       scene("[sea_surface]\nheight_m = 0\n", line + replaced(few, "range_max_m = 22", "range_max_m = 16")),
+       false, true},
+      {"MaterialMap", with_mud(scene("", std::string(ball) + line + side)), true, false, patches},
+      {"Reference", scene("", line + replaced(few, "samples = 60", "samples = 12")), true, false, "", 1e-6},
       {"Rays", scene("", line + few + "[run]\nengine = \"ray\"\nrays_per_ping = 5000\n")},
   };
 }
@@ -237,7 +123,7 @@ class TiledTerrain : public testing::TestWithParam<TiledCase> {};
 TEST_P(TiledTerrain, GivesTheBitsOfTheWhole) {
   const TiledCase& given = GetParam();
   const TestFolder folder;
-  write_mosaic(folder, given.holes);
+  write_mosaic(folder, given.holes, given.island);
   const auto described = [&](const char* load, int cache_mb) {
     SceneDescription description = read_scene_text(
         replaced(given.text, "{}", terrain("mosaic.vrt", load, given.more)), folder / "scene.toml");
@@ -302,23 +188,6 @@ TEST(TiledTerrainFiles, NoMoreIsHeldThanTheCacheAndWhatIsInUse) {
   EXPECT_LT(3 * largest, bytes_of_mesh(*open_survey(description)));
 }
 
-TEST(TiledTerrainFiles, FootprintsNameTheFacetsOfTheWhole) {
-  const TestFolder folder;
-  write_mosaic(folder, true);
-  for (const char* load : {"whole", "tiles"}) {
-    folder.write("scene.toml",
-                 replaced(scene("", std::string(ball) + std::string(diagonal) + std::string(sidescan)), "{}",
-                          terrain("mosaic.vrt", load)));
-    const Outcome outcome =
-        run_program({"footprints", (folder / "scene.toml").string(), "--sensor", "side", "--pings", "3:4",
-                     "-o", (folder / fmt::format("{}.csv", load)).string()});
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  }
-  const std::string table = bytes_of(folder / "tiles.csv");
-  EXPECT_GT(table.size(), 10000u);
-  EXPECT_TRUE(table == bytes_of(folder / "whole.csv"));
-}
-
 TEST(TiledTerrainFiles, CheckSaysWhatIsThereWithoutLoadingIt) {
   const TestFolder folder;
   write_mosaic(folder, false);
@@ -331,32 +200,19 @@ TEST(TiledTerrainFiles, CheckSaysWhatIsThereWithoutLoadingIt) {
                                     2 * (columns - 1) * (rows - 1))));
 }
 
-TEST(TiledTerrainFiles, WhatNeedsTheWholeSaysSo) {
+TEST(TiledTerrainFiles, OfflineReliefNeedsTheWholeAndSaysSo) {
   const TestFolder folder;
   write_mosaic(folder, false);
-  const std::string text = replaced(scene("", std::string(diagonal) + std::string(sidescan)), "{}",
-                                    terrain("mosaic.vrt", "tiles"));
-  folder.write("scene.toml", text);
-  const std::string file = (folder / "scene.toml").string(), out = (folder / "out").string();
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"coverage", file, "-o", out},
-        {"audit", file},
-        {"view", file, "-o", out},
-        {"chart", file, "-o", out},
-        {"advise", file, "--tolerance", "1dB"},
-        {"refine", file, "-o", out},
-        {"footprints", file, "--sensor", "side", "-o", out + ".txt"}}) {
-    const Outcome outcome = run_program(words);
-    EXPECT_EQ(outcome.exit_code, 2) << words[0] << outcome.err;
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("'bed' is read by tiles"), HasSubstr("load = \"whole\"")))
-        << words[0];
-  }
-  folder.write("scene.toml",
-               replaced(text, "load = \"tiles\"\n",
-                        "load = \"tiles\"\n[terrain.material_map]\nkind = \"patches\"\nspacing_m = 5\n"
-                        "materials = [\"sand\"]\n"));
-  const Outcome outcome = run_program({"check", file});
+  const std::string text =
+      replaced(replaced(scene("", std::string(diagonal) + std::string(sidescan)), "{}",
+                        terrain("mosaic.vrt", "tiles")),
+               "lambert_db = -25\n",
+               "lambert_db = -25\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = "
+               "0.08\nwavelength_m = 0.8\nrms_height_m = 0.03\n") +
+      "[relief]\nmode = \"offline\"\ncell_m = 0.25\n";
+  const Outcome outcome = run_program({"check", folder.write("scene.toml", text).string()});
   EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("needs all of 'bed'"), HasSubstr("load = \"whole\"")));
 }
 
 // A source that is cut off while a run goes on: the pings before it are kept, and go on once it is back.

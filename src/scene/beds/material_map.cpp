@@ -124,49 +124,60 @@ MaterialMap make_map(const MaterialMapDescription& map, const MaterialMapSetting
 
 }  // namespace
 
-std::size_t apply_material_map(ComponentMesh& mesh, const TerrainDescription& terrain,
-                               const std::vector<MaterialDescription>& materials, const LocalFrame& frame) {
-  if (!terrain.material_map || mesh.triangles.empty()) return 0;
-  glm::dvec3 lo = mesh.points_m.front(), hi = lo;
-  for (const glm::dvec3& p : mesh.points_m) lo = glm::min(lo, p), hi = glm::max(hi, p);
-  const std::uint16_t usual = material_named(terrain.material, materials, terrain.material_place, "");
-  const SourcePlace& place = terrain.material_map->place;
-  const MaterialMap map = make_map(*terrain.material_map, {materials, usual, lo, hi, frame, place});
-
+TerrainMap::TerrainMap(const TerrainDescription& terrain, const std::vector<MaterialDescription>& materials,
+                       const LocalFrame& frame, glm::dvec3 lo_m, glm::dvec3 hi_m)
+    : place_(terrain.material_map->place),
+      map_(make_map(*terrain.material_map,
+                    {materials, material_named(terrain.material, materials, terrain.material_place, ""), lo_m,
+                     hi_m, frame, place_})) {
   constexpr double reach_m = 1e9;
-  for (const MaterialBorder& border : map.borders())
+  for (const MaterialBorder& border : map_.borders())
     for (const glm::dvec2& p : {border.a, border.b})
       if (!(std::abs(p.x) <= reach_m && std::abs(p.y) <= reach_m))
-        throw InputError(place,
+        throw InputError(place_,
                          fmt::format("the map's border at ({:.6g}, {:.6g}) m is no place in this scene: is "
                                      "its coordinate reference system right?",
                                      p.x, p.y));
-  std::vector<PlanSegment> segments;
-  segments.reserve(map.borders().size());
+  segments_.reserve(map_.borders().size());
   // Neighbours share borders: once is enough.
   const auto key = [](const PlanSegment& s) { return std::array{s.a.x, s.a.y, s.b.x, s.b.y}; };
-  for (const MaterialBorder& border : map.borders()) {
+  for (const MaterialBorder& border : map_.borders()) {
     const bool forwards = std::pair(border.a.x, border.a.y) < std::pair(border.b.x, border.b.y);
-    segments.push_back({forwards ? border.a : border.b, forwards ? border.b : border.a});
+    segments_.push_back({forwards ? border.a : border.b, forwards ? border.b : border.a});
   }
-  std::ranges::sort(segments, {}, key);
+  std::ranges::sort(segments_, {}, key);
   const auto same = [&key](const PlanSegment& s, const PlanSegment& t) { return key(s) == key(t); };
-  segments.erase(std::unique(segments.begin(), segments.end(), same), segments.end());
+  segments_.erase(std::unique(segments_.begin(), segments_.end(), same), segments_.end());
+}
+
+std::vector<std::uint32_t> TerrainMap::apply(ComponentMesh& mesh) const {
   try {
-    PlanCut cut = cut_in_plan(mesh.points_m, mesh.triangles, segments);
+    PlanCut cut = cut_in_plan(mesh.points_m, mesh.triangles, segments_);
     mesh.triangles = std::move(cut.triangles);
     mesh.materials.resize(mesh.triangles.size());
     tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t k) {
       stop_if_wanted();
       const auto& [a, b, c] = mesh.triangles[k];
-      mesh.materials[k] = map.at((mesh.points_m[a] + mesh.points_m[b] + mesh.points_m[c]) / 3.0);
+      mesh.materials[k] = map_.at((mesh.points_m[a] + mesh.points_m[b] + mesh.points_m[c]) / 3.0);
     });
-    return cut.cut_facets;
+    return std::move(cut.facet);
   } catch (const std::domain_error& error) {
-    throw InputError(place, error.what());
+    throw InputError(place_, error.what());
   } catch (const std::length_error& error) {
-    throw InputError(place, error.what());
+    throw InputError(place_, error.what());
   }
+}
+
+std::size_t apply_material_map(ComponentMesh& mesh, const TerrainDescription& terrain,
+                               const std::vector<MaterialDescription>& materials, const LocalFrame& frame) {
+  if (!terrain.material_map || mesh.triangles.empty()) return 0;
+  glm::dvec3 lo = mesh.points_m.front(), hi = lo;
+  for (const glm::dvec3& p : mesh.points_m) lo = glm::min(lo, p), hi = glm::max(hi, p);
+  const std::vector<std::uint32_t> facet = TerrainMap(terrain, materials, frame, lo, hi).apply(mesh);
+  std::size_t cut = 0;  // facets of which there is a second part
+  for (std::size_t k = 1; k < facet.size(); ++k)
+    cut += facet[k] == facet[k - 1] && (k == 1 || facet[k - 2] != facet[k]);
+  return cut;
 }
 
 }  // namespace tubefoot

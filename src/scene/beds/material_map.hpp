@@ -47,6 +47,24 @@ class MaterialMap {
 /// At most so many pieces of borders a map, patches a map.
 inline constexpr std::size_t most_material_borders = 2'000'000, most_material_patches = 200'000;
 
+/// A terrain's map, made once to be put on parts of the terrain.
+class TerrainMap {
+ public:
+  /// Of a terrain with a map; `lo_m` and `hi_m` are about all of it. Throws InputError.
+  TerrainMap(const TerrainDescription& terrain, const std::vector<MaterialDescription>& materials,
+             const LocalFrame& frame, glm::dvec3 lo_m, glm::dvec3 hi_m);
+
+  /// Puts facets, cut along the borders, each into its material (an index into the materials). Returns the
+  /// facet that each then is a part of; what a facet is cut into does not depend on the others. Thread-safe.
+  /// Throws InputError.
+  std::vector<std::uint32_t> apply(ComponentMesh& mesh) const;
+
+ private:
+  SourcePlace place_;
+  MaterialMap map_;
+  std::vector<PlanSegment> segments_;  ///< its borders, each once
+};
+
 /// Puts a terrain's facets, cut along the borders of its map, each into its material (an index into
 /// `materials`). Nothing happens without a map. Returns how many facets were cut. Throws InputError.
 std::size_t apply_material_map(ComponentMesh& mesh, const TerrainDescription& terrain,

@@ -48,18 +48,15 @@ bool is_read_by_tiles(const TerrainDescription& terrain, const SceneDescription&
   const bool offline =
       scene.refinement.mode == "offline" && std::any_of(scene.materials.begin(), scene.materials.end(),
                                                         [](const auto& m) { return !m.relief.empty(); });
-  const char* const whole = terrain.material_map ? "a material map"
-                            : offline            ? "[relief] with mode = \"offline\""
-                                                 : nullptr;
   if (raster->load == "tiles") {
-    if (whole != nullptr)
+    if (offline)
       throw InputError(terrain.place,
-                       fmt::format("{} needs all of '{}' at once: give the terrain a window and load = "
-                                   "\"whole\"",
-                                   whole, terrain.name));
+                       fmt::format("[relief] with mode = \"offline\" needs all of '{}' at once: give the "
+                                   "terrain a window and load = \"whole\"",
+                                   terrain.name));
     return true;
   }
-  if (whole != nullptr) return false;
+  if (offline) return false;
   const RasterReader reader(*raster);
   return !reader.file().has_variable_resolution() && reader.window().cells() > most_cells_whole;
 }
@@ -299,6 +296,13 @@ ComponentMesh TerrainTiles::read(std::span<const std::uint32_t> tiles) const {
   if (mesh.triangles.size() != facets) reader.file().fail("was changed while it was read");
   drop_unused_points(mesh);
   return mesh;
+}
+
+std::uint64_t TerrainTiles::first_of_row(std::size_t row) const {
+  const std::size_t cells = row * side;
+  if (cells >= static_cast<std::size_t>(cell_rows_)) return facets_;
+  return row_first_.empty() ? 2 * std::uint64_t(cells) * static_cast<std::uint64_t>(cell_columns_)
+                            : row_first_[cells];
 }
 
 std::vector<std::uint64_t> TerrainTiles::numbers_of(std::span<const std::uint32_t> tiles) const {

@@ -58,6 +58,8 @@ class TerrainTiles {
   ComponentMesh read(std::span<const std::uint32_t> tiles) const;
   /// The numbers that read_raster() gives the facets that read() returns, in its order.
   std::vector<std::uint64_t> numbers_of(std::span<const std::uint32_t> tiles) const;
+  /// The number of the first facet of a row of tiles; beyond the last row, of all facets.
+  std::uint64_t first_of_row(std::size_t row) const;
 
  private:
   /// Tiles [first, end) of one row of tiles.
