@@ -20,6 +20,7 @@ using enum Feature;
 
 constexpr std::array<std::string_view, features> names{"refraction",
                                                        "mirrors, further paths",
+                                                       "two scatterings",
                                                        "receiver apart",
                                                        "two receivers",
                                                        "tiles",
@@ -64,6 +65,9 @@ constexpr auto table = std::to_array<Refusal>({
     {refraction, relief_each_shot, reference,
      "a reference through such water needs relief that is refined once for all shots: give [relief] mode = "
      "\"offline\""},
+    {refraction, receiver_apart, reference,
+     "a reference of two places needs straight rays: leave out --reference, or give profile = "
+     "\"constant\""},
     {refraction,
      coverage,
      {},
@@ -78,21 +82,18 @@ constexpr auto table = std::to_array<Refusal>({
      relief_each_shot,
      {},
      "paths over mirrors need all of the bed in facets: give [relief] mode = \"offline\""},
-    {mirrors,
+    {two_scatterings,
      reference,
      {},
-     "a certified integral has one apex, a path over mirrors or two scatterings has more: leave out "
-     "--reference"},
+     "patches that scatter on to others are taken for points, which no bound encloses: leave out "
+     "--reference, "
+     "or give scatterings = 1"},
     {mirrors,
      double_arithmetic,
      {},
      "paths over mirrors need an exact arithmetic: fixed, filtered or rational"},
     {mirrors, rays, {}, "rays are not mirrored: paths over mirrors need the tube engine"},
     {receiver_apart, two_receivers, {}, "has two receivers on its staff, too: leave out 'receiver_arm_m'"},
-    {receiver_apart,
-     reference,
-     {},
-     "two apexes cannot be certified: leave out --reference, or 'receiver_arm_m'"},
     {receiver_apart, double_arithmetic, {}, "needs an exact arithmetic: fixed, filtered or rational"},
     {receiver_apart, fast_binning, {}, "needs exact binning"},
     {receiver_apart, rays, {}, "needs the tube engine: the ray engine has one apex"},
@@ -154,8 +155,10 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
       found.push_back({feature, sensor.description().place,
                        fmt::format("sensor '{}' {}", sensor.description().name, what)});
     };
-    if (path_settings(scene, sensor.frequency_khz()))
+    if (const auto paths = path_settings(scene, sensor.frequency_khz())) {
       add(mirrors, "has paths over mirrors or two scatterings");
+      if (paths->scatterings > 1) add(two_scatterings, "has paths of two scatterings");
+    }
     if (sensor.has_receiver_apart()) add(receiver_apart, "has its receiver apart");
     if (sensor.has_staff()) add(two_receivers, "has two receivers");
   }

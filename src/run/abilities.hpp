@@ -22,6 +22,7 @@ enum class Feature : unsigned char {
   // of a scene
   refraction,        ///< water whose sound speed varies
   mirrors,           ///< paths over mirrors, and of two scatterings
+  two_scatterings,   ///< and more
   receiver_apart,    ///< from its transmitter
   two_receivers,     ///< one above the other, for phases
   tiles,             ///< terrain of which only parts are in memory

@@ -48,8 +48,16 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings,
                      fmt::format("sensor '{}', paths: {}", sensor.description().name, error.what()));
   }
   const std::optional<int> only = scene.description.paths.only_order;
-  for (std::size_t order = 0; order < paths.by_order.size(); ++order)
-    if (only.value_or(int(order)) == int(order)) sums.add(shot, s, order, paths.by_order[order].energy);
+  for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
+    if (only.value_or(int(order)) != int(order)) continue;
+    if (!settings.reference_tolerance) {
+      sums.add(shot, s, order, paths.by_order[order].energy);
+      continue;
+    }
+    CertifiedEcho certified{paths.by_order[order], paths.bound_by_order[order]};
+    hold_against(certified, *settings.reference_tolerance);
+    sums.add(shot, s, certified, order);
+  }
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
   sums.counts.pieces += paths.shared_pieces;
@@ -57,8 +65,10 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings,
 
 void add_paths(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors)
-    if (const auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz()))
+    if (auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz())) {
+      settings->reference_tolerance = shot.request().reference_tolerance;
       add_paths_of(shot, s, *settings, sums);
+    }
 }
 
 /// Through refracting water a reference chooses its own apparent ground.
@@ -84,7 +94,15 @@ void add_both(const Shot& shot, const BistaticHistory& history, const FacetMesh&
     sums.add_finer_relief(shot, history, mesh, shot.sensor(s).samples().step_m);
     SensorLaw law(shot, ShotGround(shot.site()), s);
     law.law.material = mesh.material;
-    sums.add(shot, s, 1, shot.echo(history, s, law.law).energy);
+    const Echo echo = shot.echo(history, s, law.law);
+    if (const auto tolerance = shot.request().reference_tolerance) {
+      const std::vector<std::uint32_t> fans = shot.sensor(s).fan_of_tube(shot.number());
+      sums.add(shot, s,
+               certify_echo(mesh, history, shot.beams_by_fans(s, fans), shot.sensor(s).samples(), law.law,
+                            echo, *tolerance));
+    } else {
+      sums.add(shot, s, 1, echo.energy);
+    }
     sums.counts.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     sums.counts.footprints += history.shared.facets.size();
     sums.counts.pieces += history.shared.pieces.size();

@@ -28,6 +28,7 @@ const std::vector<InScene> of_scenes{
      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 40\n"
      "surface_height_m = 20\n"},
     {Feature::mirrors, "[sea_surface]\nheight_m = 20\n"},
+    {Feature::two_scatterings, "[paths]\norder = 2\nscatterings = 2\npatch_m = 1\n"},
     {Feature::receiver_apart, {}, {}, "receiver_arm_m = [0, 1, 0]\n"},
     {Feature::two_receivers, {}, {}, {}},  // another kind of sensor
     {Feature::tiles, {}, {}, {}},          // another way to load
@@ -101,7 +102,8 @@ struct AbilitiesWalk : testing::Test {
     folder.write("bed.asc", bed);
   }
 
-  void walk(const std::set<Feature>& features, std::vector<std::string> words) {
+  void walk(std::set<Feature> features, std::vector<std::string> words) {
+    if (features.contains(Feature::two_scatterings)) features.insert(Feature::mirrors);  // paths as they are
     const std::string scene = scene_with(features);
     SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene));
     const auto file = folder.write("scene.toml", scene);

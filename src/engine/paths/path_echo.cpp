@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "engine/certified/certified_arrival.hpp"
+#include "engine/certified/reference.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/steps.hpp"
@@ -56,6 +58,8 @@ class PathTracer {
       echo.samples = samples.count;
       echo.energy.assign(std::size_t(beams.count) * std::size_t(samples.count), 0);
     }
+    if (settings.reference_tolerance)
+      for (const Echo& echo : echo_.by_order) echo_.bound_by_order.emplace_back(echo.energy.size(), 0.0);
     echo_.images = transmit_.size() + receive_.size() - (one_place_ ? 1 : 2);
   }
 
@@ -75,7 +79,7 @@ class PathTracer {
   struct Part {
     struct Bin {
       std::size_t order, bin;
-      double energy;
+      double energy, bound;
     };
     std::vector<Bin> bins;
     std::size_t pieces = 0;
@@ -152,18 +156,30 @@ class PathTracer {
     for (const Part& part : parts) take(part);
   }
 
-  static void add(Part& part, std::size_t order, const Echo& echo, std::size_t pieces) {
-    for (std::size_t bin = 0; bin < echo.energy.size(); ++bin)
-      if (echo.energy[bin] != 0) part.bins.push_back({order, bin, echo.energy[bin]});
+  /// Without bounds all are 0.
+  static void add(Part& part, std::size_t order, const CertifiedEcho& found, std::size_t pieces) {
+    const std::vector<double>& energy = found.echo.energy;
+    for (std::size_t bin = 0; bin < energy.size(); ++bin) {
+      const double bound = found.bound.empty() ? 0 : found.bound[bin];
+      if (energy[bin] != 0 || bound != 0) part.bins.push_back({order, bin, energy[bin], bound});
+    }
     part.pieces += pieces;
   }
 
   void take(const Part& part) {
-    for (const Part::Bin& bin : part.bins) echo_.by_order[bin.order].energy[bin.bin] += bin.energy;
+    for (const Part::Bin& bin : part.bins) take(bin);
     echo_.shared_pieces += part.pieces;
   }
+  void take(const Part::Bin& bin) {
+    double& energy = echo_.by_order[bin.order].energy[bin.bin];
+    energy += bin.energy;
+    if (echo_.bound_by_order.empty()) return;
+    constexpr double rounding = 0x1p-52;  // of both sums
+    double& bound = echo_.bound_by_order[bin.order][bin.bin];
+    bound = (bound + bin.bound) * (1 + rounding) + energy * rounding;
+  }
 
-  Echo scattered(const Image& sent, const Image& heard, SharedFootprints shared) const {
+  CertifiedEcho scattered(const Image& sent, const Image& heard, SharedFootprints shared) const {
     const BistaticHistory history{sent.windows, heard.windows, unit_m_, std::move(shared)};
     const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_tube),
                                      from = of_windows(sent, beams_.fan_of_transmit_tube),
@@ -181,7 +197,12 @@ class PathTracer {
         patterns.beams_of_tube.push_back(law_.patterns->beams_of_tube[tube]);
       law.patterns = &patterns;
     }
-    return integrate_echo(history, {beams_.count, beam, from, to}, samples_, law);
+    const ReceiveBeams beams{beams_.count, beam, from, to};
+    CertifiedEcho found;
+    found.echo = integrate_echo(history, beams, samples_, law);
+    if (const auto tolerance = settings_.reference_tolerance)
+      found = certify_echo(mesh_, history, beams, samples_, law, found.echo, *tolerance);
+    return found;
   }
 
   /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
@@ -224,6 +245,7 @@ class PathTracer {
   }
 
   void hear(const Image& image, std::uint32_t receive_tube, glm::dvec3 path_m) {
+    if (settings_.reference_tolerance) return hear_certified(image, receive_tube);
     const double length = glm::length(path_m);
     const double sample = std::floor((length / 2 - samples_.first_m) / samples_.step_m);
     if (!(sample >= 0 && sample < samples_.count)) return;
@@ -243,6 +265,27 @@ class PathTracer {
         patterns.transmit[patterns.fan_of_tube[receive_tube]].gain(image.leg.to_true * direction);
     for (std::uint32_t beam = first; beam < end; ++beam)
       add(beam, sent * patterns.receive[beam].gain(-direction));
+  }
+
+  void hear_certified(const Image& image, std::uint32_t receive_tube) {
+    Arrival arrival{true_receive_.apex - image.windows.apex, unit_m_, law_.absorption_db_per_m, &image.leg};
+    const double length = glm::length(difference_m(true_receive_.apex, image.windows.apex, unit_m_));
+    if (!(image.leg.loss.at(difference_m(true_receive_.apex, image.windows.apex, unit_m_) / length) > least_))
+      return;
+    std::uint32_t first = beams_.of_tube[receive_tube];
+    if (law_.patterns != nullptr) {
+      const BeamPatterns& patterns = *law_.patterns;
+      const auto [begin, end] = patterns.beams_of_tube[receive_tube];
+      if (begin == end) return;
+      first = begin;
+      arrival.transmit = &patterns.transmit[patterns.fan_of_tube[receive_tube]];
+      arrival.receive = std::span(patterns.receive).subspan(begin, end - begin);
+    }
+    ++echo_.arrivals;
+    certify_arrival(
+        arrival, samples_, [&](std::size_t beam, std::size_t sample, double energy, double bound) {
+          take({image.mirrors, (first + beam) * std::size_t(samples_.count) + sample, energy, bound});
+        });
   }
 
   const FacetMesh& mesh_;
@@ -267,6 +310,8 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
                    const PathSettings& settings) {
+  if (settings.reference_tolerance && settings.scatterings > 1)
+    throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
   return PathTracer(mesh, tree, grid_unit_m, options, transmit, receive, beams, samples, law, settings)
       .trace();
 }

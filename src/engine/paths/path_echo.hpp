@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "engine/echo/echo.hpp"
@@ -18,6 +19,9 @@ struct PathSettings {
   double patch_m = 1;               ///< longest edge of the patches that scatter on to others
   std::size_t most_images = 10000;  ///< of one apex; and a hundred times as many pairs of images
   bool direct = false;              ///< also the way straight from a transmitter to a receiver apart
+  /// Energies with bounds, each path's as narrow as that asks (engine/certified/reference.hpp); one
+  /// scattering.
+  std::optional<double> reference_tolerance{};
   Mirrors mirrors;
 };
 
@@ -26,6 +30,8 @@ struct PathEcho {
   /// By order, 0 to the highest asked for. Order 0 is the way straight from transmitter to receiver; order 1
   /// holds only reflections without scattering: the scattering on its own is the ordinary echo.
   std::vector<Echo> by_order;
+  /// With a reference, by order: the half-widths of the energies' enclosures, laid out as these.
+  std::vector<std::vector<double>> bound_by_order;
   std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
 };
 
