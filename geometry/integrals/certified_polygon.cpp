@@ -4,6 +4,7 @@
 #include <flint/fmpz.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -77,6 +78,23 @@ void finish(CertifiedPolygon& polygon) {
   if (maybe_inside) polygon.foot = enclosure(polygon.distance);
 }
 
+/// Frame and distance of a facet's plane.
+CertifiedPolygon on_plane_of(const FacetCone& facet, double unit_m) {
+  const WideVec normal = widen(facet.normal);
+  const WideInt offset = widen(facet.offset);
+  const GridPoint side = facet.point[1] - facet.point[0];
+  const WideVec along{WideInt(side.x), WideInt(side.y), WideInt(side.z)};
+
+  CertifiedPolygon polygon;
+  const Ball per_normal = Ball(1) / root(ball(tubefoot::dot(normal, normal)));
+  polygon.away = scaled(balls(normal), per_normal);
+  const Ball per_along = Ball(1) / root(ball(tubefoot::dot(along, along)));
+  polygon.u = scaled(balls(along), per_along);
+  polygon.v = scaled(balls(cross(normal, along)), per_normal * per_along);
+  polygon.distance = ball(offset) * per_normal * Ball(unit_m);
+  return polygon;
+}
+
 }  // namespace
 
 CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
@@ -85,24 +103,33 @@ CertifiedPolygon certified_polygon(const NameContext& context, const std::vector
   FacetCone::make(context.mesh, piece.facet, context.apex, facet);
   const WideVec normal = widen(facet.normal);
   const WideInt offset = widen(facet.offset);
-  const GridPoint side = facet.point[1] - facet.point[0];
-  const WideVec along{WideInt(side.x), WideInt(side.y), WideInt(side.z)};
-
-  CertifiedPolygon polygon;
-  const Ball per_normal = Ball(1) / root(ball(dot(normal, normal)));
-  polygon.away = scaled(balls(normal), per_normal);
-  const Ball per_along = Ball(1) / root(ball(dot(along, along)));
-  polygon.u = scaled(balls(along), per_along);
-  polygon.v = scaled(balls(cross(normal, along)), per_normal * per_along);
-  polygon.distance = ball(offset) * per_normal * Ball(unit_m);
+  CertifiedPolygon polygon = on_plane_of(facet, unit_m);
 
   const std::size_t n = piece.count;
   std::vector<CertifiedPolygon::Point>& points = polygon.points;
   points.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const WideVec d = wide_direction(context, corners[piece.first + i]);
-    const BallVector p = scaled(balls(d), ball(offset) / ball(dot(d, normal)) * Ball(unit_m));
+    const BallVector p = scaled(balls(d), ball(offset) / ball(tubefoot::dot(d, normal)) * Ball(unit_m));
     points[i] = {dot(p, polygon.u), dot(p, polygon.v)};
+  }
+  finish(polygon);
+  return polygon;
+}
+
+CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::dvec3> corners_m,
+                                   glm::dvec3 other_apex_m, double unit_m) {
+  constexpr double four_units = 0x1p-50, rounding = 0x1p-52;
+  CertifiedPolygon polygon = on_plane_of(facet, unit_m);
+  for (const glm::dvec3& corner : corners_m) {
+    BallVector p;
+    for (int k = 0; k < 3; ++k) {
+      const double sizes = std::abs(corner[k] - other_apex_m[k]) + std::abs(other_apex_m[k]);
+      p[std::size_t(k)] = Ball(corner[k]);
+      p[std::size_t(k)].add_error(
+          Ball((four_units * sizes + rounding * std::abs(corner[k])) * (1 + 1e-9)));
+    }
+    polygon.points.push_back({dot(p, polygon.u), dot(p, polygon.v)});
   }
   finish(polygon);
   return polygon;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "geometry/arithmetic/exact_corner.hpp"
@@ -36,6 +38,12 @@ struct CertifiedPolygon {
 /// left out.
 CertifiedPolygon certified_polygon(const NameContext& context, const std::vector<CornerName>& corners,
                                    const NamedPiece& piece, double unit_m);
+
+/// The enclosure of a convex polygon on a facet whose corners were rounded: relative to the cone's apex,
+/// metres, each coordinate off by at most 4 units in the last place of itself, or of itself relative to
+/// `other_apex_m` and of that together (FootprintSharer). The facet's plane is exact.
+CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::dvec3> corners_m,
+                                   glm::dvec3 other_apex_m, double unit_m);
 
 /// A part of a polygon, in the same plane and turning the same way: all that follows from its points.
 CertifiedPolygon part_of(const CertifiedPolygon& whole, std::vector<CertifiedPolygon::Point> points);

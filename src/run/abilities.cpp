@@ -47,6 +47,9 @@ constexpr std::string_view one_apex_only =
 constexpr std::string_view exact_only =
     "that takes an exact arithmetic: fixed, filtered or rational, not double";
 
+constexpr std::string_view two_places_straight =
+    "a reference of two places needs straight rays: leave out --reference, or give profile = \"constant\"";
+
 constexpr auto table = std::to_array<Refusal>({
     {inclined_mirrors,
      refraction,
@@ -62,6 +65,8 @@ constexpr auto table = std::to_array<Refusal>({
     {refraction, mirrors, two_receivers,
      "phases over mirrors need even water: give profile = \"constant\", or leave out [sea_surface], [paths] "
      "and 'specular_loss_db'"},
+    {refraction, mirrors, reference, two_places_straight},
+    {refraction, receiver_apart, reference, two_places_straight},
     {refraction,
      coverage,
      {},
@@ -71,15 +76,11 @@ constexpr auto table = std::to_array<Refusal>({
      exact_corners,
      {},
      "facets are seen where rays that were computed in doubles put them: there are no exact corners"},
-    {mirrors,
+    {scatterings,
      reference,
      {},
-     "a certified integral has one apex, a path over mirrors or two scatterings has more: leave out "
-     "--reference"},
-    {receiver_apart,
-     reference,
-     {},
-     "two apexes cannot be certified: leave out --reference, or 'receiver_arm_m'"},
+     "patches that scatter on to others are taken for points, which no bound encloses: leave out "
+     "--reference, or give scatterings = 1"},
     {receiver_apart, audit, {}, one_apex_only},
     {receiver_apart, coverage, {}, one_apex_only},
     {receiver_apart, view, {}, one_apex_only},

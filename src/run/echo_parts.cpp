@@ -129,8 +129,16 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   } catch (const std::range_error&) {
     rethrow_as_seen_by(shot);
   }
-  for (std::size_t order = 0; order < paths.by_order.size(); ++order)
-    if (is_wanted(shot, order)) sums.add(shot, s, order, paths.by_order[order].energy);
+  for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
+    if (!is_wanted(shot, order)) continue;
+    if (!settings.reference_tolerance) {
+      sums.add(shot, s, order, paths.by_order[order].energy);
+      continue;
+    }
+    CertifiedEcho certified{paths.by_order[order], paths.bound_by_order[order]};
+    hold_against(certified, *settings.reference_tolerance);
+    sums.add(shot, s, certified, order);
+  }
   StraighteningCounts& counts = sums.counts.refraction;
   for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, shot);
   counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
@@ -182,7 +190,8 @@ void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& set
 
 void add_paths(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors)
-    if (const auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz())) try {
+    if (auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz())) try {
+        settings->reference_tolerance = shot.request().reference_tolerance;
         (shot.sensor(s).has_staff() ? add_staff_paths_of : add_paths_of)(shot, s, *settings, sums);
       } catch (const std::length_error& error) {
         throw too_many_images(shot.sensor(s).description(), error);
@@ -214,7 +223,15 @@ void add_both(const Shot& shot, const BistaticHistory& history, const FacetMesh&
     sums.add_finer_relief(shot, history, mesh, shot.sensor(s).samples().step_m);
     SensorLaw law(shot, ShotGround(shot.site()), s);
     law.law.material = mesh.material;
-    sums.add(shot, s, 1, shot.echo(history, s, law.law).energy);
+    const Echo echo = shot.echo(history, s, law.law);
+    if (const auto tolerance = shot.request().reference_tolerance) {
+      const std::vector<std::uint32_t> fans = shot.sensor(s).fan_of_tube(shot.number());
+      sums.add(shot, s,
+               certify_echo(mesh, history, shot.beams_by_fans(s, fans), shot.sensor(s).samples(), law.law,
+                            echo, *tolerance));
+    } else {
+      sums.add(shot, s, 1, echo.energy);
+    }
     sums.counts.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     sums.counts.footprints += history.shared.facets.size();
     sums.counts.pieces += history.shared.pieces.size();

@@ -47,7 +47,7 @@ void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span
   add_rows(energy, beams, energy.size() / cells, store_.energy(s, slot_));
 }
 
-void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certified) {
+void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certified, std::size_t order) {
   const std::vector<std::uint32_t>& beams = shot.sensor(s).beams_of_shot(shot.number());
   add_rows(certified.bound, beams, 1, store_.bound(s, slot_));
   PingCounts met;
@@ -57,7 +57,7 @@ void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certifi
   met.worst_beam = beams[static_cast<std::size_t>(certified.worst_beam)];
   met.worst_sample = static_cast<std::uint32_t>(certified.worst_sample);
   keep_worst(counts, met);
-  add(shot, s, 1, certified.echo.energy);
+  add(shot, s, order, certified.echo.energy);
 }
 
 void PingSums::add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh,

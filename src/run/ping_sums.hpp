@@ -27,8 +27,8 @@ class PingSums {
   /// Energies of paths with `order` interactions that a sensor hears of a shot:
   /// [channel][beam of the shot][sample].
   void add(const Shot& shot, std::size_t sensor, std::size_t order, std::span<const double> energy);
-  /// Of order 1, with their bounds.
-  void add(const Shot& shot, std::size_t sensor, const CertifiedEcho& certified);
+  /// The same with their bounds.
+  void add(const Shot& shot, std::size_t sensor, const CertifiedEcho& certified, std::size_t order = 1);
   /// What finer relief than the facets that are seen would change of it.
   void add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh, double sample_m);
   /// Does a part of the work whose seconds are the echo's, not those of what is seen.

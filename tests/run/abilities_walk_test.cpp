@@ -35,7 +35,8 @@ const std::vector<InScene> of_scenes{
     {Feature::refraction,
      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 40\n"
      "surface_height_m = 6.5\n"},
-    {Feature::mirrors, "[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\n"},
+    {Feature::mirrors, "[sea_surface]\nheight_m = 6.5\n"},
+    {Feature::scatterings},
     {Feature::receiver_apart, {}, {}, "receiver_arm_m = [0, 1, 0]\n"},
     {Feature::two_receivers, {}, {}, {}},  // another kind of sensor
     {Feature::tiles, {}, {}, {}},          // another way to load
@@ -78,6 +79,8 @@ std::string scene_with(const std::set<Feature>& features) {
     sensor += one.sensor;
   }
   const bool staff = features.contains(Feature::two_receivers), mirrors = features.contains(Feature::mirrors);
+  if (mirrors) tables += "[paths]\norder = 2\n";
+  if (features.contains(Feature::scatterings)) tables += "scatterings = 2\npatch_m = 1\n";
   return fmt::format(
       "{}[[materials]]\nname = \"rock\"\n{}{}"
       "[[terrain]]\nname = \"bed\"\nkind = \"raster\"\nfile = \"bed.asc\"\nmaterial = \"rock\"\nload = "
@@ -122,7 +125,8 @@ struct AbilitiesWalk : testing::Test {
     return run_program(words);
   }
 
-  void walk(const std::set<Feature>& features, const std::vector<std::string>& words) {
+  void walk(std::set<Feature> features, const std::vector<std::string>& words) {
+    if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);  // paths as they are
     SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene_with(features)));
     const auto output = folder / fmt::format("out{}", ++runs);
     const Outcome outcome = tried(features, words, output);

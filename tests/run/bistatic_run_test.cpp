@@ -173,18 +173,19 @@ TEST(BistaticRun, TheCheaperSettingsHearTheSame) {
   }
 }
 
-TEST(BistaticRun, SaysWhatItCannotDo) {
-  const TestFolder folder;
-  const auto file = folder.write("scene.toml", scene("receiver_arm_m = [1, 0, 0]"));
-  const auto refusal = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words{"run", file.string(), "-o", (folder / "out").string()};
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = run_program(words);
-    EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
-    return outcome.err;
-  };
-  EXPECT_THAT(refusal({"--reference"}), HasSubstr("cannot be certified"));
+TEST(BistaticRun, ReferencesHoldTheOrdinaryEnergies) {
+  const std::string apart = scene("receiver_arm_m = [3, 0, 0]");
+  const Echoes ordinary = echoes_of(apart),
+               reference = echoes_of(apart, {"--reference", "--tolerance", "1e-6"});
+  ASSERT_EQ(reference.energy_bound.size(), ordinary.energy.size());
+  double most = 0;
+  for (const double energy : ordinary.energy) most = std::max(most, energy);
+  for (std::size_t k = 0; k < ordinary.energy.size(); ++k) {
+    EXPECT_LE(std::abs(reference.energy[k] - ordinary.energy[k]),
+              reference.energy_bound[k] + 1e-9 * ordinary.energy[k] + 1e-15 * most)
+        << k;
+    EXPECT_LE(reference.energy_bound[k], 1e-6 * std::max(reference.energy[k], 1e-6 * most)) << k;
+  }
 }
 
 }  // namespace

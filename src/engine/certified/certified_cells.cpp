@@ -119,10 +119,7 @@ class Cutter {
 };
 
 template <class N>
-std::vector<N> at(const CertifiedCell& cell, const N& rho, const N& angle) {
-  N sine, cosine;
-  sin_cos(angle, sine, cosine);
-  const N x = rho * cosine, y = rho * sine;
+std::vector<N> coordinates_at(const CertifiedCell& cell, const N& x, const N& y) {
   std::vector<N> q;
   for (const CertifiedCell::Trace& trace : cell.traces)
     q.push_back(N(trace.at_foot) + N(trace.along_u) * x + N(trace.along_v) * y);
@@ -132,11 +129,23 @@ std::vector<N> at(const CertifiedCell& cell, const N& rho, const N& angle) {
 }  // namespace
 
 Ball CertifiedCell::factor(const Ball& rho, const Ball& angle) const {
-  return texture->factor(cell, at(*this, rho, angle)) + slack;
+  Ball sine, cosine;
+  sin_cos(angle, sine, cosine);
+  return factor_at(rho * cosine, rho * sine);
 }
 
 double CertifiedCell::largest(const ComplexBall& rho, const ComplexBall& angle) const {
-  return std::max(texture->largest(cell, at(*this, rho, angle)), least_bound);
+  ComplexBall sine, cosine;
+  sin_cos(angle, sine, cosine);
+  return largest_at(rho * cosine, rho * sine);
+}
+
+Ball CertifiedCell::factor_at(const Ball& x, const Ball& y) const {
+  return texture->factor(cell, coordinates_at(*this, x, y)) + slack;
+}
+
+double CertifiedCell::largest_at(const ComplexBall& x, const ComplexBall& y) const {
+  return std::max(texture->largest(cell, coordinates_at(*this, x, y)), least_bound);
 }
 
 std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture,

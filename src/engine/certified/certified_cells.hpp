@@ -30,6 +30,9 @@ struct CertifiedCell {
   Ball factor(const Ball& rho, const Ball& angle) const;
   /// Upper bound of the modulus.
   double largest(const ComplexBall& rho, const ComplexBall& angle) const;
+  /// The same along u and v from the foot point.
+  Ball factor_at(const Ball& x, const Ball& y) const;
+  double largest_at(const ComplexBall& x, const ComplexBall& y) const;
 };
 
 /// Receives the parts of a polygon by cell.

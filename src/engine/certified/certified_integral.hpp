@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/certified/certified_cells.hpp"
+#include "engine/certified/certified_gain.hpp"
 #include "engine/echo/sink.hpp"
 #include "engine/law/beam_pattern.hpp"
 #include "engine/law/scattering_law.hpp"
@@ -55,11 +56,8 @@ class CertifiedIntegrator {
     Ball turns;  // to add to end - begin
   };
   /// A direction cosine over a polygon: cosine = (away distance + rho (u cos + v sin)) / r.
-  struct Cosine {
-    const Directivity* pattern = nullptr;
+  struct Cosine : CertifiedGain {
     Ball away, u, v;  // the pattern's axis in the polygon's frame
-    Ball centre_angle;
-    std::size_t segment = 0;  // of a table, what it is taken for while by_segment_
   };
   /// A part of a slab; `v` runs from -1 to 1 along each of its arcs.
   struct Interval {
@@ -98,12 +96,9 @@ class CertifiedIntegrator {
   template <class N>
   N cosine_at(const Cosine& cosine, const N& distance_over_r, const N& rho_over_r, const N& angle) const;
   Cosine cosine_of(const Directivity& pattern) const;
-  double log_bound(const Cosine& cosine, const ComplexBall& w) const;
   double log_bound(const Arc* arc, const ComplexBall& t, const ComplexBall& v,
                    std::vector<double>& by_beam) const;
-  Ball gain(const Cosine& cosine, const Ball& w) const;
-  Ball angle_of(const Cosine& cosine, const Ball& w) const;
-  double take_segment(Cosine& cosine, const Ball& w) const;
+  Ball gain(const Cosine& cosine, const Ball& w) const { return cosine.at(w, by_segment_, largest_gain_); }
   std::vector<double> take_segments(const Arc* arc, const Ball& t, const Ball& v);
   bool try_patterned(const Interval& interval, const Ball& whole, double relative);
   std::vector<Ball> box(const Interval& interval) const;

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CertifiedIntegrator with beam patterns or a micro-texture.
-#include <arb_hypgeom.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 
 #include "engine/certified/certified_integral.hpp"
 #include "geometry/integrals/certified_rule.hpp"
@@ -30,41 +27,31 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPattern
   transmit_.clear();
   receive_.clear();
   tabulated_ = false;
-  const auto look_at = [&](const Directivity& pattern) {
-    double most = 0;
-    tabulated_ = tabulated_ || pattern.kind == Directivity::Kind::table;
-    if (pattern.table)
-      for (const auto& segment : pattern.table->segments()) most = std::max(most, segment.c[0]);
-    return most;
-  };
-  // A little above, for the rounding of the tables' cubics.
-  const auto from_db = [](double db) { return exp(Ball(db * (1 + 1e-9) + 1e-9) * log(Ball(10)) / Ball(10)); };
-  Ball sent;
+  Ball sent, heard(1);
   for (const Directivity& beam : patterns.transmit[patterns.fan_of_tube[tube]].beams) {
     transmit_.push_back(cosine_of(beam));
-    sent += from_db(look_at(beam));
+    tabulated_ = tabulated_ || transmit_.back().is_table();
+    sent += transmit_.back().largest();
   }
-  double receive_db = 0;
   for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) {
     receive_.push_back(cosine_of(patterns.receive[beam]));
-    receive_db = std::max(receive_db, look_at(patterns.receive[beam]));
+    tabulated_ = tabulated_ || receive_.back().is_table();
+    const Ball largest = receive_.back().largest();
+    if (beam == first_beam || largest.hi() > heard.hi()) heard = largest;
   }
-  largest_gain_ = sent * from_db(receive_db);
+  largest_gain_ = sent * heard;
   if (texture != nullptr) largest_gain_ = largest_gain_ * Ball(texture->texture->range().hi());
   add(polygon, first_beam, end_beam, allowance, sink);
 }
 
 CertifiedIntegrator::Cosine CertifiedIntegrator::cosine_of(const Directivity& pattern) const {
-  Cosine cosine;
-  cosine.pattern = &pattern;
+  Cosine cosine{CertifiedGain(pattern), {}, {}, {}};
   const auto along = [&](const std::array<Ball, 3>& e) {
     return Ball(pattern.axis.x) * e[0] + Ball(pattern.axis.y) * e[1] + Ball(pattern.axis.z) * e[2];
   };
   cosine.away = along(polygon_->away);
   cosine.u = along(polygon_->u);
   cosine.v = along(polygon_->v);
-  const Ball centre(pattern.centre);
-  if (!pattern.from_axis) cosine.centre_angle = atan2(centre, root(Ball(1) - squared(centre)));
   return cosine;
 }
 
@@ -76,124 +63,13 @@ N CertifiedIntegrator::cosine_at(const Cosine& c, const N& distance_over_r, cons
   return N(c.away) * distance_over_r + rho_over_r * (N(c.u) * cosine + N(c.v) * sine);
 }
 
-/// Upper bound of log |pattern| over a rectangle of cosines; infinite where the pattern is not analytic.
-/// |sinc z| <= e^(pi |Im z|) and |2 J1(z) / z| <= e^|Im z|, because both are means of e^(i z s) over s;
-/// |e^(-c a^2)| <= e^(c (Im a)^2). For a = asin w and for a = acos w, cosh(Im a) = (|w + 1| + |w - 1|) / 2.
-double CertifiedIntegrator::log_bound(const Cosine& cosine, const ComplexBall& w) const {
-  const Directivity& d = *cosine.pattern;
-  if (d.kind == Directivity::Kind::uniform) return 0;
-  if (!w.is_finite()) return infinite;
-  const auto reach = [](const Ball& x) { return std::max(std::abs(x.lo()), std::abs(x.hi())); };
-  constexpr double up = 1 + 1e-9;  // far above the rounding of the doubles below
-  if (d.kind == Directivity::Kind::line) return d.growth(reach(w.imaginary())) * up;
-  if (d.kind == Directivity::Kind::piston) {
-    const ComplexBall u = ComplexBall(1.0) - squared(w);
-    // (Im sqrt u)^2 = (|u| - Re u) / 2
-    return 2 * d.size * std::sqrt(std::max(u.largest() - u.real().lo(), 0.0) / 2 * up) * up;
-  }
-  if (!(w.real().lo() > -1 && (d.from_axis || w.real().hi() < 1))) return infinite;
-  const double stretch = ((w + ComplexBall(1.0)).largest() + (w - ComplexBall(1.0)).largest()) / 2 * up;
-  const double y = std::acosh(std::max(stretch, 1.0)) * up;
-  if (d.kind == Directivity::Kind::gaussian) return d.growth(y) * up;
-  // A table: one segment's cubic of the angle.
-  if (!(w.real().hi() < 1)) return infinite;
-  ComplexBall angle;
-  if (d.from_axis)
-    acb_acos(angle.get(), w.get(), ball_bits);
-  else
-    acb_asin(angle.get(), w.get(), ball_bits);
-  if (!d.from_axis) angle = angle - ComplexBall(cosine.centre_angle);
-  const PatternTable::Segment& s = d.table->segments()[cosine.segment];
-  const ComplexBall x = angle - ComplexBall(s.from);
-  const ComplexBall level =
-      ComplexBall(s.c[0]) + x * (ComplexBall(s.c[1]) + x * (ComplexBall(s.c[2]) + x * ComplexBall(s.c[3])));
-  return level.real().hi() * 0.2302585092994046 + std::abs(level.real().hi()) * 1e-12;
-}
-
-Ball CertifiedIntegrator::gain(const Cosine& cosine, const Ball& w) const {
-  const Directivity& d = *cosine.pattern;
-  const Ball size(d.size);
-  switch (d.kind) {
-    case Directivity::Kind::uniform:
-      return Ball(1);
-    case Directivity::Kind::line: {
-      Ball sinc;
-      const Ball u = size * (w - Ball(d.centre));
-      arb_sinc_pi(sinc.get(), u.get(), ball_bits);
-      return squared(sinc);
-    }
-    case Directivity::Kind::piston: {
-      // 2 J1(x) / x = 0F1(2; -x^2 / 4)
-      Ball amplitude;
-      const Ball z = squared(size) * (squared(w) - Ball(1)) / Ball(4), two(2);
-      arb_hypgeom_0f1(amplitude.get(), two.get(), z.get(), 0, ball_bits);
-      return squared(amplitude);
-    }
-    case Directivity::Kind::gaussian:
-    case Directivity::Kind::table:
-      break;
-  }
-  const Ball angle = angle_of(cosine, w);
-  if (d.kind == Directivity::Kind::gaussian) return exp(-(Ball(4) * log(Ball(2)) * squared(angle / size)));
-  const auto level_of = [&](std::size_t k) {
-    const PatternTable::Segment& s = d.table->segments()[k];
-    const Ball x = angle - Ball(s.from);
-    return Ball(s.c[0]) + x * (Ball(s.c[1]) + x * (Ball(s.c[2]) + x * Ball(s.c[3])));
-  };
-  Ball level;
-  if (by_segment_) {
-    level = level_of(cosine.segment);
-  } else {
-    if (!angle.is_finite()) return largest_gain_ * Ball::between(0, 1);
-    const std::size_t first = d.table->segment_at(angle.lo()), last = d.table->segment_at(angle.hi());
-    level = level_of(first);
-    for (std::size_t k = first + 1; k <= last; ++k) {
-      const Ball own = level_of(k);
-      arb_union(level.get(), level.get(), own.get(), ball_bits);
-    }
-  }
-  return exp(level * log(Ball(10)) / Ball(10));
-}
-
-/// The angle that a pattern is a function of.
-Ball CertifiedIntegrator::angle_of(const Cosine& cosine, const Ball& w) const {
-  const Ball sine = root(Ball(1) - squared(w));
-  return cosine.pattern->from_axis ? atan2(sine, w) : atan2(w, sine) - cosine.centre_angle;
-}
-
-/// Takes a table for the cubic of one of its segments over a box of directions, and tells what that may be
-/// wrong by: a bound of |log(gain / that cubic's gain)|. Beyond a border two neighbouring cubics differ by
-/// another, whose value and slope at the border are rounding only.
-double CertifiedIntegrator::take_segment(Cosine& cosine, const Ball& w) const {
-  if (cosine.pattern->kind != Directivity::Kind::table) return 0;
-  const PatternTable& table = *cosine.pattern->table;
-  const Ball angle = angle_of(cosine, w);
-  if (!angle.is_finite()) return infinite;
-  const auto most = [](const Ball& x) { return std::max(std::abs(x.lo()), std::abs(x.hi())); };
-  cosine.segment = table.segment_at(angle.middle());
-  const std::size_t first = table.segment_at(angle.lo()), last = table.segment_at(angle.hi());
-  const auto jump = [&](std::size_t k, double beyond) {
-    const auto &before = table.segments()[k].c, &after = table.segments()[k + 1].c;
-    const Ball h = Ball(table.borders()[k]) - Ball(table.segments()[k].from), c1(before[1]), c2(before[2]),
-               c3(before[3]);
-    const double d0 = most(Ball(after[0]) - (Ball(before[0]) + h * (c1 + h * (c2 + h * c3)))),
-                 d1 = most(Ball(after[1]) - (c1 + h * (Ball(2) * c2 + h * Ball(3) * c3))),
-                 d2 = most(Ball(after[2]) - (c2 + h * Ball(3) * c3)), d3 = most(Ball(after[3]) - c3);
-    return d0 + beyond * (d1 + beyond * (d2 + beyond * d3));
-  };
-  double level_db = 0;
-  for (std::size_t k = cosine.segment; k < last; ++k) level_db += jump(k, angle.hi() - table.borders()[k]);
-  for (std::size_t k = first; k < cosine.segment; ++k) level_db += jump(k, table.borders()[k] - angle.lo());
-  return level_db * (std::numbers::ln10 / 10) * (1 + 1e-9);  // far above the rounding of these doubles
-}
-
 /// take_segment() for all patterns over a part of an arc: by beam, for the product of both ways.
 std::vector<double> CertifiedIntegrator::take_segments(const Arc* arc, const Ball& t, const Ball& v) {
   const Ball t2 = squared(t), r = root(q2_ + t2), rho = root(q2_ - distance2_ + t2) / r;
   const Ball down = polygon_->distance / r;
   const auto [middle, half] = ends_of(arc, t, t2);
   const Ball angle = middle + half * v;
-  const auto take = [&](Cosine& cosine) { return take_segment(cosine, cosine_at(cosine, down, rho, angle)); };
+  const auto take = [&](Cosine& cosine) { return cosine.take_segment(cosine_at(cosine, down, rho, angle)); };
   double sent = 0;  // a sum is wrong by no more, relatively, than one of its terms
   for (Cosine& beam : transmit_) sent = std::max(sent, take(beam));
   std::vector<double> off;
@@ -220,8 +96,8 @@ double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, cons
   double geometry = std::log((radial(t, r) * half).largest());
   if (texture_ != nullptr) geometry += std::log(texture_->largest(rho * r, angle)) + 1e-9;
   const auto bound = [&](const Cosine& cosine) {
-    if (cosine.pattern->kind == Directivity::Kind::uniform) return 0.0;
-    return log_bound(cosine, cosine_at(cosine, down, rho, angle));
+    if (cosine.is_uniform()) return 0.0;
+    return cosine.log_bound(cosine_at(cosine, down, rho, angle));
   };
   by_beam.assign(parts_.size(), infinite);
   // The logarithm of a sum, from its largest term.
@@ -255,7 +131,7 @@ std::vector<Ball> CertifiedIntegrator::values(const Arc* arc, const Ball& t, con
     sent = factor * weight[i] * sent;
     if (texture_ != nullptr) sent = sent * texture_->factor(rho * r, angle);
     for (std::size_t b = 0; b < sums.size(); ++b) {
-      if (receive_[b].pattern->kind == Directivity::Kind::uniform)
+      if (receive_[b].is_uniform())
         sums[b] += sent;
       else
         sums[b] += sent * gain(receive_[b], cosine_at(receive_[b], down, rho, angle));

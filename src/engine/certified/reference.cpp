@@ -1,25 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/certified/reference.hpp"
 
-#include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <stdexcept>
 
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/certified_integral.hpp"
+#include "engine/certified/reference_parts.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double least_allowed = 1e-300;
 
 std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
                                                  std::span<const std::uint32_t> beam_of_tube,
@@ -44,8 +40,6 @@ std::vector<double> slabs_of_bins(const History& history, std::span<const std::u
   }
   return slabs;
 }
-
-using Bins = std::map<std::size_t, Ball>;
 
 /// One try: parts are enclosed to `working`, and the bounds held against `tolerance`. `coarse`: some texture
 /// has too many cells, so that no narrower try would help.
@@ -129,21 +123,7 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   for (const Bins& bins : by_tube)  // in order, so that the result does not depend on the threads
     for (const auto& [bin, part] : bins) total[bin] += part;
 
-  CertifiedEcho certified;
-  certified.echo = ordinary;
-  certified.bound.resize(total.size());
-  for (std::size_t bin = 0; bin < total.size(); ++bin) {
-    if (!total[bin].is_finite()) {
-      certified.bound[bin] = std::numeric_limits<double>::infinity();
-      continue;
-    }
-    const double energy = std::max(total[bin].middle(), 0.0);
-    const Ball off = total[bin] - Ball(energy);
-    certified.echo.energy[bin] = energy;
-    certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
-  }
-  hold_against(certified, tolerance);
-  return certified;
+  return enclosed_echo(ordinary, total, tolerance);
 }
 
 }  // namespace
@@ -211,19 +191,11 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
     throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
   if (!law.path.out.facet_map.empty())
     throw std::invalid_argument("textures of facets that lie elsewhere than they are seen are not enclosed");
-  // How a bin's tolerance is shared out among its parts is a guess, which a bin of very many small parts may
-  // prove wrong: then all of them are done again, as much narrower as that bin needs.
-  constexpr int most_tries = 3;
-  double working = tolerance;
   const std::vector<std::shared_ptr<const CertifiedTexture>> textures = certified_textures(law);
-  for (int tries = 1;; ++tries) {
-    bool coarse = false;
-    CertifiedEcho certified = enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary,
-                                           tolerance, working, textures, coarse);
-    const double excess = certified.worst_ratio;
-    if (certified.bins_over == 0 || tries == most_tries || coarse || !(excess < 1000)) return certified;
-    working /= 2 * excess;
-  }
+  return narrowed(tolerance, [&](double working, bool& coarse) {
+    return enclose_echo(mesh, tree, history, options, beam_of_tube, samples, law, ordinary, tolerance,
+                        working, textures, coarse);
+  });
 }
 
 }  // namespace tubefoot

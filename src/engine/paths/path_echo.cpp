@@ -11,6 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/certified/certified_arrival.hpp"
+#include "engine/certified/reference.hpp"
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "engine/rays/shared_hits.hpp"
@@ -62,6 +64,8 @@ class PathTracer {
       echo.energy.assign(std::size_t(beams.count) * std::size_t(samples.count), 0);
     }
     echo_.images = transmit_.size() - 1 + (one_place_ ? 0 : receive_.size() - 1);
+    if (settings.reference_tolerance)
+      for (const Echo& echo : echo_.by_order) echo_.bound_by_order.emplace_back(echo.energy.size(), 0.0);
   }
 
   PathEcho trace() {
@@ -81,7 +85,7 @@ class PathTracer {
   struct Part {
     struct Bin {
       std::size_t order, bin;
-      double energy;
+      double energy, bound;
     };
     std::vector<Bin> bins;
     std::size_t pieces = 0, hits = 0;
@@ -198,20 +202,32 @@ class PathTracer {
         pieces);
   }
 
-  static void add(Part& part, std::size_t order, const Echo& echo, std::size_t pieces) {
-    for (std::size_t bin = 0; bin < echo.energy.size(); ++bin)
-      if (echo.energy[bin] != 0) part.bins.push_back({order, bin, echo.energy[bin]});
+  /// Without bounds all are 0.
+  static void add(Part& part, std::size_t order, const CertifiedEcho& found, std::size_t pieces) {
+    const std::vector<double>& energy = found.echo.energy;
+    for (std::size_t bin = 0; bin < energy.size(); ++bin) {
+      const double bound = found.bound.empty() ? 0 : found.bound[bin];
+      if (energy[bin] != 0 || bound != 0) part.bins.push_back({order, bin, energy[bin], bound});
+    }
     part.pieces += pieces;
   }
 
   void take(const Part& part) {
-    for (const Part::Bin& bin : part.bins) echo_.by_order[bin.order].energy[bin.bin] += bin.energy;
+    for (const Part::Bin& bin : part.bins) take(bin);
     echo_.shared_pieces += part.pieces;
     echo_.largest_misfit_m = std::max(echo_.largest_misfit_m, part.misfit_m);
     echo_.hits += part.hits;
   }
+  void take(const Part::Bin& bin) {
+    double& energy = echo_.by_order[bin.order].energy[bin.bin];
+    energy += bin.energy;
+    if (echo_.bound_by_order.empty()) return;
+    constexpr double rounding = 0x1p-52;  // of both sums
+    double& bound = echo_.bound_by_order[bin.order][bin.bin];
+    bound = (bound + bin.bound) * (1 + rounding) + energy * rounding;
+  }
 
-  Echo scattered(const Image& sent, const Image& heard, const BistaticHistory& history) const {
+  CertifiedEcho scattered(const Image& sent, const Image& heard, const BistaticHistory& history) const {
     const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_tube),
                                      from = of_windows(sent, beams_.fan_of_transmit_tube),
                                      to = of_windows(heard, beams_.fan_of_receive_tube);
@@ -229,7 +245,12 @@ class PathTracer {
         patterns.beams_of_tube.push_back(law_.patterns->beams_of_tube[tube]);
       law.patterns = &patterns;
     }
-    return integrate_echo(history, {beams_.count, beam, from, to}, samples_, law, settings_.binning);
+    const ReceiveBeams beams{beams_.count, beam, from, to};
+    CertifiedEcho found;
+    found.echo = integrate_echo(history, beams, samples_, law, settings_.binning);
+    if (const auto tolerance = settings_.reference_tolerance)
+      found = certify_echo(mesh_, history, beams, samples_, law, found.echo, *tolerance);
+    return found;
   }
 
   /// Rounded images miss the edge where two mirrors meet by no more than this many grid units.
@@ -305,6 +326,7 @@ class PathTracer {
   }
 
   void hear(const Image& image, std::uint32_t receive_tube, const ArrivingRay& arrival) {
+    if (settings_.reference_tolerance) return hear_certified(image, receive_tube);
     const double sample = std::floor((arrival.half_path_m - samples_.first_m) / samples_.step_m);
     if (!(sample >= 0 && sample < samples_.count)) return;
     const double passes = image.leg.loss.at(arrival.sent);
@@ -323,6 +345,27 @@ class PathTracer {
         patterns.transmit[patterns.fan_of_tube[receive_tube]].gain(image.leg.to_true * arrival.sent);
     for (std::uint32_t beam = first; beam < end; ++beam)
       add(beam, sent * patterns.receive[beam].gain(-arrival.arrives));
+  }
+
+  void hear_certified(const Image& image, std::uint32_t receive_tube) {
+    Arrival arrival{true_receive_.apex - image.windows.apex, unit_m_, law_.absorption_db_per_m, &image.leg};
+    const double length = glm::length(difference_m(true_receive_.apex, image.windows.apex, unit_m_));
+    if (!(image.leg.loss.at(difference_m(true_receive_.apex, image.windows.apex, unit_m_) / length) > least_))
+      return;
+    std::uint32_t first = beams_.of_tube[receive_tube];
+    if (law_.patterns != nullptr) {
+      const BeamPatterns& patterns = *law_.patterns;
+      const auto [begin, end] = patterns.beams_of_tube[receive_tube];
+      if (begin == end) return;
+      first = begin;
+      arrival.transmit = &patterns.transmit[patterns.fan_of_tube[receive_tube]];
+      arrival.receive = std::span(patterns.receive).subspan(begin, end - begin);
+    }
+    ++echo_.arrivals;
+    certify_arrival(
+        arrival, samples_, [&](std::size_t beam, std::size_t sample, double energy, double bound) {
+          take({image.mirrors, (first + beam) * std::size_t(samples_.count) + sample, energy, bound});
+        });
   }
 
   const FacetMesh& mesh_;
@@ -375,6 +418,8 @@ PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const ImageFinder&
                    std::span<const Image> sent, std::span<const Image> heard, const TubeSet& receive,
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
                    const PathSettings& settings) {
+  if (settings.reference_tolerance && settings.scatterings > 1)
+    throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
   return PathTracer(mesh, grid_unit_m, finder, sent, heard, receive, beams, samples, law, settings).trace();
 }
 

@@ -33,6 +33,9 @@ struct PathSettings {
   double patch_m = 1;               ///< longest edge of the patches that scatter on to others
   std::size_t most_images = 10000;  ///< of one apex; and a hundred times as many pairs of images
   bool direct = false;              ///< also the way straight from a transmitter to a receiver apart
+  /// Energies with bounds, each path's as narrow as that asks (engine/certified/reference.hpp); one
+  /// scattering.
+  std::optional<double> reference_tolerance{};
   Mirrors mirrors;
   Binning binning = Binning::exact;       ///< of what two images share
   std::optional<SampledPaths> sampled{};  ///< instead of that; not in refracting water
@@ -42,7 +45,7 @@ struct PathSettings {
 };
 
 /// What came straight from an image of the transmitter, in a bin [beam][sample].
-struct Arrival {
+struct ArrivedEnergy {
   GridPoint from;
   std::size_t order = 0, bin = 0;
   double energy_j = 0;
@@ -53,8 +56,10 @@ struct PathEcho {
   /// By order, 0 to the highest asked for. Order 0 is the way straight from transmitter to receiver; order 1
   /// holds only reflections without scattering: the scattering on its own is the ordinary echo.
   std::vector<Echo> by_order;
+  /// With a reference, by order: the half-widths of the energies' enclosures, laid out as these.
+  std::vector<std::vector<double>> bound_by_order;
   std::size_t images = 0, shared_pieces = 0, hits = 0, arrivals = 0, patches = 0;
-  std::vector<Arrival> arrived;  ///< by image and beam; part of the energies
+  std::vector<ArrivedEnergy> arrived;  ///< by image and beam; part of the energies
   /// In refracting water: what each chain of mirrors made of the bed, and the largest misfit of its facets
   /// (PairedFacet).
   std::vector<ApparentGround> grounds;

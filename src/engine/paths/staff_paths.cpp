@@ -61,7 +61,7 @@ class StaffTracer {
   }
 
   StaffPathEcho trace() {
-    std::array<std::vector<Arrival>, 2> arrived;
+    std::array<std::vector<ArrivedEnergy>, 2> arrived;
     PathSettings once = settings_;
     once.scatterings = 1;
     for (std::size_t end = 0; end < 2; ++end) {
@@ -145,9 +145,9 @@ class StaffTracer {
   }
 
   /// What comes to both receivers straight from the same image of the transmitter.
-  void multiply_arrivals(const std::array<std::vector<Arrival>, 2>& arrived) {
-    for (const Arrival& upper : arrived[0])
-      for (const Arrival& lower : arrived[1]) {
+  void multiply_arrivals(const std::array<std::vector<ArrivedEnergy>, 2>& arrived) {
+    for (const ArrivedEnergy& upper : arrived[0])
+      for (const ArrivedEnergy& lower : arrived[1]) {
         if (!(upper.from == lower.from) || upper.order != lower.order || upper.bin != lower.bin) continue;
         const glm::dvec3 way = way_m(upper.from, middle_, unit_m_),
                          half = staff_.baseline_m / 2 * staff_.axis;

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "engine/law/beam_pattern.hpp"
+#include "engine/law/path.hpp"
+#include "engine/law/range_samples.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
+
+namespace tubefoot {
+
+/// What comes straight from an apex, or from its image, to a receiver (path_echo.hpp).
+struct Arrival {
+  GridPoint way{};    ///< from the one to the other, grid units
+  double unit_m = 1;  ///< of the grid
+  double absorption_db_per_m = 0;
+  const Leg* leg = nullptr;                   ///< of the image
+  const TransmitPattern* transmit = nullptr;  ///< null: without patterns
+  std::span<const Directivity> receive{};     ///< by beam; without patterns one beam hears it
+};
+
+/// Encloses it: by beam and sample, energy and half-width of its bound. Where a border between samples may be
+/// all of the path's half, from nothing to all of it is in either.
+void certify_arrival(
+    const Arrival& arrival, const RangeSamples& samples,
+    const std::function<void(std::size_t beam, std::size_t sample, double energy, double bound)>& take);
+
+}  // namespace tubefoot

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/certified_gain.hpp"
+
+#include <arb_hypgeom.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace tubefoot {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+CertifiedGain::CertifiedGain(const Directivity& directivity) : pattern(&directivity) {
+  const Ball centre(directivity.centre);
+  if (!directivity.from_axis) centre_angle = atan2(centre, root(Ball(1) - squared(centre)));
+}
+
+Ball CertifiedGain::largest() const {
+  double most_db = 0;
+  if (pattern->table)
+    for (const auto& one : pattern->table->segments()) most_db = std::max(most_db, one.c[0]);
+  // A little above, for the rounding of the tables' cubics.
+  return exp(Ball(most_db * (1 + 1e-9) + 1e-9) * log(Ball(10)) / Ball(10));
+}
+
+/// |sinc z| <= e^(pi |Im z|) and |2 J1(z) / z| <= e^|Im z|, because both are means of e^(i z s) over s;
+/// |e^(-c a^2)| <= e^(c (Im a)^2). For a = asin w and for a = acos w, cosh(Im a) = (|w + 1| + |w - 1|) / 2.
+double CertifiedGain::log_bound(const ComplexBall& w) const {
+  const Directivity& d = *pattern;
+  if (d.kind == Directivity::Kind::uniform) return 0;
+  if (!w.is_finite()) return infinite;
+  const auto reach = [](const Ball& x) { return std::max(std::abs(x.lo()), std::abs(x.hi())); };
+  constexpr double up = 1 + 1e-9;  // far above the rounding of the doubles below
+  if (d.kind == Directivity::Kind::line) return d.growth(reach(w.imaginary())) * up;
+  if (d.kind == Directivity::Kind::piston) {
+    const ComplexBall u = ComplexBall(1.0) - squared(w);
+    // (Im sqrt u)^2 = (|u| - Re u) / 2
+    return 2 * d.size * std::sqrt(std::max(u.largest() - u.real().lo(), 0.0) / 2 * up) * up;
+  }
+  if (!(w.real().lo() > -1 && (d.from_axis || w.real().hi() < 1))) return infinite;
+  const double stretch = ((w + ComplexBall(1.0)).largest() + (w - ComplexBall(1.0)).largest()) / 2 * up;
+  const double y = std::acosh(std::max(stretch, 1.0)) * up;
+  if (d.kind == Directivity::Kind::gaussian) return d.growth(y) * up;
+  // A table: one segment's cubic of the angle.
+  if (!(w.real().hi() < 1)) return infinite;
+  ComplexBall angle;
+  if (d.from_axis)
+    acb_acos(angle.get(), w.get(), ball_bits);
+  else
+    acb_asin(angle.get(), w.get(), ball_bits);
+  if (!d.from_axis) angle = angle - ComplexBall(centre_angle);
+  const PatternTable::Segment& s = d.table->segments()[segment];
+  const ComplexBall x = angle - ComplexBall(s.from);
+  const ComplexBall level =
+      ComplexBall(s.c[0]) + x * (ComplexBall(s.c[1]) + x * (ComplexBall(s.c[2]) + x * ComplexBall(s.c[3])));
+  return level.real().hi() * 0.2302585092994046 + std::abs(level.real().hi()) * 1e-12;
+}
+
+Ball CertifiedGain::at(const Ball& w, bool by_segment, const Ball& otherwise) const {
+  const Directivity& d = *pattern;
+  const Ball size(d.size);
+  switch (d.kind) {
+    case Directivity::Kind::uniform:
+      return Ball(1);
+    case Directivity::Kind::line: {
+      Ball sinc;
+      const Ball u = size * (w - Ball(d.centre));
+      arb_sinc_pi(sinc.get(), u.get(), ball_bits);
+      return squared(sinc);
+    }
+    case Directivity::Kind::piston: {
+      // 2 J1(x) / x = 0F1(2; -x^2 / 4)
+      Ball amplitude;
+      const Ball z = squared(size) * (squared(w) - Ball(1)) / Ball(4), two(2);
+      arb_hypgeom_0f1(amplitude.get(), two.get(), z.get(), 0, ball_bits);
+      return squared(amplitude);
+    }
+    case Directivity::Kind::gaussian:
+    case Directivity::Kind::table:
+      break;
+  }
+  const Ball angle = angle_of(w);
+  if (d.kind == Directivity::Kind::gaussian) return exp(-(Ball(4) * log(Ball(2)) * squared(angle / size)));
+  const auto level_of = [&](std::size_t k) {
+    const PatternTable::Segment& s = d.table->segments()[k];
+    const Ball x = angle - Ball(s.from);
+    return Ball(s.c[0]) + x * (Ball(s.c[1]) + x * (Ball(s.c[2]) + x * Ball(s.c[3])));
+  };
+  Ball level;
+  if (by_segment) {
+    level = level_of(segment);
+  } else {
+    if (!angle.is_finite()) return otherwise * Ball::between(0, 1);
+    const std::size_t first = d.table->segment_at(angle.lo()), last = d.table->segment_at(angle.hi());
+    level = level_of(first);
+    for (std::size_t k = first + 1; k <= last; ++k) {
+      const Ball own = level_of(k);
+      arb_union(level.get(), level.get(), own.get(), ball_bits);
+    }
+  }
+  return exp(level * log(Ball(10)) / Ball(10));
+}
+
+/// The angle that a pattern is a function of.
+Ball CertifiedGain::angle_of(const Ball& w) const {
+  const Ball sine = root(Ball(1) - squared(w));
+  return pattern->from_axis ? atan2(sine, w) : atan2(w, sine) - centre_angle;
+}
+
+/// Beyond a border two neighbouring cubics differ by another, whose value and slope at the border are
+/// rounding only.
+double CertifiedGain::take_segment(const Ball& w) {
+  if (pattern->kind != Directivity::Kind::table) return 0;
+  const PatternTable& table = *pattern->table;
+  const Ball angle = angle_of(w);
+  if (!angle.is_finite()) return infinite;
+  const auto most = [](const Ball& x) { return std::max(std::abs(x.lo()), std::abs(x.hi())); };
+  segment = table.segment_at(angle.middle());
+  const std::size_t first = table.segment_at(angle.lo()), last = table.segment_at(angle.hi());
+  const auto jump = [&](std::size_t k, double beyond) {
+    const auto &before = table.segments()[k].c, &after = table.segments()[k + 1].c;
+    const Ball h = Ball(table.borders()[k]) - Ball(table.segments()[k].from), c1(before[1]), c2(before[2]),
+               c3(before[3]);
+    const double d0 = most(Ball(after[0]) - (Ball(before[0]) + h * (c1 + h * (c2 + h * c3)))),
+                 d1 = most(Ball(after[1]) - (c1 + h * (Ball(2) * c2 + h * Ball(3) * c3))),
+                 d2 = most(Ball(after[2]) - (c2 + h * Ball(3) * c3)), d3 = most(Ball(after[3]) - c3);
+    return d0 + beyond * (d1 + beyond * (d2 + beyond * d3));
+  };
+  double level_db = 0;
+  for (std::size_t k = segment; k < last; ++k) level_db += jump(k, angle.hi() - table.borders()[k]);
+  for (std::size_t k = first; k < segment; ++k) level_db += jump(k, table.borders()[k] - angle.lo());
+  return level_db * (std::numbers::ln10 / 10) * (1 + 1e-9);  // far above the rounding of these doubles
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "engine/certified/certified_cells.hpp"
+#include "engine/certified/certified_gain.hpp"
+#include "engine/certified/certified_path_integral.hpp"
+#include "engine/law/echo_law.hpp"
+
+namespace tubefoot {
+
+/// One end of a path over a polygon's plane: of what depends on its range and direction alone.
+class CertifiedEnd {
+ public:
+  /// `place_m`: of its apex, relative to the polygon's.
+  CertifiedEnd(const CertifiedPolygon& polygon, const std::array<Ball, 3>& place_m);
+
+  const ApexOverPlane& over() const { return over_; }
+
+  /// Cosine of the direction to a place with an axis, times the range.
+  struct Trace {
+    Ball at_foot, along_u, along_v;
+    template <class N>
+    N at(const PlanePlace<N>& p) const {
+      return N(at_foot) + N(along_u) * p.x + N(along_v) * p.y;
+    }
+  };
+  Trace trace(const glm::dvec3& axis) const;
+  static Ball cosine(const Trace& trace, const PlanePlace<Ball>& p, const Ball& range);
+
+  Ball range(const PlanePlace<Ball>& p) const;
+  /// Its square.
+  ComplexBall range2(const PlanePlace<ComplexBall>& p) const;
+
+  /// What mirrors leave in a direction.
+  void take_loss(const MirrorLoss& loss);
+  Ball passed(const PlanePlace<Ball>& p, const Ball& range) const;
+
+  /// A law's cross-section there; by the piece that was taken, or (real) whatever pieces there are.
+  bool take_piece(const ScatteringLaw& law, const PlanePlace<Ball>& box);
+  void take_all_pieces() { piece_ = nullptr; }
+  Ball cross_section(const ScatteringLaw& law, const PlanePlace<Ball>& p, const Ball& range) const;
+
+  /// Upper bounds over complex places, in logarithms; infinite where something is not analytic.
+  struct Bound {
+    ComplexBall per_range;        ///< 1 / range
+    double least_range = 0;       ///< of its modulus
+    double least_real_range = 0;  ///< of its real part
+    double passed = 0;            ///< of the logarithm of what mirrors leave
+    double cross_section = 0;     ///< of that of the law, of the piece that was taken
+  };
+  /// False where it is not analytic.
+  bool bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>& p, Bound& bound) const;
+  static ComplexBall cosine(const Trace& trace, const PlanePlace<ComplexBall>& p, const Bound& bound) {
+    return trace.at(p) * bound.per_range;
+  }
+
+ private:
+  Ball incidence(const PlanePlace<Ball>& p) const;
+
+  std::array<Ball, 3> u_, v_, to_foot_;  ///< the plane's frame; from the apex to the polygon's foot point
+  ApexOverPlane over_;
+  const MirrorLoss* loss_ = nullptr;
+  std::vector<Trace> rough_;
+  const ScatteringLaw::Piece* piece_ = nullptr;
+};
+
+/// What the bed returns along a path (density.hpp) that is gone out and home between two apexes, weighed by
+/// texture, patterns and mirrors.
+class CertifiedPathEnergy {
+ public:
+  CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& home_m, const EchoLaw& law,
+                      const FacetBed& bed, const Ball& beta_per_m);
+
+  const CertifiedEnd& out() const { return out_; }
+  const CertifiedEnd& home() const { return home_; }
+
+  /// Without patterns or texture.
+  Ball density_at(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range) const;
+  /// Of its logarithm, over complex places; infinite where it is not analytic. Fills those of its ends.
+  double log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& out,
+                   CertifiedEnd::Bound& home) const;
+  bool take_pieces(const PlanePlace<Ball>& box);
+  void take_all_pieces();
+  double scale_m(const PlanePlace<Ball>& p) const;
+
+ private:
+  Ball scattered(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range) const;
+  Ball spread(const Ball& out_range, const Ball& home_range) const;
+
+  CertifiedEnd out_, home_;
+  const ScatteringLaw* law_;
+  Ball factor_, beta_;
+  double smooth_rad_ = 1;
+};
+
+/// Patterns of both ends, times each other.
+class CertifiedPathGains {
+ public:
+  /// Without any.
+  CertifiedPathGains() = default;
+  CertifiedPathGains(const CertifiedEnd& out, const CertifiedEnd& home, const TransmitPattern& transmit,
+                     std::span<const Directivity> receive);
+
+  std::size_t beams() const { return any_ ? receive_.size() : 1; }
+  /// Multiplies each beam's value.
+  void weigh(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range,
+             std::vector<Ball>& values) const;
+  /// Adds to the logarithms of each beam's bound.
+  void weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& out,
+             const CertifiedEnd::Bound& home, std::vector<double>& bounds) const;
+  /// Takes tables for one segment's cubic over a box; adds to `off` by beam.
+  void take_segments(const PlanePlace<Ball>& box, const Ball& out_range, const Ball& home_range,
+                     std::vector<double>& off);
+  void take_tables() { by_segment_ = false; }
+  double smooth_rad() const { return smooth_rad_; }
+
+ private:
+  struct Gain : CertifiedGain {
+    CertifiedEnd::Trace trace;
+    Ball most;
+  };
+  bool any_ = false, tables_ = false, by_segment_ = false;
+  std::vector<Gain> transmit_, receive_;
+  double smooth_rad_ = 1;
+};
+
+/// Energies by beam of one receiver.
+class CertifiedPathIntegrand : public CertifiedIntegrand {
+ public:
+  CertifiedPathIntegrand(CertifiedPathEnergy energy, CertifiedPathGains gains, const CertifiedCell* texture)
+      : energy_(std::move(energy)), gains_(std::move(gains)), texture_(texture) {}
+
+  std::size_t values() const override { return gains_.beams(); }
+  double scale_m(const PlanePlace<Ball>& place) const override;
+  void at(const PlanePlace<Ball>& place, std::vector<Ball>& values) const override;
+  bool take(const PlanePlace<Ball>& box, std::vector<double>& off) override;
+  void take_whole() override;
+  void log_bounds(const PlanePlace<ComplexBall>& place, std::vector<double>& bounds) const override;
+
+ private:
+  CertifiedPathEnergy energy_;
+  CertifiedPathGains gains_;
+  const CertifiedCell* texture_;
+};
+
+}  // namespace tubefoot

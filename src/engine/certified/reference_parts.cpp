@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/reference_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+namespace tubefoot {
+
+std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoLaw& law) {
+  if (const auto material = material_without_enclosure(law.reflectivity))
+    throw std::invalid_argument(
+        fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
+  std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
+  for (std::size_t material = 0; material < law.reflectivity.size(); ++material)
+    if (law.reflectivity[material] != nullptr)
+      textures.at(material) = certified_texture(law.reflectivity[material]);
+  return textures;
+}
+
+CertifiedEcho enclosed_echo(const Echo& ordinary, const std::vector<Ball>& total, double tolerance) {
+  CertifiedEcho certified;
+  certified.echo = ordinary;
+  certified.bound.resize(total.size());
+  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    if (!total[bin].is_finite()) {
+      certified.bound[bin] = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    const double energy = std::max(total[bin].middle(), 0.0);
+    const Ball off = total[bin] - Ball(energy);
+    certified.echo.energy[bin] = energy;
+    certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
+  }
+  hold_against(certified, tolerance);
+  return certified;
+}
+
+CertifiedEcho narrowed(double tolerance, const std::function<CertifiedEcho(double, bool&)>& enclose) {
+  constexpr int most_tries = 3;
+  double working = tolerance;
+  for (int tries = 1;; ++tries) {
+    bool coarse = false;
+    CertifiedEcho certified = enclose(working, coarse);
+    const double excess = certified.worst_ratio;
+    if (certified.bins_over == 0 || tries == most_tries || coarse || !(excess < 1000)) return certified;
+    working /= 2 * excess;
+  }
+}
+
+}  // namespace tubefoot
