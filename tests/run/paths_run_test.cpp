@@ -194,6 +194,76 @@ TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
   }
 }
 
+// A law, a texture, a receiver apart, a rough surface and a level plate at once, to order 4: in water that
+// hardly refracts as in even water.
+TEST(PathsRun, EverythingAtOnceInAlmostEvenWater) {
+  const TestFolder folder;
+  folder.write("plate.obj", "v -4 2 -17\nv 4 2 -17\nv 4 9 -17\nv -4 9 -17\nf 1 2 3\nf 1 3 4\n");
+  const std::string text =
+      still_water() +
+      "[sea_surface]\nloss_db = 1\nrms_roughness_m = 0.0005\n[paths]\norder = 4\ndirect = true\n" +
+      R"([[materials]]
+name = "bed"
+law = "gsab"
+specular_db = -5
+specular_width_deg = 8
+oblique_db = -20
+oblique_exponent = 1.5
+[[materials.reflectivity]]
+kind = "perlin"
+wavelength_m = 6
+octaves = 1
+depth = 0.5
+seed = 1
+[[materials]]
+name = "mirror"
+lambert_db = -20
+specular_loss_db = 3
+[[terrain]]
+kind = "flat"
+width_m = 80
+length_m = 80
+centre_m = [0, 0, -20]
+material = "bed"
+[[objects]]
+name = "plate"
+shape = "mesh"
+file = "plate.obj"
+material = "mirror"
+)" + fixed_at(0, 0, -9) +
+      R"([[sensors]]
+name = "sonar"
+kind = "imaging"
+beams = 2
+horizontal_deg = 40
+vertical_deg = 160
+tilt_deg = 10
+range_min_m = 1
+range_max_m = 50
+samples = 49
+receiver_arm_m = [0, 1, 0]
+)";
+  const auto heard = [&](const std::string& scene, const std::string& name) {
+    const auto out = folder / name;
+    const Outcome outcome =
+        run_program({"run", folder.write(name + ".toml", scene).string(), "-o", out.string(), "--quiet"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return std::pair(
+        read_echoes(out / "echoes.nc"),
+        nlohmann::json::parse(std::ifstream(out / "stats.json")).at("paths").at("energy_of_order"));
+  };
+  const auto [even, orders] = heard(text, "even");
+  const auto [almost, its_orders] = heard(bent(text, 1e-6), "almost");
+  for (const char* order : {"2", "3", "4"}) {
+    EXPECT_GT(orders.at(order).get<double>(), 0) << order;
+    EXPECT_NEAR(its_orders.at(order).get<double>() / orders.at(order).get<double>(), 1, 1e-6) << order;
+  }
+  // A law with corners is integrated to 1e-6 of a facet's part.
+  const double peak = *std::max_element(even.energy.begin(), even.energy.end());
+  for (std::size_t k = 0; k < even.energy.size(); ++k)
+    EXPECT_NEAR(almost.energy[k], even.energy[k], 1e-5 * even.energy[k] + 1e-9 * peak) << k;
+}
+
 TEST(PathsRun, RefractedPathsAreCounted) {
   const TestFolder folder;
   const auto file = folder.write("scene.toml", bent(scene(surface + "[paths]\norder = 3\n"), -1));
