@@ -107,7 +107,8 @@ class PathEncloser {
     const Ball range = texture == nullptr ? Ball(1) : texture->range();
     const bool worth_it = polygon.edges.size() >= 3 && range.hi() - range.lo() > working_ / 8 * range.lo();
     const std::size_t row = borders_.size() - 1,
-                      cells = worth_it ? cut_by_cells(polygon, *texture, law_.path.out.apex_m, most_cells, {})
+                      cells = worth_it ? cut_by_cells(polygon, *texture, law_.path.out.map_of(facet),
+                                                      most_cells, {})
                                        : 0;
     if (worth_it && cells == 0) coarse_ = true;
     const Ball even = cells > 0 ? Ball(1) : range;
@@ -128,7 +129,7 @@ class PathEncloser {
                      });
     };
     if (cells == 0) return add_part(polygon, nullptr);
-    cut_by_cells(polygon, *texture, law_.path.out.apex_m, most_cells,
+    cut_by_cells(polygon, *texture, law_.path.out.map_of(facet), most_cells,
                  [&](const CertifiedPolygon& part, const CertifiedCell& cell) { add_part(part, &cell); });
   }
 

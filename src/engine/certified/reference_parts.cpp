@@ -1,24 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/certified/reference_parts.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
-#include <stdexcept>
 
 namespace tubefoot {
-
-std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoLaw& law) {
-  if (const auto material = material_without_enclosure(law.reflectivity))
-    throw std::invalid_argument(
-        fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
-  std::vector<std::shared_ptr<const CertifiedTexture>> textures(law.material_mu.size());
-  for (std::size_t material = 0; material < law.reflectivity.size(); ++material)
-    if (law.reflectivity[material] != nullptr)
-      textures.at(material) = certified_texture(law.reflectivity[material]);
-  return textures;
-}
 
 CertifiedEcho enclosed_echo(const Echo& ordinary, const std::vector<Ball>& total, double tolerance) {
   CertifiedEcho certified;
