@@ -320,8 +320,8 @@ PathCutter::Extent PathCutter::extent_of(const Curve& near, const Curve& far, co
   const auto nearest = [&](double height, glm::dvec2 foot) {
     return std::max(height, range(height, centre - foot) - arc - ray);
   };
-  const double away =
-      std::min(nearest(transmit_.height, transmit_.foot), nearest(receive_.height, receive_.foot));
+  double away = std::min(nearest(transmit_.height, transmit_.foot), nearest(receive_.height, receive_.foot));
+  if (work_.from_second) away = std::min(away, nearest(second_->height, second_->foot));
   return {arc / away, ray / away, steep && cell.half > least_steep_half};
 }
 

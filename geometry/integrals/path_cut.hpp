@@ -45,6 +45,8 @@ class PathCutter {
     std::size_t values = 1;  ///< how many values the integrand has
     /// An angle as seen from either apex over which the integrand is smooth; at most 1 is used.
     double resolution_rad = 1;
+    /// That holds from the second receiver, too, which may be nearer than both.
+    bool from_second = false;
     /// Two rules agree if they differ by less than this, relative to values[0] of the cell.
     double tolerance = 1e-10;
     /// Halvings of a cell for the sake of the tolerance; after these it is taken as it is.

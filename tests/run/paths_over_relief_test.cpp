@@ -59,7 +59,7 @@ TEST(PathsOverRelief, CellsEverywhereAreTheReliefOfTheWholeBed) {
 }
 
 TEST(PathsOverRelief, AReceiverApartHasImagesOfItsOwn) {
-  const std::string paths = "order = 2\nonly_order = 2", apart = "receiver_arm_m = [1.5, 0.5, 0.4]\n";
+  const std::string paths = "order = 3\nonly_order = 3", apart = "receiver_arm_m = [1.5, 0.5, 0.4]\n";
   expect_equal(echoes_of(scene(online, paths, {}, apart)), echoes_of(scene(offline, paths, {}, apart)), 1e-9);
 }
 

@@ -149,8 +149,8 @@ class StaffIntegral {
     if (paths.size() > 1) {
       work.values = 3;
       work.resolution_rad = std::min(work.resolution_rad, fringe_rad_);
-      // Beside the transmitter the lower receiver may be nearer than what cells are measured by.
-      if (history_.middle_m != glm::dvec3(0)) work.agreements = 2;
+      // With the transmitter in their middle neither is much nearer than the other.
+      work.from_second = history_.middle_m != glm::dvec3(0);
     }
     std::array<PathCutter::Receiver, 2> receivers;
     for (std::size_t k = 0; k < paths.size(); ++k) receivers[k] = paths[k].home.over;

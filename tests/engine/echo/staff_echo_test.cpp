@@ -191,12 +191,14 @@ TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
   std::uniform_real_distribution<double> place(-5, 5), distance(1, 6), share(0, 1), waves(0.3, 6);
   std::normal_distribution<double> gauss;
   const auto unit = [&] { return glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random))); };
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 16; ++i) {
     const FacetPlane plane = test::random_plane(random, distance(random));
     const Fringe staff{unit(), 0.9 * plane.distance_m * share(random), 2 * pi * waves(random)};
     Directivity transmit, receive;
     if (i % 3 > 0) transmit = {Directivity::Kind::gaussian, unit(), true, 0, 0.9};
-    if (i % 3 > 1) receive = {Directivity::Kind::line, unit(), false, 0.1, 3};
+    // Of a line's nulls the product has corners, which take long.
+    if (i % 3 > 1 && i < 8) receive = {Directivity::Kind::line, unit(), false, 0.1, 3};
+    if (i % 3 > 1 && i >= 8) receive = {Directivity::Kind::gaussian, unit(), true, 0, 1.2};
     const glm::dvec2 centre = i % 4 ? glm::dvec2(place(random), place(random)) : glm::dvec2(0.2, -0.1);
     const Polygon2 polygon = test::random_convex(random, centre, 2.5, 1.5);
     StaffHistory history = piece_on(plane, polygon);
@@ -220,7 +222,7 @@ TEST(StaffEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
     };
     const double upper = over_polygon(plane, polygon, [&](glm::dvec3 at) { return energy(at, end); }),
                  lower = over_polygon(plane, polygon, [&](glm::dvec3 at) { return energy(at, other); });
-    const double scale = (i < 8 ? 1e-7 : 1e-6) * std::sqrt(upper * lower);
+    const double scale = 1e-7 * std::sqrt(upper * lower);
     EXPECT_NEAR(echo.upper_j[0], upper, 1e-7 * upper) << i;
     EXPECT_NEAR(echo.lower_j[0], lower, 1e-7 * lower) << i;
     EXPECT_NEAR(echo.cross_real_j[0],
