@@ -65,6 +65,8 @@ constexpr auto table = std::to_array<Refusal>({
     {refraction, relief_each_shot, reference,
      "a reference through such water needs relief that is refined once for all shots: give [relief] mode = "
      "\"offline\""},
+    {refraction, two_receivers, reference,
+     "a reference of phases needs straight rays: leave out --reference, or give profile = \"constant\""},
     {refraction, receiver_apart, reference,
      "a reference of two places needs straight rays: leave out --reference, or give profile = "
      "\"constant\""},
@@ -105,7 +107,6 @@ constexpr auto table = std::to_array<Refusal>({
      double_arithmetic,
      {},
      "their common footprints need an exact arithmetic: fixed, filtered or rational"},
-    {two_receivers, reference, {}, "no reference certifies their phases: leave the sensor out"},
     {two_receivers, own_engine, {}, "an engine of one's own computes no phases: leave the sensor out"},
     {tiles, own_engine, {}, all_facets},
     {tiles, audit, {}, "an audit's hash names the facets: give it a window, or load = \"whole\""},

@@ -7,6 +7,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "engine/certified/staff_reference.hpp"
 #include "engine/paths/path_echo.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "run/own_engine.hpp"
@@ -136,15 +137,35 @@ void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
   const SensorLaw law = shot.law(s);
   const auto samples = static_cast<std::size_t>(sensor.samples().count),
              beams = static_cast<std::size_t>(shot.beams(s));
-  std::vector<double> all(4 * beams * samples);
+  CertifiedEcho certified;
+  certified.echo.energy.resize(4 * beams * samples);
+  if (shot.request().reference_tolerance) certified.bound.resize(certified.echo.energy.size());
+  const auto lay = [&](const std::vector<double>& rows, std::uint32_t fan, std::vector<double>& all) {
+    for (std::size_t channel = 0; channel < 4; ++channel)
+      std::copy_n(rows.begin() + std::ptrdiff_t(channel * samples), samples,
+                  all.begin() + std::ptrdiff_t((channel * beams + fan) * samples));
+  };
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
     const StaffHistory history = shot.trace_staff(s, fan, law.patterns.fringes[fan]);
     sums.as_echo([&] {
       const StaffEcho echo = shot.echo(history, s, fan, law);
-      std::size_t channel = 0;
+      std::vector<double> rows;
       for (const auto* row : {&echo.upper_j, &echo.lower_j, &echo.cross_real_j, &echo.cross_imag_j})
-        std::copy(row->begin(), row->end(),
-                  all.begin() + std::ptrdiff_t((channel++ * beams + fan) * samples));
+        rows.insert(rows.end(), row->begin(), row->end());
+      if (const auto tolerance = shot.request().reference_tolerance) {
+        CertifiedEcho found = certify_staff_echo(shot.ground().mesh(), history, shot.scene().grid.unit_m(),
+                                                 law.patterns.fringes[fan], fan, fan, sensor.samples(),
+                                                 law.law, echo, *tolerance);
+        rows = found.echo.energy;
+        lay(found.bound, fan, certified.bound);
+        certified.bins_over += found.bins_over;
+        if (found.worst_ratio > certified.worst_ratio) {
+          certified.worst_ratio = found.worst_ratio;
+          certified.worst_beam = int(fan);  // of whichever channel
+          certified.worst_sample = found.worst_sample;
+        }
+      }
+      lay(rows, fan, certified.echo.energy);
       sums.add_finer_relief(
           shot,
           BistaticHistory{history.transmit, history.upper, shot.scene().grid.unit_m(), history.by_upper},
@@ -154,7 +175,10 @@ void add_staff(const Shot& shot, std::size_t s, PingSums& sums) {
       sums.counts.pieces += history.pieces();
     });
   }
-  sums.add(shot, s, 1, all);
+  if (certified.bound.empty())
+    sums.add(shot, s, 1, certified.echo.energy);
+  else
+    sums.add(shot, s, certified);
 }
 
 void add_staffs(const Shot& shot, PingSums& sums) {
