@@ -130,7 +130,7 @@ double CertifiedPathCutter::least_path(const RayFrame& frame, const Edge& edge) 
 }
 
 void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPlane& out,
-                              std::span<const ApexOverPlane> homes) {
+                              std::span<const ApexOverPlane> homes, const std::optional<Ball>& unsure) {
   frames_.clear();
   cells_.clear();
   gaps_.clear();
@@ -208,7 +208,8 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
       least = std::min(least, least_path(frame, edges.back()));
     }
     samples_from(least);
-    if (first_ >= end_) return;
+    if (unsure) give_gap(first_, end_, *unsure);
+    if (first_ >= end_ || unsure) return;
     find_rings(polygon);
     const Ball from(std::max(nearest.lo(), 0.0)), to(farthest.hi());
     reach2_ = squared(to) - squared(from);
@@ -222,7 +223,8 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
     return give_gap(first_, end_, (Ball(wide.hi()) - Ball(wide.lo())) * (Ball(high.hi()) - Ball(high.lo())));
   }
   samples_from(homes_[0].shortest.lo());
-  if (first_ >= end_) return;
+  if (unsure) give_gap(first_, end_, *unsure);
+  if (first_ >= end_ || unsure) return;
   find_rings(polygon);
   for (std::size_t i = 0; i < n; ++i) {
     stop_if_wanted();

@@ -86,8 +86,10 @@ class CertifiedPathCutter {
   /// Sample k holds half paths of borders[k] .. borders[k + 1].
   explicit CertifiedPathCutter(std::span<const double> half_path_borders_m);
 
-  /// One home or two. Cells and gaps replace those of the polygon before.
-  void cut(const CertifiedPolygon& polygon, const ApexOverPlane& out, std::span<const ApexOverPlane> homes);
+  /// One home or two. Cells and gaps replace those of the polygon before. With `unsure` there is only a gap
+  /// of that area, somewhere in the polygon.
+  void cut(const CertifiedPolygon& polygon, const ApexOverPlane& out, std::span<const ApexOverPlane> homes,
+           const std::optional<Ball>& unsure = {});
   const std::vector<RayFrame>& frames() const { return frames_; }
   /// Whether the rays' centre may lie in the polygon, or on an edge: then gaps may reach there.
   bool about_centre() const { return about_centre_; }

@@ -135,7 +135,7 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
     const auto samples = py::ssize_t(r.sensor->samples().count), size = py::ssize_t(sizeof(double));
     const auto cells = py::ssize_t(r.cells());
     arrays["energy_bound"] = view(r.energy_bound.data(), {py::ssize_t(r.pings()), cells / samples, samples},
-                                  {cells * size, samples * size, size}, self);
+                                  {cells * py::ssize_t(r.channels()) * size, samples * size, size}, self);
   }
   arrays["ping_time"] = view_of<double>(r.ping_time_s, self);
   arrays["sensor_position"] = view_of<double>(r.ping_pose, &Pose::position_m, self, 3);

@@ -39,7 +39,10 @@ EchoContents contents_of(const NativeResult& result, const std::string& called) 
       const auto energy = r.energy_of(ping);
       sensor.energy.insert(sensor.energy.end(), energy.begin(), energy.end());
     }
-    sensor.energy_bound.assign(r.energy_bound.begin(), r.energy_bound.end());
+    for (std::size_t ping = 0; ping < r.pings() && !r.energy_bound.empty(); ++ping) {
+      const auto bound = r.energy_bound.subspan(ping * r.channels() * r.cells(), r.cells());
+      sensor.energy_bound.insert(sensor.energy_bound.end(), bound.begin(), bound.end());
+    }
     const RangeSamples& samples = r.sensor->samples();
     for (int k = 0; k < samples.count; ++k) {
       sensor.slant_range_m.push_back(samples.first_m + (k + 0.5) * samples.step_m);

@@ -211,11 +211,19 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
       group.compress(staff.back(), name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
     }
 
-  int energy_bound = 0;
+  // Of a staff, by channel.
+  std::vector<std::pair<int, std::string>> bounds_of;
+  const auto define_bound = [&](const std::string& of) {
+    const std::string name = of + "_bound", long_name = "certified half-width: the true " +
+                                                        (of == "energy" ? "energy" : "value of " + of) +
+                                                        " lies within " + of + " +- " + name;
+    bounds_of.emplace_back(group.define(name.c_str(), {ping, beam, sample}, "J", long_name.c_str()), name);
+    group.compress(bounds_of.back().first, name.c_str(),
+                   {1, beams.size(), static_cast<std::size_t>(samples.count)});
+  };
   if (!recording.energy_bound.empty()) {
-    energy_bound = group.define("energy_bound", {ping, beam, sample}, "J",
-                                "certified half-width: the true energy lies within energy +- energy_bound");
-    group.compress(energy_bound, "energy_bound", {1, beams.size(), static_cast<std::size_t>(samples.count)});
+    define_bound("energy");
+    for (std::size_t c = 0; c < staff.size(); ++c) define_bound(staff_variables[c].name);
   }
 
   group.variable("ping_time", {ping}, "s", "time of the transmission on the scene's clock",
@@ -290,9 +298,10 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
     for (std::size_t c = 0; c < staff.size(); ++c)
       group.write_ping(staff[c], staff_variables[c].name, p, beams.size(), count,
                        recording.channel_of(p, c + 1).data());
-    if (!recording.energy_bound.empty())
-      group.write_ping(energy_bound, "energy_bound", p, beams.size(), count,
-                       recording.energy_bound.subspan(p * recording.cells()).data());
+    for (std::size_t c = 0; c < bounds_of.size(); ++c)
+      group.write_ping(
+          bounds_of[c].first, bounds_of[c].second.c_str(), p, beams.size(), count,
+          recording.energy_bound.subspan((p * recording.channels() + c) * recording.cells()).data());
     recording.let_go(p);
   }
 }

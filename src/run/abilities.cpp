@@ -67,6 +67,7 @@ constexpr auto table = std::to_array<Refusal>({
      "and 'specular_loss_db'"},
     {refraction, mirrors, reference, two_places_straight},
     {refraction, receiver_apart, reference, two_places_straight},
+    {refraction, two_receivers, reference, two_places_straight},
     {refraction,
      coverage,
      {},
@@ -85,7 +86,12 @@ constexpr auto table = std::to_array<Refusal>({
     {receiver_apart, coverage, {}, one_apex_only},
     {receiver_apart, view, {}, one_apex_only},
     {receiver_apart, shot, {}, one_apex_only},
-    {two_receivers, reference, {}, "no reference certifies their phases: leave the sensor out"},
+    {receiver_apart, two_receivers, reference,
+     "products of two receivers' signals are certified from the transmitter in their middle: leave out "
+     "--reference, or 'receiver_arm_m'"},
+    {mirrors, two_receivers, reference,
+     "products of two receivers' signals over mirrors have no proven bound: leave out --reference, or the "
+     "sensor"},
     {relief_each_shot,
      coverage,
      {},

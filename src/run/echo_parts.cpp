@@ -8,6 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "engine/certified/staff_reference.hpp"
 #include "engine/paths/path_echo.hpp"
 #include "engine/paths/staff_paths.hpp"
 #include "engine/rays/ray_engine.hpp"
@@ -155,12 +156,20 @@ class StaffRows {
   void set(std::size_t fan, const StaffEcho& echo) {
     std::size_t channel = 0;
     for (const auto* row : {&echo.upper_j, &echo.lower_j, &echo.cross_real_j, &echo.cross_imag_j})
-      std::copy(row->begin(), row->end(),
-                all_.begin() + std::ptrdiff_t((channel++ * beams_ + fan) * samples_));
+      set(fan, channel++, *row);
+  }
+  /// [channel][sample].
+  void set(std::size_t fan, std::span<const double> channels) {
+    for (std::size_t channel = 0; channel < 4; ++channel)
+      set(fan, channel, channels.subspan(channel * samples_, samples_));
   }
   std::span<const double> all() const { return all_; }
 
  private:
+  void set(std::size_t fan, std::size_t channel, std::span<const double> row) {
+    std::copy(row.begin(), row.end(), all_.begin() + std::ptrdiff_t((channel * beams_ + fan) * samples_));
+  }
+
   std::size_t samples_, beams_;
   std::vector<double> all_;
 };
@@ -264,11 +273,29 @@ void add_staff(const Shot& shot, std::size_t s, const SensorLaw& law, const Face
   EchoLaw on_mesh = law.law;
   on_mesh.material = mesh.material;
   StaffRows rows(shot, s);
+  CertifiedEcho certified;
+  const auto tolerance = shot.request().reference_tolerance;
+  StaffRows bounds(shot, s);
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
     const Fringe& staff = law.patterns.fringes[fan];
     const StaffHistory history = trace(fan, staff);
     sums.as_echo([&] {
-      rows.set(fan, integrate_staff_echo(history, staff, fan, fan, shot.sensor(s).samples(), on_mesh));
+      const StaffEcho echo =
+          integrate_staff_echo(history, staff, fan, fan, shot.sensor(s).samples(), on_mesh);
+      if (!tolerance) {
+        rows.set(fan, echo);
+      } else {
+        const CertifiedEcho found = certify_staff_echo(mesh, history, unit_m, staff, fan, fan,
+                                                       shot.sensor(s).samples(), on_mesh, echo, *tolerance);
+        rows.set(fan, found.echo.energy);
+        bounds.set(fan, found.bound);
+        certified.bins_over += found.bins_over;
+        if (found.worst_ratio > certified.worst_ratio) {
+          certified.worst_ratio = found.worst_ratio;
+          certified.worst_beam = int(fan);  // of whichever channel
+          certified.worst_sample = found.worst_sample;
+        }
+      }
       sums.add_finer_relief(
           shot,
           BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.paired_upper},
@@ -278,7 +305,10 @@ void add_staff(const Shot& shot, std::size_t s, const SensorLaw& law, const Face
       sums.counts.pieces += history.pieces();
     });
   }
-  sums.add(shot, s, 1, rows.all());
+  if (!tolerance) return sums.add(shot, s, 1, rows.all());
+  certified.echo.energy.assign(rows.all().begin(), rows.all().end());
+  certified.bound.assign(bounds.all().begin(), bounds.all().end());
+  sums.add(shot, s, certified);
 }
 
 void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {

@@ -49,7 +49,8 @@ void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span
 
 void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certified, std::size_t order) {
   const std::vector<std::uint32_t>& beams = shot.sensor(s).beams_of_shot(shot.number());
-  add_rows(certified.bound, beams, 1, store_.bound(s, slot_));
+  const std::size_t cells = beams.size() * static_cast<std::size_t>(shot.sensor(s).samples().count);
+  add_rows(certified.bound, beams, certified.bound.size() / cells, store_.bound(s, slot_));
   PingCounts met;
   met.bins_over = certified.bins_over;
   met.worst_ratio = certified.worst_ratio;

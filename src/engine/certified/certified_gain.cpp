@@ -106,6 +106,19 @@ Ball CertifiedGain::at(const Ball& w, bool by_segment, const Ball& otherwise) co
   return exp(level * log(Ball(10)) / Ball(10));
 }
 
+bool CertifiedGain::has_no_zero(const Ball& w) const {
+  if (pattern->kind == Directivity::Kind::line) {
+    const Ball u = Ball(pattern->size) * (w - Ball(pattern->centre));
+    // Zeros are the integers but 0.
+    if (u.lo() > -1 && u.hi() < 1) return true;
+    return std::floor(u.lo()) == std::floor(u.hi()) && u.lo() > std::floor(u.lo());
+  }
+  if (pattern->kind != Directivity::Kind::piston) return true;
+  constexpr double first_zero_of_j1 = 3.83;  // and a little before
+  return (Ball(pattern->size) * root(Ball(1) - squared(w))).hi() < first_zero_of_j1 ||
+         at(w, false, Ball(0)).lo() > 0;
+}
+
 /// The angle that a pattern is a function of.
 Ball CertifiedGain::angle_of(const Ball& w) const {
   const Ball sine = root(Ball(1) - squared(w));

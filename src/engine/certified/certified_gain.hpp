@@ -31,6 +31,9 @@ struct CertifiedGain {
   /// infinite where it is not analytic.
   double log_bound(const ComplexBall& w) const;
 
+  /// No zero of it lies within a ball of cosines: its root is as smooth as itself.
+  bool has_no_zero(const Ball& w) const;
+
   /// Takes a table for the cubic of one of its segments over a box of directions, and tells what that may be
   /// wrong by: a bound of |log(gain / that cubic's gain)|.
   double take_segment(const Ball& w);

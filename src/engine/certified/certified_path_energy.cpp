@@ -302,6 +302,11 @@ void CertifiedPathGains::take_segments(const PlanePlace<Ball>& box, const Ball& 
   for (std::size_t b = 0; b < receive_.size(); ++b) off[b] += sent + take(receive_[b], home_range);
 }
 
+bool CertifiedPathGains::has_no_zero(const PlanePlace<Ball>& box, const Ball& home_range) const {
+  return std::ranges::all_of(
+      receive_, [&](const Gain& g) { return g.has_no_zero(CertifiedEnd::cosine(g.trace, box, home_range)); });
+}
+
 double CertifiedPathIntegrand::scale_m(const PlanePlace<Ball>& place) const {
   return energy_.scale_m(place) * gains_.smooth_rad();
 }

@@ -71,6 +71,7 @@ class CertifiedEnd {
 /// texture, patterns and mirrors.
 class CertifiedPathEnergy {
  public:
+  /// `home_m`: its apex, relative to the polygon's.
   CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& home_m, const EchoLaw& law,
                       const FacetBed& bed, const Ball& beta_per_m);
 
@@ -114,6 +115,8 @@ class CertifiedPathGains {
   /// Takes tables for one segment's cubic over a box; adds to `off` by beam.
   void take_segments(const PlanePlace<Ball>& box, const Ball& out_range, const Ball& home_range,
                      std::vector<double>& off);
+  /// Of all that receives.
+  bool has_no_zero(const PlanePlace<Ball>& box, const Ball& home_range) const;
   void take_tables() { by_segment_ = false; }
   double smooth_rad() const { return smooth_rad_; }
 

@@ -39,8 +39,9 @@ CertifiedPathIntegrator::Element<N> CertifiedPathIntegrator::element(const N& ne
 
 void CertifiedPathIntegrator::add(const CertifiedPolygon& polygon, const ApexOverPlane& out,
                                   std::span<const ApexOverPlane> homes, CertifiedIntegrand& integrand,
-                                  const Allowance& allowance, const Taker& take) {
-  cutter_.cut(polygon, out, homes);
+                                  const Allowance& allowance, const Taker& take,
+                                  const std::optional<Ball>& unsure) {
+  cutter_.cut(polygon, out, homes, unsure);
   if (cutter_.cells().empty() && cutter_.gaps().empty()) return;
   integrand_ = &integrand;
   relative_ = allowance.relative;

@@ -59,8 +59,10 @@ class CertifiedPathIntegrator {
   explicit CertifiedPathIntegrator(std::span<const double> half_path_borders_m)
       : cutter_(half_path_borders_m) {}
 
+  /// With `unsure`, of a part of the polygon that is not known, but for its area.
   void add(const CertifiedPolygon& polygon, const ApexOverPlane& out, std::span<const ApexOverPlane> homes,
-           CertifiedIntegrand& integrand, const Allowance& allowance, const Taker& take);
+           CertifiedIntegrand& integrand, const Allowance& allowance, const Taker& take,
+           const std::optional<Ball>& unsure = {});
 
   /// Cells that were left at the work limit, so far.
   std::size_t given_up() const { return given_up_; }

@@ -361,11 +361,13 @@ class PathTracer {
       arrival.transmit = &patterns.transmit[patterns.fan_of_tube[receive_tube]];
       arrival.receive = std::span(patterns.receive).subspan(begin, end - begin);
     }
-    ++echo_.arrivals;
+    bool heard = false;
     certify_arrival(
         arrival, samples_, [&](std::size_t beam, std::size_t sample, double energy, double bound) {
+          heard = true;
           take({image.mirrors, (first + beam) * std::size_t(samples_.count) + sample, energy, bound});
         });
+    if (heard) ++echo_.arrivals;
   }
 
   const FacetMesh& mesh_;

@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/staff_reference.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/certified/certified_path_energy.hpp"
+#include "engine/certified/reference_parts.hpp"
+#include "geometry/numbers/complex_ranges.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// The root of both energies' product: its size, and its parts with the phase between the receivers.
+class StaffIntegrand : public CertifiedIntegrand {
+ public:
+  StaffIntegrand(const CertifiedPathEnergy& upper, const CertifiedPathEnergy& lower,
+                 const CertifiedPathGains& upper_gains, const CertifiedPathGains& lower_gains,
+                 const Fringe& staff, const CertifiedCell* texture)
+      : upper_(upper),
+        lower_(lower),
+        upper_gains_(upper_gains),
+        lower_gains_(lower_gains),
+        texture_(texture),
+        along_(upper.out().trace(staff.axis)),
+        turn_(Ball(-2) * Ball(staff.baseline_m) * Ball(staff.wavenumber_rad_m)) {}
+
+  std::size_t values() const override { return 3; }
+  std::size_t size_of(std::size_t) const override { return 0; }
+  bool positive() const override { return false; }
+  double scale_m(const PlanePlace<Ball>& p) const override {
+    return std::min(upper_.scale_m(p), lower_.scale_m(p)) * upper_gains_.smooth_rad() /
+           (1 + std::abs(turn_.middle()) / 2);
+  }
+
+  void at(const PlanePlace<Ball>& p, std::vector<Ball>& values) const override {
+    const Ball out = upper_.out().range(p), up = upper_.home().range(p), down = lower_.home().range(p);
+    std::vector<Ball> one{upper_.density_at(p, out, up)}, other{lower_.density_at(p, out, down)};
+    upper_gains_.weigh(p, out, up, one);
+    lower_gains_.weigh(p, out, down, other);
+    Ball size = root(one[0] * other[0]);
+    if (texture_ != nullptr) size = size * texture_->factor_at(p.x, p.y);
+    Ball sine, cosine;
+    // (upper^2 - lower^2) / (upper + lower): no cancellation where the baseline is short.
+    sin_cos(turn_ * along_.at(p) / (up + down), sine, cosine);
+    values = {size, size * cosine, size * sine};
+  }
+
+  bool take(const PlanePlace<Ball>& box, std::vector<double>& off) override {
+    const Ball out = upper_.out().range(box);
+    std::vector<double> one(1, 0), other(1, 0);
+    upper_gains_.take_segments(box, out, upper_.home().range(box), one);
+    lower_gains_.take_segments(box, out, lower_.home().range(box), other);
+    for (double& value : off) value = (one[0] + other[0]) / 2;
+    if (!upper_.take_pieces(box) || !lower_.take_pieces(box)) return false;
+    // Roots of patterns have corners at their zeros.
+    return upper_gains_.has_no_zero(box, upper_.home().range(box)) &&
+           lower_gains_.has_no_zero(box, lower_.home().range(box));
+  }
+  void take_whole() override {
+    for (CertifiedPathGains* gains : {&upper_gains_, &lower_gains_}) gains->take_tables();
+    for (CertifiedPathEnergy* energy : {&upper_, &lower_}) energy->take_all_pieces();
+  }
+
+  void log_bounds(const PlanePlace<ComplexBall>& p, std::vector<double>& bounds) const override {
+    CertifiedEnd::Bound out, up, down;
+    std::vector<double> one{upper_.log_bound(p, out, up)}, other{lower_.log_bound(p, out, down)};
+    bounds.assign(3, infinite);
+    if (!(one[0] < infinite && other[0] < infinite)) return;
+    upper_gains_.weigh(p, out, up, one);
+    lower_gains_.weigh(p, out, down, other);
+    double size = (one[0] + other[0]) / 2 + 1e-9;
+    if (texture_ != nullptr) size += std::log(texture_->largest_at(p.x, p.y)) + 1e-9;
+    // |cos z| and |sin z| are at most e^|Im z|.
+    const ComplexBall ranges = tight_root(upper_.home().range2(p)) + tight_root(lower_.home().range2(p));
+    const ComplexRange phase(ComplexBall(turn_) * along_.at(p) * tight_inverse(ranges));
+    if (std::isnan(size) || !phase.is_finite()) return;
+    const double turned = size + phase.most_im() * (1 + 1e-12) + 1e-9;
+    bounds = {size, turned, turned};
+  }
+
+ private:
+  CertifiedPathEnergy upper_, lower_;
+  CertifiedPathGains upper_gains_, lower_gains_;
+  const CertifiedCell* texture_;
+  CertifiedEnd::Trace along_;
+  Ball turn_;
+};
+
+/// What of a polygon lies in another one of the same plane, and the area of what may, at their edges. No
+/// points: no more than that.
+std::pair<CertifiedPolygon, Ball> common_part(const CertifiedPolygon& one, const CertifiedPolygon& other) {
+  CertifiedPolygon left = one;
+  Ball unsure;
+  const std::size_t n = other.points.size();
+  for (std::size_t i = 0; i < n && !left.points.empty(); ++i) {
+    const CertifiedPolygon::Point &a = other.points[i], &b = other.points[i + 1 == n ? 0 : i + 1];
+    const Ball dx = b.x - a.x, dy = b.y - a.y, length = root(squared(dx) + squared(dy));
+    if (!length.surely_positive()) {
+      unsure += Ball(length.hi()) * one.perimeter;  // cuts off no more than it is long
+      continue;
+    }
+    std::vector<Ball> height;
+    double level = 0;
+    for (const CertifiedPolygon::Point& p : left.points) {
+      height.push_back((dx * (p.y - a.y) - dy * (p.x - a.x)) / length);
+      level = std::max(level, 2 * (height.back().hi() - height.back().lo()));
+    }
+    // What is nearer to the line than that is taken to be on it.
+    unsure += Ball(2 * level) * one.perimeter;
+    auto sides = split(left.points, height, level);
+    if (sides[0].empty()) continue;
+    left = part_of(one, std::move(sides[1]));
+  }
+  return {std::move(left), Ball(unsure.hi())};
+}
+
+class StaffEncloser {
+ public:
+  StaffEncloser(const FacetMesh& mesh, const StaffHistory& history, double unit_m, const Fringe& staff,
+                std::uint32_t fan, std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law,
+                std::span<const std::shared_ptr<const CertifiedTexture>> textures,
+                std::span<const double> target, double working)
+      : mesh_(mesh),
+        history_(history),
+        unit_m_(unit_m),
+        staff_(staff),
+        fan_(fan),
+        beam_(beam),
+        law_(law),
+        textures_(textures),
+        borders_(sample_borders_m(samples)),
+        target_(target),
+        working_(working),
+        beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      at_m_[0][k] = Ball(staff.baseline_m) / Ball(2) * Ball(staff.axis[int(k)]);
+      at_m_[1][k] = -at_m_[0][k];
+    }
+  }
+
+  std::vector<Ball> enclose(bool& coarse) {
+    struct Job {
+      const SharedFacet *upper, *lower;
+    };
+    std::vector<Job> jobs;  // by facet
+    const auto &up = history_.by_upper.facets, &down = history_.by_lower.facets;
+    for (auto u = up.begin(), d = down.begin(); u != up.end() || d != down.end();) {
+      const bool has_upper = u != up.end() && (d == down.end() || u->facet <= d->facet),
+                 has_lower = d != down.end() && (u == up.end() || d->facet <= u->facet);
+      jobs.push_back({has_upper ? &*u++ : nullptr, has_lower ? &*d++ : nullptr});
+    }
+    std::vector<Bins> by_job(jobs.size());
+    tbb::parallel_for(std::size_t{0}, jobs.size(),
+                      [&](std::size_t k) { add(jobs[k].upper, jobs[k].lower, by_job[k]); });
+    coarse = coarse_;
+    std::vector<Ball> total(target_.size());
+    for (const Bins& bins : by_job)  // in order, so that the result does not depend on the threads
+      for (const auto& [bin, part] : bins) total[bin] += part;
+    return total;
+  }
+
+ private:
+  std::size_t samples() const { return borders_.size() - 1; }
+  static std::span<const glm::dvec3> corners_of(const SharedFootprints& shared, const SharedPiece& piece) {
+    return std::span(shared.corners_m).subspan(piece.first, piece.count);
+  }
+
+  void add(const SharedFacet* upper, const SharedFacet* lower, Bins& bins) {
+    const FacetId facet = (upper != nullptr ? upper : lower)->facet;
+    FacetCone cone;
+    FacetCone::make(mesh_, facet, history_.transmit.apex, cone);
+    const auto polygon = [&](const SharedFootprints& shared, const SharedPiece& piece) {
+      return certified_polygon(cone, corners_of(shared, piece), shared.receiver_m, unit_m_);
+    };
+    CertifiedPathIntegrator integrator(borders_);
+    for (const std::size_t end : {0, 1}) {
+      const SharedFacet* seen = end == 0 ? upper : lower;
+      const SharedFootprints& shared = end == 0 ? history_.by_upper : history_.by_lower;
+      for (std::uint32_t k = 0; seen != nullptr && k < seen->piece_count; ++k)
+        add_energy(end, facet, polygon(shared, shared.pieces[seen->first_piece + k]), integrator, bins);
+    }
+    if (upper == nullptr || lower == nullptr) return;
+    for (std::uint32_t k = 0; k < upper->piece_count; ++k) {
+      const SharedPiece& one = history_.by_upper.pieces[upper->first_piece + k];
+      for (std::uint32_t m = 0; m < lower->piece_count; ++m) {
+        const SharedPiece& two = history_.by_lower.pieces[lower->first_piece + m];
+        if (two.transmit_tube != one.transmit_tube) continue;
+        stop_if_wanted();
+        const CertifiedPolygon seen = polygon(history_.by_upper, one);
+        const auto [part, unsure] = common_part(seen, polygon(history_.by_lower, two));
+        if (!faces(seen)) continue;
+        add_product(facet, part, integrator, bins);
+        add_unsure(facet, seen, unsure, integrator, bins);
+      }
+    }
+  }
+
+  struct Ends {
+    CertifiedPathEnergy energy;
+    CertifiedPathGains gains;
+  };
+  Ends ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
+    CertifiedPathEnergy energy(polygon, at_m_[end], law_, law_.bed(facet), beta_);
+    CertifiedPathGains gains(energy.out(), energy.home(), law_.patterns->transmit[fan_],
+                             std::span(law_.patterns->receive).subspan(beam_, 1));
+    return {std::move(energy), std::move(gains)};
+  }
+  /// False where a receiver looks along the plane or at its back, which only the grid's half units can do.
+  bool faces(const CertifiedPolygon& polygon) const {
+    for (const auto& at : at_m_) {
+      const Ball height = apex_over(polygon, at).height;
+      if (height.may_be_zero())
+        throw std::invalid_argument("a receiver lies in a facet's plane, to 1e-30 m: no reference");
+      if (height.surely_negative()) return false;
+    }
+    return true;
+  }
+
+  /// `add(part, cell, even, cells)` for the parts of a polygon by cells of its texture.
+  template <class Add>
+  void by_cells(FacetId facet, const CertifiedPolygon& polygon, const Add& add) {
+    const CertifiedTexture* texture = textures_[law_.material[facet]].get();
+    const Ball range = texture == nullptr ? Ball(1) : texture->range();
+    const bool worth_it = polygon.edges.size() >= 3 && range.hi() - range.lo() > working_ / 8 * range.lo();
+    const std::size_t cells =
+        worth_it ? cut_by_cells(polygon, *texture, law_.path.out.map_of(facet), most_cells, {}) : 0;
+    if (worth_it && cells == 0) coarse_ = true;
+    if (cells == 0) return add(polygon, nullptr, range, 1.0);
+    cut_by_cells(polygon, *texture, law_.path.out.map_of(facet), most_cells,
+                 [&](const CertifiedPolygon& part, const CertifiedCell& cell) {
+                   add(part, &cell, Ball(1), double(cells));
+                 });
+  }
+  /// Parts are many: a guess, which other tries make up for.
+  double allowed(std::size_t channel, std::size_t sample, double cells) const {
+    return std::max(target_[channel * samples() + sample] / (30 * cells), least_allowed);
+  }
+
+  void add_energy(std::size_t end, FacetId facet, const CertifiedPolygon& polygon,
+                  CertifiedPathIntegrator& integrator, Bins& bins) {
+    if (!faces(polygon)) return;
+    by_cells(facet, polygon,
+             [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
+               Ends own = ends(end, facet, part);
+               const ApexOverPlane out = own.energy.out().over(), home = own.energy.home().over();
+               CertifiedPathIntegrand integrand(std::move(own.energy), std::move(own.gains), cell);
+               integrator.add(
+                   part, out, {&home, 1}, integrand,
+                   {working_ / 3, [&](std::size_t, std::size_t k) { return allowed(end, k, cells); }},
+                   [&](std::size_t k, std::span<const Ball> values) {
+                     bins[end * samples() + k] += even * values[0];
+                   });
+             });
+  }
+
+  void add_product(FacetId facet, const CertifiedPolygon& polygon, CertifiedPathIntegrator& integrator,
+                   Bins& bins) {
+    if (polygon.points.empty()) return;
+    by_cells(facet, polygon,
+             [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
+               const Ends upper = ends(0, facet, part), lower = ends(1, facet, part);
+               StaffIntegrand integrand(upper.energy, lower.energy, upper.gains, lower.gains, staff_, cell);
+               const ApexOverPlane homes[2] = {upper.energy.home().over(), lower.energy.home().over()};
+               integrator.add(part, upper.energy.out().over(),
+                              std::span(homes).first(staff_.baseline_m > 0 ? 2 : 1), integrand,
+                              {working_ / 3,
+                               [&](std::size_t v, std::size_t k) {
+                                 return allowed(1 + std::max<std::size_t>(v, 1), k, cells);
+                               }},
+                              taker(even, bins));
+             });
+  }
+
+  /// What may or may not be common to both, of what the upper one sees.
+  void add_unsure(FacetId facet, const CertifiedPolygon& polygon, const Ball& unsure,
+                  CertifiedPathIntegrator& integrator, Bins& bins) {
+    const CertifiedTexture* texture = textures_[law_.material[facet]].get();
+    const Ends upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
+    StaffIntegrand integrand(upper.energy, lower.energy, upper.gains, lower.gains, staff_, nullptr);
+    const ApexOverPlane home = upper.energy.home().over();
+    integrator.add(polygon, upper.energy.out().over(), {&home, 1}, integrand,
+                   {0, [](std::size_t, std::size_t) { return least_allowed; }},
+                   taker(texture == nullptr ? Ball(1) : texture->range(), bins), unsure);
+  }
+
+  CertifiedPathIntegrator::Taker taker(const Ball& even, Bins& bins) const {
+    return [this, even, &bins](std::size_t k, std::span<const Ball> values) {
+      bins[2 * samples() + k] += even * values[1];
+      bins[3 * samples() + k] += even * values[2];
+    };
+  }
+
+  const FacetMesh& mesh_;
+  const StaffHistory& history_;
+  double unit_m_;
+  const Fringe& staff_;
+  std::uint32_t fan_, beam_;
+  const EchoLaw& law_;
+  std::span<const std::shared_ptr<const CertifiedTexture>> textures_;
+  std::vector<double> borders_;
+  std::span<const double> target_;
+  double working_;
+  Ball beta_;
+  std::array<std::array<Ball, 3>, 2> at_m_;
+  std::atomic<bool> coarse_ = false;
+};
+
+/// What each bound is to be, by channel.
+std::vector<double> staff_targets(std::span<const double> upper, std::span<const double> lower,
+                                  double tolerance) {
+  Echo rows{3, int(upper.size()), {}};
+  for (const auto& row : {upper, lower}) rows.energy.insert(rows.energy.end(), row.begin(), row.end());
+  for (std::size_t k = 0; k < upper.size(); ++k) rows.energy.push_back(std::sqrt(upper[k] * lower[k]));
+  std::vector<double> target = reference_targets(rows, tolerance);
+  const std::vector<double> cross(target.end() - std::ptrdiff_t(upper.size()), target.end());
+  target.insert(target.end(), cross.begin(), cross.end());
+  return target;
+}
+
+}  // namespace
+
+CertifiedEcho certify_staff_echo(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
+                                 const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
+                                 const RangeSamples& samples, const EchoLaw& law, const StaffEcho& ordinary,
+                                 double tolerance) {
+  const auto textures = certified_textures(law);
+  const auto row = std::size_t(samples.count);
+  return narrowed(tolerance, [&](double working, bool& coarse) {
+    const std::vector<double> target = staff_targets(ordinary.upper_j, ordinary.lower_j, working);
+    StaffEncloser encloser(mesh, history, grid_unit_m, staff, fan, beam, samples, law, textures, target,
+                           working);
+    const std::vector<Ball> total = encloser.enclose(coarse);
+    CertifiedEcho certified;
+    certified.echo = {4, samples.count, std::vector<double>(4 * row)};
+    certified.bound.resize(4 * row);
+    std::vector<double> sure(2 * row);
+    for (std::size_t bin = 0; bin < total.size(); ++bin) {
+      if (!total[bin].is_finite()) {
+        certified.bound[bin] = infinite;
+        continue;
+      }
+      const double middle = bin < 2 * row ? std::max(total[bin].middle(), 0.0) : total[bin].middle();
+      const Ball off = total[bin] - Ball(middle);
+      certified.echo.energy[bin] = middle;
+      certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
+      if (bin < 2 * row) sure[bin] = std::max(middle - certified.bound[bin], 0.0);
+    }
+    const std::vector<double> asked =
+        staff_targets(std::span(sure).first(row), std::span(sure).last(row), tolerance * (1 + 1e-6));
+    for (std::size_t bin = 0; bin < total.size(); ++bin) {
+      const double ratio = certified.bound[bin] / asked[bin];
+      certified.bins_over += !(ratio <= 1);
+      if (!(ratio > certified.worst_ratio)) continue;
+      certified.worst_ratio = ratio;
+      certified.worst_beam = int(bin / row);
+      certified.worst_sample = int(bin % row);
+    }
+    return certified;
+  });
+}
+
+}  // namespace tubefoot
