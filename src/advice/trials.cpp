@@ -37,6 +37,16 @@ std::string scene_name(const std::filesystem::path& scene) {
                                       : stem);
 }
 
+/// Energies, or their bounds, of the upper receiver where there are two; of pings after each other.
+std::vector<double> first_channel(const Recording& recording, std::span<const double> values) {
+  std::vector<double> first;
+  const std::size_t cells = recording.cells();
+  for (std::size_t at = 0; at < values.size(); at += cells * recording.channels())
+    first.insert(first.end(), values.begin() + std::ptrdiff_t(at),
+                 values.begin() + std::ptrdiff_t(at + cells));
+  return first;
+}
+
 }  // namespace
 
 EngineSetting tube_setting(Binning binning) {
@@ -114,9 +124,9 @@ TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
   double ignored = 0;
   reference_ = record(request, ignored);
   for (const Recording& r : reference_) {
-    const double total = std::accumulate(r.energy.begin(), r.energy.end(), 0.0);
-    if (total > 0)
-      bound_ = std::max(bound_, std::accumulate(r.energy_bound.begin(), r.energy_bound.end(), 0.0) / total);
+    const std::vector<double> energy = first_channel(r, r.energy), bound = first_channel(r, r.energy_bound);
+    const double total = std::accumulate(energy.begin(), energy.end(), 0.0);
+    if (total > 0) bound_ = std::max(bound_, std::accumulate(bound.begin(), bound.end(), 0.0) / total);
   }
 }
 
@@ -172,7 +182,9 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
     const std::vector<double> ranges = ranges_m(reference.sensor->samples());
     const EchoShape ping{1, reference.sensor->beams().size(), ranges.size()};
     const EchoShape all{reference.ping_time_s.size(), ping.beams, ping.samples};
-    const EchoErrors errors = echo_errors({all, reference.energy, candidate[s].energy, {}, ranges});
+    const std::vector<double> truth = first_channel(reference, reference.energy),
+                              found = first_channel(candidate[s], candidate[s].energy);
+    const EchoErrors errors = echo_errors({all, truth, found, {}, ranges});
     trial.l1_error = std::max(trial.l1_error, errors.l1);
     trial.rms_db_error = std::max(trial.rms_db_error, errors.rms_db);
     std::vector<PingError>& pings = trial.pings.emplace_back();
@@ -180,7 +192,7 @@ Trial TrialScene::run(const EngineSetting& setting, int repeats) const {
       const auto part = [&](std::span<const double> energies) {
         return energies.subspan(p * ping.bins(), ping.bins());
       };
-      const EchoErrors e = echo_errors({ping, part(reference.energy), part(candidate[s].energy), {}, ranges});
+      const EchoErrors e = echo_errors({ping, part(truth), part(found), {}, ranges});
       const auto lit = static_cast<double>(e.lit_bins);
       pings.push_back({e.reference_total_j > 0 ? e.l1 * e.reference_total_j : e.candidate_total_j,
                        e.reference_total_j, e.rms_db * e.rms_db * lit, lit});
