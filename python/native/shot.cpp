@@ -32,12 +32,12 @@ NativeShot::NativeShot(const Survey& survey, RunRequest request, HeardShot which
     : which_(which),
       shots_(survey, checked(survey, std::move(request), which)),
       shot_(shots_.heard_by(which.sensor, which.ping, which.shot)),
-      tubes_(shot_.tubes_of(which.sensor)),
-      vertices_(shot_.ground().is_own() ? std::make_shared<SharedVertices>() : std::move(vertices)) {}
+      ends_(shot_, which.sensor),
+      vertices_(ends_.out().refined != nullptr ? std::make_shared<SharedVertices>() : std::move(vertices)) {}
 
 const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
   std::call_once(vertices_->once, [this] {
-    const auto& vertices = ground().mesh().vertices;
+    const auto& vertices = ends_.out().mesh->vertices;
     vertices_->points_m.reserve(vertices.size());
     for (const GridPoint& p : vertices) vertices_->points_m.push_back(survey().scene.grid.to_metres(p));
   });
@@ -45,7 +45,18 @@ const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
 }
 
 std::shared_ptr<NativeHistory> NativeShot::trace() const {
-  return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), shot_.trace(tubes_)});
+  if (ends_.are_two()) {
+    PathFootprints seen = path_footprints(ends_.trace());
+    return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), std::move(seen.footprints),
+                                                         std::move(seen.receive_tube),
+                                                         std::move(seen.receive_distance_m)});
+  }
+  NativeHistory history{shared_from_this(), shot_.trace(tubes()).footprints, {}, {}};
+  for (const Footprint& footprint : history.footprints.footprints) {
+    history.receive_tube.push_back(footprint.tube);
+    history.receive_distance_m.push_back(footprint.plane_distance_m);
+  }
+  return std::make_shared<NativeHistory>(std::move(history));
 }
 
 }  // namespace tubefoot::python

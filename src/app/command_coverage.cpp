@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -16,13 +15,13 @@
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "footprints/coverage_file.hpp"
+#include "footprints/coverage_looks.hpp"
 #include "footprints/coverage_picture.hpp"
-#include "geometry/steps/steps.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
-#include "run/shot.hpp"
 
 namespace tubefoot {
 namespace {
@@ -36,52 +35,36 @@ struct Looks {
 
 Looks look(const Shots& shots, const CoverageOptions& options) {
   const Survey& survey = shots.survey();
-  const Scene& scene = survey.scene;
+  struct Asked {
+    std::size_t sensor, ping, shot;
+    std::uint32_t counted;
+  };
+  std::vector<Asked> asked;
   Looks all;
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     const SensorPings& sensor = survey.sensors[s];
     if (options.sensor && survey.fleet->sensor_named(*options.sensor) != s) continue;
-    const std::string& name = sensor.sensor->description().name;
     const PingRange range = resolved(options.pings, sensor.times_s.size());
     for (auto ping = static_cast<std::size_t>(range.first); ping <= static_cast<std::size_t>(range.last);
          ++ping) {
       for (std::size_t shot = 0; shot < sensor.sensor->shots(); ++shot)
-        all.looks.push_back({static_cast<std::uint32_t>(all.pings.size()),
-                             shots.heard_by(s, ping, shot).tubes_of(s),
-                             {},
-                             sensor.sensor->samples().first_m / scene.grid.unit_m(),
-                             sensor.sensor->reach(scene.grid)});
-      all.pings.push_back({name, ping});
+        asked.push_back({s, ping, shot, static_cast<std::uint32_t>(all.pings.size())});
+      all.pings.push_back({sensor.sensor->description().name, ping});
     }
   }
-  struct Buffers {
-    VisibilityScratch visibility;
-    TubeVisibility seen;
-  };
-  tbb::enumerable_thread_specific<Buffers> threads;
-  Progress progress("shots", all.looks.size(), options.quiet);
-  tbb::parallel_for(std::size_t{0}, all.looks.size(), [&](std::size_t l) {
+  all.looks.resize(asked.size());
+  Progress progress("shots", asked.size(), options.quiet);
+  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t l) {
     stop_if_wanted();
-    CoverageLook& its = all.looks[l];
-    auto& [scratch, sees] = threads.local();
-    const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
-    its.seen.resize(its.tubes.tubes.size());
-    Steps steps("tubes", its.tubes.tubes.size());
-    for (const TubeRun& run : runs_of(its.tubes))
-      see_run(scene.mesh, *survey.site->tree, its.tubes, run, shots.request().visibility, scratch, sees,
-              [&](std::uint32_t tube) {
-                TubeVisibility& kept = its.seen[tube];  // copies are no larger than what they hold
-                kept.corners = seen.corners;
-                kept.pieces = seen.pieces;
-                kept.rays = seen.rays;
-                steps.done();
-              });
+    const auto& [sensor, ping, shot, counted] = asked[l];
+    all.looks[l] = coverage_look(shots.heard_by(sensor, ping, shot), sensor, counted);
     progress.step();
   });
   return all;
 }
 
-CoveredFacet measured(const Survey& survey, const Looks& looks, FacetCoverage&& coverage) {
+CoveredFacet measured(const Survey& survey, const Coverage& overlay, const Looks& looks,
+                      FacetCoverage&& coverage) {
   const Scene& scene = survey.scene;
   const double unit_m = scene.grid.unit_m();
   CoveredFacet facet{std::move(coverage), 0, {}, {}};
@@ -96,12 +79,8 @@ CoveredFacet measured(const Survey& survey, const Looks& looks, FacetCoverage&& 
     const CoverageCell& cell = facet.coverage.cells[k];
     stop_if_wanted();
     if (cell.in_sector == 0) continue;
-    glm::dvec3 middle(0);
-    for (std::uint32_t c = 0; c < cell.count; ++c)
-      middle += facet.coverage.corners[cell.first + c] / static_cast<double>(cell.count);
-    const CoverageLook& first = looks.looks[cell.first_look];
-    const FacetId occluder = first_in_the_way(scene.mesh, *survey.site->tree, first.tubes.apex, middle);
-    shadows[{first.ping, cell.in_sector, occluder}].push_back(k);
+    const FacetId occluder = overlay.occluder(facet.coverage, cell);
+    shadows[{looks.looks[cell.first_look].ping, cell.in_sector, occluder}].push_back(k);
   }
   for (auto& [key, cells] : shadows)
     facet.shadows.push_back({std::get<1>(key), std::get<0>(key), std::get<2>(key), std::move(cells)});
@@ -201,7 +180,7 @@ int coverage_command(const CoverageOptions& options) {
             fmt::format("internal error: what is seen of facet {} and what is not do not add "
                         "up to it. Please report the scene",
                         covered.facet));
-      if (covered.met()) facets[k] = measured(*survey, looks, std::move(covered));
+      if (covered.met()) facets[k] = measured(*survey, coverage, looks, std::move(covered));
       progress.step();
     });
     for (const CoveredFacet& facet : facets) {

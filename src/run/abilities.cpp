@@ -41,8 +41,6 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "chart, advise, --tolerance",
                                                        "a shot in Python"};
 
-constexpr std::string_view one_apex_only =
-    "what one place sees is asked for: leave out 'receiver_arm_m', or choose another sensor";
 constexpr std::string_view all_facets =
     "all facets are needed at once: give it a window, or load = \"whole\"";
 constexpr std::string_view exact_only =
@@ -64,15 +62,6 @@ constexpr auto table = std::to_array<Refusal>({
     {refraction, relief_each_shot, reference,
      "a reference through such water needs relief that is refined once for all shots: give [relief] mode = "
      "\"offline\""},
-    {refraction,
-     coverage,
-     {},
-     "each ping then sees apparent facets of its own, which cannot be laid over each other: give profile = "
-     "\"constant\""},
-    {refraction,
-     exact_corners,
-     {},
-     "facets are seen where rays that were computed in doubles put them: there are no exact corners"},
     {mirrors, two_receivers, {}, "paths over mirrors need a sensor with one receiver a fan"},
     {mirrors,
      relief_each_shot,
@@ -96,10 +85,6 @@ constexpr auto table = std::to_array<Refusal>({
     {receiver_apart, double_arithmetic, {}, "needs an exact arithmetic: fixed, filtered or rational"},
     {receiver_apart, fast_binning, {}, "needs exact binning"},
     {receiver_apart, rays, {}, "needs the tube engine: the ray engine has one apex"},
-    {receiver_apart, audit, {}, one_apex_only},
-    {receiver_apart, coverage, {}, one_apex_only},
-    {receiver_apart, view, {}, one_apex_only},
-    {receiver_apart, shot, {}, one_apex_only},
     {two_receivers,
      double_arithmetic,
      {},
@@ -114,10 +99,6 @@ constexpr auto table = std::to_array<Refusal>({
     {tiles, refine, {}, all_facets},
     {tiles, trial, {}, all_facets},
     {tiles, shot, {}, all_facets},
-    {relief_each_shot,
-     coverage,
-     {},
-     "facets of each ping's own cannot be laid over each other: give [relief] mode = \"offline\""},
     {unbounded_texture, reference, {}, "no reference encloses that"},
     {reference, double_arithmetic, {}, exact_only},
     {reference, fast_binning, {}, "that integrates footprints: it needs --binning exact"},

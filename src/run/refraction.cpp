@@ -18,7 +18,7 @@ namespace tubefoot {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
-constexpr RefinementLimits most_a_shot{20'000'000};
+constexpr RefinementLimits most_a_shot{.facets = 20'000'000};
 
 std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
   return {std::atan2(direction.x, direction.y) * degrees,
@@ -50,12 +50,12 @@ auto made_for(const Shot& shot, const Make& make) {
 class LyingBed {
  public:
   /// `outlooks`: of each set of tubes.
-  LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks)
+  LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks, bool weights)
       : site_(shot.site()) {
     if (!site_.ground) return;
     std::vector<Look> looks = shot.looks(tubes);
     for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
-    relief_ = relief_seen_by(shot, looks);
+    relief_ = relief_seen_by(shot, looks, weights);
     tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
   }
   const FacetMesh& mesh() const { return tree_ ? relief_.mesh : site_.scene.mesh; }
@@ -74,7 +74,12 @@ class LyingBed {
   /// From facets of this bed to the scene's.
   void name_by_scene(ApparentGround& ground) const {
     if (!tree_) return;
-    for (FacetId& facet : ground.refined.parent) facet = relief_.parent[facet];
+    for (std::size_t k = 0; k < ground.refined.parent.size(); ++k) {
+      FacetId& facet = ground.refined.parent[k];
+      if (!ground.refined.weights.empty())
+        ground.refined.weights[k] = part_of_part(relief_.weights[facet], ground.refined.weights[k]);
+      facet = relief_.parent[facet];
+    }
     for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
   }
 
@@ -153,52 +158,63 @@ StraighteningSettings straightening_settings(const Shot& shot, double reach_m) {
   return settings;
 }
 
-ShotGround refracted_ground_of(const Shot& shot) {
-  return refracted_ground_of(shot,
-                             straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m()));
+ShotGround refracted_ground_of(const Shot& shot, bool weights) {
+  return refracted_ground_of(
+      shot, straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m()), weights);
 }
 
-ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& settings) {
+ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& settings, bool weights) {
   const Scene& scene = shot.scene();
   const TubeSet tubes = shot.tubes();
   const Straightening straightening =
       straightening_of(shot.site(), shot.pings(), scene.grid.to_metres(tubes.apex));
   const Outlook outlook(tubes, scene.grid.unit_m(), straightening);
-  const LyingBed bed(shot, {&tubes, 1}, {&outlook, 1});
+  const LyingBed bed(shot, {&tubes, 1}, {&outlook, 1}, weights);
   const std::vector<FacetId> facets = bed.facets({&outlook, 1});
   return made_for(shot, [&] {
     ApparentGround ground = straighten(bed.mesh(), facets, scene.grid, straightening,
                                        absorption_db_per_m(scene, *shot.pings().sensor), settings,
-                                       most_a_shot, scene.scattering, &outlook);
+                                       {most_a_shot.facets, weights}, scene.scattering, &outlook);
     bed.name_by_scene(ground);
     return ShotGround(shot.site(), std::move(ground));
   });
 }
 
-RefractedPaths refracted_paths_of(const Shot& shot) {
+RefractedPair refracted_pair_of(const Shot& shot, bool weights) {
   const Scene& scene = shot.scene();
   const double unit = scene.grid.unit_m(), absorption = absorption_db_per_m(scene, *shot.pings().sensor);
   std::array<TubeSet, 2> tubes{shot.tubes(), shot.receive_tubes(shot.first())};
   const auto water_from = [&](const TubeSet& set) {
     return straightening_of(shot.site(), shot.pings(), scene.grid.to_metres(set.apex));
   };
-  const Straightening transmit = water_from(tubes[0]), receive = water_from(tubes[1]);
-  const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, transmit), Outlook(tubes[1], unit, receive)};
-  const LyingBed bed(shot, tubes, outlooks);
+  std::array<Straightening, 2> water{water_from(tubes[0]), water_from(tubes[1])};
+  const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, water[0]), Outlook(tubes[1], unit, water[1])};
+  const LyingBed bed(shot, tubes, outlooks, weights);
   // What either may see: what hides from one need not be seen by the other.
   const std::vector<FacetId> facets = bed.facets(outlooks);
   return made_for(shot, [&] {
     const double reach_m = std::max(tubes[0].reach, tubes[1].reach) * unit;
-    RefractedPaths paths;
-    paths.pair =
-        straighten_pair(bed.mesh(), facets, scene.grid, transmit, receive, absorption,
-                        straightening_settings(shot, reach_m), most_a_shot, &outlooks[0], &outlooks[1]);
-    bed.name_by_scene(paths.pair.transmit);
-    bed.name_by_scene(paths.pair.receive);
-    paths.history = trace_bistatic(paths.pair, scene.grid, shot.request().visibility, std::move(tubes[0]),
-                                   std::move(tubes[1]), transmit, receive, absorption);
-    return paths;
+    ApparentPair pair = straighten_pair(bed.mesh(), facets, scene.grid, water[0], water[1], absorption,
+                                        straightening_settings(shot, reach_m), {most_a_shot.facets, weights},
+                                        &outlooks[0], &outlooks[1]);
+    bed.name_by_scene(pair.transmit);
+    bed.name_by_scene(pair.receive);
+    std::vector<FacetId> parent(pair.mesh.facets.size());
+    for (std::size_t k = 0; k < pair.transmit_origin.size(); ++k)
+      parent[pair.transmit_origin[k]] = pair.transmit.refined.parent[k];
+    return RefractedPair{std::move(pair), std::move(parent), std::move(tubes), std::move(water), absorption};
   });
+}
+
+BistaticHistory RefractedPair::trace(const Shot& shot) const {
+  return trace_bistatic(pair, shot.scene().grid, shot.request().visibility, tubes[0], tubes[1], water[0],
+                        water[1], absorption_db_per_m);
+}
+
+RefractedPaths refracted_paths_of(const Shot& shot) {
+  RefractedPair seen = refracted_pair_of(shot);
+  BistaticHistory history = seen.trace(shot);
+  return {std::move(seen.pair), std::move(history)};
 }
 
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot) {

@@ -25,8 +25,22 @@ Straightening straightening_of(const Site& site, const SensorPings& pings, glm::
 StraighteningSettings straightening_settings(const Shot& shot, double reach_m);
 
 /// The facets of a shot where it sees them. Throws InputError where it takes too many.
-ShotGround refracted_ground_of(const Shot& shot);
-ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& settings);
+ShotGround refracted_ground_of(const Shot& shot, bool weights = false);
+ShotGround refracted_ground_of(const Shot& shot, const StraighteningSettings& settings, bool weights = false);
+
+/// The facets of a shot where transmitter and receiver, apart, see them, and how they look at them. Throws as
+/// refracted_ground_of().
+struct RefractedPair {
+  ApparentPair pair;
+  std::vector<FacetId> parent;  ///< by facet of pair.mesh that the transmitter may see: the scene's
+  std::array<TubeSet, 2> tubes;
+  std::array<Straightening, 2> water;
+  double absorption_db_per_m = 0;
+
+  /// What both see together.
+  BistaticHistory trace(const Shot& shot) const;
+};
+RefractedPair refracted_pair_of(const Shot& shot, bool weights = false);
 
 /// What transmitter and receiver, apart, see together of a shot. Throws as refracted_ground_of().
 struct RefractedPaths {

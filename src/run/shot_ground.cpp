@@ -17,7 +17,7 @@ namespace tubefoot {
 namespace {
 
 /// A facet of a refined bed with its share of vertices and tree takes some 60 bytes.
-constexpr RefinementLimits most_offline{100'000'000}, most_a_shot{20'000'000};
+constexpr RefinementLimits most_offline{.facets = 100'000'000}, most_a_shot{.facets = 20'000'000};
 
 bool has_relief(const Scene& scene) {
   return std::any_of(scene.relief.begin(), scene.relief.end(), [](const auto& r) { return r != nullptr; });
@@ -119,9 +119,9 @@ void lay_relief(Site& site) {
   site.relief.parent = std::move(bed.parent);
 }
 
-RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks) {
+RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks, bool weights) {
   try {
-    return shot.site().ground->seen_by(looks, most_a_shot);
+    return shot.site().ground->seen_by(looks, {most_a_shot.facets, weights});
   } catch (const RefinementTooLarge&) {
     throw InputError(shot.scene().description.refinement.place,
                      fmt::format("{} looks at more than {} facets of its ground: use a larger 'cell_m' or "
@@ -130,13 +130,13 @@ RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks) {
   }
 }
 
-ShotGround ground_of(const Shot& shot) {
+ShotGround ground_of(const Shot& shot, bool weights) {
   const Site& site = shot.site();
-  if (site.scene.water->refracts()) return refracted_ground_of(shot);
+  if (site.scene.water->refracts()) return refracted_ground_of(shot, weights);
   if (!site.ground) return ShotGround(site);
   std::vector<TubeSet> tubes{shot.tubes()};
   if (shot.has_receiver_apart()) tubes.push_back(shot.receive_tubes(shot.first()));
-  return ShotGround(site, relief_seen_by(shot, shot.looks(tubes)));
+  return ShotGround(site, relief_seen_by(shot, shot.looks(tubes), weights));
 }
 
 ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m) {

@@ -35,6 +35,8 @@ class ShotGround {
     if (is_own()) facet = own().parent[facet];
     return site_->relief.parent.empty() ? facet : site_->relief.parent[facet];
   }
+  /// Facets of the shot's own, as parts of the scene's; null: the site's own.
+  const RefinedMesh* refined() const { return is_own() ? &own() : nullptr; }
   /// Null where facets are where they seem to be.
   const ApparentGround* apparent() const { return apparent_.get(); }
 
@@ -47,10 +49,11 @@ class ShotGround {
   std::unique_ptr<SceneTree> tree_;
 };
 
-/// The ground of a shot (Shot::ground() keeps it). Throws InputError where it takes too many facets.
-ShotGround ground_of(const Shot& shot);
+/// The ground of a shot (Shot::ground() keeps it), if asked for with RefinedMesh::weights about the scene's
+/// facets. Throws InputError where it takes too many facets.
+ShotGround ground_of(const Shot& shot, bool weights = false);
 /// The relief that a shot sees. Throws InputError where it takes too many facets.
-RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks);
+RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks, bool weights = false);
 /// The ground above and below a place.
 ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m);
 
