@@ -42,8 +42,6 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "chart, advise, --tolerance",
                                                        "a shot in Python"};
 
-constexpr std::string_view one_apex_only =
-    "what one place sees is asked for: leave out 'receiver_arm_m', or choose another sensor";
 constexpr std::string_view exact_only =
     "that takes an exact arithmetic: fixed, filtered or rational, not double";
 
@@ -62,15 +60,6 @@ constexpr auto table = std::to_array<Refusal>({
     {refraction, mirrors, two_receivers,
      "phases over mirrors need even water: give profile = \"constant\", or leave out [sea_surface], [paths] "
      "and 'specular_loss_db'"},
-    {refraction,
-     coverage,
-     {},
-     "each ping then sees apparent facets of its own, which cannot be laid over each other: give profile = "
-     "\"constant\""},
-    {refraction,
-     exact_corners,
-     {},
-     "facets are seen where rays that were computed in doubles put them: there are no exact corners"},
     {mirrors,
      reference,
      {},
@@ -80,15 +69,7 @@ constexpr auto table = std::to_array<Refusal>({
      reference,
      {},
      "two apexes cannot be certified: leave out --reference, or 'receiver_arm_m'"},
-    {receiver_apart, audit, {}, one_apex_only},
-    {receiver_apart, coverage, {}, one_apex_only},
-    {receiver_apart, view, {}, one_apex_only},
-    {receiver_apart, shot, {}, one_apex_only},
     {two_receivers, reference, {}, "no reference certifies their phases: leave the sensor out"},
-    {relief_each_shot,
-     coverage,
-     {},
-     "facets of each ping's own cannot be laid over each other: give [relief] mode = \"offline\""},
     {unbounded_texture, reference, {}, "no reference encloses that"},
     {reference, double_arithmetic, {}, exact_only},
     {reference, fast_binning, {}, "that integrates footprints: it needs --binning exact"},
