@@ -24,7 +24,6 @@ bool equal(const Fraction& a, const Fraction& b);
 Integer integer(const HugeInt& x);
 
 /// Twice the area of a polygon on its chart.
-/// Law O3 (areas): what a line cuts a polygon into has together its area.
 Fraction double_area(const LinePolygon& polygon);
 
 /// A share as a double and as a reduced fraction, "p/q" (or "0", "1").

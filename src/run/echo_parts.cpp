@@ -97,7 +97,6 @@ void count_paths(const auto& paths, PingSums& sums) {
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
   sums.counts.pieces += paths.shared_pieces;
-  sums.counts.hits += paths.hits;
 }
 
 void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, PingSums& sums) {
@@ -134,6 +133,7 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   StraighteningCounts& counts = sums.counts.refraction;
   for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, shot);
   counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
+  sums.counts.hits += paths.hits;
   count_paths(paths, sums);
 }
 

@@ -25,7 +25,7 @@ struct PathFootprints {
   double area_m2(std::size_t footprint) const;
 };
 
-/// Law B1 (tubes): energies of a history and of its footprints are the same, footprint by facet added up.
+/// Energies of a history and of its footprints are the same, added up.
 PathFootprints path_footprints(const BistaticHistory& history);
 
 }  // namespace tubefoot
