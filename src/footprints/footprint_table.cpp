@@ -132,8 +132,9 @@ FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<cons
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
   FootprintSet heard = seen.footprints;
   for (std::size_t k = 0; k < heard.footprints.size(); ++k) heard.footprints[k].tube = seen.receive_tube[k];
-  const FootprintEnergies energies = footprint_energies(
-      heard, seen.history, beam_of_tube, shot.beams_by_fans(s, fans), sensor.samples(), ends.law(s)->law);
+  const FootprintEnergies energies =
+      footprint_energies(heard, seen.history, beam_of_tube, shot.beams_by_fans(s, fans), sensor.samples(),
+                         ends.law(s)->law, shot.request().binning);
   const Occluders out = occluders_of(ends.trace(ends.out()), ends.out()),
                   home = occluders_of(ends.trace(ends.home()), ends.home());
   const glm::dvec3 apex = shot.scene().grid.to_metres(ends.out().tubes.apex);
@@ -145,9 +146,14 @@ FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<cons
     if (!beams.empty() &&
         !std::binary_search(beams.begin(), beams.end(), beams_of_shot[beam_of_tube[seen.receive_tube[k]]]))
       continue;
-    occluders = out.at({footprint.facet, footprint.tube});
-    const auto& more = home.at({footprint.facet, seen.receive_tube[k]});
-    occluders.insert(occluders.end(), more.begin(), more.end());
+    occluders.clear();
+    const auto add = [&](const Occluders& all, std::uint32_t tube) {
+      // In plain doubles what both see of a facet and what one of them sees may disagree.
+      if (const auto its = all.find({footprint.facet, tube}); its != all.end())
+        append_all(occluders, its->second);
+    };
+    add(out, footprint.tube);
+    add(home, seen.receive_tube[k]);
     std::sort(occluders.begin(), occluders.end());
     occluders.erase(std::unique(occluders.begin(), occluders.end()), occluders.end());
     rows.add(footprint, seen.footprints, seen.receive_tube[k], ends.out().number_of_name(footprint.facet),
