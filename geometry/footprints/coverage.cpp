@@ -6,73 +6,25 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <boost/multiprecision/gmp.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 
 #include "geometry/footprints/facet_regions.hpp"
+#include "geometry/footprints/line_areas.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
 
-using Integer = boost::multiprecision::mpz_int;
-
 constexpr std::uint32_t no_piece = std::numeric_limits<std::uint32_t>::max();
-
-/// Not reduced: a sum of many costs products, not greatest common divisors.
-struct Fraction {
-  Integer numerator = 0, denominator = 1;
-};
-
-Fraction sum(const std::vector<Fraction>& terms, std::size_t begin, std::size_t end) {
-  if (begin == end) return {};
-  if (end - begin == 1) return terms[begin];
-  const std::size_t middle = begin + (end - begin) / 2;
-  const Fraction a = sum(terms, begin, middle), b = sum(terms, middle, end);
-  if (a.denominator == b.denominator) return {a.numerator + b.numerator, a.denominator};
-  return {a.numerator * b.denominator + b.numerator * a.denominator, a.denominator * b.denominator};
-}
-Fraction sum(const std::vector<Fraction>& terms) { return sum(terms, 0, terms.size()); }
-
-Integer integer(const HugeInt& x) {
-  Integer z;
-  const auto& limbs = x.backend();
-  mpz_import(z.backend().data(), limbs.size(), -1, sizeof(*limbs.limbs()), 0, 0, limbs.limbs());
-  return limbs.sign() ? Integer(-z) : z;
-}
-
-/// Twice the area of a polygon. Its corner k is L_k-1 x L_k, so that corner k x corner k+1 =
-/// L_k det(L_k-1, L_k, L_k+1): with c the third coefficient of L_k and w the third of a corner, the sum of
-/// c det / (w w').
-Fraction double_area(const LinePolygon& polygon) {
-  const std::size_t n = polygon.size();
-  struct Coefficients {
-    Integer a, b, c;
-  };
-  std::vector<Coefficients> line;
-  for (const PlaneLine* l : polygon) line.push_back({integer(l->a), integer(l->b), integer(l->c)});
-  std::vector<Integer> weight(n);  // of the corner in which line k begins
-  for (std::size_t k = 0; k < n; ++k) {
-    const Coefficients &p = line[(k + n - 1) % n], &q = line[k];
-    weight[k] = p.a * q.b - p.b * q.a;
-  }
-  std::vector<Fraction> terms;
-  for (std::size_t k = 0; k < n; ++k) {
-    const Coefficients &p = line[(k + n - 1) % n], &q = line[k], &r = line[(k + 1) % n];
-    if (q.c == 0) continue;
-    const Integer det = weight[k] * r.c + (p.b * q.c - p.c * q.b) * r.a + (p.c * q.a - p.a * q.c) * r.b;
-    terms.push_back({q.c * det, weight[k] * weight[(k + 1) % n]});
-  }
-  return sum(terms);
-}
 
 struct Cell {
   LinePolygon lines;
   std::vector<glm::dvec2> corners;
   ChartBox box;
   std::uint32_t pings = 0, in_sector = 0, first_look = 0;
+  std::array<FacetId, 2> first_parts{};
   std::uint32_t last_ping = no_piece, last_in_sector = no_piece;
 
   void place() {
@@ -84,7 +36,10 @@ struct Cell {
       ++pings;
       last_ping = region.ping;
     } else {
-      if (in_sector++ == 0) first_look = region.look;
+      if (in_sector++ == 0) {
+        first_look = region.look;
+        first_parts = region.parts;
+      }
       last_in_sector = region.ping;
     }
   }
@@ -144,7 +99,7 @@ Overlay overlaid(const LinePolygon& place, std::span<const FacetRegion* const> r
     stop_if_wanted();
     areas[{cell.pings, cell.pings == 0 && cell.in_sector > 0}].push_back(double_area(cell.lines));
     result.cells.push_back({cell.pings, cell.pings > 0 ? 0 : cell.in_sector, cell.first_look,
-                            static_cast<std::uint32_t>(result.corners.size()),
+                            cell.first_parts, static_cast<std::uint32_t>(result.corners.size()),
                             static_cast<std::uint32_t>(cell.corners.size())});
     result.corners.insert(result.corners.end(), cell.corners.begin(), cell.corners.end());
   }
@@ -190,24 +145,9 @@ Overlay overlaid_in_halves(const LinePolygon& place, std::vector<const FacetRegi
   return std::move(done[0]);
 }
 
-/// Numerator and denominator scaled to what a double holds.
-double ratio(const Integer& numerator, const Integer& denominator) {
-  long top = 0, bottom = 0;
-  const double n = mpz_get_d_2exp(&top, numerator.backend().data());
-  const double d = mpz_get_d_2exp(&bottom, denominator.backend().data());
-  return std::ldexp(n / d, static_cast<int>(top - bottom));
-}
-
 AreaShare share(std::uint32_t pings, const Fraction& area, const Integer& whole) {
-  Integer p = area.numerator, q = area.denominator * whole;
-  if (q < 0) {
-    p = -p;
-    q = -q;
-  }
-  const Integer common = gcd(p, q);
-  p /= common;
-  q /= common;
-  return {pings, ratio(p, q), q == 1 ? p.str() : p.str() + "/" + q.str()};
+  ExactShare exact = share_of(area, whole);
+  return {pings, exact.share, std::move(exact.exact)};
 }
 
 bool may_be_within(const FacetMesh& mesh, FacetId facet, const TubeSet& tubes, std::uint32_t tube) {
@@ -226,42 +166,76 @@ Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const
     : mesh_(mesh), tree_(tree), looks_(looks) {
   // Of a facet that a ping sees all of, nothing lies in a shadow.
   std::vector<char> seen_whole(mesh.facets.size(), 0);
-  for (std::uint32_t l = 0; l < looks.size(); ++l)
-    for (std::uint32_t tube = 0; tube < looks[l].seen.size(); ++tube) {
-      stop_if_wanted();
-      const TubeVisibility& seen = looks[l].seen[tube];
-      for (std::uint32_t k = 0; k < seen.pieces.size(); ++k) {
-        const FacetId facet = seen.pieces[k].facet;
-        seen_.push_back({facet, l, tube, k});
-        if (!seen_whole[facet] && is_whole_facet(mesh, seen, seen.pieces[k]) &&
-            surely_in_window(mesh, facet, looks[l]))
-          seen_whole[facet] = 1;
-      }
-    }
+  for (std::uint32_t l = 0; l < looks.size(); ++l) {
+    parted_ = parted_ || looks[l].out.bed || (looks[l].home && looks[l].home->bed);
+    add_seen(l, false, seen_whole);
+    if (looks[l].home) add_seen(l, true, seen_whole);
+  }
   std::vector<std::vector<Part>> within(looks.size());
   tbb::parallel_for(std::size_t{0}, looks.size(), [&](std::size_t l) {
-    const TubeSet& tubes = looks[l].tubes;
-    std::vector<FacetId> candidates;
-    for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
-      stop_if_wanted();
-      std::array<SceneTree::HalfSpace, 4> walls{};
-      for (std::size_t k = 0; k < 4; ++k) {
-        const Vec64 n = cross(tubes.rays[tubes.tubes[tube][k]], tubes.rays[tubes.tubes[tube][(k + 1) % 4]]);
-        walls[k] = {static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)};
-      }
-      candidates.clear();
-      tree.query(tubes.apex, walls, std::min(tubes.reach, looks[l].farthest), candidates);
-      for (const FacetId facet : candidates)
-        if (!seen_whole[facet] && may_be_within(mesh, facet, tubes, tube))
-          within[l].push_back({facet, static_cast<std::uint32_t>(l), tube, no_piece});
-    }
+    const auto look = static_cast<std::uint32_t>(l);
+    add_within(look, false, seen_whole, within[l]);
+    if (looks[l].home) add_within(look, true, seen_whole, within[l]);
   });
   for (const auto& parts : within) within_.insert(within_.end(), parts.begin(), parts.end());
   index();
 }
 
+void Coverage::add_seen(std::uint32_t l, bool home, std::vector<char>& seen_whole) {
+  const CoverageLook& look = looks_[l];
+  const CoverageEnd& end = home ? *look.home : look.out;
+  const FacetMesh& mesh = end.bed ? end.bed->mesh : mesh_;
+  for (std::uint32_t tube = 0; tube < end.seen.size(); ++tube) {
+    stop_if_wanted();
+    const TubeVisibility& seen = end.seen[tube];
+    for (std::uint32_t k = 0; k < seen.pieces.size(); ++k) {
+      const FacetId own = seen.pieces[k].facet, facet = end.base_of(own);
+      seen_.push_back({facet, l, end.name_of(own), home, own, tube, k});
+      if (!look.home && !end.bed && !seen_whole[facet] && is_whole_facet(mesh, seen, seen.pieces[k]) &&
+          surely_in_window(look, mesh, own, own))
+        seen_whole[facet] = 1;
+    }
+  }
+}
+
+void Coverage::add_within(std::uint32_t l, bool home, const std::vector<char>& seen_whole,
+                          std::vector<Part>& to) const {
+  const CoverageLook& look = looks_[l];
+  const CoverageEnd& end = home ? *look.home : look.out;
+  const FacetMesh& mesh = end.bed ? end.bed->mesh : mesh_;
+  const SceneTree& tree = end.bed ? *end.bed->tree : tree_;
+  // Parts that the look itself sees whole; with one end that is enough.
+  std::vector<char> part_whole;
+  if (end.bed && !look.home) {
+    part_whole.resize(mesh.facets.size(), 0);
+    for (const TubeVisibility& seen : end.seen)
+      for (const NamedPiece& piece : seen.pieces)
+        if (is_whole_facet(mesh, seen, piece) && surely_in_window(look, mesh, piece.facet, piece.facet))
+          part_whole[piece.facet] = 1;
+  }
+  const TubeSet& tubes = end.tubes;
+  std::vector<FacetId> candidates;
+  for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
+    stop_if_wanted();
+    std::array<SceneTree::HalfSpace, 4> walls{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec64 n = cross(tubes.rays[tubes.tubes[tube][k]], tubes.rays[tubes.tubes[tube][(k + 1) % 4]]);
+      walls[k] = {static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)};
+    }
+    candidates.clear();
+    // Half a path may be less than the range from one of its ends.
+    tree.query(tubes.apex, walls, look.home ? tubes.reach : std::min(tubes.reach, look.farthest), candidates);
+    for (const FacetId own : candidates) {
+      const FacetId facet = end.base_of(own);
+      if (!seen_whole[facet] && (part_whole.empty() || !part_whole[own]) &&
+          may_be_within(mesh, own, tubes, tube))
+        to.push_back({facet, l, end.name_of(own), home, own, tube, no_piece});
+    }
+  }
+}
+
 void Coverage::index() {
-  const auto key = [](const Part& p) { return std::tuple(p.facet, p.look, p.tube, p.piece); };
+  const auto key = [](const Part& p) { return std::tuple(p.facet, p.look, p.name, p.home, p.tube, p.piece); };
   const auto before = [&](const Part& a, const Part& b) { return key(a) < key(b); };
   tbb::parallel_sort(seen_.begin(), seen_.end(), before);
   tbb::parallel_sort(within_.begin(), within_.end(), before);
@@ -279,15 +253,68 @@ void Coverage::index() {
   }
 }
 
+/// Parts of one facet: what looks see, or what they have in their tubes.
+void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) const {
+  const auto polygon = [&](const FacetRegions::Aspect& from, const Part& part) {
+    return part.piece == no_piece ? facet.within(from, part.tube) : facet.seen(from, part.tube, part.piece);
+  };
+  struct Placed {
+    LinePolygon polygon;
+    ChartBox box;
+  };
+  thread_local std::vector<int> sides;
+  for (std::size_t first = 0, end = 0; first < parts.size(); first = end) {
+    const Part& part = parts[first];
+    while (end < parts.size() && parts[end].look == part.look && parts[end].name == part.name) ++end;
+    std::size_t home = first;
+    while (home < end && !parts[home].home) ++home;
+    const CoverageLook& look = looks_[part.look];
+    if (home == first || (look.home && home == end)) continue;  // in the sector of one end only
+    const FacetRegions::Aspect out = facet.aspect(look.out, part.own);
+    if (out.edge_on) continue;
+    FacetRegion what{look.ping, part.look, {part.own, part.own}, part.piece == no_piece, {}, {}};
+    if (!look.home) {
+      const FacetRegions::Window window = facet.window(look, out, nullptr);
+      if (window.none) continue;
+      for (std::size_t k = first; k < end; ++k) facet.add(window, polygon(out, parts[k]), what);
+      continue;
+    }
+    what.parts[1] = parts[home].own;
+    const FacetRegions::Aspect there = facet.aspect(*look.home, parts[home].own);
+    if (there.edge_on || (!what.hidden_too && out.seen.reversed != there.seen.reversed)) continue;
+    const FacetRegions::Window window = facet.window(look, out, &there);
+    if (window.none) continue;
+    std::vector<Placed> heard;
+    for (std::size_t k = home; k < end; ++k)
+      if (LinePolygon p = polygon(there, parts[k]); !p.empty()) {
+        const ChartBox box = box_of(corners_of(p));
+        heard.push_back({std::move(p), box});
+      }
+    for (std::size_t k = first; k < home; ++k) {
+      const LinePolygon sent = polygon(out, parts[k]);
+      if (sent.empty()) continue;
+      const ChartBox box = box_of(corners_of(sent));
+      for (const Placed& other : heard) {
+        stop_if_wanted();
+        if (!box.meets(other.box)) continue;
+        LinePolygon both = sent;
+        for (const PlaneLine* line : other.polygon) {
+          if (!both.empty() && std::find(both.begin(), both.end(), line) == both.end())
+            clip(both, *line, sides);
+        }
+        facet.add(window, std::move(both), what);
+      }
+    }
+  }
+}
+
 FacetCoverage Coverage::facet(std::size_t number) const {
   const Group& group = groups_[number];
   FacetCoverage result;
   result.facet = facet_of(number);
-  FacetRegions facet(mesh_, result.facet);
-  for (std::size_t k = group.seen; k < group.seen_end; ++k)
-    facet.add_seen(looks_[seen_[k].look], seen_[k].look, seen_[k].tube, seen_[k].piece);
-  for (std::size_t k = group.within; k < group.within_end; ++k)
-    facet.add_within(looks_[within_[k].look], within_[k].look, within_[k].tube);
+  FacetRegions facet(mesh_, result.facet, parted_);
+  add_regions(facet, std::span(seen_).subspan(group.seen, group.seen_end - group.seen));
+  add_regions(facet, std::span(within_).subspan(group.within, group.within_end - group.within));
   std::vector<const FacetRegion*> regions;
   for (const FacetRegion& region : facet.regions()) regions.push_back(&region);
   Overlay overlay = overlaid_in_halves(facet.triangle(), std::move(regions), 0);
@@ -315,6 +342,39 @@ FacetCoverage Coverage::facet(std::size_t number) const {
   result.cells = std::move(overlay.cells);
   for (const glm::dvec2& corner : overlay.corners) result.corners.push_back(facet.in_space(corner));
   return result;
+}
+
+FacetId Coverage::occluder(const FacetCoverage& of, const CoverageCell& cell) const {
+  glm::dvec3 middle(0);
+  for (std::uint32_t c = 0; c < cell.count; ++c)
+    middle += of.corners[cell.first + c] / static_cast<double>(cell.count);
+  const auto corner = [](const FacetMesh& mesh, FacetId facet, std::size_t k) {
+    const GridPoint& p = mesh.vertices[mesh.facets[facet][k]];
+    return glm::dvec3(p.x, p.y, p.z);
+  };
+  const auto hides = [&](const CoverageEnd& end, FacetId own) {
+    if (!end.bed) return first_in_the_way(mesh_, tree_, end.tubes.apex, middle);
+    // Where it lies between the part's corners, it is in the bed.
+    const glm::dvec3 origin = corner(mesh_, of.facet, 0), along = corner(mesh_, of.facet, 1) - origin,
+                     across = corner(mesh_, of.facet, 2) - origin, n = glm::cross(along, across);
+    const double area2 = glm::dot(n, n) / static_cast<double>(whole_weight);
+    const glm::dvec2 at{glm::dot(n, glm::cross(middle - origin, across)) / area2,
+                        glm::dot(n, glm::cross(along, middle - origin)) / area2};
+    const PartWeights& w = end.bed->weights[own];
+    const auto edge = [&](std::size_t k) { return glm::dvec2(w[k][0] - w[0][0], w[k][1] - w[0][1]); };
+    const auto cross = [](glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; };
+    const glm::dvec2 from = at - glm::dvec2(w[0][0], w[0][1]);
+    const double whole = cross(edge(1), edge(2));
+    const glm::dvec3 first = corner(end.bed->mesh, own, 0);
+    const FacetId own_occluder =
+        first_in_the_way(end.bed->mesh, *end.bed->tree, end.tubes.apex,
+                         first + (corner(end.bed->mesh, own, 1) - first) * (cross(from, edge(2)) / whole) +
+                             (corner(end.bed->mesh, own, 2) - first) * (cross(edge(1), from) / whole));
+    return own_occluder == no_facet ? no_facet : end.bed->base[own_occluder];
+  };
+  const CoverageLook& look = looks_[cell.first_look];
+  const FacetId out = hides(look.out, cell.first_parts[0]);
+  return out != no_facet || !look.home ? out : hides(*look.home, cell.first_parts[1]);
 }
 
 FacetId first_in_the_way(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, glm::dvec3 point) {

@@ -5,18 +5,13 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "geometry/arithmetic/wide_direction.hpp"
+#include "geometry/footprints/range_ring.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
-
-/// Sides of the polygons that stand for circles of one range on a facet.
-constexpr int ring_sides = 96;
-/// Smaller rings are not drawn: their corners, rounded to the grid, might not be convex. Grid units.
-constexpr double least_ring = 8192;
 
 glm::dvec3 vector(GridPoint p) { return {p.x, p.y, p.z}; }
 glm::dvec3 vector(const Vec64& v) {
@@ -38,6 +33,15 @@ std::int64_t coordinate(GridPoint p, int axis) { return axis == 0 ? p.x : axis =
 PlaneLine line_between(std::int64_t u0, std::int64_t v0, std::int64_t u1, std::int64_t v1) {
   const HugeInt a = v0 - v1, b = u1 - u0;
   return PlaneLine::of(a, b, -(a * HugeInt(u0) + b * HugeInt(v0)));
+}
+
+LinePolygon polygon_round(const ChartCorners& corners, LineStore& store) {
+  LinePolygon polygon;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto &a = corners[k], &b = corners[(k + 1) % 3];
+    polygon.push_back(store.keep(line_between(a[0], a[1], b[0], b[1])));
+  }
+  return polygon;
 }
 
 /// The one plane that two corners surely share, by name.
@@ -107,22 +111,28 @@ bool split_off(LinePolygon& polygon, std::span<const PlaneLine* const> lines, Li
   return true;
 }
 
-FacetRegions::FacetRegions(const FacetMesh& mesh, FacetId facet)
-    : mesh_(mesh), facet_(facet), chart_(facet_plane(mesh, facet)) {
+FacetRegions::FacetRegions(const FacetMesh& mesh, FacetId facet, bool by_weights)
+    : mesh_(mesh), facet_(facet), by_weights_(by_weights), chart_(facet_plane(mesh, facet)) {
   const FacetCone plane = facet_plane(mesh, facet);
   origin_ = plane.point[0];
   normal_ = plane.normal;
-  std::array<std::int64_t, 3> u{}, v{};
   for (std::size_t k = 0; k < 3; ++k) {
-    u[k] = coordinate(plane.point[k], chart_.u) - coordinate(origin_, chart_.u);
-    v[k] = coordinate(plane.point[k], chart_.v) - coordinate(origin_, chart_.v);
+    corners_[k] = {coordinate(plane.point[k], chart_.u) - coordinate(origin_, chart_.u),
+                   coordinate(plane.point[k], chart_.v) - coordinate(origin_, chart_.v)};
+    if (by_weights) corners_[k] = {k == 1 ? whole_weight : 0, k == 2 ? whole_weight : 0};
   }
-  for (std::size_t k = 0; k < 3; ++k)
-    triangle_.push_back(store_.keep(line_between(u[k], v[k], u[(k + 1) % 3], v[(k + 1) % 3])));
-  double_area_ = HugeInt(u[1]) * v[2] - HugeInt(v[1]) * u[2];
+  triangle_ = polygon_round(corners_, store_);
+  double_area_ = HugeInt(corners_[1][0]) * corners_[2][1] - HugeInt(corners_[1][1]) * corners_[2][0];
 }
 
 glm::dvec3 FacetRegions::in_space(glm::dvec2 corner) const {
+  if (by_weights_) {
+    const auto& [a, b, c] = mesh_.facets[facet_];
+    const glm::dvec3 along = vector(mesh_.vertices[b]) - vector(mesh_.vertices[a]),
+                     across = vector(mesh_.vertices[c]) - vector(mesh_.vertices[a]);
+    constexpr auto whole = static_cast<double>(whole_weight);
+    return vector(origin_) + along * (corner.x / whole) + across * (corner.y / whole);
+  }
   const glm::dvec3 n = vector(normal_);
   glm::dvec3 point;
   point[chart_.u] = corner.x;
@@ -131,18 +141,39 @@ glm::dvec3 FacetRegions::in_space(glm::dvec2 corner) const {
   return vector(origin_) + point;
 }
 
-std::vector<const PlaneLine*> FacetRegions::ring(const Sight& sight, double radius, double along) {
-  // Corners on the circle about the apex's foot point in the facet's plane, rounded to the grid of the chart.
-  const glm::dvec3 n = glm::normalize(vector(normal_));
-  glm::dvec3 other(0);
-  other[chart_.u] = 1;
-  const glm::dvec3 first = glm::normalize(other - n * glm::dot(n, other)), second = glm::cross(n, first);
-  const glm::dvec3 foot = n * along - vector(sight.plane.point[0]);  // relative to the facet's first vertex
+FacetRegions::Aspect FacetRegions::aspect(const CoverageEnd& end, FacetId facet) {
+  const FacetMesh& mesh = end.bed ? end.bed->mesh : mesh_;
+  Aspect from;
+  from.end = &end;
+  from.facet = facet;
+  from.edge_on = !FacetCone::make(mesh, facet, end.tubes.apex, from.seen);
+  for (std::size_t k = 0; k < 3; ++k) from.corners[k] = mesh.vertices[mesh.facets[facet][k]] - end.tubes.apex;
+  from.on_chart = end.bed ? end.bed->weights[facet] : corners_;
+  from.place = triangle_;
+  if (!end.bed || from.on_chart == corners_) return from;
+  thread_local std::vector<int> sides;
+  for (const PlaneLine* line : polygon_round(from.on_chart, store_)) clip(from.place, *line, sides);
+  return from;
+}
+
+std::vector<const PlaneLine*> FacetRegions::lines_round(std::span<const glm::dvec3> ring,
+                                                        const Aspect& about) {
   std::vector<std::array<std::int64_t, 2>> corners;
-  for (int k = 0; k < ring_sides; ++k) {
-    const double angle = 2 * std::numbers::pi * k / ring_sides;
-    const glm::dvec3 p = foot + radius * (std::cos(angle) * first + std::sin(angle) * second);
-    corners.push_back({std::llround(p[chart_.u]), std::llround(p[chart_.v])});
+  const glm::dvec3 along = vector(about.corners[1] - about.corners[0]),
+                   across = vector(about.corners[2] - about.corners[0]), n = glm::cross(along, across);
+  const auto at = [&](std::size_t k) {
+    return glm::dvec2(about.on_chart[k][0] - about.on_chart[0][0],
+                      about.on_chart[k][1] - about.on_chart[0][1]);
+  };
+  for (const glm::dvec3& p : ring) {
+    if (!by_weights_) {
+      corners.push_back({std::llround(p[chart_.u]), std::llround(p[chart_.v])});
+      continue;
+    }
+    const glm::dvec2 q =
+        (glm::dot(n, glm::cross(p, across)) * at(1) + glm::dot(n, glm::cross(along, p)) * at(2)) /
+        glm::dot(n, n);
+    corners.push_back({about.on_chart[0][0] + std::llround(q.x), about.on_chart[0][1] + std::llround(q.y)});
   }
   std::vector<const PlaneLine*> lines;
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -153,36 +184,43 @@ std::vector<const PlaneLine*> FacetRegions::ring(const Sight& sight, double radi
   return lines;
 }
 
-const FacetRegions::Sight& FacetRegions::sight(const CoverageLook& look, std::uint32_t number) {
-  if (sight_.look == number) return sight_;
-  sight_ = {};
-  sight_.look = number;
-  sight_.plane = facet_plane(mesh_, facet_);
-  for (GridPoint& p : sight_.plane.point) p = p - look.tubes.apex;
-  sight_.edge_on = !FacetCone::make(mesh_, facet_, look.tubes.apex, sight_.seen);
-  if (sight_.edge_on || surely_in_window(mesh_, facet_, look)) return sight_;
-  const double along = glm::dot(glm::normalize(vector(normal_)), vector(sight_.plane.point[0]));
+FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect& out, const Aspect* home) {
+  Window window;
+  const FacetMesh& mesh = look.out.bed ? look.out.bed->mesh : mesh_;
+  if (surely_in_window(look, mesh, out.facet, home ? home->facet : out.facet)) return window;
+  const auto ring = [&](double range, RingSide side) {
+    if (home != nullptr) {
+      const auto places = [](const Aspect& of) {
+        return std::array{vector(of.corners[0]), vector(of.corners[1]), vector(of.corners[2])};
+      };
+      return half_path_ring(places(out), places(*home), range, side);
+    }
+    const FacetCone plane = facet_plane(mesh, out.facet);
+    const glm::dvec3 n = glm::normalize(vector(plane.normal));
+    glm::dvec3 other(0);
+    other[FacetChart(plane).u] = 1;
+    return range_ring(vector(out.corners[0]), n, glm::normalize(other - n * glm::dot(n, other)), range, side);
+  };
   if (std::isfinite(look.farthest)) {
-    const double radius2 = look.farthest * look.farthest - along * along;
-    sight_.out_of_range = !(radius2 > least_ring * least_ring);
-    if (!sight_.out_of_range) sight_.outer = ring(sight_, std::sqrt(radius2), along);
+    window.outer = lines_round(ring(look.farthest, RingSide::inscribed), out);
+    window.none = window.outer.empty();
   }
-  const double hole2 = look.nearest * look.nearest - along * along;
-  if (hole2 > least_ring * least_ring)
-    sight_.inner = ring(sight_, std::sqrt(hole2) / std::cos(std::numbers::pi / ring_sides), along);
-  return sight_;
+  if (look.nearest > 0) window.inner = lines_round(ring(look.nearest, RingSide::circumscribed), out);
+  return window;
 }
 
-void FacetRegions::add(const Sight& sight, LinePolygon polygon, std::uint32_t ping, bool hidden_too) {
+void FacetRegions::add(const Window& window, LinePolygon polygon, const FacetRegion& what) {
   thread_local std::vector<int> sides;
-  for (const PlaneLine* line : sight.outer) {
+  if (polygon.empty() || window.none) return;
+  for (const PlaneLine* line : window.outer) {
     clip(polygon, *line, sides);
     if (polygon.empty()) return;
   }
   std::vector<LinePolygon> parts;
-  if (sight.inner.empty() || !split_off(polygon, sight.inner, store_, parts)) parts.push_back(polygon);
+  if (window.inner.empty() || !split_off(polygon, window.inner, store_, parts)) parts.push_back(polygon);
   for (const LinePolygon& part : parts) {
-    FacetRegion region{ping, sight.look, hidden_too, {}, box_of(corners_of(part))};
+    FacetRegion region = what;
+    region.box = box_of(corners_of(part));
     for (const PlaneLine* line : part)
       if (std::find(triangle_.begin(), triangle_.end(), line) == triangle_.end())
         region.lines.push_back(line);
@@ -191,12 +229,12 @@ void FacetRegions::add(const Sight& sight, LinePolygon polygon, std::uint32_t pi
 }
 
 const PlaneLine* FacetRegions::edge(const NameContext& context, const TubeVisibility& seen,
-                                    const NamedPiece& piece, std::uint32_t k, const Sight& sight) {
+                                    const NamedPiece& piece, std::uint32_t k, const Aspect& from) {
   const auto corner = [&](std::uint32_t i) -> const CornerName& {
     return seen.corners[piece.first + i % piece.count];
   };
   if (const auto plane = shared_plane(corner(k), corner(k + 1))) {
-    if (is_edge_of(sight.seen.vertex, *plane)) return nullptr;
+    if (is_edge_of(from.seen.vertex, *plane)) return nullptr;
     // The plane of a name has small coefficients. The piece lies on one side of it: the other corners say on
     // which. Doubles decide where they can.
     const WideVec normal = wide_normal(context, *plane);
@@ -205,7 +243,7 @@ const PlaneLine* FacetRegions::edge(const NameContext& context, const TubeVisibi
     int side = 0;
     bool mixed = false;
     for (std::uint32_t i = 2; i < piece.count; ++i) {
-      const glm::dvec3 products = near * point_on_facet(context, corner(k + i), sight.seen);
+      const glm::dvec3 products = near * point_on_facet(context, corner(k + i), from.seen);
       const double value = products.x + products.y + products.z;
       const double size = std::abs(products.x) + std::abs(products.y) + std::abs(products.z);
       int sign = value > 0 ? 1 : -1;
@@ -220,63 +258,70 @@ const PlaneLine* FacetRegions::edge(const NameContext& context, const TubeVisibi
         inward[c] = HugeInt(normal[c]);
         if (side < 0) inward[c] = -inward[c];
       }
-      PlaneLine line = PlaneLine::on_plane(sight.plane, chart_, inward);
+      PlaneLine line = PlaneLine::on_image(from.corners, from.on_chart, inward);
       if (!line.is_none()) return store_.keep(std::move(line));
     }
   }
-  PlaneLine line = PlaneLine::through(sight.plane, chart_, wide_direction(context, corner(k)),
-                                      wide_direction(context, corner(k + 1)));
+  PlaneLine line = PlaneLine::on_image(
+      from.corners, from.on_chart,
+      wall_normal(wide_direction(context, corner(k)), wide_direction(context, corner(k + 1))));
   return line.is_none() ? nullptr : store_.keep(std::move(line));
 }
 
-void FacetRegions::add_seen(const CoverageLook& look, std::uint32_t number, std::uint32_t tube,
-                            std::uint32_t index) {
+LinePolygon FacetRegions::seen(const Aspect& from, std::uint32_t tube, std::uint32_t index) {
   stop_if_wanted();
-  const Sight& from = sight(look, number);
-  if (from.edge_on || from.out_of_range) return;
-  const TubeVisibility& seen = look.seen[tube];
+  const TubeVisibility& seen = from.end->seen[tube];
   const NamedPiece& piece = seen.pieces[index];
-  const NameContext context{mesh_, look.tubes.apex, seen.rays};
+  const NameContext context{from.end->bed ? from.end->bed->mesh : mesh_, from.end->tubes.apex, seen.rays};
   thread_local std::vector<int> sides;
-  LinePolygon polygon = triangle_;
+  LinePolygon polygon = from.place;
   for (std::uint32_t k = 0; k < piece.count && !polygon.empty(); ++k)
     if (const PlaneLine* line = edge(context, seen, piece, k, from)) clip(polygon, *line, sides);
-  if (!polygon.empty()) add(from, std::move(polygon), look.ping, false);
+  return polygon;
 }
 
-void FacetRegions::add_within(const CoverageLook& look, std::uint32_t number, std::uint32_t tube) {
-  const Sight& from = sight(look, number);
-  if (from.edge_on || from.out_of_range) return;
-  const Tube& rays = look.tubes.tubes[tube];
+LinePolygon FacetRegions::within(const Aspect& from, std::uint32_t tube) {
+  const TubeSet& tubes = from.end->tubes;
+  const Tube& rays = tubes.tubes[tube];
   thread_local std::vector<int> sides;
-  LinePolygon polygon = triangle_;
+  LinePolygon polygon = from.place;
   for (std::size_t k = 0; k < 4 && !polygon.empty(); ++k) {
-    const WideVec wall = widen(cross(look.tubes.rays[rays[k]], look.tubes.rays[rays[(k + 1) % 4]]));
-    const PlaneLine line =
-        PlaneLine::on_plane(from.plane, chart_, {HugeInt(wall[0]), HugeInt(wall[1]), HugeInt(wall[2])});
+    const WideVec wall = widen(cross(tubes.rays[rays[k]], tubes.rays[rays[(k + 1) % 4]]));
+    const PlaneLine line = PlaneLine::on_image(from.corners, from.on_chart,
+                                               {HugeInt(wall[0]), HugeInt(wall[1]), HugeInt(wall[2])});
     if (!line.is_none()) {
       clip(polygon, *store_.keep(line), sides);
     } else if (line.c < 0) {
       polygon.clear();  // the wall is parallel to the facet, which lies outside
     }
   }
-  if (!polygon.empty()) add(from, std::move(polygon), look.ping, true);
+  return polygon;
 }
 
-bool surely_in_window(const FacetMesh& mesh, FacetId facet, const CoverageLook& look) {
-  double farthest = 0;
-  glm::dvec3 middle(0);
-  std::array<glm::dvec3, 3> p;
-  for (std::size_t k = 0; k < 3; ++k) {
-    p[k] = vector(mesh.vertices[mesh.facets[facet][k]] - look.tubes.apex);
-    farthest = std::max(farthest, glm::length(p[k]));
-    middle += p[k] / 3.0;
+bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId out, FacetId home) {
+  // The mean of both ends' ranges, each bounded by itself.
+  double farthest = 0, nearest = 0;
+  const auto add = [&](const FacetMesh& its, FacetId facet, GridPoint apex) {
+    double reach = 0;
+    glm::dvec3 middle(0);
+    std::array<glm::dvec3, 3> p;
+    for (std::size_t k = 0; k < 3; ++k) {
+      p[k] = vector(its.vertices[its.facets[facet][k]] - apex);
+      reach = std::max(reach, glm::length(p[k]));
+      middle += p[k] / 3.0;
+    }
+    double radius = 0;
+    for (const glm::dvec3& q : p) radius = std::max(radius, glm::length(q - middle));
+    farthest += reach;
+    nearest += glm::length(middle) - radius;
+  };
+  add(mesh, out, look.out.tubes.apex);
+  if (look.home) {
+    add(look.home->bed ? look.home->bed->mesh : mesh, home, look.home->tubes.apex);
+    farthest /= 2;
+    nearest /= 2;
   }
-  if (!(farthest < look.farthest * (1 - 1e-9))) return false;
-  if (!(look.nearest > 0)) return true;
-  double radius = 0;
-  for (const glm::dvec3& q : p) radius = std::max(radius, glm::length(q - middle));
-  return glm::length(middle) - radius > look.nearest * 1.01;
+  return farthest < look.farthest * (1 - 1e-9) && (!(look.nearest > 0) || nearest > look.nearest * 1.01);
 }
 
 bool is_whole_facet(const FacetMesh& mesh, const TubeVisibility& seen, const NamedPiece& piece) {

@@ -45,20 +45,43 @@ bool split_off(LinePolygon& polygon, std::span<const PlaneLine* const> lines, Li
 /// A convex part of a facet: inside these lines, those of the facet's own edges left out.
 struct FacetRegion {
   std::uint32_t ping = 0, look = 0;
-  bool hidden_too = false;  ///< all of the tube's share of the facet, not only what is seen
+  std::array<FacetId, 2> parts{};  ///< of the beds of the look's ends
+  bool hidden_too = false;         ///< all of the tube's share of the facet, not only what is seen
   std::vector<const PlaneLine*> lines;
   ChartBox box;
 };
 
-/// One facet and its regions.
+/// One facet and its regions. Its chart is the facet's own (FacetChart), or, where looks have beds of their
+/// own, that of the weights of its second and third corner.
 class FacetRegions {
  public:
   /// `facet` has an area.
-  FacetRegions(const FacetMesh& mesh, FacetId facet);
+  FacetRegions(const FacetMesh& mesh, FacetId facet, bool by_weights);
 
-  /// What a look sees in a piece of one of its tubes, or has in that tube.
-  void add_seen(const CoverageLook& look, std::uint32_t number, std::uint32_t tube, std::uint32_t piece);
-  void add_within(const CoverageLook& look, std::uint32_t number, std::uint32_t tube);
+  /// The facet, or a part of it, as an end has it.
+  struct Aspect {
+    const CoverageEnd* end = nullptr;
+    FacetId facet = 0;  ///< of the end's bed
+    bool edge_on = false;
+    FacetCone seen;                      ///< under its names
+    std::array<GridPoint, 3> corners{};  ///< relative to the apex, in the bed's order
+    ChartCorners on_chart{};             ///< where they lie
+    LinePolygon place;                   ///< all of the part
+  };
+  /// What of a part lies in a look's window: within the outer lines, and not within the inner ones.
+  struct Window {
+    bool none = false;
+    std::vector<const PlaneLine*> outer, inner;
+  };
+
+  Aspect aspect(const CoverageEnd& end, FacetId facet);
+  /// `home`: of the same part; null with one end.
+  Window window(const CoverageLook& look, const Aspect& out, const Aspect* home);
+  /// What a piece of a tube covers, and what all of a tube has.
+  LinePolygon seen(const Aspect& from, std::uint32_t tube, std::uint32_t piece);
+  LinePolygon within(const Aspect& from, std::uint32_t tube);
+  /// What is inside of a window, of a look of that number.
+  void add(const Window& window, LinePolygon polygon, const FacetRegion& what);
 
   const LinePolygon& triangle() const { return triangle_; }
   const std::vector<FacetRegion>& regions() const { return regions_; }
@@ -67,35 +90,26 @@ class FacetRegions {
   glm::dvec3 in_space(glm::dvec2 corner) const;
 
  private:
-  /// The facet as a look has it.
-  struct Sight {
-    std::uint32_t look = std::numeric_limits<std::uint32_t>::max();
-    bool edge_on = false, out_of_range = false;
-    FacetCone plane;  ///< as the mesh has it, its point[0] relative to the apex
-    FacetCone seen;
-    std::vector<const PlaneLine*> outer, inner;  ///< window: within these, and not within those
-  };
-  const Sight& sight(const CoverageLook& look, std::uint32_t number);
-  std::vector<const PlaneLine*> ring(const Sight& sight, double radius, double distance2);
-  void add(const Sight& sight, LinePolygon polygon, std::uint32_t ping, bool hidden_too);
+  std::vector<const PlaneLine*> lines_round(std::span<const glm::dvec3> ring, const Aspect& about);
   /// Edge k of a piece: nothing if it lies on an edge of the facet.
   const PlaneLine* edge(const NameContext& context, const TubeVisibility& seen, const NamedPiece& piece,
-                        std::uint32_t k, const Sight& sight);
+                        std::uint32_t k, const Aspect& from);
 
   const FacetMesh& mesh_;
   FacetId facet_;
+  bool by_weights_;
   FacetChart chart_;
   GridPoint origin_;
   Vec64 normal_;
+  ChartCorners corners_{};
   LineStore store_;
   LinePolygon triangle_;
   HugeInt double_area_;
-  Sight sight_;
   std::vector<FacetRegion> regions_;
 };
 
-/// Whether a facet lies inside the window of a look, seen from anywhere on it; false if that is not sure.
-bool surely_in_window(const FacetMesh& mesh, FacetId facet, const CoverageLook& look);
+/// Whether a part lies inside the window of a look, seen from anywhere on it; false if that is not sure.
+bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId out, FacetId home);
 /// Whether all of a piece's edges are edges of its facet, by name alone.
 bool is_whole_facet(const FacetMesh& mesh, const TubeVisibility& seen, const NamedPiece& piece);
 

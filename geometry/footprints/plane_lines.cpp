@@ -52,9 +52,6 @@ FacetChart::FacetChart(const FacetCone& facet) {
   if (n[w] < 0) std::swap(u, v);
 }
 
-namespace {
-
-/// The inward normal of the wall from one direction to the next.
 std::array<HugeInt, 3> wall_normal(const WideVec& from, const WideVec& to) {
   const auto product = [](const WideInt& x, const WideInt& y) { return HugeInt(HugeInt(x) * HugeInt(y)); };
   std::array<HugeInt, 3> m;
@@ -64,8 +61,6 @@ std::array<HugeInt, 3> wall_normal(const WideVec& from, const WideVec& to) {
   }
   return m;
 }
-
-}  // namespace
 
 PlaneLine PlaneLine::through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
                              const WideVec& to) {
@@ -86,19 +81,30 @@ PlaneLine PlaneLine::on_plane(const FacetCone& facet, const FacetChart& chart,
 
 PlaneLine PlaneLine::through_image(const FacetCone& image, const FacetCone& charted, const FacetChart& chart,
                                    const WideVec& from, const WideVec& to) {
-  const std::array<HugeInt, 3> m = wall_normal(from, to);
+  ChartCorners corners;
+  const auto origin = parts(charted.point[0]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto q = parts(charted.point[k]);
+    corners[k] = {q[std::size_t(chart.u)] - origin[std::size_t(chart.u)],
+                  q[std::size_t(chart.v)] - origin[std::size_t(chart.v)]};
+  }
+  return on_image(image.point, corners, wall_normal(from, to));
+}
+
+PlaneLine PlaneLine::on_image(const std::array<GridPoint, 3>& corners, const ChartCorners& on_chart,
+                              const std::array<HugeInt, 3>& m) {
   // An affine function of the facet: its values at the three vertices say which.
   std::array<HugeInt, 3> at;
-  std::array<std::int64_t, 3> u{}, v{};
+  std::array<HugeInt, 3> u, v;  // relative to the first
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto p = parts(image.point[k]), q = parts(charted.point[k]), origin = parts(charted.point[0]);
+    const auto p = parts(corners[k]);
     at[k] = m[0] * huge(p[0]) + m[1] * huge(p[1]) + m[2] * huge(p[2]);
-    u[k] = q[std::size_t(chart.u)] - origin[std::size_t(chart.u)];
-    v[k] = q[std::size_t(chart.v)] - origin[std::size_t(chart.v)];
+    u[k] = huge(on_chart[k][0] - on_chart[0][0]);
+    v[k] = huge(on_chart[k][1] - on_chart[0][1]);
   }
   const HugeInt first = at[1] - at[0], second = at[2] - at[0];
-  return of(first * huge(v[2]) - second * huge(v[1]), second * huge(u[1]) - first * huge(u[2]),
-            at[0] * (huge(u[1]) * huge(v[2]) - huge(u[2]) * huge(v[1])));
+  const HugeInt a = first * v[2] - second * v[1], b = second * u[1] - first * u[2];
+  return of(a, b, at[0] * (u[1] * v[2] - u[2] * v[1]) - a * huge(on_chart[0][0]) - b * huge(on_chart[0][1]));
 }
 
 PlaneLine PlaneLine::of(HugeInt a_exact, HugeInt b_exact, HugeInt c_exact) {

@@ -16,7 +16,8 @@ namespace tubefoot {
 
 /// Bits: a corner's direction has at most 314 (two depth planes of 156), a wall through two of them 630, a
 /// line's coefficients 693 and, times the facet's vertex, 727; a determinant of three lines 2117. A corner's
-/// numerators have at most 1488. Lines of an image add at most 3 bits each.
+/// numerators have at most 1488. Lines of an image add at most 3 bits each; on a chart of weights
+/// (coverage.hpp), of 45 bits, they have 710 and 755, a determinant 2180.
 using HugeInt = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
     2304, 2304, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
 
@@ -27,6 +28,12 @@ struct FacetChart {
   int u = 0, v = 1, w = 2;
   explicit FacetChart(const FacetCone& facet);
 };
+
+/// Where the corners of a facet lie on a chart, counter-clockwise.
+using ChartCorners = std::array<std::array<std::int64_t, 2>, 3>;
+
+/// The inward normal of the wall from one direction to the next.
+std::array<HugeInt, 3> wall_normal(const WideVec& from, const WideVec& to);
 
 /// A half-plane a u + b v + c >= 0 of a facet.
 struct PlaneLine {
@@ -39,6 +46,12 @@ struct PlaneLine {
                            const WideVec& to);
   /// On the inner side of the plane through the apex of `facet` with that inward normal, of 630 bits at most.
   static PlaneLine on_plane(const FacetCone& facet, const FacetChart& chart,
+                            const std::array<HugeInt, 3>& normal);
+  /// Where the plane through an apex with that inward normal (630 bits at most) cuts a facet with these
+  /// corners relative to the apex, as a line of a chart on which they lie elsewhere: an image, or a part of
+  /// another facet. Of chart coordinates of n bits a and b have 2 + n more than the corners' distances from
+  /// the plane, c has 1 + 2 n more.
+  static PlaneLine on_image(const std::array<GridPoint, 3>& corners, const ChartCorners& on_chart,
                             const std::array<HugeInt, 3>& normal);
   /// Of these coefficients.
   static PlaneLine of(HugeInt a, HugeInt b, HugeInt c);

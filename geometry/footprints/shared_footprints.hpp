@@ -9,6 +9,7 @@
 #include "geometry/footprints/footprint.hpp"
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/tubes/tube.hpp"
+#include "geometry/visibility/closure.hpp"
 #include "geometry/visibility/visibility.hpp"
 
 // Transmitter and receiver apart: what both see of a facet. docs/bistatic.md
@@ -54,6 +55,23 @@ struct ApexLook {
   FacetId origin_of(FacetId facet) const { return origin.empty() ? facet : origin[facet]; }
 };
 
+struct ExactPart;
+struct FacetChart;
+class SeenPiece;
+
+/// What holds of a facet that two apexes see, in rationals.
+/// Law S5 (parts): the parts that both see lie in what each of them sees; with what only one of them sees
+/// they
+///   add up to what that one sees.
+struct SharedAudit {
+  bool closes = false;
+  std::size_t pieces = 0;  ///< that they share
+  double defect = 0;       ///< what is missing or too much, as a share of the facet; 0 where the law holds
+  /// Of the facet as both apexes have it and the exact share of it that they share: not of how that is cut
+  /// up, of facet ids, or of the arithmetic. None where they share nothing.
+  TopologyHash hash;
+};
+
 /// Intersects the pieces of two apexes on the facets that both see. Which pieces meet, and in what polygon,
 /// follows from signs of exact integers alone: contacts without area give nothing, and no part is counted
 /// twice. A corner of a cut polygon is the exact one, each coordinate (relative to the transmit apex) off by
@@ -83,6 +101,10 @@ class FootprintSharer {
   void append(std::size_t number, SharedFootprints& out) const;
   /// All facets.
   SharedFootprints all() const;
+  /// The parts of the facet of that number with exact corners (exact_parts.hpp).
+  std::vector<ExactPart> exact(std::size_t number) const;
+  /// The law of the facet of that number; `label` tells pings apart in the hash.
+  SharedAudit audit(std::size_t number, std::uint64_t label) const;
 
   /// The receive apex relative to the transmit apex.
   glm::dvec3 receiver_m() const;
@@ -100,6 +122,9 @@ class FootprintSharer {
   static std::vector<Seen> pieces_of(const ApexLook& look);
 
   void find_facets();
+  void take_pieces(const Both& both, const FacetCone& from_transmitter, const FacetCone& from_receiver,
+                   const FacetChart& chart, std::vector<SeenPiece>& sent,
+                   std::vector<SeenPiece>& heard) const;
   bool make_cones(const Both& both, FacetCone& from_transmitter, FacetCone& from_receiver) const;
 
   const FacetMesh& mesh_;

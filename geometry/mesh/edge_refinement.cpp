@@ -198,6 +198,7 @@ struct Yield {
   std::vector<GridPoint> points;
   std::vector<std::array<std::uint32_t, 3>> facets;
   std::vector<FacetId> parent;
+  std::vector<PartWeights> weights;
 };
 
 class Refiner {
@@ -270,6 +271,7 @@ class Refiner {
         count_one_more();
         out.facets.push_back(corner);
         out.parent.push_back(part.facet);
+        if (limits_.weights) out.weights.push_back(weights_of(nodes, corner));
         return;
       }
       std::array<std::uint32_t, 6> all{corner[0], corner[1], corner[2]};
@@ -288,6 +290,14 @@ class Refiner {
     }
   }
 
+  static PartWeights weights_of(const Nodes& nodes, const std::array<std::uint32_t, 3>& corner) {
+    PartWeights weights{};
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t k = 0; k < 2; ++k)
+        weights[c][k] = std::int64_t{nodes.nodes[corner[c]].weight[k + 1]} * (whole_weight / whole);
+    return weights;
+  }
+
   void count_one_more() {
     if (made_.fetch_add(1, std::memory_order_relaxed) >= limits_.facets)
       throw RefinementTooLarge(fmt::format("a refinement makes more than {} facets", limits_.facets));
@@ -301,6 +311,7 @@ class Refiner {
     all.mesh.material.reserve(facets);
     all.mesh.component.reserve(facets);
     all.parent.reserve(facets);
+    if (limits_.weights) all.weights.reserve(facets);
     all.mesh.vertices.reserve(facets / 2 + 3);
     WeldTable weld(all.mesh.vertices);
     weld.reserve(facets / 2 + 3);
@@ -321,6 +332,7 @@ class Refiner {
         all.mesh.material.push_back(base_.material[y.parent[f]]);
         all.mesh.component.push_back(base_.component[y.parent[f]]);
       }
+      all.weights.insert(all.weights.end(), y.weights.begin(), y.weights.end());
       y = Yield{};
     }
     return all;

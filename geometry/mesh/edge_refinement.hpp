@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/mesh/part_weights.hpp"
 #include "geometry/numbers/world_grid.hpp"
 
 // Refinement of facets that stays conforming because edges alone decide it. docs/textures.md, "Refinement"
@@ -42,11 +43,9 @@ class EdgeRule {
 /// are named in. Called from several threads.
 using PlaceOfPoint = std::function<glm::dvec3(const BasePoint&)>;
 
-/// Base edges can be cut in half this often.
-constexpr int deepest_refinement = 22;
-
 struct RefinementLimits {
   std::size_t facets = 0x80000000u;  ///< no more than these are made
+  bool weights = false;              ///< whether RefinedMesh::weights are wanted
 };
 
 /// Thrown, before the mesh is built, where a rule wants more than the limits.
@@ -56,7 +55,8 @@ struct RefinementTooLarge : std::length_error {
 
 struct RefinedMesh {
   FacetMesh mesh;  ///< sub-facets of a base facet follow one another, base facets in the order asked for
-  std::vector<FacetId> parent;  ///< by facet: the base facet it is part of
+  std::vector<FacetId> parent;         ///< by facet: the base facet it is part of
+  std::vector<PartWeights> weights{};  ///< by facet: where it lies on that, before it is placed; if wanted
 };
 
 /// Cuts `facets` of `base` as the rule says: a facet is cut by which of its edges are (into 2, 3 or 4), its

@@ -15,9 +15,12 @@ namespace {
 
 /// Where the plane cuts the edge of a, in front of it, and b, behind it. Both facets of an edge ask in the
 /// same order, so they meet in the same point.
-GridPoint cut_of(GridPoint a, GridPoint b, Int128 side_a, Int128 side_b) {
-  const long double part = static_cast<long double>(side_a) /
-                           (static_cast<long double>(side_a) - static_cast<long double>(side_b));
+long double part_of_way(Int128 side_a, Int128 side_b) {
+  return static_cast<long double>(side_a) /
+         (static_cast<long double>(side_a) - static_cast<long double>(side_b));
+}
+
+GridPoint cut_of(GridPoint a, GridPoint b, long double part) {
   const auto between = [part](std::int32_t from, std::int32_t to) {
     return static_cast<std::int32_t>(
         std::llround(from + part * (static_cast<long double>(to) - static_cast<long double>(from))));
@@ -97,7 +100,8 @@ bool operator<(const MirrorPlane& a, const MirrorPlane& b) {
   return a.offset < b.offset;
 }
 
-MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<const FacetId> facets) {
+MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<const FacetId> facets,
+                     std::vector<std::array<PartCorner, 3>>* corners) {
   MeshPart part;
   PartBuilder builder(part);
   for (const FacetId facet : facets) {
@@ -113,18 +117,30 @@ MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<
     if (in_front == 0) continue;
     if (behind == 0) {
       builder.add(mesh, facet, corner);
+      if (corners != nullptr) corners->push_back({PartCorner{0, 0, 0}, {1, 1, 0}, {2, 2, 0}});
       continue;
     }
     std::vector<GridPoint> kept;
+    std::vector<PartCorner> where;
+    const auto cut = [&](std::size_t front, std::size_t back) {
+      const long double way = part_of_way(side[front], side[back]);
+      kept.push_back(cut_of(corner[front], corner[back], way));
+      where.push_back({front, back, way});
+    };
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t next = (k + 1) % 3;
-      if (side[k] >= 0) kept.push_back(corner[k]);
-      if (side[k] > 0 && side[next] < 0) kept.push_back(cut_of(corner[k], corner[next], side[k], side[next]));
-      if (side[k] < 0 && side[next] > 0) kept.push_back(cut_of(corner[next], corner[k], side[next], side[k]));
+      if (side[k] >= 0) {
+        kept.push_back(corner[k]);
+        where.push_back({k, k, 0});
+      }
+      if (side[k] > 0 && side[next] < 0) cut(k, next);
+      if (side[k] < 0 && side[next] > 0) cut(next, k);
     }
     for (std::size_t k = 2; k < kept.size(); ++k)
-      if (!is_degenerate(kept[0], kept[k - 1], kept[k]))
+      if (!is_degenerate(kept[0], kept[k - 1], kept[k])) {
         builder.add(mesh, facet, {kept[0], kept[k - 1], kept[k]});
+        if (corners != nullptr) corners->push_back({where[0], where[k - 1], where[k]});
+      }
   }
   return part;
 }

@@ -45,9 +45,18 @@ struct MeshPart {
   std::vector<FacetId> origin;  ///< by facet: the one that it is, or is a part of
 };
 
+/// A corner of a part of a facet: so much of the way from one of the facet's corners to another.
+struct PartCorner {
+  std::size_t from = 0, to = 0;
+  long double part = 0;
+};
+
 /// What of the facets (sorted) lies in front of the plane: facets that the plane cuts end there, in corners
-/// rounded to the grid; what lies in the plane or behind it is left out. Facets keep their order.
-/// Law I2 (front): nothing behind the plane is left and nothing before it lost, to within that rounding.
-MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<const FacetId> facets);
+/// rounded to the grid; what lies in the plane or behind it is left out. Facets keep their order. `corners`,
+/// if given, gets where the corners of each facet lie on the one that it is a part of, before they are
+/// rounded. Law I2 (front): nothing behind the plane is left and nothing before it lost, to within that
+/// rounding.
+MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<const FacetId> facets,
+                     std::vector<std::array<PartCorner, 3>>* corners = nullptr);
 
 }  // namespace tubefoot

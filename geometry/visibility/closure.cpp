@@ -4,12 +4,11 @@
 #include <CGAL/Exact_rational.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <vector>
 
 #include "geometry/steps/stop.hpp"
 #include "geometry/visibility/exact_direction.hpp"
+#include "geometry/visibility/topology_hasher.hpp"
 
 namespace tubefoot {
 namespace {
@@ -32,42 +31,11 @@ Fraction sum(const std::vector<Rational>& terms, std::size_t begin, std::size_t 
   return {a.numerator * b.denominator + b.numerator * a.denominator, a.denominator * b.denominator};
 }
 
-std::uint64_t mix(std::uint64_t x) {  // finaliser of splitmix64
-  x ^= x >> 30;
-  x *= 0xbf58476d1ce4e5b9u;
-  x ^= x >> 27;
-  x *= 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
-class Hasher {
- public:
-  void add(std::uint64_t word) {
-    hash_.high = mix(hash_.high * 0x9e3779b97f4a7c15u + word + 0x632be59bd9b4e019u);
-    hash_.low = mix(hash_.low + 0xd1b54a32d192ed03u * (word ^ (hash_.high >> 7)));
-  }
-  void add(const Integer& integer) {
-    const auto* z = integer.backend().data();
-    const std::size_t limbs = mpz_size(z);
-    add(limbs * 2 + (mpz_sgn(z) < 0));
-    for (std::size_t k = 0; k < limbs; ++k) add(mpz_getlimbn(z, static_cast<mp_size_t>(k)));
-  }
-  TopologyHash get() const { return hash_; }
-
- private:
-  TopologyHash hash_;
-};
-
 TopologyHash hash_of(const FacetMesh& mesh, GridPoint apex, FacetId facet, const Rational& area,
                      std::uint64_t label) {
-  std::array<GridPoint, 3> key;
-  for (int k = 0; k < 3; ++k) key[k] = mesh.vertices[mesh.facets[facet][k]] - apex;
-  std::sort(key.begin(), key.end());
-  Hasher hasher;
+  TopologyHasher hasher;
   hasher.add(label);
-  for (const GridPoint& p : key)
-    for (const std::int32_t c : {p.x, p.y, p.z})
-      hasher.add(static_cast<std::uint64_t>(static_cast<std::int64_t>(c)));
+  hasher.add(mesh, facet, apex);
   hasher.add(Integer(numerator(area)));
   hasher.add(Integer(denominator(area)));
   return hasher.get();

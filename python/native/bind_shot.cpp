@@ -16,9 +16,9 @@ const NativeShot& shot_in(const py::object& self) { return self.cast<const Nativ
 
 py::array three(glm::dvec3 v) { return array_of(std::vector<double>{v.x, v.y, v.z}); }
 
-py::array rays(const NativeShot& shot) {
+py::array rays(const TubeSet& tubes) {
   std::vector<double> directions;
-  for (const GridPoint& r : shot.tubes().rays) {
+  for (const GridPoint& r : tubes.rays) {
     const glm::dvec3 d = glm::normalize(glm::dvec3(r.x, r.y, r.z));
     directions.insert(directions.end(), {d.x, d.y, d.z});
   }
@@ -48,7 +48,8 @@ py::array by_beam(const NativeShot& shot, Value value) {
 /// Of each beam's fan; none with one receiver.
 py::object staffs(const NativeShot& shot) {
   const std::size_t number = shot.which().shot;
-  const BeamPatterns patterns = shot.sensor().patterns(shot.pose(), shot.pings().sound_speed_m_s, number);
+  const BeamPatterns patterns =
+      shot.sensor().patterns(shot.receiver_pose(), shot.pings().sound_speed_m_s, number);
   if (patterns.fringes.empty()) return py::none();
   std::vector<double> ways(3 * shot.sensor().beams_of_shot(number).size());
   const std::vector<std::uint32_t>& beams = shot.sensor().beam_of_tube(number);
@@ -60,8 +61,8 @@ py::object staffs(const NativeShot& shot) {
 }
 
 py::array base_facets(const NativeShot& shot) {
-  std::vector<std::uint32_t> base(shot.ground().mesh().facets.size());
-  for (FacetId facet = 0; facet < base.size(); ++facet) base[facet] = shot.ground().base_facet(facet);
+  std::vector<std::uint32_t> base(shot.mesh().facets.size());
+  for (FacetId facet = 0; facet < base.size(); ++facet) base[facet] = shot.ends().base_facet(facet);
   return array_of(base);
 }
 
@@ -91,7 +92,7 @@ void bind_shot_class(py::module_& module) {
                                return s.pings().times_s[s.which().ping] +
                                       s.sensor().shot_delay_s(s.which().shot);
                              })
-      .def_property_readonly("apex_m", [](const NativeShot& s) { return three(s.apex_m()); })
+      .def_property_readonly("apex_m", [](const NativeShot& s) { return three(s.metres(s.tubes().apex)); })
       .def_property_readonly("position_m", [](const NativeShot& s) { return three(s.pose().position_m); })
       .def_property_readonly("attitude", &attitude)
       .def_property_readonly("beams",
@@ -107,7 +108,10 @@ void bind_shot_class(py::module_& module) {
           [](const NativeShot& s) { return by_beam(s, [](const BeamAxis& b) { return b.elevation_rad; }); })
       .def_property_readonly("range_edges_m", &range_edges)
       .def_property_readonly("staff_m", &staffs)
-      .def_property_readonly("rays", &rays)
+      .def_property_readonly("rays", [](const NativeShot& s) { return rays(s.tubes()); })
+      .def_property_readonly("receive_rays", [](const NativeShot& s) { return rays(s.receive_tubes()); })
+      .def_property_readonly("receiver_apex_m",
+                             [](const NativeShot& s) { return three(s.metres(s.receive_tubes().apex)); })
       .def_property_readonly(
           "tubes",
           [](const py::object& self) { return view_of<std::uint32_t>(shot_in(self).tubes().tubes, self, 4); })
@@ -115,18 +119,15 @@ void bind_shot_class(py::module_& module) {
       .def_property_readonly(
           "vertices_m",
           [](const py::object& self) { return view_of<double>(shot_in(self).vertices_m(), self, 3); })
-      .def_property_readonly("facets",
-                             [](const py::object& self) {
-                               return view_of<std::uint32_t>(shot_in(self).ground().mesh().facets, self, 3);
-                             })
-      .def_property_readonly("material",
-                             [](const py::object& self) {
-                               return view_of<std::uint16_t>(shot_in(self).ground().mesh().material, self);
-                             })
-      .def_property_readonly("component",
-                             [](const py::object& self) {
-                               return view_of<std::uint16_t>(shot_in(self).ground().mesh().component, self);
-                             })
+      .def_property_readonly(
+          "facets",
+          [](const py::object& self) { return view_of<std::uint32_t>(shot_in(self).mesh().facets, self, 3); })
+      .def_property_readonly(
+          "material",
+          [](const py::object& self) { return view_of<std::uint16_t>(shot_in(self).mesh().material, self); })
+      .def_property_readonly(
+          "component",
+          [](const py::object& self) { return view_of<std::uint16_t>(shot_in(self).mesh().component, self); })
       .def_property_readonly("base_facet", &base_facets)
       .def_property_readonly("material_mu",
                              [](const NativeShot& s) { return array_of(s.survey().scene.material_mu); })
@@ -140,7 +141,7 @@ template <class T, class S, class Member>
 void column(Histories& histories, const char* name, std::vector<S> FootprintSet::*elements, Member S::*member,
             std::size_t width = 1) {
   histories.def_property_readonly(name, [=](const py::object& self) {
-    return view_of<T>(self.cast<const NativeHistory&>().history.footprints.*elements, member, self, width);
+    return view_of<T>(self.cast<const NativeHistory&>().footprints.*elements, member, self, width);
   });
 }
 
@@ -165,13 +166,23 @@ void bind_history_class(py::module_& module) {
   column<std::uint32_t>(histories, "piece_first_corner", &FootprintSet::pieces, &Piece::first);
   column<std::uint32_t>(histories, "piece_corners", &FootprintSet::pieces, &Piece::count);
   histories
+      .def_property_readonly("receive_tube",
+                             [](const py::object& self) {
+                               return view_of<std::uint32_t>(self.cast<const NativeHistory&>().receive_tube,
+                                                             self);
+                             })
+      .def_property_readonly("receive_distance_m",
+                             [](const py::object& self) {
+                               return view_of<double>(self.cast<const NativeHistory&>().receive_distance_m,
+                                                      self);
+                             })
       .def_property_readonly("corners_m",
                              [](const py::object& self) {
-                               return view_of<double>(
-                                   self.cast<const NativeHistory&>().history.footprints.corners_m, self, 3);
+                               return view_of<double>(self.cast<const NativeHistory&>().footprints.corners_m,
+                                                      self, 3);
                              })
       .def_property_readonly("occluder_facets", [](const py::object& self) {
-        return view_of<std::uint32_t>(self.cast<const NativeHistory&>().history.footprints.occluders, self);
+        return view_of<std::uint32_t>(self.cast<const NativeHistory&>().footprints.occluders, self);
       });
 }
 

@@ -37,14 +37,12 @@ NativeShot::NativeShot(const Survey& survey, const RunRequest& request, HeardSho
     : which_(which),
       shots_(around(survey, checked(survey, request, which), which), checked(survey, request, which)),
       shot_(shots_.heard_by(which.sensor, which.ping, which.shot)),
-      tubes_(shot_.tubes_of(which.sensor)) {
-  ground();
-}
+      ends_(shot_, which.sensor) {}
 
 const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
-  if (!ground().is_own()) return survey().site->vertices_m();
+  if (ends_.out().refined == nullptr) return survey().site->vertices_m();
   std::call_once(vertices_made_, [this] {
-    const auto& vertices = ground().mesh().vertices;
+    const auto& vertices = ends_.out().mesh->vertices;
     vertices_m_.reserve(vertices.size());
     for (const GridPoint& p : vertices) vertices_m_.push_back(survey().scene.grid.to_metres(p));
   });
@@ -52,7 +50,18 @@ const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
 }
 
 std::shared_ptr<NativeHistory> NativeShot::trace() const {
-  return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), shot_.trace(tubes_)});
+  if (ends_.are_two()) {
+    PathFootprints seen = path_footprints(ends_.trace());
+    return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), std::move(seen.footprints),
+                                                         std::move(seen.receive_tube),
+                                                         std::move(seen.receive_distance_m)});
+  }
+  NativeHistory history{shared_from_this(), shot_.trace(tubes()).footprints, {}, {}};
+  for (const Footprint& footprint : history.footprints.footprints) {
+    history.receive_tube.push_back(footprint.tube);
+    history.receive_distance_m.push_back(footprint.plane_distance_m);
+  }
+  return std::make_shared<NativeHistory>(std::move(history));
 }
 
 }  // namespace tubefoot::python

@@ -116,10 +116,57 @@ def test_shots_that_are_not_there(scene, call, text):
     assert str(error.value) == text
 
 
-def test_a_receiver_apart_has_no_one_history(keys, folder):
-    keys["sensors"][0]["receiver_arm_m"] = [1, 0, 0]
-    with pytest.raises(tubefoot.UsageError, match="receiver apart"):
-        tubefoot.history(tubefoot.Scene.from_dict(keys, base=folder), "camera")
+def apart(keys, arm=(1, 0, 0.2)):
+    keys["sensors"][0]["receiver_arm_m"] = list(arm)
+    return keys
+
+
+def test_a_receiver_apart_shares_its_footprints(keys, folder):
+    alone = tubefoot.history(tubefoot.Scene.from_dict(keys, base=folder), "camera", ping=1)
+    assert (alone.receive_tube == alone.tube).all()
+    assert (alone.shot.receiver_apex_m == alone.shot.apex_m).all()
+    scene = tubefoot.Scene.from_dict(apart(keys), base=folder)
+    history = tubefoot.history(scene, "camera", ping=1)
+    shot = history.shot
+    assert shot.receiver_apex_m - shot.apex_m == pytest.approx([1, 0, 0.2], abs=1e-6)
+    # The tubes of both point alike; a pair of them shares what it shares once.
+    assert shot.receive_rays == pytest.approx(shot.rays, abs=1e-9)
+    pairs = set(zip(history.tube, history.receive_tube, history.facet))
+    assert len(pairs) == len(history) > 8 and any(t != r for t, r, _ in pairs)
+    for i in range(len(history)):
+        polygons = history.polygons_m(i)
+        assert sum(map(areas, polygons)) == pytest.approx(history.area_m2[i], rel=1e-9)
+        corners = np.concatenate(polygons)
+        half = sum(np.linalg.norm(corners - apex, axis=1) for apex in (shot.apex_m, shot.receiver_apex_m)) / 2
+        assert history.range_max_m[i] == pytest.approx(half.max())
+        assert history.range_min_m[i] <= half.min() * (1 + 1e-12)
+        facet = shot.vertices_m[shot.facets[history.facet[i]]]
+        assert history.receive_distance_m[i] == pytest.approx(abs((shot.receiver_apex_m - facet[0]) @ history.normal[i]))
+    # What the receiver hears is less than what the transmitter sees.
+    assert history.area_m2.sum() < alone.area_m2.sum()
+
+
+def test_an_engine_of_ones_own_hears_a_receiver_apart(keys, folder):
+    """Footprints as points between two ends: near to the tube engine's echo of fine beams."""
+    @tubefoot.engine("points")
+    def points(shot):
+        history = shot.history()
+        centroid = shot.apex_m + history.centroid_m
+        out, home = (np.linalg.norm(centroid - apex, axis=1) for apex in (shot.apex_m, shot.receiver_apex_m))
+        plane = np.abs(np.einsum("ij,ij->i", history.centroid_m, history.normal))
+        mu = shot.material_mu[shot.material[history.facet]]
+        loss = 10 ** (-shot.absorption_db_per_m * (out + home) / 10)
+        energy = mu * plane / out * history.receive_distance_m / home * history.area_m2 / (out * home) ** 2 * loss
+        sample = np.searchsorted(shot.range_edges_m, (out + home) / 2, side="right") - 1
+        heard = (sample >= 0) & (sample < shot.energy_shape[1])
+        total = np.zeros(shot.energy_shape)
+        np.add.at(total, (history.beam[heard], sample[heard]), energy[heard])
+        return total
+    keys["terrain"].update(cell_m=0.1, kind="fractal", rms_height_m=0.001)
+    del keys["sensors"][1]
+    scene = tubefoot.Scene.from_dict(apart(keys), base=folder)
+    mine, theirs = (tubefoot.run(scene, engine=engine)["camera"].energy for engine in (points, None))
+    assert mine.sum(axis=2) == pytest.approx(theirs.sum(axis=2), rel=0.02)
 
 
 def test_footprints_are_the_commands_file(scene, folder, program):

@@ -93,6 +93,11 @@ class Shot:
         return self._native.apex_m
 
     @property
+    def receiver_apex_m(self) -> np.ndarray:
+        """(3,) float64: where the receiver's rays start: :attr:`apex_m`, unless it is apart."""
+        return self._native.receiver_apex_m
+
+    @property
     def position_m(self) -> np.ndarray:
         """(3,) float64: the sensor's position, east, north, up in m."""
         return self._native.position_m
@@ -107,6 +112,11 @@ class Shot:
     def rays(self) -> np.ndarray:
         """(R, 3) float64: unit directions of the tubes' corner rays, east, north, up."""
         return self._native.rays
+
+    @property
+    def receive_rays(self) -> np.ndarray:
+        """(R, 3) float64: the same of the tubes that the receiver hears in, whose rays :attr:`tubes` numbers alike."""
+        return self._native.receive_rays
 
     @property
     def tubes(self) -> np.ndarray:
@@ -169,6 +179,9 @@ class Shot:
 class History:
     """Which part of which facet each tube of a shot touches first, in order of tubes, then of facets.
 
+    With the receiver apart: which part one tube of the transmitter and one of the receiver both touch first, in order of
+    tubes, receive tubes, then facets. Ranges are then half paths; the other measures are as the transmitter sees it.
+
     Arrays are read-only and share the engine's memory. ``N`` footprints, ``P`` convex pieces that they consist of and
     ``C`` corners of those. Positions are relative to the apex.
     """
@@ -193,9 +206,14 @@ class History:
         return self._native.tube
 
     @property
+    def receive_tube(self) -> np.ndarray:
+        """(N,) uint32: tube that each footprint is heard in: :attr:`tube`, unless the receiver is apart."""
+        return self._native.receive_tube
+
+    @property
     def beam(self) -> np.ndarray:
-        """(N,) uint32, a copy: beam of each footprint, as the shot numbers them (a row of the energies)."""
-        return self._shot.beam_of_tube[self.tube]
+        """(N,) uint32, a copy: beam that hears each footprint, as the shot numbers them (a row of the energies)."""
+        return self._shot.beam_of_tube[self.receive_tube]
 
     @property
     def facet(self) -> np.ndarray:
@@ -229,13 +247,18 @@ class History:
 
     @property
     def range_min_m(self) -> np.ndarray:
-        """(N,) float64: slant range of the nearest point in m."""
+        """(N,) float64: slant range of the nearest point in m; half of the shortest path, if the receiver is apart."""
         return self._native.range_min_m
 
     @property
     def range_max_m(self) -> np.ndarray:
-        """(N,) float64: slant range of the farthest point in m."""
+        """(N,) float64: slant range of the farthest point in m; half of the longest path."""
         return self._native.range_max_m
+
+    @property
+    def receive_distance_m(self) -> np.ndarray:
+        """(N,) float64: distance of the receiver from the facet's plane in m."""
+        return self._native.receive_distance_m
 
     @property
     def first_piece(self) -> np.ndarray:
@@ -264,7 +287,8 @@ class History:
 
     @property
     def occluders(self) -> np.ndarray:
-        """(N,) uint32: number of facets that hide something of each footprint's facet."""
+        """(N,) uint32: number of facets that hide something of each footprint's facet; not told if the receiver is
+        apart."""
         return self._native.occluders
 
     @property
@@ -296,7 +320,7 @@ def shot(scene: Scene, sensor: str, ping: int = 0, shot: int = 0) -> Shot:
 
     Raises:
         InputError: the scene is wrong.
-        UsageError: there is no such sensor, ping or shot, or the sensor's receiver is apart.
+        UsageError: there is no such sensor, ping or shot.
     """
     with a_scene(scene)._explained():
         return Shot(scene._native.shot(sensor, _counted("ping", ping), _counted("shot", shot)))

@@ -28,6 +28,7 @@ class Shot:
     time_s: float
     staff_m: Optional[np.ndarray]
     apex_m: np.ndarray
+    receiver_apex_m: np.ndarray
     position_m: np.ndarray
     attitude: np.ndarray
     beams: np.ndarray
@@ -35,6 +36,7 @@ class Shot:
     beam_elevation_rad: np.ndarray
     range_edges_m: np.ndarray
     rays: np.ndarray
+    receive_rays: np.ndarray
     tubes: np.ndarray
     beam_of_tube: np.ndarray
     vertices_m: np.ndarray
@@ -48,12 +50,14 @@ class Shot:
 
 class History:
     tube: np.ndarray
+    receive_tube: np.ndarray
     facet: np.ndarray
     area_m2: np.ndarray
     solid_angle_sr: np.ndarray
     centroid_m: np.ndarray
     normal: np.ndarray
     plane_distance_m: np.ndarray
+    receive_distance_m: np.ndarray
     grazing_rad: np.ndarray
     range_min_m: np.ndarray
     range_max_m: np.ndarray

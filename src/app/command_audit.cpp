@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "app/commands.hpp"
 #include "files/usage_error.hpp"
@@ -11,7 +12,7 @@
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
-#include "run/shot.hpp"
+#include "run/shot_ends.hpp"
 #include "run/tiles_in_view.hpp"
 
 namespace tubefoot {
@@ -44,26 +45,44 @@ int audit_command(const AuditOptions& options) {
                              static_cast<std::uint64_t>(ping)});
   }
 
-  std::size_t tubes = 0, pieces = 0, facets = 0, failures = 0;
+  std::size_t tubes = 0, pieces = 0, facets = 0, shared_facets = 0, shared_pieces = 0, failures = 0;
   double worst = 0;
   TopologyHash hash;
-  ShotsAround around(all);
-  Progress progress("audited shots", shots.size(), options.quiet);
-  for (const Asked& asked : shots) {
-    stop_if_wanted();
-    const Shot shot = around.at(*asked.group, asked.ping).of(*asked.group, asked.ping, asked.shot);
-    const std::vector<TubeAudit> audits = shot.audit(asked.label);
+  bool apart = false;
+  const auto fail = [&](const Shot& shot, const std::string& what, double defect, const char* whole) {
+    if (++failures <= 10)
+      say("sensor '{}', ping {}, shot {}, {}: off by {:.3e} of {}\n", shot.pings().sensor->description().name,
+          shot.ping(), shot.number(), what, defect, whole);
+    worst = std::max(worst, std::abs(defect));
+  };
+  const auto add_tubes = [&](const Shot& shot, const char* of_whom, const std::vector<TubeAudit>& audits) {
     for (std::size_t tube = 0; tube < audits.size(); ++tube) {
       const TubeAudit& audit = audits[tube];
       ++tubes;
       pieces += audit.pieces;
       facets += audit.facets;
       hash += audit.hash;
-      if (audit.closes) continue;
-      if (++failures <= 10)
-        say("sensor '{}', ping {}, shot {}, tube {}: off by {:.3e} of the tube\n",
-            shot.pings().sensor->description().name, asked.ping, asked.shot, tube, audit.defect);
-      worst = std::max(worst, std::abs(audit.defect));
+      if (!audit.closes) fail(shot, fmt::format("{}tube {}", of_whom, tube), audit.defect, "the tube");
+    }
+  };
+  ShotsAround around(all);
+  Progress progress("audited shots", shots.size(), options.quiet);
+  for (const Asked& asked : shots) {
+    stop_if_wanted();
+    const Shot shot = around.at(*asked.group, asked.ping).of(*asked.group, asked.ping, asked.shot);
+    if (shot.has_receiver_apart()) {
+      apart = true;
+      const BistaticAudit audit = ShotEnds(shot, shot.first()).audit(asked.label);
+      add_tubes(shot, "transmitter's ", audit.transmit);
+      add_tubes(shot, "receiver's ", audit.receive);
+      for (const SharedAudit& shared : audit.shared) {
+        shared_facets += shared.pieces > 0;
+        shared_pieces += shared.pieces;
+        hash += shared.hash;
+        if (!shared.closes) fail(shot, "what both ends see", shared.defect, "a facet");
+      }
+    } else {
+      add_tubes(shot, "", shot.audit(asked.label));
     }
     progress.step();
   }
@@ -72,8 +91,12 @@ int audit_command(const AuditOptions& options) {
   tell("tubes          {}\n", tubes);
   tell("footprints     {}\n", facets);
   tell("pieces         {}\n", pieces);
+  if (apart) {
+    tell("shared facets  {}\n", shared_facets);
+    tell("shared pieces  {}\n", shared_pieces);
+  }
   tell("failures       {}\n", failures);
-  if (failures > 0) tell("worst defect   {:.3e} of its tube\n", worst);
+  if (failures > 0) tell("worst defect   {:.3e} of its {}\n", worst, apart ? "tube or facet" : "tube");
   tell("topology hash  {}\n", hash.hex());
   return failures == 0 ? 0 : 1;
 }

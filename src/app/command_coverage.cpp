@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -17,15 +16,15 @@
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "footprints/coverage_file.hpp"
+#include "footprints/coverage_looks.hpp"
 #include "footprints/coverage_picture.hpp"
-#include "geometry/steps/steps.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/facet_blocks.hpp"
 #include "run/facet_numbering.hpp"
 #include "run/settings.hpp"
-#include "run/shot.hpp"
 
 namespace tubefoot {
 namespace {
@@ -47,52 +46,31 @@ std::vector<HeardPing> counted(const Survey& survey, const CoverageOptions& opti
 /// What some of the pings that count see.
 std::vector<CoverageLook> look(const Shots& shots, std::span<const HeardPing> pings,
                                std::span<const std::size_t> chosen, bool quiet) {
-  const Survey& survey = shots.survey();
-  const Scene& scene = survey.scene;
-  std::vector<CoverageLook> looks;
-  for (const std::size_t p : chosen) {
-    const auto& [s, ping] = pings[p];
-    const Sensor& sensor = *survey.sensors[s].sensor;
-    for (std::size_t shot = 0; shot < sensor.shots(); ++shot)
-      looks.push_back({static_cast<std::uint32_t>(p),
-                       shots.heard_by(s, ping, shot).tubes_of(s),
-                       {},
-                       sensor.samples().first_m / scene.grid.unit_m(),
-                       sensor.reach(scene.grid)});
-  }
-  struct Buffers {
-    VisibilityScratch visibility;
-    TubeVisibility seen;
+  struct Asked {
+    std::size_t listed, shot;
   };
-  tbb::enumerable_thread_specific<Buffers> threads;
-  Progress progress("shots", looks.size(), quiet);
-  tbb::parallel_for(std::size_t{0}, looks.size(), [&](std::size_t l) {
+  std::vector<Asked> asked;
+  for (const std::size_t p : chosen)
+    for (std::size_t shot = 0; shot < shots.survey().sensors[pings[p].sensor].sensor->shots(); ++shot)
+      asked.push_back({p, shot});
+  std::vector<CoverageLook> looks(asked.size());
+  Progress progress("shots", asked.size(), quiet);
+  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t l) {
     stop_if_wanted();
-    CoverageLook& its = looks[l];
-    auto& [scratch, sees] = threads.local();
-    const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
-    its.seen.resize(its.tubes.tubes.size());
-    Steps steps("tubes", its.tubes.tubes.size());
-    for (const TubeRun& run : runs_of(its.tubes))
-      see_run(scene.mesh, *survey.site->tree, its.tubes, run, shots.request().visibility, scratch, sees,
-              [&](std::uint32_t tube) {
-                TubeVisibility& kept = its.seen[tube];  // copies are no larger than what they hold
-                kept.corners = seen.corners;
-                kept.pieces = seen.pieces;
-                kept.rays = seen.rays;
-                steps.done();
-              });
+    const auto& [listed, shot] = asked[l];
+    const auto& [sensor, ping] = pings[listed];
+    looks[l] = coverage_look(shots.heard_by(sensor, ping, shot), sensor, static_cast<std::uint32_t>(listed));
     progress.step();
   });
   return looks;
 }
 
-CoveredFacet measured(const Survey& survey, std::span<const CoverageLook> looks, FacetCoverage&& coverage) {
+CoveredFacet measured(const Survey& survey, const Coverage& overlay, std::span<const CoverageLook> looks,
+                      FacetCoverage&& coverage) {
   const Scene& scene = survey.scene;
   const double unit_m = scene.grid.unit_m();
   const FacetId id = coverage.facet;
   CoveredFacet facet{std::move(coverage), scene.mesh.component[id], scene.mesh.material[id], 0, {}, {}};
-  facet.coverage.facet = survey.site->number_of(id);
   std::array<glm::dvec3, 3> p;
   for (std::size_t k = 0; k < 3; ++k)
     p[k] = scene.grid.to_metres(scene.mesh.vertices[scene.mesh.facets[id][k]]);
@@ -104,12 +82,8 @@ CoveredFacet measured(const Survey& survey, std::span<const CoverageLook> looks,
     const CoverageCell& cell = facet.coverage.cells[k];
     stop_if_wanted();
     if (cell.in_sector == 0) continue;
-    glm::dvec3 middle(0);
-    for (std::uint32_t c = 0; c < cell.count; ++c)
-      middle += facet.coverage.corners[cell.first + c] / static_cast<double>(cell.count);
-    const CoverageLook& first = looks[cell.first_look];
-    const FacetId occluder = first_in_the_way(scene.mesh, *survey.site->tree, first.tubes.apex, middle);
-    shadows[{first.ping, cell.in_sector, occluder}].push_back(k);
+    const FacetId occluder = overlay.occluder(facet.coverage, cell);
+    shadows[{looks[cell.first_look].ping, cell.in_sector, occluder}].push_back(k);
   }
   for (auto& [key, cells] : shadows) {
     const auto [ping, in_sector, occluder] = key;
@@ -117,6 +91,7 @@ CoveredFacet measured(const Survey& survey, std::span<const CoverageLook> looks,
     facet.shadows.push_back({in_sector, ping, clear ? survey.site->number_of(occluder) : no_facet,
                              clear ? scene.mesh.component[occluder] : std::uint16_t{0}, std::move(cells)});
   }
+  facet.coverage.facet = survey.site->number_of(id);  // by the mesh's until here
   return facet;
 }
 
@@ -142,7 +117,7 @@ void cover(const Shots& shots, const FacetBlock& block, const std::vector<Covera
             fmt::format("internal error: what is seen of facet {} and what is not do not add "
                         "up to it. Please report the scene",
                         number));
-      if (covered.met()) facets[k] = measured(survey, looks, std::move(covered));
+      if (covered.met()) facets[k] = measured(survey, coverage, looks, std::move(covered));
     });
     for (const CoveredFacet& facet : facets) {
       stop_if_wanted();

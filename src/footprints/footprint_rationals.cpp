@@ -6,14 +6,16 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "files/streamed_file.hpp"
 #include "files/usage_error.hpp"
 #include "footprints/footprint_table.hpp"
-#include "geometry/mesh/facet_cone.hpp"
+#include "geometry/footprints/exact_parts.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/visibility/exact_direction.hpp"
 #include "run/abilities.hpp"
+#include "run/shot_ends.hpp"
 
 namespace tubefoot {
 namespace {
@@ -32,35 +34,47 @@ std::string text(const ExactVector& v) {
 /// A double is a rational.
 ExactVector exact_metres(glm::dvec3 p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
 
-struct ShotLines {
-  const ShotGround& ground;
-  const TubeSet& tubes;
-  ExactVector apex_m;
-  Rational unit_m;
+/// An end of a shot as lines: facets where they lie, told between their corners.
+class EndLines {
+ public:
+  EndLines(const WorldGrid& grid, const ShotEnd& end)
+      : end_(end), unit_m_(grid.unit_m()), apex_m_(exact_metres(grid.to_metres(end.tubes.apex))) {}
 
-  void piece(const NameContext& context, const TubeVisibility& seen, const NamedPiece& piece,
-             std::string& lines) const {
-    FacetCone cone;
-    FacetCone::make(ground.mesh(), piece.facet, tubes.apex, cone);
-    const ExactVector a = exact(cone.point[0]);
-    const ExactVector normal =
-        cross(difference(exact(cone.point[1]), a), difference(exact(cone.point[2]), a));
-    const Rational offset = dot(normal, a);
-    lines += fmt::format("piece {} {}", ground.number_of(piece.facet), piece.count);
-    for (const ExactVector& d : exact_directions(context, seen.corners, piece)) {
-      const Rational along = Rational(unit_m * offset / dot(normal, d));
-      ExactVector point;
-      for (std::size_t k = 0; k < 3; ++k) point[k] = apex_m[k] + along * d[k];
-      lines += text(point);
-    }
+  std::string apex() const { return text(apex_m_); }
+  std::string point(const ExactWeights& weights, const std::array<VertexId, 3>& vertex) const {
+    std::array<ExactVector, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = place(vertex[k]);
+    return text(between(weights, corners));
+  }
+  void piece(const TubeVisibility& seen, const NamedPiece& piece, std::string& lines) const {
+    lines += fmt::format("piece {} {}", end_.number_of(piece.facet), piece.count);
+    for (const ExactWeights& weights : exact_weights(*end_.mesh, end_.tubes.apex, seen, piece))
+      lines += point(weights, end_.mesh->facets[piece.facet]);
     lines += '\n';
   }
-  void open(const NameContext& context, const TubeVisibility& seen, const NamedPiece& piece,
-            std::string& lines) const {
-    lines += fmt::format("open {}", piece.count);
-    for (const ExactVector& d : exact_directions(context, seen.corners, piece)) lines += text(d);
+  /// Where the corners of a piece seem to be, or the borders of open water are.
+  void cone(const char* what, const TubeVisibility& seen, const NamedPiece& piece, std::string& lines) const {
+    lines += fmt::format("{} {}", what, piece.count);
+    for (const ExactVector& d :
+         exact_directions({*end_.mesh, end_.tubes.apex, seen.rays}, seen.corners, piece))
+      lines += text(d);
     lines += '\n';
   }
+  bool is_seen_elsewhere() const { return end_.apparent != nullptr; }
+
+ private:
+  /// Where a vertex lies: of the grid, or as the rays through refracting water found it, which are doubles.
+  ExactVector place(VertexId vertex) const {
+    if (end_.apparent != nullptr) return exact_metres(end_.apparent->truth[vertex]);
+    const ExactVector way = exact(end_.mesh->vertices[vertex] - end_.tubes.apex);
+    ExactVector point;
+    for (std::size_t k = 0; k < 3; ++k) point[k] = apex_m_[k] + unit_m_ * way[k];
+    return point;
+  }
+
+  const ShotEnd& end_;
+  Rational unit_m_;
+  ExactVector apex_m_;
 };
 
 }  // namespace
@@ -80,6 +94,8 @@ RationalsFile::RationalsFile(const std::filesystem::path& file, const Shots& sho
       "# tubefoot exact footprints, version 1\n"
       "# shot PING SHOT APEX; tube NUMBER BEAM AXIS RAY RAY RAY RAY; piece FACET N POINT...; open "
       "N DIRECTION...\n"
+      "# through refracting water, after each piece: seen N DIRECTION...\n"
+      "# of a receiver apart: receiver APEX, its tubes, and shared FACET TUBE RECEIVE_TUBE N POINT...\n"
       "# points: metres east, north and up in the local frame; axes, rays and directions: "
       "integers of any length\nsensor {}\n",
       shots.survey().sensors[sensor].sensor->description().name));
@@ -88,44 +104,69 @@ RationalsFile::RationalsFile(const std::filesystem::path& file, const Shots& sho
 RationalsFile::~RationalsFile() = default;
 
 std::size_t RationalsFile::add(const Shot& shot, std::span<const std::uint32_t> beams) {
-  State& s = *state_;
-  const Scene& scene = shot.scene();
-  const ChosenTubes chosen = chosen_tubes(shot, s.sensor, beams);
+  const ChosenTubes chosen = chosen_tubes(shot, state_->sensor, beams);
   if (chosen.number.empty()) return 0;
+  const ShotEnds ends(shot, state_->sensor);
+  ShotEnd out = ends.out();
+  out.tubes.tubes = chosen.set.tubes;
+  state_->write(
+      fmt::format("shot {} {}{}\n", shot.ping(), shot.number(), EndLines(shot.scene().grid, out).apex()));
+  std::vector<TubeVisibility> sent, heard;
+  std::size_t pieces = add_end(shot, out, chosen.number, ends.are_two() ? &sent : nullptr);
+  if (!ends.are_two()) return pieces;
+  state_->write(fmt::format("receiver{}\n", EndLines(shot.scene().grid, ends.home()).apex()));
+  std::vector<std::uint32_t> all(ends.home().tubes.tubes.size());
+  std::iota(all.begin(), all.end(), 0u);
+  pieces += add_end(shot, ends.home(), all, &heard);
+  const double unit_m = shot.scene().grid.unit_m();
+  const ShotEnd& home = ends.home();
+  if (ends.apparent_pair() != nullptr)
+    add_shared(shot, out, chosen.number,
+               FootprintSharer({out.tubes, sent, out.mesh, out.name},
+                               {home.tubes, heard, home.mesh, home.name}, unit_m));
+  else
+    add_shared(shot, out, chosen.number,
+               FootprintSharer(*out.mesh, {out.tubes, sent}, {home.tubes, heard}, unit_m));
+  return pieces;
+}
+
+std::size_t RationalsFile::add_end(const Shot& shot, const ShotEnd& end,
+                                   std::span<const std::uint32_t> numbers,
+                                   std::vector<TubeVisibility>* kept) {
+  State& s = *state_;
   const std::vector<std::uint32_t>& beam_of_tube = shot.sensor(s.sensor).beam_of_tube(shot.number());
   const std::vector<std::uint32_t>& beams_of_shot = shot.sensor(s.sensor).beams_of_shot(shot.number());
-  const ShotGround& ground = shot.ground();
   VisibilityOptions options = shot.request().visibility;
   options.open_water = true;
-  const ShotLines lines{ground, chosen.set, exact_metres(scene.grid.to_metres(chosen.set.apex)),
-                        Rational(scene.grid.unit_m())};
-  s.write(fmt::format("shot {} {}{}\n", shot.ping(), shot.number(), text(lines.apex_m)));
+  const EndLines lines(shot.scene().grid, end);
+  if (kept) kept->resize(numbers.size());
   std::size_t pieces = 0;
-  Steps steps("tubes", chosen.number.size());
-  for (std::size_t begin = 0; begin < chosen.number.size(); begin += tubes_a_block) {
-    const std::size_t end = std::min(begin + tubes_a_block, chosen.number.size());
-    std::vector<std::string> of_tube(end - begin);
-    std::vector<std::size_t> count(end - begin);
-    tbb::parallel_for(begin, end, [&](std::size_t tube) {
+  Steps steps("tubes", numbers.size());
+  for (std::size_t begin = 0; begin < numbers.size(); begin += tubes_a_block) {
+    const std::size_t stop = std::min(begin + tubes_a_block, numbers.size());
+    std::vector<std::string> of_tube(stop - begin);
+    std::vector<std::size_t> count(stop - begin);
+    tbb::parallel_for(begin, stop, [&](std::size_t tube) {
       const auto t = static_cast<std::uint32_t>(tube);
       TubeVisibility seen;
-      see(ground.mesh(), ground.tree(), chosen.set, t, options, s.threads.local(), seen);
-      const NameContext context{ground.mesh(), chosen.set.apex, seen.rays};
+      see(*end.mesh, *end.tree, end.tubes, t, options, s.threads.local(), seen);
       steps.done();
       std::string& out = of_tube[tube - begin];
-      out = fmt::format("tube {} {}{}", chosen.number[tube], beams_of_shot[beam_of_tube[chosen.number[tube]]],
-                        text(gnomonic_axis(chosen.set, t)));
-      for (const std::uint32_t ray : chosen.set.tubes[tube]) out += text(exact(chosen.set.rays[ray]));
+      out = fmt::format("tube {} {}{}", numbers[tube], beams_of_shot[beam_of_tube[numbers[tube]]],
+                        text(gnomonic_axis(end.tubes, t)));
+      for (const std::uint32_t ray : end.tubes.tubes[tube]) out += text(exact(end.tubes.rays[ray]));
       out += '\n';
       for (const NamedPiece& piece : seen.pieces) {
         stop_if_wanted();
-        lines.piece(context, seen, piece, out);
+        lines.piece(seen, piece, out);
+        if (lines.is_seen_elsewhere()) lines.cone("seen", seen, piece, out);
       }
       for (const NamedPiece& piece : seen.open) {
         stop_if_wanted();
-        lines.open(context, seen, piece, out);
+        lines.cone("open", seen, piece, out);
       }
       count[tube - begin] = seen.pieces.size();
+      if (kept) (*kept)[tube] = std::move(seen);
     });
     for (std::size_t k = 0; k < of_tube.size(); ++k) {
       s.write(of_tube[k]);
@@ -133,6 +174,25 @@ std::size_t RationalsFile::add(const Shot& shot, std::span<const std::uint32_t> 
     }
   }
   return pieces;
+}
+
+void RationalsFile::add_shared(const Shot& shot, const ShotEnd& out, std::span<const std::uint32_t> numbers,
+                               const FootprintSharer& sharer) {
+  const EndLines lines(shot.scene().grid, out);
+  for (std::size_t begin = 0; begin < sharer.facets(); begin += tubes_a_block) {
+    const std::size_t stop = std::min(begin + tubes_a_block, sharer.facets());
+    std::vector<std::string> of_facet(stop - begin);
+    tbb::parallel_for(begin, stop, [&](std::size_t number) {
+      std::string& to = of_facet[number - begin];
+      for (const ExactPart& part : sharer.exact(number)) {
+        to += fmt::format("shared {} {} {} {}", out.number_of_name(part.facet), numbers[part.transmit_tube],
+                          part.receive_tube, part.corners.size());
+        for (const ExactWeights& weights : part.corners) to += lines.point(weights, part.vertex);
+        to += '\n';
+      }
+    });
+    for (const std::string& text : of_facet) state_->write(text);
+  }
 }
 
 void RationalsFile::close() { state_->file.close(); }

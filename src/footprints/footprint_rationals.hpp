@@ -4,8 +4,9 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <vector>
 
-#include "run/shot.hpp"
+#include "run/shot_ends.hpp"
 
 namespace tubefoot {
 
@@ -13,7 +14,8 @@ namespace tubefoot {
 class RationalsFile {
  public:
   /// Throws std::runtime_error where writing fails, as all else here; UsageError for a run whose corners are
-  /// not exact: plain double, or water that refracts.
+  /// not exact: plain double. In refracting water they are those between vertices that are seen where rays in
+  /// doubles put them, and lie where they lie.
   RationalsFile(const std::filesystem::path& file, const Shots& shots, std::size_t sensor);
   ~RationalsFile();
   /// A shot's tubes of `beams` (sorted; empty: all). Returns the number of pieces seen.
@@ -21,6 +23,11 @@ class RationalsFile {
   void close();
 
  private:
+  std::size_t add_end(const Shot& shot, const ShotEnd& end, std::span<const std::uint32_t> numbers,
+                      std::vector<TubeVisibility>* kept);
+  void add_shared(const Shot& shot, const ShotEnd& out, std::span<const std::uint32_t> numbers,
+                  const FootprintSharer& sharer);
+
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "engine/echo/echo.hpp"
+#include "engine/sight/path_footprints.hpp"
 #include "geometry/steps/stop.hpp"
+#include "run/shot_ends.hpp"
 
 namespace tubefoot {
 namespace {
@@ -15,11 +18,13 @@ namespace {
 constexpr double degrees = 180 / std::numbers::pi;
 
 using T = FootprintTable;
-const std::array<FootprintColumn, 20> columns{{
+const std::array<FootprintColumn, 21> columns{{
     {"ping", "1", "ping, counted from 0", &T::ping},
     {"shot", "1", "shot of the ping, counted from 0", &T::shot},
-    {"beam", "1", "beam that the tube belongs to, counted from 0", &T::beam},
+    {"beam", "1", "beam that the receive tube belongs to, counted from 0", &T::beam},
     {"tube", "1", "tube of the shot, counted from 0", &T::tube},
+    {"receive_tube", "1", "tube of the receiver, counted from 0; the same unless it is apart",
+     &T::receive_tube},
     {"facet", "1", "facet of the shot's ground, counted from 0", &T::facet},
     {"base_facet", "1", "facet of the scene as loaded, counted from 0", &T::base_facet},
     {"component_index", "1", "component of the scene, counted from 0", &T::component},
@@ -51,16 +56,111 @@ void append_offsets(std::vector<std::uint64_t>& to, const std::vector<std::uint6
   for (std::size_t k = 1; k < from.size(); ++k) to.push_back(base + from[k]);
 }
 
-FootprintEnergies energies_of(const Shot& shot, const History& history, std::size_t s) {
+/// Facets that take something away from what a tube sees of a facet, by both.
+using Occluders = std::map<std::pair<FacetId, std::uint32_t>, std::vector<FacetId>>;
+
+Occluders occluders_of(const History& history, const ShotEnd& end) {
+  Occluders all;
+  for (const Footprint& f : history.footprints.footprints) {
+    auto& its = all[{end.name_of(f.facet), f.tube}];
+    for (std::uint32_t k = 0; k < f.occluder_count; ++k)
+      its.push_back(end.number_of(history.footprints.occluders[f.first_occluder + k]));
+  }
+  return all;
+}
+
+/// Rows of footprints, whichever way they are seen.
+class Rows {
+ public:
+  Rows(const Shot& shot, std::size_t s) : shot_(shot), sensor_(shot.sensor(s)) {}
+
+  /// `number`: what the facet is called; `place` says where a corner lies that is seen there from the apex.
+  template <class Place>
+  void add(const Footprint& footprint, const FootprintSet& set, std::uint32_t receive_tube, FacetId number,
+           FacetId base, const FacetMesh& mesh, double area_m2, double energy_j, double own_beam_energy_j,
+           std::span<const FacetId> occluders, const Place& place) {
+    const FacetId facet = footprint.facet;
+    table.ping.push_back(static_cast<std::uint32_t>(shot_.ping()));
+    table.shot.push_back(static_cast<std::uint32_t>(shot_.number()));
+    table.beam.push_back(
+        sensor_.beams_of_shot(shot_.number())[sensor_.beam_of_tube(shot_.number())[receive_tube]]);
+    table.tube.push_back(footprint.tube);
+    table.receive_tube.push_back(receive_tube);
+    table.facet.push_back(number);
+    table.base_facet.push_back(base);
+    table.component.push_back(mesh.component[facet]);
+    table.material.push_back(mesh.material[facet]);
+    table.path_order.push_back(1);
+    table.area_m2.push_back(area_m2);
+    table.solid_angle_sr.push_back(footprint.solid_angle_sr);
+    table.grazing_deg.push_back(footprint.grazing_angle_rad * degrees);
+    const double azimuth = std::atan2(footprint.centroid_m.x, footprint.centroid_m.y) * degrees;
+    table.azimuth_deg.push_back(azimuth < 0 ? std::fmod(azimuth + 360, 360) : azimuth);
+    table.slant_range_min_m.push_back(footprint.slant_range_min_m);
+    table.slant_range_max_m.push_back(footprint.slant_range_max_m);
+    table.energy_j.push_back(energy_j);
+    table.own_beam_energy_j.push_back(own_beam_energy_j);
+    const glm::dvec3 centroid = place(footprint.centroid_m);
+    table.centroid_east_m.push_back(centroid.x);
+    table.centroid_north_m.push_back(centroid.y);
+    table.centroid_up_m.push_back(centroid.z);
+    for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
+      const Piece& piece = set.pieces[footprint.first_piece + p];
+      for (std::uint32_t c = piece.count; c-- > 0;)
+        table.corners_m.push_back(place(set.corners_m[piece.first + c]));
+      table.first_corner.push_back(table.corners_m.size());
+    }
+    table.first_piece.push_back(table.first_corner.size() - 1);
+    table.occluders.insert(table.occluders.end(), occluders.begin(), occluders.end());
+    table.first_occluder.push_back(table.occluders.size());
+  }
+
+  FootprintTable table;
+
+ private:
+  const Shot& shot_;
+  const Sensor& sensor_;
+};
+
+/// What two ends see together.
+FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
   const Sensor& sensor = shot.sensor(s);
-  const SensorLaw law = shot.law(s);
+  const ShotEnds ends(shot, s);
+  const PathFootprints seen = path_footprints(ends.trace());
   const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot.number());
-  if (!sensor.has_receiver_apart())
-    return footprint_energies(history.footprints, history, beam_of_tube, {shot.beams(s), beam_of_tube},
-                              sensor.samples(), law.law, shot.request().binning);
+  const std::vector<std::uint32_t>& beams_of_shot = sensor.beams_of_shot(shot.number());
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
-  return footprint_energies(history.footprints, shot.trace_both(), beam_of_tube, shot.beams_by_fans(s, fans),
-                            sensor.samples(), law.law);
+  FootprintSet heard = seen.footprints;
+  for (std::size_t k = 0; k < heard.footprints.size(); ++k) heard.footprints[k].tube = seen.receive_tube[k];
+  const FootprintEnergies energies =
+      footprint_energies(heard, seen.history, beam_of_tube, shot.beams_by_fans(s, fans), sensor.samples(),
+                         ends.law(s)->law, shot.request().binning);
+  const Occluders out = occluders_of(ends.trace(ends.out()), ends.out()),
+                  home = occluders_of(ends.trace(ends.home()), ends.home());
+  const glm::dvec3 apex = shot.scene().grid.to_metres(ends.out().tubes.apex);
+  Rows rows(shot, s);
+  std::vector<FacetId> occluders;
+  for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
+    stop_if_wanted();
+    const Footprint& footprint = seen.footprints.footprints[k];
+    if (!beams.empty() &&
+        !std::binary_search(beams.begin(), beams.end(), beams_of_shot[beam_of_tube[seen.receive_tube[k]]]))
+      continue;
+    occluders.clear();
+    const auto add = [&](const Occluders& all, std::uint32_t tube) {
+      // In plain doubles what both see of a facet and what one of them sees may disagree.
+      if (const auto its = all.find({footprint.facet, tube}); its != all.end())
+        append_all(occluders, its->second);
+    };
+    add(out, footprint.tube);
+    add(home, seen.receive_tube[k]);
+    std::sort(occluders.begin(), occluders.end());
+    occluders.erase(std::unique(occluders.begin(), occluders.end()), occluders.end());
+    rows.add(footprint, seen.footprints, seen.receive_tube[k], ends.out().number_of_name(footprint.facet),
+             ends.base_facet(footprint.facet), ends.shared_mesh(), seen.area_m2(k), energies.all_beams[k],
+             energies.own_beam[k], occluders, [&](glm::dvec3 corner) { return seen.place(k, corner, apex); });
+  }
+  return std::move(rows.table);
 }
 
 }  // namespace
@@ -92,63 +192,38 @@ ChosenTubes chosen_tubes(const Shot& shot, std::size_t s, std::span<const std::u
 }
 
 FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
-  FootprintTable table;
+  if (shot.has_receiver_apart()) return table_of_two_ends(shot, s, beams);
   ChosenTubes chosen = chosen_tubes(shot, s, beams);
-  if (chosen.set.tubes.empty()) return table;
+  if (chosen.set.tubes.empty()) return {};
   const Scene& scene = shot.scene();
-  const Sensor& sensor = shot.sensor(s);
   const ShotGround& ground = shot.ground();
   History history = shot.trace(std::move(chosen.set));
   for (Footprint& footprint : history.footprints.footprints) footprint.tube = chosen.number[footprint.tube];
-  const FootprintEnergies energies = energies_of(shot, history, s);
+  const std::vector<std::uint32_t>& beam_of_tube = shot.sensor(s).beam_of_tube(shot.number());
+  const FootprintEnergies energies =
+      footprint_energies(history.footprints, history, beam_of_tube, {shot.beams(s), beam_of_tube},
+                         shot.sensor(s).samples(), shot.law(s).law, shot.request().binning);
 
   const FootprintSet& set = history.footprints;
   const ApparentGround* apparent = ground.apparent();
   const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
+  Rows rows(shot, s);
+  std::vector<FacetId> occluders;
   for (std::size_t k = 0; k < set.footprints.size(); ++k) {
     stop_if_wanted();
     const Footprint& footprint = set.footprints[k];
     const FacetId facet = footprint.facet;
-    const auto true_place = [&](glm::dvec3 from_apex_m) {
-      const glm::dvec3 seen_m = apex + from_apex_m;
-      return apparent == nullptr ? seen_m : apparent->true_place(facet, seen_m, scene.grid);
-    };
-    table.ping.push_back(static_cast<std::uint32_t>(shot.ping()));
-    table.shot.push_back(static_cast<std::uint32_t>(shot.number()));
-    table.beam.push_back(
-        sensor.beams_of_shot(shot.number())[sensor.beam_of_tube(shot.number())[footprint.tube]]);
-    table.tube.push_back(footprint.tube);
-    table.facet.push_back(ground.number_of(facet));
-    table.base_facet.push_back(ground.base_facet(facet));
-    table.component.push_back(ground.mesh().component[facet]);
-    table.material.push_back(ground.mesh().material[facet]);
-    table.path_order.push_back(1);
-    table.area_m2.push_back(footprint.area_m2 *
-                            (apparent == nullptr ? 1 : apparent->area_ratio(facet, scene.grid)));
-    table.solid_angle_sr.push_back(footprint.solid_angle_sr);
-    table.grazing_deg.push_back(footprint.grazing_angle_rad * degrees);
-    const double azimuth = std::atan2(footprint.centroid_m.x, footprint.centroid_m.y) * degrees;
-    table.azimuth_deg.push_back(azimuth < 0 ? std::fmod(azimuth + 360, 360) : azimuth);
-    table.slant_range_min_m.push_back(footprint.slant_range_min_m);
-    table.slant_range_max_m.push_back(footprint.slant_range_max_m);
-    table.energy_j.push_back(energies.all_beams[k]);
-    table.own_beam_energy_j.push_back(energies.own_beam[k]);
-    const glm::dvec3 centroid = true_place(footprint.centroid_m);
-    table.centroid_east_m.push_back(centroid.x);
-    table.centroid_north_m.push_back(centroid.y);
-    table.centroid_up_m.push_back(centroid.z);
-    for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
-      const Piece& piece = set.pieces[footprint.first_piece + p];
-      for (std::uint32_t c = piece.count; c-- > 0;)
-        table.corners_m.push_back(true_place(set.corners_m[piece.first + c]));
-      table.first_corner.push_back(table.corners_m.size());
-    }
-    table.first_piece.push_back(table.first_corner.size() - 1);
+    occluders.clear();
     for (std::uint32_t o = 0; o < footprint.occluder_count; ++o)
-      table.occluders.push_back(ground.number_of(set.occluders[footprint.first_occluder + o]));
-    table.first_occluder.push_back(table.occluders.size());
+      occluders.push_back(ground.number_of(set.occluders[footprint.first_occluder + o]));
+    rows.add(footprint, set, footprint.tube, ground.number_of(facet), ground.base_facet(facet), ground.mesh(),
+             footprint.area_m2 * (apparent == nullptr ? 1 : apparent->area_ratio(facet, scene.grid)),
+             energies.all_beams[k], energies.own_beam[k], occluders, [&](glm::dvec3 corner) {
+               return apparent == nullptr ? apex + corner
+                                          : apparent->true_place(facet, apex + corner, scene.grid);
+             });
   }
-  return table;
+  return std::move(rows.table);
 }
 
 }  // namespace tubefoot

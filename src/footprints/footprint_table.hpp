@@ -15,8 +15,9 @@ namespace tubefoot {
 /// element a footprint. Rows are ordered by ping, shot, tube and facet.
 struct FootprintTable {
   std::vector<std::uint32_t> ping, shot;
-  std::vector<std::uint32_t> beam;                 ///< of the sensor, that the tube belongs to
-  std::vector<std::uint32_t> tube;                 ///< of the shot
+  std::vector<std::uint32_t> beam;          ///< of the sensor, that the receive tube belongs to
+  std::vector<std::uint32_t> tube;          ///< of the shot
+  std::vector<std::uint32_t> receive_tube;  ///< that it is heard in: the same, unless the receiver is apart
   std::vector<std::uint32_t> facet, base_facet;    ///< of the shot's ground; of the scene without relief
   std::vector<std::uint32_t> component, material;  ///< as the scene numbers them
   std::vector<std::uint32_t> path_order;           ///< interactions of the path: 1 is the ordinary echo
@@ -76,8 +77,9 @@ std::span<const FootprintColumn> footprint_columns();
 /// The footprints of a shot in a sensor's tubes of `beams` (of the sensor; sorted; empty: all), with energies
 /// as a run of the tube engine would count them. Through refracting water corners, centroid and area are
 /// true; solid angle, grazing angle, azimuth and ranges are those of the apparent facet. With a receiver
-/// apart footprints are the transmitter's; what the receiver hears of them is their energy. Does not depend
-/// on the number of threads. Throws InputError as a run does.
+/// apart a footprint is what one of its tubes and one of the transmitter's both see of a facet, `beams` are
+/// the receiver's, ranges half paths, the other measures as the transmitter sees it, and occluders those
+/// of either. Does not depend on the number of threads. Throws InputError as a run does.
 FootprintTable footprint_table(const Shot& shot, std::size_t sensor,
                                std::span<const std::uint32_t> beams = {});
 

@@ -42,8 +42,6 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "chart, advise, --tolerance",
                                                        "a shot in Python"};
 
-constexpr std::string_view one_apex_only =
-    "what one place sees is asked for: leave out 'receiver_arm_m', or choose another sensor";
 constexpr std::string_view exact_only =
     "that takes an exact arithmetic: fixed, filtered or rational, not double";
 
@@ -68,34 +66,17 @@ constexpr auto table = std::to_array<Refusal>({
     {refraction, mirrors, reference, two_places_straight},
     {refraction, receiver_apart, reference, two_places_straight},
     {refraction, two_receivers, reference, two_places_straight},
-    {refraction,
-     coverage,
-     {},
-     "each ping then sees apparent facets of its own, which cannot be laid over each other: give profile = "
-     "\"constant\""},
-    {refraction,
-     exact_corners,
-     {},
-     "facets are seen where rays that were computed in doubles put them: there are no exact corners"},
     {scatterings,
      reference,
      {},
      "patches that scatter on to others are taken for points, which no bound encloses: leave out "
      "--reference, or give scatterings = 1"},
-    {receiver_apart, audit, {}, one_apex_only},
-    {receiver_apart, coverage, {}, one_apex_only},
-    {receiver_apart, view, {}, one_apex_only},
-    {receiver_apart, shot, {}, one_apex_only},
     {receiver_apart, two_receivers, reference,
      "products of two receivers' signals are certified from the transmitter in their middle: leave out "
      "--reference, or 'receiver_arm_m'"},
     {mirrors, two_receivers, reference,
      "products of two receivers' signals over mirrors have no proven bound: leave out --reference, or the "
      "sensor"},
-    {relief_each_shot,
-     coverage,
-     {},
-     "facets of each ping's own cannot be laid over each other: give [relief] mode = \"offline\""},
     {unbounded_texture, reference, {}, "no reference encloses that"},
     {reference, double_arithmetic, {}, exact_only},
     {reference, fast_binning, {}, "that integrates footprints: it needs --binning exact"},

@@ -19,7 +19,7 @@ namespace tubefoot {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
-constexpr RefinementLimits most_a_shot{20'000'000};
+constexpr RefinementLimits most_a_shot{.facets = 20'000'000};
 
 std::array<double, 3> polar(glm::dvec3 direction, double range_m) {
   return {std::atan2(direction.x, direction.y) * degrees,
@@ -131,12 +131,13 @@ StraighteningSettings straightening_settings(const Shot& shot, double reach_m) {
   return settings;
 }
 
-LyingBed::LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks)
+LyingBed::LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks,
+                   bool weights)
     : site_(shot.site()) {
   if (!site_.ground) return;
   std::vector<Look> looks = shot.looks(tubes);
   for (std::size_t k = 0; k < looks.size(); ++k) looks[k].outlook = &outlooks[k];
-  relief_ = relief_seen_by(shot, looks);
+  relief_ = relief_seen_by(shot, looks, weights);
   tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::Sheets::ignored);
 }
 
@@ -155,36 +156,42 @@ std::vector<FacetId> LyingBed::facets(std::span<const Outlook> outlooks) const {
 
 void LyingBed::name_by_scene(ApparentGround& ground) const {
   if (!tree_) return;
-  for (FacetId& facet : ground.refined.parent) facet = relief_.parent[facet];
+  for (std::size_t k = 0; k < ground.refined.parent.size(); ++k) {
+    FacetId& facet = ground.refined.parent[k];
+    if (!ground.refined.weights.empty())
+      ground.refined.weights[k] = part_of_part(relief_.weights[facet], ground.refined.weights[k]);
+    facet = relief_.parent[facet];
+  }
   for (UnclearPlace& place : ground.unclear) place.facet = relief_.parent[place.facet];
 }
 
-ShotStraightening::ShotStraightening(const Shot& shot)
+ShotStraightening::ShotStraightening(const Shot& shot, bool weights)
     : shot_(shot),
+      weights_(weights),
       tubes_(shot.tubes()),
       straightening_(straightening_of(shot.site(), shot.pings(), shot.scene().grid.to_metres(tubes_.apex))),
       outlook_(tubes_, shot.scene().grid.unit_m(), straightening_),
-      bed_(shot, {&tubes_, 1}, {&outlook_, 1}),
+      bed_(shot, {&tubes_, 1}, {&outlook_, 1}, weights),
       facets_(bed_.facets({&outlook_, 1})) {}
 
 ApparentGround ShotStraightening::ground(const StraighteningSettings& settings) const {
   const Scene& scene = shot_.scene();
   return made_for(shot_, [&] {
     return straighten(bed_.mesh(), facets_, scene.grid, straightening_,
-                      absorption_db_per_m(scene, *shot_.pings().sensor), settings, most_a_shot,
-                      scene.scattering, &outlook_);
+                      absorption_db_per_m(scene, *shot_.pings().sensor), settings,
+                      {most_a_shot.facets, weights_}, scene.scattering, &outlook_);
   });
 }
 
-ShotGround refracted_ground_of(const Shot& shot) {
-  const ShotStraightening seen(shot);
+ShotGround refracted_ground_of(const Shot& shot, bool weights) {
+  const ShotStraightening seen(shot, weights);
   ApparentGround ground =
       seen.ground(straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m()));
   seen.bed().name_by_scene(ground);
   return ShotGround(shot.site(), std::move(ground));
 }
 
-RefractedPair refracted_pair_of(const Shot& shot) {
+RefractedPair refracted_pair_of(const Shot& shot, bool weights) {
   const Scene& scene = shot.scene();
   const double unit = scene.grid.unit_m();
   std::array<TubeSet, 2> tubes{shot.tubes(), shot.receive_tubes(shot.first())};
@@ -199,14 +206,14 @@ RefractedPair refracted_pair_of(const Shot& shot) {
                      {}};
   const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, both.transmit_water),
                                         Outlook(tubes[1], unit, both.receive_water)};
-  const LyingBed bed(shot, tubes, outlooks);
+  const LyingBed bed(shot, tubes, outlooks, weights);
   // What either may see: what hides from one need not be seen by the other.
   const std::vector<FacetId> facets = bed.facets(outlooks);
   both.apparent = made_for(shot, [&] {
     const double reach_m = std::max(tubes[0].reach, tubes[1].reach) * unit;
     return straighten_pair(bed.mesh(), facets, scene.grid, both.transmit_water, both.receive_water,
-                           both.absorption_db_per_m, straightening_settings(shot, reach_m), most_a_shot,
-                           &outlooks[0], &outlooks[1]);
+                           both.absorption_db_per_m, straightening_settings(shot, reach_m),
+                           {most_a_shot.facets, weights}, &outlooks[0], &outlooks[1]);
   });
   bed.name_by_scene(both.apparent.transmit);
   bed.name_by_scene(both.apparent.receive);

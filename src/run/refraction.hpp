@@ -29,8 +29,9 @@ StraighteningSettings straightening_settings(const Shot& shot, double reach_m);
 /// The bed of a shot where it lies: the scene's, or with relief as fine as bent rays need it.
 class LyingBed {
  public:
-  /// `outlooks`: of each set of tubes.
-  LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks);
+  /// `outlooks`: of each set of tubes; `weights`: with RefinedMesh::weights.
+  LyingBed(const Shot& shot, std::span<const TubeSet> tubes, std::span<const Outlook> outlooks,
+           bool weights = false);
 
   const FacetMesh& mesh() const;
   /// Of any of the outlooks, by increasing id.
@@ -44,14 +45,15 @@ class LyingBed {
   std::unique_ptr<SceneTree> tree_;  // of the relief
 };
 
-/// The facets of a shot where it sees them. Throws InputError where it takes too many.
-ShotGround refracted_ground_of(const Shot& shot);
+/// The facets of a shot where it sees them, if asked for with RefinedMesh::weights about the scene's facets.
+/// Throws InputError where it takes too many.
+ShotGround refracted_ground_of(const Shot& shot, bool weights = false);
 
 /// What a shot sees of its bed, straightened as finely as one likes; facets are named by the bed.
 class ShotStraightening {
  public:
   /// Throws as refracted_ground_of().
-  explicit ShotStraightening(const Shot& shot);
+  explicit ShotStraightening(const Shot& shot, bool weights = false);
   ShotStraightening(const ShotStraightening&) = delete;
   ShotStraightening& operator=(const ShotStraightening&) = delete;
   const LyingBed& bed() const { return bed_; }
@@ -60,6 +62,7 @@ class ShotStraightening {
 
  private:
   const Shot& shot_;
+  bool weights_;
   TubeSet tubes_;
   Straightening straightening_;
   Outlook outlook_;
@@ -81,8 +84,8 @@ struct RefractedPair {
   double absorption_db_per_m;
   ApparentPair apparent;
 };
-/// Throws as refracted_ground_of().
-RefractedPair refracted_pair_of(const Shot& shot);
+/// `weights` as there. Throws as refracted_ground_of().
+RefractedPair refracted_pair_of(const Shot& shot, bool weights = false);
 /// What the two share of it; the same by rays, in portions.
 BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair);
 void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySettings& settings,

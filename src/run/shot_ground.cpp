@@ -20,7 +20,7 @@ namespace tubefoot {
 namespace {
 
 /// A facet of a refined bed with its share of vertices and tree takes some 60 bytes.
-constexpr RefinementLimits most_offline{100'000'000}, most_a_shot{20'000'000};
+constexpr RefinementLimits most_offline{.facets = 100'000'000}, most_a_shot{.facets = 20'000'000};
 
 std::vector<bool> mirror_materials(const Scene& scene) {
   std::vector<bool> mirrors;
@@ -142,10 +142,19 @@ RefinedMesh refined_for(const Shot& shot, const Refine& refine) {
   }
 }
 
+/// Rounded alike whichever way they are counted, so that what lies on an edge of the whole stays on it.
+std::array<std::int64_t, 2> weights_at(const PartCorner& corner, const PartWeights& of_whole) {
+  const auto between = [&](std::int64_t from, std::int64_t to) {
+    return from + static_cast<std::int64_t>(std::llround(corner.part * static_cast<long double>(to - from)));
+  };
+  const auto &from = of_whole[corner.from], &to = of_whole[corner.to];
+  return {between(from[0], to[0]), between(from[1], to[1])};
+}
+
 }  // namespace
 
-RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks) {
-  return refined_for(shot, [&] { return shot.site().ground->seen_by(looks, most_a_shot); });
+RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks, bool weights) {
+  return refined_for(shot, [&] { return shot.site().ground->seen_by(looks, {most_a_shot.facets, weights}); });
 }
 
 RefinedMesh mirrors_about(const Shot& shot, double distance_m) {
@@ -156,14 +165,23 @@ RefinedMesh mirrors_about(const Shot& shot, double distance_m) {
   return mirrors;
 }
 
-bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent) {
+bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
+                    std::vector<PartWeights>* weights) {
   if (!scene.description.sea_surface) return false;
   const std::int32_t height = scene.surface_height();
   if (std::ranges::all_of(mesh.vertices, [=](GridPoint v) { return v.z <= height; })) return false;
   std::vector<FacetId> all(mesh.facets.size());
   std::iota(all.begin(), all.end(), FacetId{0});
-  MeshPart wet = in_front_of(MirrorPlane::horizontal(height), mesh, all);
+  std::vector<std::array<PartCorner, 3>> corners;
+  MeshPart wet =
+      in_front_of(MirrorPlane::horizontal(height), mesh, all, weights == nullptr ? nullptr : &corners);
   mesh = std::move(wet.mesh);
+  if (weights != nullptr) {
+    std::vector<PartWeights> parts(corners.size());
+    for (std::size_t f = 0; f < parts.size(); ++f)
+      for (std::size_t k = 0; k < 3; ++k) parts[f][k] = weights_at(corners[f][k], (*weights)[wet.origin[f]]);
+    *weights = std::move(parts);
+  }
   if (!parent.empty()) {
     for (FacetId& facet : wet.origin) facet = parent[facet];
     parent = std::move(wet.origin);
@@ -171,11 +189,11 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
   return true;
 }
 
-ShotGround ground_of(const Shot& shot) {
-  return shot.scene().water->refracts() ? refracted_ground_of(shot) : lying_ground_of(shot);
+ShotGround ground_of(const Shot& shot, bool weights) {
+  return shot.scene().water->refracts() ? refracted_ground_of(shot, weights) : lying_ground_of(shot, weights);
 }
 
-ShotGround lying_ground_of(const Shot& shot) {
+ShotGround lying_ground_of(const Shot& shot, bool weights) {
   const Site& site = shot.site();
   if (!site.ground) return ShotGround(site);
   std::vector<TubeSet> tubes{shot.tubes()};
@@ -184,8 +202,8 @@ ShotGround lying_ground_of(const Shot& shot) {
   const std::vector<PathLook> of_paths = looks_of_paths(shot);
   for (const PathLook& look : of_paths)
     looks.push_back({&look.tubes, 0, shot.sample_length_m(), nullptr, look.beam_rad});
-  RefinedMesh bed = relief_seen_by(shot, looks);
-  cut_at_surface(site.scene, bed.mesh, bed.parent);
+  RefinedMesh bed = relief_seen_by(shot, looks, weights);
+  cut_at_surface(site.scene, bed.mesh, bed.parent, weights ? &bed.weights : nullptr);
   return ShotGround(site, std::move(bed));
 }
 

@@ -37,6 +37,8 @@ class ShotGround {
     if (is_own()) facet = own().parent[facet];
     return site_->base_number_of(facet);
   }
+  /// Facets of the shot's own, as parts of the scene's; null: the site's own.
+  const RefinedMesh* refined() const { return is_own() ? &own() : nullptr; }
   /// Null where facets are where they seem to be.
   const ApparentGround* apparent() const { return apparent_.get(); }
 
@@ -49,17 +51,19 @@ class ShotGround {
   std::unique_ptr<SceneTree> tree_;
 };
 
-/// The ground of a shot (Shot::ground() keeps it). Throws InputError where it takes too many facets.
-ShotGround ground_of(const Shot& shot);
+/// The ground of a shot (Shot::ground() keeps it), if asked for with RefinedMesh::weights about the scene's
+/// facets. Throws InputError where it takes too many facets.
+ShotGround ground_of(const Shot& shot, bool weights = false);
 /// The same where it lies, also in water that refracts.
-ShotGround lying_ground_of(const Shot& shot);
+ShotGround lying_ground_of(const Shot& shot, bool weights = false);
 /// The relief that a shot sees. Throws InputError where it takes too many facets.
-RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks);
+RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks, bool weights = false);
 /// The mirrors within a distance of a shot, with their relief, and nothing else. Throws as relief_seen_by().
 RefinedMesh mirrors_about(const Shot& shot, double distance_m);
 /// Leaves of a mesh what is in the water of a scene with [sea_surface], and of `parent`, by facet, what
-/// belongs to it. False: all of it was.
-bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent);
+/// belongs to it; of `weights`, if given, where it lies. False: all of it was.
+bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
+                    std::vector<PartWeights>* weights = nullptr);
 /// The ground above and below a place.
 ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m);
 

@@ -15,6 +15,9 @@ const scene = new Scene(byId("scene"), orbit);
 const picture = new Picture(byId("picture"), { clicked: (cell) => choose(cell < 0 ? null : { cell }) });
 const panel = new Panel(byId("chosen"), (what) => { choose(what); reveal(); });
 
+/// The transmitter's tube, and the receiver's where that is apart.
+const tubesOf = (f) => facts.receiverApart ? [arrays.drawnTube[f], arrays.drawnReceiveTube[f]] : [arrays.drawnTube[f]];
+
 function choose(what) {
   chosen = what;
   if (!what) {
@@ -24,13 +27,13 @@ function choose(what) {
   } else if (what.cell !== undefined) {
     showPing(placeOf(what.cell).ping);
     const parts = links.ofCell(what.cell);
-    scene.light(parts.map((p) => p.footprint), parts.length ? arrays.drawnTube[parts[0].footprint] : null);
+    scene.light(parts.map((p) => p.footprint), parts.length ? tubesOf(parts[0].footprint) : []);
     picture.light([what.cell], what.cell);
     panel.showCell(what.cell, parts);
   } else {
     showPing(arrays.ping[what.footprint]);
     const parts = links.ofFootprint(what.footprint);
-    scene.light([what.footprint], arrays.drawnTube[what.footprint]);
+    scene.light([what.footprint], tubesOf(what.footprint));
     picture.light(parts.map((p) => p.cell), null);
     panel.showFootprint(what.footprint, parts);
   }
@@ -96,7 +99,7 @@ byId("title").textContent = facts.title || "Footprints";
 byId("subtitle").textContent = `${facts.sensor} (${facts.kind}), ${footprintCount} footprints, ` +
   (facts.pings.length > 1 ? `pings ${facts.pings[0].number} to ${facts.pings[facts.pings.length - 1].number}` : `ping ${facts.pings[0].number}`);
 byId("notes-text").replaceChildren(...[...facts.notes,
-  "Every footprint is the part of one facet that one tube touches first. Energies are for a source of 1 J/sr at 1 m; in this page in single precision.",
+  `Every footprint is the part of one facet that one tube${facts.receiverApart ? " of each end" : ""} touches first. Energies are for a source of 1 J/sr at 1 m; in this page in single precision.`,
   `Made by tubefoot ${facts.version} from ${facts.source}; scene hash ${facts.sceneHash.slice(0, 16)}.`]
   .map((text) => element("p", { text })));
 byId("notes").open = false;

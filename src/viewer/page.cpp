@@ -88,6 +88,7 @@ class PageWriter {
                                            : data_.layout == PictureLayout::waterfall ? "waterfall"
                                                                                       : "echogram"},
                                 {"acrossTrack", data_.across_track},
+                                {"receiverApart", data_.receiver_apart},
                                 {"beams", data_.beams},
                                 {"samples", data_.samples},
                                 {"firstRange", data_.first_m},
@@ -100,6 +101,7 @@ class PageWriter {
       json["pings"].push_back({{"number", ping.number},
                                {"time", ping.time_s},
                                {"sensor", place(ping.sensor_m)},
+                               {"receiver", place(ping.receiver_m)},
                                {"shadows", ping.shadows}});
     std::string text = json.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
     // Nothing in a title may end the script element that holds it.
@@ -172,6 +174,8 @@ class PageWriter {
     column("beam", whole, [](F f) { return f.beam; });
     column("tube", whole, [](F f) { return f.tube; });
     column("facet", whole, [](F f) { return f.facet; });
+    column("receiveTube", whole, [](F f) { return f.receive_tube; });
+    column("drawnReceiveTube", whole, [](F f) { return f.drawn_receive_tube; });
     column("drawnTube", whole, [](F f) { return f.drawn_tube; });
     column("pieces", whole, [](F f) { return f.pieces; });
     column("occluders", whole, [](F f) { return f.occluders; });

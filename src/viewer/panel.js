@@ -74,7 +74,7 @@ class Panel {
       element("h2", { text: `Footprint: ${pingOf(a.ping[f])}beam ${a.beam[f]}, facet ${a.facet[f]}` }),
       listOf([["energy", dbText(a.energy[f])], ["area", `${digits(a.area[f])} m\u00b2`],
         ["grazing angle", degrees(a.grazing[f])], ["solid angle", `${digits(a.solidAngle[f])} sr`],
-        ["slant range", `${a.near[f].toFixed(3)} to ${a.far[f].toFixed(3)} m`], ["tube", String(a.tube[f])],
+        [facts.receiverApart ? "half path" : "slant range", `${a.near[f].toFixed(3)} to ${a.far[f].toFixed(3)} m`], ["tube", facts.receiverApart ? `${a.tube[f]}, heard in ${a.receiveTube[f]}` : String(a.tube[f])],
         ["of", facts.components[a.component[f]]], ["material", facts.materials[a.material[f]]],
         ["cut by", a.occluders[f] ? `${a.occluders[f]} nearer facets` : "nothing"], ["pieces", String(a.pieces[f])],
         ["centroid", `${at[0]} E, ${at[1]} N`], ["height", `${at[2]} m`]]),

@@ -109,11 +109,11 @@ class Scene {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, tableWidth, this.tableHeight(), 0, gl.RED_INTEGER, gl.UNSIGNED_BYTE, this.marks);
   }
 
-  /// `tube`: where it lies in the arrays of tubes, to be drawn too.
-  light(footprints, tube = null) {
+  /// `tubes`: where they lie in the arrays of tubes, to be drawn too.
+  light(footprints, tubes = []) {
     for (const f of this.lit) this.marks && (this.marks[f] = 0);
     this.lit = new Set(footprints);
-    this.litTube = tube;
+    this.litTubes = tubes;
     if (!this.gl) return;
     for (const f of footprints) this.marks[f] = 1;
     this.sendMarks();
@@ -208,8 +208,8 @@ class Scene {
     if (facts.pings.length > 1) plain(this.track, gl.LINE_STRIP, "--tube", 0.9, 0);
     gl.disable(gl.DEPTH_TEST);
     const lit = highlight.map((v) => v / 255);
-    if (this.litTube !== null && this.litTube * linesATube < this.tubes.count)
-      plain(this.tubes, gl.LINES, lit, 0.6, 0, linesATube * this.litTube, linesATube);
+    for (const tube of this.litTubes)
+      if (tube * linesATube < this.tubes.count) plain(this.tubes, gl.LINES, lit, 0.6, 0, linesATube * tube, linesATube);
     if (shown.footprints) plain(this.outline, gl.LINES, lit, 1, 0);
     gl.disable(gl.BLEND);
     gl.bindVertexArray(null);

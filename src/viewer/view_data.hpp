@@ -19,6 +19,7 @@ struct ViewPing {
   std::uint32_t number = 0;  ///< as the sensor counts
   double time_s = 0;
   glm::dvec3 sensor_m{0};
+  glm::dvec3 receiver_m{0};   ///< the same place, unless the receiver is apart
   std::uint32_t shadows = 0;  ///< as many polygons of ViewData::shadows
 };
 
@@ -31,12 +32,15 @@ struct ViewPolygons {
 struct ViewFootprint {
   std::uint32_t ping = 0;  ///< in ViewData::pings
   std::uint32_t beam = 0, tube = 0, facet = 0;
-  std::uint32_t drawn_tube = 0;  ///< in ViewData::tubes
-  std::uint32_t pieces = 0;      ///< as many polygons of ViewData::shapes
-  std::uint32_t occluders = 0;   ///< how many facets took something away from it
+  std::uint32_t receive_tube = 0;  ///< the same, unless the receiver is apart
+  std::uint32_t drawn_tube = 0;    ///< in ViewData::tubes
+  std::uint32_t drawn_receive_tube = 0;
+  std::uint32_t pieces = 0;     ///< as many polygons of ViewData::shapes
+  std::uint32_t occluders = 0;  ///< how many facets took something away from it
   std::uint16_t component = 0, material = 0;
-  double area_m2 = 0, solid_angle_sr = 0, grazing_rad = 0, near_m = 0, far_m = 0;
-  double energy_j = 0;  ///< in all beams and samples
+  double area_m2 = 0, solid_angle_sr = 0, grazing_rad = 0;
+  double near_m = 0, far_m = 0;  ///< half paths
+  double energy_j = 0;           ///< in all beams and samples
   glm::dvec3 centroid_m{0};
 };
 
@@ -60,6 +64,7 @@ struct ViewData {
   std::vector<std::string> components, materials;
 
   PictureLayout layout = PictureLayout::fan;
+  bool receiver_apart = false;
   bool across_track = false;  ///< the fan hangs down from the sonar, else it lies ahead
   std::vector<ViewPing> pings;
   std::uint32_t beams = 0, samples = 0;

@@ -4,15 +4,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
+#include <memory>
 #include <numbers>
 
 #include "engine/echo/echo.hpp"
+#include "engine/sight/path_footprints.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
+#include "run/shot_ends.hpp"
 #include "run/tiles_in_view.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 #include "viewer/view_surroundings.hpp"
@@ -50,23 +55,24 @@ class Gatherer {
 
   void add_ping(std::size_t ping) {
     const auto place = static_cast<std::uint32_t>(view.pings.size());
-    view.pings.push_back(
-        {static_cast<std::uint32_t>(ping), pings_.times_s[ping], pings_.poses[ping].position_m, 0});
+    view.pings.push_back({static_cast<std::uint32_t>(ping), pings_.times_s[ping],
+                          pings_.poses[ping].position_m,
+                          sensor_.has_receiver_apart() ? pings_.receiver_pose(ping, 0).position_m
+                                                       : pings_.poses[ping].position_m,
+                          0});
     view.energy_j.resize(view.energy_j.size() + cells_, 0.0);
     const Shots& around = around_.at(shots_.survey().fleet->shots_of(index_), ping);
     const std::size_t shadows_before = view.shadows.corners_of.size();
     for (std::size_t number = 0; number < sensor_.shots(); ++number) {
       const Shot shot = around.heard_by(index_, ping, number);
-      const ShotGround& ground = shot.ground();
-      const History history = shot.trace();
-      if (view.footprints.size() + history.footprints.footprints.size() > limits_.footprints)
-        throw UsageError(fmt::format("more than {} footprints up to ping {}: ask for fewer --pings",
-                                     limits_.footprints, ping));
-      add_shot(shot, history, place);
-      if (!shadows_stopped_)
-        shadows_stopped_ = !add_shadows(shot.scene(), ground, history, limits_.shadow_polygons, view.shadows);
-      if (view.pings.size() == 1 && number == 0 && ground.is_own() && ground.apparent() == nullptr)
-        own_mesh_ = ground.mesh();
+      const ShotEnds ends(shot, index_);
+      if (ends.are_two())
+        add_two_ends(shot, ends, place);
+      else
+        add_one_end(shot, ends.out(), place);
+      if (view.pings.size() == 1 && number == 0 && ends.out().refined != nullptr &&
+          ends.out().apparent == nullptr)
+        own_mesh_ = *ends.out().mesh;
     }
     view.pings.back().shadows = static_cast<std::uint32_t>(view.shadows.corners_of.size() - shadows_before);
   }
@@ -89,6 +95,12 @@ class Gatherer {
       view.notes.push_back(
           "The water refracts: footprints are where they truly are, tubes are bent and not "
           "drawn; angles and ranges are apparent ones.");
+    if (sensor_.has_receiver_apart())
+      view.notes.push_back(
+          "The receiver is apart: a footprint is what one of its tubes and one of the transmitter's both see "
+          "of a "
+          "facet; slant ranges are half paths, angles are the transmitter's. Dark is what is in the tubes of "
+          "either and hidden from it.");
     if (view.weak_links_left_out)
       view.notes.push_back(
           "Beams have patterns, and every beam hears every footprint of its fan: what adds "
@@ -110,63 +122,131 @@ class Gatherer {
     return take_mesh(near.scene, near.scene.mesh, about, limits_.mesh_facets, view);
   }
 
-  void add_shot(const Shot& shot, const History& history, std::uint32_t place) {
-    const Scene& scene = shot.scene();
+  void require_room(std::size_t more) const {
+    if (view.footprints.size() + more > limits_.footprints)
+      throw UsageError(fmt::format("more than {} footprints up to ping {}: ask for fewer --pings",
+                                   limits_.footprints, view.pings.back().number));
+  }
+
+  void shade(const Shot& shot, const ShotEnd& end, const History& history) {
+    if (!shadows_stopped_)
+      shadows_stopped_ = !add_shadows(shot.scene(), end, history, limits_.shadow_polygons, view.shadows);
+  }
+
+  void add_one_end(const Shot& shot, const ShotEnd& end, std::uint32_t place) {
+    const History history = shot.trace();
+    require_room(history.footprints.footprints.size());
     const ShotGround& ground = shot.ground();
-    const glm::dvec3 apex = scene.grid.to_metres(history.tubes.apex);
+    const glm::dvec3 apex = shot.scene().grid.to_metres(history.tubes.apex);
+    const std::uint32_t first_tube = draw_tubes(shot, history.tubes, history, place, apex);
+    const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
+    for (const Footprint& f : history.footprints.footprints) {
+      const double ratio =
+          ground.apparent() == nullptr ? 1 : ground.apparent()->area_ratio(f.facet, shot.scene().grid);
+      add_footprint(shot, f, history.footprints, place, f.tube, first_tube, first_tube,
+                    ground.base_facet(f.facet), ground.mesh(), ratio * f.area_m2, f.occluder_count,
+                    [&](glm::dvec3 seen_m) {
+                      return ground.apparent() == nullptr
+                                 ? apex + seen_m
+                                 : ground.apparent()->true_place(f.facet, apex + seen_m, shot.scene().grid);
+                    });
+    }
+    SensorLaw law = shot.law(index_);
+    law.patterns.fringes.clear();  // what is viewed is what the transmitter sees
+    const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(shot.number());
+    link(shot, history, {shot.beams(index_), beam_of_tube}, shot.echo(history, index_, law.law), law.law,
+         place, first_footprint);
+    shade(shot, end, history);
+  }
+
+  /// What both see together, and what is in the tubes of either and hidden from it.
+  void add_two_ends(const Shot& shot, const ShotEnds& ends, std::uint32_t place) {
+    const PathFootprints seen = path_footprints(ends.trace());
+    require_room(seen.footprints.footprints.size());
+    std::array<std::uint32_t, 2> first_tube{};
+    std::array<std::map<std::pair<FacetId, std::uint32_t>, std::uint32_t>, 2> occluders;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const ShotEnd& end = ends.all()[k];
+      const History history = ends.trace(end);
+      first_tube[k] =
+          draw_tubes(shot, end.tubes, history, place, shot.scene().grid.to_metres(end.tubes.apex));
+      for (const Footprint& f : history.footprints.footprints)
+        occluders[k][{end.name_of(f.facet), f.tube}] = f.occluder_count;
+      shade(shot, end, history);
+    }
+    const glm::dvec3 apex = shot.scene().grid.to_metres(ends.out().tubes.apex);
+    const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
+    for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
+      const Footprint& f = seen.footprints.footprints[k];
+      const std::uint32_t home = seen.receive_tube[k];
+      add_footprint(shot, f, seen.footprints, place, home, first_tube[0], first_tube[1],
+                    ends.base_facet(f.facet), ends.shared_mesh(), seen.area_m2(k),
+                    occluders[0][{f.facet, f.tube}] + occluders[1][{f.facet, home}],
+                    [&](glm::dvec3 seen_m) { return seen.place(k, seen_m, apex); });
+    }
+    const std::unique_ptr<SensorLaw> law = ends.law(index_);
+    law->patterns.fringes.clear();
+    const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(shot.number());
+    link(shot, seen.history, shot.beams_by_fans(index_, fans), shot.echo(seen.history, index_, law->law),
+         law->law, place, first_footprint);
+  }
+
+  /// A tube is drawn to its farthest footprint; into open water, to the end of the samples. Returns the
+  /// number of the first.
+  std::uint32_t draw_tubes(const Shot& shot, const TubeSet& tubes, const History& history,
+                           std::uint32_t place, glm::dvec3 apex) {
+    const auto first_tube = static_cast<std::uint32_t>(view.tubes.size());
+    if (shot.scene().water->refracts()) return first_tube;
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
     const std::vector<std::uint32_t>& beam_of_tube = sensor_.beam_of_tube(shot.number());
     const RangeSamples& samples = sensor_.samples();
-    const auto first_footprint = static_cast<std::uint32_t>(view.footprints.size());
-    const auto first_tube = static_cast<std::uint32_t>(view.tubes.size());
-    // A tube is drawn to its farthest footprint; into open water, to the end of the samples.
-    std::vector<double> length_m(history.tubes.tubes.size(), 0.0);
+    std::vector<double> length_m(tubes.tubes.size(), 0.0);
     for (const Footprint& f : history.footprints.footprints)
       length_m[f.tube] = std::max(length_m[f.tube], f.slant_range_max_m);
     const double last_m = samples.first_m + samples.count * samples.step_m;
     for (double& length : length_m) length = length > 0 ? std::min(length, last_m) : last_m;
-    if (!scene.water->refracts())
-      for (std::size_t t = 0; t < history.tubes.tubes.size(); ++t) {
-        ViewTube tube{place, beams[beam_of_tube[t]], apex, {}};
-        for (std::size_t k = 0; k < 4; ++k) {
-          const GridPoint& ray = history.tubes.rays[history.tubes.tubes[t][k]];
-          tube.ends_m[k] = apex + glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)) * length_m[t];
-        }
-        view.tubes.push_back(tube);
+    for (std::size_t t = 0; t < tubes.tubes.size(); ++t) {
+      ViewTube tube{place, beams[beam_of_tube[t]], apex, {}};
+      for (std::size_t k = 0; k < 4; ++k) {
+        const GridPoint& ray = tubes.rays[tubes.tubes[t][k]];
+        tube.ends_m[k] = apex + glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)) * length_m[t];
       }
-    const FootprintSet& set = history.footprints;
-    for (const Footprint& f : set.footprints) {
-      const auto true_place = [&](glm::dvec3 seen_m) {
-        return ground.apparent() == nullptr
-                   ? apex + seen_m
-                   : ground.apparent()->true_place(f.facet, apex + seen_m, scene.grid);
-      };
-      const double area_ratio =
-          ground.apparent() == nullptr ? 1 : ground.apparent()->area_ratio(f.facet, scene.grid);
-      view.footprints.push_back({place, beams[beam_of_tube[f.tube]], f.tube, ground.base_facet(f.facet),
-                                 first_tube + f.tube, f.piece_count, f.occluder_count,
-                                 ground.mesh().component[f.facet], ground.mesh().material[f.facet],
-                                 area_ratio * f.area_m2, f.solid_angle_sr, f.grazing_angle_rad,
-                                 f.slant_range_min_m, f.slant_range_max_m, 0, true_place(f.centroid_m)});
-      for (std::uint32_t p = 0; p < f.piece_count; ++p) {
-        const Piece& piece = set.pieces[f.first_piece + p];
-        view.shapes.corners_of.push_back(static_cast<std::uint16_t>(piece.count));
-        for (std::uint32_t c = 0; c < piece.count; ++c)
-          view.shapes.corners_m.push_back(true_place(set.corners_m[piece.first + c]));
-      }
+      view.tubes.push_back(tube);
     }
-    SensorLaw law = shot.law(index_);
-    law.patterns.fringes.clear();  // what is viewed is what the transmitter sees
-    const bool patterns = law.law.patterns != nullptr;
-    const Echo echo = shot.echo(history, index_, law.law);
-    const std::size_t picture = place * cells_, count = static_cast<std::size_t>(samples.count);
+    return first_tube;
+  }
+
+  /// `lies` says where a point lies that is seen there from the apex.
+  template <class Lies>
+  void add_footprint(const Shot& shot, const Footprint& f, const FootprintSet& set, std::uint32_t place,
+                     std::uint32_t receive_tube, std::uint32_t first_tube, std::uint32_t first_receive_tube,
+                     FacetId base, const FacetMesh& mesh, double area_m2, std::uint32_t occluders,
+                     const Lies& lies) {
+    const std::uint32_t beam =
+        sensor_.beams_of_shot(shot.number())[sensor_.beam_of_tube(shot.number())[receive_tube]];
+    view.footprints.push_back(
+        {place, beam, f.tube, base, receive_tube, first_tube + f.tube, first_receive_tube + receive_tube,
+         f.piece_count, occluders, mesh.component[f.facet], mesh.material[f.facet], area_m2, f.solid_angle_sr,
+         f.grazing_angle_rad, f.slant_range_min_m, f.slant_range_max_m, 0, lies(f.centroid_m)});
+    for (std::uint32_t p = 0; p < f.piece_count; ++p) {
+      const Piece& piece = set.pieces[f.first_piece + p];
+      view.shapes.corners_of.push_back(static_cast<std::uint16_t>(piece.count));
+      for (std::uint32_t c = 0; c < piece.count; ++c)
+        view.shapes.corners_m.push_back(lies(set.corners_m[piece.first + c]));
+    }
+  }
+
+  void link(const Shot& shot, const Sight& sight, const ReceiveBeams& hearing, const Echo& echo,
+            const EchoLaw& law, std::uint32_t place, std::uint32_t first_footprint) {
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
+    const std::size_t picture = place * cells_, count = static_cast<std::size_t>(sensor_.samples().count);
+    const bool patterns = law.patterns != nullptr;
     for (std::size_t b = 0; b < beams.size(); ++b)
       for (std::size_t k = 0; k < count; ++k)
         view.energy_j[picture + beams[b] * count + k] += echo.energy[b * count + k];
     view.weak_links_left_out = view.weak_links_left_out || patterns;
-    for (const Contribution& c :
-         contributions(history, {shot.beams(index_), beam_of_tube}, samples, law.law, shot.request().binning,
-                       echo, patterns ? least_share_with_patterns : 0)) {
+    for (const Contribution& c : contributions(sight, hearing, sensor_.samples(), law, shot.request().binning,
+                                               echo, patterns ? least_share_with_patterns : 0)) {
       view.links.push_back({first_footprint + c.footprint,
                             static_cast<std::uint32_t>(picture + beams[c.beam] * count + c.sample),
                             c.energy_j});
@@ -205,6 +285,7 @@ ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional
   view.scene_hash = scene.description.sha256;
   view.sensor = description.name;
   view.kind = kind_of(description).name();
+  view.receiver_apart = pings.sensor->has_receiver_apart();
   view.across_track = pings.sensor->is_across_track();
   for (const ComponentReport& component : scene.report.components) view.components.push_back(component.name);
   for (const MaterialDescription& material : scene.description.materials)

@@ -21,8 +21,8 @@ struct ViewLimits {
 
 /// Traces pings of a sensor and says which footprints made which samples. Unset `range`: the first ping; of
 /// sensors with one or two beams, as many from there as the limits allow. Energies are those of the ordinary
-/// echo, one bounce. Throws UsageError for a sensor with a receiver apart and for more footprints than a page
-/// holds; Interrupted when somebody wants to stop.
+/// echo, one bounce. With a receiver apart footprints are those of both ends (path_footprints.hpp). Throws
+/// UsageError for more footprints than a page holds; Interrupted when somebody wants to stop.
 ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional<PingRange>& range,
                      bool quiet, const ViewLimits& limits = {});
 

@@ -69,10 +69,10 @@ class Nearness {
 
 }  // namespace
 
-bool add_shadows(const Scene& scene, const ShotGround& ground, const History& history, std::size_t most,
+bool add_shadows(const Scene& scene, const ShotEnd& end, const History& history, std::size_t most,
                  ViewPolygons& shadows) {
   const TubeSet& tubes = history.tubes;
-  const FacetMesh& mesh = ground.mesh();
+  const FacetMesh& mesh = *end.mesh;
   const glm::dvec3 apex = scene.grid.to_metres(tubes.apex);
   const double unit = scene.grid.unit_m();
   const auto& footprints = history.footprints.footprints;
@@ -95,7 +95,7 @@ bool add_shadows(const Scene& scene, const ShotGround& ground, const History& hi
       walls[k] = {inward[k].x, inward[k].y, inward[k].z};
     }
     facets.clear();
-    ground.tree().query(tubes.apex, walls, tubes.reach, facets);
+    end.tree->query(tubes.apex, walls, tubes.reach, facets);
     std::sort(facets.begin(), facets.end());
     for (const FacetId facet : facets) {
       stop_if_wanted();
@@ -115,9 +115,9 @@ bool add_shadows(const Scene& scene, const ShotGround& ground, const History& hi
       if (shadows.corners_of.size() == most) return false;
       shadows.corners_of.push_back(static_cast<std::uint16_t>(polygon.size()));
       for (const glm::dvec3& corner : polygon)
-        shadows.corners_m.push_back(ground.apparent() == nullptr
+        shadows.corners_m.push_back(end.apparent == nullptr
                                         ? apex + corner
-                                        : ground.apparent()->true_place(facet, apex + corner, scene.grid));
+                                        : end.apparent->true_place(facet, apex + corner, scene.grid));
     }
   }
   return true;

@@ -172,6 +172,46 @@ TEST(Audit, SensorAndPingsChooseWhatIsAudited) {
   EXPECT_EQ(audited(scene, {"--sensor", "camera", "--pings", "0:"})["shots"], "1");
 }
 
+// A receiver apart: both ends' tubes, and the parts that they share. It went through the transmitter's tubes
+// alone once, and said that all was proved.
+TEST(AuditOfAReceiverApart, ClosesForBothEndsAndHashesAlikeInEveryExactArithmetic) {
+  const TestFolder folder;
+  const auto scene_with = [&](const std::string& first, const std::string& more) {
+    std::string text(looks);
+    const std::string camera = "tilt_deg = 30\nbeams = 16\n";
+    text.replace(text.find(camera), camera.size(), "tilt_deg = 30\nbeams = 4\nhorizontal_deg = 16\n" + more);
+    return folder.write("scene.toml", first + std::string(interpenetrating) + text);
+  };
+  const std::vector<std::string> of_camera{"--sensor", "camera"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.end(), of_camera.begin(), of_camera.end());
+    return more;
+  };
+  const std::string bent =
+      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 30\n"
+      "surface_height_m = 10\n";
+  auto alone = audited(scene_with("", ""), of_camera);
+  EXPECT_EQ(alone.count("shared pieces"), 0u);
+  for (const std::string& water : {std::string(), bent}) {
+    SCOPED_TRACE(water);
+    const auto scene = scene_with(water, "receiver_arm_m = [0.3, 0.1, 0.1]\n");
+    auto fixed = audited(scene, with({"--arithmetic", "fixed"}));
+    EXPECT_EQ(std::stoi(fixed["tubes"]), 2 * std::stoi(alone["tubes"]));
+    EXPECT_GT(std::stoi(fixed["shared facets"]), 30);
+    EXPECT_GE(std::stoi(fixed["shared pieces"]), std::stoi(fixed["shared facets"]));
+    for (const char* arithmetic : {"filtered", "rational"}) {
+      if (!water.empty() && arithmetic == std::string("rational")) continue;  // it takes its time
+      auto other = audited(scene, with({"--arithmetic", arithmetic}));
+      EXPECT_EQ(other["topology hash"], fixed["topology hash"]) << arithmetic;
+      EXPECT_EQ(other["shared facets"], fixed["shared facets"]) << arithmetic;
+    }
+    EXPECT_EQ(audited(scene, with({"--threads", "1"}))["topology hash"], fixed["topology hash"]);
+    // The receiver's place is in the hash.
+    EXPECT_NE(audited(scene_with(water, "receiver_arm_m = [0.3, 0.1, 0.11]\n"), of_camera)["topology hash"],
+              fixed["topology hash"]);
+  }
+}
+
 // Rounding has to show somewhere, or the law proves nothing: doubles without tolerance may break it, and must
 // then say so and fail. They may also get away with it.
 TEST(Audit, ExitCodeFollowsTheFailures) {

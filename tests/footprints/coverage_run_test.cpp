@@ -217,15 +217,6 @@ TEST(CoverageRun, WhatHasNoCoverageIsRefused) {
     EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
   };
   expect_refused(std::string(scene), {"--arithmetic", "double"}, "exact arithmetic");
-  expect_refused(std::string(scene) + "receiver_arm_m = [1, 0, 0]\n", {}, "receiver apart");
-  expect_refused(replaced(scene, "name = \"sand\"\n[[terrain]]",
-                          "name = \"sand\"\n[[materials.relief]]\nkind = \"fbm\"\nhurst = 0.8\ntile_m = 5\n"
-                          "resolution_m = 0.5\nrms_height_m = 0.02\n[[terrain]]"),
-                 {}, "offline");
-  expect_refused(replaced(scene, "[[materials]]",
-                          "[water]\nprofile = \"gradient\"\ngradient_per_s = 0.1\nprofile_bottom_m = "
-                          "50\nsurface_height_m = 10\nsound_speed_m_s = 1500\n[[materials]]"),
-                 {}, "refracts");
   for (const char* name : {"c.shp", "c.gpkg.zip", "c.GPKG"}) {
     const Outcome outcome = cover(folder / "scene.toml", folder / name);
     EXPECT_EQ(outcome.exit_code, 2);

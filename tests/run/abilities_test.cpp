@@ -17,7 +17,6 @@
 namespace tubefoot {
 namespace {
 
-using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -78,13 +77,6 @@ TEST_F(AbilitiesOf, CheckRefusesWhatRunWould) {
     EXPECT_EQ(check.exit_code, 2) << check.out;
     EXPECT_EQ(check.err, run.err);
   }
-}
-
-// It went through the transmitter's tubes alone, and said "proved".
-TEST_F(AbilitiesOf, AnAuditOfAReceiverApartIsNotHalfAnAudit) {
-  const Outcome audit = tried(bed + "receiver_arm_m = [0, 1, 0]\n", {"audit"});
-  EXPECT_EQ(audit.exit_code, 2) << audit.out;
-  EXPECT_THAT(audit.err, AllOf(HasSubstr("audit: "), HasSubstr("'sonar' has its receiver apart")));
 }
 
 // Rays and fast binnings over mirrors, and with the receiver apart, are weighed as others are.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "engine/echo/echo.hpp"
 #include "geometry/steps/steps.hpp"
@@ -103,16 +102,6 @@ FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight
       energies.own_beam[footprint] += part.value;
   };
   const Sight seen = sight.without_hits();
-  if (!seen.one_apex()) {
-    std::map<std::pair<FacetId, std::uint32_t>, std::size_t> number;
-    for (std::size_t k = 0; k < count; ++k)
-      number[{footprints.footprints[k].facet, footprints.footprints[k].tube}] = k;
-    integrate(seen, beams, whole, own_law, owned, [&](const Part<double>& part) {
-      const auto at = number.find({seen[part.seen].facet, part.out_tube});
-      if (at != number.end()) add(at->second, part);
-    });
-    return energies;
-  }
   const std::size_t tasks = (count + footprints_per_task - 1) / footprints_per_task;
   Steps steps("energies", tasks);
   tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t k) {

@@ -116,10 +116,9 @@ struct FootprintEnergies {
   std::vector<double> own_beam;
 };
 
-/// The energies that integrate() puts into its bins, by footprint of the transmitter instead; of two apexes,
-/// what the receiver shares of each. `footprints`: of the way out, the Sight's own with one apex. A
-/// footprint's own beam is `beam_of_footprint_tube`'s. With fringes: what the transmitter's own place would
-/// hear.
+/// The energies that integrate() puts into its bins, by footprint instead. `footprints`: the Sight's, number
+/// by number (of two apexes: path_footprints.hpp). A footprint's own beam is `beam_of_footprint_tube`'s of
+/// its tube. With fringes: what the transmitter's own place would hear.
 FootprintEnergies footprint_energies(const FootprintSet& footprints, const Sight& sight,
                                      std::span<const std::uint32_t> beam_of_footprint_tube,
                                      const ReceiveBeams& beams, const RangeSamples& samples,

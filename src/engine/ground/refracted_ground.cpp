@@ -199,7 +199,7 @@ struct FineFacets {
 
 /// The facets as they are, and whether an edge of one may have to be cut.
 FineFacets unrefined(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
-                     const Images& images, std::vector<FacetId>& to_cut) {
+                     const Images& images, bool weights, std::vector<FacetId>& to_cut) {
   FineFacets fine;
   std::unordered_map<VertexId, VertexId> own;
   own.reserve(facets.size());
@@ -221,6 +221,7 @@ FineFacets unrefined(const FacetMesh& base, std::span<const FacetId> facets, con
     mesh.material.push_back(base.material[f]);
     mesh.component.push_back(base.component[f]);
     fine.mesh.parent.push_back(f);
+    if (weights) fine.mesh.weights.push_back(all_of_it);
     for (std::size_t k = 0; k < 3; ++k) {
       const VertexId a = facet[k], b = facet[(k + 1) % 3];
       if (!(fine.image[a].seen() && fine.image[b].seen() &&
@@ -236,7 +237,7 @@ FineFacets unrefined(const FacetMesh& base, std::span<const FacetId> facets, con
 FineFacets refined(const FacetMesh& base, std::span<const FacetId> facets, const WorldGrid& grid,
                    const Images& images, const RefinementLimits& limits) {
   std::vector<FacetId> to_cut;
-  FineFacets fine = unrefined(base, facets, grid, images, to_cut);
+  FineFacets fine = unrefined(base, facets, grid, images, limits.weights, to_cut);
   if (to_cut.empty()) return fine;
   const GapRule rule(images, base, grid);
   RefinedMesh cut = refine(
@@ -253,6 +254,7 @@ FineFacets refined(const FacetMesh& base, std::span<const FacetId> facets, const
     mesh.material.push_back(from.mesh.material[k]);
     mesh.component.push_back(from.mesh.component[k]);
     all.mesh.parent.push_back(from.parent[k]);
+    if (limits.weights) all.mesh.weights.push_back(from.weights[k]);
   };
   std::size_t next = 0, next_to_cut = 0;
   for (std::size_t k = 0; k < facets.size(); ++k) {
@@ -364,6 +366,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
     mesh.material.push_back(material);
     mesh.component.push_back(from.component[f]);
     ground.refined.parent.push_back(fine.mesh.parent[f]);
+    if (!fine.mesh.weights.empty()) ground.refined.weights.push_back(fine.mesh.weights[f]);
     if (origin != nullptr) origin->push_back(FacetId(f));
     const ScatteringLaw* law = laws.empty() ? nullptr : laws[material].get();
     ground.facet_factor.push_back(facet_factor(

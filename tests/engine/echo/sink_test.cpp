@@ -9,6 +9,7 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/law/density.hpp"
+#include "engine/sight/path_footprints.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/numbers/ball.hpp"
@@ -132,9 +133,11 @@ TEST_F(Sinks, EnergiesOfFootprintsSumToTheEcho) {
   for_all([&](const Sight& sight, const EchoLaw& law) {
     const Echo echo = integrate_echo(sight, {6, beams}, samples, law);
     const double whole = std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0);
-    const FootprintEnergies energies =
-        footprint_energies(alone.footprints, sight, beams, {6, beams}, samples, law);
-    ASSERT_EQ(energies.all_beams.size(), alone.footprints.footprints.size());
+    const PathFootprints pairs = sight.one_apex() ? PathFootprints{} : path_footprints(apart);
+    const FootprintSet& footprints = sight.one_apex() ? alone.footprints : pairs.footprints;
+    const FootprintEnergies energies = footprint_energies(
+        footprints, sight.one_apex() ? sight : Sight(pairs.history), beams, {6, beams}, samples, law);
+    ASSERT_EQ(energies.all_beams.size(), footprints.footprints.size());
     EXPECT_NEAR(std::accumulate(energies.all_beams.begin(), energies.all_beams.end(), 0.0) / whole, 1, 1e-10);
     for (std::size_t k = 0; k < energies.all_beams.size(); ++k)
       ASSERT_LE(energies.own_beam[k], energies.all_beams[k] * (1 + 1e-12));

@@ -11,82 +11,21 @@
 #include <map>
 #include <numbers>
 
-#include "fixtures/geometry/exact_oracles.hpp"
+#include "fixtures/geometry/coverage_oracle.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "fixtures/geometry/looks.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::add_square;
+using test::cover;
+using test::down_tubes;
+using test::look;
+using test::oracle;
 using test::Q;
-using test::V3;
-
-CoverageLook look(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t ping) {
-  const SceneTree tree(mesh);
-  VisibilityScratch scratch;
-  CoverageLook result{ping, tubes, std::vector<TubeVisibility>(tubes.tubes.size())};
-  for (std::uint32_t t = 0; t < tubes.tubes.size(); ++t)
-    see(mesh, tree, tubes, t, VisibilityOptions{}, scratch, result.seen[t]);
-  return result;
-}
-
-std::map<FacetId, FacetCoverage> cover(const FacetMesh& mesh, const std::vector<CoverageLook>& looks) {
-  const SceneTree tree(mesh);
-  const Coverage coverage(mesh, tree, looks);
-  std::map<FacetId, FacetCoverage> facets;
-  for (std::size_t k = 0; k < coverage.facets(); ++k) {
-    FacetCoverage facet = coverage.facet(k);
-    EXPECT_TRUE(facet.closes) << "facet " << facet.facet;
-    if (facet.met()) facets[facet.facet] = std::move(facet);
-  }
-  return facets;
-}
-
-/// Exact shares by number of pings, and in the shadow.
-using Shares = std::map<FacetId, std::pair<std::map<std::uint32_t, Q>, Q>>;
-
-Shares shares_of(const std::map<FacetId, FacetCoverage>& facets) {
-  Shares shares;
-  for (const auto& [id, facet] : facets) {
-    auto& [by_pings, shadow] = shares[id];
-    Q sum = 0, seen = 0;
-    for (const AreaShare& part : facet.by_pings) {
-      by_pings[part.pings] = Q(part.exact);
-      sum += Q(part.exact);
-      if (part.pings > 0) seen += Q(part.exact);
-      EXPECT_NEAR(part.share, Q(part.exact).convert_to<double>(), 1e-15);
-    }
-    EXPECT_EQ(sum, 1);
-    EXPECT_EQ(seen, Q(facet.seen.exact));
-    shadow = Q(facet.shadow.exact);
-  }
-  return shares;
-}
-
-/// Tubes that look down through the lattice points (x, y) of the plane one `depth` below.
-TubeSet down_tubes(GridPoint apex, std::vector<std::int32_t> x, std::vector<std::int32_t> y,
-                   std::int32_t depth) {
-  TubeSet set;
-  set.apex = apex;
-  set.reach = 1e12;
-  for (const std::int32_t v : y)
-    for (const std::int32_t u : x) set.rays.push_back({u, v, -depth});
-  const auto columns = static_cast<std::uint32_t>(x.size());
-  for (std::uint32_t j = 0; j + 1 < y.size(); ++j)
-    for (std::uint32_t i = 0; i + 1 < columns; ++i) {
-      const std::uint32_t a = j * columns + i;
-      set.tubes.push_back({a, a + columns, a + columns + 1, a + 1});
-    }
-  return set;
-}
-
-/// A square in the plane z, as two facets.
-void add_square(FacetMesh& mesh, std::int32_t half, std::int32_t z) {
-  const VertexId a = test::add_vertex(mesh, {-half, -half, z}), b = test::add_vertex(mesh, {half, -half, z}),
-                 c = test::add_vertex(mesh, {half, half, z}), d = test::add_vertex(mesh, {-half, half, z});
-  test::add_facet(mesh, a, b, c);
-  test::add_facet(mesh, a, c, d);
-}
+using test::Shares;
+using test::shares_of;
 
 TEST(Coverage, ShadowOfAPlateIsThePlateScaled) {
   FacetMesh mesh;
@@ -213,152 +152,6 @@ TEST(Coverage, TheWindowOfRangesCutsByPolygonsOf96Sides) {
   EXPECT_NEAR(seen * 64e6, outer - inner, 0.1);
   EXPECT_NEAR(cells / m / m, outer - inner, 0.1);
   EXPECT_EQ(shadow, 0) << "beyond the window is no shadow";
-}
-
-// ---- inclusion and exclusion in rationals
-
-using P2 = std::array<Q, 2>;
-using Poly = std::vector<P2>;
-
-Q doubled_area(const Poly& p) {
-  Q sum = 0;
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    const P2 &a = p[k], &b = p[(k + 1) % p.size()];
-    sum += a[0] * b[1] - a[1] * b[0];
-  }
-  return sum;
-}
-
-Poly counter_clockwise(Poly p) {
-  if (doubled_area(p) < 0) std::reverse(p.begin(), p.end());
-  return p;
-}
-
-Poly meet(Poly p, const Poly& by) {
-  for (std::size_t k = 0; k < by.size() && !p.empty(); ++k) {
-    const P2 &a = by[k], &b = by[(k + 1) % by.size()];
-    const auto height = [&](const P2& x) {
-      return Q((b[0] - a[0]) * (x[1] - a[1]) - (b[1] - a[1]) * (x[0] - a[0]));
-    };
-    Poly rest;
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      const P2 &x = p[i], &y = p[(i + 1) % p.size()];
-      const Q hx = height(x), hy = height(y);
-      if (hx >= 0) rest.push_back(x);
-      if ((hx > 0 && hy < 0) || (hx < 0 && hy > 0)) {
-        const Q t = hx / (hx - hy);
-        rest.push_back({Q(x[0] + t * (y[0] - x[0])), Q(x[1] + t * (y[1] - x[1]))});
-      }
-    }
-    p = doubled_area(rest) > 0 ? rest : Poly{};
-  }
-  return p;
-}
-
-/// Area in exactly k of the sets, each a union of polygons without common area.
-std::vector<Q> areas_by_count(const std::vector<std::vector<Poly>>& sets) {
-  const std::size_t n = sets.size();
-  std::vector<Q> sums(n + 1, Q(0)), exactly(n + 1, Q(0));
-  for (unsigned which = 1; which < 1u << n; ++which) {
-    std::vector<Poly> common;
-    bool first = true;
-    for (std::size_t s = 0; s < n; ++s) {
-      if (!(which >> s & 1)) continue;
-      if (first) {
-        common = sets[s];
-        first = false;
-        continue;
-      }
-      std::vector<Poly> next;
-      for (const Poly& p : common)
-        for (const Poly& q : sets[s])
-          if (Poly r = meet(p, q); !r.empty()) next.push_back(std::move(r));
-      common = std::move(next);
-    }
-    for (const Poly& p : common) sums[static_cast<std::size_t>(__builtin_popcount(which))] += doubled_area(p);
-  }
-  for (std::size_t k = 1; k <= n; ++k) {
-    Q binomial = 1;  // j choose k
-    for (std::size_t j = k; j <= n; ++j) {
-      if ((j - k) % 2 == 0)
-        exactly[k] += binomial * sums[j];
-      else
-        exactly[k] -= binomial * sums[j];
-      binomial = binomial * Q(static_cast<long>(j + 1)) / Q(static_cast<long>(j + 1 - k));
-    }
-  }
-  return exactly;
-}
-
-Shares oracle(const FacetMesh& mesh, const std::vector<CoverageLook>& looks) {
-  Shares shares;
-  for (FacetId f = 0; f < mesh.facets.size(); ++f) {
-    std::array<V3, 3> corner;
-    for (std::size_t k = 0; k < 3; ++k) corner[k] = test::vec(mesh.vertices[mesh.facets[f][k]]);
-    const V3 n = test::vector_product(test::minus(corner[1], corner[0]), test::minus(corner[2], corner[0]));
-    const std::size_t out = n[2] != 0 ? 2 : n[1] != 0 ? 1 : 0;
-    if (n[out] == 0) continue;
-    const auto plan = [&](const V3& p) { return P2{p[out == 0 ? 1 : 0], p[out == 2 ? 1 : 2]}; };
-    const Poly whole = counter_clockwise({plan(corner[0]), plan(corner[1]), plan(corner[2])});
-    std::vector<std::vector<Poly>> seen, within;
-    for (const CoverageLook& from : looks) {
-      seen.emplace_back();
-      within.emplace_back();
-      const auto facet = test::seen_from(mesh, f, from.tubes.apex);
-      if (!facet) continue;
-      const V3 apex = test::vec(from.tubes.apex);
-      const auto place = [&](const V3& d) {
-        V3 p = test::times(Q(facet->c / test::scalar_product(facet->n, d)), d);
-        for (int k = 0; k < 3; ++k) p[k] += apex[k];
-        return plan(p);
-      };
-      for (std::uint32_t t = 0; t < from.tubes.tubes.size(); ++t) {
-        for (const NamedPiece& piece : from.seen[t].pieces) {
-          if (piece.facet != f) continue;
-          Poly p;
-          for (const V3& d : test::cone_of(mesh, from.tubes.apex, from.seen[t], piece)) p.push_back(place(d));
-          if (doubled_area(p) != 0) seen.back().push_back(counter_clockwise(p));
-        }
-        // The facet within the tube's walls, in space.
-        std::vector<V3> part(facet->vertex.begin(), facet->vertex.end());
-        for (std::size_t k = 0; k < 4; ++k) {
-          const V3 wall = test::vector_product(test::vec(from.tubes.rays[from.tubes.tubes[t][k]]),
-                                               test::vec(from.tubes.rays[from.tubes.tubes[t][(k + 1) % 4]]));
-          std::vector<V3> rest;
-          for (std::size_t i = 0; i < part.size(); ++i) {
-            const V3 &x = part[i], &y = part[(i + 1) % part.size()];
-            const Q hx = test::scalar_product(wall, x), hy = test::scalar_product(wall, y);
-            if (hx >= 0) rest.push_back(x);
-            if ((hx > 0 && hy < 0) || (hx < 0 && hy > 0)) {
-              V3 p = test::times(Q(hx / (hx - hy)), test::minus(y, x));
-              for (int c = 0; c < 3; ++c) p[c] += x[c];
-              rest.push_back(p);
-            }
-          }
-          part = std::move(rest);
-        }
-        Poly p;
-        for (V3 x : part) {
-          for (int c = 0; c < 3; ++c) x[c] += apex[c];
-          p.push_back(plan(x));
-        }
-        if (doubled_area(p) != 0) within.back().push_back(counter_clockwise(p));
-      }
-    }
-    const Q total = doubled_area(whole);
-    const std::vector<Q> by_pings = areas_by_count(seen), by_sectors = areas_by_count(within);
-    Q covered = 0, in_sectors = 0;
-    auto& [its, shadow] = shares[f];
-    for (std::size_t k = 1; k < by_pings.size(); ++k) {
-      if (by_pings[k] != 0) its[static_cast<std::uint32_t>(k)] = by_pings[k] / total;
-      covered += by_pings[k];
-      in_sectors += by_sectors[k];
-    }
-    if (covered != total) its[0] = Q(total - covered) / total;
-    shadow = Q(in_sectors - covered) / total;
-    if (in_sectors == 0) shares.erase(f);
-  }
-  return shares;
 }
 
 // Law O1.

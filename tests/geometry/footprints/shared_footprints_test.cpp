@@ -135,6 +135,59 @@ void expect_equal(const Parts& got, const Parts& expected) {
   EXPECT_EQ(got.size(), expected.size());
 }
 
+// Law S5, and what it is worth: a look that is not what the apex saw breaks it.
+TEST(SharedFootprints, AuditsCloseAndNameWhatIsShared) {
+  std::size_t facets = 0, pieces = 0;
+  for (std::uint64_t seed = 1; seed <= 12 / test::one_in; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    test::Random random(seed);
+    const FacetMesh mesh = seed % 2 == 0 ? test::rough_terrain(random, 5, 4000, -1500, 500)
+                                         : test::random_soup(random, 10, 3000, 1500);
+    const double tilt = seed % 2 == 0 ? 25 : 0;
+    const TubeSet out = test::forward_tubes({100, -50, 40}, 3, 2, 70, 60, tilt),
+                  home = test::forward_tubes({-300, 80, 200}, 2, 3, 70, 60, tilt);
+    const auto audited = [&](const TubeSet& sent, const TubeSet& heard, Arithmetic arithmetic) {
+      const Look t = look(mesh, sent, arithmetic), r = look(mesh, heard, arithmetic);
+      const FootprintSharer sharer(mesh, t, r, 1);
+      TopologyHash hash;
+      std::size_t shared = 0;
+      for (std::size_t k = 0; k < sharer.facets(); ++k) {
+        const SharedAudit audit = sharer.audit(k, 7);
+        EXPECT_TRUE(audit.closes) << "facet number " << k << ", defect " << audit.defect;
+        EXPECT_EQ(audit.defect, 0);
+        hash += audit.hash;
+        shared += audit.pieces;
+      }
+      EXPECT_EQ(shared, sharer.all().pieces.size());
+      facets += sharer.facets();
+      pieces += shared;
+      return hash;
+    };
+    const TopologyHash hash = audited(out, home, Arithmetic::fixed);
+    EXPECT_EQ(audited(out, home, Arithmetic::filtered), hash);
+    EXPECT_EQ(audited(out, home, Arithmetic::rational), hash);
+    EXPECT_FALSE(audited(out, moved(home, {1, 0, 0}), Arithmetic::fixed) == hash);
+  }
+  EXPECT_GT(facets, 50u / test::one_in);
+  EXPECT_GT(pieces, 100u / test::one_in);
+}
+
+TEST(SharedFootprints, AuditsFindAPieceThatIsSeenTwice) {
+  FacetMesh mesh;
+  test::add_facet(mesh, test::add_vertex(mesh, {-3000, 2000, -1000}),
+                  test::add_vertex(mesh, {3000, 2000, -1000}), test::add_vertex(mesh, {0, 5000, -1000}));
+  const TubeSet out = test::forward_tubes({0, 0, 0}, 1, 1, 30, 30, 20),
+                home = test::forward_tubes({200, 0, 0}, 1, 1, 30, 30, 20);
+  Look t = look(mesh, out);
+  const Look r = look(mesh, home);
+  ASSERT_FALSE(t.seen[0].pieces.empty());
+  EXPECT_TRUE(FootprintSharer(mesh, t, r, 1).audit(0, 0).closes);
+  t.seen[0].pieces.push_back(t.seen[0].pieces.front());
+  const SharedAudit audit = FootprintSharer(mesh, t, r, 1).audit(0, 0);
+  EXPECT_FALSE(audit.closes);
+  EXPECT_GT(audit.defect, 0);
+}
+
 // Law S1.
 TEST(SharedFootprints, AreThoseOfRationalClipping) {
   std::size_t shared = 0;

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <boost/multiprecision/gmp.hpp>
+#include <string>
+#include <vector>
+
+#include "geometry/footprints/plane_lines.hpp"
+
+// Areas of polygons of lines as rationals. Heavy: include only in .cpp files.
+namespace tubefoot {
+
+using Integer = boost::multiprecision::mpz_int;
+
+/// Not reduced: a sum of many costs products, not greatest common divisors.
+struct Fraction {
+  Integer numerator = 0, denominator = 1;
+};
+
+/// As a balanced tree.
+Fraction sum(const std::vector<Fraction>& terms);
+bool equal(const Fraction& a, const Fraction& b);
+
+Integer integer(const HugeInt& x);
+
+/// Twice the area of a polygon on its chart.
+Fraction double_area(const LinePolygon& polygon);
+
+/// A share as a double and as a reduced fraction, "p/q" (or "0", "1").
+struct ExactShare {
+  double share = 0;
+  std::string exact;
+};
+ExactShare share_of(const Fraction& area, const Integer& whole);
+
+}  // namespace tubefoot

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/footprints/range_ring.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat2x2.hpp>
+#include <numbers>
+
+namespace tubefoot {
+namespace {
+
+/// Half paths to the points of the first image's plane, and how they grow.
+class HalfPath {
+ public:
+  HalfPath(const std::array<glm::dvec3, 3>& out, const std::array<glm::dvec3, 3>& home)
+      : out_(out[0]), home_(home[0]) {
+    const glm::dvec3 along = out[1] - out[0], across = out[2] - out[0], n = glm::cross(along, across);
+    const double area2 = glm::dot(n, n);
+    u = glm::normalize(along);
+    v = glm::normalize(glm::cross(n, along));
+    const auto on_home = [&](glm::dvec3 way) {
+      return (home[1] - home[0]) * (glm::dot(way, glm::cross(across, n)) / area2) +
+             (home[2] - home[0]) * (glm::dot(way, glm::cross(n, along)) / area2);
+    };
+    home_u_ = on_home(u);
+    home_v_ = on_home(v);
+  }
+
+  glm::dvec3 u, v;  ///< of the first image's plane
+
+  struct Value {
+    double value = 0;
+    glm::dvec2 slope{0};
+    glm::dmat2 bend{0};
+  };
+  Value at(glm::dvec2 q) const {
+    Value sum;
+    add(out_ + q.x * u + q.y * v, u, v, sum);
+    add(home_ + q.x * home_u_ + q.y * home_v_, home_u_, home_v_, sum);
+    return sum;
+  }
+  glm::dvec2 foot() const { return {-glm::dot(out_, u), -glm::dot(out_, v)}; }
+
+  /// Where it is least: damped steps of Newton's, of a convex function.
+  glm::dvec2 lowest() const {
+    glm::dvec2 q = foot();
+    Value here = at(q);
+    for (int k = 0; k < 100; ++k) {
+      const double det = here.bend[0][0] * here.bend[1][1] - here.bend[0][1] * here.bend[1][0];
+      if (!(det > 0)) break;
+      glm::dvec2 step{-(here.bend[1][1] * here.slope.x - here.bend[0][1] * here.slope.y) / det,
+                      -(here.bend[0][0] * here.slope.y - here.bend[0][1] * here.slope.x) / det};
+      Value next = at(q + step);
+      while (!(next.value <= here.value) && glm::length(step) > 1e-3) {
+        step *= 0.5;
+        next = at(q + step);
+      }
+      if (!(next.value <= here.value)) break;
+      q += step;
+      const bool done = glm::length(step) <= 1e-9 * here.value;
+      here = next;
+      if (done) break;
+    }
+    return q;
+  }
+
+  /// How far from `from`, where it is less, along a way it is `value`.
+  double reach(glm::dvec2 from, glm::dvec2 way, double value) const {
+    double lo = 0, hi = value;
+    while (at(from + hi * way).value < value) {
+      lo = hi;
+      hi *= 2;
+    }
+    for (int k = 0; k < 200 && hi - lo > 1e-15 * hi; ++k) {
+      const double middle = lo + (hi - lo) / 2;
+      (at(from + middle * way).value < value ? lo : hi) = middle;
+    }
+    return lo;
+  }
+
+ private:
+  static void add(glm::dvec3 place, glm::dvec3 along, glm::dvec3 across, Value& sum) {
+    const double r = glm::length(place);
+    if (!(r > 0)) return;
+    const glm::dvec2 slope{glm::dot(place, along) / r, glm::dot(place, across) / r};
+    sum.value += r / 2;
+    sum.slope += slope * 0.5;
+    const double aa = glm::dot(along, along), ac = glm::dot(along, across), cc = glm::dot(across, across);
+    sum.bend[0][0] += (aa - slope.x * slope.x) / r / 2;
+    sum.bend[0][1] += (ac - slope.x * slope.y) / r / 2;
+    sum.bend[1][0] += (ac - slope.x * slope.y) / r / 2;
+    sum.bend[1][1] += (cc - slope.y * slope.y) / r / 2;
+  }
+
+  glm::dvec3 out_, home_, home_u_{0}, home_v_{0};
+};
+
+/// Points of the curve, as the corners of a regular polygon under a linear map.
+std::vector<glm::dvec2> round(const HalfPath& path, glm::dvec2 middle, const glm::dmat2& frame,
+                              double value) {
+  std::vector<glm::dvec2> points;
+  for (int k = 0; k < ring_sides; ++k) {
+    const double angle = 2 * std::numbers::pi * k / ring_sides;
+    const glm::dvec2 way = glm::normalize(frame * glm::dvec2(std::cos(angle), std::sin(angle)));
+    points.push_back(middle + path.reach(middle, way, value) * way);
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<glm::dvec3> range_ring(glm::dvec3 corner, glm::dvec3 normal, glm::dvec3 first, double range,
+                                   RingSide side) {
+  const double along = glm::dot(normal, corner), radius2 = range * range - along * along;
+  if (!(radius2 > least_ring * least_ring)) return {};
+  const double radius = side == RingSide::inscribed
+                            ? std::sqrt(radius2)
+                            : std::sqrt(radius2) / std::cos(std::numbers::pi / ring_sides);
+  const glm::dvec3 second = glm::cross(normal, first), foot = normal * along - corner;
+  std::vector<glm::dvec3> ring;
+  for (int k = 0; k < ring_sides; ++k) {
+    const double angle = 2 * std::numbers::pi * k / ring_sides;
+    ring.push_back(foot + radius * (std::cos(angle) * first + std::sin(angle) * second));
+  }
+  return ring;
+}
+
+std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& out,
+                                       const std::array<glm::dvec3, 3>& home, double half_path,
+                                       RingSide side) {
+  const HalfPath path(out, home);
+  const glm::dvec2 lowest = path.lowest();
+  if (!(path.at(lowest).value < half_path)) return {};
+  std::vector<glm::dvec2> points = round(path, lowest, glm::dmat2(1), half_path);
+  // Once more as its shape is, so that the corners of a long one lie where it bends.
+  glm::dvec2 middle{0};
+  for (const glm::dvec2& p : points) middle += p / double(ring_sides);
+  double xx = 0, xy = 0, yy = 0, least = half_path;
+  for (const glm::dvec2& p : points) {
+    const glm::dvec2 d = p - middle;
+    xx += d.x * d.x;
+    xy += d.x * d.y;
+    yy += d.y * d.y;
+    least = std::min(least, glm::distance(p, lowest));
+  }
+  if (!(least > least_ring) || !(xx > 0)) return {};
+  const double l = std::sqrt(xx), across = std::sqrt(std::max(yy - xy * xy / xx, 1e-12 * xx));
+  points = round(path, middle, glm::dmat2(glm::dvec2(l, xy / l), glm::dvec2(0, across)), half_path);
+  if (side == RingSide::circumscribed) {
+    // Where the tangents of neighbours meet.
+    std::vector<glm::dvec2> outside;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const glm::dvec2 p = points[k], q = points[(k + 1) % points.size()];
+      const glm::dvec2 m = path.at(p).slope, n = path.at(q).slope;
+      const double turn = m.x * n.y - m.y * n.x, a = glm::dot(m, p), b = glm::dot(n, q);
+      outside.emplace_back((a * n.y - b * m.y) / turn, (m.x * b - n.x * a) / turn);
+    }
+    points = std::move(outside);
+  }
+  std::vector<glm::dvec3> ring;
+  for (const glm::dvec2& p : points) ring.push_back(p.x * path.u + p.y * path.v);
+  return ring;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "geometry/arithmetic/wide_direction.hpp"
+#include "geometry/footprints/plane_lines.hpp"
+#include "geometry/footprints/shared_footprints.hpp"
+
+// What one of two apexes sees of a facet, in lines. Heavy: include only in .cpp files.
+namespace tubefoot {
+
+/// Which edges of the facet a corner lies on, by name alone: bit e for the edge from vertex e to the next.
+inline unsigned edges_of(const CornerName& corner, const std::array<VertexId, 3>& vertex) {
+  const auto index = [&](PointId id) {
+    return id == no_point ? 3 : int(std::find(vertex.begin(), vertex.end(), id) - vertex.begin());
+  };
+  const auto both_ends = [](int i) { return (1u << i) | (1u << ((i + 2) % 3)); };
+  if (corner.point != no_point) return index(corner.point) < 3 ? both_ends(index(corner.point)) : 0;
+  unsigned edges = 0;
+  for (const PlaneName& plane : {corner.p, corner.q}) {
+    if (plane.depth) continue;
+    const int i = index(plane.a), j = index(plane.b);
+    if (i < 3 && j < 3 && i != j) edges |= both_ends(i) & both_ends(j);
+  }
+  return edges;
+}
+
+/// A piece that one of the apexes sees, on its facet.
+class SeenPiece {
+ public:
+  SeenPiece(const FacetMesh& mesh, const ApexLook& look, std::uint32_t tube, std::uint32_t piece,
+            const FacetCone& facet, const FacetChart& chart, const FacetCone* charted = nullptr)
+      : tube_(tube),
+        charted_(charted),
+        context_{look.mesh == nullptr ? mesh : *look.mesh, look.tubes.apex, look.seen[tube].rays},
+        seen_(&look.seen[tube]),
+        piece_(seen_->pieces[piece]),
+        facet_(&facet),
+        chart_(chart) {
+    if (look.mesh != nullptr) {
+      // Names are those of the facet as it was seen, which may be a part of what it is.
+      FacetCone own;
+      if (FacetCone::make(*look.mesh, piece_.facet, look.tubes.apex, own) && own.point == facet.point)
+        vertex_ = own.vertex;
+      else
+        vertex_.fill(no_point);
+    } else {
+      vertex_ = facet.vertex;
+    }
+    lo_[0] = lo_[1] = std::numeric_limits<double>::infinity();
+    hi_[0] = hi_[1] = -lo_[0];
+    const glm::dvec3 vertex(facet.point[0].x, facet.point[0].y, facet.point[0].z);
+    const int axis[2] = {chart.u, chart.v};
+    for (std::uint32_t k = 0; k < piece_.count; ++k) {
+      points_.push_back(point_on_facet(context_, corner(k), seen_as(facet)));
+      whole_ = whole_ && on_facet_edge(k);
+      for (int i = 0; i < 2; ++i) {
+        const double x = points_.back()[axis[i]], origin = vertex[axis[i]];
+        const double error = 1e-14 * (std::abs(x) + std::abs(origin));
+        lo_[i] = std::min(lo_[i], x - origin - error);
+        hi_[i] = std::max(hi_[i], x - origin + error);
+      }
+    }
+  }
+
+  std::uint32_t tube() const { return tube_; }
+  /// Relative to its apex, grid units.
+  const std::vector<glm::dvec3>& points() const { return points_; }
+  /// True only if every edge lies on one of the facet's.
+  bool is_whole_facet() const { return whole_; }
+  /// False only if they have no point in common.
+  bool may_meet(const SeenPiece& o) const {
+    return lo_[0] <= o.hi_[0] && o.lo_[0] <= hi_[0] && lo_[1] <= o.hi_[1] && o.lo_[1] <= hi_[1];
+  }
+  bool on_facet_edge(std::uint32_t k) const {
+    const std::uint32_t next = k + 1 == piece_.count ? 0 : k + 1;
+    return (edges_of(corner(k), vertex_) & edges_of(corner(next), vertex_)) != 0;
+  }
+
+  /// Lines of its edges, edge k from corner k to the next. Made when first asked for.
+  const std::vector<PlaneLine>& lines() {
+    if (!lines_.empty()) return lines_;
+    lines_.reserve(piece_.count);
+    for (std::uint32_t k = 0; k < piece_.count; ++k)
+      lines_.push_back(line_between(wide_direction(context_, corner(k)),
+                                    wide_direction(context_, corner(k + 1 == piece_.count ? 0 : k + 1))));
+    return lines_;
+  }
+  const LinePolygon& polygon() {
+    if (!polygon_made_) polygon_ = line_polygon(lines());
+    polygon_made_ = true;
+    return polygon_;
+  }
+
+ private:
+  /// The facet under the names that it was seen by.
+  FacetCone seen_as(FacetCone facet) const {
+    facet.vertex = vertex_;
+    return facet;
+  }
+  PlaneLine line_between(const WideVec& from, const WideVec& to) const {
+    return charted_ == nullptr ? PlaneLine::through(*facet_, chart_, from, to)
+                               : PlaneLine::through_image(*facet_, *charted_, chart_, from, to);
+  }
+  const CornerName& corner(std::uint32_t k) const { return seen_->corners[piece_.first + k]; }
+
+  std::uint32_t tube_;
+  const FacetCone* charted_;  // what the facet is an image of; none: itself
+  NameContext context_;
+  const TubeVisibility* seen_;
+  NamedPiece piece_;
+  const FacetCone* facet_;
+  std::array<VertexId, 3> vertex_{};  // names of its vertices
+  FacetChart chart_;
+  std::vector<glm::dvec3> points_;
+  double lo_[2], hi_[2];  // of u and v, with their errors
+  bool whole_ = true, polygon_made_ = false;
+  std::vector<PlaneLine> lines_;
+  LinePolygon polygon_;
+};
+
+/// What two pieces of a facet share, empty if nothing.
+inline void shared_by(SeenPiece& sent, SeenPiece& heard, LinePolygon& polygon) {
+  thread_local std::vector<int> sides;
+  if (sent.is_whole_facet() && !heard.is_whole_facet()) {
+    polygon = heard.polygon();
+    return;
+  }
+  polygon = sent.polygon();
+  if (heard.is_whole_facet()) return;
+  const auto& walls = heard.lines();
+  // What is seen lies on the facet: its own edges cut nothing off.
+  for (std::uint32_t k = 0; k < walls.size() && !polygon.empty(); ++k)
+    if (!walls[k].is_none() && !heard.on_facet_edge(k)) clip(polygon, walls[k], sides);
+}
+
+}  // namespace tubefoot

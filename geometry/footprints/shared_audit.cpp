@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "geometry/footprints/facet_regions.hpp"
+#include "geometry/footprints/line_areas.hpp"
+#include "geometry/footprints/seen_piece.hpp"
+#include "geometry/footprints/shared_footprints.hpp"
+#include "geometry/steps/stop.hpp"
+#include "geometry/visibility/topology_hasher.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Walls = std::vector<const PlaneLine*>;
+
+Walls walls_of(SeenPiece& piece) {
+  Walls walls;
+  for (const PlaneLine& line : piece.lines())
+    if (!line.is_none()) walls.push_back(&line);
+  return walls;
+}
+
+bool lies_within(const LinePolygon& polygon, const Walls& walls) {
+  for (std::size_t k = 0; k < polygon.size(); ++k)
+    for (const PlaneLine* wall : walls)
+      if (side(*polygon[k == 0 ? polygon.size() - 1 : k - 1], *polygon[k], *wall) < 0) return false;
+  return true;
+}
+
+/// What is left of polygons without what these walls have.
+void take_away(const std::vector<Walls>& others, std::vector<LinePolygon>& rest, LineStore& store) {
+  for (const Walls& walls : others) {
+    std::vector<LinePolygon> outside;
+    for (LinePolygon& polygon : rest) {
+      stop_if_wanted();
+      if (!split_off(polygon, walls, store, outside)) outside.push_back(std::move(polygon));
+    }
+    rest = std::move(outside);
+  }
+}
+
+Fraction area_of(const std::vector<LinePolygon>& polygons) {
+  std::vector<Fraction> areas;
+  for (const LinePolygon& polygon : polygons) areas.push_back(double_area(polygon));
+  return sum(areas);
+}
+
+}  // namespace
+
+SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) const {
+  const Both& both = facets_[number];
+  FacetCone from_transmitter, from_receiver;
+  make_cones(both, from_transmitter, from_receiver);
+  const FacetChart chart(from_transmitter);
+  std::vector<SeenPiece> sent, heard;
+  take_pieces(both, from_transmitter, from_receiver, chart, sent, heard);
+  std::vector<Walls> walls_sent, walls_heard;
+  for (SeenPiece& s : sent) walls_sent.push_back(walls_of(s));
+  for (SeenPiece& h : heard) walls_heard.push_back(walls_of(h));
+
+  SharedAudit result;
+  bool inside = true;
+  std::vector<LinePolygon> shared, all_sent, all_heard;
+  for (std::size_t s = 0; s < sent.size(); ++s) {
+    if (!sent[s].polygon().empty()) all_sent.push_back(sent[s].polygon());
+    for (std::size_t h = 0; h < heard.size(); ++h) {
+      stop_if_wanted();
+      if (!images_ && !sent[s].may_meet(heard[h])) continue;
+      LinePolygon polygon;
+      shared_by(sent[s], heard[h], polygon);
+      if (polygon.empty()) continue;
+      inside = inside && lies_within(polygon, walls_sent[s]) && lies_within(polygon, walls_heard[h]);
+      shared.push_back(std::move(polygon));
+    }
+  }
+  for (SeenPiece& h : heard)
+    if (!h.polygon().empty()) all_heard.push_back(h.polygon());
+
+  const auto u = [&](std::size_t k) {
+    const std::array<std::int64_t, 3> p{from_transmitter.point[k].x, from_transmitter.point[k].y,
+                                        from_transmitter.point[k].z},
+        q{from_transmitter.point[0].x, from_transmitter.point[0].y, from_transmitter.point[0].z};
+    return std::array{Integer(p[std::size_t(chart.u)] - q[std::size_t(chart.u)]),
+                      Integer(p[std::size_t(chart.v)] - q[std::size_t(chart.v)])};
+  };
+  const Integer whole = u(1)[0] * u(2)[1] - u(1)[1] * u(2)[0];
+  const Fraction common = area_of(shared);
+  bool adds_up = true;
+  const auto check = [&](std::vector<LinePolygon> polygons, const std::vector<Walls>& others) {
+    const Fraction own = area_of(polygons);
+    LineStore store;
+    take_away(others, polygons, store);
+    const Fraction left = sum({common, area_of(polygons)});
+    if (equal(left, own)) return;
+    adds_up = false;
+    result.defect += std::abs(share_of(sum({left, {Integer(-own.numerator), own.denominator}}), whole).share);
+  };
+  check(all_sent, walls_heard);
+  check(all_heard, walls_sent);
+  result.closes = inside && adds_up;
+  result.pieces = shared.size();
+  if (!shared.empty()) {
+    TopologyHasher hasher;
+    hasher.add(label);
+    hasher.add(mesh_, from_transmitter.id, transmit_.tubes.apex);
+    hasher.add(images_ ? *receive_.mesh : mesh_, from_receiver.id, receive_.tubes.apex);
+    Integer numerator = common.numerator, denominator = common.denominator * whole;
+    const Integer divisor = gcd(numerator, denominator);
+    hasher.add(Integer(abs(numerator) / divisor));
+    hasher.add(Integer(abs(denominator) / divisor));
+    result.hash = hasher.get();
+  }
+  return result;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/sight/bistatic_audit.hpp"
+#include "run/refraction.hpp"
+#include "run/shot.hpp"
+
+namespace tubefoot {
+
+/// One end of a shot's paths: its tubes, and the bed as they see it.
+struct ShotEnd {
+  TubeSet tubes;
+  const FacetMesh* mesh = nullptr;
+  const SceneTree* tree = nullptr;
+  const RefinedMesh* refined = nullptr;  ///< the mesh as parts of the scene's facets; null: those themselves
+  const ApparentGround* apparent = nullptr;  ///< null where facets are where they seem to be
+  /// By facet: the same one's name for the other end, where both ends have meshes of their own; else empty.
+  std::span<const FacetId> name{};
+  const Site* site = nullptr;  ///< whose facets these are; null: they are the shot's own
+
+  FacetId name_of(FacetId facet) const { return name.empty() ? facet : name[facet]; }
+  /// What a facet of that name is called: of the site's own, its number in all of the scene.
+  FacetId number_of_name(FacetId shared) const { return site == nullptr ? shared : site->number_of(shared); }
+  FacetId number_of(FacetId facet) const { return number_of_name(name_of(facet)); }
+};
+
+/// The ends of a shot's paths, and what they see: one, or two where the receiver is apart. The shot outlives
+/// them.
+class ShotEnds {
+ public:
+  /// With one end: tubes as that sensor sends them. `weights`: with RefinedMesh::weights about the scene's
+  /// facets. Throws as Shot::ground().
+  ShotEnds(const Shot& shot, std::size_t sensor, bool weights = false);
+  ShotEnds(const ShotEnds&) = delete;
+  ShotEnds& operator=(const ShotEnds&) = delete;
+
+  bool are_two() const { return ends_.size() == 2; }
+  const ShotEnd& out() const { return ends_.front(); }
+  const ShotEnd& home() const { return ends_.back(); }
+  std::span<const ShotEnd> all() const { return ends_; }
+  /// Facets of what two ends see together, and, in refracting water, where each sees them; null in even
+  /// water.
+  const FacetMesh& shared_mesh() const { return pair_ ? pair_->apparent.mesh : *out().mesh; }
+  /// Of the scene without relief, a facet of that, by its number in all of the scene.
+  FacetId base_facet(FacetId shared) const;
+  const ApparentPair* apparent_pair() const { return pair_ ? &pair_->apparent : nullptr; }
+
+  /// What one end sees by itself.
+  History trace(const ShotEnd& end) const;
+  /// What two ends see together.
+  BistaticHistory trace() const;
+  /// How the shot hears what two ends see together.
+  std::unique_ptr<SensorLaw> law(std::size_t sensor) const;
+  /// The laws of both; `label` tells shots apart in the hash.
+  BistaticAudit audit(std::uint64_t label) const;
+
+ private:
+  const Shot& shot_;
+  std::optional<ShotGround> ground_;  ///< with weights
+  std::optional<RefractedPair> pair_;
+  std::vector<FacetId>
+      pair_parent_;  ///< by facet of the pair's mesh that the transmitter may see: the scene's
+  std::vector<std::unique_ptr<SceneTree>> trees_;  ///< of the pair
+  std::vector<ShotEnd> ends_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tubefoot coverage by pings that look from two places, through refracting water, or at relief of their own:
+// against each other, and against the same told otherwise.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "fixtures/csv_rows.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string gentle = "gradient_per_s = 1e-7", steep = "gradient_per_s = 0.6";
+std::string water(const std::string& gradient) {
+  return "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\n" + gradient +
+         "\nprofile_bottom_m = 30\nsurface_height_m = 10\n";
+}
+const std::string even = "[water]\nsound_speed_m_s = 1500\n";
+
+std::string ripples(double rms_m, const std::string& mode) {
+  return fmt::format("[relief]\nmode = \"{}\"\ncell_m = 0.4\n{}", mode,
+                     mode == "online" ? "tolerance = 0\n" : "") +
+         fmt::format(
+             "[[materials]]\nname = \"sand\"\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\n"
+             "resolution_m = 0.04\nseed = 7\nwavelength_m = 1.25\ndirection_deg = 20\nrms_height_m = {}\n",
+             rms_m);
+}
+const std::string flat_sand = "[[materials]]\nname = \"sand\"\n";
+
+/// Three pings of a camera that passes a box on a bed of few facets.
+std::string scene(const std::string& beginning, const std::string& sensor = {}) {
+  return beginning + flat_terrain(16, 16, "material = \"sand\"\n") +
+         R"([[objects]]
+name = "box"
+shape = "box"
+material = "sand"
+position_m = [0.2, 4.2, 0.4]
+heading_deg = 20
+[trajectory]
+kind = "line"
+start_m = [0, -0.3, 3]
+end_m = [0.1, 0.3, 3]
+speed_m_s = 1
+[[sensors]]
+name = "camera"
+kind = "didson"
+pings = 3
+ping_interval_s = 0.2
+tilt_deg = 30
+vertical_deg = 20
+beams = 6
+horizontal_deg = 24
+window_start_m = 3
+window_length_m = 5
+)" + sensor;
+}
+
+struct Covered {
+  std::string table, out;
+  std::map<std::string, double> seen, never, shadow;  ///< shares by facet
+  double seen_m2 = 0, shadow_m2 = 0;
+};
+
+struct CoverageLooks : testing::Test {
+  TestFolder folder;
+  Covered cover(const std::string& text, const std::vector<std::string>& more = {}) {
+    const fs::path file = folder / "c.csv";
+    std::vector<std::string> words{"coverage", folder.write("scene.toml", text).string(), "-o", file.string(),
+                                   "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run_program(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    Covered all{bytes_of(file), outcome.out, {}, {}, {}};
+    for (const auto& row : csv_rows(file)) {
+      const std::string& facet = row.at("facet");
+      all.seen[facet] = std::stod(row.at("seen_share"));
+      all.never[facet] = std::stod(row.at("never_share"));
+      all.shadow[facet] = std::stod(row.at("shadow_share"));
+      all.seen_m2 += std::stod(row.at("seen_m2"));
+      all.shadow_m2 += std::stod(row.at("shadow_m2"));
+      EXPECT_NEAR(all.seen[facet] + all.never[facet], 1, 1e-15);
+    }
+    EXPECT_GT(all.seen_m2, 1);
+    EXPECT_GT(all.shadow_m2, 0.1);
+    return all;
+  }
+  /// Of the same scene's base facets, to `error`.
+  static void expect_near(const Covered& a, const Covered& b, double error) {
+    for (const auto& [facet, share] : a.seen)
+      EXPECT_NEAR(share, b.seen.contains(facet) ? b.seen.at(facet) : 0, error) << "facet " << facet;
+    for (const auto& [facet, share] : a.shadow)
+      EXPECT_NEAR(share, b.shadow.contains(facet) ? b.shadow.at(facet) : 0, error) << "facet " << facet;
+  }
+};
+
+std::string arms(const std::string& transmitter, const std::string& receiver) {
+  return "lever_arm_m = " + transmitter + "\nreceiver_arm_m = " + receiver + "\n";
+}
+const std::string one = "[-0.6, 0, 0.2]", other = "[0.7, 0.3, -0.1]";
+
+// Pixels by transmitter and receiver are the same parts of the bed whichever sends.
+TEST_F(CoverageLooks, AReceiverApartAndATransmitterAreExchanged) {
+  for (const std::string& where :
+       {even + flat_sand, water(steep) + flat_sand, even + ripples(0.03, "online")}) {
+    SCOPED_TRACE(where);
+    const Covered there = cover(scene(where, arms(one, other))), back = cover(scene(where, arms(other, one)));
+    // Corners of the window are rounded on images of the transmitter's; that of relief is decided by looks.
+    if (where == even + flat_sand || where == even + ripples(0.03, "online"))
+      expect_near(there, back, 1e-6);
+    else
+      expect_near(there, back, 2e-3);  // ranges are by the sound speed at the transmitter
+    const Covered of_one = cover(scene(where, "lever_arm_m = " + one + "\n"));
+    EXPECT_LT(there.seen_m2, of_one.seen_m2) << "what both see is less";
+  }
+}
+
+TEST_F(CoverageLooks, AReceiverAHairApartSeesWhatOnePlaceDoes) {
+  const Covered alone = cover(scene(even + flat_sand)),
+                near = cover(scene(even + flat_sand, "receiver_arm_m = [0, 0, 1e-6]\n"));
+  // But for the corners of the window's polygons, which go round otherwise.
+  expect_near(near, alone, 1e-4);
+}
+
+TEST_F(CoverageLooks, NeitherThreadsNorWaterThatHardlyRefractsChangeIt) {
+  for (const std::string& sensor : {std::string(), arms(one, other)}) {
+    SCOPED_TRACE(sensor);
+    const Covered straight = cover(scene(even + flat_sand, sensor)),
+                  bent = cover(scene(water(gentle) + flat_sand, sensor), {"--threads", "1"});
+    expect_near(bent, straight, 1e-5);
+    EXPECT_EQ(cover(scene(water(gentle) + flat_sand, sensor), {"--threads", "3"}).table, bent.table);
+    const Covered more = cover(scene(water(steep) + flat_sand, sensor));
+    EXPECT_GT(std::abs(more.seen_m2 - straight.seen_m2), 1e-4) << "this does";
+  }
+}
+
+TEST_F(CoverageLooks, ReliefOfEachShotIsThatOfReliefOnce) {
+  const Covered flat = cover(scene(even + flat_sand));
+  expect_near(cover(scene(even + ripples(1e-6, "online"))), flat, 1e-4);
+  // With a tolerance of 0 each shot makes the cells that all are made of once: the same facets, told by the
+  // unrefined ones or by themselves. Areas are those of slopes, which are small.
+  const Covered online = cover(scene(even + ripples(0.03, "online"))),
+                offline = cover(scene(even + ripples(0.03, "offline")));
+  EXPECT_LT(online.seen.size(), 20u);
+  EXPECT_GT(offline.seen.size(), 400u);
+  EXPECT_NEAR(online.seen_m2, offline.seen_m2, 0.015 * online.seen_m2);
+  EXPECT_NEAR(online.shadow_m2, offline.shadow_m2, 0.015 * online.shadow_m2);
+  EXPECT_GT(std::abs(online.shadow_m2 - flat.shadow_m2), 1e-3 * flat.shadow_m2) << "ripples throw shadows";
+}
+
+TEST_F(CoverageLooks, AllAtOnceCloses) {
+  const std::string all = scene(water(steep) + ripples(0.02, "online"), arms(one, other));
+  const Covered first = cover(all, {"--threads", "1"});
+  EXPECT_EQ(cover(all, {"--threads", "4"}).table, first.table);
+}
+
+}  // namespace
+}  // namespace tubefoot
