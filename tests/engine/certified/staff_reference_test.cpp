@@ -55,7 +55,7 @@ struct StaffScene {
     tubes.apex = grid.snap(glm::dvec3(0));
     tubes.reach = 100 / grid.unit_m();
     test::add_pyramid(tubes, {glm::dvec3(1, -0.1, -3), {1, -0.1, -0.2}, {1, 0.15, -0.2}, {1, 0.15, -3}});
-    const StaffHistory history = trace_staff(mesh, tree, grid.unit_m(), {}, tubes, staff);
+    const StaffHistory history = trace_staff(mesh, tree, grid.unit_m(), {}, tubes, tubes, staff);
     const BeamPatterns patterns{{transmit}, {receive}, {0}, {{0, 1}}, {staff}};
     const EchoLaw law{material_mu, mesh.material, 0.05, &patterns};
     const RangeSamples samples{6, 0.5, 14};
