@@ -126,8 +126,7 @@ CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::
     for (int k = 0; k < 3; ++k) {
       const double sizes = std::abs(corner[k] - other_apex_m[k]) + std::abs(other_apex_m[k]);
       p[std::size_t(k)] = Ball(corner[k]);
-      p[std::size_t(k)].add_error(
-          Ball((four_units * sizes + rounding * std::abs(corner[k])) * (1 + 1e-9)));
+      p[std::size_t(k)].add_error(Ball((four_units * sizes + rounding * std::abs(corner[k])) * (1 + 1e-9)));
     }
     polygon.points.push_back({dot(p, polygon.u), dot(p, polygon.v)});
   }

@@ -322,6 +322,10 @@ int called(const std::function<int()>& command) {
   }
 }
 
+/// What libraries set up before main() they do not all look at: OpenImageIO's table of names, 8 MB, may have
+/// holes in which it crashes later. Where as much can still be had, it has none. Throws std::bad_alloc.
+void require_memory_of_libraries() { ::operator delete(::operator new (std::size_t{16} << 20)); }
+
 int obeyed(int argc, char** argv) {
   CLI::App app{"tubefoot: a sonar simulator that measures footprints instead of sampling them.", "tubefoot"};
   app.set_version_flag("--version", [] { return "tubefoot " TUBEFOOT_VERSION "\n" + build_in_words(); });
@@ -355,7 +359,10 @@ int obeyed(int argc, char** argv) {
 int run_command_line(int argc, char** argv) {
   hold_closed_streams();
   take_signals();
-  const int code = obeyed(argc, argv);
+  const int code = called([&] {
+    require_memory_of_libraries();
+    return obeyed(argc, argv);
+  });
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   const std::string why = errno != 0 ? fmt::format(": {}", std::strerror(errno)) : "";

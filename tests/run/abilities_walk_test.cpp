@@ -37,9 +37,9 @@ const std::vector<InScene> of_scenes{
      "surface_height_m = 6.5\n"},
     {Feature::mirrors, "[sea_surface]\nheight_m = 6.5\n"},
     {Feature::scatterings},
-    {Feature::receiver_apart, {}, {}, "receiver_arm_m = [0, 1, 0]\n"},
-    {Feature::two_receivers, {}, {}, {}},  // another kind of sensor
-    {Feature::tiles, {}, {}, {}},          // another way to load
+    {Feature::receiver_apart, {}, {}, {}},  // on an arm along which the sectors overlap
+    {Feature::two_receivers, {}, {}, {}},   // another kind of sensor
+    {Feature::tiles, {}, {}, {}},           // another way to load
     {Feature::relief_each_shot, "[relief]\nmode = \"online\"\ncell_m = 0.2\ntolerance = 0.5\n",
      "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\nseed = 7\n"
      "wavelength_m = 0.4\ndirection_deg = 20\nrms_height_m = 0.01\n"},
@@ -79,6 +79,8 @@ std::string scene_with(const std::set<Feature>& features) {
     sensor += one.sensor;
   }
   const bool staff = features.contains(Feature::two_receivers), mirrors = features.contains(Feature::mirrors);
+  if (features.contains(Feature::receiver_apart))
+    sensor += staff ? "receiver_arm_m = [1, 0, 0]\n" : "receiver_arm_m = [0, 1, 0]\n";
   if (mirrors) tables += "[paths]\norder = 2\n";
   if (features.contains(Feature::scatterings)) tables += "scatterings = 2\npatch_m = 1\n";
   return fmt::format(
