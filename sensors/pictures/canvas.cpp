@@ -74,7 +74,7 @@ void Canvas::text(int x, int y, const std::string& line, int size, Colour colour
   const float components[] = {colour.red, colour.green, colour.blue};
   OIIO::ImageBuf image(OIIO::ImageSpec(width_, height_, 3, OIIO::TypeDesc::FLOAT), components_.data());
   if (!OIIO::ImageBufAlgo::render_text(image, x, baseline, drawable(line), size, font_, components))
-    throw std::runtime_error("cannot draw a label: " + image.geterror());
+    throw std::runtime_error("cannot draw a label: " + reason_in_words(image.geterror()));
   if (!line.ends_with(degree_sign)) return;
   const double radius = ring_width(size) / 2.0 - 1.5, centre_x = x + length - 1 - radius,
                centre_y = y - 0.27 * size;

@@ -3,15 +3,17 @@
 
 #include <OpenImageIO/filesystem.h>
 
-#include <string>
-
 #include "files/checked_file.hpp"
 
 namespace tubefoot {
 
+std::string reason_in_words(const std::string& said) {
+  return said.empty() ? "no reason is given: memory may be short" : said + ", or memory is short";
+}
+
 void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec, const float* pixels) {
   const auto fail = [&](const std::string& reason) {
-    throw write_error(file, "cannot encode the picture: " + reason);
+    throw write_error(file, "cannot encode the picture: " + reason_in_words(reason));
   };
   auto output = OIIO::ImageOutput::create(file.filename().string());
   if (!output) fail(OIIO::geterror());

@@ -4,9 +4,13 @@
 #include <OpenImageIO/imageio.h>
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace tubefoot {
+
+/// For messages: what OpenImageIO says of what it cannot do. Where memory is short it says little or nothing.
+std::string reason_in_words(const std::string& said);
 
 /// Writes an image of float pixels as `spec` and the file's ending say. Throws std::runtime_error naming the
 /// file.

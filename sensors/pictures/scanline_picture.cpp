@@ -9,6 +9,7 @@
 
 #include "files/checked_file.hpp"
 #include "files/streamed_file.hpp"
+#include "sensors/pictures/image_file.hpp"
 
 namespace tubefoot {
 
@@ -54,7 +55,7 @@ ScanlinePicture::ScanlinePicture(const std::filesystem::path& file, int width, i
   spec_.height = spec_.full_height = height;
   const std::string name = file.filename().string();
   output_ = OIIO::ImageOutput::create(name);
-  if (!output_) throw write_error(file, "cannot encode the picture: " + OIIO::geterror());
+  if (!output_) throw write_error(file, "cannot encode the picture: " + reason_in_words(OIIO::geterror()));
   output_->set_ioproxy(stream_.get());
   check(output_->open(name, spec_));
 }
@@ -64,7 +65,7 @@ ScanlinePicture::~ScanlinePicture() = default;
 void ScanlinePicture::check(bool done) {
   const std::string reason = output_->geterror();  // taken in any case: OpenImageIO prints what nobody takes
   stream_->rethrow();
-  if (!done) throw write_error(path_, "cannot encode the picture: " + reason);
+  if (!done) throw write_error(path_, "cannot encode the picture: " + reason_in_words(reason));
 }
 
 void ScanlinePicture::add_row(const void* values) {
