@@ -46,29 +46,25 @@ std::vector<ExactWeights> exact_weights(const FacetMesh& mesh, GridPoint apex, c
 
 std::vector<ExactPart> FootprintSharer::exact(std::size_t number) const {
   const Both& both = facets_[number];
-  FacetCone from_transmitter, from_receiver;
-  make_cones(both, from_transmitter, from_receiver);
-  const FacetChart chart(from_transmitter);
-  std::vector<SeenPiece> sent, heard;
-  take_pieces(both, from_transmitter, from_receiver, chart, sent, heard);
+  OnFacet on(*this, both);
   const auto place = [&](std::size_t k) {
-    const std::array<std::int64_t, 3> p{from_transmitter.point[k].x, from_transmitter.point[k].y,
-                                        from_transmitter.point[k].z},
-        q{from_transmitter.point[0].x, from_transmitter.point[0].y, from_transmitter.point[0].z};
-    const auto u = std::size_t(chart.u), v = std::size_t(chart.v);
+    const std::array<std::int64_t, 3> p{on.from_transmitter.point[k].x, on.from_transmitter.point[k].y,
+                                        on.from_transmitter.point[k].z},
+        q{on.from_transmitter.point[0].x, on.from_transmitter.point[0].y, on.from_transmitter.point[0].z};
+    const auto u = std::size_t(on.chart.u), v = std::size_t(on.chart.v);
     return std::array{Rational(p[u] - q[u]), Rational(p[v] - q[v])};
   };
   const auto first = place(1), second = place(2);
   const Rational whole = first[0] * second[1] - first[1] * second[0];
   std::vector<ExactPart> parts;
   LinePolygon polygon;
-  for (SeenPiece& s : sent)
-    for (SeenPiece& h : heard) {
+  for (SeenPiece& s : on.sent)
+    for (SeenPiece& h : on.heard) {
       stop_if_wanted();
       if (!images_ && !s.may_meet(h)) continue;
       shared_by(s, h, polygon);
       if (polygon.empty()) continue;
-      ExactPart part{both.facet, mesh_.facets[from_transmitter.id], s.tube(), h.tube(), {}};
+      ExactPart part{both.facet, mesh_.facets[on.from_transmitter.id], s.tube(), h.tube(), {}};
       for (std::size_t k = 0; k < polygon.size(); ++k) {
         const PlaneLine &p = *polygon[k == 0 ? polygon.size() - 1 : k - 1], &q = *polygon[k];
         const Integer z = integer(HugeInt(p.a * q.b - p.b * q.a));
@@ -76,7 +72,7 @@ std::vector<ExactPart> FootprintSharer::exact(std::size_t number) const {
                        y = Rational(integer(HugeInt(p.c * q.a - p.a * q.c))) / Rational(z);
         const Rational one = (x * second[1] - y * second[0]) / whole,
                        two = (first[0] * y - first[1] * x) / whole;
-        part.corners.push_back(in_order_of(from_transmitter, {Rational(1 - one - two), one, two}));
+        part.corners.push_back(in_order_of(on.from_transmitter, {Rational(1 - one - two), one, two}));
       }
       parts.push_back(std::move(part));
     }

@@ -139,4 +139,15 @@ inline void shared_by(SeenPiece& sent, SeenPiece& heard, LinePolygon& polygon) {
     if (!walls[k].is_none() && !heard.on_facet_edge(k)) clip(polygon, walls[k], sides);
 }
 
+/// Of one facet: how both apexes see it, and what each sees of it, whose pieces refer to the cones here.
+struct FootprintSharer::OnFacet {
+  FacetCone from_transmitter, from_receiver;
+  FacetChart chart;
+  std::vector<SeenPiece> sent, heard;
+
+  OnFacet(const FootprintSharer& sharer, const Both& both);
+  OnFacet(const OnFacet&) = delete;
+  OnFacet& operator=(const OnFacet&) = delete;
+};
+
 }  // namespace tubefoot

@@ -48,40 +48,35 @@ Fraction area_of(const std::vector<LinePolygon>& polygons) {
 }  // namespace
 
 SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) const {
-  const Both& both = facets_[number];
-  FacetCone from_transmitter, from_receiver;
-  make_cones(both, from_transmitter, from_receiver);
-  const FacetChart chart(from_transmitter);
-  std::vector<SeenPiece> sent, heard;
-  take_pieces(both, from_transmitter, from_receiver, chart, sent, heard);
+  OnFacet on(*this, facets_[number]);
   std::vector<Walls> walls_sent, walls_heard;
-  for (SeenPiece& s : sent) walls_sent.push_back(walls_of(s));
-  for (SeenPiece& h : heard) walls_heard.push_back(walls_of(h));
+  for (SeenPiece& s : on.sent) walls_sent.push_back(walls_of(s));
+  for (SeenPiece& h : on.heard) walls_heard.push_back(walls_of(h));
 
   SharedAudit result;
   bool inside = true;
   std::vector<LinePolygon> shared, all_sent, all_heard;
-  for (std::size_t s = 0; s < sent.size(); ++s) {
-    if (!sent[s].polygon().empty()) all_sent.push_back(sent[s].polygon());
-    for (std::size_t h = 0; h < heard.size(); ++h) {
+  for (std::size_t s = 0; s < on.sent.size(); ++s) {
+    if (!on.sent[s].polygon().empty()) all_sent.push_back(on.sent[s].polygon());
+    for (std::size_t h = 0; h < on.heard.size(); ++h) {
       stop_if_wanted();
-      if (!images_ && !sent[s].may_meet(heard[h])) continue;
+      if (!images_ && !on.sent[s].may_meet(on.heard[h])) continue;
       LinePolygon polygon;
-      shared_by(sent[s], heard[h], polygon);
+      shared_by(on.sent[s], on.heard[h], polygon);
       if (polygon.empty()) continue;
       inside = inside && lies_within(polygon, walls_sent[s]) && lies_within(polygon, walls_heard[h]);
       shared.push_back(std::move(polygon));
     }
   }
-  for (SeenPiece& h : heard)
+  for (SeenPiece& h : on.heard)
     if (!h.polygon().empty()) all_heard.push_back(h.polygon());
 
   const auto u = [&](std::size_t k) {
-    const std::array<std::int64_t, 3> p{from_transmitter.point[k].x, from_transmitter.point[k].y,
-                                        from_transmitter.point[k].z},
-        q{from_transmitter.point[0].x, from_transmitter.point[0].y, from_transmitter.point[0].z};
-    return std::array{Integer(p[std::size_t(chart.u)] - q[std::size_t(chart.u)]),
-                      Integer(p[std::size_t(chart.v)] - q[std::size_t(chart.v)])};
+    const std::array<std::int64_t, 3> p{on.from_transmitter.point[k].x, on.from_transmitter.point[k].y,
+                                        on.from_transmitter.point[k].z},
+        q{on.from_transmitter.point[0].x, on.from_transmitter.point[0].y, on.from_transmitter.point[0].z};
+    return std::array{Integer(p[std::size_t(on.chart.u)] - q[std::size_t(on.chart.u)]),
+                      Integer(p[std::size_t(on.chart.v)] - q[std::size_t(on.chart.v)])};
   };
   const Integer whole = u(1)[0] * u(2)[1] - u(1)[1] * u(2)[0];
   const Fraction common = area_of(shared);
@@ -102,8 +97,8 @@ SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) cons
   if (!shared.empty()) {
     TopologyHasher hasher;
     hasher.add(label);
-    hasher.add(mesh_, from_transmitter.id, transmit_.tubes.apex);
-    hasher.add(images_ ? *receive_.mesh : mesh_, from_receiver.id, receive_.tubes.apex);
+    hasher.add(mesh_, on.from_transmitter.id, transmit_.tubes.apex);
+    hasher.add(images_ ? *receive_.mesh : mesh_, on.from_receiver.id, receive_.tubes.apex);
     Integer numerator = common.numerator, denominator = common.denominator * whole;
     const Integer divisor = gcd(numerator, denominator);
     hasher.add(Integer(abs(numerator) / divisor));

@@ -104,33 +104,31 @@ glm::dvec3 FootprintSharer::receiver_m() const {
   return glm::dvec3(double(r.x) - t.x, double(r.y) - t.y, double(r.z) - t.z) * unit_m_;
 }
 
-void FootprintSharer::take_pieces(const Both& both, const FacetCone& from_transmitter,
-                                  const FacetCone& from_receiver, const FacetChart& chart,
-                                  std::vector<SeenPiece>& sent, std::vector<SeenPiece>& heard) const {
-  for (std::uint32_t k = both.transmit_first; k < both.transmit_end; ++k)
-    sent.emplace_back(mesh_, transmit_, transmit_pieces_[k].tube, transmit_pieces_[k].piece, from_transmitter,
-                      chart);
-  for (std::uint32_t k = both.receive_first; k < both.receive_end; ++k)
-    heard.emplace_back(mesh_, receive_, receive_pieces_[k].tube, receive_pieces_[k].piece, from_receiver,
-                       chart, images_ ? &from_transmitter : nullptr);
+FootprintSharer::OnFacet::OnFacet(const FootprintSharer& sharer, const Both& both)
+    : chart((sharer.make_cones(both, from_transmitter, from_receiver), from_transmitter)) {
+  const FacetMesh& mesh = sharer.mesh_;
+  for (std::uint32_t k = both.transmit_first; k < both.transmit_end; ++k) {
+    const Seen& piece = sharer.transmit_pieces_[k];
+    sent.emplace_back(mesh, sharer.transmit_, piece.tube, piece.piece, from_transmitter, chart);
+  }
+  for (std::uint32_t k = both.receive_first; k < both.receive_end; ++k) {
+    const Seen& piece = sharer.receive_pieces_[k];
+    heard.emplace_back(mesh, sharer.receive_, piece.tube, piece.piece, from_receiver, chart,
+                       sharer.images_ ? &from_transmitter : nullptr);
+  }
 }
 
 void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
   stop_if_wanted();
   const Both& both = facets_[number];
-  FacetCone from_transmitter, from_receiver;
-  make_cones(both, from_transmitter, from_receiver);
-  const FacetChart chart(from_transmitter);
-
-  std::vector<SeenPiece> sent, heard;
-  take_pieces(both, from_transmitter, from_receiver, chart, sent, heard);
+  OnFacet on(*this, both);
 
   const auto first_piece = static_cast<std::uint32_t>(out.pieces.size());
   const glm::dvec3 baseline = receiver_m();
   LinePolygon polygon;
-  for (SeenPiece& s : sent) {
+  for (SeenPiece& s : on.sent) {
     stop_if_wanted();
-    for (SeenPiece& h : heard) {
+    for (SeenPiece& h : on.heard) {
       if (!images_ && !s.may_meet(h)) continue;
       SharedPiece piece{s.tube(), h.tube(), static_cast<std::uint32_t>(out.corners_m.size()), 0};
       if (h.is_whole_facet()) {
@@ -140,7 +138,7 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
       } else {
         shared_by(s, h, polygon);
         for (std::size_t k = 0; k < polygon.size(); ++k)
-          out.corners_m.push_back(meeting_point(from_transmitter, chart,
+          out.corners_m.push_back(meeting_point(on.from_transmitter, on.chart,
                                                 *polygon[k == 0 ? polygon.size() - 1 : k - 1], *polygon[k]) *
                                   unit_m_);
       }
@@ -151,7 +149,7 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
   }
   if (out.pieces.size() == first_piece) return;
 
-  SharedFacet facet = facet_between(from_transmitter, from_receiver, unit_m_);
+  SharedFacet facet = facet_between(on.from_transmitter, on.from_receiver, unit_m_);
   facet.facet = both.facet;
   facet.first_piece = first_piece;
   facet.piece_count = static_cast<std::uint32_t>(out.pieces.size()) - first_piece;

@@ -122,9 +122,7 @@ class FootprintSharer {
   static std::vector<Seen> pieces_of(const ApexLook& look);
 
   void find_facets();
-  void take_pieces(const Both& both, const FacetCone& from_transmitter, const FacetCone& from_receiver,
-                   const FacetChart& chart, std::vector<SeenPiece>& sent,
-                   std::vector<SeenPiece>& heard) const;
+  struct OnFacet;  // seen_piece.hpp
   bool make_cones(const Both& both, FacetCone& from_transmitter, FacetCone& from_receiver) const;
 
   const FacetMesh& mesh_;

@@ -173,7 +173,7 @@ struct AbilitiesWalk : testing::Test {
         EXPECT_NEAR(sum, total, 0.02 * total);
       } else if (features.contains(Feature::double_arithmetic)) {
         // Slivers that windows of mirrors cut along facets' edges may be lost to plain doubles.
-        const double lost = (features.contains(Feature::mirrors) ? 2e-3 : 1e-9) * largest;
+        const double lost = (features.contains(Feature::mirrors) ? 2e-5 : 1e-9) * largest;
         for (std::size_t k = 0; k < sure.size(); ++k) EXPECT_NEAR(here[k], sure[k], lost);
       }
       if (!features.contains(Feature::reference)) return;

@@ -40,7 +40,7 @@ class PathTracer {
   PathTracer(const FacetMesh& mesh, double unit_m, const ImageFinder& finder, std::span<const Image> sent,
              std::span<const Image> heard, const TubeSet& receive, const ReceiveBeams& beams,
              const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings,
-             RefractedImages* bent = nullptr, const WorldGrid* grid = nullptr)
+             RefractedImages* bent = nullptr)
       : mesh_(mesh),
         unit_m_(unit_m),
         finder_(finder),
@@ -55,8 +55,7 @@ class PathTracer {
         true_apex_(sent.front().windows.apex),
         true_receive_(receive),
         one_place_(sent.data() == heard.data()),
-        bent_(bent),
-        grid_(grid) {
+        bent_(bent) {
     echo_.by_order.resize(std::size_t(settings.order) + 1);
     for (Echo& echo : echo_.by_order) {
       echo.beams = beams.count;
@@ -193,8 +192,9 @@ class PathTracer {
   void add_bent(Part& part, std::size_t order, const Image& sent, const Image& heard) const {
     SharedFootprints shared = FootprintSharer(sent.look(), heard.look(), unit_m_).all();
     if (shared.pieces.empty()) return;
-    std::vector<PairedFacet> paired = paired_facets(shared, bent_->bed(), bent_->end_of(sent),
-                                                    bent_->end_of(heard), *grid_, law_.absorption_db_per_m);
+    std::vector<PairedFacet> paired =
+        paired_facets(shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard), bent_->grid(),
+                      law_.absorption_db_per_m);
     for (const PairedFacet& facet : paired) part.misfit_m = std::max(part.misfit_m, facet.misfit_m);
     const std::size_t pieces = shared.pieces.size();
     add(part, order,
@@ -273,8 +273,9 @@ class PathTracer {
   void arrive(const Image& image) {
     const GridPoint from = image.windows.apex;
     if (bent_) {
+      const WorldGrid& grid = bent_->grid();
       for (const MirroredRay& ray : bent_->rays_to(image, true_receive_.apex)) {
-        const GridPoint back = grid_->snap(grid_->to_metres(from) - 2 * ray.half_path_m * ray.arrives) - from;
+        const GridPoint back = grid.snap(grid.to_metres(from) - 2 * ray.half_path_m * ray.arrives) - from;
         arrive(image,
                {ray.seen_at - from, back, ray.sent, ray.arrives, ray.half_path_m, ray.kept, ray.tube_area_m2},
                {from, ray.sent.z, ray.unfolded_height_m}, [] { return true; });
@@ -383,7 +384,6 @@ class PathTracer {
   const TubeSet& true_receive_;
   bool one_place_;
   RefractedImages* bent_;                               // in refracting water: who made the images
-  const WorldGrid* grid_;                               // with these
   std::set<std::pair<Source, std::uint32_t>> arrived_;  // and fans
   PathEcho echo_;
 };
@@ -406,7 +406,7 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
     const std::vector<Image> sent = bent.images_of(0, receive.apex),
                              heard = one_place ? std::vector<Image>{} : bent.images_of(1);
     return PathTracer(mesh, grid_unit_m, finder, sent, one_place ? sent : heard, receive, beams, samples, law,
-                      settings, &bent, &water->grid)
+                      settings, &bent)
         .trace();
   }
   const std::vector<Image> sent = finder.images_of(transmit, settings.order, {{receive.apex}});

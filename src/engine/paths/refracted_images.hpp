@@ -58,6 +58,7 @@ class RefractedImages {
 
   /// The bed that shared facets are of.
   const FacetMesh& bed() const { return alike_.bed.mesh; }
+  const WorldGrid& grid() const { return water_.grid; }
   ApparentEnd end_of(const Image& image) const;
   /// What came of straightening, but for the apexes' own; by chain of mirrors. Directions are those of
   /// launch.
