@@ -13,6 +13,7 @@
 #   make against today's program and another in turn, scene by scene: AGAINST=REVISION or a program
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
+#   make pairs   what combinations cost beside their parts: validation/pairs.md (minutes)
 #   make rays    hold rays in layered water against published ones: validation/rays.md
 #   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
 #   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
@@ -26,7 +27,7 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test install package build setup sanitize prove fuzz bench against atlas advise-study refraction-study track-study \
+.PHONY: demo python test install package build setup sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
   rays scaling long-run reference docs figures format tidy clean
 
 demo: build
@@ -117,6 +118,10 @@ atlas: setup
 advise-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_advise_study
 	build/release/tubefoot_advise_study validation/advise.md scenes/chart/*.toml scenes/*/scene.toml
+
+pairs: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_pairs
+	build/release/tubefoot_pairs validation/pairs.md
 
 refraction-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_refraction_study

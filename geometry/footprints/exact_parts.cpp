@@ -68,13 +68,14 @@ std::vector<ExactPart> FootprintSharer::exact(std::size_t number) const {
       for (std::size_t k = 0; k < polygon.size(); ++k) {
         const PlaneLine &p = *polygon[k == 0 ? polygon.size() - 1 : k - 1], &q = *polygon[k];
         const Integer z = integer(HugeInt(p.a * q.b - p.b * q.a));
+        if (z == 0) continue;  // what plain doubles saw may border on one line twice
         const Rational x = Rational(integer(HugeInt(p.b * q.c - p.c * q.b))) / Rational(z),
                        y = Rational(integer(HugeInt(p.c * q.a - p.a * q.c))) / Rational(z);
         const Rational one = (x * second[1] - y * second[0]) / whole,
                        two = (first[0] * y - first[1] * x) / whole;
         part.corners.push_back(in_order_of(on.from_transmitter, {Rational(1 - one - two), one, two}));
       }
-      parts.push_back(std::move(part));
+      if (part.corners.size() > 2) parts.push_back(std::move(part));
     }
   return parts;
 }

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "footprints/coverage_looks.hpp"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
-#include <numeric>
-
-#include "geometry/steps/steps.hpp"
 #include "run/shot_ends.hpp"
 
 namespace tubefoot {
@@ -27,25 +21,8 @@ std::shared_ptr<const PartedBed> bed_of(const ShotEnd& end) {
 
 CoverageEnd seen_by(const ShotEnd& end, std::shared_ptr<const PartedBed> bed,
                     const VisibilityOptions& options) {
-  struct Buffers {
-    VisibilityScratch visibility;
-    TubeVisibility seen;
-  };
-  CoverageEnd result{end.tubes, std::vector<TubeVisibility>(end.tubes.tubes.size()), std::move(bed)};
-  const std::vector<TubeRun> runs = runs_of(result.tubes);
-  tbb::enumerable_thread_specific<Buffers> threads;
-  Steps steps("tubes", result.tubes.tubes.size());
-  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
-    auto& [scratch, sees] = threads.local();
-    const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
-    see_run(*end.mesh, *end.tree, result.tubes, runs[run], options, scratch, sees, [&](std::uint32_t tube) {
-      TubeVisibility& kept = result.seen[tube];  // copies are no larger than what they hold
-      kept.corners = seen.corners;
-      kept.pieces = seen.pieces;
-      kept.rays = seen.rays;
-      steps.done();
-    });
-  });
+  CoverageEnd result{end.tubes, look(*end.mesh, *end.tree, end.tubes, options), std::move(bed)};
+  for (TubeVisibility& seen : result.seen) seen.occluders = {};  // many looks are kept
   return result;
 }
 

@@ -13,6 +13,7 @@
 #include "footprints/footprint_table.hpp"
 #include "geometry/footprints/exact_parts.hpp"
 #include "geometry/steps/steps.hpp"
+#include "geometry/visibility/contradictions.hpp"
 #include "geometry/visibility/exact_direction.hpp"
 #include "run/abilities.hpp"
 #include "run/shot_ends.hpp"
@@ -104,29 +105,31 @@ RationalsFile::RationalsFile(const std::filesystem::path& file, const Shots& sho
 RationalsFile::~RationalsFile() = default;
 
 std::size_t RationalsFile::add(const Shot& shot, std::span<const std::uint32_t> beams) {
-  const ChosenTubes chosen = chosen_tubes(shot, state_->sensor, beams);
-  if (chosen.number.empty()) return 0;
+  const std::vector<std::uint32_t> chosen = tubes_of_beams(shot, state_->sensor, beams);
+  if (chosen.empty()) return 0;
   const ShotEnds ends(shot, state_->sensor);
-  ShotEnd out = ends.out();
-  out.tubes.tubes = chosen.set.tubes;
-  state_->write(
-      fmt::format("shot {} {}{}\n", shot.ping(), shot.number(), EndLines(shot.scene().grid, out).apex()));
-  std::vector<TubeVisibility> sent, heard;
-  std::size_t pieces = add_end(shot, out, chosen.number, ends.are_two() ? &sent : nullptr);
-  if (!ends.are_two()) return pieces;
-  state_->write(fmt::format("receiver{}\n", EndLines(shot.scene().grid, ends.home()).apex()));
-  std::vector<std::uint32_t> all(ends.home().tubes.tubes.size());
+  state_->write(fmt::format("shot {} {}{}\n", shot.ping(), shot.number(),
+                            EndLines(shot.scene().grid, ends.out()).apex()));
+  // Beams are the receiver's: what it hears may come from any tube of a transmitter apart.
+  ShotEnd home = ends.home();
+  home.tubes = only_tubes(std::move(home.tubes), chosen);
+  if (!ends.are_two()) return add_end(shot, home, chosen, nullptr);
+  const ShotEnd& out = ends.out();
+  std::vector<std::uint32_t> all(out.tubes.tubes.size());
   std::iota(all.begin(), all.end(), 0u);
-  pieces += add_end(shot, ends.home(), all, &heard);
+  std::vector<TubeVisibility> sent, heard;
+  std::size_t pieces = add_end(shot, out, all, &sent);
+  state_->write(fmt::format("receiver{}\n", EndLines(shot.scene().grid, home).apex()));
+  pieces += add_end(shot, home, chosen, &heard);
   const double unit_m = shot.scene().grid.unit_m();
-  const ShotEnd& home = ends.home();
   if (ends.apparent_pair() != nullptr)
-    add_shared(shot, out, chosen.number,
+    add_shared(out, chosen,
                FootprintSharer({out.tubes, sent, out.mesh, out.name},
-                               {home.tubes, heard, home.mesh, home.name}, unit_m));
+                               {home.tubes, heard, home.mesh, home.name}, unit_m),
+               shot.scene().grid);
   else
-    add_shared(shot, out, chosen.number,
-               FootprintSharer(*out.mesh, {out.tubes, sent}, {home.tubes, heard}, unit_m));
+    add_shared(out, chosen, FootprintSharer(*out.mesh, {out.tubes, sent}, {home.tubes, heard}, unit_m),
+               shot.scene().grid);
   return pieces;
 }
 
@@ -150,6 +153,8 @@ std::size_t RationalsFile::add_end(const Shot& shot, const ShotEnd& end,
       const auto t = static_cast<std::uint32_t>(tube);
       TubeVisibility seen;
       see(*end.mesh, *end.tree, end.tubes, t, options, s.threads.local(), seen);
+      if (options.arithmetic == Arithmetic::plain_double)
+        leave_out_contradictions(*end.mesh, end.tubes.apex, seen);
       steps.done();
       std::string& out = of_tube[tube - begin];
       out = fmt::format("tube {} {}{}", numbers[tube], beams_of_shot[beam_of_tube[numbers[tube]]],
@@ -176,17 +181,17 @@ std::size_t RationalsFile::add_end(const Shot& shot, const ShotEnd& end,
   return pieces;
 }
 
-void RationalsFile::add_shared(const Shot& shot, const ShotEnd& out, std::span<const std::uint32_t> numbers,
-                               const FootprintSharer& sharer) {
-  const EndLines lines(shot.scene().grid, out);
+void RationalsFile::add_shared(const ShotEnd& out, std::span<const std::uint32_t> receive_tubes,
+                               const FootprintSharer& sharer, const WorldGrid& grid) {
+  const EndLines lines(grid, out);
   for (std::size_t begin = 0; begin < sharer.facets(); begin += tubes_a_block) {
     const std::size_t stop = std::min(begin + tubes_a_block, sharer.facets());
     std::vector<std::string> of_facet(stop - begin);
     tbb::parallel_for(begin, stop, [&](std::size_t number) {
       std::string& to = of_facet[number - begin];
       for (const ExactPart& part : sharer.exact(number)) {
-        to += fmt::format("shared {} {} {} {}", out.number_of_name(part.facet), numbers[part.transmit_tube],
-                          part.receive_tube, part.corners.size());
+        to += fmt::format("shared {} {} {} {}", out.number_of_name(part.facet), part.transmit_tube,
+                          receive_tubes[part.receive_tube], part.corners.size());
         for (const ExactWeights& weights : part.corners) to += lines.point(weights, part.vertex);
         to += '\n';
       }

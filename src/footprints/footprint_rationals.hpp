@@ -13,20 +13,21 @@ namespace tubefoot {
 /// The visible pieces and the open water of tubes in exact coordinates, as text (docs/footprints.md).
 class RationalsFile {
  public:
-  /// Throws std::runtime_error where writing fails, as all else here; UsageError for a run whose corners are
-  /// not exact: plain double. In refracting water they are those between vertices that are seen where rays in
-  /// doubles put them, and lie where they lie.
+  /// Throws std::runtime_error where writing fails, as all else here. In refracting water corners are those
+  /// between vertices that are seen where rays in doubles put them, and lie where they lie; by plain double
+  /// arithmetic those where the planes meet that doubles chose.
   RationalsFile(const std::filesystem::path& file, const Shots& shots, std::size_t sensor);
   ~RationalsFile();
-  /// A shot's tubes of `beams` (sorted; empty: all). Returns the number of pieces seen.
+  /// A shot's tubes of `beams` (sorted; empty: all); of a receiver apart its own, and all of the transmitter.
+  /// Returns the number of pieces seen.
   std::size_t add(const Shot& shot, std::span<const std::uint32_t> beams);
   void close();
 
  private:
   std::size_t add_end(const Shot& shot, const ShotEnd& end, std::span<const std::uint32_t> numbers,
                       std::vector<TubeVisibility>* kept);
-  void add_shared(const Shot& shot, const ShotEnd& out, std::span<const std::uint32_t> numbers,
-                  const FootprintSharer& sharer);
+  void add_shared(const ShotEnd& out, std::span<const std::uint32_t> receive_tubes,
+                  const FootprintSharer& sharer, const WorldGrid& grid);
 
   struct State;
   std::unique_ptr<State> state_;

@@ -122,13 +122,12 @@ class Rows {
   const Sensor& sensor_;
 };
 
-/// What two ends see together.
-FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
+/// What two ends see together, in some tubes of the receiver.
+FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<const std::uint32_t> tubes) {
   const Sensor& sensor = shot.sensor(s);
   const ShotEnds ends(shot, s);
   const PathFootprints seen = path_footprints(ends.trace());
   const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot.number());
-  const std::vector<std::uint32_t>& beams_of_shot = sensor.beams_of_shot(shot.number());
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
   FootprintSet heard = seen.footprints;
   for (std::size_t k = 0; k < heard.footprints.size(); ++k) heard.footprints[k].tube = seen.receive_tube[k];
@@ -143,9 +142,7 @@ FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<cons
   for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
     stop_if_wanted();
     const Footprint& footprint = seen.footprints.footprints[k];
-    if (!beams.empty() &&
-        !std::binary_search(beams.begin(), beams.end(), beams_of_shot[beam_of_tube[seen.receive_tube[k]]]))
-      continue;
+    if (!std::ranges::binary_search(tubes, seen.receive_tube[k])) continue;
     occluders.clear();
     const auto add = [&](const Occluders& all, std::uint32_t tube) {
       // In plain doubles what both see of a facet and what one of them sees may disagree.
@@ -177,28 +174,32 @@ void FootprintTable::append(const FootprintTable& more) {
   append_all(occluders, more.occluders);
 }
 
-ChosenTubes chosen_tubes(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
-  const Sensor& sensor = shot.sensor(s);
-  ChosenTubes chosen{shot.tubes_of(s), {}};
-  const std::vector<Tube> all = std::move(chosen.set.tubes);
-  chosen.set.tubes.clear();
-  for (std::uint32_t tube = 0; tube < all.size(); ++tube) {
-    const std::uint32_t beam = sensor.beams_of_shot(shot.number())[sensor.beam_of_tube(shot.number())[tube]];
-    if (!beams.empty() && !std::binary_search(beams.begin(), beams.end(), beam)) continue;
-    chosen.set.tubes.push_back(all[tube]);
-    chosen.number.push_back(tube);
-  }
-  return chosen;
+std::vector<std::uint32_t> tubes_of_beams(const Shot& shot, std::size_t s,
+                                          std::span<const std::uint32_t> beams) {
+  const std::vector<std::uint32_t>& beam_of_tube = shot.sensor(s).beam_of_tube(shot.number());
+  const std::vector<std::uint32_t>& beams_of_shot = shot.sensor(s).beams_of_shot(shot.number());
+  std::vector<std::uint32_t> tubes;
+  for (std::uint32_t tube = 0; tube < beam_of_tube.size(); ++tube)
+    if (beams.empty() || std::binary_search(beams.begin(), beams.end(), beams_of_shot[beam_of_tube[tube]]))
+      tubes.push_back(tube);
+  return tubes;
+}
+
+TubeSet only_tubes(TubeSet set, std::span<const std::uint32_t> tubes) {
+  const std::vector<Tube> all = std::move(set.tubes);
+  set.tubes.clear();
+  for (const std::uint32_t tube : tubes) set.tubes.push_back(all[tube]);
+  return set;
 }
 
 FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
-  if (shot.has_receiver_apart()) return table_of_two_ends(shot, s, beams);
-  ChosenTubes chosen = chosen_tubes(shot, s, beams);
-  if (chosen.set.tubes.empty()) return {};
+  const std::vector<std::uint32_t> tubes = tubes_of_beams(shot, s, beams);
+  if (tubes.empty()) return {};
+  if (shot.has_receiver_apart()) return table_of_two_ends(shot, s, tubes);
   const Scene& scene = shot.scene();
   const ShotGround& ground = shot.ground();
-  History history = shot.trace(std::move(chosen.set));
-  for (Footprint& footprint : history.footprints.footprints) footprint.tube = chosen.number[footprint.tube];
+  History history = shot.trace(only_tubes(shot.tubes_of(s), tubes));
+  for (Footprint& footprint : history.footprints.footprints) footprint.tube = tubes[footprint.tube];
   const std::vector<std::uint32_t>& beam_of_tube = shot.sensor(s).beam_of_tube(shot.number());
   const FootprintEnergies energies =
       footprint_energies(history.footprints, history, beam_of_tube, {shot.beams(s), beam_of_tube},

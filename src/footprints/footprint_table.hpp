@@ -83,11 +83,10 @@ std::span<const FootprintColumn> footprint_columns();
 FootprintTable footprint_table(const Shot& shot, std::size_t sensor,
                                std::span<const std::uint32_t> beams = {});
 
-/// The tubes of a shot of a sensor that belong to some of its beams, and their numbers among all.
-struct ChosenTubes {
-  TubeSet set;
-  std::vector<std::uint32_t> number;  ///< by tube of the set: among all of the shot
-};
-ChosenTubes chosen_tubes(const Shot& shot, std::size_t sensor, std::span<const std::uint32_t> beams);
+/// The tubes of a shot of a sensor that belong to some of its beams (sorted; empty: all).
+std::vector<std::uint32_t> tubes_of_beams(const Shot& shot, std::size_t sensor,
+                                          std::span<const std::uint32_t> beams);
+/// Of a set, those tubes and no others.
+TubeSet only_tubes(TubeSet set, std::span<const std::uint32_t> tubes);
 
 }  // namespace tubefoot

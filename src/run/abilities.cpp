@@ -42,9 +42,6 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "chart, advise, --tolerance",
                                                        "a shot in Python"};
 
-constexpr std::string_view exact_only =
-    "that takes an exact arithmetic: fixed, filtered or rational, not double";
-
 constexpr std::string_view two_places_straight =
     "a reference of two places needs straight rays: leave out --reference, or give profile = \"constant\"";
 
@@ -78,12 +75,13 @@ constexpr auto table = std::to_array<Refusal>({
      "products of two receivers' signals over mirrors have no proven bound: leave out --reference, or the "
      "sensor"},
     {unbounded_texture, reference, {}, "no reference encloses that"},
-    {reference, double_arithmetic, {}, exact_only},
+    {reference,
+     double_arithmetic,
+     {},
+     "that takes an exact arithmetic: fixed, filtered or rational, not double"},
     {reference, fast_binning, {}, "that integrates footprints: it needs --binning exact"},
     {reference, rays, {}, "that measures footprints: it needs --engine tube"},
     {reference, own_engine, {}, "that measures footprints: it needs --engine tube"},
-    {coverage, double_arithmetic, {}, exact_only},
-    {exact_corners, double_arithmetic, {}, exact_only},
 });
 
 /// A feature that is there, where the scene asks for it, and the beginning of a sentence about it.

@@ -106,6 +106,8 @@ std::optional<std::size_t> material_of_inclined_mirrors(const Scene& scene) {
     return material < scene.material_reflection.size() && scene.material_reflection[material] > 0;
   };
   const auto height = [&](FacetId f, std::size_t k) { return mesh.vertices[mesh.facets[f][k]].z; };
+  for (std::size_t material = 0; material < scene.relief.size(); ++material)
+    if (scene.relief[material] && reflects(material)) return material;
   for (FacetId f = 0; f < mesh.facets.size(); ++f)
     if (reflects(mesh.material[f]) && (height(f, 0) != height(f, 1) || height(f, 1) != height(f, 2)))
       return mesh.material[f];

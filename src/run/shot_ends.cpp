@@ -9,10 +9,9 @@ ShotEnds::ShotEnds(const Shot& shot, std::size_t sensor, bool weights) : shot_(s
     pair_.emplace(refracted_pair_of(shot, weights));
     const ApparentPair& pair = pair_->apparent;
     pair_parent_.resize(pair.mesh.facets.size());
-    for (std::size_t k = 0; k < pair.transmit_origin.size(); ++k)
-      pair_parent_[pair.transmit_origin[k]] = pair.transmit.refined.parent[k];
     const auto add = [&](const TubeSet& tubes, const ApparentGround& ground,
                          const std::vector<FacetId>& origin) {
+      for (std::size_t k = 0; k < origin.size(); ++k) pair_parent_[origin[k]] = ground.refined.parent[k];
       trees_.push_back(std::make_unique<SceneTree>(ground.refined.mesh, SceneTree::Sheets::ignored));
       ends_.push_back({tubes, &ground.refined.mesh, trees_.back().get(), &ground.refined, &ground, origin});
     };

@@ -154,7 +154,11 @@ std::array<std::int64_t, 2> weights_at(const PartCorner& corner, const PartWeigh
 }  // namespace
 
 RefinedMesh relief_seen_by(const Shot& shot, std::span<const Look> looks, bool weights) {
-  return refined_for(shot, [&] { return shot.site().ground->seen_by(looks, {most_a_shot.facets, weights}); });
+  RefinedMesh bed = refined_for(shot, [&] {
+    return shot.site().ground->seen_by(looks, {most_a_shot.facets, weights});
+  });
+  cut_at_surface(shot.scene(), bed.mesh, bed.parent, weights ? &bed.weights : nullptr);
+  return bed;
 }
 
 RefinedMesh mirrors_about(const Shot& shot, double distance_m) {
@@ -202,9 +206,7 @@ ShotGround lying_ground_of(const Shot& shot, bool weights) {
   const std::vector<PathLook> of_paths = looks_of_paths(shot);
   for (const PathLook& look : of_paths)
     looks.push_back({&look.tubes, 0, shot.sample_length_m(), nullptr, look.beam_rad});
-  RefinedMesh bed = relief_seen_by(shot, looks, weights);
-  cut_at_surface(site.scene, bed.mesh, bed.parent, weights ? &bed.weights : nullptr);
-  return ShotGround(site, std::move(bed));
+  return ShotGround(site, relief_seen_by(shot, looks, weights));
 }
 
 ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m) {

@@ -69,7 +69,7 @@ struct Site {
   const RayScene& rays() const;
 
  private:
-  mutable std::once_flag rays_made_, vertices_made_, numbered_;
+  mutable std::once_flag rays_made_, vertices_made_, numbered_, numbering_made_;
   mutable std::unique_ptr<const RayScene> rays_;
   mutable std::vector<glm::dvec3> vertices_m_;
   mutable std::vector<FacetId> numbers_;                     ///< of a part, by facet

@@ -25,10 +25,12 @@ void add_facet(FacetMesh& mesh, GridPoint lo, GridPoint hi) {
   mesh.facets.push_back({first, first + 1, first});
 }
 
-/// No path over mirrors has to do with what is farther, in plan, from where it begins: an image is as far
-/// from the apex as its mirrors fold up, and looks as far again; a second scattering begins anew.
-double farthest_of_paths(const PathSettings& settings, double reach) {
-  return reach * settings.scatterings * std::max(2 * settings.order - 1, 1);
+/// No path over mirrors has to do with what is farther from where it begins: unfolded, it is as long as an
+/// image looks far. What scatters once more begins anew.
+double farthest_of_paths(const PathSettings& settings, double reach) { return reach * settings.scatterings; }
+
+double fastest_m_s(const SoundSpeedProfile& profile) {
+  return std::ranges::max(profile.points(), {}, &ProfilePoint::sound_speed_m_s).sound_speed_m_s;
 }
 
 }  // namespace
@@ -115,27 +117,31 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Shots& shot
     if (shot.has_receiver_apart()) sets.push_back(shot.receive_tubes(shot.first()));
     const TubeSet middle = sets.back();  // of a staff
     if (pings.sensor->has_staff())
-      for (const Fringe& staff : pings.sensor->patterns(shot.pose(), pings.sound_speed_m_s, number).fringes)
+      for (const Fringe& staff :
+           pings.sensor->patterns(shot.receiver_pose(), pings.sound_speed_m_s, number).fringes)
         for (const double end : {1.0, -1.0}) sets.push_back(moved_along(middle, staff, end, grid.unit_m()));
     for (const TubeSet& tubes : sets) {
+      // How much farther a ray may come than its range says.
+      double stretch = 1;
       if (scene.water->refracts()) {
         const Straightening straightening = straightening_of(site_, pings, grid.to_metres(tubes.apex));
         const Outlook outlook(tubes, grid.unit_m(), straightening);
         for (const Boxes& boxes : list)
           boxes.add_to(choice, outlook.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
-        continue;
+        stretch = fastest_m_s(scene.water->profile()) / straightening.reference_speed_m_s();
+      } else {
+        // Without ground of its own a shot knows which sheets it sees from above, which what is under and
+        // over its tubes may change: docs/big-terrain.md
+        const Sector sector(tubes, grid.unit_m());
+        for (const Boxes& boxes : list)
+          boxes.add_to(choice, sector.facets(site_.ground ? *boxes.tree : *boxes.column_tree, lift_m_));
       }
-      // Without ground of its own a shot knows which sheets it sees from above, which what is under and over
-      // its tubes may change: docs/big-terrain.md
-      const Sector sector(tubes, grid.unit_m());
-      for (const Boxes& boxes : list)
-        boxes.add_to(choice, sector.facets(site_.ground ? *boxes.tree : *boxes.column_tree, lift_m_));
       for (const std::size_t s : group.sensors) {
         const Sensor& sensor = shot.sensor(s);
         const std::optional<PathSettings> paths = path_settings(scene, sensor.frequency_khz());
         if (!paths) continue;
-        const double farthest = farthest_of_paths(*paths, std::max(2 * sensor.reach(grid), tubes.reach)) +
-                                lift_m_ / grid.unit_m();
+        const double reach = stretch * std::max(2 * sensor.reach(grid), tubes.reach);
+        const double farthest = farthest_of_paths(*paths, reach) + lift_m_ / grid.unit_m();
         for (const Boxes& boxes : list) {
           std::vector<FacetId> found;
           boxes.column_tree->query(

@@ -99,20 +99,26 @@ Polygons read(const std::filesystem::path& file) {
   return all;
 }
 
-struct ExactCorners : testing::TestWithParam<std::tuple<bool, bool>> {};
-INSTANTIATE_TEST_SUITE_P(Looks, ExactCorners, testing::Combine(testing::Bool(), testing::Bool()),
+struct ExactCorners : testing::TestWithParam<std::tuple<bool, bool, bool>> {};
+INSTANTIATE_TEST_SUITE_P(Looks, ExactCorners,
+                         testing::Combine(testing::Bool(), testing::Bool(), testing::Bool()),
                          [](const auto& one) {
                            return std::string(std::get<0>(one.param) ? "Bent" : "Straight") +
-                                  (std::get<1>(one.param) ? "Apart" : "OnePlace");
+                                  (std::get<1>(one.param) ? "Apart" : "OnePlace") +
+                                  (std::get<2>(one.param) ? "OfABeam" : "");
                          });
 
 TEST_P(ExactCorners, AreThoseOfTheTable) {
-  const auto [refracts, apart] = GetParam();
+  const auto [refracts, apart, of_a_beam] = GetParam();
   const TestFolder folder;
   const std::string text = scene(refracts ? bent : "", apart ? "receiver_arm_m = [0.3, 0, 0.1]\n" : "");
-  const Outcome outcome =
-      run_program({"footprints", folder.write("scene.toml", text).string(), "--sensor", "camera", "-o",
-                   (folder / "f.csv").string(), "--rationals", (folder / "f.txt").string(), "--quiet"});
+  std::vector<std::string> words{"footprints",  folder.write("scene.toml", text).string(),
+                                 "--sensor",    "camera",
+                                 "-o",          (folder / "f.csv").string(),
+                                 "--rationals", (folder / "f.txt").string(),
+                                 "--quiet"};
+  if (of_a_beam) words.insert(words.end(), {"--beam", "1"});
+  const Outcome outcome = run_program(words);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Polygons exact = read(folder / "f.txt");
   EXPECT_EQ(exact.receiver_tubes > 0, apart);
@@ -136,13 +142,32 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
     if (!apart) {
       EXPECT_EQ(tube, home);
     }
+    if (of_a_beam) {
+      EXPECT_EQ(number("beam"), 1);
+    }
     ++rows;
   }
-  EXPECT_GT(rows, 20u);
-  EXPECT_GT(on_bed, 5u);
+  EXPECT_GT(rows, of_a_beam ? 6u : 20u);
+  EXPECT_GT(on_bed, of_a_beam ? 1u : 5u);
   std::size_t keys = 0;
   for (const auto& [key, area] : exact.area_m2) keys += !apart || std::get<2>(key) >= 0;
   EXPECT_EQ(rows, keys);
+}
+
+// Doubles choose the same planes here; where they take much for zero, corners are still numbers.
+TEST(ExactCornersOfDoubles, AreWhereTheChosenPlanesMeet) {
+  const TestFolder folder;
+  const auto corners = [&](const std::string& run, const char* name) {
+    const std::string text = scene("", "receiver_arm_m = [0.3, 0, 0.1]\n") + run;
+    const Outcome outcome = run_program({"footprints", folder.write("scene.toml", text).string(), "--sensor",
+                                         "camera", "-o", (folder / name).string(), "--quiet"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return read(folder / name);
+  };
+  const Polygons exact = corners("", "exact.txt");
+  EXPECT_EQ(corners("[run]\narithmetic = \"double\"\n", "double.txt").area_m2, exact.area_m2);
+  EXPECT_NE(corners("[run]\narithmetic = \"double\"\nzero_tolerance = 1e-3\n", "wrong.txt").area_m2,
+            exact.area_m2);
 }
 
 }  // namespace

@@ -194,9 +194,6 @@ TEST(FootprintChoice, ThatCannotBeIsRefused) {
   EXPECT_THAT(refused({"--sensor", "camera", "-o", (folder / "a.txt").string(), "--rationals",
                        (folder / "b.txt").string()}),
               HasSubstr("-o"));
-  EXPECT_THAT(
-      refused({"--sensor", "camera", "--arithmetic", "double", "--rationals", (folder / "b").string()}),
-      HasSubstr("an exact arithmetic: fixed, filtered or rational"));
 }
 
 TEST(FootprintChoice, LeavesOutWhatFootprintsAreNot) {

@@ -17,40 +17,14 @@
 #include <set>
 
 #include "fixtures/csv_rows.hpp"
+#include "fixtures/every_feature.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/program.hpp"
-#include "run/abilities.hpp"
 
 namespace tubefoot {
 namespace {
 
 using testing::HasSubstr;
-
-/// How a scene gets a feature: lines of its own tables, of the material, and of the sensor.
-struct InScene {
-  Feature feature;
-  std::string tables{}, material{}, sensor{};
-};
-const std::vector<InScene> of_scenes{
-    {Feature::refraction,
-     "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 40\n"
-     "surface_height_m = 6.5\n"},
-    {Feature::mirrors, "[sea_surface]\nheight_m = 6.5\n"},
-    {Feature::scatterings},
-    {Feature::receiver_apart, {}, {}, {}},  // on an arm along which the sectors overlap
-    {Feature::two_receivers, {}, {}, {}},   // another kind of sensor
-    {Feature::tiles, {}, {}, {}},           // another way to load
-    {Feature::relief_each_shot, "[relief]\nmode = \"online\"\ncell_m = 0.2\ntolerance = 0.5\n",
-     "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\nseed = 7\n"
-     "wavelength_m = 0.4\ndirection_deg = 20\nrms_height_m = 0.01\n"},
-    {Feature::scattering_law,
-     {},
-     "law = \"gsab\"\nspecular_db = -5\nspecular_width_deg = 8\noblique_db = -20\noblique_exponent = 1.5\n",
-     {}},
-    {Feature::micro_texture,
-     {},
-     "[[materials.reflectivity]]\nkind = \"perlin\"\nwavelength_m = 6\noctaves = 1\ndepth = 0.5\nseed = 1\n",
-     {}}};
 
 /// What a command or an option of it asks for.
 struct Asked {
@@ -70,33 +44,6 @@ const std::vector<Asked> of_commands{
     {Feature::refine, {"refine", "-o", "bed.ply"}},
     {Feature::trial, {"advise", "--tolerance", "10%"}}};
 
-std::string scene_with(const std::set<Feature>& features) {
-  std::string tables, material, table_of_material, sensor;
-  for (const InScene& one : of_scenes) {
-    if (!features.contains(one.feature)) continue;
-    tables += one.tables;
-    (one.material.starts_with("[[") ? table_of_material : material) += one.material;
-    sensor += one.sensor;
-  }
-  const bool staff = features.contains(Feature::two_receivers), mirrors = features.contains(Feature::mirrors);
-  if (features.contains(Feature::receiver_apart))
-    sensor += staff ? "receiver_arm_m = [1, 0, 0]\n" : "receiver_arm_m = [0, 1, 0]\n";
-  if (mirrors) tables += "[paths]\norder = 2\n";
-  if (features.contains(Feature::scatterings)) tables += "scatterings = 2\npatch_m = 1\n";
-  return fmt::format(
-      "{}[[materials]]\nname = \"rock\"\n{}{}"
-      "[[terrain]]\nname = \"bed\"\nkind = \"raster\"\nfile = \"bed.asc\"\nmaterial = \"rock\"\nload = "
-      "\"{}\"\n"
-      "[trajectory]\nkind = \"fixed\"\nposition_m = [0, 0, 6]\n"
-      "[[sensors]]\nname = \"sonar\"\nrange_min_m = 6\nrange_max_m = 10\nsamples = 8\n{}{}",
-      tables, material, table_of_material, features.contains(Feature::tiles) ? "tiles" : "whole",
-      staff ? "kind = \"interferometric\"\nalong_track_deg = 3\nfrequency_khz = 100\nbaseline_m = 0.05\n"
-            : fmt::format(
-                  "kind = \"imaging\"\nbeams = 2\nhorizontal_deg = 4\nvertical_deg = {}\ntilt_deg = {}\n",
-                  mirrors ? 140 : 6, mirrors ? 20 : 50),  // up to the surface, too
-      sensor);
-}
-
 /// What the table says of a scene and a command that have these features and no others.
 std::optional<std::string> reason_of_the_table(const std::set<Feature>& features) {
   for (const Refusal& r : refusals())
@@ -107,14 +54,7 @@ std::optional<std::string> reason_of_the_table(const std::set<Feature>& features
 }
 
 struct AbilitiesWalk : testing::Test {
-  AbilitiesWalk() {
-    std::string bed = "ncols 24\nnrows 24\nxllcorner -12\nyllcorner -12\ncellsize 1\n";
-    for (int row = 0; row < 24; ++row) {
-      for (int column = 0; column < 24; ++column) bed += fmt::format("{} ", -0.05 * (column % 3));
-      bed += '\n';
-    }
-    folder.write("bed.asc", bed);
-  }
+  AbilitiesWalk() { folder.write("bed.asc", bed_of_steps()); }
 
   /// Paths in the words get the test's folder. `output`: of a run.
   Outcome tried(const std::set<Feature>& features, std::vector<std::string> words,

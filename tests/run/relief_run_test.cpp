@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
@@ -15,6 +16,7 @@
 namespace tubefoot {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr std::string_view scene = R"(
@@ -140,6 +142,24 @@ TEST(ReliefRun, RefractingWaterSeesTheShotsGround) {
             .energy,
         online.energy);
   }
+}
+
+// What stands out of the water is neither seen nor mirrored, whichever way its relief is refined.
+TEST(ReliefRun, RefractingWaterEndsReliefAtTheSurface) {
+  const TestFolder folder;
+  const auto with = [](const std::string& text) {
+    return "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1600\ngradient_per_s = -10\n"
+           "profile_bottom_m = 12\nsurface_height_m = 2\n[sea_surface]\nheight_m = 2\n"
+           "[[objects]]\nname = \"post\"\nshape = \"box\"\nsize_m = [2, 0.2, 4]\nposition_m = [0.2, -2.3, "
+           "1]\nmaterial = \"sand\"\n" +
+           replaced(replaced(text, "pings = 3\nping_interval_s = 1", "pings = 1"), "tilt_deg = 35",
+                    "tilt_deg = -12");
+  };
+  const Result online = run_scene(folder, "online", with(std::string(scene))),
+               offline = run_scene(folder, "offline", with(offline_scene()));
+  ASSERT_FALSE(online.energy.empty());
+  EXPECT_EQ(online.energy, offline.energy);
+  EXPECT_GT(std::accumulate(online.energy.begin(), online.energy.end(), 0.0), 0);
 }
 
 TEST(ReliefRun, AuditAndFootprintsSeeTheShotsGround) {
@@ -272,6 +292,11 @@ TEST(ReliefRun, RefusesWhatCannotBe) {
   EXPECT_THAT(refused(vast), HasSubstr("facets, more than 100000000"));
   EXPECT_THAT(refused(replaced(scene, "tolerance = 0", "mode = \"off\""), "refine"),
               HasSubstr("nothing to refine"));
+  // A level mirror with relief is not level.
+  EXPECT_THAT(refused("[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
+                      "1\nprofile_bottom_m = 12\nsurface_height_m = 8\n" +
+                      replaced(scene, "lambert_db = -25", "lambert_db = -25\nspecular_loss_db = 10")),
+              AllOf(HasSubstr("mirrors where it is not level"), HasSubstr("scene.toml:")));
 }
 
 }  // namespace

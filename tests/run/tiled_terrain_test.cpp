@@ -109,6 +109,11 @@ std::vector<TiledCase> scenes() {
       {"ReceiverApart", scene("", line + few + "receiver_arm_m = [0.3, 0, 0]\n"), true},
       {"PathsOverTheSurface", scene("[sea_surface]\nheight_m = 0\n[paths]\norder = 2\n",
                                     line + replaced(few, "range_max_m = 22", "range_max_m = 9"))},
+      {"RefractingWaterUnderASurface",  // that alone is looked at: no sector holds the bed
+       scene(refracting + "[sea_surface]\nheight_m = 0\n[paths]\norder = 3\n",
+             line + "[[sensors]]\nname = \"up\"\nkind = \"imaging\"\nbeams = 4\nhorizontal_deg = 20\n"
+                    "vertical_deg = 40\ntilt_deg = -50\nrange_min_m = 14\nrange_max_m = 26\nsamples = 20\n"
+                    "pings = 3\nping_interval_s = 27\n")},
       {"AnIslandAndTheSurface",
        scene("[sea_surface]\nheight_m = 0\n", line + replaced(few, "range_max_m = 22", "range_max_m = 16")),
        false, true},

@@ -18,6 +18,7 @@
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/window_tubes.hpp"
+#include "geometry/visibility/contradictions.hpp"
 
 namespace tubefoot {
 namespace {
@@ -215,6 +216,8 @@ void RefractedImages::look(Image& image) {
   tbb::enumerable_thread_specific<VisibilityScratch> scratch;
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(image.seen.size()), [&](std::uint32_t tube) {
     see(*image.mesh, *image.tree, image.windows, tube, options_, scratch.local(), image.seen[tube]);
+    if (options_.arithmetic == Arithmetic::plain_double)
+      leave_out_contradictions(*image.mesh, image.windows.apex, image.seen[tube]);
   });
 }
 

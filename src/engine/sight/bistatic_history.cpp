@@ -30,16 +30,25 @@ void share(const FootprintSharer& sharer, SharedFootprints& shared) {
 
 std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
                                  const VisibilityOptions& options) {
-  std::vector<TubeVisibility> seen(tubes.tubes.size());
-  tbb::enumerable_thread_specific<VisibilityScratch> threads;
-  Steps steps("tubes", seen.size());
-  tbb::parallel_for(std::uint32_t{0}, std::uint32_t(seen.size()), [&](std::uint32_t tube) {
-    see(mesh, tree, tubes, tube, options, threads.local(), seen[tube]);
-    if (options.arithmetic == Arithmetic::plain_double)
-      leave_out_contradictions(mesh, tubes.apex, seen[tube]);
-    steps.done();
+  struct Buffers {
+    VisibilityScratch visibility;
+    TubeVisibility seen;
+  };
+  std::vector<TubeVisibility> all(tubes.tubes.size());
+  const std::vector<TubeRun> runs = runs_of(tubes);
+  tbb::enumerable_thread_specific<Buffers> threads;
+  Steps steps("tubes", all.size());
+  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
+    auto& [scratch, sees] = threads.local();
+    const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
+    see_run(mesh, tree, tubes, runs[run], options, scratch, sees, [&](std::uint32_t tube) {
+      all[tube] = seen;  // copies are no larger than what they hold
+      if (options.arithmetic == Arithmetic::plain_double)
+        leave_out_contradictions(mesh, tubes.apex, all[tube]);
+      steps.done();
+    });
   });
-  return seen;
+  return all;
 }
 
 BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
