@@ -170,7 +170,7 @@ class StaffRows {
   StaffRows(const Shot& shot, std::size_t s)
       : samples_(static_cast<std::size_t>(shot.sensor(s).samples().count)),
         beams_(static_cast<std::size_t>(shot.beams(s))),
-        all_{{}, std::vector<double>(4 * beams_ * samples_)} {}
+        all_{{int(4 * beams_), int(samples_), std::vector<double>(4 * beams_ * samples_)}, {}} {}
   void set(std::size_t fan, const StaffEcho& echo) { set(fan, rows_of(echo).energy, all_.echo.energy); }
   void set(std::size_t fan, const CertifiedEcho& found) {
     all_.bound.resize(all_.echo.energy.size());
