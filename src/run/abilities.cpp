@@ -57,9 +57,6 @@ constexpr auto table = std::to_array<Refusal>({
      "every place that scatters would see the bed through the water from its own depth: give scatterings = "
      "1, "
      "or profile = \"constant\""},
-    {refraction, mirrors, two_receivers,
-     "phases over mirrors need even water: give profile = \"constant\", or leave out [sea_surface], [paths] "
-     "and 'specular_loss_db'"},
     {refraction, mirrors, reference, two_places_straight},
     {refraction, receiver_apart, reference, two_places_straight},
     {refraction, two_receivers, reference, two_places_straight},
@@ -68,12 +65,6 @@ constexpr auto table = std::to_array<Refusal>({
      {},
      "patches that scatter on to others are taken for points, which no bound encloses: leave out "
      "--reference, or give scatterings = 1"},
-    {receiver_apart, two_receivers, reference,
-     "products of two receivers' signals are certified from the transmitter in their middle: leave out "
-     "--reference, or 'receiver_arm_m'"},
-    {mirrors, two_receivers, reference,
-     "products of two receivers' signals over mirrors have no proven bound: leave out --reference, or the "
-     "sensor"},
     {unbounded_texture, reference, {}, "no reference encloses that"},
     {reference,
      double_arithmetic,

@@ -94,7 +94,40 @@ bool is_wanted(const Shot& shot, std::size_t order) {
   return shot.scene().description.paths.only_order.value_or(int(order)) == int(order);
 }
 
-void count_paths(const auto& paths, PingSums& sums) {
+/// The bed that a sensor's paths meet where it lies: in refracting water images make apparent grounds of
+/// their own.
+class PathBed {
+ public:
+  PathBed(const Shot& shot, std::size_t s, const PathEnds& ends) : shot_(shot) {
+    if (!shot.scene().water->refracts()) return;
+    lying_.emplace(lying_ground_of(shot));
+    water_.emplace(path_water(shot, s, ends.transmit.reach * shot.scene().grid.unit_m()));
+  }
+  const ShotGround& operator*() const { return lying_ ? *lying_ : shot_.ground(); }
+  /// Null where it is even.
+  const PathWater* water() const { return water_ ? &*water_ : nullptr; }
+
+ private:
+  const Shot& shot_;
+  std::optional<ShotGround> lying_;
+  std::optional<PathWater> water_;
+};
+
+template <class Work>
+auto as_seen_by(const Shot& shot, const Work& work) {
+  try {
+    return work();
+  } catch (const RefinementTooLarge&) {
+    rethrow_as_seen_by(shot);
+  } catch (const std::range_error&) {
+    rethrow_as_seen_by(shot);
+  }
+}
+
+void count_paths(const Shot& shot, const auto& paths, PingSums& sums) {
+  StraighteningCounts& counts = sums.counts.refraction;
+  for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, shot);
+  counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
   sums.counts.pieces += paths.shared_pieces;
@@ -106,29 +139,17 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   settings.binning = shot.request().binning;
   const PathEnds ends(shot, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
-  // Images in refracting water make apparent grounds of their own.
-  std::optional<ShotGround> lying;
-  std::optional<PathWater> water;
-  if (shot.scene().water->refracts()) {
-    lying.emplace(lying_ground_of(shot));
-    water.emplace(path_water(shot, s, ends.transmit.reach * shot.scene().grid.unit_m()));
-  }
-  const ShotGround& ground = lying ? *lying : shot.ground();
-  const SensorLaw law(shot, ground, s);
+  const PathBed bed(shot, s, ends);
+  const SensorLaw law(shot, *bed, s);
   std::optional<RayGround> rays;
-  if (shot.request().engine == Engine::ray && !water)
+  if (shot.request().engine == Engine::ray && bed.water() == nullptr)
     settings.sampled = SampledPaths{&*rays.emplace(shot), shot.scene().grid, rays_of(shot),
                                     sensor.beam_of_tube(shot.number())};
-  PathEcho paths;
-  try {
-    paths = path_echo(ground.mesh(), ground.tree(), shot.scene().grid.unit_m(), shot.request().visibility,
-                      ends.transmit, ends.receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law,
-                      settings, water ? &*water : nullptr);
-  } catch (const RefinementTooLarge&) {
-    rethrow_as_seen_by(shot);
-  } catch (const std::range_error&) {
-    rethrow_as_seen_by(shot);
-  }
+  const PathEcho paths = as_seen_by(shot, [&] {
+    return path_echo((*bed).mesh(), (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,
+                     ends.transmit, ends.receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law,
+                     settings, bed.water());
+  });
   for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
     if (!is_wanted(shot, order)) continue;
     if (!settings.reference_tolerance) {
@@ -139,62 +160,76 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
     hold_against(certified, *settings.reference_tolerance);
     sums.add(shot, s, certified, order);
   }
-  StraighteningCounts& counts = sums.counts.refraction;
-  for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, shot);
-  counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
   sums.counts.hits += paths.hits;
-  count_paths(paths, sums);
+  count_paths(shot, paths, sums);
 }
 
-/// The four channels of a staff: [channel][beam][sample], a beam a fan.
+/// The four channels of a staff: [channel][beam][sample], a beam a fan. With a reference, their bounds, too.
 class StaffRows {
  public:
   StaffRows(const Shot& shot, std::size_t s)
       : samples_(static_cast<std::size_t>(shot.sensor(s).samples().count)),
         beams_(static_cast<std::size_t>(shot.beams(s))),
-        all_(4 * beams_ * samples_) {}
-  void set(std::size_t fan, const StaffEcho& echo) {
-    std::size_t channel = 0;
-    for (const auto* row : {&echo.upper_j, &echo.lower_j, &echo.cross_real_j, &echo.cross_imag_j})
-      set(fan, channel++, *row);
+        all_{{int(4 * beams_), int(samples_), std::vector<double>(4 * beams_ * samples_)}, {}} {}
+  void set(std::size_t fan, const StaffEcho& echo) { set(fan, rows_of(echo).energy, all_.echo.energy); }
+  void set(std::size_t fan, const CertifiedEcho& found) {
+    all_.bound.resize(all_.echo.energy.size());
+    set(fan, found.echo.energy, all_.echo.energy);
+    set(fan, found.bound, all_.bound);
+    all_.bins_over += found.bins_over;
+    if (!(found.worst_ratio > all_.worst_ratio)) return;
+    all_.worst_ratio = found.worst_ratio;
+    all_.worst_beam = int(fan);  // of whichever channel
+    all_.worst_sample = found.worst_sample;
   }
-  /// [channel][sample].
-  void set(std::size_t fan, std::span<const double> channels) {
-    for (std::size_t channel = 0; channel < 4; ++channel)
-      set(fan, channel, channels.subspan(channel * samples_, samples_));
+  void add_to(PingSums& sums, const Shot& shot, std::size_t s, std::size_t order) const {
+    if (all_.bound.empty()) return sums.add(shot, s, order, all_.echo.energy);
+    sums.add(shot, s, all_, order);
   }
-  std::span<const double> all() const { return all_; }
 
  private:
-  void set(std::size_t fan, std::size_t channel, std::span<const double> row) {
-    std::copy(row.begin(), row.end(), all_.begin() + std::ptrdiff_t((channel * beams_ + fan) * samples_));
+  /// `channels`: [channel][sample].
+  void set(std::size_t fan, std::span<const double> channels, std::vector<double>& all) const {
+    for (std::size_t channel = 0; channel < 4; ++channel)
+      std::ranges::copy(channels.subspan(channel * samples_, samples_),
+                        all.begin() + std::ptrdiff_t((channel * beams_ + fan) * samples_));
   }
 
   std::size_t samples_, beams_;
-  std::vector<double> all_;
+  CertifiedEcho all_;
 };
 
 void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& settings, PingSums& sums) {
   const Sensor& sensor = shot.sensor(s);
   const PathEnds ends(shot, s);
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
-  const SensorLaw law = shot.law(s);
+  const PathBed bed(shot, s, ends);
+  const SensorLaw law(shot, *bed, s);
   std::vector<StaffRows> by_order(std::size_t(settings.order) + 1, StaffRows(shot, s));
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
-    const TubeSet receive = tubes_of_fan(ends.receive, fans, fan);
+    const TubeSet transmit = tubes_of_fan(ends.transmit, fans, fan),
+                  receive = tubes_of_fan(ends.receive, fans, fan);
     const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, receive.tubes.size());
     EchoLaw own = law.law;
     own.patterns = &patterns;
-    const StaffPathEcho paths =
-        staff_path_echo(shot.ground().mesh(), shot.ground().tree(), shot.scene().grid.unit_m(),
-                        shot.request().visibility, tubes_of_fan(ends.transmit, fans, fan), receive,
-                        law.patterns.fringes[fan], sensor.samples(), own, settings);
-    for (std::size_t order = 0; order < paths.by_order.size(); ++order)
-      by_order[order].set(fan, paths.by_order[order]);
-    count_paths(paths, sums);
+    const StaffPathEcho paths = as_seen_by(shot, [&] {
+      return staff_path_echo((*bed).mesh(), (*bed).tree(), shot.scene().grid.unit_m(),
+                             shot.request().visibility, {transmit, receive, law.patterns.fringes[fan]},
+                             sensor.samples(), own, settings, bed.water());
+    });
+    for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
+      if (!settings.reference_tolerance) {
+        by_order[order].set(fan, paths.by_order[order]);
+        continue;
+      }
+      CertifiedEcho certified{rows_of(paths.by_order[order]), rows_of(paths.bound_by_order[order]).energy};
+      hold_staff_against(certified, *settings.reference_tolerance);
+      by_order[order].set(fan, certified);
+    }
+    count_paths(shot, paths, sums);
   }
   for (std::size_t order = 0; order < by_order.size(); ++order)
-    if (is_wanted(shot, order)) sums.add(shot, s, order, by_order[order].all());
+    if (is_wanted(shot, order)) by_order[order].add_to(sums, shot, s, order);
 }
 
 void add_paths(const Shot& shot, PingSums& sums) {
@@ -273,28 +308,20 @@ void add_staff(const Shot& shot, std::size_t s, const SensorLaw& law, const Face
   EchoLaw on_mesh = law.law;
   on_mesh.material = mesh.material;
   StaffRows rows(shot, s);
-  CertifiedEcho certified;
-  const auto tolerance = shot.request().reference_tolerance;
-  StaffRows bounds(shot, s);
   for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan) {
     const Fringe& staff = law.patterns.fringes[fan];
     const StaffHistory history = trace(fan, staff);
     sums.as_echo([&] {
       const StaffEcho echo =
           integrate_staff_echo(history, staff, fan, fan, shot.sensor(s).samples(), on_mesh);
-      if (!tolerance) {
-        rows.set(fan, echo);
+      if (const auto tolerance = shot.request().reference_tolerance) {
+        const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, history.upper.tubes.size());
+        EchoLaw own = on_mesh;
+        own.patterns = &patterns;
+        rows.set(fan, certify_staff_echo(mesh, history, unit_m, staff, shot.sensor(s).samples(), own, echo,
+                                         *tolerance));
       } else {
-        const CertifiedEcho found = certify_staff_echo(mesh, history, unit_m, staff, fan, fan,
-                                                       shot.sensor(s).samples(), on_mesh, echo, *tolerance);
-        rows.set(fan, found.echo.energy);
-        bounds.set(fan, found.bound);
-        certified.bins_over += found.bins_over;
-        if (found.worst_ratio > certified.worst_ratio) {
-          certified.worst_ratio = found.worst_ratio;
-          certified.worst_beam = int(fan);  // of whichever channel
-          certified.worst_sample = found.worst_sample;
-        }
+        rows.set(fan, echo);
       }
       sums.add_finer_relief(
           shot,
@@ -305,10 +332,7 @@ void add_staff(const Shot& shot, std::size_t s, const SensorLaw& law, const Face
       sums.counts.pieces += history.pieces();
     });
   }
-  if (!tolerance) return sums.add(shot, s, 1, rows.all());
-  certified.echo.energy.assign(rows.all().begin(), rows.all().end());
-  certified.bound.assign(bounds.all().begin(), bounds.all().end());
-  sums.add(shot, s, certified);
+  rows.add_to(sums, shot, s, 1);
 }
 
 void add_refracted_receiver_apart(const Shot& shot, PingSums& sums) {

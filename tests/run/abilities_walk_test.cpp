@@ -169,6 +169,16 @@ TEST_F(AbilitiesWalk, EveryPairOfWhatARunAsks) {
     }
 }
 
+// The phases of two receivers are integrals of their own.
+TEST_F(AbilitiesWalk, TwoReceiversWithWhatTheirProductsMeet) {
+  using enum Feature;
+  walk({two_receivers, receiver_apart, reference}, of_runs.front().words);
+  walk({two_receivers, mirrors, reference}, of_runs.front().words);
+  walk({two_receivers, mirrors, receiver_apart, reference}, of_runs.front().words);
+  walk({two_receivers, mirrors, refraction}, {"run"});
+  walk({two_receivers, mirrors, refraction, receiver_apart}, {"run"});
+}
+
 // More than two at once: a real scene has four.
 TEST_F(AbilitiesWalk, DrawnScenesOfManyFeatures) {
   const unsigned seed = 20;

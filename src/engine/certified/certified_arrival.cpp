@@ -24,6 +24,18 @@ Ball gain(const Directivity& pattern, const BallVector& direction) {
   return value.is_finite() ? value : most * Ball::between(0, 1);
 }
 
+/// An energy: no less than nothing.
+Ball ball_of(const Bounded& energy) {
+  const Ball bound(energy.bound), middle(energy.value);
+  return Ball::between(std::max((middle - bound).lo(), 0.0), (middle + bound).hi());
+}
+
+Bounded bounded(const Ball& x) {
+  const double middle = x.middle();
+  const Ball off = x - Ball(middle);
+  return {middle, std::max({off.hi(), -off.lo(), 0.0})};
+}
+
 }  // namespace
 
 void certify_arrival(const Arrival& arrival, const RangeSamples& samples,
@@ -64,6 +76,25 @@ void certify_arrival(const Arrival& arrival, const RangeSamples& samples,
       take(beam, sample, middle, std::max({off.hi(), -off.lo(), 0.0}));
     }
   }
+}
+
+std::array<Bounded, 2> certify_arrivals_product(const GridPoint& way, double unit_m, const Fringe& staff,
+                                                const Bounded& upper, const Bounded& lower) {
+  const std::array<double, 3> units{double(way.x), double(way.y), double(way.z)};
+  Ball along, to_upper, to_lower;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Ball middle = Ball(units[k]) * Ball(unit_m),
+               half = Ball(staff.baseline_m) / Ball(2) * Ball(staff.axis[int(k)]);
+    along += middle * half;
+    to_upper += squared(middle + half);
+    to_lower += squared(middle - half);
+  }
+  // (upper^2 - lower^2) / (upper + lower)
+  const Ball further = Ball(4) * along / (root(to_upper) + root(to_lower)),
+             size = root(ball_of(upper) * ball_of(lower));
+  Ball sine, cosine;
+  sin_cos(Ball(staff.wavenumber_rad_m) * further, sine, cosine);
+  return {bounded(size * cosine), bounded(size * sine)};
 }
 
 }  // namespace tubefoot

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 
@@ -26,5 +27,16 @@ struct Arrival {
 void certify_arrival(
     const Arrival& arrival, const RangeSamples& samples,
     const std::function<void(std::size_t beam, std::size_t sample, double energy, double bound)>& take);
+
+/// A value with the half-width of its bound.
+struct Bounded {
+  double value = 0, bound = 0;
+};
+
+/// What the signals of two receivers on a staff, of these energies, have in common that came straight from
+/// one place: the root of both energies, with the phase between the two ends. `way`: from there to the
+/// staff's middle, grid units. Real and imaginary part.
+std::array<Bounded, 2> certify_arrivals_product(const GridPoint& way, double unit_m, const Fringe& staff,
+                                                const Bounded& upper, const Bounded& lower);
 
 }  // namespace tubefoot

@@ -24,14 +24,16 @@ class StaffIntegrand : public CertifiedIntegrand {
  public:
   StaffIntegrand(const CertifiedPathEnergy& upper, const CertifiedPathEnergy& lower,
                  const CertifiedPathGains& upper_gains, const CertifiedPathGains& lower_gains,
-                 const Fringe& staff, const CertifiedCell* texture)
+                 const Fringe& staff, const glm::dvec3& middle_m, const CertifiedCell* texture)
       : upper_(upper),
         lower_(lower),
         upper_gains_(upper_gains),
         lower_gains_(lower_gains),
         texture_(texture),
         along_(upper.out().trace(staff.axis)),
-        turn_(Ball(-2) * Ball(staff.baseline_m) * Ball(staff.wavenumber_rad_m)) {}
+        turn_(Ball(-2) * Ball(staff.baseline_m) * Ball(staff.wavenumber_rad_m)) {
+    for (int k = 0; k < 3; ++k) along_.at_foot += Ball(-middle_m[k]) * Ball(staff.axis[k]);
+  }
 
   std::size_t values() const override { return 3; }
   std::size_t size_of(std::size_t) const override { return 0; }
@@ -91,7 +93,7 @@ class StaffIntegrand : public CertifiedIntegrand {
   CertifiedPathEnergy upper_, lower_;
   CertifiedPathGains upper_gains_, lower_gains_;
   const CertifiedCell* texture_;
-  CertifiedEnd::Trace along_;
+  CertifiedEnd::Trace along_;  // the staff, of a place from its middle
   Ball turn_;
 };
 
@@ -126,28 +128,29 @@ std::pair<CertifiedPolygon, Ball> common_part(const CertifiedPolygon& one, const
 class StaffEncloser {
  public:
   StaffEncloser(const FacetMesh& mesh, const StaffHistory& history, double unit_m, const Fringe& staff,
-                std::uint32_t fan, std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law,
+                const RangeSamples& samples, std::array<const EchoLaw*, 2> laws,
                 std::span<const std::shared_ptr<const CertifiedTexture>> textures,
                 std::span<const double> target, double working)
       : mesh_(mesh),
         history_(history),
         unit_m_(unit_m),
         staff_(staff),
-        fan_(fan),
-        beam_(beam),
-        law_(law),
+        laws_(laws),
         textures_(textures),
         borders_(sample_borders_m(samples)),
         target_(target),
         working_(working),
-        beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
+        beta_(Ball(laws[0]->absorption_db_per_m) * log(Ball(10)) / Ball(10)) {
     for (std::size_t k = 0; k < 3; ++k) {
-      at_m_[0][k] = Ball(staff.baseline_m) / Ball(2) * Ball(staff.axis[int(k)]);
-      at_m_[1][k] = -at_m_[0][k];
+      const Ball half = Ball(staff.baseline_m) / Ball(2) * Ball(staff.axis[int(k)]),
+                 middle(history.middle_m[int(k)]);
+      at_m_[0][k] = middle + half;
+      at_m_[1][k] = middle - half;
     }
   }
 
-  std::vector<Ball> enclose(bool& coarse) {
+  /// Without `energies` those are 0.
+  std::vector<Ball> enclose(bool energies, bool& coarse) {
     struct Job {
       const SharedFacet *upper, *lower;
     };
@@ -160,7 +163,7 @@ class StaffEncloser {
     }
     std::vector<Bins> by_job(jobs.size());
     tbb::parallel_for(std::size_t{0}, jobs.size(),
-                      [&](std::size_t k) { add(jobs[k].upper, jobs[k].lower, by_job[k]); });
+                      [&](std::size_t k) { add(jobs[k].upper, jobs[k].lower, energies, by_job[k]); });
     coarse = coarse_;
     std::vector<Ball> total(target_.size());
     for (const Bins& bins : by_job)  // in order, so that the result does not depend on the threads
@@ -174,7 +177,7 @@ class StaffEncloser {
     return std::span(shared.corners_m).subspan(piece.first, piece.count);
   }
 
-  void add(const SharedFacet* upper, const SharedFacet* lower, Bins& bins) {
+  void add(const SharedFacet* upper, const SharedFacet* lower, bool energies, Bins& bins) {
     const FacetId facet = (upper != nullptr ? upper : lower)->facet;
     FacetCone cone;
     FacetCone::make(mesh_, facet, history_.transmit.apex, cone);
@@ -185,7 +188,7 @@ class StaffEncloser {
     for (const std::size_t end : {0, 1}) {
       const SharedFacet* seen = end == 0 ? upper : lower;
       const SharedFootprints& shared = end == 0 ? history_.by_upper : history_.by_lower;
-      for (std::uint32_t k = 0; seen != nullptr && k < seen->piece_count; ++k)
+      for (std::uint32_t k = 0; energies && seen != nullptr && k < seen->piece_count; ++k)
         add_energy(end, facet, polygon(shared, shared.pieces[seen->first_piece + k]), integrator, bins);
     }
     if (upper == nullptr || lower == nullptr) return;
@@ -197,7 +200,7 @@ class StaffEncloser {
         stop_if_wanted();
         const CertifiedPolygon seen = polygon(history_.by_upper, one);
         const auto [part, unsure] = common_part(seen, polygon(history_.by_lower, two));
-        if (!faces(seen)) continue;
+        if (!faces(0, seen) || !faces(1, seen)) continue;
         add_product(facet, part, integrator, bins);
         add_unsure(facet, seen, unsure, integrator, bins);
       }
@@ -209,33 +212,31 @@ class StaffEncloser {
     CertifiedPathGains gains;
   };
   Ends ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
-    CertifiedPathEnergy energy(polygon, at_m_[end], law_, law_.bed(facet), beta_);
-    CertifiedPathGains gains(energy.out(), energy.home(), law_.patterns->transmit[fan_],
-                             std::span(law_.patterns->receive).subspan(beam_, 1));
+    const EchoLaw& law = *laws_[end];
+    CertifiedPathEnergy energy(polygon, at_m_[end], law, law.bed(facet), beta_);
+    CertifiedPathGains gains(energy.out(), energy.home(), law.patterns->transmit.front(),
+                             std::span(law.patterns->receive).first(1));
     return {std::move(energy), std::move(gains)};
   }
   /// False where a receiver looks along the plane or at its back, which only the grid's half units can do.
-  bool faces(const CertifiedPolygon& polygon) const {
-    for (const auto& at : at_m_) {
-      const Ball height = apex_over(polygon, at).height;
-      if (height.may_be_zero())
-        throw std::invalid_argument("a receiver lies in a facet's plane, to 1e-30 m: no reference");
-      if (height.surely_negative()) return false;
-    }
-    return true;
+  bool faces(std::size_t end, const CertifiedPolygon& polygon) const {
+    const Ball height = apex_over(polygon, at_m_[end]).height;
+    if (height.may_be_zero())
+      throw std::invalid_argument("a receiver lies in a facet's plane, to 1e-30 m: no reference");
+    return height.surely_positive();
   }
 
   /// `add(part, cell, even, cells)` for the parts of a polygon by cells of its texture.
   template <class Add>
   void by_cells(FacetId facet, const CertifiedPolygon& polygon, const Add& add) {
-    const CertifiedTexture* texture = textures_[law_.material[facet]].get();
+    const CertifiedTexture* texture = textures_[laws_[0]->material[facet]].get();
     const Ball range = texture == nullptr ? Ball(1) : texture->range();
     const bool worth_it = polygon.edges.size() >= 3 && range.hi() - range.lo() > working_ / 8 * range.lo();
     const std::size_t cells =
-        worth_it ? cut_by_cells(polygon, *texture, law_.path.out.map_of(facet), most_cells, {}) : 0;
+        worth_it ? cut_by_cells(polygon, *texture, laws_[0]->path.out.map_of(facet), most_cells, {}) : 0;
     if (worth_it && cells == 0) coarse_ = true;
     if (cells == 0) return add(polygon, nullptr, range, 1.0);
-    cut_by_cells(polygon, *texture, law_.path.out.map_of(facet), most_cells,
+    cut_by_cells(polygon, *texture, laws_[0]->path.out.map_of(facet), most_cells,
                  [&](const CertifiedPolygon& part, const CertifiedCell& cell) {
                    add(part, &cell, Ball(1), double(cells));
                  });
@@ -247,7 +248,7 @@ class StaffEncloser {
 
   void add_energy(std::size_t end, FacetId facet, const CertifiedPolygon& polygon,
                   CertifiedPathIntegrator& integrator, Bins& bins) {
-    if (!faces(polygon)) return;
+    if (!faces(end, polygon)) return;
     by_cells(facet, polygon,
              [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
                Ends own = ends(end, facet, part);
@@ -268,7 +269,8 @@ class StaffEncloser {
     by_cells(facet, polygon,
              [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
                const Ends upper = ends(0, facet, part), lower = ends(1, facet, part);
-               StaffIntegrand integrand(upper.energy, lower.energy, upper.gains, lower.gains, staff_, cell);
+               StaffIntegrand integrand(upper.energy, lower.energy, upper.gains, lower.gains, staff_,
+                                        history_.middle_m, cell);
                const ApexOverPlane homes[2] = {upper.energy.home().over(), lower.energy.home().over()};
                integrator.add(part, upper.energy.out().over(),
                               std::span(homes).first(staff_.baseline_m > 0 ? 2 : 1), integrand,
@@ -283,9 +285,10 @@ class StaffEncloser {
   /// What may or may not be common to both, of what the upper one sees.
   void add_unsure(FacetId facet, const CertifiedPolygon& polygon, const Ball& unsure,
                   CertifiedPathIntegrator& integrator, Bins& bins) {
-    const CertifiedTexture* texture = textures_[law_.material[facet]].get();
+    const CertifiedTexture* texture = textures_[laws_[0]->material[facet]].get();
     const Ends upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
-    StaffIntegrand integrand(upper.energy, lower.energy, upper.gains, lower.gains, staff_, nullptr);
+    StaffIntegrand integrand(upper.energy, lower.energy, upper.gains, lower.gains, staff_, history_.middle_m,
+                             nullptr);
     const ApexOverPlane home = upper.energy.home().over();
     integrator.add(polygon, upper.energy.out().over(), {&home, 1}, integrand,
                    {0, [](std::size_t, std::size_t) { return least_allowed; }},
@@ -303,8 +306,7 @@ class StaffEncloser {
   const StaffHistory& history_;
   double unit_m_;
   const Fringe& staff_;
-  std::uint32_t fan_, beam_;
-  const EchoLaw& law_;
+  std::array<const EchoLaw*, 2> laws_;  // by receiver
   std::span<const std::shared_ptr<const CertifiedTexture>> textures_;
   std::vector<double> borders_;
   std::span<const double> target_;
@@ -326,46 +328,74 @@ std::vector<double> staff_targets(std::span<const double> upper, std::span<const
   return target;
 }
 
-}  // namespace
-
-CertifiedEcho certify_staff_echo(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
-                                 const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
-                                 const RangeSamples& samples, const EchoLaw& law, const StaffEcho& ordinary,
-                                 double tolerance) {
-  const auto textures = certified_textures(law);
-  const auto row = std::size_t(samples.count);
+CertifiedEcho enclosed(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
+                       const Fringe& staff, const RangeSamples& samples, std::array<const EchoLaw*, 2> laws,
+                       const StaffEcho& ordinary, double tolerance, bool energies) {
+  const auto textures = certified_textures(*laws[0]);
   return narrowed(tolerance, [&](double working, bool& coarse) {
     const std::vector<double> target = staff_targets(ordinary.upper_j, ordinary.lower_j, working);
-    StaffEncloser encloser(mesh, history, grid_unit_m, staff, fan, beam, samples, law, textures, target,
-                           working);
-    const std::vector<Ball> total = encloser.enclose(coarse);
-    CertifiedEcho certified;
-    certified.echo = {4, samples.count, std::vector<double>(4 * row)};
-    certified.bound.resize(4 * row);
-    std::vector<double> sure(2 * row);
-    for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    StaffEncloser encloser(mesh, history, grid_unit_m, staff, samples, laws, textures, target, working);
+    const std::vector<Ball> total = encloser.enclose(energies, coarse);
+    CertifiedEcho certified{rows_of(ordinary), std::vector<double>(total.size())};
+    const std::size_t sizes = total.size() / 2;
+    for (std::size_t bin = energies ? 0 : sizes; bin < total.size(); ++bin) {
       if (!total[bin].is_finite()) {
+        certified.echo.energy[bin] = 0;
         certified.bound[bin] = infinite;
         continue;
       }
-      const double middle = bin < 2 * row ? std::max(total[bin].middle(), 0.0) : total[bin].middle();
+      const double middle = bin < sizes ? std::max(total[bin].middle(), 0.0) : total[bin].middle();
       const Ball off = total[bin] - Ball(middle);
       certified.echo.energy[bin] = middle;
       certified.bound[bin] = std::max({off.hi(), -off.lo(), 0.0});
-      if (bin < 2 * row) sure[bin] = std::max(middle - certified.bound[bin], 0.0);
     }
-    const std::vector<double> asked =
-        staff_targets(std::span(sure).first(row), std::span(sure).last(row), tolerance * (1 + 1e-6));
-    for (std::size_t bin = 0; bin < total.size(); ++bin) {
-      const double ratio = certified.bound[bin] / asked[bin];
-      certified.bins_over += !(ratio <= 1);
-      if (!(ratio > certified.worst_ratio)) continue;
-      certified.worst_ratio = ratio;
-      certified.worst_beam = int(bin / row);
-      certified.worst_sample = int(bin % row);
-    }
+    hold_staff_against(certified, tolerance);
     return certified;
   });
+}
+
+}  // namespace
+
+Echo rows_of(const StaffEcho& echo) {
+  Echo rows{4, int(echo.upper_j.size()), {}};
+  for (const auto* row : {&echo.upper_j, &echo.lower_j, &echo.cross_real_j, &echo.cross_imag_j})
+    rows.energy.insert(rows.energy.end(), row->begin(), row->end());
+  return rows;
+}
+
+void hold_staff_against(CertifiedEcho& certified, double tolerance) {
+  const auto row = std::size_t(certified.echo.samples);
+  std::vector<double> sure(2 * row);
+  for (std::size_t bin = 0; bin < sure.size(); ++bin) {
+    const double least = certified.echo.energy[bin] - certified.bound[bin];
+    sure[bin] = least > 0 ? least : 0;
+  }
+  const std::vector<double> asked =
+      staff_targets(std::span(sure).first(row), std::span(sure).last(row), tolerance * (1 + 1e-6));
+  certified.bins_over = 0;
+  certified.worst_ratio = 0;
+  for (std::size_t bin = 0; bin < asked.size(); ++bin) {
+    const double ratio = certified.bound[bin] / asked[bin];
+    certified.bins_over += !(ratio <= 1);
+    if (!(ratio > certified.worst_ratio)) continue;
+    certified.worst_ratio = ratio;
+    certified.worst_beam = int(bin / row);
+    certified.worst_sample = int(bin % row);
+  }
+}
+
+CertifiedEcho certify_staff_echo(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
+                                 const Fringe& staff, const RangeSamples& samples, const EchoLaw& law,
+                                 const StaffEcho& ordinary, double tolerance) {
+  return enclosed(mesh, history, grid_unit_m, staff, samples, {&law, &law}, ordinary, tolerance, true);
+}
+
+CertifiedEcho certify_staff_products(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
+                                     const Fringe& staff, const RangeSamples& samples,
+                                     const EchoLaw& by_upper, const EchoLaw& by_lower,
+                                     const StaffEcho& ordinary, double tolerance) {
+  return enclosed(mesh, history, grid_unit_m, staff, samples, {&by_upper, &by_lower}, ordinary, tolerance,
+                  false);
 }
 
 }  // namespace tubefoot

@@ -8,10 +8,22 @@ namespace tubefoot {
 
 /// What the two receivers of a staff hear (staff_echo.hpp), enclosed: rows upper, lower, real and imaginary
 /// part of the cross product in place of beams. Bounds of the last two are held against the geometric mean of
-/// both energies. `ordinary` is integrate_staff_echo()'s and only guides the work.
+/// both energies. `law.patterns`: those of the fan alone (patterns_of_fan()). `ordinary` is
+/// integrate_staff_echo()'s and only guides the work.
 CertifiedEcho certify_staff_echo(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
-                                 const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
-                                 const RangeSamples& samples, const EchoLaw& law, const StaffEcho& ordinary,
-                                 double tolerance);
+                                 const Fringe& staff, const RangeSamples& samples, const EchoLaw& law,
+                                 const StaffEcho& ordinary, double tolerance);
+
+/// The products alone, by way of mirrors (integrate_staff_products()): energies are the ordinary ones, with
+/// bounds of 0.
+CertifiedEcho certify_staff_products(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
+                                     const Fringe& staff, const RangeSamples& samples,
+                                     const EchoLaw& by_upper, const EchoLaw& by_lower,
+                                     const StaffEcho& ordinary, double tolerance);
+
+/// The rows of such an echo.
+Echo rows_of(const StaffEcho& echo);
+/// Counts the bins of these rows whose bound is above what was asked for (as hold_against()).
+void hold_staff_against(CertifiedEcho& certified, double tolerance);
 
 }  // namespace tubefoot

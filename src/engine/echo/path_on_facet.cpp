@@ -40,20 +40,6 @@ void PathOnFacet::lay_out(std::span<const glm::dvec3> corners_m, const PairedFac
     polygon.offsets.emplace_back(glm::dvec2(paired.to_plane.linear * (corner - corners_m[0])));
 }
 
-// Where the middle is sqrt(D^2 + |p - F|^2) from the plane's point p, which it sees at s(p), linear in p, the
-// end is as far from it as the root of D^2 + |p - F|^2 - 2 by . s(p) + by^2: a distance and a foot again.
-bool PathOnFacet::move_home(glm::dvec3 by_m) {
-  PathCutter::Receiver& over = home.over;
-  const glm::dvec2 foot = over.foot + glm::dvec2(glm::dot(by_m, home.seen.u), glm::dot(by_m, home.seen.v));
-  const double distance2 = over.distance * over.distance + glm::dot(over.foot, over.foot) -
-                           glm::dot(foot, foot) + glm::dot(by_m, by_m) - 2 * glm::dot(by_m, home.seen.foot_m);
-  if (!(distance2 > 0)) return false;
-  over = {std::sqrt(distance2), foot};
-  home.seen.foot_m -= by_m;
-  lambert = bed.mu * out.over.distance * over.distance;
-  return true;
-}
-
 void PathOnFacet::finish(const EchoLaw& law) {
   lambert = bed.mu * out.over.distance * home.over.distance;
   beta_per_m = absorption_per_m(law.absorption_db_per_m);

@@ -46,10 +46,6 @@ struct PathOnFacet {
   static void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired,
                       PlanarPolygon& polygon);
 
-  /// To the end of a staff whose middle the way home leads to: the apparent bed stays where it is. False: the
-  /// plane is not in front of it.
-  bool move_home(glm::dvec3 by_m);
-
   /// Of an even bed, without mirrors.
   double density_at(double out_range_m, double home_range_m) const {
     const auto way = Way<double>::of(out_range_m, home_range_m);

@@ -22,6 +22,11 @@ constexpr double tolerance = 1e-8;
 /// Facets that a task takes: part of the summation's order.
 constexpr std::size_t facets_per_task = 64;
 
+/// Where the bed is seen elsewhere over one chain of mirrors than over another, so are its ends.
+bool in_the_middle(const StaffHistory& history) {
+  return history.middle_m == glm::dvec3(0) && history.paired_upper.empty() && history.paired_lower.empty();
+}
+
 /// Sums one fan's echo; one per task.
 class StaffIntegral {
  public:
@@ -48,7 +53,7 @@ class StaffIntegral {
 
   /// Energies of one receiver.
   void add_energy(std::size_t end, const SharedFacet& facet) {
-    if (!place(end, facet)) return;
+    if (!place(end, facet, end, end + 1)) return;
     const SharedFootprints& shared = seen_by(end);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       assign(polygon_, shared, shared.pieces[facet.first_piece + k]);
@@ -58,7 +63,7 @@ class StaffIntegral {
 
   /// What is common to both. `upper` and `lower` are the same facet.
   void add_product(const SharedFacet& upper, const SharedFacet& lower) {
-    if (!place(0, upper)) return;
+    if (!place(0, upper, 0, 2)) return;
     const SharedFootprints &by_upper = history_.by_upper, &by_lower = history_.by_lower;
     PlanarPolygon other;
     for (std::uint32_t k = 0; k < upper.piece_count; ++k) {
@@ -90,21 +95,22 @@ class StaffIntegral {
       PathOnFacet::lay_out(corners, *paired_, polygon);
   }
 
-  /// A facet, of those that a receiver shares. False where a receiver looks along the plane or at its back,
-  /// which only the grid's half units can do.
-  bool place(std::size_t end, const SharedFacet& facet) {
-    const std::vector<PairedFacet>& paired = end == 0 ? history_.paired_upper : history_.paired_lower;
-    paired_ = paired.empty() ? nullptr : &paired[std::size_t(&facet - seen_by(end).facets.data())];
-    const bool placed = paired_ == nullptr ? place_seen(facet) : place_paired(facet);
+  /// A facet, of those that a receiver shares, for receivers [first, last). False where one of them looks
+  /// along the plane or at its back, which only the grid's half units can do.
+  bool place(std::size_t of, const SharedFacet& facet, std::size_t first, std::size_t last) {
+    const std::vector<PairedFacet>& paired = of == 0 ? history_.paired_upper : history_.paired_lower;
+    paired_ = paired.empty() ? nullptr : &paired[std::size_t(&facet - seen_by(of).facets.data())];
+    const bool placed =
+        paired_ == nullptr ? place_seen(facet, first, last) : place_paired(facet, first, last);
     smooth_ = patterns_;
-    smooth_.take(paths_[0].bed.scattering);
+    smooth_.take(paths_[first].bed.scattering);
     return placed;
   }
 
-  bool place_seen(const SharedFacet& facet) {
+  bool place_seen(const SharedFacet& facet, std::size_t first, std::size_t last) {
     plane_ = {facet.plane_normal, facet.transmit_distance_m};
     frame_ = PlaneFrame(plane_);
-    for (std::size_t end = 0; end < 2; ++end) {
+    for (std::size_t end = first; end < last; ++end) {
       const double distance_m = plane_.distance_m + glm::dot(plane_.normal, at_m_[end]);
       if (!(distance_m > 0)) return false;
       paths_[end] = PathOnFacet(plane_, frame_, at_m_[end], distance_m, facet.facet, *laws_[end]);
@@ -115,11 +121,12 @@ class StaffIntegral {
     return true;
   }
 
-  bool place_paired(const SharedFacet& facet) {
+  bool place_paired(const SharedFacet& facet, std::size_t first, std::size_t last) {
     const LyingPlane& seen = paired_->receive_seen;
-    for (std::size_t end = 0; end < 2; ++end) {
-      paths_[end] = PathOnFacet(*paired_, facet.facet, *laws_[end]);
-      if (!paths_[end].move_home(at_m_[end] - history_.middle_m)) return false;
+    for (std::size_t end = first; end < last; ++end) {
+      PairedFacet moved = *paired_;
+      if (!moved.move_receiver(at_m_[end] - history_.middle_m)) return false;
+      paths_[end] = PathOnFacet(moved, facet.facet, *laws_[end]);
     }
     along_ = {glm::dot(seen.u, staff_.axis), glm::dot(seen.v, staff_.axis),
               glm::dot(seen.foot_m, staff_.axis)};
@@ -150,7 +157,7 @@ class StaffIntegral {
       work.values = 3;
       work.resolution_rad = std::min(work.resolution_rad, fringe_rad_);
       // With the transmitter in their middle neither is much nearer than the other.
-      work.from_second = history_.middle_m != glm::dvec3(0);
+      work.from_second = !in_the_middle(history_);
     }
     std::array<PathCutter::Receiver, 2> receivers;
     for (std::size_t k = 0; k < paths.size(); ++k) receivers[k] = paths[k].home.over;
@@ -265,8 +272,7 @@ namespace {
 StaffEcho integrated(const StaffHistory& history, const Fringe& staff, std::uint32_t fan, std::uint32_t beam,
                      const RangeSamples& samples, std::array<const EchoLaw*, 2> laws, bool energies) {
   const std::vector<double> borders = sample_borders_m(samples);
-  const bool in_the_middle = history.middle_m == glm::dvec3(0);
-  if (!(staff.baseline_m >= 0 && (staff.baseline_m <= samples.first_m || !in_the_middle)))
+  if (!(staff.baseline_m >= 0 && (staff.baseline_m <= samples.first_m || !in_the_middle(history))))
     throw std::invalid_argument("a staff's baseline may not be longer than the nearest range");
   struct Job {
     const SharedFacet *upper, *lower;
@@ -307,7 +313,13 @@ StaffEcho integrated(const StaffHistory& history, const Fringe& staff, std::uint
 
 StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
                                std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law) {
-  return integrated(history, staff, fan, beam, samples, {&law, &law}, true);
+  return integrate_staff_echo(history, staff, fan, beam, samples, law, law);
+}
+
+StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
+                               std::uint32_t beam, const RangeSamples& samples, const EchoLaw& by_upper,
+                               const EchoLaw& by_lower) {
+  return integrated(history, staff, fan, beam, samples, {&by_upper, &by_lower}, true);
 }
 
 StaffEcho integrate_staff_products(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,

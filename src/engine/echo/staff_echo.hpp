@@ -61,9 +61,13 @@ struct StaffEcho {
 StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
                                std::uint32_t beam, const RangeSamples& samples, const EchoLaw& law);
 
-/// The products alone (energies are 0) by way of mirrors: `history` is that of images, `staff` the image of
-/// the staff, and the legs of the two laws have the losses of their own receiver's mirrors. A chain of
-/// mirrors turns the phases of both receivers alike, so that they cancel.
+/// The same by way of mirrors: `history` is that of images, `staff` the image of the staff, and the legs of
+/// the two laws have the losses of their own receiver's mirrors. A chain of mirrors turns the phases of both
+/// receivers alike, so that they cancel.
+StaffEcho integrate_staff_echo(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
+                               std::uint32_t beam, const RangeSamples& samples, const EchoLaw& by_upper,
+                               const EchoLaw& by_lower);
+/// Of these the products alone (energies are 0).
 StaffEcho integrate_staff_products(const StaffHistory& history, const Fringe& staff, std::uint32_t fan,
                                    std::uint32_t beam, const RangeSamples& samples, const EchoLaw& by_upper,
                                    const EchoLaw& by_lower);

@@ -168,6 +168,21 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
   return paired;
 }
 
+// Where the middle is sqrt(D^2 + |p - F|^2) from the plane's point p, which it sees at s(p), linear in p, the
+// end is as far from it as the root of D^2 + |p - F|^2 - 2 by . s(p) + by^2: a distance and a foot again.
+bool PairedFacet::move_receiver(glm::dvec3 by_m) {
+  const LyingPlane& seen = receive_seen;
+  const glm::dvec2 from = receive_foot_m,
+                   foot = from + glm::dvec2(glm::dot(by_m, seen.u), glm::dot(by_m, seen.v));
+  const double distance2 = receive_distance_m * receive_distance_m + glm::dot(from, from) -
+                           glm::dot(foot, foot) + glm::dot(by_m, by_m) - 2 * glm::dot(by_m, seen.foot_m);
+  if (!(distance2 > 0)) return false;
+  receive_distance_m = std::sqrt(distance2);
+  receive_foot_m = foot;
+  receive_seen.foot_m -= by_m;
+  return true;
+}
+
 double paired_factor(const PairedFacet& facet, const ScatteringLaw* law) {
   const auto sigma = [law](double sine) {
     if (law == nullptr) return sine * sine;

@@ -44,6 +44,10 @@ struct PairedFacet {
   };
   std::array<Corner, 3> corners;
   double misfit_m = 0;  ///< of half paths at the corners
+
+  /// To the end of a staff whose middle the way home leads to: the apparent bed stays where it is. False: the
+  /// plane is not in front of it.
+  bool move_receiver(glm::dvec3 by_m);
 };
 
 /// One end of a path, and where it sees the bed: vertices of the ground have the numbers of the bed's.

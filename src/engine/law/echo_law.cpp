@@ -46,4 +46,13 @@ BeamPatterns as_images_have(const BeamPatterns& patterns, const Path& path) {
   return seen;
 }
 
+BeamPatterns patterns_of_fan(const BeamPatterns& patterns, std::uint32_t fan, std::size_t tubes) {
+  BeamPatterns own;
+  own.transmit = {patterns.transmit[fan]};
+  own.receive = {patterns.receive[fan]};
+  own.fan_of_tube.assign(tubes, 0);
+  own.beams_of_tube.assign(tubes, {0, 1});
+  return own;
+}
+
 }  // namespace tubefoot

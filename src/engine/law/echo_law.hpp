@@ -64,4 +64,7 @@ double absorption_per_m(double absorption_db_per_m);
 /// own.
 BeamPatterns as_images_have(const BeamPatterns& patterns, const Path& path);
 
+/// The patterns of one fan of two receivers (one beam) alone, for `tubes` tubes of it.
+BeamPatterns patterns_of_fan(const BeamPatterns& patterns, std::uint32_t fan, std::size_t tubes);
+
 }  // namespace tubefoot

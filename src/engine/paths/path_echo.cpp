@@ -37,25 +37,24 @@ glm::dvec3 difference_m(GridPoint a, GridPoint b, double unit_m) {
 /// Both apexes' images, and what passes between them.
 class PathTracer {
  public:
-  PathTracer(const FacetMesh& mesh, double unit_m, const ImageFinder& finder, std::span<const Image> sent,
-             std::span<const Image> heard, const TubeSet& receive, const ReceiveBeams& beams,
-             const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings,
-             RefractedImages* bent = nullptr)
+  PathTracer(const FacetMesh& mesh, double unit_m, const PathImages& images, const TubeSet& receive,
+             const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+             const PathSettings& settings)
       : mesh_(mesh),
         unit_m_(unit_m),
-        finder_(finder),
-        transmit_(sent),
-        receive_(heard),
+        finder_(images.finder),
+        transmit_(images.sent),
+        receive_(images.heard),
         beams_(beams),
         samples_(samples),
         law_(law),
         settings_(settings),
         least_(settings.least()),
         beta_(absorption_per_m(law.absorption_db_per_m)),
-        true_apex_(sent.front().windows.apex),
+        true_apex_(images.sent.front().windows.apex),
         true_receive_(receive),
-        one_place_(sent.data() == heard.data()),
-        bent_(bent) {
+        one_place_(images.sent.data() == images.heard.data()),
+        bent_(images.bent) {
     echo_.by_order.resize(std::size_t(settings.order) + 1);
     for (Echo& echo : echo_.by_order) {
       echo.beams = beams.count;
@@ -75,7 +74,6 @@ class PathTracer {
           transmit_, receive_, echo_);
     for (const Image& image : transmit_)
       if (image.mirrors > 0 || (settings_.direct && !one_place_)) arrive(image);
-    if (bent_) echo_.grounds = bent_->take_grounds();
     return std::move(echo_);
   }
 
@@ -195,7 +193,11 @@ class PathTracer {
     std::vector<PairedFacet> paired =
         paired_facets(shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard), bent_->grid(),
                       law_.absorption_db_per_m);
-    for (const PairedFacet& facet : paired) part.misfit_m = std::max(part.misfit_m, facet.misfit_m);
+    const glm::dvec3 beside_m = bent_->beside_m(heard);
+    for (std::size_t k = 0; k < paired.size(); ++k) {
+      part.misfit_m = std::max(part.misfit_m, paired[k].misfit_m);
+      if (beside_m != glm::dvec3(0) && !paired[k].move_receiver(beside_m)) shared.facets[k].piece_count = 0;
+    }
     const std::size_t pieces = shared.pieces.size();
     add(part, order,
         scattered(sent, heard, {sent.windows, heard.windows, unit_m_, std::move(shared), std::move(paired)}),
@@ -336,7 +338,8 @@ class PathTracer {
     const auto add = [&](std::uint32_t beam, double weight) {
       const std::size_t bin = std::size_t(beam) * std::size_t(samples_.count) + std::size_t(sample);
       echo_.by_order[image.mirrors].energy[bin] += weight * energy;
-      echo_.arrived.push_back({image.windows.apex, image.mirrors, bin, weight * energy});
+      echo_.arrived.push_back(
+          {image.windows.apex, GridPoint{} - arrival.back, image.way, image.mirrors, bin, weight * energy});
     };
     ++echo_.arrivals;
     if (law_.patterns == nullptr) return add(beams_.of_tube[receive_tube], 1);
@@ -363,11 +366,14 @@ class PathTracer {
       arrival.receive = std::span(patterns.receive).subspan(begin, end - begin);
     }
     bool heard = false;
-    certify_arrival(
-        arrival, samples_, [&](std::size_t beam, std::size_t sample, double energy, double bound) {
-          heard = true;
-          take({image.mirrors, (first + beam) * std::size_t(samples_.count) + sample, energy, bound});
-        });
+    certify_arrival(arrival, samples_,
+                    [&](std::size_t beam, std::size_t sample, double energy, double bound) {
+                      heard = true;
+                      const std::size_t bin = (first + beam) * std::size_t(samples_.count) + sample;
+                      take({image.mirrors, bin, energy, bound});
+                      echo_.arrived.push_back(
+                          {image.windows.apex, arrival.way, image.way, image.mirrors, bin, energy, bound});
+                    });
     if (heard) ++echo_.arrivals;
   }
 
@@ -403,26 +409,26 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
     if (!one_place) ends.push_back(receive);
     RefractedImages bent(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
                          law.absorption_db_per_m, *water, std::move(ends), settings.order);
-    const std::vector<Image> sent = bent.images_of(0, receive.apex),
+    const std::vector<Image> sent = bent.images_of(0, {{receive.apex}}),
                              heard = one_place ? std::vector<Image>{} : bent.images_of(1);
-    return PathTracer(mesh, grid_unit_m, finder, sent, one_place ? sent : heard, receive, beams, samples, law,
-                      settings, &bent)
-        .trace();
+    PathEcho echo = path_echo(mesh, grid_unit_m, {finder, sent, one_place ? sent : heard, &bent}, receive,
+                              beams, samples, law, settings);
+    echo.grounds = bent.take_grounds();
+    return echo;
   }
   const std::vector<Image> sent = finder.images_of(transmit, settings.order, {{receive.apex}});
   if (one_place)
-    return path_echo(mesh, grid_unit_m, finder, sent, sent, receive, beams, samples, law, settings);
+    return path_echo(mesh, grid_unit_m, {finder, sent, sent}, receive, beams, samples, law, settings);
   const std::vector<Image> heard = finder.images_of(receive, settings.order - 1);
-  return path_echo(mesh, grid_unit_m, finder, sent, heard, receive, beams, samples, law, settings);
+  return path_echo(mesh, grid_unit_m, {finder, sent, heard}, receive, beams, samples, law, settings);
 }
 
-PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const ImageFinder& finder,
-                   std::span<const Image> sent, std::span<const Image> heard, const TubeSet& receive,
-                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-                   const PathSettings& settings) {
+PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const PathImages& images,
+                   const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
+                   const EchoLaw& law, const PathSettings& settings) {
   if (settings.reference_tolerance && settings.scatterings > 1)
     throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
-  return PathTracer(mesh, grid_unit_m, finder, sent, heard, receive, beams, samples, law, settings).trace();
+  return PathTracer(mesh, grid_unit_m, images, receive, beams, samples, law, settings).trace();
 }
 
 }  // namespace tubefoot

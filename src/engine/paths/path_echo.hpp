@@ -47,8 +47,11 @@ struct PathSettings {
 /// What came straight from an image of the transmitter, in a bin [beam][sample].
 struct ArrivedEnergy {
   GridPoint from;
+  /// To the receiver, as it arrives there; in refracting water as long as its time by the reference speed.
+  GridPoint way;
+  std::size_t chain = 0;  ///< Image::way: in refracting water images are where the transmitter is
   std::size_t order = 0, bin = 0;
-  double energy_j = 0;
+  double energy_j = 0, bound_j = 0;
 };
 
 /// Echoes of several orders.
@@ -94,12 +97,16 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
                    const PathSettings& settings, const PathWater* water = nullptr);
 
-/// The same between images that are known: of the transmitter, with `settings.order` mirrors those that have
-/// a window towards `receive`'s apex, and of the receiver, with one mirror less (the very same span for a
-/// sonar in one place). `finder`: that made them.
-PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const ImageFinder& finder,
-                   std::span<const Image> sent, std::span<const Image> heard, const TubeSet& receive,
-                   const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
-                   const PathSettings& settings);
+/// Images that are known.
+struct PathImages {
+  const ImageFinder& finder;        ///< that made them
+  std::span<const Image> sent;      ///< with the most mirrors those that have a window towards the receiver
+  std::span<const Image> heard;     ///< with one mirror less; the very same for a sonar in one place
+  RefractedImages* bent = nullptr;  ///< in refracting water: that made them; its grounds are left to it
+};
+/// The same between these.
+PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const PathImages& images,
+                   const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
+                   const EchoLaw& law, const PathSettings& settings);
 
 }  // namespace tubefoot

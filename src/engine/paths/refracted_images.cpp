@@ -221,10 +221,11 @@ void RefractedImages::look(Image& image) {
   });
 }
 
-std::vector<Image> RefractedImages::images_of(std::size_t end, std::optional<GridPoint> heard_at) {
+std::vector<Image> RefractedImages::images_of(std::size_t end, std::span<const GridPoint> heard_at,
+                                              const TubeSet* beside) {
   std::vector<Image> images(1);
   Image& root = images.front();
-  root.windows = ends_[end];
+  root.windows = beside != nullptr ? *beside : ends_[end];
   for (std::uint32_t t = 0; t < root.windows.tubes.size(); ++t) root.own_tube.push_back(t);
   root.way = way_of_.at({end, {}});
   for (std::size_t first = 0, last = 1; first < last; first = last, last = images.size()) {
@@ -237,18 +238,24 @@ std::vector<Image> RefractedImages::images_of(std::size_t end, std::optional<Gri
       image.origin = alike_.origin[image.way];
       look(image);
     }
-    if (mirrors + 1 == order_ && !heard_at) break;
+    const bool is_last = mirrors + 1 == order_;
+    if (is_last && heard_at.empty()) break;
     for (std::size_t i = first; i < last; ++i)
-      for (Image& child : children_of(images[i], mirrors + 1 == order_ ? heard_at : std::nullopt))
+      for (Image& child : children_of(images[i], is_last ? heard_at : std::span<const GridPoint>()))
         images.push_back(std::move(child));
   }
   return images;
 }
 
-std::vector<Image> RefractedImages::children_of(const Image& image, std::optional<GridPoint> heard_at) {
+glm::dvec3 RefractedImages::beside_m(const Image& image) const {
+  return water_.grid.to_metres(image.windows.apex) - water_.grid.to_metres(ends_[ways_[image.way].end].apex);
+}
+
+std::vector<Image> RefractedImages::children_of(const Image& image, std::span<const GridPoint> heard_at) {
   stop_if_wanted();
   const Way& way = ways_[image.way];
   const GridPoint apex = image.windows.apex;
+  const std::int32_t level = ends_[way.end].apex.z;  // what the world is turned about
   // By height, whether it is met from below, and reflection; the surface's are of no facet.
   std::map<std::tuple<std::int32_t, bool, double, bool>, std::vector<Cone>> mirrors;
   for (std::uint32_t tube = 0; tube < image.seen.size(); ++tube) {
@@ -286,12 +293,12 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::optiona
   std::vector<Image> children;
   for (const auto& [mirror, cones] : mirrors) {
     const auto [height, up, reflection, is_surface] = mirror;
-    if (!is_next(way.heights, way.up_first, apex.z, height, up)) continue;
+    if (!is_next(way.heights, way.up_first, level, height, up)) continue;
     Heights chain = way.heights;
     chain.push_back(height);
     auto known = way_of_.find({way.end, chain});
     if (known == way_of_.end()) {
-      if (!heard_at) continue;  // nothing passes, or nothing in time
+      if (heard_at.empty()) continue;  // nothing passes, or nothing in time
       add_way(way.end, chain);
       known = way_of_.find({way.end, chain});
     }
@@ -310,7 +317,7 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::optiona
       child.leg.loss.roughness = mirrors_.surface->roughness;
       child.leg.loss.bend = (ratio - 1) * (ratio + 1);
     }
-    WindowTubes windows(apex, image.windows.reach);
+    WindowTubes windows({apex.x, apex.y, 2 * level - apex.z}, image.windows.reach);
     std::vector<glm::dvec3> mirrored;
     child.largest = 0;
     for (const Cone& cone : cones) {
@@ -325,7 +332,9 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::optiona
     if (windows.tubes().tubes.empty()) continue;
     child.windows = windows.tubes();
     child.own_tube = windows.labels();
-    if (heard_at && rays_to(child, *heard_at).empty()) continue;
+    if (!heard_at.empty() &&
+        std::ranges::all_of(heard_at, [&](const GridPoint& place) { return rays_to(child, place).empty(); }))
+      continue;
     if (++found_ > most_images_)
       throw std::length_error(
           fmt::format("more than {} images of one apex, of up to {} mirrors: follow "

@@ -5,7 +5,7 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/ground/paired_facet.hpp"
@@ -53,8 +53,12 @@ class RefractedImages {
                   double absorption_db_per_m, const PathWater& water, std::vector<TubeSet> ends, int order);
   ~RefractedImages();
 
-  /// As ImageFinder::images_of() has them.
-  std::vector<Image> images_of(std::size_t end, std::optional<GridPoint> heard_at = std::nullopt);
+  /// As ImageFinder::images_of() has them. `beside`: the tubes of a place near the end, which looks at what
+  /// is seen from there (the end of a staff).
+  std::vector<Image> images_of(std::size_t end, std::span<const GridPoint> heard_at = {},
+                               const TubeSet* beside = nullptr);
+  /// How far an image is from that of its end.
+  glm::dvec3 beside_m(const Image& image) const;
 
   /// The bed that shared facets are of.
   const FacetMesh& bed() const { return alike_.bed.mesh; }
@@ -77,7 +81,7 @@ class RefractedImages {
   Way& add_way(std::size_t end, const Heights& heights);
   bool is_next(const Heights& heights, bool up_first, std::int32_t apex, std::int32_t next, bool up) const;
   void look(Image& image);
-  std::vector<Image> children_of(const Image& image, std::optional<GridPoint> heard_at);
+  std::vector<Image> children_of(const Image& image, std::span<const GridPoint> heard_at);
   bool is_hidden(const Image& image, const GridPoint& from, const GridPoint& to);
 
   const VisibilityOptions options_;

@@ -7,8 +7,14 @@
 #include <cmath>
 #include <complex>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
+#include <optional>
+#include <stdexcept>
+#include <utility>
 
+#include "engine/certified/certified_arrival.hpp"
+#include "engine/certified/staff_reference.hpp"
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "geometry/steps/steps.hpp"
@@ -33,30 +39,54 @@ glm::dvec3 image_m(GridPoint place, std::span<const MirrorPlane> chain, GridPoin
   return way_m(to, place, unit_m) + beside * unit_m;
 }
 
+/// As the bed that appears from its middle makes it: phases turn by the speed of sound there, ranges are told
+/// by another.
+Fringe apparent_staff(const StaffEnds& ends, const PathWater& water) {
+  Fringe staff = ends.staff;
+  const double depth_m = water.surface_height_m - water.grid.to_metres(ends.receive.apex).z;
+  staff.baseline_m *= water.reference_speed_m_s / water.column.profile.at(depth_m);
+  return staff;
+}
+
 /// Images of the transmitter and of both receivers, and what passes between them.
 class StaffTracer {
  public:
   StaffTracer(const FacetMesh& mesh, const SceneTree& tree, double unit_m, const VisibilityOptions& options,
-              const TubeSet& transmit, const TubeSet& receive, const Fringe& staff,
-              const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings)
+              const StaffEnds& ends, const RangeSamples& samples, const EchoLaw& law,
+              const PathSettings& settings, const PathWater* water)
       : mesh_(mesh),
         unit_m_(unit_m),
-        staff_(staff),
+        staff_(water != nullptr ? apparent_staff(ends, *water) : ends.staff),
         samples_(samples),
         law_(law),
         settings_(settings),
-        apex_(transmit.apex),
-        middle_(receive.apex),
-        ends_{moved_along(receive, staff, 1, unit_m), moved_along(receive, staff, -1, unit_m)},
-        only_beam_(receive.tubes.size(), 0),
-        finder_(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images),
-        sent_(finder_.images_of(transmit, settings.order, {{ends_[0].apex, ends_[1].apex}})) {
-    for (std::size_t end = 0; end < 2; ++end) heard_[end] = finder_.images_of(ends_[end], settings.order - 1);
-    for (std::size_t k = 0; k < heard_[1].size(); ++k) by_chain_[heard_[1][k].chain].push_back(k);
-    const auto count = std::size_t(samples.count);
-    echo_.by_order.assign(std::size_t(settings.order) + 1,
-                          {std::vector<double>(count), std::vector<double>(count), std::vector<double>(count),
-                           std::vector<double>(count)});
+        apex_(ends.transmit.apex),
+        middle_(ends.receive.apex),
+        ends_{moved_along(ends.receive, ends.staff, 1, unit_m),
+              moved_along(ends.receive, ends.staff, -1, unit_m)},
+        only_beam_(ends.receive.tubes.size(), 0),
+        finder_(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images) {
+    const std::array<GridPoint, 2> heard_at{ends_[0].apex, ends_[1].apex};
+    if (water == nullptr) {
+      sent_ = finder_.images_of(ends.transmit, settings.order, heard_at);
+      for (std::size_t end = 0; end < 2; ++end)
+        heard_[end] = finder_.images_of(ends_[end], settings.order - 1);
+    } else {
+      std::vector<TubeSet> places{ends.transmit};
+      if (ends.receive != ends.transmit) places.push_back(ends.receive);
+      const std::size_t middle = places.size() - 1;
+      bent_.emplace(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
+                    law.absorption_db_per_m, *water, std::move(places), settings.order);
+      sent_ = bent_->images_of(0, heard_at);
+      for (std::size_t end = 0; end < 2; ++end) {
+        const TubeSet beside = moved_along(ends.receive, staff_, end == 0 ? 1 : -1, unit_m);
+        heard_[end] = bent_->images_of(middle, {}, &beside);
+      }
+    }
+    for (std::size_t k = 0; k < heard_[1].size(); ++k) by_chain_[chain_of(heard_[1][k])].push_back(k);
+    const std::vector<double> none(std::size_t(samples.count));
+    echo_.by_order.assign(std::size_t(settings.order) + 1, {none, none, none, none});
+    if (settings.reference_tolerance) echo_.bound_by_order = echo_.by_order;
     echo_.images = sent_.size() + heard_[0].size() + heard_[1].size() - 3;
   }
 
@@ -65,18 +95,24 @@ class StaffTracer {
     PathSettings once = settings_;
     once.scatterings = 1;
     for (std::size_t end = 0; end < 2; ++end) {
-      PathEcho one = path_echo(mesh_, unit_m_, finder_, sent_, heard_[end], ends_[end], {1, only_beam_},
-                               samples_, law_, once);
+      PathEcho one = path_echo(mesh_, unit_m_, {finder_, sent_, heard_[end], bent_ ? &*bent_ : nullptr},
+                               ends_[end], {1, only_beam_}, samples_, law_, once);
+      const auto row = [end](StaffEcho& echo) -> std::vector<double>& {
+        return end == 0 ? echo.upper_j : echo.lower_j;
+      };
       for (std::size_t order = 0; order < one.by_order.size(); ++order)
-        (end == 0 ? echo_.by_order[order].upper_j : echo_.by_order[order].lower_j) =
-            std::move(one.by_order[order].energy);
+        row(echo_.by_order[order]) = std::move(one.by_order[order].energy);
+      for (std::size_t order = 0; order < one.bound_by_order.size(); ++order)
+        row(echo_.bound_by_order[order]) = std::move(one.bound_by_order[order]);
       echo_.shared_pieces += one.shared_pieces;
       echo_.arrivals += one.arrivals;
+      echo_.largest_misfit_m = std::max(echo_.largest_misfit_m, one.largest_misfit_m);
       arrived[end] = std::move(one.arrived);
     }
     multiply_scattered();
     multiply_arrivals(arrived);
     if (settings_.scatterings > 1) add_scattered();
+    if (bent_) echo_.grounds = bent_->take_grounds();
     return std::move(echo_);
   }
 
@@ -90,10 +126,27 @@ class StaffTracer {
     return glm::transpose(receiver.leg.to_true) * staff_.axis;
   }
 
+  /// What tells chains of mirrors apart, in even water or in water that refracts.
+  using Chain = std::pair<std::vector<MirrorPlane>, std::size_t>;
+  static Chain chain_of(const Image& image) { return {image.chain, image.way}; }
+
   /// The lower receiver's images in the same mirrors as one of the upper one's.
   std::span<const std::size_t> lower_of(const Image& upper) const {
-    const auto found = by_chain_.find(upper.chain);
+    const auto found = by_chain_.find(chain_of(upper));
     return found == by_chain_.end() ? std::span<const std::size_t>() : found->second;
+  }
+
+  /// With bounds; without a reference these are 0.
+  void add(std::size_t order, std::size_t sample, const Bounded& real, const Bounded& imag) {
+    add(order, sample, {real.value, imag.value});
+    if (echo_.bound_by_order.empty()) return;
+    constexpr double rounding = 0x1p-52;  // of both sums
+    const auto widen = [&](double& bound, double more, double sum) {
+      bound = (bound + more) * (1 + rounding) + std::abs(sum) * rounding;
+    };
+    StaffEcho& bounds = echo_.bound_by_order[order];
+    widen(bounds.cross_real_j[sample], real.bound, echo_.by_order[order].cross_real_j[sample]);
+    widen(bounds.cross_imag_j[sample], imag.bound, echo_.by_order[order].cross_imag_j[sample]);
   }
 
   /// What is scattered once.
@@ -109,30 +162,40 @@ class StaffTracer {
           all.push_back({&sent_[pair.sent], &heard_[0][pair.heard], &heard_[1][k]});
     struct Bin {
       std::size_t sample;
-      Complex product;
+      Bounded real, imag;
     };
     std::vector<std::vector<Bin>> found(all.size());
     Steps steps("pairs of images", all.size());
     tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t k) {
       const auto& [sent, upper, lower] = all[k];
-      const StaffEcho echo = product_of(*sent, *upper, *lower);
-      for (std::size_t sample = 0; sample < echo.cross_real_j.size(); ++sample)
-        if (const Complex product{echo.cross_real_j[sample], echo.cross_imag_j[sample]}; product != 0.0)
-          found[k].push_back({sample, product});
+      const CertifiedEcho echo = product_of(*sent, *upper, *lower);
+      const auto count = std::size_t(samples_.count);
+      const auto bounded = [&](std::size_t bin) {
+        return Bounded{echo.echo.energy[bin], echo.bound.empty() ? 0 : echo.bound[bin]};
+      };
+      for (std::size_t sample = 0; !echo.echo.energy.empty() && sample < count; ++sample) {
+        const Bin bin{sample, bounded(2 * count + sample), bounded(3 * count + sample)};
+        if (bin.real.value != 0 || bin.imag.value != 0 || bin.real.bound != 0 || bin.imag.bound != 0)
+          found[k].push_back(bin);
+      }
       steps.done();
     });
     for (std::size_t k = 0; k < all.size(); ++k)
       for (const Bin& bin : found[k])
-        add(all[k].sent->mirrors + all[k].upper->mirrors + 1, bin.sample, bin.product);
+        add(all[k].sent->mirrors + all[k].upper->mirrors + 1, bin.sample, bin.real, bin.imag);
   }
 
-  StaffEcho product_of(const Image& sent, const Image& upper, const Image& lower) const {
+  /// Rows as certify_staff_echo(); without a reference no bounds.
+  CertifiedEcho product_of(const Image& sent, const Image& upper, const Image& lower) const {
     StaffHistory history;
+    history.transmit.apex = sent.windows.apex;
     history.middle_m = image_m(middle_, upper.chain, sent.windows.apex, unit_m_);
-    history.by_upper = FootprintSharer(mesh_, sent.look(), upper.look(), unit_m_).all();
+    share(sent, upper, history.by_upper, history.paired_upper);
     if (history.by_upper.pieces.empty()) return {};
-    history.by_lower = FootprintSharer(mesh_, sent.look(), lower.look(), unit_m_).all();
+    share(sent, lower, history.by_lower, history.paired_lower);
+    if (history.by_lower.pieces.empty()) return {};
     EchoLaw by_upper = law_;
+    if (bent_) by_upper.material = bent_->bed().material;
     by_upper.path.out = sent.leg;
     by_upper.path.out.apex_m = law_.path.out.apex_m + way_m(apex_, sent.windows.apex, unit_m_);
     EchoLaw by_lower = by_upper;
@@ -141,15 +204,51 @@ class StaffTracer {
     const BeamPatterns patterns = as_images_have(*law_.patterns, by_upper.path);
     by_upper.patterns = by_lower.patterns = &patterns;
     const Fringe staff{axis_of(upper), staff_.baseline_m, staff_.wavenumber_rad_m};
-    return integrate_staff_products(history, staff, 0, 0, samples_, by_upper, by_lower);
+    if (!settings_.reference_tolerance)
+      return {rows_of(integrate_staff_products(history, staff, 0, 0, samples_, by_upper, by_lower)), {}};
+    const StaffEcho ordinary = integrate_staff_echo(history, staff, 0, 0, samples_, by_upper, by_lower);
+    return certify_staff_products(mesh_, history, unit_m_, staff, samples_, by_upper, by_lower, ordinary,
+                                  *settings_.reference_tolerance);
   }
 
-  /// What comes to both receivers straight from the same image of the transmitter.
+  /// What both ends see of the bed, in refracting water from the staff's middle.
+  void share(const Image& sent, const Image& heard, SharedFootprints& shared,
+             std::vector<PairedFacet>& paired) const {
+    if (!bent_) {
+      shared = FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_).all();
+      return;
+    }
+    shared = FootprintSharer(sent.look(), heard.look(), unit_m_).all();
+    paired = paired_facets(shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard), bent_->grid(),
+                           law_.absorption_db_per_m);
+  }
+
+  /// What comes to both receivers straight from the same image of the transmitter; where water refracts, by
+  /// the same one of its rays: those that arrive most alike.
   void multiply_arrivals(const std::array<std::vector<ArrivedEnergy>, 2>& arrived) {
-    for (const ArrivedEnergy& upper : arrived[0])
-      for (const ArrivedEnergy& lower : arrived[1]) {
-        if (!(upper.from == lower.from) || upper.order != lower.order || upper.bin != lower.bin) continue;
-        const glm::dvec3 way = way_m(upper.from, middle_, unit_m_),
+    const auto apart = [](const ArrivedEnergy& a, const ArrivedEnergy& b) {
+      if (!(a.from == b.from) || a.chain != b.chain || a.order != b.order)
+        return std::numeric_limits<double>::infinity();
+      return glm::length(way_m(a.way, b.way, 1));
+    };
+    std::array<std::vector<double>, 2> nearest;
+    for (std::size_t end = 0; end < 2; ++end)
+      for (const ArrivedEnergy& one : arrived[end]) {
+        double& least = nearest[end].emplace_back(std::numeric_limits<double>::max());
+        for (const ArrivedEnergy& other : arrived[1 - end]) least = std::min(least, apart(one, other));
+      }
+    for (std::size_t u = 0; u < arrived[0].size(); ++u)
+      for (std::size_t l = 0; l < arrived[1].size(); ++l) {
+        const ArrivedEnergy &upper = arrived[0][u], &lower = arrived[1][l];
+        if (upper.bin != lower.bin || apart(upper, lower) > std::min(nearest[0][u], nearest[1][l])) continue;
+        if (settings_.reference_tolerance) {
+          const auto [real, imag] =
+              certify_arrivals_product(middle_ - upper.from, unit_m_, staff_, {upper.energy_j, upper.bound_j},
+                                       {lower.energy_j, lower.bound_j});
+          add(upper.order, upper.bin, real, imag);
+          continue;
+        }
+        const glm::dvec3 way = (way_m({}, upper.way, unit_m_) + way_m({}, lower.way, unit_m_)) / 2.0,
                          half = staff_.baseline_m / 2 * staff_.axis;
         const double further = 4 * glm::dot(way, half) / (glm::length(way + half) + glm::length(way - half));
         add(upper.order, upper.bin,
@@ -190,7 +289,7 @@ class StaffTracer {
 
   const FacetMesh& mesh_;
   double unit_m_;
-  const Fringe& staff_;
+  const Fringe staff_;
   const RangeSamples& samples_;
   const EchoLaw& law_;
   const PathSettings& settings_;
@@ -198,29 +297,24 @@ class StaffTracer {
   std::array<TubeSet, 2> ends_;  // upper, lower
   std::vector<std::uint32_t> only_beam_;
   ImageFinder finder_;
+  std::optional<RefractedImages> bent_;  // in refracting water
   std::vector<Image> sent_;
   std::array<std::vector<Image>, 2> heard_;
-  std::map<std::vector<MirrorPlane>, std::vector<std::size_t>> by_chain_;  // of the lower receiver's images
+  std::map<Chain, std::vector<std::size_t>> by_chain_;  // of the lower receiver's images
   StaffPathEcho echo_;
 };
 
 }  // namespace
 
 StaffPathEcho staff_path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
-                              const VisibilityOptions& options, const TubeSet& transmit,
-                              const TubeSet& receive, const Fringe& staff, const RangeSamples& samples,
-                              const EchoLaw& law, const PathSettings& settings) {
-  return StaffTracer(mesh, tree, grid_unit_m, options, transmit, receive, staff, samples, law, settings)
-      .trace();
-}
-
-BeamPatterns patterns_of_fan(const BeamPatterns& patterns, std::uint32_t fan, std::size_t tubes) {
-  BeamPatterns own;
-  own.transmit = {patterns.transmit[fan]};
-  own.receive = {patterns.receive[fan]};
-  own.fan_of_tube.assign(tubes, 0);
-  own.beams_of_tube.assign(tubes, {0, 1});
-  return own;
+                              const VisibilityOptions& options, const StaffEnds& ends,
+                              const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings,
+                              const PathWater* water) {
+  if (settings.reference_tolerance && settings.scatterings > 1)
+    throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
+  if (water != nullptr && settings.scatterings > 1)
+    throw std::invalid_argument("in refracting water no path has more than one scattering");
+  return StaffTracer(mesh, tree, grid_unit_m, options, ends, samples, law, settings, water).trace();
 }
 
 }  // namespace tubefoot

@@ -13,7 +13,17 @@ namespace tubefoot {
 /// What both receivers of a staff hear, by order as PathEcho.
 struct StaffPathEcho {
   std::vector<StaffEcho> by_order;
+  std::vector<StaffEcho> bound_by_order{};  ///< with a reference: half-widths of their enclosures
   std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
+  std::vector<ApparentGround> grounds;  ///< as PathEcho's
+  double largest_misfit_m = 0;
+};
+
+/// Tubes of one fan, from the transmitter and from the middle of a staff (the same for one place), and the
+/// staff, with the wave number by the reference speed.
+struct StaffEnds {
+  const TubeSet &transmit, &receive;
+  const Fringe& staff;
 };
 
 /// path_echo() to both ends of the staff of one fan, with the means of their signals' product. The image of
@@ -22,15 +32,14 @@ struct StaffPathEcho {
 /// two path lengths for its phase. A mirror turns the phases of both alike, so what it does to one of them is
 /// not asked. Different paths are independent, as in the energies.
 ///
-/// `transmit`, `receive`: tubes of the fan, from the transmitter and from the middle of the staff (the same
-/// for one place). `law.patterns`: those of the fan alone, whose one beam hears all of its tubes. Throws as
-/// path_echo().
+/// In refracting water (`water`, as path_echo()'s) images of both ends look at the bed as it appears from
+/// that of their middle (docs/refraction.md); what comes unscattered follows rays to either end.
+///
+/// `law.patterns`: those of the fan alone (patterns_of_fan()), whose one beam hears all of its tubes. Throws
+/// as path_echo().
 StaffPathEcho staff_path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
-                              const VisibilityOptions& options, const TubeSet& transmit,
-                              const TubeSet& receive, const Fringe& staff, const RangeSamples& samples,
-                              const EchoLaw& law, const PathSettings& settings);
-
-/// The patterns of one fan of a sensor alone, for `tubes` tubes of it.
-BeamPatterns patterns_of_fan(const BeamPatterns& patterns, std::uint32_t fan, std::size_t tubes);
+                              const VisibilityOptions& options, const StaffEnds& ends,
+                              const RangeSamples& samples, const EchoLaw& law, const PathSettings& settings,
+                              const PathWater* water = nullptr);
 
 }  // namespace tubefoot

@@ -49,25 +49,40 @@ struct StaffScene {
       return all;
     }
   };
+  /// `middle_m`: of the staff; the transmitter is at the origin.
   Result run(const Fringe& staff, double tolerance, const Directivity& transmit = {},
-             const Directivity& receive = {}) const {
-    TubeSet tubes;
-    tubes.apex = grid.snap(glm::dvec3(0));
-    tubes.reach = 100 / grid.unit_m();
-    test::add_pyramid(tubes, {glm::dvec3(1, -0.1, -3), {1, -0.1, -0.2}, {1, 0.15, -0.2}, {1, 0.15, -3}});
-    const StaffHistory history = trace_staff(mesh, tree, grid.unit_m(), {}, tubes, tubes, staff);
+             const Directivity& receive = {}, glm::dvec3 middle_m = glm::dvec3(0)) const {
+    const StaffHistory history =
+        trace_staff(mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(middle_m), staff);
     const BeamPatterns patterns{{transmit}, {receive}, {0}, {{0, 1}}, {staff}};
     const EchoLaw law{material_mu, mesh.material, 0.05, &patterns};
-    const RangeSamples samples{6, 0.5, 14};
     Result result{integrate_staff_echo(history, staff, 0, 0, samples, law), {}};
-    result.certified = certify_staff_echo(mesh, history, grid.unit_m(), staff, 0, 0, samples, law,
-                                          result.ordinary, tolerance);
+    result.certified =
+        certify_staff_echo(mesh, history, grid.unit_m(), staff, samples, law, result.ordinary, tolerance);
     return result;
+  }
+
+  /// One receiver there.
+  CertifiedEcho run_apart(glm::dvec3 at_m, double tolerance) const {
+    const BistaticHistory history =
+        trace_bistatic(mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(at_m));
+    const EchoLaw law{material_mu, mesh.material, 0.05};
+    const std::vector<std::uint32_t> beam{0};
+    const Echo ordinary = integrate_echo(history, {1, beam}, samples, law);
+    return certify_echo(mesh, history, {1, beam}, samples, law, ordinary, tolerance);
+  }
+  TubeSet tubes_from(glm::dvec3 at_m) const {
+    TubeSet set;
+    set.apex = grid.snap(at_m);
+    set.reach = 100 / grid.unit_m();
+    test::add_pyramid(set, {glm::dvec3(1, -0.1, -3), {1, -0.1, -0.2}, {1, 0.15, -0.2}, {1, 0.15, -3}});
+    return set;
   }
 
   WorldGrid grid;
   FacetMesh mesh;
   SceneTree tree;
+  const RangeSamples samples{6, 0.5, 14};
 };
 
 Fringe staff_of(double baseline, double wavelength) {
@@ -131,6 +146,80 @@ TEST(StaffReference, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
   EXPECT_EQ(one.certified.bins_over, 0u);
 }
 
+// On a bed and behind a wall, above and below the transmitter, before and behind it.
+TEST(StaffReference, TheReceiversMayBeElsewhere) {
+  const StaffScene scene(14);
+  for (const glm::dvec3 middle : {glm::dvec3(-0.5, 0.2, 0.4), {1, -0.1, -0.75}, {0, 0.02, 3}}) {
+    SCOPED_TRACE(testing::Message() << middle.x << ' ' << middle.y << ' ' << middle.z);
+    Fringe staff = staff_of(0.2, 0.02);
+    const auto there = scene.run(staff, 1e-4, {}, {}, middle);
+    expect_holds(there, 1e-4);
+    staff.axis = -staff.axis;
+    const auto back = scene.run(staff, 1e-4, {}, {}, middle);
+    double turned = 0;
+    for (std::size_t k = 0; k < 14; ++k) {
+      const auto &a = there.certified, &b = back.certified;
+      EXPECT_LE(std::abs(a.echo.energy[28 + k] - b.echo.energy[28 + k]), a.bound[28 + k] + b.bound[28 + k]);
+      EXPECT_LE(std::abs(a.echo.energy[42 + k] + b.echo.energy[42 + k]), a.bound[42 + k] + b.bound[42 + k]);
+      turned = std::max(turned, std::abs(a.echo.energy[42 + k]) / (a.echo.energy[k] + 1e-300));
+    }
+    EXPECT_GT(turned, 0.01);
+  }
+}
+
+// Without a baseline all four rows are those of two apexes, which another integral encloses.
+TEST(StaffReference, AStaffWithoutLengthElsewhereIsOneReceiverApart) {
+  const StaffScene scene(15);
+  const glm::dvec3 middle(-0.5, 0.2, 0.4);
+  const auto staff = scene.run(staff_of(0, 0.02), 1e-6, {}, {}, middle);
+  const auto one = scene.run_apart(middle, 1e-6);
+  for (std::size_t k = 0; k < 14; ++k)
+    for (const std::size_t row : {0, 1, 2})
+      EXPECT_LE(std::abs(staff.certified.echo.energy[14 * row + k] - one.echo.energy[k]),
+                staff.certified.bound[14 * row + k] + one.bound[k])
+          << row << ' ' << k;
+  EXPECT_EQ(staff.certified.bins_over, 0u);
+}
+
+TEST(StaffReference, FortyDigitsFromOutsideTheProgram) {
+  // path_reference_digits.py: rows upper, lower, real and imaginary part.
+  const std::vector<double> digits{
+      0.00000666012425293253596666488624802893750327,    0.000006167856021495902909254603098731560623421,
+      0.000000164592499092036986988484788737796891502,   0.000007706051348520519798172863409024587428806,
+      0.000005530068410075845214735066832541483081006,   0.0000001250366851792834059682301021512599793383,
+      -0.0000006916300099756907544980649113220096457017, -0.0000009936903047636408748842979198846412613424,
+      -0.0000001122511993452694828429110503265188122579, 0.000000653138973239284906440881506024662745716,
+      -0.000001920546079778582251393902410851624979373,  -0.00000002966185011251154520927865360661772302668};
+  const WorldGrid grid(20, glm::dvec3(0));
+  const FacetMesh mesh = test::mesh_of({{glm::dvec3(1, -1, 0.25), {5, 1, 1.25}, {2, 3, 0.5}}}, grid);
+  const SceneTree tree(mesh);
+  const auto down = [&](glm::dvec3 at_m) {
+    TubeSet set;
+    set.apex = grid.snap(at_m);
+    set.reach = 100 / grid.unit_m();
+    test::add_pyramid(set, {glm::dvec3(-1, -1, -0.1), {1, -1, -0.1}, {1, 1, -0.1}, {-1, 1, -0.1}});
+    return set;
+  };
+  const Fringe staff{{0, 0.6, 0.8}, 0.25, 64};
+  const StaffHistory history =
+      trace_staff(mesh, tree, grid.unit_m(), {}, down({-1, 0.5, 6}), down({1.5, -1, 4}), staff);
+  const BeamPatterns patterns{{Directivity()}, {Directivity()}, {0}, {{0, 1}}, {staff}};
+  const std::vector<double> bright{0x1p-9};
+  const EchoLaw law{bright, mesh.material, 0.0625, &patterns};
+  const RangeSamples samples{4.5, 0.75, 3};
+  const StaffEcho ordinary = integrate_staff_echo(history, staff, 0, 0, samples, law);
+  for (const double tolerance : {1e-2, 1e-8}) {
+    const CertifiedEcho found =
+        certify_staff_echo(mesh, history, grid.unit_m(), staff, samples, law, ordinary, tolerance);
+    EXPECT_EQ(found.bins_over, 0u) << found.worst_ratio;
+    for (std::size_t k = 0; k < digits.size(); ++k) {
+      EXPECT_LE(std::abs(found.echo.energy[k] - digits[k]), found.bound[k] + 1e-15 * std::abs(digits[k]))
+          << k << ' ' << tolerance;
+      EXPECT_GT(std::abs(found.echo.energy[k] - digits[k] - 2.1 * found.bound[k]), found.bound[k]) << k;
+    }
+  }
+}
+
 TEST(StaffReference, PatternsOfAllAreHeld) {
   const StaffScene scene(13);
   Directivity line{Directivity::Kind::line, glm::normalize(glm::dvec3(0.5, 0.1, 0.8))},
@@ -139,6 +228,7 @@ TEST(StaffReference, PatternsOfAllAreHeld) {
   gauss.size = 0.7;
   const auto result = scene.run(staff_of(0.06, 0.02), 1e-3, gauss, line);
   expect_holds(result, 1e-3, 1e-6);
+  expect_holds(scene.run(staff_of(0.06, 0.02), 1e-3, gauss, line, {0.5, 0.1, 0.3}), 1e-3, 1e-6);
 }
 
 }  // namespace

@@ -22,11 +22,7 @@ using Complex = std::complex<double>;
 const Fringe slanting{glm::normalize(glm::dvec3(0.5, -0.2, 1)), 0.3, 40};
 
 BeamPatterns even_patterns(std::size_t tubes) {
-  return {{Directivity()},
-          {Directivity()},
-          std::vector<std::uint32_t>(tubes, 0),
-          std::vector<std::pair<std::uint32_t, std::uint32_t>>(tubes, {0, 1}),
-          {}};
+  return patterns_of_fan({{Directivity()}, {Directivity()}, {}, {}}, 0, tubes);
 }
 
 /// `receive` has the staff in its middle.
@@ -37,7 +33,7 @@ StaffPathEcho run(const Setting& s, const Fringe& staff) {
   settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
   const std::size_t tubes = s.receive.tubes.size();
   const BeamPatterns patterns = even_patterns(tubes);
-  return staff_path_echo(s.mesh, tree, unit, {}, s.transmit, s.receive, staff, s.samples,
+  return staff_path_echo(s.mesh, tree, unit, {}, {s.transmit, s.receive, staff}, s.samples,
                          s.law(s.transmit, &patterns), settings);
 }
 

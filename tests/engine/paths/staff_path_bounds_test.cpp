@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What two receivers on a staff hear over mirrors, with proven bounds: against ordinary energies and
+// products, the scene of the images, and closed forms.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "engine/certified/staff_reference.hpp"
+#include "engine/paths/staff_paths.hpp"
+#include "fixtures/world/path_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace test;
+
+const Fringe slanting{glm::normalize(glm::dvec3(0.5, -0.2, 1)), 0.3, 12};
+
+BeamPatterns even_patterns(const TubeSet& tubes) {
+  return patterns_of_fan({{Directivity()}, {Directivity()}, {}, {}}, 0, tubes.tubes.size());
+}
+
+/// `receive` has the staff in its middle.
+StaffPathEcho run(const Setting& s, const Fringe& staff, const BeamPatterns& patterns) {
+  const SceneTree tree(s.mesh);
+  const std::vector<double> none(s.mu.size(), 0);
+  PathSettings settings = s.paths;
+  settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
+  return staff_path_echo(s.mesh, tree, unit, {}, {s.transmit, s.receive, staff}, s.samples,
+                         s.law(s.transmit, &patterns), settings);
+}
+
+/// A sloping bed with a plate on it that mirrors, below a rough surface at z = 0.
+Setting basin(bool apart) {
+  Setting s;
+  add_quad(s.mesh, {-4, -4, -7}, {4, -4, -6}, {4, 4, -5.5}, {-4, 4, -6.5});
+  add_quad(s.mesh, {2, -1.5, -5.5}, {2, 1.5, -5.6}, {2.6, 1.5, -3}, {2.6, -1.5, -2.9}, 1);
+  s.transmit = s.receive = around({0, 0, -3}, -89, 89, 2, 40, 4);
+  if (apart) s.receive = around({-1, 0.75, -4}, -89, 89, 2, 40, 4);
+  s.samples = {2, 2.5, 4};
+  s.mu = {0.01, 0.02};
+  s.reflection = {0, 0.5};
+  s.paths.order = 2;
+  s.paths.mirrors.surface = SeaSurface{0, 0.8, 0.5};
+  s.absorption_db_per_m = 0.05;
+  return s;
+}
+
+/// `error`: of the ordinary ones, over the energies' size.
+void expect_holds(const StaffPathEcho& ordinary, const StaffPathEcho& reference, double tolerance,
+                  double error) {
+  ASSERT_EQ(reference.bound_by_order.size(), ordinary.by_order.size());
+  EXPECT_EQ(reference.arrivals, ordinary.arrivals);
+  for (std::size_t order = 1; order < ordinary.by_order.size(); ++order) {
+    const auto plain = rows_of(ordinary.by_order[order]).energy,
+               proven = rows_of(reference.by_order[order]).energy,
+               bound = rows_of(reference.bound_by_order[order]).energy;
+    CertifiedEcho held{rows_of(reference.by_order[order]), bound};
+    hold_staff_against(held, 2 * tolerance);  // paths share a bin, each of which keeps it
+    EXPECT_EQ(held.bins_over, 0u) << order << ' ' << held.worst_ratio;
+    const std::size_t row = plain.size() / 4;
+    const double most = *std::max_element(plain.begin(), plain.begin() + std::ptrdiff_t(row));
+    EXPECT_GT(most, 0) << order;
+    for (std::size_t k = 0; k < plain.size(); ++k) {
+      const double size = std::max(plain[k % row], plain[row + k % row]);
+      EXPECT_LE(std::abs(plain[k] - proven[k]), bound[k] + error * size + 1e-13 * most) << order << ' ' << k;
+      EXPECT_LE(bound[k], 2 * tolerance * std::max(size, 1e-5 * most)) << order << ' ' << k;
+      const double moved = plain[k] + 2.1 * bound[k] + 2 * error * size + 2e-13 * most;
+      EXPECT_GT(std::abs(moved - proven[k]), bound[k]) << order << ' ' << k;
+    }
+  }
+}
+
+TEST(StaffPathBounds, HoldTheOrdinaryEnergiesAndProducts) {
+  for (const bool apart : {false, true}) {
+    SCOPED_TRACE(apart);
+    Setting s = basin(apart);
+    const BeamPatterns patterns = even_patterns(s.receive);
+    const StaffPathEcho ordinary = run(s, slanting, patterns);
+    EXPECT_TRUE(ordinary.bound_by_order.empty());
+    s.paths.reference_tolerance = 1e-2;
+    expect_holds(ordinary, run(s, slanting, patterns), 1e-2, 1e-7);
+  }
+}
+
+TEST(StaffPathBounds, PatternsAtBothEnds) {
+  Setting s = basin(true);
+  s.mesh = square_bed(-6, 3);
+  s.samples = {3, 2, 2};
+  s.paths.mirrors.surface->roughness = 0;
+  Directivity sent{Directivity::Kind::line, {0.6, 0, 0.8}}, heard{Directivity::Kind::line, {0, 0, 1}};
+  sent.size = heard.size = 0.6;  // zeros would have corners
+  BeamPatterns patterns = even_patterns(s.receive);
+  patterns.transmit = {sent};
+  patterns.receive = {heard};
+  const StaffPathEcho ordinary = run(s, slanting, patterns);
+  s.paths.reference_tolerance = 5e-2;
+  expect_holds(ordinary, run(s, slanting, patterns), 5e-2, 1e-6);
+}
+
+// The surface's image of the staff, without a mirror, and that of the transmitter: the same products but for
+// what the surface takes.
+TEST(StaffPathBounds, AMirrorIsTheImageScene) {
+  Setting s;
+  s.mesh = square_bed(-6, 12);
+  s.transmit = around({0, 0, -3}, -89, 89, 2, 40, 4);
+  s.receive = around({-1, 0.75, -4}, -89, 89, 2, 40, 4);
+  s.samples = {4, 2, 3};
+  s.mu = {0.01};
+  s.paths.order = 2;
+  s.paths.mirrors.surface = SeaSurface{0, 0.5, 0};
+  s.paths.reference_tolerance = 1e-4;
+  Fringe staff = slanting;
+  staff.wavenumber_rad_m = 15;
+  const BeamPatterns patterns = even_patterns(s.receive);
+  const StaffPathEcho over = run(s, staff, patterns);
+  const SceneTree tree(s.mesh);
+  std::vector<double> energy(12), bound(12);
+  const auto add = [&](glm::dvec3 out, glm::dvec3 home, const Fringe& of) {
+    const TubeSet there = around(out, -89, -1, 2, 40, 4), back = around(home, -89, -1, 2, 40, 4);
+    const StaffHistory history = trace_staff(s.mesh, tree, unit, {}, there, back, of);
+    const BeamPatterns own = even_patterns(back);
+    const EchoLaw law = s.law(there, &own);
+    const StaffEcho ordinary = integrate_staff_echo(history, of, 0, 0, s.samples, law);
+    const CertifiedEcho found = certify_staff_echo(s.mesh, history, unit, of, s.samples, law, ordinary, 1e-4);
+    for (std::size_t k = 0; k < energy.size(); ++k) {
+      energy[k] += 0.5 * found.echo.energy[k];
+      bound[k] += 0.5 * found.bound[k];
+    }
+  };
+  Fringe image = staff;
+  image.axis.z = -image.axis.z;
+  add({0, 0, -3}, {-1, 0.75, 4}, image);
+  add({0, 0, 3}, {-1, 0.75, -4}, staff);
+  const auto found = rows_of(over.by_order[2]).energy, found_bound = rows_of(over.bound_by_order[2]).energy;
+  double turned = 0;
+  for (std::size_t k = 0; k < energy.size(); ++k) {
+    // Ends are on the grid for energies over mirrors.
+    const double rounded = 2e-6 * energy[k % 3];
+    EXPECT_LE(std::abs(found[k] - energy[k]), bound[k] + found_bound[k] + rounded) << k;
+    if (k >= 9) turned = std::max(turned, std::abs(found[k]));
+  }
+  EXPECT_GT(turned, 0.02 * *std::ranges::max_element(found));
+}
+
+// 4 m up and 8 m down to the staff's middle, which is 5 m aside: 13 m.
+TEST(StaffPathBounds, ArrivalsHaveTheProductInClosedForm) {
+  Setting s;
+  s.mesh = square_bed(-50, 1);
+  s.mu = {0};
+  s.transmit = around({0, 0, -4}, -89, 89, 2, 60, 4);
+  s.receive = around({5, 0, -8}, -89, 89, 2, 60, 4);
+  s.samples = {2.25, 0.75, 12};
+  s.paths.order = 1;
+  s.paths.mirrors.surface = SeaSurface{0, 0.5, 0};
+  s.paths.reference_tolerance = 1e-9;
+  s.absorption_db_per_m = 0.05;
+  const Fringe staff{{0, 0, 1}, 0.25, 500};
+  const StaffPathEcho paths = run(s, staff, even_patterns(s.receive));
+  ASSERT_EQ(paths.arrivals, 2u);
+  const auto length = [](long double down) { return std::sqrt(25 + (4 + down) * (4 + down)); };
+  const auto energy = [](long double way) { return 0.5L * std::pow(10.0L, -0.05L * way / 10) / (way * way); };
+  const long double upper = length(7.875L), lower = length(8.125L),
+                    size = std::sqrt(energy(upper) * energy(lower)), phase = 500 * (upper - lower);
+  const std::vector<long double> expected{energy(upper), energy(lower), size * std::cos(phase),
+                                          size * std::sin(phase)};
+  const auto found = rows_of(paths.by_order[1]).energy, bound = rows_of(paths.bound_by_order[1]).energy;
+  for (std::size_t row = 0; row < 4; ++row) {
+    const std::size_t k = 12 * row + 5;
+    const double off = double(std::abs((long double)found[k] - expected[row]));
+    EXPECT_LE(off, bound[k] + 1e-16 * double(size)) << row;
+    EXPECT_LT(bound[k], 1e-13 * double(size)) << row;
+    EXPECT_GT(bound[k], 0) << row;
+  }
+  // Half of the one is below a border, half of the other above it: they have nothing in common.
+  s.samples = {5.5, 1, 2};
+  const StaffPathEcho apart = run(s, staff, even_patterns(s.receive));
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_GT(k == 0 ? apart.by_order[1].upper_j[k] : apart.by_order[1].lower_j[k], 0);
+    EXPECT_EQ(apart.by_order[1].cross_real_j[k], 0) << k;
+    EXPECT_EQ(apart.bound_by_order[1].cross_real_j[k], 0) << k;
+  }
+}
+
+TEST(StaffPathBounds, TwoScatteringsAreRefused) {
+  Setting s = basin(false);
+  s.paths.scatterings = 2;
+  s.paths.reference_tolerance = 1e-3;
+  EXPECT_THROW(run(s, slanting, even_patterns(s.receive)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tubefoot
