@@ -54,12 +54,6 @@ constexpr auto table = std::to_array<Refusal>({
      {},
      "an inclined mirror's image of layered water is not layered, and rays through it have no closed form: "
      "lay the facets level, leave out 'specular_loss_db', or give profile = \"constant\""},
-    {scatterings,
-     refraction,
-     {},
-     "every place that scatters would see the bed through the water from its own depth: give scatterings = "
-     "1, "
-     "or profile = \"constant\""},
     {refraction, mirrors, two_receivers,
      "phases over mirrors need even water: give profile = \"constant\", or leave out [sea_surface], [paths] "
      "and 'specular_loss_db'"},

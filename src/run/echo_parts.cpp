@@ -141,6 +141,7 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   }
   StraighteningCounts& counts = sums.counts.refraction;
   for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, shot);
+  add_counts(counts, paths.seen_by_patches, shot);
   counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
   sums.counts.hits += paths.hits;
   count_paths(paths, sums);

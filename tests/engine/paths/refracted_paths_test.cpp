@@ -10,95 +10,12 @@
 #include <random>
 
 #include "engine/sight/tube_engine.hpp"
-#include "fixtures/world/path_scenes.hpp"
+#include "fixtures/world/bent_rays.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
-
-const WorldGrid grid{20, glm::dvec3(0)};
-constexpr double c_ref = 1500;
-
-/// The surface is at z = 0, where the speed of sound is c; it changes by g per metre of depth.
-WaterColumn gradient(double g, double c = 1500, double absorption_db_per_m = 0) {
-  return {SoundSpeedProfile({{0, c}, {60, c + 60 * g}}),
-          {absorption_db_per_m, absorption_db_per_m, absorption_db_per_m}};
-}
-
-PathWater water_of(const WaterColumn& column, double gap_m = 1e-4, double deepest_m = 60) {
-  EigenrayOptions rays;
-  rays.deepest_turn_m = deepest_m;
-  return {column, 0, rays, c_ref, {.gap_m = gap_m}, {}, grid};
-}
-
-PathEcho through(const PathWater& water, const Setting& s, const BeamPatterns* patterns = nullptr) {
-  const SceneTree tree(s.mesh);
-  const std::vector<std::uint32_t> beam(s.receive.tubes.size(), 0);
-  const std::vector<double> none(s.mu.size(), 0);
-  PathSettings settings = s.paths;
-  settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
-  return path_echo(s.mesh, tree, unit, VisibilityOptions(), s.transmit, s.receive, {1, beam}, s.samples,
-                   s.law(s.transmit, patterns), settings, &water);
-}
-
-/// One gradient: rays are circles (physics sheet, 2.1). Launch and arrival angles are grazing ones, positive
-/// down; distances are horizontal.
-struct Circles {
-  double c0, g;  ///< at depth 0, per metre
-  double speed(double depth) const { return c0 + g * depth; }
-  struct Leg {
-    double x = 0, t = 0, s = 0;
-  };
-  /// From a depth to another without turning.
-  Leg between(double p, double from, double to) const {
-    const double s1 = std::sqrt(1 - std::pow(p * speed(from), 2)),
-                 s2 = std::sqrt(1 - std::pow(p * speed(to), 2));
-    const double x = std::abs((s1 - s2) / (p * g)),
-                 t = std::abs(std::atanh(s1) - std::atanh(s2)) / std::abs(g);
-    return {x, t, std::abs(std::asin(s1) - std::asin(s2)) / (p * std::abs(g))};
-  }
-  /// Over mirrors at these depths, in turn.
-  Leg over(double launch, double from, const std::vector<double>& mirrors, double to) const {
-    const double p = std::cos(launch) / speed(from);
-    Leg sum;
-    const auto add = [&](double a, double b) {
-      const Leg leg = between(p, a, b);
-      sum = {sum.x + leg.x, sum.t + leg.t, sum.s + leg.s};
-    };
-    for (const double mirror : mirrors) {
-      add(from, mirror);
-      from = mirror;
-    }
-    add(from, to);
-    return sum;
-  }
-  struct Ray {
-    double launch, arrival, mirror_sine;  ///< angles without sign; sine of grazing at a depth of 0
-    double t, area, area_back;            ///< tube areas per steradian, out and back by reciprocity
-  };
-  /// The ray to a distance; `x` falls with the angle while no ray turns.
-  Ray to(double x, double from, const std::vector<double>& mirrors, double end) const {
-    double fastest = std::max(speed(from), speed(end));
-    for (const double m : mirrors) fastest = std::max(fastest, speed(m));
-    double lo = std::acos(std::min(1.0, speed(from) / fastest)) + 1e-2, hi = std::numbers::pi / 2 - 2e-3;
-    for (int k = 0; k < 60; ++k) {
-      const double middle = (lo + hi) / 2;
-      (over(middle, from, mirrors, end).x > x ? lo : hi) = middle;
-    }
-    const double launch = (lo + hi) / 2, d = 5e-4, p = std::cos(launch) / speed(from);
-    const auto range = [&](double by) { return over(launch + by, from, mirrors, end).x; };
-    const double slope = (8 * (range(-d) - range(d)) - (range(-2 * d) - range(2 * d))) / (12 * d);
-    const double arrival = std::acos(p * speed(end));
-    const double area = x * std::sin(arrival) * slope / std::cos(launch);
-    return {launch,
-            arrival,
-            std::sqrt(1 - std::pow(p * c0, 2)),
-            over(launch, from, mirrors, end).t,
-            area,
-            area * std::pow(speed(from) / speed(end), 2)};
-  }
-};
 
 /// A flat bed 20 m down, 400 m wide, and a sonar 5 m down that looks all round.
 Setting under_surface(int order) {
@@ -376,91 +293,6 @@ TEST(RefractedPaths, ASurfaceIsItsImage) {
   for (int k = 0; k < s.samples.count; ++k)
     EXPECT_NEAR(paths.by_order[3].at(0, k), 0.36 * direct.at(0, k), 3e-4 * 0.36 * direct.at(0, k)) << k;
 }
-
-/// Rays by Runge-Kutta steps, over whatever they meet: one gradient, a surface at z = 0, facets one after the
-/// other.
-struct Stepped {
-  const Setting& s;
-  Circles water;
-  static constexpr double step_m = 0.25;
-
-  std::vector<glm::dvec3> corners = [this] {
-    std::vector<glm::dvec3> all;
-    for (const GridPoint p : s.mesh.vertices) all.push_back(metres(p));
-    return all;
-  }();
-
-  static constexpr int surface = -1, nothing = -2;
-  struct Meeting {
-    int what = nothing;  ///< or a facet
-    glm::dvec3 at{0}, along{0};
-    double t = 0;  ///< since the launch
-  };
-  /// All that a ray meets, in turn, until it is not mirrored or has met so many mirrors.
-  std::vector<Meeting> follow(glm::dvec3 from, glm::dvec3 launch, int most_mirrors) const {
-    std::vector<Meeting> met;
-    const double flat = std::hypot(launch.x, launch.y);
-    const glm::dvec2 across = glm::dvec2(launch) / flat;
-    std::array<double, 4> y{0, -from.z, std::atan2(-launch.z, flat), 0};  // range, depth, angle, time
-    const auto rate = [&](const std::array<double, 4>& v) {
-      const double c = water.speed(v[1]);
-      return std::array<double, 4>{std::cos(v[2]), std::sin(v[2]), -water.g * std::cos(v[2]) / c, 1 / c};
-    };
-    const auto moved = [](const std::array<double, 4>& v, const std::array<double, 4>& d, double by) {
-      std::array<double, 4> sum;
-      for (std::size_t i = 0; i < 4; ++i) sum[i] = v[i] + by * d[i];
-      return sum;
-    };
-    const auto place = [&](const std::array<double, 4>& v) {
-      return glm::dvec3(from.x + v[0] * across.x, from.y + v[0] * across.y, -v[1]);
-    };
-    int but = nothing;
-    for (int steps = 0; steps < 800; ++steps) {
-      const auto k1 = rate(y), k2 = rate(moved(y, k1, step_m / 2)), k3 = rate(moved(y, k2, step_m / 2)),
-                 k4 = rate(moved(y, k3, step_m));
-      std::array<double, 4> next = y;
-      for (std::size_t i = 0; i < 4; ++i) next[i] += step_m * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]) / 6;
-      const glm::dvec3 a = place(y), b = place(next);
-      double part = 2;
-      int what = nothing;
-      if (but != surface && b.z > 0) {
-        part = a.z / (a.z - b.z);
-        what = surface;
-      }
-      for (std::size_t f = 0; f < s.mesh.facets.size(); ++f) {
-        if (int(f) == but) continue;
-        const auto& [i, j, k] = s.mesh.facets[f];
-        const glm::dvec3 u = corners[j] - corners[i], v = corners[k] - corners[i], n = glm::cross(u, v);
-        const double down = glm::dot(n, b - a);
-        if (down == 0) continue;
-        const double x = glm::dot(n, corners[i] - a) / down;
-        if (x < 0 || x > 1 || x >= part) continue;
-        const glm::dvec3 p = a + x * (b - a) - corners[i];
-        const double nn = glm::dot(n, n), q = glm::dot(glm::cross(p, v), n) / nn,
-                     r = glm::dot(glm::cross(u, p), n) / nn;
-        if (q < 0 || r < 0 || q + r > 1) continue;
-        part = x;
-        what = int(f);
-      }
-      if (what == nothing) {
-        y = next;
-        but = nothing;
-        continue;
-      }
-      for (std::size_t i = 0; i < 4; ++i) y[i] += part * (next[i] - y[i]);
-      met.push_back({what, place(y), {std::cos(y[2]) * across, -std::sin(y[2])}, y[3]});
-      const bool mirrors = what == surface || s.reflection[s.mesh.material[std::size_t(what)]] > 0;
-      if (!mirrors || most_mirrors-- == 0) break;
-      y[2] = -y[2];  // all mirrors are level
-      but = what;
-    }
-    return met;
-  }
-  glm::dvec3 normal(int facet) const {
-    const auto& [i, j, k] = s.mesh.facets[std::size_t(facet)];
-    return glm::normalize(glm::cross(corners[j] - corners[i], corners[k] - corners[i]));
-  }
-};
 
 // Rays that are stepped through the water and reflected, each place that they light joined to the sonar by
 // the rays of one gradient in closed form; these are stepped, too, to see what hides them.
