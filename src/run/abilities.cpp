@@ -51,12 +51,8 @@ constexpr auto table = std::to_array<Refusal>({
      {},
      "an inclined mirror's image of layered water is not layered, and rays through it have no closed form: "
      "lay the facets level, leave out 'specular_loss_db', or give profile = \"constant\""},
-    {scatterings,
-     refraction,
-     {},
-     "every place that scatters would see the bed through the water from its own depth: give scatterings = "
-     "1, "
-     "or profile = \"constant\""},
+    {refraction, scatterings, two_receivers,
+     "phases of further scatterings need even water: give profile = \"constant\", or scatterings = 1"},
     {refraction, mirrors, reference, two_places_straight},
     {refraction, receiver_apart, reference, two_places_straight},
     {refraction, two_receivers, reference, two_places_straight},

@@ -160,6 +160,7 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
     hold_against(certified, *settings.reference_tolerance);
     sums.add(shot, s, certified, order);
   }
+  add_counts(sums.counts.refraction, paths.seen_by_patches, shot);
   sums.counts.hits += paths.hits;
   count_paths(shot, paths, sums);
 }

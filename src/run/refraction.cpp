@@ -279,17 +279,21 @@ void trace_rays_of_both(const Shot& shot, const RefractedPair& pair, const RaySe
 }
 
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot) {
-  StraighteningCounts own;
-  own.facets = ground.refined.mesh.facets.size();
-  own.in_shadow = ground.facets_in_shadow;
-  own.of_several = ground.facets_of_several;
-  own.folded = ground.facets_folded;
-  own.largest_gap_m = ground.largest_gap_m;
+  add_counts(
+      counts,
+      GroundCounts{ground.refined.mesh.facets.size(), ground.facets_in_shadow, ground.facets_of_several,
+                   ground.facets_folded, ground.largest_gap_m, ground.unclear},
+      shot);
+}
+
+void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Shot& shot) {
+  StraighteningCounts own{grounds.facets, grounds.in_shadow, grounds.of_several, grounds.folded,
+                          grounds.largest_gap_m};
   const glm::dvec3 apex = shot.pose().position_m;
   const auto keep = [&](const UnclearPlace& place, std::array<double, 3>& kept) {
     if (kept[2] == 0) kept = polar(place.direction, glm::distance(place.at_m, apex));
   };
-  for (const UnclearPlace& place : ground.unclear)
+  for (const UnclearPlace& place : grounds.unclear)
     keep(place, place.eigenrays == 0 ? own.shadow : own.several);
   add_counts(counts, own);
 }

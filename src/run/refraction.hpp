@@ -97,6 +97,7 @@ StaffHistory trace_staff(const Shot& shot, const RefractedPair& pair, std::uint3
 std::vector<Fringe> refracted_fringes(const Shot& shot, const RefractedPair& pair);
 
 void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const Shot& shot);
+void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Shot& shot);
 void add_counts(StraighteningCounts& sum, const StraighteningCounts& more);
 
 /// For stats.json.

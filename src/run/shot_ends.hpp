@@ -63,7 +63,7 @@ class ShotEnds {
   const Shot& shot_;
   std::optional<ShotGround> ground_;  ///< with weights
   std::optional<RefractedPair> pair_;
-  std::vector<FacetId> pair_parent_;                ///< by facet of the pair's mesh: the scene's
+  std::vector<FacetId> pair_parent_;               ///< by facet of the pair's mesh: the scene's
   std::vector<std::unique_ptr<SceneTree>> trees_;  ///< of the pair
   std::vector<ShotEnd> ends_;
 };

@@ -94,6 +94,15 @@ class Images {
     return is_short(length, from, to) && is_fine(length, gap_m(a, b, from, to), from, to, to);
   }
 
+  /// Whether an edge is long for how near it is to an apex on the bed: facets that hold the apex, or nearly,
+  /// lie then where rays are straight.
+  bool is_long_nearby(const glm::dvec3& a, const glm::dvec3& b) const {
+    const double within_m = straightening_.straight_within_m();
+    if (!(within_m > 0)) return false;
+    const double length = glm::distance(a, b);
+    return 2 * length > within_m && glm::distance((a + b) / 2.0, straightening_.apex_m()) < 2 * length;
+  }
+
   template <class ImageOf>
   bool cuts(const glm::dvec3& a, const glm::dvec3& b, const ImageOf& image_of) const {
     const double length = glm::distance(a, b);
@@ -172,6 +181,7 @@ class GapRule final : public EdgeRule {
     for (const BasePoint* p : {&a, &b})
       for (const double weight : p->weight)
         if (std::floor(weight * most_parts) != weight * most_parts) return false;
+    if (images_.is_long_nearby(a.at_m, b.at_m)) return true;
     bool inside = true;  // not on an edge of the base, where two facets have to agree
     for (std::size_t k = 0; k < 3; ++k) inside = inside && (a.weight[k] != 0 || b.weight[k] != 0);
     if (!images_.concerns(a.at_m, b.at_m, base_, a.facet, grid_, inside)) return false;

@@ -69,25 +69,38 @@ std::pair<glm::dvec2, glm::dvec2> box_of(const std::vector<glm::dvec2>& polygon)
 
 }  // namespace
 
-HeardFacets::HeardFacets(const FacetMesh& mesh, const Image& heard, glm::dvec3 apex_m, double unit_m)
-    : image_(heard), apex_m_(apex_m) {
-  const SharedFootprints seen = shared_with_itself(mesh, heard.look(), unit_m);
+HeardFacets::HeardFacets(const Image& heard, glm::dvec3 apex_m, SeenBed bed)
+    : image_(heard), apex_m_(apex_m), bent_(std::move(bed.bent)) {
+  const SharedFootprints& seen = bed.shared;
+  const auto number_of = [&](const SharedFacet& facet) { return std::size_t(&facet - seen.facets.data()); };
   std::vector<const SharedFacet*> by_facet;
   for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
   std::stable_sort(by_facet.begin(), by_facet.end(),
                    [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
   for (const SharedFacet* one : by_facet) {
-    if (facets_.empty() || facets_.back().facet != one->facet) {
-      const FacetPlane plane{one->plane_normal, one->transmit_distance_m};
+    const BentFacet* bent = bent_.empty() ? nullptr : &bent_[number_of(*one)];
+    const FacetPlane plane = bent == nullptr
+                                 ? FacetPlane{one->plane_normal, one->transmit_distance_m}
+                                 : FacetPlane{bent->normal, -glm::dot(bent->normal, bent->lies.lies_m)};
+    // Bent rays may come to both sides of a facet.
+    std::size_t at = facets_.size();
+    while (at > 0 && facets_[at - 1].facet == one->facet &&
+           !(bent == nullptr || glm::dot(facets_[at - 1].plane.normal, plane.normal) > 0))
+      --at;
+    if (at == 0 || facets_[at - 1].facet != one->facet) {
       facets_.push_back({one->facet, plane, PlaneFrame(plane), {}});
+      at = facets_.size();
     }
-    Facet& facet = facets_.back();
+    Facet& facet = facets_[at - 1];
     for (std::uint32_t k = one->first_piece; k < one->first_piece + one->piece_count; ++k) {
       const SharedPiece& from = seen.pieces[k];
       Piece piece;
       piece.tube = from.transmit_tube;
-      for (std::uint32_t c = 0; c < from.count; ++c)
-        piece.corners.push_back(facet.frame.project(seen.corners_m[from.first + c]));
+      piece.seen_as = number_of(*one);
+      for (std::uint32_t c = 0; c < from.count; ++c) {
+        const glm::dvec3 corner = seen.corners_m[from.first + c];
+        piece.corners.push_back(facet.frame.project(bent == nullptr ? corner : bent->lies.at(corner)));
+      }
       const double area = turning(piece.corners);
       if (area == 0) continue;
       if (area < 0) std::reverse(piece.corners.begin(), piece.corners.end());
@@ -97,10 +110,12 @@ HeardFacets::HeardFacets(const FacetMesh& mesh, const Image& heard, glm::dvec3 a
   }
 }
 
-const HeardFacets::Facet* HeardFacets::find(FacetId facet) const {
-  const auto at = std::lower_bound(facets_.begin(), facets_.end(), facet,
-                                   [](const Facet& a, FacetId b) { return a.facet < b; });
-  return at == facets_.end() || at->facet != facet ? nullptr : &*at;
+const HeardFacets::Facet* HeardFacets::find(FacetId facet, glm::dvec3 normal) const {
+  for (auto at = std::lower_bound(facets_.begin(), facets_.end(), facet,
+                                  [](const Facet&a, FacetId b) { return a.facet < b; });
+       at != facets_.end() && at->facet == facet; ++at)
+    if (glm::dot(at->plane.normal, normal) > 0) return &*at;
+  return nullptr;
 }
 
 PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longest_m)
@@ -110,33 +125,71 @@ PatchEcho::PatchEcho(const EchoLaw& law, const ReceiveBeams& beams, double longe
       beta_(absorption_per_m(law.absorption_db_per_m)),
       levels_(1) {}
 
-std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, const Listener& heard,
-                           glm::dvec3 local_m, const RangeSamples& samples, double borders_m,
-                           SparseEnergy& out) {
+void PatchEcho::bend(Over& end, const BentFacet& facet, glm::dvec3 from_heard_m) const {
+  const FacetPlane& plane = facet_->plane;
+  end.bent = &facet;
+  end.lies.foot_m = -plane.distance_m * plane.normal - from_heard_m;
+  end.lies.u = facet_->frame.u;
+  end.lies.v = facet_->frame.v;
+  end.seen.foot_m = facet.seen.at(end.lies.foot_m);
+  end.seen.u = facet.seen.linear * end.lies.u;
+  end.seen.v = facet.seen.linear * end.lies.v;
+}
+
+PatchEcho::Met PatchEcho::meet(const Over& end, glm::dvec2 p) const {
+  Met met;
+  if (end.bent != nullptr) {
+    const glm::dvec3 seen = end.seen.at(p);
+    met.lies_m = end.lies.at(p);
+    met.range = glm::length(seen);
+    met.direction = seen / met.range;
+    const BentFacet::Ray ray = end.bent->ray_to(met.lies_m);
+    met.sine = end.bent->sine(seen, ray);
+    met.out = ray.out;
+    met.home = ray.home;
+    return met;
+  }
+  const glm::dvec2 away = p - end.foot;
+  met.range = std::sqrt(end.height * end.height + glm::dot(away, away));
+  met.sine = end.height / met.range;
+  met.lies_m = -end.height * facet_->plane.normal + away.x * facet_->frame.u + away.y * facet_->frame.v;
+  met.direction = met.lies_m / met.range;
+  return met;
+}
+
+std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const Listener& heard, glm::dvec3 local_m,
+                           const RangeSamples& samples, double borders_m, SparseEnergy& out) {
+  const SharedFootprints& seen = bed.shared;
   point_ = &point;
   heard_ = &heard;
   samples_ = samples;
   borders_m_ = borders_m;
   out_ = &out;
-  upper_ = {&heard.image(), 0, {}, local_m + heard.upper.apex_m()};
-  lower_ = {};
-  if (heard.lower) lower_ = {&heard.lower->image(), 0, {}, local_m + heard.lower->apex_m()};
+  lit_ = upper_ = lower_ = {};
+  upper_.image = &heard.image();
+  upper_.at_m = local_m + heard.upper.apex_m();
+  if (heard.lower) {
+    lower_.image = &heard.lower->image();
+    lower_.at_m = local_m + heard.lower->apex_m();
+  }
   const glm::dvec3 from_heard = point.at_m - heard.upper.apex_m();
   std::size_t met = 0;
   Polygon source;
   for (const SharedFacet& facet : seen.facets) {
-    facet_ = heard.upper.find(facet.facet);
-    if (facet_ == nullptr || !(glm::dot(facet_->plane.normal, facet.plane_normal) > 0)) continue;
-    const HeardFacets::Facet* lower = heard.lower ? heard.lower->find(facet.facet) : nullptr;
-    if (heard.lower && (lower == nullptr || !(glm::dot(lower->plane.normal, facet.plane_normal) > 0)))
-      continue;
+    const BentFacet* bent = bed.bent_of(facet);
+    const glm::dvec3 side = bent != nullptr ? bent->normal : facet.plane_normal;
+    facet_ = heard.upper.find(facet.facet, side);
+    if (facet_ == nullptr) continue;
+    const HeardFacets::Facet* lower = heard.lower ? heard.lower->find(facet.facet, side) : nullptr;
+    if (heard.lower && lower == nullptr) continue;
     const std::uint16_t material = law_.material[facet.facet];
     scattering_ = law_.law_of(facet.facet);
     mu_ = scattering_ == nullptr ? law_.material_mu[material] : 1;
     if (mu_ == 0) continue;
     texture_ = law_.texture(facet.facet);
-    distance_ = facet.transmit_distance_m;
-    foot_ = facet_->frame.project(from_heard);
+    lit_.height = facet.transmit_distance_m;
+    lit_.foot = facet_->frame.project(from_heard);
+    if (bent != nullptr) bend(lit_, *bent, from_heard);
     upper_.height = facet_->plane.distance_m;
     if (lower != nullptr) {
       lower_.height = lower->plane.distance_m;
@@ -147,7 +200,10 @@ std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, con
       const SharedPiece& piece = seen.pieces[k];
       source.clear();
       for (std::uint32_t c = 0; c < piece.count; ++c)
-        source.push_back(facet_->frame.project(seen.corners_m[piece.first + c] + from_heard));
+        source.push_back(
+            facet_->frame.project((bent != nullptr ? bent->lies.at(seen.corners_m[piece.first + c])
+                                                   : seen.corners_m[piece.first + c]) +
+                                  from_heard));
       const auto [low, high] = box_of(source);
       for (const HeardFacets::Piece& other : facet_->pieces) {
         if (low.x > other.high.x || low.y > other.high.y || other.low.x > high.x || other.low.y > high.y)
@@ -158,6 +214,7 @@ std::size_t PatchEcho::add(const SharedFootprints& seen, const Point& point, con
         levels_[0] = source;
         clip(other.corners, levels_[0]);
         if (levels_[0].size() < 3) continue;
+        if (const BentFacet* back = heard.upper.bent_of(other)) bend(upper_, *back, glm::dvec3(0));
         if (lower == nullptr) {
           ++met;
           halve(0);
@@ -203,8 +260,7 @@ void PatchEcho::halve(std::size_t level) {
   const auto [low, high] = box_of(levels_[level]);
   const glm::dvec2 size = high - low, centre = (low + high) * 0.5;
   const double diameter = glm::length(size);
-  const double rt = std::hypot(distance_, glm::length(centre - foot_)),
-               rr = std::hypot(facet_->plane.distance_m, glm::length(centre)), half = (rt + rr) / 2;
+  const double rt = lit_.range(centre), rr = upper_.range(centre), half = (rt + rr) / 2;
   // A half path changes by no more than the way, and that of the other end of a staff is no further off.
   const double off = diameter / 2 + glm::length(heard_->arm_m) / 2;
   if (half + off < samples_.first_m || half - off >= samples_.first_m + samples_.step_m * samples_.count)
@@ -225,15 +281,14 @@ void PatchEcho::halve(std::size_t level) {
 }
 
 void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
-  const double rt = std::hypot(distance_, glm::length(centre - foot_)),
-               rr = std::hypot(facet_->plane.distance_m, glm::length(centre));
+  const double rt = lit_.range(centre), rr = upper_.range(centre);
   const double per_step = 1 / samples_.step_m;
   double middle = ((rt + rr) / 2 - samples_.first_m) * per_step;
-  glm::dvec2 gradient = ((centre - foot_) / rt + centre / rr) * (0.5 * per_step);
+  glm::dvec2 gradient = (lit_.slope(centre, rt) + upper_.slope(centre, rr)) * (0.5 * per_step);
   const double other = heard_->lower ? lower_.range(centre) : rr;
   const double lower_middle = middle + (other - rr) / 2 * per_step;
   const glm::dvec2 lower_gradient =
-      heard_->lower ? ((centre - foot_) / rt + (centre - lower_.foot) / other) * (0.5 * per_step) : gradient;
+      heard_->lower ? (lit_.slope(centre, rt) + lower_.slope(centre, other)) * (0.5 * per_step) : gradient;
   if (heard_->lower && borders_m_ > 0) {
     middle = (middle + lower_middle) / 2;
     gradient = (gradient + lower_gradient) * 0.5;
@@ -282,24 +337,20 @@ void PatchEcho::take(const Polygon& polygon, double sample) {
     centroid += part * (a + b);
   }
   if (area == 0) return;
-  const glm::dvec2 p = polygon[0] + centroid / (3 * area), away = p - foot_;
-  const double rt = std::sqrt(distance_ * distance_ + glm::dot(away, away));
-  const PlaneFrame& frame = facet_->frame;
-  const glm::dvec3 down = facet_->plane.normal,
-                   sent = (-distance_ * down + away.x * frame.u + away.y * frame.v) / rt;
-  const double lobe = scattering_lobe(point_->scattering, glm::dot(sent, point_->axis));
+  const glm::dvec2 p = polygon[0] + centroid / (3 * area);
+  const Met sent = meet(lit_, p);
+  const double lobe = scattering_lobe(point_->scattering, glm::dot(sent.direction, point_->axis));
   if (lobe == 0) return;
   glm::dvec3 true_back{0};
   const auto energy_by = [&](const Over& receiver) {
-    const glm::dvec2 there = p - receiver.foot;
-    const double height = receiver.height, rr = std::sqrt(height * height + glm::dot(there, there));
-    const glm::dvec3 foot = -height * down + there.x * frame.u + there.y * frame.v, back = foot / rr;
+    const Met home = meet(receiver, p);
     const double sigma =
-        mu_ * scattering_lobe(scattering_, distance_ / rt) * scattering_lobe(scattering_, height / rr);
-    double energy = density(sigma, Way<double>::of(rt, rr), beta_) * (std::abs(area) / 2) * lobe *
-                    point_->loss.at(sent) * receiver.image->leg.loss.at(back);
-    if (texture_ != nullptr) energy *= texture_->factor(receiver.at_m + foot);
-    true_back = receiver.image->leg.to_true * back;
+        mu_ * scattering_lobe(scattering_, sent.sine) * scattering_lobe(scattering_, home.sine);
+    double energy = density(sigma, Way<double>::of(sent.range, home.range), beta_) * (std::abs(area) / 2) *
+                    lobe * point_->loss.at(sent.direction) * receiver.image->leg.loss.at(home.direction) *
+                    sent.out * home.home;
+    if (texture_ != nullptr) energy *= texture_->factor(receiver.at_m + home.lies_m);
+    true_back = receiver.image->leg.to_true * home.direction;
     return heard_->row ? energy * law_.patterns->receive.front().gain(true_back) : energy;
   };
   const double energy = energy_by(upper_);

@@ -14,37 +14,44 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/paths/image_tree.hpp"
+#include "engine/paths/seen_bed.hpp"
 #include "geometry/integrals/measure.hpp"
 
 // What a point that scatters sends to a receiver by one more scattering. docs/paths.md
 namespace tubefoot {
 
-/// What an image of a receiver sees, by facet, in coordinates of the facet's plane: made once for all points
-/// that light it.
+/// What an image of a receiver sees, by facet, in coordinates of the plane that the facet lies in: made once
+/// for all points that light it.
 class HeardFacets {
  public:
-  /// `apex_m`: where the image is, in the frame of the points that will be asked about.
-  HeardFacets(const FacetMesh& mesh, const Image& heard, glm::dvec3 apex_m, double unit_m);
+  /// `apex_m`: where the image is, in the frame of the points that will be asked about; `bed`: what it sees.
+  HeardFacets(const Image& heard, glm::dvec3 apex_m, SeenBed bed);
 
   struct Piece {
-    std::uint32_t tube = 0;  ///< of the image
+    std::uint32_t tube = 0;   ///< of the image
+    std::size_t seen_as = 0;  ///< bent facet, where rays are bent
     std::vector<glm::dvec2> corners;
     glm::dvec2 low{0}, high{0};
   };
   struct Facet {
     FacetId facet = 0;
-    FacetPlane plane;  ///< seen from the image
+    FacetPlane plane;  ///< from the image; in refracting water that may be behind it
     PlaneFrame frame{FacetPlane{}};
     std::vector<Piece> pieces;
   };
-  /// Null if it is not seen.
-  const Facet* find(FacetId facet) const;
+  /// Null if the side of a facet that a normal points to is not seen.
+  const Facet* find(FacetId facet, glm::dvec3 normal) const;
+  /// Null where rays are straight.
+  const BentFacet* bent_of(const Piece& piece) const {
+    return bent_.empty() ? nullptr : &bent_[piece.seen_as];
+  }
   const Image& image() const { return image_; }
   glm::dvec3 apex_m() const { return apex_m_; }
 
  private:
   const Image& image_;
   glm::dvec3 apex_m_;
+  std::vector<BentFacet> bent_;
   std::vector<Facet> facets_;  // by id
 };
 
@@ -109,20 +116,40 @@ class PatchEcho {
   /// sees. `local_m`: the local frame's coordinates of the frame's origin. A product has what both receivers
   /// hear in sample k; with `borders_m` above 0, where samples are that far apart but do not begin where
   /// these do, it is in that of the mean of both half paths, as much of it as both have in one on average.
-  std::size_t add(const SharedFootprints& seen, const Point& point, const Listener& heard, glm::dvec3 local_m,
+  std::size_t add(const SeenBed& bed, const Point& point, const Listener& heard, glm::dvec3 local_m,
                   const RangeSamples& samples, double borders_m, SparseEnergy& out);
 
  private:
   using Polygon = std::vector<glm::dvec2>;
 
-  /// A receiver over the facet at hand.
+  /// The point, or a receiver, over the facet at hand.
   struct Over {
-    const Image* image = nullptr;
-    double height = 0;   ///< over the plane
-    glm::dvec2 foot{0};  ///< its foot point
-    glm::dvec3 at_m{0};  ///< in the local frame
-    double range(glm::dvec2 p) const { return std::hypot(height, glm::length(p - foot)); }
+    const Image* image = nullptr;  ///< of a receiver
+    double height = 0;             ///< over the plane
+    glm::dvec2 foot{0};            ///< its foot point
+    glm::dvec3 at_m{0};            ///< in the local frame
+    /// Where rays are bent: where the plane's points lie and where they are seen, both from here.
+    const BentFacet* bent = nullptr;
+    LyingPlane lies, seen;
+    double range(glm::dvec2 p) const {
+      return bent != nullptr ? glm::length(seen.at(p)) : std::hypot(height, glm::length(p - foot));
+    }
+    /// Of the range, which is known.
+    glm::dvec2 slope(glm::dvec2 p, double range) const {
+      if (bent == nullptr) return (p - foot) / range;
+      const glm::dvec3 at = seen.at(p);
+      return glm::dvec2(glm::dot(at, seen.u), glm::dot(at, seen.v)) / range;
+    }
   };
+  /// A place as an end sees it.
+  struct Met {
+    double range = 0, sine = 0;
+    glm::dvec3 direction{0};   ///< in which it is seen, unit vector
+    glm::dvec3 lies_m{0};      ///< from the end
+    double out = 1, home = 1;  ///< spreading and absorption over those of the straight way
+  };
+  Met meet(const Over& end, glm::dvec2 p) const;
+  void bend(Over& end, const BentFacet& facet, glm::dvec3 from_heard_m) const;
 
   void clip(const std::vector<glm::dvec2>& by, Polygon& polygon);
   /// A corner of a piece of the lower receiver's, in the coordinates of the upper one's plane.
@@ -142,13 +169,12 @@ class PatchEcho {
   const Point* point_ = nullptr;
   const Listener* heard_ = nullptr;
   const HeardFacets::Facet* facet_ = nullptr;
+  Over lit_;            // the point
   Over upper_, lower_;  // the lower one of a staff's, if a product is asked for
   double borders_m_ = 0;
   RangeSamples samples_;
   SparseEnergy* out_ = nullptr;
   std::uint32_t own_tube_ = 0;
-  glm::dvec2 foot_{0};   // of the point
-  double distance_ = 0;  // of the point from the plane
   const ScatteringLaw* scattering_ = nullptr;
   const ReflectivityField* texture_ = nullptr;
   double mu_ = 0;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -61,6 +62,7 @@ struct Sent {
   std::vector<Bin> bins;
   std::vector<Link> links;
   std::size_t pieces = 0;
+  GroundCounts seen;
 };
 
 /// Patches of a generation while it is lit: one for each facet, side of it, cube, fan and number of
@@ -73,7 +75,7 @@ class Generation {
   }
 
   void take(const Source& source, const Link& link) {
-    const glm::dvec3 centre = difference(link.seen_from) + link.patch.from_apex_m;
+    const glm::dvec3 centre = difference(link.seen_from) + link.patch.lies_m;
     Lit* lit = nullptr;
     for (const Delayed& delayed : source.signal) {
       const double way = delayed.way_m + link.way_m, strength = delayed.strength * link.gain;
@@ -101,9 +103,9 @@ class Generation {
       source.facet = FacetId(key[2]);
       source.normal = lit.normal;
       source.strength = lit.strength;
-      source.at =
-          in_front(scene_.mesh, source.facet, lit.seen_from,
-                   (lit.centre / lit.strength - difference(lit.seen_from)) / scene_.unit_m, lit.normal);
+      source.at = in_front(scene_.mesh, source.facet, lit.seen_from,
+                           (lit.centre / lit.strength - difference(lit.seen_from)) / scene_.unit_m,
+                           lit.normal, scene_.least_lift());
       for (std::size_t k = 0; k < lit.signal.size(); ++k)
         if (lit.signal[k] > 0)
           source.signal.push_back({double(lit.first + k) * scene_.samples.step_m, lit.signal[k]});
@@ -168,7 +170,18 @@ class PatchPaths {
         beta_(absorption_per_m(scene.law.absorption_db_per_m)),
         workers_([&] {
           return Worker{PatchEcho(scene.law, scene.beams, scene.settings.patch_m), {}, {}};
-        }) {}
+        }) {
+    if (scene.bent == nullptr) return;
+    const PathWater& water = scene.bent->water();
+    double lowest_m = std::numeric_limits<double>::infinity();
+    for (const GridPoint& vertex : scene.mesh.vertices)
+      lowest_m = std::min(lowest_m, water.grid.to_metres(vertex).z);
+    column_ = continued_below(water.column, water.surface_height_m - lowest_m, scene.reach * scene.unit_m);
+    EigenrayOptions rays = water.rays;
+    rays.deepest_turn_m = std::numeric_limits<double>::infinity();
+    water_.emplace(PathWater{column_, water.surface_height_m, rays, water.reference_speed_m_s,
+                             water.straightening, water.limits, water.grid});
+  }
 
   void follow(std::span<const Image> sent) {
     std::vector<Source> sources;
@@ -197,6 +210,7 @@ class PatchPaths {
             next.take(sources[first + k], link);
           }
           echo_.shared_pieces += sends[k].pieces;
+          echo_.seen_by_patches.add(sends[k].seen);
         }
       }
       echo_.patches += sources.size();
@@ -214,13 +228,13 @@ class PatchPaths {
 
   /// What a patch scatters along its normal of 1 J that comes in (mu / 1 J if that is Lambert's).
   double scattered_by(GridPoint from, const Patch& patch) const {
-    const double range = glm::length(patch.from_apex_m), sine = patch.plane_distance_m / range;
+    const double range = glm::length(patch.from_apex_m), sine = patch.sine;
     if (!(sine > 0)) return 0;
     const ScatteringLaw* scattering = scene_.law.law_of(patch.facet);
     double gain = scattering == nullptr ? scene_.law.material_mu[scene_.law.material[patch.facet]] : 1;
-    gain *= scattering_lobe(scattering, sine) / sine * std::exp(-beta_ * range);
+    gain *= scattering_lobe(scattering, sine) / sine * std::exp(-beta_ * range) * patch.absorbed;
     if (const ReflectivityField* texture = scene_.law.texture(patch.facet))
-      gain *= texture->factor(scene_.law.path.out.apex_m + from_apex(from) + patch.from_apex_m);
+      gain *= texture->factor(scene_.law.path.out.apex_m + from_apex(from) + patch.lies_m);
     return gain;
   }
 
@@ -233,9 +247,8 @@ class PatchPaths {
       for (const std::uint32_t tube : image.own_tube)
         fan_of_window.push_back(scene_.beams.fan_of_transmit_tube[tube]);
     const GridPoint apex = image.windows.apex;
-    for (const Patch& patch :
-         patches_of(scene_.mesh, apex, shared_with_itself(scene_.mesh, image.look(), scene_.unit_m),
-                    scene_.unit_m, scene_.settings.patch_m, fan_of_window)) {
+    for (const Patch& patch : patches_of(scene_.mesh, apex, scene_.seen_by(image), scene_.unit_m,
+                                         scene_.settings.patch_m, fan_of_window)) {
       const double range = glm::length(patch.from_apex_m);
       if (range / 2 >= scene_.samples.first_m + scene_.samples.step_m * scene_.samples.count) continue;
       const glm::dvec3 direction = patch.from_apex_m / range;
@@ -248,7 +261,8 @@ class PatchPaths {
       source.strength = scattered_by(apex, patch) * patch.solid_angle_sr * image.leg.loss.at(direction);
       if (scene_.law.patterns != nullptr)
         source.strength *= scene_.law.patterns->transmit[source.fan].gain(image.leg.to_true * direction);
-      source.at = in_front(scene_.mesh, patch.facet, apex, patch.from_apex_m / scene_.unit_m, patch.normal);
+      source.at = in_front(scene_.mesh, patch.facet, apex, patch.lies_m / scene_.unit_m, patch.normal,
+                           scene_.least_lift());
       source.signal.push_back({range, source.strength});
       sources.push_back(std::move(source));
     }
@@ -275,13 +289,24 @@ class PatchPaths {
 
   void send(const Source& source, bool again, Sent& sent) {
     const int most_mirrors = scene_.settings.order - source.interactions - 1;
+    TubeSet tubes = front_tubes(source.at, source.normal, scene_.reach);
+    std::optional<RefractedImages> bent;
+    if (water_) {
+      if (!(water_->grid.to_metres(source.at).z < water_->surface_height_m)) return;  // out of the water
+      bent.emplace(*scene_.bent, *water_, std::move(tubes), most_mirrors + 1,
+                   OnBed{source.normal, scene_.settings.patch_m});
+    }
     const std::vector<Image> images =
-        scene_.finder.images_of(front_tubes(source.at, source.normal, scene_.reach), most_mirrors);
+        bent ? bent->images_of(0) : scene_.finder.images_of(std::move(tubes), most_mirrors);
+    std::vector<SeenBed> beds;
+    for (const Image& image : images) beds.push_back(scene_.seen_by(image, bent ? &*bent : nullptr));
+    if (bent) sent.seen = bent->counts(beds);
     const ScatteringLaw* scattering = scene_.law.law_of(source.facet);
-    for (const Image& image : images) {
+    for (std::size_t k = 0; k < images.size(); ++k) {
       stop_if_wanted();
+      const Image& image = images[k];
       const int interactions = source.interactions + int(image.mirrors) + 1;
-      const SharedFootprints seen = shared_with_itself(scene_.mesh, image.look(), scene_.unit_m);
+      const SeenBed& seen = beds[k];
       const PatchEcho::Point point{from_apex(image.windows.apex), image.leg.loss,
                                    glm::transpose(image.leg.to_true) * source.normal, scattering, source.fan};
       for (const Listener& heard : heard_) {
@@ -305,8 +330,8 @@ class PatchPaths {
     }
   }
 
-  void hear(const Source& source, const SharedFootprints& seen, const PatchEcho::Point& point,
-            const Listener& heard, std::size_t order, Sent& sent) {
+  void hear(const Source& source, const SeenBed& seen, const PatchEcho::Point& point, const Listener& heard,
+            std::size_t order, Sent& sent) {
     Worker& worker = workers_.local();
     const RangeSamples& samples = scene_.samples;
     RangeSamples last_legs = samples;
@@ -354,6 +379,8 @@ class PatchPaths {
   std::span<const Listener> heard_;
   PathEcho& echo_;
   double least_, beta_;
+  WaterColumn column_;
+  std::optional<PathWater> water_;  // as patches look through it, if it refracts
   tbb::enumerable_thread_specific<Worker> workers_;
 };
 
@@ -364,7 +391,12 @@ glm::dvec3 PathScene::from_apex(GridPoint p) const {
 }
 
 HeardFacets PathScene::heard_by(const Image& image) const {
-  return {mesh, image, from_apex(image.windows.apex), unit_m};
+  return {image, from_apex(image.windows.apex), seen_by(image)};
+}
+
+SeenBed PathScene::seen_by(const Image& image, const RefractedImages* by) const {
+  if (bent != nullptr) return (by != nullptr ? by : bent)->seen_by(image);
+  return {shared_with_itself(mesh, image.look(), unit_m)};
 }
 
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Listener> heard,

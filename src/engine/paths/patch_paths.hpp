@@ -20,15 +20,23 @@ struct PathScene {
   const PathSettings& settings;
   GridPoint apex;  ///< true one of the transmitter
   double reach;    ///< TubeSet::reach
+  /// In refracting water: who made the images; `mesh` is its base().
+  const RefractedImages* bent = nullptr;
 
   glm::dvec3 from_apex(GridPoint p) const;  ///< metres
   HeardFacets heard_by(const Image& image) const;
+  /// How far patches stand off their facets, in grid units: where those are cut up and seen elsewhere, their
+  /// corners are rounded by up to 1.8, and none must come to lie before the patch.
+  double least_lift() const { return bent != nullptr ? 4 : 0; }
+  /// What an image sees that `by` has made, or which is one of the scene's.
+  SeenBed seen_by(const Image& image, const RefractedImages* by = nullptr) const;
 };
 
 /// Adds to `echo` the paths with 2 to settings.scatterings scatterings, generation by generation: what the
 /// images `sent` light becomes patches; what these light is heard by the images `heard`, and, gathered by
-/// facet and place, becomes the next patches. Of each generation the weakest patches, which together scatter
-/// less than the cut-off allows of what the first one does, are left out.
+/// facet and place, becomes the next patches. In refracting water each patch sees the bed through the water
+/// from its own depth. Of each generation the weakest patches, which together scatter less than the cut-off
+/// allows of what the first one does, are left out.
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
                          PathEcho& echo);
 

@@ -12,6 +12,7 @@
 #include <map>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/mirror.hpp"
@@ -57,10 +58,14 @@ double projected_solid_angle(const Triangle& t, glm::dvec3 axis) {
 
 }  // namespace
 
-GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dvec3 place,
-                   glm::dvec3 normal) {
-  const MirrorPlane plane = MirrorPlane::of_facet(mesh, facet, apex);
-  for (double lift = 0;; lift = lift == 0 ? 1 : 2 * lift) {
+GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dvec3 place, glm::dvec3 normal,
+                   double least) {
+  MirrorPlane plane = MirrorPlane::of_facet(mesh, facet, apex);
+  if (glm::dot(plane.unit_normal(), normal) < 0) {  // bent rays come to a side that the apex is not on
+    plane.normal = {-plane.normal.x, -plane.normal.y, -plane.normal.z};
+    plane.offset = -plane.offset;
+  }
+  for (double lift = least;; lift = lift == 0 ? 1 : 2 * lift) {
     const glm::dvec3 p = place + lift * normal;
     const GridPoint at{apex.x + static_cast<std::int32_t>(std::lround(p.x)),
                        apex.y + static_cast<std::int32_t>(std::lround(p.y)),
@@ -69,9 +74,10 @@ GridPoint in_front(const FacetMesh& mesh, FacetId facet, GridPoint apex, glm::dv
   }
 }
 
-std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SharedFootprints& seen,
-                              double unit_m, double longest_m, std::span<const std::uint32_t> label_of_tube,
+std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const SeenBed& bed, double unit_m,
+                              double longest_m, std::span<const std::uint32_t> label_of_tube,
                               glm::dvec3 axis) {
+  const SharedFootprints& seen = bed.shared;
   double about = 0;
   for (const SharedPiece& piece : seen.pieces)
     for (std::uint32_t k = 2; k < piece.count; ++k) {
@@ -92,22 +98,32 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
   for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
   std::stable_sort(by_facet.begin(), by_facet.end(),
                    [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
-  std::map<std::array<std::int64_t, 4>, Patch> gathered;  // by label and cube
+  std::map<std::array<std::int64_t, 5>, Patch> gathered;  // by side, label and cube
   for (auto first = by_facet.begin(), end = first; first != by_facet.end(); first = end) {
-    const SharedFacet& facet = **first;
-    std::vector<SharedPiece> pieces;
-    for (; end != by_facet.end() && (*end)->facet == facet.facet; ++end)
+    const FacetId id = (*first)->facet;
+    std::vector<std::pair<const SharedFacet*, const SharedPiece*>> pieces;
+    for (; end != by_facet.end() && (*end)->facet == id; ++end)
       for (std::uint32_t i = 0; i < (*end)->piece_count; ++i)
-        pieces.push_back(seen.pieces[(*end)->first_piece + i]);
+        pieces.emplace_back(*end, &seen.pieces[(*end)->first_piece + i]);
+    const auto normal_of = [&](const SharedFacet& facet) {
+      const BentFacet* bent = bed.bent_of(facet);
+      return bent != nullptr ? bent->normal : facet.plane_normal;
+    };
+    const glm::dvec3 first_normal = normal_of(**first);
     glm::dvec3 corner(std::numeric_limits<double>::infinity());
-    for (const VertexId v : mesh.facets[facet.facet]) {
+    for (const VertexId v : mesh.facets[id]) {
       const GridPoint p = mesh.vertices[v];
       corner = glm::min(
           corner, glm::dvec3(double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z) * unit_m);
     }
     gathered.clear();
-    for (const SharedPiece& piece : pieces) {
+    for (const auto& [seen_part, seen_piece] : pieces) {
       stop_if_wanted();
+      const SharedPiece& piece = *seen_piece;
+      const BentFacet* bent = bed.bent_of(*seen_part);
+      const SharedFacet& part = bent != nullptr ? *seen_part : **first;
+      const glm::dvec3 normal = normal_of(part);
+      const bool other_side = glm::dot(normal, first_normal) < 0;
       for (std::uint32_t k = 2; k < piece.count; ++k)
         left.push_back({seen.corners_m[piece.first], seen.corners_m[piece.first + k - 1],
                         seen.corners_m[piece.first + k]});
@@ -122,25 +138,39 @@ std::vector<Patch> patches_of(const FacetMesh& mesh, GridPoint apex, const Share
           left.push_back({middle, t[(k + 1) % 3], t[(k + 2) % 3]});
           continue;
         }
-        const double area_m2 = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
-        if (!(area_m2 > 0)) continue;
+        const double seen_m2 = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
+        if (!(seen_m2 > 0)) continue;
+        const double area_m2 = bent != nullptr ? bent->area_ratio * seen_m2 : seen_m2;
         const glm::dvec3 middle = (t[0] + t[1] + t[2]) / 3.0,
-                         cube = glm::floor((middle - corner) * (2 / longest_m) + 1e-3);
+                         lies = bent != nullptr ? bent->lies.at(middle) : middle,
+                         cube = glm::floor((lies - corner) * (2 / longest_m) + 1e-3);
         const std::int64_t label = label_of_tube.empty() ? 0 : label_of_tube[piece.transmit_tube];
-        Patch& patch = gathered[{label, std::int64_t(cube.x), std::int64_t(cube.y), std::int64_t(cube.z)}];
+        Patch& patch = gathered[{std::int64_t(other_side), label, std::int64_t(cube.x), std::int64_t(cube.y),
+                                 std::int64_t(cube.z)}];
         patch.cube = {std::int64_t(cube.x), std::int64_t(cube.y), std::int64_t(cube.z)};
         patch.tube = piece.transmit_tube;
-        patch.from_apex_m += area_m2 * middle;  // the sum, so far
+        if (patch.area_m2 == 0) patch.absorbed = 0;
+        patch.normal = normal;
+        patch.from_apex_m += area_m2 * middle;  // sums, so far
+        patch.lies_m += area_m2 * lies;
+        if (bent != nullptr) {
+          const BentFacet::Ray ray = bent->ray_to(lies);
+          patch.sine += area_m2 * bent->sine(middle, ray);
+          patch.absorbed += area_m2 * ray.absorbed;
+        } else {
+          patch.sine = part.transmit_distance_m;  // over the range, below
+        }
         patch.area_m2 += area_m2;
-        patch.solid_angle_sr += solid_angle(t, area_m2, facet.transmit_distance_m);
+        patch.solid_angle_sr += solid_angle(t, seen_m2, part.transmit_distance_m);
         if (axis != glm::dvec3(0)) patch.projected_sr += std::abs(projected_solid_angle(t, axis));
       }
     }
     for (auto& [key, patch] : gathered) {
-      patch.facet = facet.facet;
+      patch.facet = id;
       patch.from_apex_m /= patch.area_m2;
-      patch.normal = facet.plane_normal;
-      patch.plane_distance_m = facet.transmit_distance_m;
+      patch.lies_m /= patch.area_m2;
+      patch.sine /= bed.bent.empty() ? glm::length(patch.from_apex_m) : patch.area_m2;
+      patch.absorbed = bed.bent.empty() ? 1 : patch.absorbed / patch.area_m2;
       patches.push_back(patch);
     }
   }

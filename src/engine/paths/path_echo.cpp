@@ -68,10 +68,13 @@ class PathTracer {
 
   PathEcho trace() {
     scatter();
-    if (settings_.scatterings > 1)
-      add_scattered_paths(
-          {mesh_, unit_m_, finder_, beams_, samples_, law_, settings_, true_apex_, true_receive_.reach},
-          transmit_, receive_, echo_);
+    if (settings_.scatterings > 1) {
+      EchoLaw law = law_;
+      if (bent_) law.material = bent_->base().material;
+      add_scattered_paths({bent_ ? bent_->base() : mesh_, unit_m_, finder_, beams_, samples_, law, settings_,
+                           true_apex_, true_receive_.reach, bent_},
+                          transmit_, receive_, echo_);
+    }
     for (const Image& image : transmit_)
       if (image.mirrors > 0 || (settings_.direct && !one_place_)) arrive(image);
     return std::move(echo_);
@@ -403,8 +406,6 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
   const ImageFinder finder(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images);
   const bool one_place = transmit == receive;
   if (water != nullptr) {
-    if (settings.scatterings > 1)
-      throw std::invalid_argument("in refracting water no path has more than one scattering");
     std::vector<TubeSet> ends{transmit};
     if (!one_place) ends.push_back(receive);
     RefractedImages bent(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,

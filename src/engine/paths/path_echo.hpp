@@ -67,6 +67,7 @@ struct PathEcho {
   /// (PairedFacet).
   std::vector<ApparentGround> grounds;
   double largest_misfit_m = 0;
+  GroundCounts seen_by_patches;  ///< what all patches made of it
 };
 
 /// The echoes over mirrors of a transmission from `transmit`'s apex, heard at `receive`'s (both the same for
@@ -89,9 +90,9 @@ struct PathEcho {
 /// twice the end of the last sample (in grid units). Throws std::length_error if there are more images (or
 /// pairs of them, patches, or their delays) than may be.
 ///
-/// `water`: what refracts, null where it is even. Mirrors are level there, no path has two scatterings, and
-/// ways without scattering arrive with exp(-absorption) over the area of their ray tube at the receiver, one
-/// for each ray (RefractedImages, whose errors are thrown too).
+/// `water`: what refracts, null where it is even. Mirrors are level there, and ways without scattering arrive
+/// with exp(-absorption) over the area of their ray tube at the receiver, one for each ray (RefractedImages,
+/// whose errors are thrown too).
 PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,

@@ -5,11 +5,13 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/ground/paired_facet.hpp"
 #include "engine/paths/image_tree.hpp"
+#include "engine/paths/seen_bed.hpp"
 
 // Apexes and their images in level mirrors, in refracting water. docs/paths.md, "In refracting water"
 namespace tubefoot {
@@ -23,6 +25,20 @@ struct PathWater {
   StraighteningSettings straightening;
   RefinementLimits limits;
   const WorldGrid& grid;
+};
+
+/// The same water for places on a bed: below the bed's lowest place, where no sound is, speeds go on as above
+/// it for `further_m`, so that a ray leads from a place to all that are level with it, and it can be told
+/// that it is sent into the bed.
+WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m);
+
+/// What came of several straightenings, counted (ApparentGround).
+struct GroundCounts {
+  std::size_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
+  double largest_gap_m = 0;
+  std::vector<UnclearPlace> unclear{};  ///< the first without a ray, and the first with several
+
+  void add(const GroundCounts& more);
 };
 
 /// A ray from an image, over its mirrors, to a receiver.
@@ -51,6 +67,9 @@ class RefractedImages {
   RefractedImages(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
                   const Mirrors& mirrors, double least_loss, std::size_t most_images,
                   double absorption_db_per_m, const PathWater& water, std::vector<TubeSet> ends, int order);
+  /// Of an apex on the bed of others, with one mirror less than `order` at most. `water`: continued_below().
+  RefractedImages(const RefractedImages& others, const PathWater& water, TubeSet tubes, int order,
+                  const OnBed& on_bed);
   ~RefractedImages();
 
   /// As ImageFinder::images_of() has them. `beside`: the tubes of a place near the end, which looks at what
@@ -62,6 +81,14 @@ class RefractedImages {
 
   /// The bed that shared facets are of.
   const FacetMesh& bed() const { return alike_.bed.mesh; }
+  /// The bed before it is cut for what is seen; seen_by() names its facets.
+  const FacetMesh& base() const { return *mesh_; }
+  const PathWater& water() const { return water_; }
+  /// What an image that has looked sees.
+  SeenBed seen_by(const Image& image) const;
+  /// Of all that was straightened. A place without a ray counts if sound would come to it straight from the
+  /// apex' side of its facet; a facet is folded if it is seen from behind.
+  GroundCounts counts(std::span<const SeenBed> seen) const;
   const WorldGrid& grid() const { return water_.grid; }
   ApparentEnd end_of(const Image& image) const;
   /// What came of straightening, but for the apexes' own; by chain of mirrors. Directions are those of
@@ -76,6 +103,7 @@ class RefractedImages {
   using Heights = std::vector<std::int32_t>;
   struct Children;
 
+  void straighten_ways();
   void find_levels(const FacetMesh& mesh);
   void find_ways(std::size_t end, const Heights& heights, bool up, double passes, double way_m, int most);
   Way& add_way(std::size_t end, const Heights& heights);
@@ -92,6 +120,7 @@ class RefractedImages {
   PathWater water_;
   std::vector<TubeSet> ends_;
   int order_;
+  OnBed on_bed_;
   std::map<std::int32_t, double> levels_;  ///< heights of level mirrors, and the most that one reflects
   FacetMesh cut_;                          ///< no facet lies on both sides of a mirror's height
   std::unique_ptr<SceneTree> cut_tree_;

@@ -313,7 +313,7 @@ StaffPathEcho staff_path_echo(const FacetMesh& mesh, const SceneTree& tree, doub
   if (settings.reference_tolerance && settings.scatterings > 1)
     throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
   if (water != nullptr && settings.scatterings > 1)
-    throw std::invalid_argument("in refracting water no path has more than one scattering");
+    throw std::invalid_argument("in refracting water no path to two receivers has more than one scattering");
   return StaffTracer(mesh, tree, grid_unit_m, options, ends, samples, law, settings, water).trace();
 }
 

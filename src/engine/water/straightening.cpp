@@ -9,24 +9,50 @@ namespace tubefoot {
 
 Straightening::Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
                              const EigenrayOptions& options, std::optional<double> reference_speed_m_s,
-                             const Unfolding& unfolding)
+                             const Unfolding& unfolding, const OnBed& on_bed)
     : finder_(water, surface_height_m - apex_m.z, options),
       apex_m_(apex_m),
       surface_height_m_(surface_height_m),
       reference_speed_m_s_(reference_speed_m_s.value_or(finder_.source_speed_m_s())),
-      unfolding_(unfolding) {}
+      unfolding_(unfolding),
+      on_bed_(on_bed) {}
+
+ApparentPoint Straightening::straight_to(glm::dvec3 point_m) const {
+  const glm::dvec3 way = point_m - apex_m_;
+  const double c = finder_.source_speed_m_s(), depth_m = finder_.source_depth_m(),
+               length_m = std::max(glm::length(way), 1e-9);  // less than a grid unit
+  Eigenray ray;
+  ray.launch_sine = ray.arrival_sine = -way.z / length_m;
+  ray.launch_cosine = ray.arrival_cosine = std::hypot(way.x, way.y) / length_m;
+  ray.time_s = length_m / c;
+  ray.length_m = length_m;
+  ray.absorption_db = water().absorption_in(water().profile.layer_at(depth_m)) * length_m;
+  ray.tube_area_m2_per_sr = length_m * length_m;
+  return {apex_m_ + reference_speed_m_s_ / c * way, ray, 1};
+}
 
 std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
   const glm::dvec3 way = point_m - apex_m_;
+  if (on_bed_.straight_within_m > 0 && glm::length(way) <= on_bed_.straight_within_m)
+    return straight_to(point_m);
   const double range = std::hypot(way.x, way.y);
   const double depth = depth_m(point_m);
   Eigenray first;
   std::size_t count = 1;
   if (finder_.may_turn_towards(depth, range)) {
-    const std::vector<Eigenray> rays = finder_.all(depth, range);
+    std::vector<Eigenray> rays = finder_.all(depth, range);
     if (rays.empty()) return std::nullopt;
     first = rays.front();
     count = rays.size();
+    if (on_bed_.front != glm::dvec3(0) && count > 1) {
+      // Sent into the bed there is nothing that could be told apart.
+      std::erase_if(rays, [&](const Eigenray& ray) {
+        const double across = range > 0 ? ray.launch_cosine / range : 0;
+        return !(glm::dot(on_bed_.front, glm::dvec3(across * way.x, across * way.y, -ray.launch_sine)) > 0);
+      });
+      if (!rays.empty()) first = rays.front();
+      count = std::max<std::size_t>(rays.size(), 1);
+    }
   } else {
     const std::optional<Eigenray> only = finder_.direct(depth, range);
     if (!only) return std::nullopt;
@@ -38,6 +64,13 @@ std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
   return ApparentPoint{
       apex_m_ + glm::dvec3(across * way.x, across * way.y, -unfolding_.sign * distance * first.launch_sine),
       first, static_cast<int>(count)};
+}
+
+glm::dvec3 Straightening::launch_direction(glm::dvec3 point_m, const Eigenray& ray) const {
+  const glm::dvec3 way = point_m - apex_m_;
+  const double range = std::hypot(way.x, way.y);
+  const double across = range > 0 ? ray.launch_cosine / range : 0;
+  return {across * way.x, across * way.y, -unfolding_.sign * ray.launch_sine};
 }
 
 glm::dvec3 Straightening::arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const {

@@ -19,6 +19,16 @@ struct ApparentPoint {
   int eigenrays = 1;  ///< rays that lead there, of the branches that are looked for
 };
 
+/// An apex that lies on the bed, which is lit there and scatters on.
+struct OnBed {
+  /// Unit normal of its facet. Of several rays to a place the first that is sent to this side is taken, if
+  /// one is; 0: the first.
+  glm::dvec3 front{0};
+  /// Nearer than this rays are straight (over no mirror): where the bed is seen from within itself, facets
+  /// that are bent a little would lie before the apex, or behind it.
+  double straight_within_m = 0;
+};
+
 /// Makes curved rays from one apex straight: a point goes to the direction in which its ray is launched, at
 /// the distance that sound would cover in the ray's time at a reference speed. What the apex sees of the
 /// apparent points along straight rays, and when, is what it sees of the true ones along the curved.
@@ -35,7 +45,7 @@ class Straightening {
   /// above the surface. `unfolding`: with its unfolded water and options.
   Straightening(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,
                 const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {},
-                const Unfolding& unfolding = {});
+                const Unfolding& unfolding = {}, const OnBed& on_bed = {});
 
   /// None where no ray leads to (a shadow zone).
   std::optional<ApparentPoint> apparent(glm::dvec3 point_m) const;
@@ -52,6 +62,10 @@ class Straightening {
   }
   const WaterColumn& water() const { return finder_.water(); }
   const EigenrayFinder& finder() const { return finder_; }
+  double straight_within_m() const { return on_bed_.straight_within_m; }
+
+  /// Direction in which a ray to a point is launched, as the image has it that the point is seen from.
+  glm::dvec3 launch_direction(glm::dvec3 point_m, const Eigenray& ray) const;
 
   /// Direction of travel on arrival at a point, unit vector; `ray` as apparent() found it.
   glm::dvec3 arrival_direction(glm::dvec3 point_m, const Eigenray& ray) const;
@@ -61,10 +75,13 @@ class Straightening {
   double return_area_m2_per_sr(glm::dvec3 point_m, const Eigenray& ray) const;
 
  private:
+  ApparentPoint straight_to(glm::dvec3 point_m) const;
+
   EigenrayFinder finder_;
   glm::dvec3 apex_m_;
   double surface_height_m_, reference_speed_m_s_;
   Unfolding unfolding_;
+  OnBed on_bed_;
 };
 
 /// The second-order gap of an edge: how far the image of its middle lies from the middle of its ends' images.

@@ -31,23 +31,6 @@ void expect_near(const Echo& echo, const std::vector<double>& expected, double o
     EXPECT_NEAR(echo.energy[k], expected[k], of_bin * all) << what << ' ' << k;
 }
 
-/// A plate and another one that faces it askew, and a fin that hides parts of them from each other.
-Setting plates(bool fin) {
-  Setting s;
-  s.absorption_db_per_m = 0.3;
-  add_quad(s.mesh, {-1, -1, -5}, {1, -1, -5}, {1, 1, -5}, {-1, 1, -5}, 0);
-  add_quad(s.mesh, {2, -1, -4.5}, {2.25, 1, -4.5}, {2.25, 1, -2.5}, {2, -1, -2.5}, 1);
-  if (fin) add_triangle(s.mesh, {1.2, -0.6, -4.9}, {1.5, 0.5, -4.8}, {1.3, 0.1, -3.8}, 1);
-  s.transmit = around({-0.5, 0.25, -2}, -89.99, 20, 3, 60, 4);
-  s.receive = around({-0.25, -0.5, -1.75}, -89.99, 20, 3, 60, 4);
-  s.samples = {1, 0.5, 20};
-  s.mu = {0.1, 0.2};
-  s.paths.order = 2;
-  s.paths.scatterings = 2;
-  s.paths.patch_m = 0.25;
-  return s;
-}
-
 TEST(PatchPaths, TwoScatteringsByAnyLawAgreeWithTheDoubleSum) {
   Setting s = plates(false);
   s.paths.patch_m = 0.15;

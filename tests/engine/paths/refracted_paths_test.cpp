@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Paths over mirrors in refracting water.
-#include "fixtures/world/refracted_paths.hpp"
-
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -12,21 +10,12 @@
 #include <random>
 
 #include "engine/sight/tube_engine.hpp"
+#include "fixtures/world/bent_rays.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
-
-PathEcho through(const PathWater& water, const Setting& s, const BeamPatterns* patterns = nullptr) {
-  const SceneTree tree(s.mesh);
-  const std::vector<std::uint32_t> beam(s.receive.tubes.size(), 0);
-  const std::vector<double> none(s.mu.size(), 0);
-  PathSettings settings = s.paths;
-  settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
-  return path_echo(s.mesh, tree, unit, VisibilityOptions(), s.transmit, s.receive, {1, beam}, s.samples,
-                   s.law(s.transmit, patterns), settings, &water);
-}
 
 // Images by rays through even water are the images by planes. Where a mirror's height cuts facets, corners
 // are rounded to the grid (1e-6 m), for all images or for those of this mirror.

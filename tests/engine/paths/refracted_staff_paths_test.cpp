@@ -11,7 +11,7 @@
 #include <random>
 
 #include "engine/paths/staff_paths.hpp"
-#include "fixtures/world/refracted_paths.hpp"
+#include "fixtures/world/bent_rays.hpp"
 
 namespace tubefoot {
 namespace {

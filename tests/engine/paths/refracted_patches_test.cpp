@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Paths that are scattered more than once in refracting water (docs/paths.md). Gradients are a thousand times
+// those of the sea, so that scenes of some metres bend rays as much as the sea does over kilometres.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "engine/paths/patches.hpp"
+#include "fixtures/world/bent_rays.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace test;
+
+/// One gradient from the surface down to 8 m, and no absorption below that.
+WaterColumn column_of(const Arcs& water) {
+  const double a = water.absorption_db_per_m;
+  return {SoundSpeedProfile({{0, water.c0}, {8, water.c0 + 8 * water.g}}), {a, a, a}};
+}
+
+PathWater through_water(const WaterColumn& column, double gap_m = 2e-3) { return water_of(column, gap_m, 8); }
+
+void expect_near(const Echo& echo, const std::vector<double>& expected, double of_total, double of_bin,
+                 const char* what) {
+  const double all = std::accumulate(expected.begin(), expected.end(), 0.0);
+  EXPECT_GT(all, 0);
+  EXPECT_NEAR(total(echo), all, of_total * all) << what;
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    EXPECT_NEAR(echo.energy[k], expected[k], of_bin * all) << what << ' ' << k;
+}
+
+// The oracle: a ray that is stepped off in an arc's direction comes to its end, then and thus; the tube's
+// area is that of rays in closed form.
+TEST(RefractedPatches, ArcsAreRays) {
+  const unsigned seed = 6;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (const double g : {-0.9, 0.7})
+    for (int n = 0; n < 20; ++n) {
+      const Arcs arcs{1500, g};
+      const glm::dvec3 from{0, 0, -5 - 20 * any(random)},
+          to{30 + 20 * any(random), 15, -5 - 40 * any(random)};
+      const Ray ray = arcs(from, to);
+      Setting s;
+      add_quad(s.mesh, to + glm::dvec3(0, -3, -3), to + glm::dvec3(0, 3, -3), to + glm::dvec3(0, 3, 3),
+               to + glm::dvec3(0, -3, 3));
+      s.reflection = {0};
+      const Circles circles{1500, g};
+      const auto met = Stepped{s, circles}.follow(from, ray.launch, 0);
+      ASSERT_EQ(met.size(), 1u);
+      EXPECT_LT(glm::distance(met[0].at, to), 2e-3);
+      EXPECT_LT(glm::distance(met[0].along, ray.arrival), 1e-3);
+      EXPECT_NEAR(met[0].t * c_ref, ray.way_m, 2e-3);
+      const double x = glm::length(glm::dvec2(to - from));
+      if (std::abs(ray.launch.z) < 0.2 || std::abs(ray.arrival.z) < 0.2 || ray.launch.z * ray.arrival.z < 0)
+        continue;  // it turns, or nearly
+      EXPECT_NEAR(circles.to(x, -from.z, {}, -to.z).area / ray.tube_area_m2, 1, 1e-5);
+    }
+}
+
+// Patches by rays through even water are those by straight lines: cut otherwise, so to the error of patches.
+TEST(RefractedPatches, EvenWaterIsTheStraightEngine) {
+  const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {8, c_ref}}), {0.3, 0.3, 0.3}};
+  Setting s = plates(true);
+  s.paths.order = s.paths.scatterings = 3;
+  s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
+  const PathEcho straight = s.run(), bent = through(through_water(even), s);
+  EXPECT_EQ(bent.seen_by_patches.in_shadow, 0u);
+  EXPECT_EQ(bent.seen_by_patches.folded, 0u);
+  for (std::size_t order = 2; order < 4; ++order)
+    expect_near(bent.by_order[order], straight.by_order[order].energy, 2e-3, 2e-3, "even");
+}
+
+// To first order in the gradient.
+TEST(RefractedPatches, AGradientThatGoesToZeroLeavesEvenWater) {
+  Setting s = plates(false);
+  const auto at = [&](double g) {
+    const WaterColumn column = column_of({1500 - 4 * g, g, s.absorption_db_per_m});
+    return total(through(through_water(column, 1), s).by_order[2]);
+  };
+  const double even = at(1e-9), whole = at(4) / even - 1, half = at(2) / even - 1;
+  EXPECT_GT(std::abs(whole), 1e-4);
+  EXPECT_NEAR(whole / half, 2, 0.05);
+}
+
+TEST(RefractedPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints) {
+  for (const double g : {-60.0, 60.0}) {
+    SCOPED_TRACE(g);
+    Setting s = plates(true);
+    s.paths.order = s.paths.scatterings = 3;
+    const Arcs arcs{1500 - 3 * g, g, s.absorption_db_per_m};
+    const PathEcho paths = through(through_water(column_of(arcs)), s), straight = s.run();
+    const PointSum sum(s, 8, arcs, arcs);
+    expect_near(paths.by_order[2], sum.scattered_twice(), 0.02, 0.02, "two");
+    expect_near(paths.by_order[3], sum.scattered_thrice(), 0.03, 0.03, "three");
+    // Which bending has its part in.
+    EXPECT_GT(std::abs(total(straight.by_order[2]) / total(paths.by_order[2]) - 1), 0.05);
+  }
+}
+
+// Every path begins and ends at the surface.
+TEST(RefractedPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
+  Setting s = plates(true);
+  s.transmit = around({-0.5, 0.25, -2}, 10, 89.99, 3, 60, 4);
+  s.receive = around({0.8, -0.5, -1.75}, 10, 89.99, 3, 60, 4);
+  s.samples = {5, 0.5, 14};
+  s.paths.order = 4;
+  s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
+  const double g = -50;
+  const Arcs arcs{1700, g, s.absorption_db_per_m};
+  const Circles circles{1700, g};
+  const auto by_surface = [&](glm::dvec3 from, glm::dvec3 to) {
+    const glm::dvec2 way = glm::dvec2(to) - glm::dvec2(from);
+    const double x = glm::length(way);
+    const glm::dvec2 across = way / x;
+    const Circles::Ray found = circles.to(x, -from.z, {0}, -to.z);
+    const double p = std::cos(found.launch) / circles.speed(-from.z);
+    Ray ray;
+    ray.way_m = c_ref * found.t;
+    ray.launch = {std::cos(found.launch) * across, std::sin(found.launch)};
+    ray.arrival = {std::cos(found.arrival) * across, -std::sin(found.arrival)};
+    ray.tube_area_m2 = found.area;
+    ray.kept =
+        0.7 * std::pow(10, -s.absorption_db_per_m * circles.over(found.launch, -from.z, {0}, -to.z).s / 10);
+    double met = 0;
+    for (int k = 0; k <= 6; ++k) {
+      const double depth = -from.z * (6 - k) / 6;
+      met = k == 0 ? 0 : circles.between(p, -from.z, depth).x;
+      ray.places.emplace_back(glm::dvec2(from) + met * across, -depth);
+    }
+    for (int k = 1; k <= 6; ++k) {
+      const double depth = -to.z * k / 6;
+      ray.places.emplace_back(glm::dvec2(from) + (met + circles.between(p, 0, depth).x) * across, -depth);
+    }
+    return ray;
+  };
+  const PathEcho paths = through(through_water(column_of(arcs)), s);
+  EXPECT_EQ(total(paths.by_order[2]), 0);
+  expect_near(paths.by_order[4], PointSum(s, 12, arcs, by_surface).scattered_twice(), 0.02, 0.02, "surface");
+}
+
+// A flat bed lights itself where rays are bent down, and does not where they are bent up.
+TEST(RefractedPatches, AFlatBedIsLitByItselfAlongRaysThatTurn) {
+  for (const double g : {-60.0, 60.0}) {
+    Setting s;
+    s.mesh = square_bed(-5, 2);
+    s.transmit = s.receive = around({0.3, 0.2, -3}, -89.9, -20, 3, 60, 4);
+    s.samples = {1, 0.5, 20};
+    s.mu = {0.2};
+    s.paths.order = s.paths.scatterings = 2;
+    s.paths.patch_m = 0.2;
+    const Arcs arcs{1500 - 3 * g, g};
+    const PathEcho paths = through(through_water(column_of(arcs), 2e-4), s);
+    EXPECT_EQ(paths.seen_by_patches.in_shadow, 0u);
+    if (g > 0) {
+      EXPECT_EQ(total(paths.by_order[2]), 0);
+    } else {
+      expect_near(paths.by_order[2], PointSum(s, 24, arcs, arcs).scattered_twice(), 0.03, 0.03, "bed");
+    }
+  }
+}
+
+// Exchanged, transmitter and receiver hear the same but for the square of the speed of sound at each.
+TEST(RefractedPatches, TransmitterAndReceiverExchangePlaces) {
+  Setting s = plates(true);
+  s.receive = around({-0.25, -0.5, -3.5}, -89.99, 20, 3, 60, 4);
+  s.paths.patch_m = 0.15;
+  Setting back = s;
+  std::swap(back.transmit, back.receive);
+  const double g = -60;
+  const Arcs arcs{1500 - 3 * g, g, s.absorption_db_per_m};
+  const WaterColumn column = column_of(arcs);
+  const PathEcho there = through(through_water(column), s), home = through(through_water(column), back);
+  const double speeds = std::pow((arcs.c0 + 2 * g) / (arcs.c0 + 3.5 * g), 2);
+  std::vector<double> expected = home.by_order[2].energy;
+  for (double& energy : expected) energy *= speeds;
+  EXPECT_GT(speeds, 1.1);
+  expect_near(there.by_order[2], expected, 5e-3, 5e-3, "exchanged");
+}
+
+// From a place on any wall of a closed box, a leaning one, all that Lambert's law sends arrives, and once:
+// nothing is hidden by the wall itself, and nothing left out, however rays are bent.
+TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
+  FacetMesh box;
+  const glm::dvec3 middle(0, 0, -4);
+  const auto corner = [&](int k) {
+    const glm::dvec3 p(k & 1 ? 2 : -2, k & 2 ? 1.3 : -1.3, k & 4 ? 1.7 : -1.7);
+    return middle + p + glm::dvec3(0.17 * p.z, 0.11 * p.x, 0.13 * p.y);
+  };
+  for (const auto& [a, b, c, d] : std::vector<std::array<int, 4>>{
+           {0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}})
+    add_quad(box, corner(a), corner(b), corner(c), corner(d));
+  test::weld(box);
+  const SceneTree tree(box);
+  for (const double g : {-80.0, 80.0}) {
+    const WaterColumn column = continued_below(column_of({1500 - 4 * g, g}), 6, 20);
+    PathWater water = through_water(column, 1e-3);
+    water.rays.deepest_turn_m = std::numeric_limits<double>::infinity();
+    const Mirrors none;
+    const RefractedImages bed(box, tree, VisibilityOptions(), none, 0, 10, 0, water,
+                              {around(middle, -80, 80, 1, 30)}, 1);
+    for (FacetId facet = 0; facet < box.facets.size(); ++facet) {
+      glm::dvec3 c[3];
+      for (std::size_t k = 0; k < 3; ++k) c[k] = metres(box.vertices[box.facets[facet][k]]);
+      glm::dvec3 normal = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
+      if (glm::dot(normal, middle - c[0]) < 0) normal = -normal;
+      // Near to an edge: 5 cm from the wall there.
+      const glm::dvec3 place = 0.6 * c[0] + 0.38 * c[1] + 0.02 * c[2];
+      const GridPoint apex = in_front(box, facet, at(middle), (place - middle) / unit, normal, 4);
+      RefractedImages from(bed, water, front_tubes(apex, normal, 30 / unit), 1, {normal, 0.25});
+      const std::vector<Image> images = from.images_of(0);
+      ASSERT_EQ(images.size(), 1u);
+      const SeenBed seen = from.seen_by(images[0]);
+      double sum = 0;
+      for (const Patch& patch : patches_of(from.base(), apex, seen, unit, 0.5, {}, normal))
+        sum += patch.projected_sr;
+      EXPECT_NEAR(sum, pi, 2e-4 * pi) << g << ", facet " << facet;
+      EXPECT_EQ(from.counts({&seen, 1}).in_shadow, 0u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tubefoot
