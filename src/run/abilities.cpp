@@ -64,7 +64,6 @@ constexpr auto table = std::to_array<Refusal>({
      "phases over mirrors need even water: give profile = \"constant\", or leave out [sea_surface], [paths] "
      "and 'specular_loss_db'"},
     {refraction, mirrors, reference, two_places_straight},
-    {refraction, receiver_apart, reference, two_places_straight},
     {refraction, two_receivers, reference, two_places_straight},
     {scatterings,
      reference,

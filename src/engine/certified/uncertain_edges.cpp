@@ -183,7 +183,7 @@ double UncertainEdges::half_width(VertexId a, VertexId b) const {
 }
 
 void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad,
-                           const Nearby& nearby, const DoubtSink& sink) const {
+                           const Nearby& nearby, const DoubtSink& sink, const EdgeOf* edge) const {
   const glm::dvec3 start = glm::normalize(from), end = glm::normalize(to);
   const double length = glm::distance(start, end);
   if (!(length > 0) || !(half_width_rad < 0.1)) {
@@ -204,6 +204,10 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
     const double half = glm::distance(a, b), w = half_width_rad;
     const Cone cone{middle, half + w};
     each_within(nearby, cone, [&](FacetId f) {
+      // Facets do not hide their own places; what another of the same edge hides of them is for clash().
+      if (edge != nullptr && edge->count <= 2 &&
+          (f == edge->facet[0] || (edge->count == 2 && f == edge->facet[1])))
+        return;
       const FacetEnclosure& facet = enclosures_.facets[f];
       const double beyond = facet.gap_m / facet.nearest_m * 1.01, wide = (w + beyond) * 1.02;
       Polygon part(facet.seen.begin(), facet.seen.end());
@@ -297,7 +301,9 @@ void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility
       for (const PlaneName& plane : planes) {
         // Walls are exact; where facets cross is for clash().
         if (plane.depth || ((plane.a | plane.b) & ray_bit) || is_smooth(plane.a, plane.b)) continue;
-        strip(direction(c), direction(d), half_width(plane.a, plane.b), near, sink);
+        const auto edge = edges_.find(key_of(plane.a, plane.b));
+        strip(direction(c), direction(d), half_width(plane.a, plane.b), near, sink,
+              of_ == DoubtsOf::places && edge != edges_.end() ? &edge->second : nullptr);
       }
     }
     if (enclosures_.facets[piece.facet].state != State::proven || piece.corners_m.size() < 3) continue;

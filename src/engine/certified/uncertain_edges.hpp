@@ -77,7 +77,7 @@ class UncertainEdges {
   bool is_smooth_between(FacetId f, FacetId g) const;
   double half_width(VertexId a, VertexId b) const;
   void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad, const Nearby& nearby,
-             const DoubtSink& sink) const;
+             const DoubtSink& sink, const EdgeOf* edge = nullptr) const;
   void clash(const SeenPiece& piece, FacetId other, const DoubtSink& sink) const;
 
   const FacetMesh& mesh_;
