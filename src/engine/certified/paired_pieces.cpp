@@ -151,11 +151,12 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   const std::size_t cells = cut ? cut_by_cells(polygon, *texture, lies, most_cells, {}) : 0;
   const Between even = cells > 0 ? Between{1, 1} : range;
   const std::size_t row = borders_.size() - 1;
+  // About a border between samples all may be missing anyway.
   const auto allowance = [&](double relative, double parts) {
     return CertifiedPathIntegrator::Allowance{
         relative, [this, row, first = first, parts](std::size_t beam, std::size_t sample) {
           const std::size_t bin = (first + beam) * row + std::min(sample / 2, row - 1);
-          return std::max(target_[bin] / parts, 1e-300);
+          return std::max(target_[bin] / (sample % 2 == 1 ? parts : parts / 8), 1e-300);
         }};
   };
   const Interval& factor = on.proven.factor;
@@ -174,7 +175,7 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   }
   if (weighed || texture_change > 0) {
     CertifiedPathIntegrand integrand(energy, {}, nullptr);
-    on.integrator->add(polygon, out, {&home, 1}, integrand, allowance(0.02, 200),
+    on.integrator->add(polygon, out, {&home, 1}, integrand, allowance(0.05, 20),
                        [&](std::size_t sample, std::span<const Ball> values) {
                          plain[sample] += values[0].hi();
                          all_plain += values[0].hi();
@@ -207,8 +208,8 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   std::map<std::size_t, std::vector<Between>> found;  // by sample, over all cells
   const auto add_part = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
     CertifiedPathIntegrand integrand(energy, gains, cell);
-    const double parts = 500 * double(std::max<std::size_t>(cells, 1)) * even.hi;
-    on.integrator->add(part, out, {&home, 1}, integrand, allowance(tolerance_ / 30, parts),
+    const double parts = 200 * double(std::max<std::size_t>(cells, 1)) * even.hi;
+    on.integrator->add(part, out, {&home, 1}, integrand, allowance(tolerance_ / 8, parts),
                        [&](std::size_t sample, std::span<const Ball> values) {
                          std::vector<Between>& sums = found[sample];
                          sums.resize(values.size());
