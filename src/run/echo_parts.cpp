@@ -243,8 +243,25 @@ void add_paths(const Shot& shot, PingSums& sums) {
       }
 }
 
+/// Receiver apart.
+void add_refracted_pair_reference(const Shot& shot, PingSums& sums) {
+  const RefractedPairShot found = certify_refracted_pair_shot(shot);
+  PingCounts& counts = sums.counts;
+  counts.refraction.at_limit += found.at_limit;
+  for (const ApparentGround* ground : {&found.pair.apparent.transmit, &found.pair.apparent.receive})
+    add_counts(counts.refraction, *ground, shot);
+  if (shot.site().ground) counts.refined_facets += found.facets();
+  sums.add_finer_relief(shot, found.history, found.pair.apparent.mesh, shot.sample_length_m());
+  counts.tubes += found.history.transmit.tubes.size() + found.history.receive.tubes.size();
+  counts.footprints += found.history.shared.facets.size();
+  counts.pieces += found.history.shared.pieces.size();
+  counts.refraction.unbounded += found.sensors.front().unbounded;
+  sums.add(shot, shot.first(), found.sensors.front().certified);
+}
+
 /// Through refracting water a reference chooses its own apparent ground.
 void add_refracted_reference(const Shot& shot, PingSums& sums) {
+  if (shot.has_receiver_apart()) return add_refracted_pair_reference(shot, sums);
   const RefractedShot found = certify_refracted_shot(shot);
   PingCounts& counts = sums.counts;
   counts.refraction.at_limit += found.at_limit;

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "engine/certified/paired_reference.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "run/refraction.hpp"
 #include "run/sensor_law.hpp"
@@ -41,14 +43,48 @@ RefractedShot certify(const Shot& shot, const ShotStraightening& seen, ApparentG
   return found;
 }
 
+RefractedPairShot certify(const Shot& shot, const PairStraightening& seen, RefractedPair pair) {
+  const ApparentPair& apparent = pair.apparent;
+  std::vector<FacetId> parent(apparent.mesh.facets.size());
+  const auto take = [&](const ApparentGround& ground, const std::vector<FacetId>& origin) {
+    for (std::size_t k = 0; k < origin.size(); ++k) parent[origin[k]] = ground.refined.parent[k];
+  };
+  take(apparent.transmit, apparent.transmit_origin);
+  take(apparent.receive, apparent.receive_origin);
+  const std::size_t s = shot.first();
+  RefractedPairShot found{std::move(pair), {}, {}, false};
+  const ApparentPair& own = found.pair.apparent;
+  found.history = trace_both(shot, found.pair);
+  const SceneTree out_tree(own.transmit.refined.mesh, SceneTree::Sheets::ignored),
+      home_tree(own.receive.refined.mesh, SceneTree::Sheets::ignored);
+  const RayEnclosure out_rays(found.pair.transmit_water, eigenray_options(shot.site())),
+      home_rays(found.pair.receive_water, eigenray_options(shot.site()));
+  const PairedBed bed{own.mesh,
+                      parent,
+                      seen.bed().mesh(),
+                      shot.scene().grid,
+                      {own.transmit, out_tree, own.transmit_origin, found.pair.transmit_water, out_rays},
+                      {own.receive, home_tree, own.receive_origin, found.pair.receive_water, home_rays}};
+  SensorLaw law(shot, ShotGround(shot.site()), s);
+  law.law.material = own.mesh.material;
+  const std::vector<std::uint32_t> fans = shot.sensor(s).fan_of_tube(shot.number());
+  found.sensors.push_back(certify_refracted_echo(
+      bed, {found.pair.transmit_tubes, found.pair.receive_tubes}, shot.request().visibility,
+      shot.beams_by_fans(s, fans), shot.sensor(s).samples(), law.law, shot.echo(found.history, s, law.law),
+      *shot.request().reference_tolerance));
+  seen.bed().name_by_scene(found.pair.apparent.transmit);
+  seen.bed().name_by_scene(found.pair.apparent.receive);
+  return found;
+}
+
 /// Bins of a finite bound, those of them that are wider than asked, and how much the middle one of those is.
 struct Quality {
   std::size_t bins = 0, over = 0;
   double usual_excess = 0;
 };
-Quality quality_of(const RefractedShot& shot) {
+Quality quality_of(std::span<const RefractedReference> sensors) {
   Quality quality;
-  for (const RefractedReference& sensor : shot.sensors) {
+  for (const RefractedReference& sensor : sensors) {
     quality.bins += sensor.bins;
     quality.over += sensor.bins_over;
     quality.usual_excess = std::max(quality.usual_excess, sensor.usual_excess);
@@ -56,11 +92,18 @@ Quality quality_of(const RefractedShot& shot) {
   return quality;
 }
 
-}  // namespace
+std::size_t facets_of(const ApparentGround& ground) { return ground.refined.mesh.facets.size(); }
+std::size_t facets_of(const RefractedPair& pair) { return pair.apparent.mesh.facets.size(); }
+double largest_gap_m(const ApparentGround& ground) { return ground.largest_gap_m; }
+double largest_gap_m(const RefractedPair& pair) {
+  return std::max(pair.apparent.transmit.largest_gap_m, pair.apparent.receive.largest_gap_m);
+}
 
-RefractedShot certify_refracted_shot(const Shot& shot) {
+/// Ever finer. `ground(settings)`: straightened so, for certify().
+template <class Seen, class Ground>
+auto certify_ever_finer(const Shot& shot, double reach_m, const Seen& seen, const Ground& ground_of) {
   const double unit = shot.scene().grid.unit_m(), sample = shot.sample_length_m(),
-               reach_m = shot.tubes().reach * unit, tolerance = *shot.request().reference_tolerance;
+               tolerance = *shot.request().reference_tolerance;
   // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
   // gap, and the change of a factor over a facet with its edges. The first ground is coarse: how many facets
   // a tolerance takes is known only from what it has.
@@ -69,38 +112,50 @@ RefractedShot certify_refracted_shot(const Shot& shot) {
   settings.gap_m = std::min(settings.gap_m, std::max(first * sample / 16, 2 * unit));
   settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
   settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
-  const ShotStraightening seen(shot);
-  RefractedShot best = certify(shot, seen, seen.ground(settings));
+  std::optional best(certify(shot, seen, ground_of(settings)));
   for (int tries = 1;; ++tries) {
-    const Quality quality = quality_of(best);
+    const Quality quality = quality_of(best->sensors);
     // Slivers at a beam's ends are wider than asked with any ground.
     if (quality.over * 200 <= quality.bins) break;
     // Facets grow as the square at most, where it is spreading that they are cut for.
-    const double room = std::sqrt(most_facets / std::max(double(best.ground.mesh().facets.size()), 1.0));
+    const double room = std::sqrt(most_facets / std::max(double(best->facets()), 1.0));
     if (room < least_worth || tries == most_tries) {
-      best.at_limit = true;
+      best->at_limit = true;
       break;
     }
     const double finer = std::clamp(1.3 * quality.usual_excess, least_worth, room);
     settings.gap_m = std::max(settings.gap_m / finer, 2 * unit);
     settings.tolerance_db /= finer;
-    ApparentGround ground = seen.ground(settings);
-    const std::size_t facets = ground.refined.mesh.facets.size(),
-                      facets_before = best.ground.mesh().facets.size();
+    auto ground = ground_of(settings);
+    const std::size_t facets = facets_of(ground), facets_before = best->facets();
     // Where it was about as fine as that already, the next one is to be finer than it is.
     const bool hardly_finer = double(facets) < least_worth * double(facets_before);
-    if (hardly_finer) settings.gap_m = std::min(settings.gap_m, std::max(ground.largest_gap_m, 2 * unit));
+    if (hardly_finer) settings.gap_m = std::min(settings.gap_m, std::max(largest_gap_m(ground), 2 * unit));
     if (facets == facets_before) continue;
-    RefractedShot next = certify(shot, seen, std::move(ground));
-    const Quality found = quality_of(next);
+    auto next = certify(shot, seen, std::move(ground));
+    const Quality found = quality_of(next.sensors);
     const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
                             found.usual_excess * least_worth < quality.usual_excess;
-    if (worth_more || found.over <= quality.over) best = std::move(next);
+    if (worth_more || found.over <= quality.over) best.emplace(std::move(next));
     if (worth_more || hardly_finer) continue;
-    best.at_limit = true;
+    best->at_limit = true;
     break;
   }
-  return best;
+  return std::move(*best);
+}
+
+}  // namespace
+
+RefractedShot certify_refracted_shot(const Shot& shot) {
+  const ShotStraightening seen(shot);
+  return certify_ever_finer(shot, shot.tubes().reach * shot.scene().grid.unit_m(), seen,
+                            [&](const StraighteningSettings& settings) { return seen.ground(settings); });
+}
+
+RefractedPairShot certify_refracted_pair_shot(const Shot& shot) {
+  const PairStraightening seen(shot);
+  return certify_ever_finer(shot, seen.reach_m(), seen,
+                            [&](const StraighteningSettings& settings) { return seen.pair(settings); });
 }
 
 }  // namespace tubefoot

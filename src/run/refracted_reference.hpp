@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/certified/certified_refraction.hpp"
+#include "run/refraction.hpp"
 #include "run/shot.hpp"
 
 namespace tubefoot {
@@ -15,11 +16,24 @@ struct RefractedShot {
   std::size_t candidates = 0;
   std::vector<RefractedReference> sensors;  ///< as the group's
   bool at_limit = false;  ///< bounds are wider than asked, and a finer ground would have too many facets
+
+  std::size_t facets() const { return ground.mesh().facets.size(); }
+};
+
+/// The same of a receiver apart, which has its shots for itself.
+struct RefractedPairShot {
+  RefractedPair pair;
+  BistaticHistory history;
+  std::vector<RefractedReference> sensors;  ///< one
+  bool at_limit = false;
+
+  std::size_t facets() const { return pair.apparent.mesh.facets.size(); }
 };
 
 /// Straightens the ground of a shot ever finer, until all but a two-hundredth of the bounds that are finite
 /// are within the tolerance that the run asks for, until that helps no more, or until the ground would have
 /// more facets than a reference is worth.
 RefractedShot certify_refracted_shot(const Shot& shot);
+RefractedPairShot certify_refracted_pair_shot(const Shot& shot);
 
 }  // namespace tubefoot

@@ -191,33 +191,37 @@ ShotGround refracted_ground_of(const Shot& shot, bool weights) {
   return ShotGround(shot.site(), std::move(ground));
 }
 
+PairStraightening::PairStraightening(const Shot& shot, bool weights)
+    : shot_(shot),
+      weights_(weights),
+      tubes_{shot.tubes(), shot.receive_tubes(shot.first())},
+      water_{straightening_of(shot.site(), shot.pings(), shot.scene().grid.to_metres(tubes_[0].apex)),
+             straightening_of(shot.site(), shot.pings(), shot.scene().grid.to_metres(tubes_[1].apex))},
+      outlooks_{Outlook(tubes_[0], shot.scene().grid.unit_m(), water_[0]),
+                Outlook(tubes_[1], shot.scene().grid.unit_m(), water_[1])},
+      bed_(shot, tubes_, outlooks_, weights),
+      // What either may see: what hides from one need not be seen by the other.
+      facets_(bed_.facets(outlooks_)) {}
+
+double PairStraightening::reach_m() const {
+  return std::max(tubes_[0].reach, tubes_[1].reach) * shot_.scene().grid.unit_m();
+}
+
+RefractedPair PairStraightening::pair(const StraighteningSettings& settings) const {
+  const Scene& scene = shot_.scene();
+  const double absorption = absorption_db_per_m(scene, *shot_.pings().sensor);
+  return {tubes_[0], tubes_[1], water_[0], water_[1], absorption, made_for(shot_, [&] {
+            return straighten_pair(bed_.mesh(), facets_, scene.grid, water_[0], water_[1], absorption,
+                                   settings, {most_a_shot.facets, weights_}, &outlooks_[0], &outlooks_[1]);
+          })};
+}
+
 RefractedPair refracted_pair_of(const Shot& shot, bool weights) {
-  const Scene& scene = shot.scene();
-  const double unit = scene.grid.unit_m();
-  std::array<TubeSet, 2> tubes{shot.tubes(), shot.receive_tubes(shot.first())};
-  const auto water_from = [&](const TubeSet& set) {
-    return straightening_of(shot.site(), shot.pings(), scene.grid.to_metres(set.apex));
-  };
-  RefractedPair both{tubes[0],
-                     tubes[1],
-                     water_from(tubes[0]),
-                     water_from(tubes[1]),
-                     absorption_db_per_m(scene, *shot.pings().sensor),
-                     {}};
-  const std::array<Outlook, 2> outlooks{Outlook(tubes[0], unit, both.transmit_water),
-                                        Outlook(tubes[1], unit, both.receive_water)};
-  const LyingBed bed(shot, tubes, outlooks, weights);
-  // What either may see: what hides from one need not be seen by the other.
-  const std::vector<FacetId> facets = bed.facets(outlooks);
-  both.apparent = made_for(shot, [&] {
-    const double reach_m = std::max(tubes[0].reach, tubes[1].reach) * unit;
-    return straighten_pair(bed.mesh(), facets, scene.grid, both.transmit_water, both.receive_water,
-                           both.absorption_db_per_m, straightening_settings(shot, reach_m),
-                           {most_a_shot.facets, weights}, &outlooks[0], &outlooks[1]);
-  });
-  bed.name_by_scene(both.apparent.transmit);
-  bed.name_by_scene(both.apparent.receive);
-  return both;
+  const PairStraightening both(shot, weights);
+  RefractedPair pair = both.pair(straightening_settings(shot, both.reach_m()));
+  both.bed().name_by_scene(pair.apparent.transmit);
+  both.bed().name_by_scene(pair.apparent.receive);
+  return pair;
 }
 
 BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair) {

@@ -84,7 +84,28 @@ struct RefractedPair {
   double absorption_db_per_m;
   ApparentPair apparent;
 };
-/// `weights` as there. Throws as refracted_ground_of().
+/// What both ends of a shot see of its bed, straightened as finely as one likes; facets are named by the bed.
+class PairStraightening {
+ public:
+  /// Throws as refracted_ground_of().
+  explicit PairStraightening(const Shot& shot, bool weights = false);
+  PairStraightening(const PairStraightening&) = delete;
+  PairStraightening& operator=(const PairStraightening&) = delete;
+  const LyingBed& bed() const { return bed_; }
+  double reach_m() const;
+  /// Throws as refracted_ground_of().
+  RefractedPair pair(const StraighteningSettings& settings) const;
+
+ private:
+  const Shot& shot_;
+  bool weights_;
+  std::array<TubeSet, 2> tubes_;
+  std::array<Straightening, 2> water_;
+  std::array<Outlook, 2> outlooks_;
+  LyingBed bed_;
+  std::vector<FacetId> facets_;
+};
+/// As the scene asks for, named by the scene. `weights` as there. Throws as refracted_ground_of().
 RefractedPair refracted_pair_of(const Shot& shot, bool weights = false);
 /// What the two share of it; the same by rays, in portions.
 BistaticHistory trace_both(const Shot& shot, const RefractedPair& pair);

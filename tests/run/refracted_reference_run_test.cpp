@@ -118,6 +118,41 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
   }
 }
 
+// Receiver apart, of everything that a bed may have; held against ordinary runs as fine as above.
+TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfReceiversApart) {
+  const std::string apart = "receiver_arm_m = [0, 1, 0.2]\n",
+                    cells = "[relief]\nmode = \"online\"\ncell_m = 0.8\ntolerance = 0.5\n",
+                    patterns =
+                        "transmit_pattern = \"line\"\ntransmit_aperture_m = 0.3\n"
+                        "receive_pattern = \"line\"\nreceive_aperture_m = 0.1\n";
+  for (const std::string& bed : {std::string(gsab), std::string(relief) + std::string(texture).substr(17)}) {
+    SCOPED_TRACE(bed);
+    const std::string online = bed.starts_with("law") ? "" : cells,
+                      more = apart + (online.empty() ? "" : patterns);
+    const auto scene = [&](const std::string& keys) {
+      return online +
+             replaced(replaced(scene_of(bed, gradient(-0.5, 60, keys)), "samples = 56", "samples = 14"),
+                      "window_length_m = 14", "window_length_m = 7") +
+             more;
+    };
+    const KeptRun run(scene(""), {"--reference", "--tolerance", "3e-2"});
+    ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+    const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"),
+                 ordinary = echoes_of(scene("refraction_tolerance_db = 0.002\nrefraction_gap_m = 0.0001\n"));
+    double bounds = 0, energies = 0;
+    for (std::size_t k = 0; k < echoes.samples; ++k) {
+      const double off = 2 * 1e-4 / 0.5 + 5e-4;
+      EXPECT_LE(std::abs(echoes.energy[k] - ordinary.energy[k]),
+                echoes.energy_bound[k] + off * ordinary.energy[k])
+          << k;
+      bounds += echoes.energy_bound[k];
+      energies += echoes.energy[k];
+    }
+    EXPECT_GT(energies, 0);
+    EXPECT_LT(bounds, 0.05 * energies);
+  }
+}
+
 // Cells wherever a shot looks are those of a bed that is refined once.
 TEST(RefractedReferenceRun, ReliefOfEachShotIsThatOfAllShots) {
   const std::string scene = scene_of(relief, gradient(-0.5));

@@ -10,100 +10,15 @@
 #include <numbers>
 
 #include "engine/certified/apparent_scattering.hpp"
+#include "engine/certified/flat_facet.hpp"
 #include "engine/certified/reference.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-using Corners = std::array<glm::dvec3, 3>;
-
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
-
-/// Lower bound of the distance of a triangle's points from the origin.
-double nearest_of(const Corners& c) {
-  const glm::dvec3 centre = (c[0] + c[1] + c[2]) / 3.0, n = glm::cross(c[1] - c[0], c[2] - c[0]);
-  double radius = 0;
-  for (const glm::dvec3& p : c) radius = std::max(radius, glm::distance(p, centre));
-  const double size = glm::length(n), plane = size > 0 ? std::abs(glm::dot(n, centre)) / size : 0;
-  return std::max({plane, glm::length(centre) - radius, 0.0}) * (1 - slack);
-}
-double farthest_of(const Corners& c) {
-  return std::max({glm::length(c[0]), glm::length(c[1]), glm::length(c[2])}) * (1 + slack);
-}
-
-/// A true facet in its base facet's plane, which is what images are of. Refined corners are rounded to the
-/// grid and may lie beside that plane: by `pad_m`, which goes into every place.
-class Flat {
- public:
-  Flat(const Corners& base, const Corners& corners, double pad_m) : pad_m_(pad_m) {
-    normal = glm::cross(base[1] - base[0], base[2] - base[0]);
-    const double size = glm::length(normal);
-    if (!(size > 0)) return;
-    normal /= size;
-    if (glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), normal) < 0) normal = -normal;
-    int longest = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double length = glm::distance(corners[k], corners[(k + 1) % 3]);
-      if (length > longest_m) longest_m = length, longest = k;
-    }
-    if (!(longest_m > 0)) return;
-    u = corners[(longest + 1) % 3] - corners[longest];
-    u -= glm::dot(u, normal) * normal;
-    u /= glm::length(u);
-    v = glm::cross(normal, u);
-    centre_m = (corners[0] + corners[1] + corners[2]) / 3.0;
-    for (int k = 0; k < 3; ++k)
-      at[k] = {glm::dot(corners[k] - centre_m, u), glm::dot(corners[k] - centre_m, v)};
-    area_m2 = cross(at[1] - at[0], at[2] - at[0]) / 2;
-    height_m = 2 * area_m2 / longest_m;
-    valid = height_m > 4 * pad_m;
-    margin_m = height_m / 50;
-    // The smallest circle that holds it: about its longest side, or through all corners.
-    const double p = glm::length(at[1] - at[0]), q = glm::length(at[2] - at[1]),
-                 r = glm::length(at[0] - at[2]);
-    const double sum2 = p * p + q * q + r * r;
-    radius_m = (sum2 <= 2 * longest_m * longest_m ? longest_m / 2 : p * q * r / (4 * area_m2)) * (1 + slack);
-  }
-
-  std::array<Interval, 3> padded(const glm::dvec3& p) const {
-    std::array<Interval, 3> box;
-    for (int i = 0; i < 3; ++i) box[i] = Interval(p[i] - pad_m_, p[i] + pad_m_);
-    return box;
-  }
-
-  glm::dvec3 normal{0}, u{0}, v{0}, centre_m{0};
-  std::array<glm::dvec2, 3> at{};  // corners, from the centre
-  double longest_m = 0, height_m = 0, area_m2 = 0, radius_m = 0;
-  double margin_m = 0;  // images are enclosed to here beyond the corners
-  bool valid = false;
-
- private:
-  double pad_m_;
-};
-
-Interval norm_of(const std::array<Interval, 3>& x) {
-  return root(squared(x[0]) + squared(x[1]) + squared(x[2]));
-}
-
-/// Bounds of second derivatives: of the image as a vector, and of its part along `normal`.
-struct Bends {
-  double all = 0, across = 0;
-};
-Bends bends_of(const RayJets& rays, const glm::dvec3& normal) {
-  double all2 = 0;
-  Jet along;
-  for (int i = 0; i < 3; ++i) {
-    const Jet& x = rays.image[i];
-    all2 += (squared(x.aa) + 2.0 * squared(x.ab) + squared(x.bb)).hi;
-    along = along + Jet(normal[i]) * x;
-  }
-  const double across2 = (squared(along.aa) + 2.0 * squared(along.ab) + squared(along.bb)).hi;
-  return {std::sqrt(all2) * (1 + slack), std::sqrt(across2) * (1 + slack)};
-}
-
 /// What lies on a facet.
 struct Surface {
   const ScatteringLaw* law = nullptr;  ///< none: Lambert's, but for its mu
@@ -118,13 +33,13 @@ class Encloser {
         absorption_(absorption_db_per_m),
         beta_(outwards(std::numbers::ln10 / 5, std::numbers::ln10 / 5, 4)) {}
 
-  FacetEnclosure enclose(const Corners& base, const Corners& truth, const Corners& seen, double pad_m,
-                         const Surface& surface) const {
+  FacetEnclosure enclose(const FacetCorners& base, const FacetCorners& truth, const FacetCorners& seen,
+                         double pad_m, const Surface& surface) const {
     FacetEnclosure facet;
     facet.seen = truth;
     facet.nearest_m = nearest_of(truth) * rays_.least_stretch();
     facet.farthest_m = infinite;
-    const Flat flat(base, truth, pad_m);
+    const FlatFacet flat(base, truth, pad_m);
     if (!flat.valid) return facet;
     const auto [least, most] = box_of(flat);
     const double wider = slack * (1 + flat.longest_m);
@@ -185,7 +100,7 @@ class Encloser {
     // A ray that meets the image beside the facet's own part of it has to do so within the margin.
     const double drift_m = facet.gap_m / sine / least_stretch(flat, seen);
     const bool within = drift_m <= flat.margin_m;
-    // Corners beside the plane, and the rounding of a map between triangles as thin as this one.
+    // FacetCorners beside the plane, and the rounding of a map between triangles as thin as this one.
     facet.place_off_m =
         (drift_m + 4 * pad_m + 1e-14 * flat.longest_m * flat.longest_m / flat.height_m) * (1 + slack);
     const Interval towards = middle_sine(flat, *middle);
@@ -236,7 +151,7 @@ class Encloser {
   };
 
   /// The places of a facet's plane that are a and b from its middle.
-  static std::array<Jet, 2> places(const Flat& flat, const Interval& a, const Interval& b) {
+  static std::array<Jet, 2> places(const FlatFacet& flat, const Interval& a, const Interval& b) {
     std::array<Jet, 2> at;
     for (int k = 0; k < 2; ++k) {
       at[k].v = flat.padded(flat.centre_m)[k] + a * flat.u[k] + b * flat.v[k];
@@ -245,7 +160,7 @@ class Encloser {
     }
     return at;
   }
-  static Interval middle_sine(const Flat& flat, const RayJets& rays) {
+  static Interval middle_sine(const FlatFacet& flat, const RayJets& rays) {
     const std::array<Interval, 3> centre = flat.padded(flat.centre_m);
     return sine_of(flat, rays, {centre[0], centre[1]}).v;
   }
@@ -255,7 +170,7 @@ class Encloser {
     for (int i = 0; i < 3; ++i) height = height + Jet(normal[i]) * rays.image[i];
     return height;
   }
-  GrazingPatch grazing(const Flat& flat, const glm::dvec3& normal, const RayJets& rays,
+  GrazingPatch grazing(const FlatFacet& flat, const glm::dvec3& normal, const RayJets& rays,
                        const std::array<Jet, 2>& at) const {
     const Jet lies = sine_of(flat, rays, at), height = height_of(normal, rays),
               seen = height / (Jet(speed_) * rays.time_s);
@@ -266,20 +181,13 @@ class Encloser {
             ratio(lies.b, rays.slowness_s_per_m.b, height.b)};
   }
   /// Sine of the grazing angle on the true facet times the distance: that of the plane, in even water.
-  static Jet sine_of(const Flat& flat, const RayJets& rays, const std::array<Jet, 2>& at) {
+  static Jet sine_of(const FlatFacet& flat, const RayJets& rays, const std::array<Jet, 2>& at) {
     const glm::dvec3& n = flat.normal;
     return rays.arrival_across * (Jet(n.x) * at[0] + Jet(n.y) * at[1]) - Jet(n.z) * rays.arrival_down_m;
   }
 
-  /// Around a facet and its margin, in its plane.
-  static std::pair<glm::dvec2, glm::dvec2> box_of(const Flat& flat) {
-    glm::dvec2 least(infinite), most(-infinite);
-    for (const glm::dvec2& p : flat.at) least = glm::min(least, p), most = glm::max(most, p);
-    return {least - flat.margin_m, most + flat.margin_m};
-  }
-
-  bool gather(const Flat& flat, const glm::dvec3& normal, bool alone, const ScatteringLaw* law, int parts,
-              Gathered& all) const {
+  bool gather(const FlatFacet& flat, const glm::dvec3& normal, bool alone, const ScatteringLaw* law,
+              int parts, Gathered& all) const {
     const auto [least, most] = box_of(flat);
     const glm::dvec2 step = (most - least) / double(parts);
     bool first = true;
@@ -332,21 +240,8 @@ class Encloser {
     return !first;
   }
 
-  /// Whether a box surely lies outside of the facet and its margin.
-  static bool beside(const Flat& flat, const glm::dvec2& from, const glm::dvec2& to) {
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec2 &p = flat.at[k], &q = flat.at[(k + 1) % 3];
-      double most = -infinite;
-      for (const double x : {from.x, to.x})
-        for (const double y : {from.y, to.y})
-          most = std::max(most, cross(q - p, glm::dvec2(x, y) - p) / glm::length(q - p));
-      if (most < -1.01 * flat.margin_m - slack) return true;
-    }
-    return false;
-  }
-
   /// The smallest stretch of the facet on the way to its apparent one.
-  static double least_stretch(const Flat& flat, const Corners& seen) {
+  static double least_stretch(const FlatFacet& flat, const FacetCorners& seen) {
     const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
     const double det = cross(p, q);
     const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];
@@ -382,7 +277,7 @@ ApparentEnclosures enclose(const StraightenedBed& bed, const RayEnclosure& rays,
   Steps steps("facets", mesh.facets.size());
   tbb::parallel_for(std::size_t{0}, mesh.facets.size(), [&](std::size_t f) {
     steps.done();
-    Corners base, truth, seen;
+    FacetCorners base, truth, seen;
     const auto& whole = bed.base.facets[bed.parent[f]];
     for (std::size_t k = 0; k < 3; ++k) {
       base[k] = bed.grid.to_metres(bed.base.vertices[whole[k]]) - apex;

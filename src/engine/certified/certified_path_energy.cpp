@@ -41,6 +41,14 @@ CertifiedEnd::CertifiedEnd(const CertifiedPolygon& polygon, const std::array<Bal
   for (std::size_t k = 0; k < 3; ++k) to_foot_[k] = polygon.away[k] * polygon.distance - place_m[k];
 }
 
+CertifiedEnd::CertifiedEnd(const ApexOverPlane& over, const LyingPlane& seen) : over_(over) {
+  for (int k = 0; k < 3; ++k) {
+    to_foot_[std::size_t(k)] = Ball(seen.foot_m[k]);
+    u_[std::size_t(k)] = Ball(seen.u[k]);
+    v_[std::size_t(k)] = Ball(seen.v[k]);
+  }
+}
+
 CertifiedEnd::Trace CertifiedEnd::trace(const glm::dvec3& axis) const {
   const auto along = [&](const std::array<Ball, 3>& e) {
     return Ball(axis.x) * e[0] + Ball(axis.y) * e[1] + Ball(axis.z) * e[2];
@@ -79,7 +87,10 @@ Ball CertifiedEnd::passed(const PlanePlace<Ball>& p, const Ball& range) const {
   if (loss_ == nullptr) return Ball(1);
   if (rough_.empty()) return Ball(loss_->factor);
   Ball exponent;
-  for (const Trace& normal : rough_) exponent += squared(cosine(normal, p, range));
+  for (const Trace& normal : rough_) {
+    const Ball sine2 = squared(cosine(normal, p, range));
+    exponent += loss_->bend == 0 ? sine2 : Ball(1) - Ball(1 + loss_->bend) * (Ball(1) - sine2);
+  }
   if (exponent.lo() < 0) exponent = Ball::between(0, std::max(exponent.hi(), 0.0));
   return Ball(loss_->factor) * exp(-(Ball(loss_->roughness) * exponent));
 }
@@ -124,7 +135,8 @@ bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>
     double exponent = 0;
     for (const Trace& normal : rough_) {
       const ComplexRange w(squared(cosine(normal, p, bound)));
-      exponent += w.re_lo - std::abs(w.re_lo) * 1e-13;
+      const double sine2 = w.re_lo - std::abs(w.re_lo) * 1e-13;
+      exponent += loss_->bend == 0 ? sine2 : 1 - (1 + loss_->bend) * (1 - sine2);
     }
     bound.passed = std::log(loss_->factor) - loss_->roughness * exponent + 1e-9;
   }
@@ -184,12 +196,33 @@ bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>
 
 CertifiedPathEnergy::CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& home_m,
                                          const EchoLaw& law, const FacetBed& bed, const Ball& beta_per_m)
-    : out_(polygon, {}), home_(polygon, home_m), law_(bed.scattering), beta_(beta_per_m) {
-  out_.take_loss(law.path.out.loss);
-  home_.take_loss(law.path.back().loss);
-  factor_ = law_ != nullptr ? Ball(bed.factor) : Ball(bed.mu) * out_.over().height * home_.over().height;
-  if (law_ != nullptr) smooth_rad_ = smooth_angle([&](double y) { return law_->growth(y); });
-  for (const MirrorLoss* loss : {&law.path.out.loss, &law.path.back().loss})
+    : out_(polygon, {}),
+      home_(polygon, home_m),
+      out_law_(bed.scattering),
+      home_law_(bed.scattering),
+      beta_(beta_per_m) {
+  take(law.path, bed.factor, bed.mu);
+}
+
+CertifiedPathEnergy::CertifiedPathEnergy(CertifiedEnd out, CertifiedEnd home, const Path& path,
+                                         const std::array<const ScatteringLaw*, 2>& laws, double mu,
+                                         const Ball& beta_per_m)
+    : out_(std::move(out)),
+      home_(std::move(home)),
+      out_law_(laws[0]),
+      home_law_(laws[1]),
+      beta_(beta_per_m) {
+  take(path, 1, mu);
+}
+
+void CertifiedPathEnergy::take(const Path& path, double factor, double mu) {
+  out_.take_loss(path.out.loss);
+  home_.take_loss(path.back().loss);
+  factor_ = out_law_ != nullptr ? Ball(factor) : Ball(mu) * out_.over().height * home_.over().height;
+  for (const ScatteringLaw* law : {out_law_, home_law_})
+    if (law != nullptr)
+      smooth_rad_ = std::min(smooth_rad_, smooth_angle([&](double y) { return law->growth(y); }));
+  for (const MirrorLoss* loss : {&path.out.loss, &path.back().loss})
     if (!loss->rough_normals.empty())
       smooth_rad_ =
           std::min(smooth_rad_, 1 / std::sqrt(1 + loss->roughness * double(loss->rough_normals.size())));
@@ -199,13 +232,14 @@ CertifiedPathEnergy::CertifiedPathEnergy(const CertifiedPolygon& polygon, const 
 Ball CertifiedPathEnergy::scattered(const PlanePlace<Ball>& p, const Ball& out_range,
                                     const Ball& home_range) const {
   const Ball value = factor_ * out_.passed(p, out_range) * home_.passed(p, home_range);
-  if (law_ == nullptr) return value;
-  return value * root(out_.cross_section(*law_, p, out_range) * home_.cross_section(*law_, p, home_range));
+  if (out_law_ == nullptr) return value;
+  return value *
+         root(out_.cross_section(*out_law_, p, out_range) * home_.cross_section(*home_law_, p, home_range));
 }
 
 Ball CertifiedPathEnergy::spread(const Ball& out_range, const Ball& home_range) const {
   const auto way = Way<Ball>::of(out_range, home_range);
-  return law_ == nullptr ? lambert_density(way, beta_) : density(Ball(1), way, beta_);
+  return out_law_ == nullptr ? lambert_density(way, beta_) : density(Ball(1), way, beta_);
 }
 
 Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& out_range,
@@ -220,17 +254,17 @@ Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& out_
 
 double CertifiedPathEnergy::log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& out,
                                       CertifiedEnd::Bound& home) const {
-  if (!out_.bound(law_, p, out) || !home_.bound(law_, p, home)) return infinite;
-  const double power = law_ == nullptr ? 3 : 2;
+  if (!out_.bound(out_law_, p, out) || !home_.bound(home_law_, p, home)) return infinite;
+  const double power = out_law_ == nullptr ? 3 : 2;
   double value = std::log(factor_.hi()) + out.passed + home.passed -
                  power * (std::log(out.least_range) + std::log(home.least_range)) -
                  beta_.lo() * std::max(out.least_real_range + home.least_real_range, 0.0);
-  if (law_ != nullptr) value += (out.cross_section + home.cross_section) / 2;
+  if (out_law_ != nullptr) value += (out.cross_section + home.cross_section) / 2;
   return std::isnan(value) ? infinite : value + 1e-9 * (1 + std::abs(value));
 }
 
 bool CertifiedPathEnergy::take_pieces(const PlanePlace<Ball>& box) {
-  return law_ == nullptr || (out_.take_piece(*law_, box) && home_.take_piece(*law_, box));
+  return out_law_ == nullptr || (out_.take_piece(*out_law_, box) && home_.take_piece(*home_law_, box));
 }
 
 void CertifiedPathEnergy::take_all_pieces() {

@@ -16,6 +16,9 @@ class CertifiedEnd {
  public:
   /// `place_m`: of its apex, relative to the polygon's.
   CertifiedEnd(const CertifiedPolygon& polygon, const std::array<Ball, 3>& place_m);
+  /// `seen`: where it sees the plane's points, which are at other ranges (PairedFacet): directions are those
+  /// places over the ranges.
+  CertifiedEnd(const ApexOverPlane& over, const LyingPlane& seen);
 
   const ApexOverPlane& over() const { return over_; }
 
@@ -74,6 +77,9 @@ class CertifiedPathEnergy {
   /// `home_m`: its apex, relative to the polygon's.
   CertifiedPathEnergy(const CertifiedPolygon& polygon, const std::array<Ball, 3>& home_m, const EchoLaw& law,
                       const FacetBed& bed, const Ball& beta_per_m);
+  /// Of a facet laid out flat: each end has a law of its own, or none has (Lambert's `mu`).
+  CertifiedPathEnergy(CertifiedEnd out, CertifiedEnd home, const Path& path,
+                      const std::array<const ScatteringLaw*, 2>& laws, double mu, const Ball& beta_per_m);
 
   const CertifiedEnd& out() const { return out_; }
   const CertifiedEnd& home() const { return home_; }
@@ -91,8 +97,10 @@ class CertifiedPathEnergy {
   Ball scattered(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range) const;
   Ball spread(const Ball& out_range, const Ball& home_range) const;
 
+  void take(const Path& path, double factor, double mu);
+
   CertifiedEnd out_, home_;
-  const ScatteringLaw* law_;
+  const ScatteringLaw *out_law_, *home_law_;
   Ball factor_, beta_;
   double smooth_rad_ = 1;
 };

@@ -4,20 +4,9 @@
 #include <span>
 
 #include "engine/certified/apparent_enclosure.hpp"
-#include "engine/certified/reference.hpp"
+#include "engine/certified/refracted_bins.hpp"
 
 namespace tubefoot {
-
-/// A certified echo through refracting water.
-struct RefractedReference {
-  /// Its worst ratio is that of the bounds that are finite.
-  CertifiedEcho certified;
-  std::size_t unbounded = 0;  ///< bins that facets without a proven ray could reach: their bound is infinite
-  /// Of the bins with a finite bound: how many there are, how many are wider than asked, and by what factor
-  /// the middle one of those is.
-  std::size_t bins = 0, bins_over = 0;
-  double usual_excess = 0;
-};
 
 /// Encloses the echo of one shot through refracting water: the energy that curved rays bring from the true
 /// facets, of which the bed's are the straightened ones. As certify_echo(), but for what the enclosures

@@ -95,8 +95,8 @@ SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon) {
 }
 
 UncertainEdges::UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
-                               const ApparentEnclosures& enclosures)
-    : mesh_(apparent), parent_(parent), enclosures_(enclosures), cones_(apparent.facets.size()) {
+                               const ApparentEnclosures& enclosures, DoubtsOf of)
+    : mesh_(apparent), parent_(parent), enclosures_(enclosures), of_(of), cones_(apparent.facets.size()) {
   for (FacetId f = 0; f < mesh_.facets.size(); ++f) {
     const FacetEnclosure& facet = enclosures_.facets[f];
     if (facet.state == State::proven) cones_[f] = cone_of(facet.seen);
@@ -139,13 +139,42 @@ void UncertainEdges::each_within(const Nearby& nearby, const Cone& cone, const T
   }
 }
 
-/// Inside a base facet that is all seen from the same side: its image goes on across.
+/// Inside a base facet that is all seen from the same side: its image goes on across. Places of two facets on
+/// either side of an edge do not hide each other next to it: the images of both end in that of the edge.
 bool UncertainEdges::is_smooth(VertexId a, VertexId b) const {
   const auto found = edges_.find(key_of(a, b));
   if (found == edges_.end() || found->second.count != 2) return false;
   const auto [f, g] = std::pair(found->second.facet[0], found->second.facet[1]);
-  return parent_[f] == parent_[g] && enclosures_.facets[f].state == State::proven &&
-         enclosures_.facets[g].state == State::proven;
+  if (enclosures_.facets[f].state != State::proven || enclosures_.facets[g].state != State::proven)
+    return false;
+  if (parent_[f] == parent_[g]) return true;
+  if (of_ == DoubtsOf::directions) return false;
+  glm::dvec3 edge[2]{};
+  double side[2]{};
+  for (const int which : {0, 1}) {
+    const FacetId facet = which == 0 ? f : g;
+    const auto& seen = enclosures_.facets[facet].seen;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId vertex = mesh_.facets[facet][k];
+      if (vertex == a) edge[0] = seen[k];
+      if (vertex == b) edge[1] = seen[k];
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+      if (const VertexId vertex = mesh_.facets[facet][k]; vertex != a && vertex != b)
+        side[which] = glm::dot(glm::cross(edge[0], edge[1]), seen[k]);
+  }
+  return side[0] * side[1] < 0;
+}
+
+bool UncertainEdges::is_smooth_between(FacetId f, FacetId g) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const VertexId a = mesh_.facets[f][k], b = mesh_.facets[f][(k + 1) % 3];
+    const auto found = edges_.find(key_of(a, b));
+    if (found != edges_.end() && found->second.count == 2 &&
+        (found->second.facet[0] == g || found->second.facet[1] == g))
+      return is_smooth(a, b);
+  }
+  return false;
 }
 
 double UncertainEdges::half_width(VertexId a, VertexId b) const {
@@ -154,13 +183,14 @@ double UncertainEdges::half_width(VertexId a, VertexId b) const {
 }
 
 void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad,
-                           const Nearby& nearby, const DoubtSink& sink) const {
+                           const Nearby& nearby, const DoubtSink& sink, const EdgeOf* edge) const {
   const glm::dvec3 start = glm::normalize(from), end = glm::normalize(to);
   const double length = glm::distance(start, end);
   if (!(length > 0) || !(half_width_rad < 0.1)) {
     if (!(half_width_rad < 0.1))
       for (const FacetId f : nearby.facets)
-        sink({0, std::numeric_limits<double>::infinity(), enclosures_.facets[f].most});
+        sink({0, std::numeric_limits<double>::infinity(), enclosures_.facets[f].most, f,
+              enclosures_.facets[f].seen});
     return;
   }
   // In parts, so that what lies behind them is not spread over more samples than it has to be.
@@ -172,10 +202,12 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
                      b = glm::normalize(start + double(i + 1) / parts * (end - start)),
                      middle = glm::normalize(a + b);
     const double half = glm::distance(a, b), w = half_width_rad;
-    // An arc of no more than 1.01 times its chord, and all around it.
-    const double angle_sr = (1.01 * half + 2 * w) * 2 * w * 1.01;
     const Cone cone{middle, half + w};
     each_within(nearby, cone, [&](FacetId f) {
+      // Facets do not hide their own places; what another of the same edge hides of them is for clash().
+      if (edge != nullptr && edge->count <= 2 &&
+          (f == edge->facet[0] || (edge->count == 2 && f == edge->facet[1])))
+        return;
       const FacetEnclosure& facet = enclosures_.facets[f];
       const double beyond = facet.gap_m / facet.nearest_m * 1.01, wide = (w + beyond) * 1.02;
       Polygon part(facet.seen.begin(), facet.seen.end());
@@ -186,8 +218,12 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
       part = clipped(part, glm::cross(b, across) + lean * middle);
       if (part.empty()) return;
       const auto [nearest, farthest] = ranges_of(part, facet.plane_m);
+      // An arc of no more than 1.01 times its chord, and all around it. A direction is in doubt beside the
+      // edge, a place beside wherever it is seen from there.
+      const double about = of_ == DoubtsOf::directions ? w : wide,
+                   angle_sr = (1.01 * half + 2 * about) * 2 * about * 1.01;
       sink({nearest - facet.shift_m - facet.gap_m, farthest + facet.shift_m + facet.gap_m,
-            std::min(facet.most_per_sr * angle_sr, facet.most)});
+            std::min(facet.most_per_sr * angle_sr, facet.most), f, part});
     });
   }
 }
@@ -199,10 +235,16 @@ void UncertainEdges::clash(const SeenPiece& piece, FacetId other, const DoubtSin
   // The other facet, or a little beside it.
   const double beside = two.gap_m / two.nearest_m * 1.02 + 1e-12;
   const Cone whole = cone_of(part);
-  if (!(whole.spread_rad < 1.4 && beside < 0.1)) {  // nothing to clip by
+  const auto give = [&](double beyond_m) {
     const auto [nearest, farthest] = ranges_of(part, one.plane_m);
-    return sink({nearest - off, farthest + off, (one.most_per_sr + two.most_per_sr) * solid_angle_of(part)});
-  }
+    const double from = nearest - beyond_m, to = farthest + beyond_m, angle_sr = solid_angle_of(part);
+    if (of_ == DoubtsOf::directions) return sink({from, to, (one.most_per_sr + two.most_per_sr) * angle_sr});
+    sink({from, to, one.most_per_sr * angle_sr, piece.facet, part});
+    // The other's places may lie beside it: all of it may.
+    sink({std::min(from, two.nearest_m), std::max(to, two.farthest_m), two.most_per_sr * angle_sr, other,
+          two.seen});
+  };
+  if (!(whole.spread_rad < 1.4 && beside < 0.1)) return give(off);  // nothing to clip by
   const double turning = glm::dot(glm::cross(two.seen[0], two.seen[1]), two.seen[2]) < 0 ? -1 : 1;
   const double lean = beside / std::cos(whole.spread_rad);
   for (std::size_t k = 0; k < 3 && !part.empty(); ++k) {
@@ -217,9 +259,14 @@ void UncertainEdges::clash(const SeenPiece& piece, FacetId other, const DoubtSin
   part = clipped(part, depth + close * whole.axis);
   part = clipped(part, close * whole.axis - depth);
   if (part.size() < 3) return;
-  const auto [nearest, farthest] = ranges_of(part, one.plane_m);
-  const double angle_sr = solid_angle_of(part), far = 2 * off + slack;
-  sink({nearest - far, farthest + far, (one.most_per_sr + two.most_per_sr) * angle_sr});
+  give(2 * off + slack);
+}
+
+void UncertainEdges::add_walls(std::span<const Wall> walls, std::span<const FacetId> nearby,
+                               const DoubtSink& sink) const {
+  if (walls.empty()) return;
+  const Nearby near = nearby_of(nearby);
+  for (const Wall& wall : walls) strip(wall.first, wall.second, 1e-9, near, sink);  // rays are rounded
 }
 
 void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility& seen,
@@ -254,13 +301,16 @@ void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility
       for (const PlaneName& plane : planes) {
         // Walls are exact; where facets cross is for clash().
         if (plane.depth || ((plane.a | plane.b) & ray_bit) || is_smooth(plane.a, plane.b)) continue;
-        strip(direction(c), direction(d), half_width(plane.a, plane.b), near, sink);
+        const auto edge = edges_.find(key_of(plane.a, plane.b));
+        strip(direction(c), direction(d), half_width(plane.a, plane.b), near, sink,
+              of_ == DoubtsOf::places && edge != edges_.end() ? &edge->second : nullptr);
       }
     }
     if (enclosures_.facets[piece.facet].state != State::proven || piece.corners_m.size() < 3) continue;
     const FacetEnclosure& one = enclosures_.facets[piece.facet];
     each_within(near, cone_of(piece.corners_m), [&](FacetId f) {
       const FacetEnclosure& two = enclosures_.facets[f];
+      if (of_ == DoubtsOf::places && is_smooth_between(piece.facet, f)) return;
       if (parent_[f] != parent_[piece.facet] && two.nearest_m - two.shift_m <= one.farthest_m + one.shift_m &&
           two.farthest_m + two.shift_m >= one.nearest_m - one.shift_m)
         clash(piece, f, sink);

@@ -17,6 +17,9 @@ namespace tubefoot {
 /// Up to `energy_j` more or less than the visible pieces' own, from ranges between these.
 struct Doubt {
   double nearest_m = 0, farthest_m = 0, energy_j = 0;
+  FacetId facet = 0;  ///< with places: whose they are
+  /// And on its apparent facet, those in doubt.
+  std::span<const glm::dvec3> part_m{};
 };
 using DoubtSink = std::function<void(const Doubt& doubt)>;
 
@@ -33,15 +36,25 @@ struct SeenPiece {
 };
 SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon);
 
+/// What a direction decides, or a place: pieces of one apex are what is seen in a direction, met exactly by
+/// the walls of tubes, and at every edge between base facets another of them may be seen in it. Of pieces
+/// that are told by places, facets' own edges are certain as long as neighbours lie on either side of them;
+/// which tube sees a place next to a wall is not.
+enum class DoubtsOf { directions, places };
+
 class UncertainEdges {
  public:
   /// All outlive this.
   UncertainEdges(const FacetMesh& apparent, std::span<const FacetId> parent,
-                 const ApparentEnclosures& enclosures);
+                 const ApparentEnclosures& enclosures, DoubtsOf of = DoubtsOf::directions);
 
   /// Of the pieces of one tube; `nearby`: all facets that may be in it.
   void add_doubts(const NameContext& context, const TubeVisibility& seen, std::span<const SeenPiece> pieces,
                   std::span<const FacetId> nearby, const DoubtSink& sink) const;
+
+  using Wall = std::pair<glm::dvec3, glm::dvec3>;
+  /// Of places, on whichever facets: next to walls, each between two directions.
+  void add_walls(std::span<const Wall> walls, std::span<const FacetId> nearby, const DoubtSink& sink) const;
 
  private:
   struct EdgeOf {
@@ -61,14 +74,16 @@ class UncertainEdges {
   template <class Take>
   void each_within(const Nearby& nearby, const Cone& cone, const Take& take) const;
   bool is_smooth(VertexId a, VertexId b) const;
+  bool is_smooth_between(FacetId f, FacetId g) const;
   double half_width(VertexId a, VertexId b) const;
   void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad, const Nearby& nearby,
-             const DoubtSink& sink) const;
+             const DoubtSink& sink, const EdgeOf* edge = nullptr) const;
   void clash(const SeenPiece& piece, FacetId other, const DoubtSink& sink) const;
 
   const FacetMesh& mesh_;
   std::span<const FacetId> parent_;
   const ApparentEnclosures& enclosures_;
+  DoubtsOf of_;
   std::unordered_map<std::uint64_t, EdgeOf> edges_;
   std::vector<Cone> cones_;  // by facet, of those that are proven
 };

@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/paired_enclosure.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+
+#include "engine/certified/apparent_scattering.hpp"
+#include "engine/certified/facet_ends.hpp"
+#include "engine/certified/reference.hpp"
+#include "geometry/steps/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = enclosure_slack;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr FacetId none = std::numeric_limits<FacetId>::max();
+using State = FacetEnclosure::State;
+
+Interval both_ways(double size) { return {-size, size}; }
+Interval common(const Interval& a, const Interval& b) {
+  const Interval both(std::max(a.lo, b.lo), std::min(a.hi, b.hi));
+  return both.lo <= both.hi ? both : hull(a, b);
+}
+Jet common(const Jet& x, const Jet& y) {
+  Jet both;
+  for (Interval Jet::*part : {&Jet::v, &Jet::a, &Jet::b, &Jet::aa, &Jet::ab, &Jet::bb})
+    both.*part = common(x.*part, y.*part);
+  return both;
+}
+/// Bound of the second derivatives in any direction.
+double bend_of(const Jet& x) {
+  return std::sqrt((squared(x.aa) + 2.0 * squared(x.ab) + squared(x.bb)).hi) * (1 + slack);
+}
+
+/// What lies on a facet.
+struct Surface {
+  const ScatteringLaw* law = nullptr;
+  double most = 1;  ///< of mu, or 1 with a law; times the texture
+};
+
+class PairedEncloser {
+ public:
+  PairedEncloser(const PairedBed& bed, const EchoLaw& law)
+      : bed_(bed), law_(law), beta_(outwards(std::numbers::ln10 / 10, std::numbers::ln10 / 10, 4)) {
+    const auto textures = certified_textures(law);
+    for (std::size_t material = 0; material < law.material_mu.size(); ++material) {
+      Surface surface{law.scattering.empty() ? nullptr : law.scattering[material].get(),
+                      law.material_mu[material]};
+      if (surface.law != nullptr) surface.most = 1;
+      if (textures[material] != nullptr) surface.most *= textures[material]->range().hi();
+      surfaces_.push_back(surface);
+    }
+  }
+
+  struct Found {
+    std::array<FacetEnclosure, 2> end;
+    PairedEnclosure pair;
+  };
+  /// `sees`: which ends do.
+  Found enclose(FacetId f, const std::array<bool, 2>& sees, const PairedFacet* paired) const {
+    Found found;
+    const std::array<VertexId, 3>& vertices = bed_.mesh.facets[f];
+    FacetCorners lies, base;
+    const auto& whole = bed_.base.facets[bed_.parent[f]];
+    bool refined = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      lies[k] = bed_.grid.to_metres(bed_.mesh.vertices[vertices[k]]);
+      base[k] = bed_.grid.to_metres(bed_.base.vertices[whole[k]]);
+    }
+    for (const glm::dvec3& corner : lies) refined = refined || std::ranges::find(base, corner) == base.end();
+    // Refined corners are rounded to the grid and may lie beside their base facet.
+    const double pad_m = refined ? 2 * bed_.grid.unit_m() : 0;
+    std::array<FacetCorners, 2> seen;
+    for (int e = 0; e < 2; ++e) {
+      const PairedEnd& end = bed_.end(e);
+      FacetEnclosure& facet = found.end[std::size_t(e)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        seen[std::size_t(e)][k] =
+            bed_.grid.to_metres(end.ground.refined.mesh.vertices[vertices[k]]) - end.water.apex_m();
+        facet.seen[k] = unproven_place(end, lies[k]);
+      }
+      facet.nearest_m = nearest_of(facet.seen) * end.rays.least_stretch();
+      facet.farthest_m = infinite;
+    }
+    const FlatFacet flat(base, lies, pad_m);
+    if (!flat.valid) return found;
+    std::array<std::optional<EndOfFacet>, 2> ends;
+    for (std::size_t e = 0; e < 2; ++e)
+      if (sees[e]) {
+        ends[e].emplace(bed_.end(int(e)), flat, lies, pad_m, seen[e]);
+        if (!ends[e]->valid()) ends[e].reset();
+      }
+    if (!ends[0] && !ends[1]) return found;
+    const Surface& surface = surfaces_[bed_.mesh.material[f]];
+
+    // All of it in boxes; in smaller ones while that says more.
+    Gathered best;
+    for (int parts = 1; parts <= 8; parts *= 2) {
+      Gathered finer = gather(flat, ends, surface.law, parts);
+      const bool enough = parts > 1 && finer.measure() >= 0.8 * best.measure();
+      best = std::move(finer);
+      if (enough) break;
+    }
+    for (std::size_t e = 0; e < 2; ++e)
+      if (ends[e] && best.whole[e])
+        finish_end(flat, *ends[e], best, e, seen[e], pad_m, surface, found.end[e]);
+    if (paired != nullptr && found.end[0].state == State::proven && found.end[1].state == State::proven)
+      finish_pair(flat, *paired, {&*ends[0], &*ends[1]}, best, seen, pad_m, edge_pad(flat, base, lies, pad_m),
+                  surface, found);
+    return found;
+  }
+
+ private:
+  struct Gathered {
+    std::vector<std::pair<Interval, Interval>> boxes;
+    std::array<std::vector<EndPatch>, 2> patches;  // by box
+    std::array<bool, 2> whole{};                   // none of them failed
+    std::array<Bends, 2> bends;
+    Interval level_a, level_b;
+    std::array<double, 2> per_sr{};
+    double per_area = 0;
+
+    double measure() const {
+      double sum = 0;
+      for (const Bends& bend : bends) sum += bend.across;
+      const double slopes = level_a.largest() + level_b.largest();
+      return sum * (std::isfinite(slopes) ? 1 + slopes : 1);
+    }
+  };
+
+  static glm::dvec3 unproven_place(const PairedEnd& end, const glm::dvec3& place_m) {
+    glm::dvec3 way = end.water.unfolded(place_m) - end.water.apex_m();
+    way.z *= end.water.unfolding().sign;
+    return way;
+  }
+
+  Gathered gather(const FlatFacet& flat, const std::array<std::optional<EndOfFacet>, 2>& ends,
+                  const ScatteringLaw* law, int parts) const {
+    Gathered all;
+    const auto [least, most] = box_of(flat);
+    const glm::dvec2 step = (most - least) / double(parts);
+    for (int i = 0; i < parts; ++i)
+      for (int j = 0; j < parts; ++j) {
+        const glm::dvec2 from = least + step * glm::dvec2(i, j), to = least + step * glm::dvec2(i + 1, j + 1);
+        if (!beside(flat, from, to)) all.boxes.push_back({{from.x, to.x}, {from.y, to.y}});
+      }
+    for (std::size_t e = 0; e < 2; ++e) {
+      all.whole[e] = ends[e].has_value();
+      for (std::size_t k = 0; k < all.boxes.size() && all.whole[e]; ++k) {
+        auto patch = ends[e]->over(all.boxes[k].first, all.boxes[k].second);
+        all.whole[e] = patch.has_value();
+        if (!patch) break;
+        // Bends of images, which are upside down with their normals.
+        const Bends bend = bends_of(patch->rays, ends[e]->seen_normal());
+        all.bends[e].all = std::max(all.bends[e].all, bend.all);
+        all.bends[e].across = std::max(all.bends[e].across, bend.across);
+        all.patches[e].push_back(std::move(*patch));
+      }
+    }
+    if (!all.whole[0] || !all.whole[1]) return all;
+    for (std::size_t k = 0; k < all.boxes.size(); ++k) {
+      const EndPatch &out = all.patches[0][k], &home = all.patches[1][k];
+      const Interval a = slope(out, &Jet::a) + slope(home, &Jet::a) - 2.0 * out.log_speed_a,
+                     b = slope(out, &Jet::b) + slope(home, &Jet::b) - 2.0 * out.log_speed_b;
+      all.level_a = k == 0 ? a : hull(all.level_a, a);
+      all.level_b = k == 0 ? b : hull(all.level_b, b);
+      add_most(out, home, law, all);
+    }
+    return all;
+  }
+
+  /// Slopes of the logarithm of what an end makes of a place, over the straight law's of its image.
+  Interval slope(const EndPatch& at, Interval Jet::*along) const {
+    const RayJets& rays = at.rays;
+    const Interval beyond_db =
+        rays.absorption_db.*along - law_.absorption_db_per_m * reference_speed() * rays.time_s.*along;
+    return at.sine_m.*along / at.sine_m.v + 3.0 * (rays.slowness_s_per_m.*along / rays.slowness_s_per_m.v) -
+           rays.area_ratio_per_sr.*along / rays.area_ratio_per_sr.v - beta_ * beyond_db;
+  }
+  double reference_speed() const { return bed_.out.rays.reference_speed_m_s(); }
+
+  /// Upper bounds of what a box returns per steradian of either end, and per square metre.
+  void add_most(const EndPatch& out, const EndPatch& home, const ScatteringLaw* law, Gathered& all) const {
+    double lobe[2]{}, by_sine[2]{}, area[2]{}, lost = 1;
+    for (const int e : {0, 1}) {
+      const EndPatch& at = e == 0 ? out : home;
+      const Interval sine = at.sine_m.v / root(at.distance2.v);
+      const double largest = std::min(sine.largest(), 1.0),
+                   least = sine.may_be_zero() ? 0 : std::min(std::abs(sine.lo), std::abs(sine.hi));
+      lobe[e] = law == nullptr
+                    ? largest
+                    : std::sqrt(largest_cross_section(*law, {std::min(least, 1.0), largest})) * (1 + slack);
+      by_sine[e] = law == nullptr ? 1 : lobe[e] / least;
+      area[e] = (at.rays.area_ratio_per_sr.v * at.distance2.v).lo;  // back from the place
+      if (!(area[e] > 0)) area[e] = 0;
+      lost *= exp(-(beta_ * at.rays.absorption_db.v)).hi;
+    }
+    const double sent = bed_.out.water.finder().source_speed_m_s(),
+                 heard = bed_.home.water.finder().source_speed_m_s(),
+                 there = out.speed.lo / sent * (1 - slack),  // areas there and back differ by its square
+        speeds = sent / heard * (1 + slack);
+    all.per_area = std::max(all.per_area, lobe[0] * lobe[1] * lost / (area[0] * there * there * area[1]));
+    // A place may be seen a tenth wider than its apparent facet has it.
+    all.per_sr[0] = std::max(all.per_sr[0], 1.1 * by_sine[0] * lobe[1] * lost / area[1]);
+    all.per_sr[1] = std::max(all.per_sr[1], 1.1 * lobe[0] * by_sine[1] * lost * speeds * speeds / area[0]);
+  }
+
+  /// Of linear interpolation between corners (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191).
+  static double interpolated(const FlatFacet& flat, double bend) {
+    return flat.radius_m * flat.radius_m / 2 * bend * (1 + slack);
+  }
+
+  void finish_end(const FlatFacet& flat, const EndOfFacet& end, const Gathered& all, std::size_t e,
+                  const FacetCorners& seen, double pad_m, const Surface& surface,
+                  FacetEnclosure& facet) const {
+    const double gap = interpolated(flat, all.bends[e].all) + 1.1 * end.off_m() * (1 + slack),
+                 across = interpolated(flat, all.bends[e].across) + 1.1 * end.off_m() * (1 + slack);
+    if (!std::isfinite(gap)) return;
+    facet.gap_m = gap;
+    facet.seen = seen;
+    const glm::dvec3 normal = glm::normalize(glm::cross(seen[1] - seen[0], seen[2] - seen[0]));
+    const double facing = glm::dot(normal, seen[0]);
+    facet.normal = facing < 0 ? -normal : normal;
+    facet.plane_m = std::abs(facing);
+    facet.nearest_m = std::max(nearest_of(seen) - gap, 0.0);
+    facet.farthest_m = farthest_of(seen) + gap;
+    if (all.whole[1 - e]) {
+      facet.most_per_sr = surface.most * all.per_sr[e];
+      facet.most = surface.most * all.per_area * flat.area_m2 * (1 + 100 * pad_m / flat.height_m);
+    }
+    facet.state = State::loose;
+    const double sine = facet.plane_m / facet.farthest_m;
+    // A place is seen beside where its apparent facet has it, too.
+    facet.shift_m = sine > 0 ? (across + gap) / sine * (1 + slack) + gap : infinite;
+    Interval sines = all.patches[e].front().sine_m.v;
+    for (const EndPatch& patch : all.patches[e]) sines = hull(sines, patch.sine_m.v);
+    if (!(facet.shift_m < facet.nearest_m / 4) || sines.may_be_zero() ||
+        (sines.lo > 0) != (end.facing() > 0) || !std::isfinite(facet.most_per_sr))
+      return;
+    facet.state = State::proven;
+  }
+
+  /// By how much of itself its area may be off: of edges that are the base facet's, corners lie beside it.
+  static double edge_pad(const FlatFacet& flat, const FacetCorners& base, const FacetCorners& lies,
+                         double pad_m) {
+    if (pad_m == 0) return 0;
+    double length = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3 &p = lies[k], &q = lies[(k + 1) % 3];
+      for (std::size_t i = 0; i < 3; ++i) {
+        const glm::dvec3 &from = base[i], way = glm::normalize(base[(i + 1) % 3] - from);
+        const auto off = [&](const glm::dvec3& x) { return glm::length(glm::cross(way, x - from)); };
+        if (off(p) < 4 * pad_m && off(q) < 4 * pad_m) length += glm::distance(p, q);
+      }
+    }
+    return length * 2 * pad_m / flat.area_m2;
+  }
+
+  /// What is laid out over one end's ranges.
+  struct Misfit {
+    Jet at_middle;                      // of squares: true less laid out
+    Interval v, a, b;                   // and anywhere
+    std::vector<Jet> by_box;            // of ranges
+    std::array<Interval, 3> at_corner;  // of ranges
+    double largest_m = 0;
+  };
+  Jet square_of_range(const EndPatch& at) const {
+    const Jet speed(reference_speed());
+    return common(squared(speed * at.rays.time_s), squared(speed * at.rays.slowness_s_per_m) * at.distance2);
+  }
+  Misfit misfit_of(const FlatFacet& flat, const EndOfFacet& end, const std::vector<EndPatch>& patches,
+                   const Gathered& all, const LaidOut& laid) const {
+    Misfit found;
+    found.at_middle = square_of_range(end.middle()) - laid.range2(0.0, 0.0);
+    std::array<Interval, 3> corner;
+    Interval a_all(0.0), b_all(0.0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Interval a(flat.at[k].x), b(flat.at[k].y);
+      const Jet laid2 = laid.range2(a, b), range2 = square_of_range(end.corner(int(k)));
+      corner[k] = range2.v - laid2.v;
+      found.at_corner[k] = corner[k] / (root(range2.v) + root(laid2.v));
+      a_all = hull(a_all, a), b_all = hull(b_all, b);
+    }
+    std::vector<Jet> squares;
+    Jet bend;
+    for (std::size_t k = 0; k < patches.size(); ++k) {
+      squares.push_back(square_of_range(patches[k]) - laid.range2(all.boxes[k].first, all.boxes[k].second));
+      for (Interval Jet::*part : {&Jet::aa, &Jet::ab, &Jet::bb})
+        bend.*part = k == 0 ? squares[k].*part : hull(bend.*part, squares[k].*part);
+    }
+    found.v = hull(hull(corner[0], corner[1]), corner[2]) + both_ways(interpolated(flat, bend_of(bend)));
+    found.a = found.at_middle.a + bend.aa * a_all + bend.ab * b_all;
+    found.b = found.at_middle.b + bend.ab * a_all + bend.bb * b_all;
+    for (std::size_t k = 0; k < patches.size(); ++k) {
+      Jet& square = squares[k];
+      square.v = common(square.v, found.v);
+      square.a = common(square.a, found.a);
+      square.b = common(square.b, found.b);
+      const Jet sum = Jet(reference_speed()) * patches[k].rays.time_s +
+                      root(laid.range2(all.boxes[k].first, all.boxes[k].second));
+      found.by_box.push_back(square / sum);
+      found.largest_m = std::max(found.largest_m, found.by_box.back().v.largest());
+    }
+    return found;
+  }
+
+  /// The rays to a part of a facet, and what its grazing angle is over the one laid out.
+  static GrazingPatch grazing(const EndPatch& at, const Jet& laid2, const Interval& misfit2,
+                              const Interval& misfit2_a, const Interval& misfit2_b, double height) {
+    const Jet sine = Jet(height) * inverse(root(laid2));
+    const auto ratio = [&](Interval Jet::*along, const Interval& misfit_slope) {
+      // Half the logarithm of laid out over true squares of ranges, which are all but alike.
+      const Interval of_range = at.rays.time_s.*along / at.rays.time_s.v;
+      return at.sine_m.*along / at.sine_m.v + at.rays.slowness_s_per_m.*along / at.rays.slowness_s_per_m.v +
+             of_range * (misfit2 / laid2.v) - 0.5 * (misfit_slope / laid2.v);
+    };
+    return {sine.v, sine.a, sine.b, ratio(&Jet::a, misfit2_a), ratio(&Jet::b, misfit2_b)};
+  }
+
+  void finish_pair(const FlatFacet& flat, const PairedFacet& paired,
+                   const std::array<const EndOfFacet*, 2>& ends, const Gathered& all,
+                   const std::array<FacetCorners, 2>& seen, double pad_m, double edge_pad_part,
+                   const Surface& surface, Found& found) const {
+    PairedEnclosure& pair = found.pair;
+    std::array<glm::dvec2, 3> corner;
+    for (std::size_t k = 0; k < 3; ++k) corner[k] = glm::dvec2(paired.to_plane.at(seen[0][k]));
+    const std::array<LaidOut, 2> laid{
+        LaidOut(flat, corner, glm::dvec2(0), paired.transmit_distance_m),
+        LaidOut(flat, corner, paired.receive_foot_m, paired.receive_distance_m)};
+    const double laid_area = std::abs(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
+    if (!(laid_area > 0 && laid[0].height > 0 && laid[1].height > 0)) return;
+    const std::array<Misfit, 2> misfit{misfit_of(flat, *ends[0], all.patches[0], all, laid[0]),
+                                       misfit_of(flat, *ends[1], all.patches[1], all, laid[1])};
+    Jet bend;
+    for (std::size_t k = 0; k < all.boxes.size(); ++k) {
+      const Jet sum = misfit[0].by_box[k] + misfit[1].by_box[k];
+      for (Interval Jet::*part : {&Jet::aa, &Jet::ab, &Jet::bb})
+        bend.*part = k == 0 ? sum.*part : hull(bend.*part, sum.*part);
+    }
+    double at_corners = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      at_corners = std::max(at_corners, (misfit[0].at_corner[k] + misfit[1].at_corner[k]).largest());
+    const double rounding_m = 1e-12 * (found.end[0].farthest_m + found.end[1].farthest_m);
+    pair.shift_m = ((at_corners + interpolated(flat, bend_of(bend))) / 2 + pad_m + rounding_m) * (1 + slack);
+
+    const auto change = [&](const Interval& a, const Interval& b) {
+      Interval sum = 0.0;
+      for (int k = 0; k < 3; ++k) sum = hull(sum, a * flat.at[k].x + b * flat.at[k].y);
+      return sum;
+    };
+    Interval level = log(outwards(flat.area_m2 / laid_area, flat.area_m2 / laid_area, 1e4)) +
+                     both_ways(std::log1p(edge_pad_part)) + change(all.level_a, all.level_b) -
+                     2.0 * log(ends[0]->middle().speed / bed_.out.water.finder().source_speed_m_s());
+    for (std::size_t e = 0; e < 2; ++e) {
+      const EndPatch& middle = ends[e]->middle();
+      const FacetEnclosure& facet = found.end[e];
+      const Interval sine_m = middle.sine_m.v.lo > 0 ? middle.sine_m.v : -middle.sine_m.v;
+      const double height = laid[e].height, off = misfit[e].largest_m;
+      if (!sine_m.surely_positive() || !(off < facet.nearest_m / 4)) return;
+      const Interval db =
+          middle.rays.absorption_db.v - law_.absorption_db_per_m * reference_speed() * middle.rays.time_s.v;
+      level = level + log(sine_m) + 3.0 * log(reference_speed() * middle.rays.slowness_s_per_m.v) -
+              log(middle.rays.area_ratio_per_sr.v) - beta_ * db - log(Interval(height));
+      level = level + both_ways(3 * std::log1p(off / (facet.nearest_m - off)) +
+                                beta_.hi * law_.absorption_db_per_m * off);
+      if (surface.law != nullptr) {
+        const Jet laid2 = laid[e].range2(0.0, 0.0);
+        const GrazingPatch at = grazing(middle, laid2, misfit[e].at_middle.v, misfit[e].at_middle.a,
+                                        misfit[e].at_middle.b, height);
+        std::vector<GrazingPatch> over;
+        for (std::size_t k = 0; k < all.boxes.size(); ++k)
+          over.push_back(grazing(all.patches[e][k], laid[e].range2(all.boxes[k].first, all.boxes[k].second),
+                                 misfit[e].v, misfit[e].a, misfit[e].b, height));
+        const Interval ratio = log(sine_m * root(laid2.v) / (root(middle.distance2.v) * height));
+        const auto scattering = apparent_scattering(*surface.law, at, ratio, over, change);
+        if (!scattering) return;
+        pair.law[e] = scattering->law;
+        level = level + 0.5 * scattering->rest;
+      }
+      take_directions(flat, laid[e], seen[e], facet, e, pair);
+      const MirrorLoss& loss = e == 0 ? law_.path.out.loss : law_.path.back().loss;
+      const double turn = pair.turn_rad[e] + pair.stretch[e];
+      level = level + both_ways(loss.roughness * double(loss.rough_normals.size()) * (1 + loss.bend) * turn *
+                                (2 + turn) * (1 + slack));
+    }
+    pair.factor = exp(level);
+    pair.place_off_m = 4 * pad_m;
+    pair.proven = pair.factor.is_finite() && std::isfinite(pair.shift_m) && pair.turn_rad[0] < 0.1 &&
+                  pair.turn_rad[1] < 0.1 && pair.stretch[0] < 0.1 && pair.stretch[1] < 0.1;
+  }
+
+  static void take_directions(const FlatFacet& flat, const LaidOut& laid, const FacetCorners& seen,
+                              const FacetEnclosure& facet, std::size_t e, PairedEnclosure& pair) {
+    pair.turn_rad[e] = 1.1 * facet.gap_m / facet.nearest_m + slack * slack;
+    // The squares of distances where it is seen and of those laid out differ by a function of second degree.
+    const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
+    const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];
+    const double det = cross(p, q);
+    const glm::dvec3 a = (s * q.y - t * p.y) / det, b = (t * p.x - s * q.x) / det;
+    const double aa = 2 * (glm::dot(a, a) - glm::dot(laid.along_a, laid.along_a)),
+                 ab = 2 * (glm::dot(a, b) - glm::dot(laid.along_a, laid.along_b)),
+                 bb = 2 * (glm::dot(b, b) - glm::dot(laid.along_b, laid.along_b));
+    double corner = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Jet laid2 = laid.range2(flat.at[k].x, flat.at[k].y);
+      corner = std::max(corner, (glm::dot(seen[k], seen[k]) - laid2.v).largest());
+    }
+    const double most = corner + interpolated(flat, std::sqrt(aa * aa + 2 * ab * ab + bb * bb));
+    pair.stretch[e] = most / (facet.nearest_m * facet.nearest_m) + slack * slack;
+  }
+
+  const PairedBed& bed_;
+  const EchoLaw& law_;
+  Interval beta_;
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace
+
+PairedEnclosures enclose(const PairedBed& bed, std::span<const SharedFacet> shared,
+                         std::span<const PairedFacet> paired, const EchoLaw& law) {
+  const PairedEncloser encloser(bed, law);
+  PairedEnclosures all;
+  all.facets.resize(shared.size());
+  std::array<std::vector<FacetId>, 2> seen_as;
+  for (std::size_t e = 0; e < 2; ++e) {
+    const PairedEnd& end = bed.end(int(e));
+    seen_as[e].assign(bed.mesh.facets.size(), none);
+    for (std::size_t k = 0; k < end.origin.size(); ++k) seen_as[e][end.origin[k]] = FacetId(k);
+    all.ends[e].facets.resize(end.origin.size());
+  }
+  std::vector<std::size_t> number(bed.mesh.facets.size(), shared.size());
+  for (std::size_t k = 0; k < shared.size(); ++k) number[shared[k].facet] = k;
+  Steps steps("facets", bed.mesh.facets.size());
+  tbb::parallel_for(FacetId{0}, FacetId(bed.mesh.facets.size()), [&](FacetId f) {
+    steps.done();
+    const std::array<bool, 2> sees{seen_as[0][f] != none, seen_as[1][f] != none};
+    if (!sees[0] && !sees[1]) return;
+    const bool is_shared = number[f] < shared.size();
+    const auto found = encloser.enclose(f, sees, is_shared ? &paired[number[f]] : nullptr);
+    for (std::size_t e = 0; e < 2; ++e)
+      if (sees[e]) all.ends[e].facets[seen_as[e][f]] = found.end[e];
+    if (is_shared) all.facets[number[f]] = found.pair;
+  });
+  for (std::size_t e = 0; e < 2; ++e) {
+    const PairedEnd& end = bed.end(int(e));
+    ApparentEnclosures& own = all.ends[e];
+    for (const FacetEnclosure& facet : own.facets)
+      if (facet.state == State::unproven) own.unproven.push_back(facet);
+    for (const auto& corners : end.ground.left_out_m) {
+      FacetEnclosure facet;
+      for (std::size_t k = 0; k < 3; ++k) {
+        facet.seen[k] = end.water.unfolded(corners[k]) - end.water.apex_m();
+        facet.seen[k].z *= end.water.unfolding().sign;
+      }
+      facet.nearest_m = nearest_of(facet.seen) * end.rays.least_stretch();
+      own.unproven.push_back(facet);
+    }
+  }
+  return all;
+}
+
+}  // namespace tubefoot

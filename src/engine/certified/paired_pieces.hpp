@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/certified/certified_path_integral.hpp"
+#include "engine/certified/certified_texture.hpp"
+#include "engine/certified/paired_enclosure.hpp"
+#include "engine/certified/refracted_bins.hpp"
+
+// What two ends share of facets that each sees elsewhere, enclosed piece by piece. Heavy: include only in
+// .cpp files.
+namespace tubefoot {
+
+/// Directions to what is no farther than that from a place.
+struct Towards {
+  glm::dvec3 centre_m{0};
+  double radius_m = 0;
+};
+
+/// Of one path: its law, with patterns as its ends have them, samples and tolerance.
+class PairedPieces {
+ public:
+  /// `law` and `borders_m` outlive it; `target`: by bin, how wide its enclosure may be.
+  PairedPieces(const EchoLaw& law, std::span<const double> borders_m, double step_m,
+               std::vector<double> target, double tolerance);
+
+  /// A facet that was proven, for one thread.
+  struct OnFacet {
+    const PairedFacet& paired;
+    const PairedEnclosure& proven;
+    std::uint16_t material;
+    ShiftedSamples samples;
+    std::unique_ptr<CertifiedPathIntegrator> integrator;
+  };
+  OnFacet on(FacetId facet, const PairedFacet& paired, const PairedEnclosure& proven) const;
+  /// A piece by its corners as the transmitter sees them (SharedFootprints), heard in beams [first, second).
+  void add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
+           std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
+           BinsBetween& bins) const;
+
+  /// No less than what patterns leave of what goes out and comes home in these directions; 1 without
+  /// patterns.
+  double most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& out, const Towards& home) const;
+
+ private:
+  const EchoLaw& law_;
+  std::span<const double> borders_;
+  double step_m_, tolerance_;
+  std::vector<double> target_;
+  std::vector<std::shared_ptr<const CertifiedTexture>> textures_;
+  Ball beta_;
+};
+
+}  // namespace tubefoot

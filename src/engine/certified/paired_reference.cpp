@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/paired_reference.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "engine/certified/certified_cells.hpp"
+#include "engine/certified/paired_pieces.hpp"
+#include "engine/certified/uncertain_edges.hpp"
+#include "engine/sight/bistatic_history.hpp"
+#include "geometry/steps/steps.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr FacetId none = std::numeric_limits<FacetId>::max();
+using State = FacetEnclosure::State;
+
+/// One tube by itself.
+Sector sector_of(const TubeSet& tubes, std::uint32_t tube, double unit_m) {
+  TubeSet own = tubes;
+  own.tubes = {tubes.tubes[tube]};
+  return Sector(own, unit_m);
+}
+
+/// What one end looks at.
+struct EndLook {
+  TubeSet tubes;
+  std::vector<Sector> sectors;  // by tube
+  std::vector<TubeVisibility> seen;
+  std::vector<FacetId> parent;       // by apparent facet: of the base
+  std::vector<FacetId> apparent_of;  // by facet of the bed
+};
+
+/// About a part of a facet as an end sees it.
+struct About {
+  glm::dvec3 centre_m{0};
+  double radius_m = 0, nearest_m = 0, farthest_m = 0;
+
+  About(std::span<const glm::dvec3> places_m, double off_m) {
+    for (const glm::dvec3& p : places_m) centre_m += p / double(places_m.size());
+    for (const glm::dvec3& p : places_m) {
+      radius_m = std::max(radius_m, glm::distance(p, centre_m));
+      farthest_m = std::max(farthest_m, glm::length(p));
+    }
+    radius_m = radius_m * (1 + slack) + off_m;
+    nearest_m = std::max(glm::length(centre_m) * (1 - slack) - radius_m, 0.0);
+    farthest_m = farthest_m * (1 + slack) + off_m;
+  }
+};
+
+class PairedReference {
+ public:
+  PairedReference(const PairedBed& bed, const PairedTubes& tubes, const VisibilityOptions& options,
+                  const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
+                  const Echo& ordinary, double tolerance)
+      : bed_(bed),
+        beams_(beams),
+        law_(law),
+        unit_m_(bed.grid.unit_m()),
+        borders_(sample_borders_m(samples)),
+        pieces_(law, borders_, samples.step_m, reference_targets(ordinary, tolerance), tolerance) {
+    // Facets that begin beyond the reach may be seen before it; where sound is faster than ranges say, ends
+    // are farther apart.
+    const double reach_m = std::max(tubes.out.reach, tubes.home.reach) * unit_m_,
+                 apart_m = glm::distance(bed.out.water.apex_m(), bed.home.water.apex_m());
+    margin_m_ = 0.01 * reach_m + 0.1 * apart_m;
+    for (std::size_t e = 0; e < 2; ++e) {
+      const PairedEnd& end = bed_.end(int(e));
+      EndLook& look = looks_[e];
+      look.tubes = e == 0 ? tubes.out : tubes.home;
+      look.tubes.reach += margin_m_ / unit_m_;
+      for (std::uint32_t tube = 0; tube < look.tubes.tubes.size(); ++tube)
+        look.sectors.push_back(sector_of(look.tubes, tube, unit_m_));
+      look.seen = tubefoot::look(end.ground.refined.mesh, end.tree, look.tubes, options);
+      look.apparent_of.assign(bed.mesh.facets.size(), none);
+      for (std::size_t k = 0; k < end.origin.size(); ++k) {
+        look.apparent_of[end.origin[k]] = FacetId(k);
+        look.parent.push_back(bed.parent[end.origin[k]]);
+      }
+    }
+  }
+
+  RefractedReference certify(const Echo& ordinary, double tolerance) {
+    const FootprintSharer sharer(
+        {looks_[0].tubes, looks_[0].seen, &bed_.out.ground.refined.mesh, bed_.out.origin},
+        {looks_[1].tubes, looks_[1].seen, &bed_.home.ground.refined.mesh, bed_.home.origin}, unit_m_);
+    const SharedFootprints shared = sharer.all();
+    const std::vector<PairedFacet> paired =
+        paired_facets(shared, bed_.mesh, {bed_.out.ground, bed_.out.water},
+                      {bed_.home.ground, bed_.home.water}, bed_.grid, law_.absorption_db_per_m);
+    enclosures_ = enclose(bed_, shared.facets, paired, law_);
+    for (std::size_t e = 0; e < 2; ++e)
+      for (FacetEnclosure& facet : enclosures_.ends[e].facets)
+        if (facet.state == State::proven && 4 * facet.gap_m > margin_m_) facet.state = State::loose;
+    const auto is_proven = [&](std::size_t number) {
+      const FacetId facet = shared.facets[number].facet;
+      return enclosures_.facets[number].proven && end_of(0, facet)->state == State::proven &&
+             end_of(1, facet)->state == State::proven;
+    };
+
+    std::vector<BinsBetween> bins(shared.facets.size());
+    Steps steps("facets", shared.facets.size());
+    tbb::parallel_for(std::size_t{0}, shared.facets.size(), [&](std::size_t number) {
+      steps.done();
+      if (!is_proven(number)) return;
+      const SharedFacet& facet = shared.facets[number];
+      PairedPieces::OnFacet on = pieces_.on(facet.facet, paired[number], enclosures_.facets[number]);
+      for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
+        stop_if_wanted();
+        const SharedPiece& piece = shared.pieces[facet.first_piece + k];
+        if (!in_one_fan(piece.transmit_tube, piece.receive_tube)) continue;
+        pieces_.add(on, std::span(shared.corners_m).subspan(piece.first, piece.count), shared.receiver_m,
+                    piece.receive_tube, beams_of(piece.receive_tube), bins[number]);
+      }
+    });
+    // Facets of which only the most that they return is known.
+    BinsBetween& loose = bins.emplace_back();
+    std::vector<char> proven(bed_.mesh.facets.size(), 1);
+    for (std::size_t number = 0; number < shared.facets.size(); ++number)
+      proven[shared.facets[number].facet] = is_proven(number);
+    for (FacetId f = 0; f < bed_.mesh.facets.size(); ++f) {
+      const FacetEnclosure *out = end_of(0, f), *home = end_of(1, f);
+      if (out == nullptr || home == nullptr || out->state == State::unproven ||
+          home->state == State::unproven)
+        continue;
+      if (!proven[f] || out->state == State::loose || home->state == State::loose)
+        add({out->nearest_m, out->farthest_m, out->most, looks_[0].apparent_of[f], out->seen}, 0, false,
+            loose);
+    }
+    for (std::size_t e = 0; e < 2; ++e) add_doubts_of(e, bins);
+
+    BinsBetween total;
+    for (const BinsBetween& own : bins)
+      for (const auto& [bin, part] : own) {
+        total[bin].lo += part.lo;
+        total[bin].hi += part.hi;
+      }
+    return reference_between({&total, 1}, ordinary, tolerance);
+  }
+
+ private:
+  const FacetEnclosure* end_of(std::size_t e, FacetId facet) const {
+    const FacetId own = looks_[e].apparent_of[facet];
+    return own == none ? nullptr : &enclosures_.ends[e].facets[own];
+  }
+  bool in_one_fan(std::uint32_t out_tube, std::uint32_t home_tube) const {
+    return beams_.fan_of_transmit_tube.empty() ||
+           beams_.fan_of_transmit_tube[out_tube] == beams_.fan_of_receive_tube[home_tube];
+  }
+  std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t home_tube) const {
+    if (law_.patterns != nullptr) return law_.patterns->beams_of_tube[home_tube];
+    return {beams_.of_tube[home_tube], beams_.of_tube[home_tube] + 1};
+  }
+  /// Tubes that are heard alike have the same.
+  std::array<std::uint32_t, 4> label_of(std::size_t e, std::uint32_t tube) const {
+    const auto& fans = e == 0 ? beams_.fan_of_transmit_tube : beams_.fan_of_receive_tube;
+    const std::uint32_t fan = fans.empty() ? 0 : fans[tube];
+    if (e == 0) return {fan, 0, 0, 0};
+    const auto [first, end] = beams_of(tube);
+    return {fan, first, end, law_.patterns != nullptr ? law_.patterns->fan_of_tube[tube] : 0};
+  }
+
+  /// Walls of each tube beyond which sound is not heard alike.
+  std::vector<std::vector<UncertainEdges::Wall>> walls_of(std::size_t e) const {
+    const TubeSet& tubes = looks_[e].tubes;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> sharers;
+    const auto key = [](std::uint32_t a, std::uint32_t b) {
+      return std::pair(std::min(a, b), std::max(a, b));
+    };
+    for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube)
+      for (std::size_t k = 0; k < 4; ++k)
+        sharers[key(tubes.tubes[tube][k], tubes.tubes[tube][(k + 1) % 4])].push_back(tube);
+    std::vector<std::vector<UncertainEdges::Wall>> walls(tubes.tubes.size());
+    const auto ray = [&](std::uint32_t r) {
+      return glm::dvec3(double(tubes.rays[r].x), double(tubes.rays[r].y), double(tubes.rays[r].z));
+    };
+    for (const auto& [rays, own] : sharers) {
+      if (rays.first == rays.second) continue;
+      if (own.size() == 2 && label_of(e, own[0]) == label_of(e, own[1])) continue;
+      walls[own.front()].push_back({ray(rays.first), ray(rays.second)});
+    }
+    return walls;
+  }
+
+  void add_doubts_of(std::size_t e, std::vector<BinsBetween>& bins) const {
+    const PairedEnd& end = bed_.end(int(e));
+    const EndLook& look = looks_[e];
+    const FacetMesh& mesh = end.ground.refined.mesh;
+    const ApparentEnclosures& own = enclosures_.ends[e];
+    const UncertainEdges edges(mesh, look.parent, own, DoubtsOf::places);
+    const Unknown unknown(own.unproven, end.rays);
+    const Looked looked(own.facets);
+    const auto walls = walls_of(e);
+    double nearest_other = infinite;
+    const ApparentEnclosures& other = enclosures_.ends[1 - e];
+    for (const auto* list : {&other.facets, &other.unproven})
+      for (const FacetEnclosure& facet : *list) nearest_other = std::min(nearest_other, facet.nearest_m);
+    std::vector<BinsBetween> by_tube(look.tubes.tubes.size());
+    Steps steps("tubes", by_tube.size());
+    tbb::parallel_for(std::uint32_t{0}, std::uint32_t(by_tube.size()), [&](std::uint32_t tube) {
+      steps.done();
+      const TubeVisibility& seen = look.seen[tube];
+      const NameContext context{mesh, look.tubes.apex, seen.rays};
+      std::vector<SeenPiece> pieces;
+      for (const NamedPiece& piece : seen.pieces) {
+        stop_if_wanted();
+        pieces.push_back(seen_piece(piece, certified_polygon(context, seen.corners, piece, unit_m_)));
+      }
+      const std::vector<FacetId> nearby = looked.in(look.sectors[tube], end.tree);
+      const DoubtSink sink = [&](const Doubt& doubt) { add(doubt, e, true, by_tube[tube]); };
+      edges.add_doubts(context, seen, pieces, nearby, sink);
+      edges.add_walls(walls[tube], nearby, sink);
+      if (const double begins = unknown.begins_m(look.sectors[tube]); begins < infinite)
+        add_unknown(e, tube, (begins + std::min(nearest_other, begins)) / 2, by_tube[tube]);
+    });
+    for (BinsBetween& of_tube : by_tube) bins.push_back(std::move(of_tube));
+  }
+
+  /// All that is heard of an end's tube at half paths from there on.
+  void add_unknown(std::size_t e, std::uint32_t tube, double from_m, BinsBetween& bins) const {
+    for (std::uint32_t home = 0; home < looks_[1].tubes.tubes.size(); ++home) {
+      if (e == 1 ? home != tube : !in_one_fan(tube, home)) continue;
+      const auto [first, end] = beams_of(home);
+      for (std::uint32_t beam = first; beam < end; ++beam)
+        each_sample(from_m, infinite,
+                    [&](std::size_t sample) { bins[beam * (borders_.size() - 1) + sample].hi = infinite; });
+    }
+  }
+
+  template <class Take>
+  void each_sample(double nearest_m, double farthest_m, const Take& take) const {
+    const auto first = std::upper_bound(borders_.begin(), borders_.end(), nearest_m),
+               end = std::upper_bound(borders_.begin(), borders_.end(), farthest_m);
+    const std::size_t from = std::size_t(std::max<std::ptrdiff_t>(first - borders_.begin() - 1, 0)),
+                      to = std::min(std::size_t(end - borders_.begin()), borders_.size() - 1);
+    for (std::size_t k = from; k < to; ++k) take(k);
+  }
+
+  /// What an end is not certain of, in all beams that may hear it. `less`: it may be missing, too.
+  void add(const Doubt& doubt, std::size_t e, bool less, BinsBetween& bins) const {
+    if (!(doubt.energy_j > 0)) return;
+    const FacetId facet = bed_.end(int(e)).origin[doubt.facet];
+    const FacetEnclosure &here = *end_of(e, facet), *there = end_of(1 - e, facet);
+    // What the other does not look at is not heard; without a proven ray there, all is unknown.
+    if (there == nullptr || there->state == State::unproven) return;
+    const glm::dvec3 from[3]{here.seen[0], here.seen[1], here.seen[2]},
+        to[3]{there->seen[0], there->seen[1], there->seen[2]};
+    const FacetMap map = facet_map(from, to);
+    std::vector<glm::dvec3> elsewhere;
+    for (const glm::dvec3& p : doubt.part_m) elsewhere.push_back(map.at(p));
+    std::array<About, 2> about{About(doubt.part_m, here.gap_m), About(elsewhere, there->gap_m)};
+    const double nearest = std::max(doubt.nearest_m, about[0].nearest_m),
+                 farthest = std::min(doubt.farthest_m, about[0].farthest_m + here.shift_m);
+    const double half_from = (nearest + about[1].nearest_m) / 2,
+                 half_to = (farthest + about[1].farthest_m) / 2;
+    if (half_from > borders_.back() || half_to < borders_.front()) return;
+    if (e == 1) std::swap(about[0], about[1]);
+    for (const auto& [beam, weight] : heard_of(about)) {
+      const double energy = doubt.energy_j * weight * (1 + slack);
+      each_sample(half_from, half_to, [&](std::size_t sample) {
+        Between& bin = bins[beam * (borders_.size() - 1) + sample];
+        if (less) bin.lo -= energy;
+        bin.hi += energy;
+      });
+    }
+  }
+
+  /// Beams that may hear something about there, and no less than what patterns leave of it.
+  std::map<std::uint32_t, double> heard_of(const std::array<About, 2>& about) const {
+    std::vector<char> fans;
+    for (std::uint32_t tube = 0; tube < looks_[0].tubes.tubes.size(); ++tube) {
+      const std::uint32_t fan = label_of(0, tube)[0];
+      if (fan < fans.size() && fans[fan]) continue;
+      if (!looks_[0].sectors[tube].may_meet(about[0].centre_m, about[0].radius_m)) continue;
+      if (fan >= fans.size()) fans.resize(fan + 1);
+      fans[fan] = 1;
+    }
+    std::map<std::uint32_t, double> heard;
+    if (fans.empty()) return heard;
+    std::array<std::uint32_t, 4> last{};
+    bool any = false;
+    for (std::uint32_t tube = 0; tube < looks_[1].tubes.tubes.size(); ++tube) {
+      const auto label = label_of(1, tube);
+      if (label[0] >= fans.size() || !fans[label[0]] || (any && label == last)) continue;
+      if (!looks_[1].sectors[tube].may_meet(about[1].centre_m, about[1].radius_m)) continue;
+      last = label;
+      any = true;
+      for (std::uint32_t beam = label[1]; beam < label[2]; ++beam) {
+        double& weight = heard[beam];
+        weight = std::max(weight, pieces_.most_of(label[3], beam, {about[0].centre_m, about[0].radius_m},
+                                                  {about[1].centre_m, about[1].radius_m}));
+      }
+    }
+    return heard;
+  }
+
+  const PairedBed& bed_;
+  const ReceiveBeams& beams_;
+  const EchoLaw& law_;
+  double unit_m_, margin_m_ = 0;
+  std::vector<double> borders_;
+  PairedPieces pieces_;
+  std::array<EndLook, 2> looks_;
+  PairedEnclosures enclosures_;
+};
+
+}  // namespace
+
+RefractedReference certify_refracted_echo(const PairedBed& bed, const PairedTubes& tubes,
+                                          const VisibilityOptions& options, const ReceiveBeams& beams,
+                                          const RangeSamples& samples, const EchoLaw& law,
+                                          const Echo& ordinary, double tolerance) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+  EchoLaw own = law;
+  BeamPatterns patterns;
+  if (law.patterns != nullptr) {
+    patterns = as_images_have(*law.patterns, law.path);
+    own.patterns = &patterns;
+  }
+  return PairedReference(bed, tubes, options, beams, samples, own, ordinary, tolerance)
+      .certify(ordinary, tolerance);
+}
+
+}  // namespace tubefoot

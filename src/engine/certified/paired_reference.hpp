@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "engine/certified/paired_enclosure.hpp"
+#include "engine/certified/refracted_bins.hpp"
+#include "engine/echo/echo.hpp"
+
+namespace tubefoot {
+
+/// Tubes of both ends of a path.
+struct PairedTubes {
+  const TubeSet &out, &home;
+};
+
+/// Encloses the echo of a path whose two ends see the bed elsewhere, through refracting water: the energy
+/// that curved rays bring from true facets. Places of what both see of a facet laid out flat are places of
+/// the true facet; so facets' own edges and textures are certain, and what the enclosures leave open is
+///
+/// - a factor, from least to most, and half paths, within shift_m of a border between samples;
+/// - beam patterns in the directions of rays, which are within turn_rad of those in which places are seen;
+/// - which tube sees a place next to a wall between tubes that are not heard alike; whether one is seen
+/// beside
+///   the edge of what hides it, or where two facets are closer together than ranges may be off;
+/// - all that lies behind a facet without a proven ray.
+///
+/// `beams`, `law` as integrate_echo() has them for that path, `ordinary` what it makes of it. Throws as
+/// certify_refracted_echo() of one apex.
+RefractedReference certify_refracted_echo(const PairedBed& bed, const PairedTubes& tubes,
+                                          const VisibilityOptions& options, const ReceiveBeams& beams,
+                                          const RangeSamples& samples, const EchoLaw& law,
+                                          const Echo& ordinary, double tolerance);
+
+}  // namespace tubefoot

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/refracted_bins.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double upright = std::numbers::pi / 2;
+using State = FacetEnclosure::State;
+
+}  // namespace
+
+Looked::Looked(std::span<const FacetEnclosure> facets) : facets_(facets), balls_(facets.size()) {
+  std::vector<double> gaps;
+  for (FacetId f = 0; f < facets.size(); ++f) {
+    const FacetEnclosure& facet = facets[f];
+    if (facet.state == State::unproven) continue;
+    gaps.push_back(facet.gap_m);
+    const glm::dvec3 centre = (facet.seen[0] + facet.seen[1] + facet.seen[2]) / 3.0;
+    double radius = 0;
+    for (const glm::dvec3& c : facet.seen) radius = std::max(radius, glm::distance(c, centre));
+    balls_[f] = {centre, radius * (1 + slack) + facet.gap_m};
+  }
+  std::ranges::sort(gaps);
+  // The tree is asked for those that move little; the others are looked at one by one.
+  if (!gaps.empty()) usual_gap_m_ = 4 * gaps[gaps.size() / 2], most_gap_m_ = gaps.back();
+  for (FacetId f = 0; f < facets.size(); ++f)
+    if (facets[f].state != State::unproven && facets[f].gap_m > usual_gap_m_) wide_.push_back(f);
+}
+
+std::vector<FacetId> Looked::in(const Sector& tube, const SceneTree& tree) const {
+  std::vector<FacetId> seen = tube.facets(tree, usual_gap_m_);
+  seen.insert(seen.end(), wide_.begin(), wide_.end());
+  std::erase_if(seen, [&](FacetId f) {
+    return facets_[f].state == State::unproven || !tube.may_meet(balls_[f].first, balls_[f].second);
+  });
+  std::ranges::sort(seen);
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  return seen;
+}
+
+Unknown::Unknown(std::span<const FacetEnclosure> facets, const RayEnclosure& rays) : rays_(rays) {
+  for (const FacetEnclosure& facet : facets) {
+    Around about;
+    about.centre_m = (facet.seen[0] + facet.seen[1] + facet.seen[2]) / 3.0;
+    for (const glm::dvec3& c : facet.seen)
+      about.radius_m = std::max(about.radius_m, glm::distance(c, about.centre_m) * (1 + slack));
+    about.nearest_m = facet.nearest_m;
+    look_at(about);
+    balls_.push_back(about);
+  }
+  std::ranges::sort(balls_, {}, &Around::nearest_m);
+}
+
+double Unknown::begins_m(const Sector& tube) const {
+  for (const Around& ball : balls_)
+    if (may_be_seen(ball, tube)) return ball.nearest_m;
+  return infinite;
+}
+
+void Unknown::look_at(Around& ball) const {
+  const glm::dvec3& way = ball.centre_m;
+  const double range = glm::length(way), across = std::hypot(way.x, way.y);
+  ball.anywhere = !(range > ball.radius_m);
+  if (ball.anywhere) return;
+  const double level = std::atan2(way.z, across),
+               apart = std::asin(ball.radius_m / range) + rays_.most_turn_rad() + slack,
+               low = std::max(level - apart, -upright), high = std::min(level + apart, upright);
+  DirectionBox& box = ball.launch;
+  box.low_sine = std::sin(low);
+  box.low_cosine = std::cos(low);
+  box.high_sine = std::sin(high);
+  box.high_cosine = std::cos(high);
+  box.all_round = !(ball.radius_m < across) || level + apart > upright || level - apart < -upright;
+  if (box.all_round) return;
+  const double sine = ball.radius_m / across, cosine = std::sqrt((1 - sine) * (1 + sine));
+  const glm::dvec2 towards = glm::dvec2(way) / across, left(-towards.y, towards.x);
+  box.from = cosine * towards - sine * left;
+  box.to = cosine * towards + sine * left;
+}
+
+bool Unknown::may_be_seen(const Around& ball, const Sector& tube) const {
+  if (ball.anywhere) return true;
+  const double range = glm::length(ball.centre_m) - ball.radius_m;
+  return rays_.least_stretch() * range <= tube.reach_m() * (1 + slack) && tube.may_meet(ball.launch);
+}
+
+RefractedReference reference_between(std::span<const BinsBetween> parts, const Echo& ordinary,
+                                     double tolerance) {
+  std::vector<Between> total(ordinary.energy.size());
+  for (const BinsBetween& bins : parts)  // in order, so that the result does not depend on the threads
+    for (const auto& [bin, part] : bins) {
+      total[bin].lo += std::max(part.lo, 0.0);
+      total[bin].hi += part.hi;
+    }
+
+  RefractedReference reference;
+  CertifiedEcho& certified = reference.certified;
+  certified.echo = ordinary;
+  certified.bound.resize(total.size());
+  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    if (!std::isfinite(total[bin].hi)) {
+      certified.bound[bin] = infinite;
+      ++reference.unbounded;
+      continue;
+    }
+    const double lo = total[bin].lo * (1 - slack), hi = total[bin].hi * (1 + slack);
+    certified.echo.energy[bin] = lo + (hi - lo) / 2;
+    certified.bound[bin] = (hi - lo) / 2 * (1 + slack);
+  }
+  // What keeps the bounds that are finite from being as narrow as asked.
+  CertifiedEcho finite = certified;
+  for (double& bound : finite.bound) bound = std::isfinite(bound) ? bound : 0;
+  hold_against(finite, tolerance);
+  reference.bins = total.size() - reference.unbounded;
+  reference.bins_over = finite.bins_over;
+  if (finite.bins_over > 0) {
+    std::vector<double> excess;
+    Echo least = finite.echo;
+    for (std::size_t bin = 0; bin < total.size(); ++bin)
+      least.energy[bin] = std::max(least.energy[bin] - finite.bound[bin], 0.0);
+    const std::vector<double> targets = reference_targets(least, tolerance);
+    for (std::size_t bin = 0; bin < total.size(); ++bin)
+      if (finite.bound[bin] > targets[bin]) excess.push_back(finite.bound[bin] / targets[bin]);
+    const auto middle = excess.begin() + std::ssize(excess) / 2;
+    std::nth_element(excess.begin(), middle, excess.end());
+    reference.usual_excess = *middle;
+  }
+  hold_against(certified, tolerance);
+  certified.worst_ratio = finite.worst_ratio;
+  certified.worst_beam = finite.worst_beam;
+  certified.worst_sample = finite.worst_sample;
+  return reference;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// References of two ends through refracting water: against closed forms of one gradient integrated apart, the
+// reference of one apex, straight references, exchange, and every enclosure of a facet against single rays.
+#include "engine/certified/paired_reference.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "fixtures/world/gradient_bed.hpp"
+#include "fixtures/world/textures.hpp"
+
+namespace tubefoot {
+namespace {
+
+using test::bed_fan;
+using test::bed_gradient;
+using test::GradientBed;
+using test::Triangle;
+
+constexpr double degree = GradientBed::degree;
+
+/// Two ends over a flat bed, and what stands on it.
+struct Paired {
+  const GradientBed& site;
+  const WaterColumn& water;
+  TubeSet sent, heard;
+  double absorption = 0;
+  const BeamPatterns* patterns = nullptr;
+
+  EigenrayOptions options{.deepest_turn_m = GradientBed::apex_depth_m + GradientBed::below_m};
+  Straightening end(const TubeSet& tubes) const {
+    return Straightening(water, site.grid.to_metres(tubes.apex), GradientBed::apex_depth_m, options, 1500);
+  }
+  RefractedReference certified(const StraighteningSettings& settings, const RangeSamples& samples,
+                               double tolerance) const {
+    std::vector<FacetId> all(site.base.facets.size());
+    std::iota(all.begin(), all.end(), 0u);
+    const Straightening out = end(sent), home = end(heard);
+    const Outlook from_out(sent, site.grid.unit_m(), out), from_home(heard, site.grid.unit_m(), home);
+    const AlikeGrounds alike = straighten_alike(site.base, all, site.grid, std::array{&out, &home},
+                                                absorption, settings, {}, std::array{&from_out, &from_home});
+    const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1], alike.origin[0], alike.origin[1]};
+    EchoLaw law = site.law(pair.mesh, absorption);
+    law.patterns = patterns;
+    const std::vector<std::uint32_t> beams(heard.tubes.size(), 0);
+    const Echo ordinary = integrate_echo(
+        trace_bistatic(pair, site.grid, {}, sent, heard, out, home, absorption), {1, beams}, samples, law);
+    const RayEnclosure out_rays(out, options), home_rays(home, options);
+    const SceneTree out_tree(alike.seen[0].refined.mesh, SceneTree::Sheets::ignored),
+        home_tree(alike.seen[1].refined.mesh, SceneTree::Sheets::ignored);
+    const PairedBed bed{alike.bed.mesh,
+                        alike.bed.parent,
+                        site.base,
+                        site.grid,
+                        {alike.seen[0], out_tree, alike.origin[0], out, out_rays},
+                        {alike.seen[1], home_tree, alike.origin[1], home, home_rays}};
+    return certify_refracted_echo(bed, {sent, heard}, {}, {1, beams}, samples, law, ordinary, tolerance);
+  }
+  CertifiedEcho straight(const RangeSamples& samples, double tolerance) const {
+    EchoLaw law = site.law(site.base, absorption);
+    law.patterns = patterns;
+    const std::vector<std::uint32_t> beams(heard.tubes.size(), 0);
+    const SceneTree tree(site.base);
+    const BistaticHistory history = trace_bistatic(site.base, tree, site.grid.unit_m(), {}, sent, heard);
+    const Echo ordinary = integrate_echo(history, {1, beams}, samples, law);
+    return certify_echo(site.base, history, {1, beams}, samples, law, ordinary, tolerance);
+  }
+};
+
+TubeSet at(TubeSet tubes, const WorldGrid& grid, glm::dvec3 apex_m) {
+  tubes.apex = grid.snap(apex_m);
+  return tubes;
+}
+
+/// Of one gradient: the ray from an apex to a place, in closed form (physics.md).
+struct Ray {
+  double time_s, sine, area_m2, arc_m;  ///< on the bed; per steradian at the apex
+  glm::dvec3 launch;
+  Ray(double g, glm::dvec3 apex, glm::dvec3 place) {
+    const double cs = 1500 - g * apex.z, cr = 1500 - g * place.z, h = apex.z - place.z,
+                 x = std::hypot(place.x - apex.x, place.y - apex.y), chord = std::hypot(x, h),
+                 tilt = std::atan(g * x / (cs + cr));
+    time_s = std::acosh(1 + g * g * chord * chord / (2 * cs * cr)) / std::abs(g);
+    sine = std::sin(std::asin(h / chord) - tilt);
+    area_m2 = std::pow(cr * std::sinh(g * time_s) / g, 2);
+    arc_m = chord * tilt / std::sin(tilt);
+    const double down = std::asin(h / chord) + tilt;
+    launch = {std::cos(down) * (place.x - apex.x) / x, std::cos(down) * (place.y - apex.y) / x,
+              -std::sin(down)};
+  }
+};
+
+/// What a rectangle of the bed returns to each sample, cell by cell of a fine grid about its borders.
+std::vector<double> rectangle(double g, glm::dvec3 out, glm::dvec3 home, glm::dvec2 from, glm::dvec2 to,
+                              const RangeSamples& samples, double absorption,
+                              const BeamPatterns* patterns = nullptr) {
+  std::vector<double> energy(std::size_t(samples.count), 0);
+  const double beta = absorption * std::numbers::ln10 / 10, cr = 1500 + g * GradientBed::below_m,
+               speeds = (1500 - g * home.z) / cr;
+  const auto place = [](double x, double y) { return glm::dvec3(x, y, -GradientBed::below_m); };
+  const auto half = [&](double x, double y) {
+    return 750 * (Ray(g, out, place(x, y)).time_s + Ray(g, home, place(x, y)).time_s);
+  };
+  const auto density = [&](double x, double y) {
+    const Ray a(g, out, place(x, y)), b(g, home, place(x, y));
+    return GradientBed::mu * a.sine * b.sine / (a.area_m2 * b.area_m2 * speeds * speeds) *
+           std::exp(-beta * (a.arc_m + b.arc_m)) *
+           (patterns ? patterns->transmit[0].gain(a.launch) * patterns->receive[0].gain(b.launch) : 1);
+  };
+  using Rule = boost::math::quadrature::gauss<double, 15>;
+  constexpr int rows = 400;
+  // Along x half paths grow from here on: borders by bisection, rows of y by Gauss.
+  const std::array<double, 3> node{-std::sqrt(0.6), 0, std::sqrt(0.6)}, weight{5. / 18, 8. / 18, 5. / 18};
+  for (int row = 0; row < rows; ++row)
+    for (int k = 0; k < 3; ++k) {
+      const double dy = (to.y - from.y) / rows, y = from.y + dy * (row + (1 + node[std::size_t(k)]) / 2);
+      double x = from.x;
+      for (int s = 0; s <= samples.count && x < to.x; ++s) {
+        const double border = samples.first_m + s * samples.step_m;
+        if (half(x, y) >= border) continue;
+        double low = x, high = to.x;
+        if (half(high, y) > border)
+          for (int i = 0; i < 60; ++i) {
+            const double middle = (low + high) / 2;
+            (half(middle, y) < border ? low : high) = middle;
+          }
+        else
+          low = high;
+        if (s > 0)
+          energy[std::size_t(s - 1)] +=
+              weight[std::size_t(k)] * dy *
+              Rule::integrate([&](double at_x) { return density(at_x, y); }, x, low);
+        x = low;
+      }
+    }
+  return energy;
+}
+
+/// Of which only a rectangle scatters: a bed with mu there alone would need a material; so a small one lies
+/// in the water by itself.
+GradientBed plate(glm::dvec2 from, glm::dvec2 to) {
+  const double z = -GradientBed::below_m;
+  GradientBed bed({}, 256, 512);
+  MeshBuilder builder(bed.grid);
+  builder.add(std::vector<glm::dvec3>{{from, z}, {to.x, from.y, z}, {to, z}, {from.x, to.y, z}},
+              std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}, 0, 0);
+  MeshReport report;
+  bed.base = builder.finish(report);
+  return bed;
+}
+
+const glm::dvec3 transmitter(0), receiver(-4, 3, 2);
+const glm::dvec2 from(12, -3), to(24, 4);
+
+/// A line array ahead and a piston at the plate, which its first side lobe reaches.
+BeamPatterns patterns_for(const TubeSet& heard) {
+  BeamPatterns patterns;
+  patterns.transmit = {
+      TransmitPattern({.kind = Directivity::Kind::line, .axis = {0, 1, 0}, .centre = 0.02, .size = 6})};
+  const Directivity piston{.kind = Directivity::Kind::piston,
+                           .axis = glm::normalize(glm::dvec3(0.6, 0.1, -0.8)),
+                           .from_axis = true,
+                           .size = 16};
+  patterns.receive = {piston};
+  patterns.fan_of_tube.assign(heard.tubes.size(), 0);
+  patterns.beams_of_tube.assign(heard.tubes.size(), {0, 1});
+  return patterns;
+}
+
+// Bounds shrink with the gap, have not too much to spare, and fail when energies are moved by twice the
+// bound.
+TEST(PairedReference, HoldsTheClosedFormOfOneGradient) {
+  const GradientBed bed = plate(from, to);
+  const RangeSamples samples{22, 0.8, 16};
+  for (const bool weighed : {false, true})
+    for (const double g : {-0.6, 0.3}) {
+      const double absorption = g < 0 ? 0.1 : 0;
+      const WaterColumn water = bed_gradient(g, absorption);
+      Paired pair{bed, water, at(bed_fan(70), bed.grid, transmitter), at(bed_fan(70), bed.grid, receiver),
+                  absorption};
+      const BeamPatterns patterns = patterns_for(pair.heard);
+      if (weighed) pair.patterns = &patterns;
+      const std::vector<double> truth =
+          rectangle(g, transmitter, receiver, from, to, samples, absorption, pair.patterns);
+      double before = 2, closest = 0;
+      for (const double gap : {2e-2, 2e-3}) {
+        SCOPED_TRACE(fmt::format("g {} gap {} weighed {}", g, gap, weighed));
+        const RefractedReference found = pair.certified({.gap_m = gap}, samples, 1e-2);
+        EXPECT_EQ(found.unbounded, 0u);
+        double bounds = 0, energies = 0;
+        for (std::size_t k = 0; k < truth.size(); ++k) {
+          const double energy = found.certified.echo.energy[k], bound = found.certified.bound[k];
+          EXPECT_LE(std::abs(energy - truth[k]), bound + 1e-6 * truth[k]) << k;
+          if (!(truth[k] > 0)) continue;
+          EXPECT_GT(std::abs(energy + 2 * bound - truth[k]), bound - 1e-6 * truth[k]) << k;
+          closest = std::max(closest, std::abs(energy - truth[k]) / bound);
+          bounds += bound;
+          energies += energy;
+        }
+        EXPECT_GT(energies, 0);
+        EXPECT_LT(bounds / energies, before / 3);
+        before = bounds / energies;
+      }
+      EXPECT_LT(before, weighed ? 0.08 : 0.04);
+      EXPECT_GT(closest, 0.02);
+    }
+}
+
+void expect_agree(const CertifiedEcho& a, const CertifiedEcho& b, double scale = 1) {
+  double lit = 0;
+  for (std::size_t k = 0; k < a.bound.size(); ++k) {
+    EXPECT_LE(std::abs(a.echo.energy[k] - scale * b.echo.energy[k]),
+              a.bound[k] + scale * b.bound[k] + 1e-9 * a.echo.energy[k])
+        << k;
+    lit += a.echo.energy[k] > a.bound[k];
+  }
+  EXPECT_GT(lit, double(a.bound.size()) / 3);
+}
+
+std::shared_ptr<const ScatteringLaw> lobed() {
+  return std::make_shared<const ScatteringLaw>(
+      ScatteringLaw::gsab({0.4, 20 * degree, 0.01, 1.7, 0.03, 30 * degree}));
+}
+
+/// A leaning board in front of the plate, which hides some of it from both ends, from each another part.
+std::vector<Triangle> board() {
+  const glm::dvec3 a(10, -1, -16), b(10.5, 1.5, -16.2), c(9.6, -0.8, -13), d(10, 1.2, -13.4);
+  return {{a, b, c}, {b, d, c}};
+}
+
+TEST(PairedReference, EvenWaterIsTheStraightReference) {
+  const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
+  const RangeSamples samples{24, 2, 6};
+  for (int kind = 0; kind < 4; ++kind) {
+    SCOPED_TRACE(kind);
+    GradientBed bed(board(), 32, 8);
+    if (kind == 1) bed.laws = {lobed(), nullptr};
+    if (kind == 2) bed.textures = {test::perlin(6, 1, 0.5), nullptr};
+    Paired pair{bed, even, at(bed_fan(40), bed.grid, transmitter), at(bed_fan(40), bed.grid, receiver)};
+    const BeamPatterns patterns = patterns_for(pair.heard);
+    if (kind == 3) pair.patterns = &patterns;
+    const RefractedReference found = pair.certified({.gap_m = 1}, samples, 1e-4);
+    EXPECT_EQ(found.unbounded, 0u);
+    expect_agree(found.certified, pair.straight(samples, 1e-7));
+    double bounds = 0, energies = 0;
+    for (std::size_t k = 0; k < found.certified.bound.size(); ++k)
+      bounds += found.certified.bound[k], energies += found.certified.echo.energy[k];
+    EXPECT_LT(bounds, 3e-3 * energies);
+  }
+}
+
+TEST(PairedReference, InOnePlaceItIsTheReferenceOfOneApex) {
+  const RangeSamples samples{24, 1.5, 8};
+  for (int kind = 0; kind < 3; ++kind) {
+    SCOPED_TRACE(kind);
+    GradientBed bed(board(), 32, 8);
+    if (kind == 1) bed.laws = {lobed(), nullptr};
+    if (kind == 2) bed.textures = {test::perlin(6, 1, 0.5), nullptr};
+    const WaterColumn water = bed_gradient(-0.4, 0.05);
+    const TubeSet tubes = bed_fan(40);
+    const Paired pair{bed, water, tubes, tubes, 0.05};
+    expect_agree(pair.certified({.gap_m = 2e-3}, samples, 1e-2).certified,
+                 bed.certified(water, tubes, {.gap_m = 2e-3}, samples, 0.05, 1e-2).certified);
+  }
+}
+
+// Energies there and back differ by the squared ratio of the speeds at the ends (docs/bistatic.md); coarse
+// grounds hold what fine ones know, behind the board, too.
+TEST(PairedReference, ExchangeAndCoarserGroundsAgree) {
+  const RangeSamples samples{24, 1.5, 8};
+  const double g = -0.4;
+  GradientBed bed(board(), 32, 8);
+  bed.laws = {lobed(), nullptr};
+  const WaterColumn water = bed_gradient(g);
+  const TubeSet a = at(bed_fan(40), bed.grid, transmitter), b = at(bed_fan(40), bed.grid, receiver);
+  const CertifiedEcho there = Paired{bed, water, a, b}.certified({.gap_m = 2e-3}, samples, 1e-2).certified,
+                      back = Paired{bed, water, b, a}.certified({.gap_m = 2e-3}, samples, 1e-2).certified;
+  expect_agree(back, there, std::pow((1500 - g * receiver.z) / 1500, 2));
+  const CertifiedEcho coarse = Paired{bed, water, a, b}.certified({.gap_m = 2e-2}, samples, 1e-2).certified;
+  for (std::size_t k = 0; k < coarse.bound.size(); ++k)
+    EXPECT_LE(std::abs(coarse.echo.energy[k] - there.echo.energy[k]), coarse.bound[k] + there.bound[k]) << k;
+}
+
+// Every enclosure of a facet by itself, against single eigenrays to places on it, in one layer and several.
+TEST(PairedReference, EnclosuresHoldWhatRaysToPlacesSay) {
+  constexpr std::uint64_t seed = 5;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  double closest_factor = 0, closest_shift = 0, closest_turn = 0;
+  std::size_t proven = 0;
+  const auto law = lobed();
+  for (int trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE(fmt::format("seed {} trial {}", seed, trial));
+    const glm::dvec3 place(4 + 30 * unit(random), 10 * unit(random) - 5, -6 - 12 * unit(random)),
+        home_m(6 * unit(random) - 3, 6 * unit(random) - 3, 4 * unit(random) - 2);
+    const double size = trial % 3 ? 2 : 0.4, absorption = 0.1;
+    Triangle t;
+    for (glm::dvec3& p : t)
+      p = place + size * glm::dvec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
+    GradientBed site({t});
+    if (trial % 2) site.laws = {nullptr, law};
+    const WaterColumn one = bed_gradient(trial % 4 < 2 ? 0.7 : -0.7, absorption);
+    const WaterColumn layers{SoundSpeedProfile({{0, 1530}, {11, 1515}, {13, 1495}, {30, 1490}}),
+                             {0.1, 0.12, 0.09, 0.08, 0.1}};
+    const WaterColumn& water = trial % 8 < 4 ? one : layers;
+    const EigenrayOptions options{.deepest_turn_m = 30};
+    const glm::dvec3 apexes[2]{glm::dvec3(0), site.grid.to_metres(site.grid.snap(home_m))};
+    const Straightening out(water, apexes[0], GradientBed::apex_depth_m, options, 1500),
+        home(water, apexes[1], GradientBed::apex_depth_m, options, 1500);
+    const std::vector<FacetId> facets{FacetId(site.base.facets.size() - 1)};
+    const AlikeGrounds alike =
+        straighten_alike(site.base, facets, site.grid, std::array{&out, &home}, absorption, {.gap_m = 1e9},
+                         {}, std::array<const Outlook*, 2>{});
+    const FacetMesh& mesh = alike.bed.mesh;
+    if (alike.origin[0].size() != 1 || alike.origin[1].size() != 1) continue;
+    SharedFootprints shared;
+    shared.receiver_m = apexes[1];
+    const auto corner = [&](int e, int k) {
+      return site.grid.to_metres(alike.seen[std::size_t(e)].refined.mesh.vertices[mesh.facets[0][k]]) -
+             apexes[e];
+    };
+    glm::dvec3 normal = glm::normalize(glm::cross(corner(0, 1) - corner(0, 0), corner(0, 2) - corner(0, 0)));
+    const glm::dvec3 other = glm::cross(corner(1, 1) - corner(1, 0), corner(1, 2) - corner(1, 0));
+    if (glm::dot(normal, corner(0, 0)) * glm::dot(other, corner(1, 0)) < 0) continue;  // another side
+    if (glm::dot(normal, corner(0, 0)) > 0) normal = -normal;
+    shared.facets.push_back({0, 0, 0, normal, 1, 1});
+    const auto paired =
+        paired_facets(shared, mesh, {alike.seen[0], out}, {alike.seen[1], home}, site.grid, absorption);
+    const RayEnclosure out_rays(out, options), home_rays(home, options);
+    const SceneTree out_tree(alike.seen[0].refined.mesh), home_tree(alike.seen[1].refined.mesh);
+    const EchoLaw echo_law = site.law(mesh, absorption);
+    const PairedEnclosures all = enclose({mesh,
+                                          alike.bed.parent,
+                                          site.base,
+                                          site.grid,
+                                          {alike.seen[0], out_tree, alike.origin[0], out, out_rays},
+                                          {alike.seen[1], home_tree, alike.origin[1], home, home_rays}},
+                                         shared.facets, paired, echo_law);
+    const PairedEnclosure& facet = all.facets[0];
+    if (!facet.proven) continue;
+    ++proven;
+    const PairedFacet& laid = paired[0];
+    Triangle lies;
+    for (int k = 0; k < 3; ++k) lies[std::size_t(k)] = site.grid.to_metres(mesh.vertices[mesh.facets[0][k]]);
+    const glm::dvec3 across = glm::cross(lies[1] - lies[0], lies[2] - lies[0]), up = glm::normalize(across);
+    const double laid_area = glm::length(glm::cross(laid.to_plane.linear * (corner(0, 1) - corner(0, 0)),
+                                                    laid.to_plane.linear * (corner(0, 2) - corner(0, 0))));
+    for (int k = 0; k < 60; ++k) {
+      double a = unit(random), b = unit(random);
+      if (a + b > 1) a = 1 - a, b = 1 - b;
+      const auto between = [&](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
+        return p + a * (q - p) + b * (r - p);
+      };
+      const glm::dvec3 there = between(lies[0], lies[1], lies[2]);
+      const glm::dvec2 flat(laid.to_plane.at(between(corner(0, 0), corner(0, 1), corner(0, 2))));
+      const double range[2]{std::hypot(glm::length(flat), laid.transmit_distance_m),
+                            std::hypot(glm::length(flat - laid.receive_foot_m), laid.receive_distance_m)};
+      const double height[2]{laid.transmit_distance_m, laid.receive_distance_m};
+      const double beta = std::numbers::ln10 / 10;
+      double half = 0, truth = glm::length(across), model = laid_area;
+      for (const int e : {0, 1}) {
+        const Straightening& water_from = e == 0 ? out : home;
+        const auto image = water_from.apparent(there);
+        ASSERT_TRUE(image);
+        const double ray_m = 1500 * image->ray.time_s;
+        half += (ray_m - range[e]) / 2;
+        const double sine = std::abs(glm::dot(up, water_from.arrival_direction(there, image->ray)));
+        const auto sigma = [](const ScatteringLaw& of, double s) {
+          return std::sqrt(of.cross_section(s, std::sqrt((1 - s) * (1 + s))));
+        };
+        truth *=
+            (trial % 2 ? sigma(*law, sine) : sine) * std::exp(-beta * image->ray.absorption_db) /
+            (e == 0 ? image->ray.tube_area_m2_per_sr : water_from.return_area_m2_per_sr(there, image->ray));
+        const double seen_sine = height[e] / range[e];
+        model *= (trial % 2 ? sigma(*facet.law[std::size_t(e)], seen_sine) : seen_sine) *
+                 std::exp(-beta * absorption * range[e]) / (range[e] * range[e]);
+        const LyingPlane& seen = e == 0 ? laid.transmit_seen : laid.receive_seen;
+        const double turn = glm::distance(glm::normalize(image->at_m - apexes[e]), seen.towards(flat));
+        EXPECT_LE(turn, facet.turn_rad[std::size_t(e)] * (1 + 1e-9) + 1e-12);
+        EXPECT_LE(std::abs(glm::length(seen.at(flat)) / range[e] - 1), facet.stretch[std::size_t(e)] + 1e-12);
+        closest_turn = std::max(closest_turn, turn / facet.turn_rad[std::size_t(e)]);
+      }
+      EXPECT_LE(std::abs(half), facet.shift_m);
+      closest_shift = std::max(closest_shift, std::abs(half) / facet.shift_m);
+      EXPECT_GE(truth / model, facet.factor.lo * (1 - 1e-9));
+      EXPECT_LE(truth / model, facet.factor.hi * (1 + 1e-9));
+      closest_factor = std::max(closest_factor,
+                                std::abs(truth / model - facet.factor.middle()) / (facet.factor.width() / 2));
+      EXPECT_LE(truth, all.ends[0].facets[0].most / (trial % 2 ? 1 : site.material_mu()[1]) * 2 *
+                           (1 + 1e-9));  // twice the area
+    }
+  }
+  std::printf("proven %zu closest %g %g %g\n", proven, closest_factor, closest_shift, closest_turn);
+  EXPECT_GT(proven, 25u);
+  EXPECT_GT(closest_factor, 0.3);
+  EXPECT_GT(closest_shift, 0.05);
+  EXPECT_GT(closest_turn, 0.1);
+}
+
+}  // namespace
+}  // namespace tubefoot
