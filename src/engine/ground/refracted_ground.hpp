@@ -27,6 +27,9 @@ struct StraighteningSettings {
   double shortest_edge_m = 0.05;
   /// Edges in a shadow, or at its border, are cut down to this: facets at the border are left out whole.
   double shadow_edge_m = 4;
+  /// Every ray that leads to a place shows it: one sheet of apparent facets for each family of rays
+  /// (apparent_sheets.hpp). Else the first to arrive alone. straighten_alike() wants false.
+  bool later_arrivals = false;
 };
 
 /// A place that has not exactly one eigenray.
@@ -40,14 +43,15 @@ struct UnclearPlace {
 struct ApparentGround {
   /// Apparent facets that have an eigenray to every corner and their centre, and the base facet of each.
   RefinedMesh refined;
-  std::vector<glm::dvec3> truth;      ///< by vertex: where it lies
-  std::vector<double> facet_factor;   ///< for EchoLaw::facet_factor
-  double reference_speed_m_s = 0;     ///< by which a travel time becomes a range
-  double largest_gap_m = 0;           ///< of all edges that are left; of short ones a bound
-  std::size_t facets_in_shadow = 0;   ///< left out: they lie, wholly or in part, where no ray leads
-  std::size_t facets_of_several = 0;  ///< a corner has several eigenrays: the first to arrive stands for them
-  /// Facets whose image is turned over: rays cross before they reach them, and the images of their neighbours
-  /// lie on top of theirs.
+  std::vector<glm::dvec3> truth;     ///< by vertex: where it lies
+  std::vector<double> facet_factor;  ///< for EchoLaw::facet_factor
+  double reference_speed_m_s = 0;    ///< by which a travel time becomes a range
+  double largest_gap_m = 0;          ///< of all edges that are left; of short ones a bound
+  std::size_t facets_in_shadow = 0;  ///< left out: they lie, wholly or in part, where no ray leads
+  /// Facets of the bed with several eigenrays to a corner: the first to arrive stands for them, or each shows
+  /// the facet.
+  std::size_t facets_of_several = 0;
+  /// Apparent facets that are turned over: rays cross before they reach them.
   std::size_t facets_folded = 0;
   /// Those that were left out: where their corners lie.
   std::vector<std::array<glm::dvec3, 3>> left_out_m;
