@@ -86,8 +86,7 @@ SeenPoint Images::seen_point(const glm::dvec3& point_m, const ApparentPoint& fou
 bool Images::cuts_by_any_ray(double length, const Image& from, const Image& to, const Image& middle) const {
   // Images of facets next to a caustic are wrong in direction, by no more than they are wide, long after they
   // are right in range.
-  constexpr double sideways = 16, beside_caustics_db = 1;
-  const double border_m = 4 * settings_.shortest_edge_m;
+  constexpr double sideways = 16, beside_caustics = 5;
   const auto rays_to = [](const Image& image) {
     return image.several.empty() && image.seen() ? std::vector<SeenPoint>{image} : image.several;
   };
@@ -97,7 +96,7 @@ bool Images::cuts_by_any_ray(double length, const Image& from, const Image& to, 
       return std::ranges::any_of(
           rays, [&](const SeenPoint& ray) { return may_show(ray.at_m, length + ray.range_m / 10); });
     };
-    return length > border_m && (shows(a) || shows(b) || shows(m));
+    return shows(a) || shows(b) || shows(m);
   }
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (!may_show(m[i].at_m, glm::distance(a[i].at_m, b[i].at_m))) continue;
@@ -110,8 +109,7 @@ bool Images::cuts_by_any_ray(double length, const Image& from, const Image& to, 
     const double along = std::abs(glm::dot(off, glm::normalize(m[i].at_m - straightening_.apex_m())));
     const auto [least, most] = std::minmax({a[i].level_db, b[i].level_db, m[i].level_db});
     if (along > settings_.gap_m || gap > sideways * settings_.gap_m) return true;
-    if (!((most - least) / 2 <= std::max(settings_.tolerance_db, beside_caustics_db)) && length > border_m)
-      return true;
+    if (!((most - least) / 2 <= beside_caustics * settings_.tolerance_db)) return true;
   }
   return false;
 }

@@ -120,7 +120,7 @@ TEST(ApparentSheets, EnergiesAreThoseOfAFanOfRays) {
   const FacetMesh bed = strip(200, 440, 40);
   const RangeSamples samples{0, 5, 100};
   const Seen seen = see(bed, tubes_of(elevations), samples, fine());
-  double later = 0, first = 0;
+  double later = 0, wanted_later = 0;
   for (std::size_t beam = 0; beam + 1 < elevations.size(); ++beam) {
     if (elevations[beam] == -3.4) continue;
     constexpr int rays = 20000;
@@ -138,22 +138,15 @@ TEST(ApparentSheets, EnergiesAreThoseOfAFanOfRays) {
     for (int k = 0; k < samples.count; ++k) {
       const double found = seen.echo.energy[beam * std::size_t(samples.count) + std::size_t(k)];
       sum += found;
-      EXPECT_NEAR(found, wanted[std::size_t(k)], 0.02 * all) << elevations[beam] << ' ' << k;
+      EXPECT_NEAR(found, wanted[std::size_t(k)], 0.03 * all) << elevations[beam] << ' ' << k;
     }
-    const bool at_caustic = elevations[beam] == 7.2;
-    EXPECT_NEAR(sum / all, 1, at_caustic ? 0.03 : 0.01) << elevations[beam];
-    (elevations[beam] < 0 ? first : later) += sum;
+    // One factor a facet, and beams end on them.
+    EXPECT_NEAR(sum / all, 1, 0.03) << elevations[beam];
+    if (elevations[beam] < 0) continue;
+    later += sum;
+    wanted_later += all;
   }
-  EXPECT_GT(later, 0.1 * first);
-}
-
-TEST(ApparentSheets, TheFirstAloneIsAsItWas) {
-  const FacetMesh bed = strip(200, 440, 40);
-  StraighteningSettings settings = fine();
-  settings.later_arrivals = false;
-  const Seen seen = see(bed, tubes_of(elevations), {0, 500, 1}, settings);
-  const std::vector<double> found = solid_angles(seen);
-  for (std::size_t k = 3; k < found.size(); ++k) EXPECT_EQ(found[k], 0);
+  EXPECT_NEAR(later / wanted_later, 1, 0.01);
 }
 
 // Where one ray leads, nothing is changed by asking for more.
@@ -260,7 +253,7 @@ TEST(ApparentSheets, RaysThatStayKeepTheirOrder) {
   EXPECT_EQ(same_rays(three, rays({{0.08, false}})), (Same{2}));
   EXPECT_EQ(same_rays(three, rays({{-0.18, false}})), (Same{0}));
   EXPECT_EQ(same_rays(three, rays({{-0.1, true}, {0.1, false}})), (Same{1, 2}));
-  EXPECT_TRUE(same_rays(three, rays({{-0.1, false}, {0.1, true}})).empty());
+  EXPECT_TRUE(same_rays(three, rays({{-0.1, true}, {0.1, true}})).empty());
   EXPECT_TRUE(same_rays(three, {}).empty());
 }
 
