@@ -76,6 +76,11 @@ SeenPoint Images::seen_point(const glm::dvec3& point_m, const ApparentPoint& fou
   const double width = 1 / corner_return(straightening_, point_m, {found.at_m, unit}, absorption_).spreading;
   seen.width = (found.ray.crossed ? -1 : 1) * width * found.ray.tube_area_m2_per_sr;
   seen.caustic_width = width * found.ray.caustic_area_m2_per_sr;
+  const double beyond_db =
+      found.ray.absorption_db - absorption_ * straightening_.reference_speed_m_s() * found.ray.time_s;
+  seen.kept = std::exp(-beyond_db * std::numbers::ln10 / 10);
+  seen.speeds = straightening_.finder().source_speed_m_s() /
+                straightening_.water().profile.at(straightening_.depth_m(point_m));
   if (found.eigenrays > 1)
     seen.level_db = db_per_relative * std::log(sines / std::hypot(seen.width, seen.caustic_width));
   return seen;

@@ -25,7 +25,12 @@ struct SeenPoint {
   double width = 0;
   /// What Eigenray::caustic_area_m2_per_sr is of that.
   double caustic_width = 0;
+  /// What absorption leaves one way over what the reference absorption does, and the sound speed at the apex
+  /// over that at the point.
+  double kept = 1, speeds = 1;
 
+  /// RayOfPart::Corner::gain.
+  double gain() const { return speeds / (std::hypot(width, caustic_width) * kept); }
   /// The ray's tube is about as wide as that of a straight one: far from caustics.
   bool is_wide() const { return returned.spreading > 0.25 && returned.spreading < 4; }
   bool crossed() const { return width < 0; }

@@ -211,8 +211,23 @@ void ApparentSheets::add_part(FacetId facet, const std::array<Corner, 3>& corner
   std::vector<SeenPoint> centre = middle.several;
   if (centre.empty() && middle.seen()) centre.push_back(middle);
   const bool is_known = are_alike(centre, fewest);
-  for (std::size_t ray = 0; ray < fewest.size(); ++ray)
-    add_seen(facet, corners, {same[0][ray], same[1][ray], same[2][ray]}, is_known ? &centre[ray] : nullptr);
+  FacetMesh& mesh = ground_.refined.mesh;
+  for (std::size_t ray = 0; ray < fewest.size(); ++ray) {
+    const std::array<std::size_t, 3> rays{same[0][ray], same[1][ray], same[2][ray]};
+    const std::size_t before = mesh.facets.size();
+    add_seen(facet, corners, rays, is_known ? &centre[ray] : nullptr);
+    if (fewest.size() == 1 || mesh.facets.size() == before) continue;
+    RayOfPart& of = ground_.several.emplace_back();
+    of.seen = FacetId(before);
+    of.part = FacetId(ground_.part_material.size());
+    of.rank = std::uint32_t(ray);
+    of.crossed = fewest[ray].crossed();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const SeenPoint& point = corners[k].place->rays[rays[k]];
+      of.corners[k] = {sine_between(normal_of(lies), point.returned.arrival), point.gain(), point.range_m};
+    }
+  }
+  if (fewest.size() > 1) ground_.part_material.push_back(fine_.mesh.mesh.material[facet]);
 }
 
 void ApparentSheets::add_seen(FacetId facet, const std::array<Corner, 3>& corners,

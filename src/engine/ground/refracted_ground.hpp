@@ -40,6 +40,21 @@ struct UnclearPlace {
   glm::dvec3 direction{0};  ///< launch direction of the first to arrive; straight to the place in a shadow
 };
 
+/// One of several rays to a part of the bed, and what it does at the part's corners.
+struct RayOfPart {
+  FacetId seen = 0;        ///< the apparent facet that it makes of the part
+  FacetId part = 0;        ///< its number; rays of a part follow one another
+  std::uint32_t rank = 0;  ///< of the ray among these, by launch angle
+  bool crossed = false;    ///< Eigenray::crossed
+  struct Corner {
+    double sine = 0;  ///< of the grazing angle
+    /// R^2 over the area of the ray tube (that to the part and that back from it, as a geometric mean), what
+    /// absorption leaves one way over what the reference absorption does, and R, the apparent range.
+    double gain = 0, range_m = 0;
+  };
+  std::array<Corner, 3> corners;
+};
+
 struct ApparentGround {
   /// Apparent facets that have an eigenray to every corner and their centre, and the base facet of each.
   RefinedMesh refined;
@@ -53,6 +68,8 @@ struct ApparentGround {
   std::size_t facets_of_several = 0;
   /// Apparent facets that are turned over: rays cross before they reach them.
   std::size_t facets_folded = 0;
+  std::vector<RayOfPart> several;  ///< of the parts that several rays show, by part and by apparent facet
+  std::vector<std::uint16_t> part_material;  ///< by part
   /// Those that were left out: where their corners lie.
   std::vector<std::array<glm::dvec3, 3>> left_out_m;
   /// For each base facet: a place of it in a shadow, and one where rays cross, if it has such.

@@ -15,6 +15,7 @@
 #include <random>
 
 #include "engine/echo/echo.hpp"
+#include "engine/sight/crossed_ways.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/turning_water.hpp"
@@ -147,6 +148,61 @@ TEST(ApparentSheets, EnergiesAreThoseOfAFanOfRays) {
     wanted_later += all;
   }
   EXPECT_NEAR(later / wanted_later, 1, 0.01);
+}
+
+/// Rays to a place, launch angles positive down, as long as the fan sends them.
+std::vector<double> launches_to(double x) {
+  std::vector<double> launch{std::atan(TurningWater::bed_m / x)};
+  const double a = 2 * TurningWater::c / TurningWater::g, root2 = x * x - 4 * a * TurningWater::bed_m;
+  if (root2 > 0)
+    for (const double sign : {-1.0, 1.0}) {
+      const double up = std::atan((x + sign * std::sqrt(root2)) / (2 * a));
+      if (up < TurningWater::steepest_rad) launch.push_back(-up);
+    }
+  std::erase_if(launch, [](double l) { return l < -14 * degree || l > 5 * degree; });
+  return launch;
+}
+
+// Out along one ray and home along another, both ways: places of the bed, one by one.
+TEST(ApparentSheets, CrossedWaysAreThoseBetweenAllRaysToAPlace) {
+  const FacetMesh bed = strip(200, 440, 40);
+  const RangeSamples samples{0, 5, 100};
+  const TubeSet tubes = tubes_of(elevations);
+  const Seen seen = see(bed, tubes, samples, fine());
+  const std::size_t beams = tubes.tubes.size(), count = std::size_t(samples.count);
+  std::vector<double> found(beams * count, 0.0), wanted(beams * count, 0.0);
+  const SceneTree tree(seen.ground.refined.mesh, SceneTree::Sheets::ignored);
+  const std::vector<double> material_mu{mu};
+  std::vector<std::uint32_t> own(beams);
+  std::iota(own.begin(), own.end(), 0u);
+  int histories = 0;
+  trace_crossed_ways(seen.ground, tree, WorldGrid(20, glm::dvec3(0)), {}, tubes,
+                     [&](const BistaticHistory& history) {
+                       const EchoLaw law{material_mu, seen.ground.part_material, 0, nullptr};
+                       const Echo echo = integrate_echo(history, {int(beams), own}, samples, law);
+                       for (std::size_t k = 0; k < found.size(); ++k) found[k] += echo.energy[k];
+                       ++histories;
+                     });
+  EXPECT_GE(histories, 6);
+  constexpr int places = 400000;
+  for (int i = 0; i < places; ++i) {
+    const double step = 240.0 / places, x = 200 + (i + 0.5) * step;
+    const std::vector<double> launch = launches_to(x);
+    for (const double out : launch)
+      for (const double home : launch) {
+        if (out == home) continue;
+        const TurningWater::Landing sent = TurningWater::landing(out), heard = TurningWater::landing(home);
+        std::size_t beam = 0;
+        while (beam + 2 < elevations.size() && -home / degree > elevations[beam + 1]) ++beam;
+        const double sample = 1500 * (sent.time_s + heard.time_s) / 2 / samples.step_m;
+        wanted[beam * count + std::size_t(sample)] += mu * std::sin(sent.arrival_rad) *
+                                                      std::sin(heard.arrival_rad) * x * 2 * half_fan * step /
+                                                      (sent.area_back_m2 * heard.area_back_m2);
+      }
+  }
+  const double all = std::reduce(wanted.begin(), wanted.end()), most = *std::ranges::max_element(wanted);
+  EXPECT_NEAR(std::reduce(found.begin(), found.end()) / all, 1, 0.02);
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], wanted[k], 0.05 * most) << k;
 }
 
 // Where one ray leads, nothing is changed by asking for more.
