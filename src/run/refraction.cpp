@@ -44,6 +44,11 @@ bool has_ways_of_first_rays(const Survey& survey) {
   });
 }
 
+bool has_staff(const Survey& survey) {
+  return std::ranges::any_of(survey.sensors,
+                             [](const SensorPings& pings) { return pings.sensor->has_staff(); });
+}
+
 std::string turning_points(const Survey& survey) {
   const int most = survey.scene.description.water.refraction_turns;
   return fmt::format("{} turning point{} at most", most, most == 1 ? "" : "s");
@@ -332,7 +337,7 @@ nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationSta
                                                        has_ways_of_first_rays(survey)
                                                            ? "every ray; to receivers apart and over mirrors "
                                                              "the first to arrive"
-                                                           : "every ray, out and home over the same one",
+                                                           : "every ray, out and home along any two",
                                                        turning_points(survey))},
                               {"apparent_facets", counts.facets},
                               {"largest_gap_m", counts.largest_gap_m},
@@ -364,15 +369,16 @@ std::vector<std::string> refraction_warnings(const Survey& survey, const Simulat
         fmt::format("{}: {} apparent facets of {} pings are left out: no ray leads to them, or to a part of "
                     "them (a shadow zone); {}",
                     where, counts.in_shadow, stats.shadowed_pings, at(counts.shadow)));
-  if (counts.of_several > 0)
-    warnings.push_back(
-        fmt::format("{}: several rays, with {}, lead to {} facets: {}; {}", where, turning_points(survey),
-                    counts.of_several,
-                    has_ways_of_first_rays(survey) || counts.unbounded > 0
-                        ? "each is followed out and home again, but to receivers apart, over mirrors and in "
-                          "references only the first to arrive"
-                        : "each is followed out and home again, but not out over one and home over another",
-                    at(counts.several)));
+  const bool by_first_rays = has_ways_of_first_rays(survey) || counts.unbounded > 0;
+  if (counts.of_several > 0 && (by_first_rays || has_staff(survey)))
+    warnings.push_back(fmt::format(
+        "{}: several rays, with {}, lead to {} facets: {}; {}", where, turning_points(survey),
+        counts.of_several,
+        by_first_rays ? "to receivers apart, over mirrors and in references only the first to arrive is "
+                        "followed"
+                      : "two receivers' phases have each of them out and home again, but not what goes out "
+                        "along one and comes home along another",
+        at(counts.several)));
   if (counts.folded > 0 && has_ways_of_first_rays(survey))
     warnings.push_back(
         fmt::format("{}: {} apparent facets are turned over: rays cross before them (a "

@@ -17,6 +17,7 @@
 #include "engine/echo/echo.hpp"
 #include "engine/sight/crossed_ways.hpp"
 #include "engine/sight/tube_engine.hpp"
+#include "engine/water/ray_trace.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/turning_water.hpp"
 
@@ -250,6 +251,60 @@ TEST(ApparentSheets, FamiliesAreThoseOfAFineFan) {
   }
 }
 
+/// A sound channel, its axis at 50 m, and a sonar 10 m above that.
+WaterColumn channel() { return {SoundSpeedProfile({{0, 1550}, {50, 1500}, {100, 1550}}), {}}; }
+constexpr double channel_sonar_m = 40, wall_m = 600;
+
+// Rays that turn up to four times before they come to a wall across the channel: as many as a fan traced
+// apart finds at each depth, and all that is sent arrives.
+TEST(ApparentSheets, AWallAcrossAChannelIsSeenByManyTurns) {
+  const WaterColumn water = channel();
+  EigenrayOptions options;
+  options.most_turns = 4;
+  options.deepest_turn_m = 100;
+  const Straightening straightening(water, glm::dvec3(0), channel_sonar_m, options);
+  const auto depth_at_wall = [&](double launch_rad) {
+    return trace_ray(water, channel_sonar_m, launch_rad, {.longest_range_m = wall_m}).back().state.depth_m;
+  };
+  constexpr int rays = 20000;
+  std::vector<double> depth;
+  const double steepest = std::acos(1510. / 1549.9), step = 2 * steepest / rays;  // before the surface
+  for (int i = 0; i <= rays; ++i) depth.push_back(depth_at_wall(-steepest + (i + 1e-3) * step));
+  std::size_t most = 0;
+  for (double z = 8.3; z < 92; z += 1.7) {
+    std::size_t wanted = 0;
+    for (int i = 0; i < rays; ++i)
+      wanted += (depth[std::size_t(i)] - z) * (depth[std::size_t(i) + 1] - z) <= 0;
+    std::size_t found = 0;  // of those, and steeper ones fall or rise all the way
+    for (const ApparentPoint& point : straightening.all_apparent({wall_m, 0, channel_sonar_m - z}))
+      found += std::abs(point.ray.launch_sine) < std::sin(steepest);
+    EXPECT_EQ(found, wanted) << z;
+    most = std::max(most, found);
+  }
+  EXPECT_GE(most, 3u);
+
+  std::vector<std::array<glm::dvec3, 3>> facets;
+  for (double z = 5; z < 95; z += 10)
+    for (const double y : {-20.0, 0.0}) {
+      const glm::dvec3 corner(wall_m, y, channel_sonar_m - z), up(0, 0, -10), left(0, 20, 0);
+      facets.push_back({{corner, corner + left, corner + left + up}});
+      facets.push_back({{corner, corner + left + up, corner + up}});
+    }
+  const FacetMesh wall = mesh_of(facets);
+  std::vector<FacetId> all(wall.facets.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const ApparentGround ground =
+      straighten(wall, all, WorldGrid(20, glm::dvec3(0)), straightening, 0, fine(1));
+  std::vector<double> edges;
+  for (int e = -8; e <= 8; ++e) edges.push_back(e);
+  Seen seen{ground, {}, {}};
+  const SceneTree tree(ground.refined.mesh, SceneTree::Sheets::ignored);
+  seen.history = TubeEngine(ground.refined.mesh, tree, 0x1p-20, {}).trace(tubes_of(edges));
+  const std::vector<double> found = solid_angles(seen);
+  for (std::size_t k = 0; k + 1 < edges.size(); ++k)
+    EXPECT_NEAR(found[k] / solid_angle(edges[k], edges[k + 1]), 1, 1e-3) << edges[k];
+}
+
 // What diffraction leaves of the tube on the caustic, against the fan's own second derivative.
 TEST(ApparentSheets, CausticsAreAsWideAsAirysFunction) {
   const WaterColumn water = TurningWater::column();
@@ -277,7 +332,7 @@ TEST(ApparentSheets, MeanInverseWidthIsTheIntegral) {
     if (trial % 5 == 0) w[1] = w[0];
     if (trial % 7 == 0) w = {w[0], w[0] + 1e-4 * w[1], w[0] + 1e-4 * w[2]};
     // Midpoints of an even grid, whose second half of triangles points the other way.
-    constexpr int n = 1500;
+    constexpr int n = 700;
     double sum = 0;
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j)
