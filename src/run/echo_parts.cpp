@@ -12,6 +12,7 @@
 #include "engine/paths/path_echo.hpp"
 #include "engine/paths/staff_paths.hpp"
 #include "engine/rays/ray_engine.hpp"
+#include "engine/sight/crossed_ways.hpp"
 #include "run/own_engine.hpp"
 #include "run/paths.hpp"
 #include "run/refracted_reference.hpp"
@@ -434,6 +435,22 @@ void add_certified(const Shot& shot, PingSums& sums) {
   });
 }
 
+/// Between different rays to one place, by tubes for rays too.
+void add_crossed_ways(const Shot& shot, PingSums& sums) {
+  const ApparentGround& ground = *shot.ground().apparent();
+  const auto take = [&](const BistaticHistory& history) {
+    for (const std::size_t s : shot.group().sensors) {
+      if (shot.sensor(s).has_staff()) continue;
+      SensorLaw law(shot, ShotGround(shot.site()), s);
+      law.law.material = ground.part_material;
+      sums.add(shot, s, 1, shot.echo(history, s, law.law).energy);
+    }
+    sums.counts.pieces += history.shared.pieces.size();
+  };
+  trace_crossed_ways(ground, shot.ground().tree(), shot.scene().grid, shot.request().visibility, shot.tubes(),
+                     [&](const BistaticHistory& history) { sums.as_echo([&] { take(history); }); });
+}
+
 void add_sampled(const Shot& shot, PingSums& sums) {
   const Scene& scene = shot.scene();
   History history;
@@ -499,6 +516,8 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && a.certified; }},
     {{"measured", add_measured},
      [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && !a.certified; }},
+    {{"out along one ray and home along another", add_crossed_ways},
+     [](A a) { return a.one_ground && !a.apart && a.refracted; }},
 });
 
 }  // namespace

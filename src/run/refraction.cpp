@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "engine/rays/shared_hits.hpp"
+#include "run/paths.hpp"
 #include "run/simulation.hpp"
 #include "scene/scene_water.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
@@ -34,6 +35,23 @@ auto made_for(const Shot& shot, const Make& make) {
   } catch (...) {
     rethrow_as_seen_by(shot);
   }
+}
+
+/// Whether a way is told by more than one apparent ground: of those each shows what its first rays do.
+bool has_ways_of_first_rays(const Survey& survey) {
+  return std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
+    return pings.sensor->has_receiver_apart() || path_settings(survey.scene, pings.sensor->frequency_khz());
+  });
+}
+
+bool has_staff(const Survey& survey) {
+  return std::ranges::any_of(survey.sensors,
+                             [](const SensorPings& pings) { return pings.sensor->has_staff(); });
+}
+
+std::string turning_points(const Survey& survey) {
+  const int most = survey.scene.description.water.refraction_turns;
+  return fmt::format("{} turning point{} at most", most, most == 1 ? "" : "s");
 }
 
 nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
@@ -71,11 +89,14 @@ PathWater path_water(const Shot& shot, std::size_t sensor, double reach_m) {
 EigenrayOptions eigenray_options(const Site& site) {
   EigenrayOptions options;
   options.deepest_turn_m = site.scene.water->surface_height_m() - site.lowest_m;
+  options.most_turns = site.scene.description.water.refraction_turns;
   return options;
 }
 
 Straightening straightening_of(const Site& site, const SensorPings& pings, glm::dvec3 apex_m) {
-  return Straightening(*pings.water, apex_m, site.scene.water->surface_height_m(), eigenray_options(site),
+  EigenrayOptions options = eigenray_options(site);
+  options.frequency_hz = 1e3 * pings.sensor->frequency_khz();
+  return Straightening(*pings.water, apex_m, site.scene.water->surface_height_m(), options,
                        pings.sound_speed_m_s);
 }
 
@@ -185,8 +206,10 @@ ApparentGround ShotStraightening::ground(const StraighteningSettings& settings) 
 
 ShotGround refracted_ground_of(const Shot& shot, bool weights) {
   const ShotStraightening seen(shot, weights);
-  ApparentGround ground =
-      seen.ground(straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m()));
+  StraighteningSettings settings =
+      straightening_settings(shot, shot.tubes().reach * shot.scene().grid.unit_m());
+  settings.later_arrivals = true;
+  ApparentGround ground = seen.ground(settings);
   seen.bed().name_by_scene(ground);
   return ShotGround(shot.site(), std::move(ground));
 }
@@ -318,7 +341,12 @@ nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationSta
   const StraighteningCounts& counts = stats.refraction;
   nlohmann::ordered_json json{{"profile", survey.scene.description.water.profile},
                               {"layers", survey.scene.water->profile().layers()},
-                              {"branches", "the first ray to arrive, with one turning point at most"},
+                              {"branches", fmt::format("{}, with {}",
+                                                       has_ways_of_first_rays(survey)
+                                                           ? "every ray; to receivers apart and over mirrors "
+                                                             "the first to arrive"
+                                                           : "every ray, out and home along any two",
+                                                       turning_points(survey))},
                               {"apparent_facets", counts.facets},
                               {"largest_gap_m", counts.largest_gap_m},
                               {"facets_in_shadow", counts.in_shadow},
@@ -349,12 +377,17 @@ std::vector<std::string> refraction_warnings(const Survey& survey, const Simulat
         fmt::format("{}: {} apparent facets of {} pings are left out: no ray leads to them, or to a part of "
                     "them (a shadow zone); {}",
                     where, counts.in_shadow, stats.shadowed_pings, at(counts.shadow)));
-  if (counts.of_several > 0)
-    warnings.push_back(
-        fmt::format("{}: several rays lead to {} apparent facets: only the first to arrive, with one turning "
-                    "point at most, is followed; {}",
-                    where, counts.of_several, at(counts.several)));
-  if (counts.folded > 0)
+  const bool by_first_rays = has_ways_of_first_rays(survey) || counts.unbounded > 0;
+  if (counts.of_several > 0 && (by_first_rays || has_staff(survey)))
+    warnings.push_back(fmt::format(
+        "{}: several rays, with {}, lead to {} facets: {}; {}", where, turning_points(survey),
+        counts.of_several,
+        by_first_rays ? "to receivers apart, over mirrors and in references only the first to arrive is "
+                        "followed"
+                      : "two receivers' phases have each of them out and home again, but not what goes out "
+                        "along one and comes home along another",
+        at(counts.several)));
+  if (counts.folded > 0 && has_ways_of_first_rays(survey))
     warnings.push_back(
         fmt::format("{}: {} apparent facets are turned over: rays cross before them (a "
                     "caustic), and energies there are not to be relied on",

@@ -29,6 +29,10 @@ class Outlook {
   bool may_see_box(const glm::dvec3& lowest_m, const glm::dvec3& highest_m) const;
   /// The same for the points of a triangle.
   bool may_see(const glm::dvec3 (&corners_m)[3]) const;
+  /// False only if no tube meets a ball where it is seen, its centre told from the apex.
+  bool may_show(const glm::dvec3& seen_m, double radius_m) const {
+    return sector_.may_meet(seen_m, radius_m);
+  }
   /// The facets of a mesh that may be seen when they are moved by up to `margin_m`, by increasing id.
   std::vector<FacetId> facets(const FacetMesh& mesh, const SceneTree& tree, const WorldGrid& grid,
                               double margin_m = 0) const;

@@ -101,6 +101,40 @@ double spreading(const Straightening& receive, const Eigenray& sent, const Eigen
 
 }  // namespace
 
+LaidOutFacet lay_out_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (&from_r)[3],
+                             const glm::dvec3 (&lies)[3]) {
+  const Metric a = metric_of(from_t), b = metric_of(from_r);
+  const Metric mean{(a.first + b.first) / 2, (a.second + b.second) / 2, (a.product + b.product) / 2};
+  const Flat flat(mean);
+  const Place t = lay_out(from_t, mean), r = lay_out(from_r, mean);
+  const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
+                         glm::dvec2(flat.across_x, flat.across_y) - t.foot};
+  LaidOutFacet laid;
+  PairedFacet& facet = laid.facet;
+  facet.transmit_distance_m = t.height;
+  facet.receive_distance_m = r.height;
+  facet.receive_foot_m = r.foot - t.foot;
+  facet.to_plane = facet_map(from_t, {{at[0], 0}, {at[1], 0}, {at[2], 0}});
+  facet.transmit_seen = plane_through(at, from_t);
+  facet.receive_seen = plane_through(at, from_r);
+  facet.lies = plane_through(at, lies);
+  laid.normal = glm::cross(lies[1] - lies[0], lies[2] - lies[0]);
+  const double area_ratio = glm::length(laid.normal) / (flat.along * flat.across_y);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double there = std::hypot(glm::length(at[k]), t.height),
+                 back = std::hypot(glm::length(at[k] - facet.receive_foot_m), r.height);
+    laid.there_m[k] = there;
+    laid.back_m[k] = back;
+    PairedFacet::Corner& corner = facet.corners[k];
+    corner.transmit_seen = t.height / there;
+    corner.receive_seen = r.height / back;
+    corner.gain = area_ratio;
+    facet.misfit_m = std::max(facet.misfit_m,
+                              std::abs(there - glm::length(from_t[k]) + back - glm::length(from_r[k])) / 2);
+  }
+  return laid;
+}
+
 std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
                                        const WorldGrid& grid, const Straightening& transmit,
                                        const Straightening& receive, double absorption_db_per_m) {
@@ -135,34 +169,15 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
       std::swap(vertex[1], vertex[2]);
       take();
     }
-    const Metric a = metric_of(from_t), b = metric_of(from_r);
-    const Metric mean{(a.first + b.first) / 2, (a.second + b.second) / 2, (a.product + b.product) / 2};
-    const Flat flat(mean);
-    const Place t = lay_out(from_t, mean), r = lay_out(from_r, mean);
-    const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
-                           glm::dvec2(flat.across_x, flat.across_y) - t.foot};
-    PairedFacet& facet = paired.emplace_back();
-    facet.transmit_distance_m = t.height;
-    facet.receive_distance_m = r.height;
-    facet.receive_foot_m = r.foot - t.foot;
-    facet.to_plane = facet_map(from_t, {{at[0], 0}, {at[1], 0}, {at[2], 0}});
-    facet.transmit_seen = plane_through(at, from_t);
-    facet.receive_seen = plane_through(at, from_r);
-    facet.lies = plane_through(at, lies);
-    const glm::dvec3 normal = glm::cross(lies[1] - lies[0], lies[2] - lies[0]);
-    const double area_ratio = glm::length(normal) / (flat.along * flat.across_y);
+    const LaidOutFacet laid = lay_out_between(from_t, from_r, lies);
+    PairedFacet& facet = paired.emplace_back(laid.facet);
     for (std::size_t k = 0; k < 3; ++k) {
-      const double there = std::hypot(glm::length(at[k]), t.height),
-                   back = std::hypot(glm::length(at[k] - facet.receive_foot_m), r.height);
       const Eigenray &out = sent.to(vertex[k], lies[k]), &home = heard.to(vertex[k], lies[k]);
       PairedFacet::Corner& corner = facet.corners[k];
-      corner.transmit_lies = sine_between(normal, transmit.arrival_direction(lies[k], out));
-      corner.receive_lies = sine_between(normal, receive.arrival_direction(lies[k], home));
-      corner.transmit_seen = t.height / there;
-      corner.receive_seen = r.height / back;
-      corner.gain = area_ratio * spreading(receive, out, home, lies[k], there, back, absorption_db_per_m);
-      facet.misfit_m = std::max(facet.misfit_m,
-                                std::abs(there - glm::length(from_t[k]) + back - glm::length(from_r[k])) / 2);
+      corner.transmit_lies = sine_between(laid.normal, transmit.arrival_direction(lies[k], out));
+      corner.receive_lies = sine_between(laid.normal, receive.arrival_direction(lies[k], home));
+      corner.gain *=
+          spreading(receive, out, home, lies[k], laid.there_m[k], laid.back_m[k], absorption_db_per_m);
     }
   }
   return paired;

@@ -50,6 +50,17 @@ struct PairedFacet {
   bool move_receiver(glm::dvec3 by_m);
 };
 
+/// A triangle laid out flat between two apexes, and how far its corners then are from them. Of the corners'
+/// returns only the seen sines and, as gain, the ratio of the areas.
+struct LaidOutFacet {
+  PairedFacet facet;
+  std::array<double, 3> there_m{}, back_m{};
+  glm::dvec3 normal{0};  ///< where it lies
+};
+/// Corners as they are seen, relative to the apexes, and where they lie.
+LaidOutFacet lay_out_between(const glm::dvec3 (&from_transmitter)[3], const glm::dvec3 (&from_receiver)[3],
+                             const glm::dvec3 (&lies)[3]);
+
 /// One end of a path, and where it sees the bed: vertices of the ground have the numbers of the bed's.
 struct ApparentEnd {
   const ApparentGround& ground;

@@ -16,28 +16,14 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "engine/ground/apparent_images.hpp"
+#include "engine/ground/apparent_sheets.hpp"
 #include "engine/ground/paired_facet.hpp"
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
-
-/// Decibels of a small relative change.
-constexpr double db_per_relative = 4.3429448190325183;
-
-/// A point's image, and what rays to it return; without eigenray: not `seen`.
-struct Image {
-  glm::dvec3 at_m{0};
-  CornerReturn returned;
-  double range_m = 0;
-  /// What a level facet's factor is here, in decibels.
-  double level_db = 0;
-  int eigenrays = 0;
-  bool seen() const { return eigenrays > 0; }
-  /// One ray, whose tube is about as wide as that of a straight one: far from caustics.
-  bool regular() const { return eigenrays == 1 && returned.spreading > 0.25 && returned.spreading < 4; }
-};
 
 struct PlaceHash {
   std::size_t operator()(const glm::dvec3& p) const {
@@ -46,127 +32,6 @@ struct PlaceHash {
       h = (std::rotl(h, 21) ^ std::bit_cast<std::uint64_t>(p[i] + 0.0)) * 0x9e3779b97f4a7c15u;
     return h ^ (h >> 32);
   }
-};
-
-/// Makes images, and says which edges between them are to be cut.
-class Images {
- public:
-  Images(const Straightening& straightening, double reference_absorption_db_per_m,
-         const StraighteningSettings& settings, const Outlook* outlook)
-      : straightening_(straightening),
-        absorption_(reference_absorption_db_per_m),
-        settings_(settings),
-        outlook_(outlook),
-        bend_per_m_(straightening.water().profile.largest_bend_per_m()) {}
-
-  Image make(const glm::dvec3& point_m) const {
-    const std::optional<ApparentPoint> found = straightening_.apparent(point_m);
-    if (!found) return {};
-    const CornerReturn returned = corner_return(straightening_, point_m, *found, absorption_);
-    if (!std::isfinite(returned.spreading)) return {};  // on a caustic, where rays say nothing
-    // Rays that are nearly level, where they turn, do not make it as small or large as they could: little
-    // comes back from there.
-    constexpr double least = 0.1;
-    const double sines = std::max(std::abs(found->ray.arrival_sine), least) /
-                         std::max(std::abs(found->ray.launch_sine), least);
-    return {found->at_m, returned, glm::distance(found->at_m, straightening_.apex_m()),
-            db_per_relative * std::log(returned.spreading * sines), found->eigenrays};
-  }
-
-  /// The gap of an edge, metres. Straight lines are seen curved about as much as rays are, at most g / c per
-  /// metre, where rays spread about as in even water: of a short edge there, twice that is as good.
-  double gap_m(const glm::dvec3& a, const glm::dvec3& b, const Image& from, const Image& to,
-               const Image* middle = nullptr) const {
-    if (middle != nullptr) return edge_gap_m(from.at_m, to.at_m, middle->at_m);
-    const glm::dvec3 edge = b - a;
-    return from.regular() && to.regular() ? bend_per_m_ * glm::dot(edge, edge) / 4
-                                          : std::numeric_limits<double>::infinity();
-  }
-
-  /// Short beside its range: the ends say how things change along it.
-  static bool is_short(double length, const Image& from, const Image& to) {
-    return 4 * length < std::min(from.range_m, to.range_m);
-  }
-
-  /// Whether the bound of gap_m() will do, and the images of the ends are enough.
-  bool surely_whole(const glm::dvec3& a, const glm::dvec3& b, const Image& from, const Image& to) const {
-    const double length = glm::distance(a, b);
-    return is_short(length, from, to) && is_fine(length, gap_m(a, b, from, to), from, to, to);
-  }
-
-  /// Whether an edge is long for how near it is to an apex on the bed: facets that hold the apex, or nearly,
-  /// lie then where rays are straight.
-  bool is_long_nearby(const glm::dvec3& a, const glm::dvec3& b) const {
-    const double within_m = straightening_.straight_within_m();
-    if (!(within_m > 0)) return false;
-    const double length = glm::distance(a, b);
-    return 2 * length > within_m && glm::distance((a + b) / 2.0, straightening_.apex_m()) < 2 * length;
-  }
-
-  template <class ImageOf>
-  bool cuts(const glm::dvec3& a, const glm::dvec3& b, const ImageOf& image_of) const {
-    const double length = glm::distance(a, b);
-    const Image &from = image_of(a), &to = image_of(b);
-    if (from.seen() && to.seen() && surely_whole(a, b, from, to)) return false;
-    const Image& middle = image_of((a + b) / 2.0);
-    // Shadows and caustics are cut evenly, in and beside them: a border narrowed down between long edges
-    // would not end.
-    if (!from.regular() || !to.regular() || !middle.regular()) return length > settings_.shadow_edge_m;
-    return !is_fine(length, gap_m(a, b, from, to, &middle), from, to, middle);
-  }
-
-  /// Whether what lies about an edge is asked for: the ball of EdgeRule about it, and of that, where only one
-  /// facet may be cut by it, what lies in that facet's box.
-  bool concerns(const glm::dvec3& a, const glm::dvec3& b, const FacetMesh& base, FacetId facet,
-                const WorldGrid& grid, bool inside) const {
-    const double length = glm::distance(a, b);
-    if (!(length > settings_.shortest_edge_m)) return false;
-    if (outlook_ == nullptr) return true;
-    const glm::dvec3 middle = (a + b) / 2.0;
-    if (!outlook_->may_see(middle, 2 * length)) return false;
-    if (!inside) return true;
-    glm::dvec3 lowest = grid.to_metres(base.vertices[base.facets[facet][0]]), highest = lowest;
-    for (std::size_t k = 1; k < 3; ++k) {
-      const glm::dvec3 corner = grid.to_metres(base.vertices[base.facets[facet][k]]);
-      lowest = glm::min(lowest, corner);
-      highest = glm::max(highest, corner);
-    }
-    return outlook_->may_see_box(glm::max(lowest, middle - 2 * length),
-                                 glm::min(highest, middle + 2 * length));
-  }
-
-  /// So small beside its range that its corners say all that its factor needs. `seen_m`: from the apex.
-  bool is_small(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3]) const {
-    constexpr double negligible = 1e-6;
-    const glm::dvec3 normal = glm::cross(seen_m[1] - seen_m[0], seen_m[2] - seen_m[0]);
-    double longest2 = 0, least = std::numeric_limits<double>::infinity();  // range times sine
-    for (int i = 0; i < 3; ++i) {
-      const glm::dvec3 edge = corners_m[(i + 1) % 3] - corners_m[i];
-      longest2 = std::max(longest2, glm::dot(edge, edge));
-      least = std::min(least, std::abs(glm::dot(normal, seen_m[i])));
-    }
-    return bend_per_m_ * longest2 * glm::length(normal) <= negligible * least;
-  }
-  double reference_absorption_db_per_m() const { return absorption_; }
-
-  bool may_see(const glm::dvec3 (&corners_m)[3]) const {
-    return outlook_ == nullptr || outlook_->may_see(corners_m);
-  }
-
- private:
-  /// A gap that grows as the square of the way along the edge changes lengths by 4 gap / length at its ends;
-  /// one factor for a facet is off by half the change between them.
-  bool is_fine(double length, double gap, const Image& from, const Image& to, const Image& middle) const {
-    const auto [least, most] = std::minmax({from.level_db, to.level_db, middle.level_db});
-    return gap <= settings_.gap_m &&
-           db_per_relative * 4 * gap / length + (most - least) / 2 <= settings_.tolerance_db;
-  }
-
-  const Straightening& straightening_;
-  double absorption_;
-  StraighteningSettings settings_;
-  const Outlook* outlook_;
-  double bend_per_m_ = 0;
 };
 
 /// Asks Images for a refinement, each image made once.
@@ -198,13 +63,6 @@ class GapRule final : public EdgeRule {
   const FacetMesh& base_;
   const WorldGrid& grid_;
   mutable tbb::concurrent_unordered_map<glm::dvec3, Image, PlaceHash> known_;
-};
-
-/// True facets, fine enough, and their vertices' images.
-struct FineFacets {
-  RefinedMesh mesh;
-  std::vector<glm::dvec3> at_m;
-  std::vector<Image> image;
 };
 
 /// The facets as they are, and whether an edge of one may have to be cut.
@@ -298,15 +156,6 @@ void thin_out(std::vector<UnclearPlace>& unclear) {
   unclear.erase(std::unique(unclear.begin(), unclear.end(), same), unclear.end());
 }
 
-/// Of a facet of that law, but for a factor; null: Lambert's.
-double sigma_of(const ScatteringLaw* law, double sine) {
-  if (law == nullptr) return lambert_sigma(sine);
-  sine = std::min(sine, 1.0);
-  return sine > 0 ? law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) : 0;
-}
-
-glm::dvec3 normal_of(const glm::dvec3 (&c)[3]) { return glm::cross(c[1] - c[0], c[2] - c[0]); }
-
 void check(const StraighteningSettings& settings) {
   if (!(settings.gap_m > 0 && settings.shortest_edge_m > 0 && settings.shadow_edge_m > 0 &&
         settings.tolerance_db > 0))
@@ -326,6 +175,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
     mesh.vertices.push_back(grid.snap(fine.image[v].seen() ? fine.image[v].at_m : fine.at_m[v]));
   const FacetMesh& from = fine.mesh.mesh;
   mesh.facets.reserve(from.facets.size());
+  ApparentSheets sheets(fine, images, grid, laws, ground);
   for (std::size_t f = 0; f < from.facets.size(); ++f) {
     stop_if_wanted();
     glm::dvec3 corners[3], seen[3];
@@ -341,6 +191,12 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
     };
     for (int i = 0; i < 3; ++i) corners[i] = fine.at_m[from.facets[f][i]];
     if (!images.may_see(corners)) continue;  // a part of a large facet
+    if (std::ranges::any_of(from.facets[f], [&](VertexId v) { return !fine.image[v].several.empty(); })) {
+      for (const VertexId v : from.facets[f]) note(fine.at_m[v], fine.image[v]);
+      ground.unclear.push_back(*unclear);
+      sheets.add(FacetId(f));
+      continue;
+    }
     for (int i = 0; i < 3; ++i) {
       const VertexId v = from.facets[f][i];
       seen[i] = grid.to_metres(mesh.vertices[v]) - straightening.apex_m();
@@ -384,6 +240,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
         images.reference_absorption_db_per_m(), [law](double sine) { return sigma_of(law, sine); }));
   }
   ground.truth = std::move(fine.at_m);
+  ground.truth.insert(ground.truth.end(), sheets.truth().begin(), sheets.truth().end());
   thin_out(ground.unclear);
   return ground;
 }

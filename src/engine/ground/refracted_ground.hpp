@@ -27,6 +27,9 @@ struct StraighteningSettings {
   double shortest_edge_m = 0.05;
   /// Edges in a shadow, or at its border, are cut down to this: facets at the border are left out whole.
   double shadow_edge_m = 4;
+  /// Every ray that leads to a place shows it: one sheet of apparent facets for each family of rays
+  /// (apparent_sheets.hpp). Else the first to arrive alone. straighten_alike() wants false.
+  bool later_arrivals = false;
 };
 
 /// A place that has not exactly one eigenray.
@@ -37,18 +40,36 @@ struct UnclearPlace {
   glm::dvec3 direction{0};  ///< launch direction of the first to arrive; straight to the place in a shadow
 };
 
+/// One of several rays to a part of the bed, and what it does at the part's corners.
+struct RayOfPart {
+  FacetId seen = 0;        ///< the apparent facet that it makes of the part
+  FacetId part = 0;        ///< its number; rays of a part follow one another
+  std::uint32_t rank = 0;  ///< of the ray among these, by launch angle
+  bool crossed = false;    ///< Eigenray::crossed
+  struct Corner {
+    double sine = 0;  ///< of the grazing angle
+    /// R^2 over the area of the ray tube (that to the part and that back from it, as a geometric mean), what
+    /// absorption leaves one way over what the reference absorption does, and R, the apparent range.
+    double gain = 0, range_m = 0;
+  };
+  std::array<Corner, 3> corners;
+};
+
 struct ApparentGround {
   /// Apparent facets that have an eigenray to every corner and their centre, and the base facet of each.
   RefinedMesh refined;
-  std::vector<glm::dvec3> truth;      ///< by vertex: where it lies
-  std::vector<double> facet_factor;   ///< for EchoLaw::facet_factor
-  double reference_speed_m_s = 0;     ///< by which a travel time becomes a range
-  double largest_gap_m = 0;           ///< of all edges that are left; of short ones a bound
-  std::size_t facets_in_shadow = 0;   ///< left out: they lie, wholly or in part, where no ray leads
-  std::size_t facets_of_several = 0;  ///< a corner has several eigenrays: the first to arrive stands for them
-  /// Facets whose image is turned over: rays cross before they reach them, and the images of their neighbours
-  /// lie on top of theirs.
+  std::vector<glm::dvec3> truth;     ///< by vertex: where it lies
+  std::vector<double> facet_factor;  ///< for EchoLaw::facet_factor
+  double reference_speed_m_s = 0;    ///< by which a travel time becomes a range
+  double largest_gap_m = 0;          ///< of all edges that are left; of short ones a bound
+  std::size_t facets_in_shadow = 0;  ///< left out: they lie, wholly or in part, where no ray leads
+  /// Facets of the bed with several eigenrays to a corner: the first to arrive stands for them, or each shows
+  /// the facet.
+  std::size_t facets_of_several = 0;
+  /// Apparent facets that are turned over: rays cross before they reach them.
   std::size_t facets_folded = 0;
+  std::vector<RayOfPart> several;  ///< of the parts that several rays show, by part and by apparent facet
+  std::vector<std::uint16_t> part_material;  ///< by part
   /// Those that were left out: where their corners lie.
   std::vector<std::array<glm::dvec3, 3>> left_out_m;
   /// For each base facet: a place of it in a shadow, and one where rays cross, if it has such.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <stdexcept>
 #include <tuple>
@@ -214,6 +215,7 @@ Eigenray EigenrayFinder::eigenray(const SnellRay& ray, const RaySums& sums, doub
   e.tube_area_m2_per_sr =
       sums.reach * sine_s * sine_r * std::abs(sums.dx_dp) / (source_speed_ * source_speed_);
   e.turns = turns;
+  e.crossed = (sums.dx_dp < 0) != (turns % 2 == 1);
   return e;
 }
 
@@ -387,6 +389,21 @@ std::pair<double, double> EigenrayFinder::range_bounds(const Section& section, c
   return {shortest, longest};
 }
 
+// About a caustic the offset of rays beside one is w' u^2 / 2 by launch angle u, and they arrive turned by f
+// u, f from Snell's law for a place that does not move. Their phases make 2 sqrt(pi) Ai of the offset over
+// (w' / (2 k^2 f^2))^(1/3), which is largest, squared, 3.6057 where two rays add up to 2 / sqrt(offset)
+// (Jensen, Kuperman, Porter & Schmidt, Computational Ocean Acoustics (2011), section 3; DLMF 9.9).
+double EigenrayFinder::caustic_width_m_per_rad(double change_m_per_rad2, const Eigenray& ray,
+                                               double depth_m) const {
+  const double c = water_.profile.at(depth_m), wavenumber = 2 * std::numbers::pi * options_.frequency_hz / c;
+  const auto sine = [](double s) { return std::max(std::abs(s), 1e-6); };
+  const double turning = c * sine(ray.launch_sine) / (source_speed_ * sine(ray.arrival_sine));
+  constexpr double at_airys_largest = 2 / 3.6057;
+  const double width = 2 * at_airys_largest * std::cbrt(change_m_per_rad2 * change_m_per_rad2 / 4) /
+                       std::cbrt(wavenumber * turning);
+  return std::isfinite(width) ? width : 0;
+}
+
 // Rays that turn where the speed lies between a and b, by the sine of their angle where it is a.
 void EigenrayFinder::search(const Section& section, const Order& order, double a, double b, double depth_m,
                             double range_m, std::vector<Eigenray>& found) const {
@@ -403,8 +420,23 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
     return -sums.dx_dp * sine / (a * std::sqrt((1 - sine) * (1 + sine)));
   };
   const auto slope = [&](double sine) { return slope_of(sums_at(sine, false), sine); };
+  const double top = std::sqrt((b - a) * (b + a)) / b, first = top * 1e-9, last = top * (1 - 1e-15);
+  // How far the ray's neighbours are beside it where it arrives, by launch angle: an area per steradian is
+  // this times reach over the source's speed.
+  const auto beside = [&](double sine, const RaySums& sums) {
+    const SnellRay ray = ray_at(sine);
+    return ray.sine_at(source_speed_) * ray.sine_at(water_.profile.at(depth_m)) * sums.dx_dp / source_speed_;
+  };
   const auto add = [&](double sine) {
-    found.push_back(eigenray(ray_at(sine), sums_at(sine, true), depth_m, order.launched_up, order.turns));
+    Eigenray e = eigenray(ray_at(sine), sums_at(sine, true), depth_m, order.launched_up, order.turns);
+    const double step = 1e-4 * top, lo = std::max(first, sine - step), hi = std::min(last, sine + step);
+    const RaySums low = sums_at(lo, false), high = sums_at(hi, false);
+    const double turned =
+        std::asin(ray_at(hi).sine_at(source_speed_)) - std::asin(ray_at(lo).sine_at(source_speed_));
+    e.caustic_area_m2_per_sr =
+        (low.reach + high.reach) / (2 * source_speed_) *
+        caustic_width_m_per_rad((beside(hi, high) - beside(lo, low)) / turned, e, depth_m);
+    found.push_back(e);
   };
   const auto add_between = [&](double lo, double hi, double miss_lo, double miss_hi) {
     if (miss_lo * miss_hi < 0 || miss_hi == 0) add(root_between(miss, lo, hi, miss_lo, miss_hi));
@@ -413,15 +445,14 @@ void EigenrayFinder::search(const Section& section, const Order& order, double a
   const auto [shortest, longest] = range_bounds(section, order, a, b);
   if (shortest > range_m || longest < range_m) return;
   constexpr int kSteps = 16;
-  const double top = std::sqrt((b - a) * (b + a)) / b;
   const auto both = [&](double sine) {
     const RaySums sums = sums_at(sine, false);
     return std::pair(ray_at(sine).p() * sums.reach - range_m, slope_of(sums, sine));
   };
-  double lo = top * 1e-9;
+  double lo = first;
   auto [miss_lo, slope_lo] = both(lo);
   for (int i = 1; i <= kSteps; ++i) {
-    const double hi = i < kSteps ? top * i / kSteps : top * (1 - 1e-15);
+    const double hi = i < kSteps ? top * i / kSteps : last;
     const auto [miss_hi, slope_hi] = both(hi);
     if (slope_lo * slope_hi < 0) {
       const double peak = root_between(slope, lo, hi, slope_lo, slope_hi), miss_peak = miss(peak);

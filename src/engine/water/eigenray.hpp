@@ -23,12 +23,19 @@ struct Eigenray {
   /// the square of the sound speed at the source is the same from the point back to the source.
   double tube_area_m2_per_sr = 0;
   int turns = 0;  ///< turning points between source and point
+  /// Neighbouring rays have crossed it an odd number of times: it has touched as many caustics on its way.
+  bool crossed = false;
+  /// What diffraction leaves of the ray tube on the caustic nearby, which rays would make 0 there: of two
+  /// rays that meet on a caustic, with tubes of this area, the sum of intensities is the largest of Airy's
+  /// function. Grows as the cube root of the wavelength. 0 where there is no caustic.
+  double caustic_area_m2_per_sr = 0;
 };
 
 struct EigenrayOptions {
   double surface_m = 0;                                             ///< no ray turns above
   double deepest_turn_m = std::numeric_limits<double>::infinity();  ///< none turns below
   int most_turns = 1;
+  double frequency_hz = 1e5;  ///< for Eigenray::caustic_area_m2_per_sr
 };
 
 /// All rays without reflection from one source depth to points of a layered water column.
@@ -98,6 +105,7 @@ class EigenrayFinder {
                                                 double b);
   void search(const Section& section, const Order& order, double a, double b, double depth_m, double range_m,
               std::vector<Eigenray>& found) const;
+  double caustic_width_m_per_rad(double change_m_per_rad2, const Eigenray& ray, double depth_m) const;
   Eigenray eigenray(const SnellRay& ray, const RaySums& sums, double depth_m, bool launched_up,
                     int turns) const;
 

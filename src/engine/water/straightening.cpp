@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/water/straightening.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -58,12 +59,25 @@ std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
     if (!only) return std::nullopt;
     first = *only;
   }
-  const double distance = reference_speed_m_s_ * first.time_s;
+  return seen_by(first, point_m, count);
+}
+
+ApparentPoint Straightening::seen_by(const Eigenray& ray, glm::dvec3 point_m, std::size_t rays) const {
+  const glm::dvec3 way = point_m - apex_m_;
+  const double range = std::hypot(way.x, way.y), distance = reference_speed_m_s_ * ray.time_s;
   // A vertical ray has no azimuth and needs none.
-  const double across = range > 0 ? distance * first.launch_cosine / range : 0;
-  return ApparentPoint{
-      apex_m_ + glm::dvec3(across * way.x, across * way.y, -unfolding_.sign * distance * first.launch_sine),
-      first, static_cast<int>(count)};
+  const double across = range > 0 ? distance * ray.launch_cosine / range : 0;
+  return {apex_m_ + glm::dvec3(across * way.x, across * way.y, -unfolding_.sign * distance * ray.launch_sine),
+          ray, static_cast<int>(rays)};
+}
+
+std::vector<ApparentPoint> Straightening::all_apparent(glm::dvec3 point_m) const {
+  const glm::dvec3 way = point_m - apex_m_;
+  std::vector<Eigenray> rays = finder_.all(depth_m(point_m), std::hypot(way.x, way.y));
+  std::ranges::sort(rays, {}, [](const Eigenray& ray) { return ray.launch_sine; });
+  std::vector<ApparentPoint> all;
+  for (const Eigenray& ray : rays) all.push_back(seen_by(ray, point_m, rays.size()));
+  return all;
 }
 
 glm::dvec3 Straightening::launch_direction(glm::dvec3 point_m, const Eigenray& ray) const {

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include "engine/water/eigenray.hpp"
 #include "engine/water/unfolding.hpp"
@@ -49,6 +50,10 @@ class Straightening {
 
   /// None where no ray leads to (a shadow zone).
   std::optional<ApparentPoint> apparent(glm::dvec3 point_m) const;
+  /// By every ray that leads there, from the one launched highest to the lowest. No two are launched alike:
+  /// along a way on the bed they keep their order, and come or go only in neighbouring pairs, one of which
+  /// has crossed its neighbours (Eigenray::crossed), or at the end of what rays are followed.
+  std::vector<ApparentPoint> all_apparent(glm::dvec3 point_m) const;
 
   /// The sound speed that times become ranges by.
   double reference_speed_m_s() const { return reference_speed_m_s_; }
@@ -76,6 +81,7 @@ class Straightening {
 
  private:
   ApparentPoint straight_to(glm::dvec3 point_m) const;
+  ApparentPoint seen_by(const Eigenray& ray, glm::dvec3 point_m, std::size_t rays) const;
 
   EigenrayFinder finder_;
   glm::dvec3 apex_m_;

@@ -20,6 +20,7 @@ const std::vector<ProfileKey>& profile_keys() {
       {"surface_height_m", {"table", "cast", "gradient", "munk", "n2-linear"}},
       {"refraction_gap_m", {"table", "cast", "gradient", "munk", "n2-linear"}},
       {"refraction_tolerance_db", {"table", "cast", "gradient", "munk", "n2-linear"}},
+      {"refraction_turns", {"table", "cast", "gradient", "munk", "n2-linear"}},
       {"profile_bottom_m", {"gradient", "munk", "n2-linear"}, {"gradient", "munk", "n2-linear"}},
       {"gradient_per_s", {"gradient", "n2-linear"}, {"gradient", "n2-linear"}},
       {"munk_axis_m", {"munk"}},
@@ -129,7 +130,8 @@ const TomlSection<WaterDescription>& water_section() {
                field("profile_step_m", &W::profile_step_m, {.ranges = {{.lo = 0.01, .hi = 1000}}}),
                field("refraction_gap_m", &W::refraction_gap_m, {.ranges = {{.lo = 0.00001, .hi = 1000}}}),
                field("refraction_tolerance_db", &W::refraction_tolerance_db,
-                     {.ranges = {{.lo = 0.001, .hi = 10}}, .default_value = "0.1"})})
+                     {.ranges = {{.lo = 0.001, .hi = 10}}, .default_value = "0.1"}),
+               field("refraction_turns", &W::refraction_turns, {.ranges = {{.lo = 0, .hi = 16}}})})
           .check([](const W& water, const TomlTable& table) {
             check_profile(water, table);
             check_formula(water, table);

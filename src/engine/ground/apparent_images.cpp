@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/ground/apparent_images.hpp"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+namespace tubefoot {
+
+bool are_alike(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b) {
+  return std::ranges::equal(a, b, {}, &SeenPoint::crossed, &SeenPoint::crossed);
+}
+
+std::vector<std::size_t> same_rays(const std::vector<SeenPoint>& more, const std::vector<SeenPoint>& fewer) {
+  const std::size_t n = more.size(), m = fewer.size();
+  std::vector<std::size_t> same(m);
+  if (are_alike(more, fewer)) {
+    std::iota(same.begin(), same.end(), std::size_t{0});
+    return same;
+  }
+  if (m >= n) return {};
+  // Least sum of differences of the last rays from (i, j) on.
+  constexpr double none = std::numeric_limits<double>::infinity();
+  std::vector<std::vector<double>> sum(n + 1, std::vector<double>(m + 1, none));
+  const auto with = [&](std::size_t i, std::size_t j) {
+    return more[i].crossed() == fewer[j].crossed()
+               ? std::abs(more[i].launch_rad - fewer[j].launch_rad) + sum[i + 1][j + 1]
+               : none;
+  };
+  for (std::size_t i = 0; i <= n; ++i) sum[i][m] = 0;
+  for (std::size_t i = n; i-- > 0;)
+    for (std::size_t j = m; j-- > 0;) sum[i][j] = std::min(sum[i + 1][j], with(i, j));
+  if (!(sum[0][0] < none)) return {};
+  for (std::size_t i = 0, j = 0; j < m; ++i)
+    if (with(i, j) <= sum[i + 1][j]) same[j++] = i;
+  return same;
+}
+
+Images::Images(const Straightening& straightening, double reference_absorption_db_per_m,
+               const StraighteningSettings& settings, const Outlook* outlook)
+    : straightening_(straightening),
+      absorption_(reference_absorption_db_per_m),
+      settings_(settings),
+      outlook_(outlook),
+      bend_per_m_(straightening.water().profile.largest_bend_per_m()) {}
+
+Image Images::make(const glm::dvec3& point_m) const {
+  const std::optional<ApparentPoint> found = straightening_.apparent(point_m);
+  if (!found) return {};
+  Image image{seen_point(point_m, *found), found->eigenrays, {}};
+  if (settings_.later_arrivals && found->eigenrays > 1) {
+    for (const ApparentPoint& each : straightening_.all_apparent(point_m))
+      image.several.push_back(seen_point(point_m, each));
+    return image;
+  }
+  if (!std::isfinite(image.returned.spreading)) return {};  // on a caustic, where rays say nothing
+  return image;
+}
+
+SeenPoint Images::seen_point(const glm::dvec3& point_m, const ApparentPoint& found) const {
+  const CornerReturn returned = corner_return(straightening_, point_m, found, absorption_);
+  // Rays that are nearly level, where they turn, do not make it as small or large as they could: little
+  // comes back from there.
+  constexpr double least = 0.1;
+  const double sines =
+      std::max(std::abs(found.ray.arrival_sine), least) / std::max(std::abs(found.ray.launch_sine), least);
+  SeenPoint seen{found.at_m, returned, glm::distance(found.at_m, straightening_.apex_m()),
+                 db_per_relative * std::log(returned.spreading * sines)};
+  if (!settings_.later_arrivals) return seen;
+  seen.launch_rad = std::atan2(found.ray.launch_sine, found.ray.launch_cosine);
+  // By its own area, of which the caustic's is a multiple.
+  Eigenray unit = found.ray;
+  unit.tube_area_m2_per_sr = 1;
+  const double width = 1 / corner_return(straightening_, point_m, {found.at_m, unit}, absorption_).spreading;
+  seen.width = (found.ray.crossed ? -1 : 1) * width * found.ray.tube_area_m2_per_sr;
+  seen.caustic_width = width * found.ray.caustic_area_m2_per_sr;
+  const double beyond_db =
+      found.ray.absorption_db - absorption_ * straightening_.reference_speed_m_s() * found.ray.time_s;
+  seen.kept = std::exp(-beyond_db * std::numbers::ln10 / 10);
+  seen.speeds = straightening_.finder().source_speed_m_s() /
+                straightening_.water().profile.at(straightening_.depth_m(point_m));
+  if (found.eigenrays > 1)
+    seen.level_db = db_per_relative * std::log(sines / std::hypot(seen.width, seen.caustic_width));
+  return seen;
+}
+
+// Rays that come or go between the ends do so at a border that is found along the edge; here it is made to
+// lie between short edges.
+bool Images::cuts_by_any_ray(double length, const Image& from, const Image& to, const Image& middle) const {
+  // Images of facets next to a caustic are wrong in direction, by no more than they are wide, long after they
+  // are right in range.
+  constexpr double sideways = 16, beside_caustics = 5;
+  const auto rays_to = [](const Image& image) {
+    return image.several.empty() && image.seen() ? std::vector<SeenPoint>{image} : image.several;
+  };
+  const std::vector<SeenPoint> a = rays_to(from), b = rays_to(to), m = rays_to(middle);
+  if (!are_alike(a, b) || !are_alike(a, m)) {
+    const auto shows = [&](const std::vector<SeenPoint>& rays) {
+      return std::ranges::any_of(
+          rays, [&](const SeenPoint& ray) { return may_show(ray.at_m, length + ray.range_m / 10); });
+    };
+    return shows(a) || shows(b) || shows(m);
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!may_show(m[i].at_m, glm::distance(a[i].at_m, b[i].at_m))) continue;
+    const double gap = edge_gap_m(a[i].at_m, b[i].at_m, m[i].at_m);
+    if (a[i].is_wide() && b[i].is_wide() && m[i].is_wide()) {
+      if (!is_fine(length, gap, a[i], b[i], m[i])) return true;
+      continue;
+    }
+    const glm::dvec3 off = m[i].at_m - (a[i].at_m + b[i].at_m) / 2.0;
+    const double along = std::abs(glm::dot(off, glm::normalize(m[i].at_m - straightening_.apex_m())));
+    const auto [least, most] = std::minmax({a[i].level_db, b[i].level_db, m[i].level_db});
+    if (along > settings_.gap_m || gap > sideways * settings_.gap_m) return true;
+    if (!((most - least) / 2 <= beside_caustics * settings_.tolerance_db)) return true;
+  }
+  return false;
+}
+
+bool Images::concerns(const glm::dvec3& a, const glm::dvec3& b, const FacetMesh& base, FacetId facet,
+                      const WorldGrid& grid, bool inside) const {
+  const double length = glm::distance(a, b);
+  if (!(length > settings_.shortest_edge_m)) return false;
+  if (outlook_ == nullptr) return true;
+  const glm::dvec3 middle = (a + b) / 2.0;
+  if (!outlook_->may_see(middle, 2 * length)) return false;
+  if (!inside) return true;
+  glm::dvec3 lowest = grid.to_metres(base.vertices[base.facets[facet][0]]), highest = lowest;
+  for (std::size_t k = 1; k < 3; ++k) {
+    const glm::dvec3 corner = grid.to_metres(base.vertices[base.facets[facet][k]]);
+    lowest = glm::min(lowest, corner);
+    highest = glm::max(highest, corner);
+  }
+  return outlook_->may_see_box(glm::max(lowest, middle - 2 * length), glm::min(highest, middle + 2 * length));
+}
+
+bool Images::is_small(const glm::dvec3 (&corners_m)[3], const glm::dvec3 (&seen_m)[3]) const {
+  constexpr double negligible = 1e-6;
+  const glm::dvec3 normal = glm::cross(seen_m[1] - seen_m[0], seen_m[2] - seen_m[0]);
+  double longest2 = 0, least = std::numeric_limits<double>::infinity();  // range times sine
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 edge = corners_m[(i + 1) % 3] - corners_m[i];
+    longest2 = std::max(longest2, glm::dot(edge, edge));
+    least = std::min(least, std::abs(glm::dot(normal, seen_m[i])));
+  }
+  return bend_per_m_ * longest2 * glm::length(normal) <= negligible * least;
+}
+
+double sigma_of(const ScatteringLaw* law, double sine) {
+  if (law == nullptr) return lambert_sigma(sine);
+  sine = std::min(sine, 1.0);
+  return sine > 0 ? law->cross_section(sine, std::sqrt((1 - sine) * (1 + sine))) : 0;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/sight/crossed_ways.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+GridPoint mirrored(GridPoint p) { return {p.x, -p.y, p.z}; }
+
+TubeSet mirrored(TubeSet tubes) {
+  tubes.apex = mirrored(tubes.apex);
+  for (GridPoint& ray : tubes.rays) ray = mirrored(ray);
+  for (Tube& tube : tubes.tubes) std::swap(tube[1], tube[3]);
+  return tubes;
+}
+
+FacetMesh mirrored(FacetMesh mesh) {
+  for (GridPoint& vertex : mesh.vertices) vertex = mirrored(vertex);
+  return mesh;
+}
+
+/// Rays of one rank, all crossed or none.
+using Family = std::pair<std::uint32_t, bool>;
+
+/// What the tubes see of the sheets, as they are or in a mirror.
+struct View {
+  TubeSet tubes;
+  FacetMesh mesh;
+  std::vector<TubeVisibility> seen;
+
+  /// Of that the facets that are wanted.
+  std::vector<TubeVisibility> part(const std::vector<char>& wanted) const {
+    std::vector<TubeVisibility> some;
+    for (const TubeVisibility& all : seen) {
+      TubeVisibility& one = some.emplace_back();
+      one.corners = all.corners;
+      one.rays = all.rays;
+      for (const NamedPiece& piece : all.pieces)
+        if (wanted[piece.facet]) one.pieces.push_back(piece);
+    }
+    return some;
+  }
+};
+
+/// One family's images of the parts.
+struct Sheet {
+  std::vector<char> is_own;            ///< by apparent facet
+  std::vector<const RayOfPart*> rays;  ///< by part; null: it has no such ray
+};
+
+}  // namespace
+
+void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, const WorldGrid& grid,
+                        const VisibilityOptions& options, const TubeSet& tubes,
+                        const std::function<void(const BistaticHistory&)>& take) {
+  std::set<Family> families;
+  for (const RayOfPart& ray : ground.several) families.emplace(ray.rank, ray.crossed);
+  if (families.size() < 2) return;
+  const FacetMesh& mesh = ground.refined.mesh;
+  const glm::dvec3 apex = grid.to_metres(tubes.apex);
+  std::vector<FacetId> part_of(mesh.facets.size(), 0);
+  for (const RayOfPart& ray : ground.several) part_of[ray.seen] = ray.part;
+  const View straight{tubes, mesh, look(mesh, tree, tubes, options)};
+  std::optional<View> mirror;
+  const auto in_mirror = [&]() -> const View& {
+    if (!mirror) {
+      mirror.emplace(View{mirrored(tubes), mirrored(mesh), {}});
+      mirror->seen =
+          look(mirror->mesh, SceneTree(mirror->mesh, SceneTree::Sheets::ignored), mirror->tubes, options);
+    }
+    return *mirror;
+  };
+  const auto sheet_of = [&](const Family& family) {
+    Sheet sheet{std::vector<char>(mesh.facets.size(), 0),
+                std::vector<const RayOfPart*>(ground.part_material.size(), nullptr)};
+    for (const RayOfPart& ray : ground.several)
+      if (Family(ray.rank, ray.crossed) == family) {
+        sheet.is_own[ray.seen] = 1;
+        sheet.rays[ray.part] = &ray;
+      }
+    return sheet;
+  };
+  const auto add_paired = [&](BistaticHistory& history, const Sheet& out, const Sheet& home) {
+    for (const SharedFacet& shared : history.shared.facets) {
+      const RayOfPart &sent = *out.rays[shared.facet], &heard = *home.rays[shared.facet];
+      std::array<std::size_t, 3> corner{0, 1, 2};
+      glm::dvec3 from_t[3], from_r[3], lies[3];
+      const auto place = [&] {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const VertexId t = mesh.facets[sent.seen][corner[k]], r = mesh.facets[heard.seen][corner[k]];
+          from_t[k] = grid.to_metres(mesh.vertices[t]) - apex;
+          from_r[k] = grid.to_metres(mesh.vertices[r]) - apex;
+          lies[k] = ground.truth[t];
+        }
+      };
+      place();
+      // In the order in which pieces turn.
+      if (glm::dot(glm::cross(from_t[1] - from_t[0], from_t[2] - from_t[0]), shared.plane_normal) > 0) {
+        std::swap(corner[1], corner[2]);
+        place();
+      }
+      LaidOutFacet laid = lay_out_between(from_t, from_r, lies);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const RayOfPart::Corner &there = sent.corners[corner[k]], &back = heard.corners[corner[k]];
+        PairedFacet::Corner& at = laid.facet.corners[k];
+        at.transmit_lies = there.sine;
+        at.receive_lies = back.sine;
+        const double ranges = laid.there_m[k] * laid.back_m[k] / (there.range_m * back.range_m);
+        at.gain *= there.gain * back.gain * ranges * ranges;
+      }
+      history.paired.push_back(laid.facet);
+    }
+  };
+  for (const Family& out : families)
+    for (const Family& home : families) {
+      stop_if_wanted();
+      if (out.first == home.first) continue;
+      const Sheet sent = sheet_of(out), heard = sheet_of(home);
+      const View& view = out.second == home.second ? straight : in_mirror();
+      const std::vector<TubeVisibility> seen_out = straight.part(sent.is_own),
+                                        seen_home = view.part(heard.is_own);
+      BistaticHistory history{tubes, tubes, grid.unit_m(), {}};
+      history.shared = FootprintSharer({straight.tubes, seen_out, &straight.mesh, part_of},
+                                       {view.tubes, seen_home, &view.mesh, part_of}, grid.unit_m())
+                           .all();
+      history.shared.receiver_m = glm::dvec3(0);
+      if (history.shared.pieces.empty()) continue;
+      add_paired(history, sent, heard);
+      take(history);
+    }
+}
+
+}  // namespace tubefoot

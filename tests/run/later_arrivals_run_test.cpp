@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Several rays to the bed, through the whole program: a thermocline turns rays back down to a flat bed, and
+// all of them are heard, against a fan of rays in closed form.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "fixtures/world/echoes.hpp"
+#include "fixtures/world/gradient_scenes.hpp"
+#include "fixtures/world/turning_water.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+using namespace test;
+
+constexpr double from_m = 250, to_m = 410;
+
+std::string scene(const std::string& water = {}, int samples = 80) {
+  return "[water]\nsurface_height_m = 40\nprofile = \"table\"\nprofile_file = \"profile.csv\"\n"
+         "absorption_db_per_km = 0\n" +
+         water + lambert_material("bed", -27) + flat_terrain(1000, 1000) +
+         fixed_at(0, 0, 20, "heading_deg = 37\n") +
+         fmt::format(
+             "[[sensors]]\nname = \"beam\"\nkind = \"didson\"\nbeams = 1\nhorizontal_deg = 1.5\n"
+             "vertical_deg = 100\nfrequency_khz = {}\nsamples = {}\nwindow_start_m = {}\n"
+             "window_length_m = {}\n",
+             TurningWater::frequency_hz / 1000, samples, from_m, to_m - from_m);
+}
+
+struct ProfileFolder : TestFolder {
+  ProfileFolder() { write("profile.csv", TurningWater::profile_csv); }
+};
+
+/// By sample: what rays launched between two angles bring, positive down.
+std::vector<double> fan(double low_rad, double high_rad, std::size_t samples) {
+  constexpr int rays = 400'000;
+  std::vector<double> energy(samples, 0.0);
+  const double step = (high_rad - low_rad) / rays;
+  for (int i = 0; i < rays; ++i) {
+    const double launch = low_rad + (i + 0.5) * step;
+    const TurningWater::Landing ray = TurningWater::landing(launch);
+    const double sample = (1500 * ray.time_s - from_m) / (to_m - from_m) * double(samples);
+    if (sample >= 0 && sample < double(samples))
+      energy[std::size_t(sample)] +=
+          mu * std::sin(ray.arrival_rad) / ray.area_back_m2 * fan_rad * std::cos(launch) * step;
+  }
+  return energy;
+}
+
+/// By sample: out along one and home along another of all rays to a place, place by place.
+std::vector<double> crossed(std::size_t samples) {
+  constexpr int places = 400'000;
+  std::vector<double> energy(samples, 0.0);
+  const double a = 2 * TurningWater::c / TurningWater::g, h = TurningWater::bed_m, step = 300.0 / places;
+  for (int i = 0; i < places; ++i) {
+    const double x = 200 + (i + 0.5) * step, root2 = x * x - 4 * a * h;
+    if (!(root2 > 0)) continue;
+    std::vector<TurningWater::Landing> rays{TurningWater::landing(std::atan(h / x))};
+    for (const double sign : {-1.0, 1.0}) {
+      const double up = std::atan((x + sign * std::sqrt(root2)) / (2 * a));
+      if (up < TurningWater::steepest_rad) rays.push_back(TurningWater::landing(-up));
+    }
+    for (std::size_t out = 0; out < rays.size(); ++out)
+      for (std::size_t home = 0; home < rays.size(); ++home) {
+        const double sample =
+            (750 * (rays[out].time_s + rays[home].time_s) - from_m) / (to_m - from_m) * double(samples);
+        if (out != home && sample >= 0 && sample < double(samples))
+          energy[std::size_t(sample)] += mu * std::sin(rays[out].arrival_rad) *
+                                         std::sin(rays[home].arrival_rad) * x * fan_rad * step /
+                                         (rays[out].area_back_m2 * rays[home].area_back_m2);
+      }
+  }
+  return energy;
+}
+
+double sum_of(const std::vector<double>& energy) { return std::reduce(energy.begin(), energy.end()); }
+
+TEST(LaterArrivalsRun, AreAllHeard) {
+  const ProfileFolder folder;
+  const Echoes echoes = echoes_in(folder, scene());
+  const std::vector<double> straight = fan(1e-4, 0.8, echoes.samples),
+                            turned = fan(-TurningWater::steepest_rad, -1e-4, echoes.samples),
+                            between = crossed(echoes.samples);
+  double worst = 0, most = 0;
+  for (std::size_t k = 0; k < echoes.samples; ++k) {
+    const double wanted = straight[k] + turned[k] + between[k];
+    worst = std::max(worst, std::abs(echoes.at(0, 0, k) - wanted));
+    most = std::max(most, wanted);
+  }
+  EXPECT_NEAR((echoes.total() - sum_of(straight)) / (sum_of(turned) + sum_of(between)), 1, 0.02);
+  EXPECT_LT(worst, 0.1 * most);
+  EXPECT_GT(sum_of(turned), 0.2 * sum_of(straight));
+  EXPECT_GT(sum_of(between), 0.2 * sum_of(turned));
+}
+
+TEST(LaterArrivalsRun, AreCounted) {
+  const ProfileFolder folder;
+  const auto file = folder.write("scene.toml", scene());
+  const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err.find("several rays"), std::string::npos) << outcome.err;
+  const nlohmann::json stats = nlohmann::json::parse(bytes_of(folder / "out/stats.json")).at("refraction");
+  EXPECT_GT(stats.at("facets_of_several_rays").get<int>(), 0);
+  EXPECT_GT(stats.at("facets_folded").get<int>(), 0);
+  EXPECT_EQ(stats.at("branches"), "every ray, out and home along any two, with 1 turning point at most");
+  const Outcome audit = run_program({"audit", file.string()});
+  EXPECT_EQ(audit.exit_code, 0) << audit.err;
+  EXPECT_THAT(audit.out, HasSubstr("failures       0\n"));
+}
+
+// A receiver apart follows the first ray alone, and is told.
+TEST(LaterArrivalsRun, ReceiversApartSayWhatTheyLack) {
+  const ProfileFolder folder;
+  const auto file = folder.write("scene.toml", scene() + "receiver_arm_m = [0, 1, 0]\n");
+  const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("several rays, with 1 turning point at most"));
+  EXPECT_THAT(outcome.err, HasSubstr("only the first to arrive is followed"));
+}
+
+// Rays drawn at random meet the same sheets.
+TEST(LaterArrivalsRun, RaysHearWhatTubesHear) {
+  const ProfileFolder folder;
+  const double tubes = echoes_in(folder, scene()).total(),
+               rays = echoes_in(folder, scene(), {"--engine", "ray", "--rays-per-beam", "200000"}).total();
+  EXPECT_NEAR(rays / tubes, 1, 0.02);
+}
+
+TEST(LaterArrivalsRun, WithoutTurnsOnlyTheFallingRayIsFollowed) {
+  const ProfileFolder folder;
+  const Echoes echoes = echoes_in(folder, scene("refraction_turns = 0\n"));
+  const std::vector<double> straight = fan(1e-4, 0.8, echoes.samples);
+  EXPECT_NEAR(echoes.total() / std::reduce(straight.begin(), straight.end()), 1, 0.01);
+}
+
+// No reference encloses what comes over several rays: their bins have no bound.
+TEST(LaterArrivalsRun, ReferencesSayWhereTheyHaveNoBound) {
+  const ProfileFolder folder;
+  const Echoes echoes = echoes_in(folder, scene({}, 16), {"--reference", "--tolerance", "0.1"});
+  const std::vector<double> turned = fan(-TurningWater::steepest_rad, -1e-4, echoes.samples);
+  for (std::size_t k = 0; k < echoes.samples; ++k)
+    if (turned[k] > 0) {
+      EXPECT_TRUE(std::isinf(echoes.energy_bound[k])) << k;
+    }
+}
+
+}  // namespace
+}  // namespace tubefoot
