@@ -156,8 +156,13 @@ TEST(InterferometricRun, PhaseNoiseFollowsTheSeedAndReceiverNoiseLowersCoherence
 
 // All four channels have bounds in the file, which hold what an ordinary run finds.
 TEST(InterferometricRun, AReferenceHoldsEnergiesAndProducts) {
-  const TestFolder folder;
-  const auto file = folder.write("scene.toml", R"(
+  // The transmitter in the middle, apart, and under a surface that mirrors.
+  for (const auto& [tables, keys] : {std::pair("", ""),
+                                     {"", "receiver_arm_m = [1, 0.5, 0.25]\n"},
+                                     {"[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\n", ""}}) {
+    SCOPED_TRACE(std::string(tables) + keys);
+    const TestFolder folder;
+    const auto file = folder.write("scene.toml", tables + std::string(R"(
 [[materials]]
 name = "mud"
 [[terrain]]
@@ -177,29 +182,30 @@ baseline_m = 0.05
 range_min_m = 6
 range_max_m = 14
 samples = 8
-)");
-  const auto run = [&](const char* out, std::vector<std::string> more) {
-    std::vector<std::string> words{"run", file.string(), "-o", (folder / out).string()};
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = run_program(words);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return folder / out / "echoes.nc";
-  };
-  const NetcdfReader ordinary(run("ordinary", {})),
-      reference(run("reference", {"--reference", "--tolerance", "1e-4"}));
-  const auto upper = ordinary.values("/", "energy"), lower = ordinary.values("/", "energy_lower");
-  for (const std::string name : {"energy", "energy_lower", "cross_real", "cross_imag"}) {
-    const auto found = ordinary.values("/", name), middle = reference.values("/", name),
-               bound = reference.values("/", name + "_bound");
-    ASSERT_EQ(bound.size(), found.size());
-    double all = 0;
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      const double size = std::max(upper[k], lower[k]);
-      EXPECT_LE(std::abs(found[k] - middle[k]), bound[k] + 1e-7 * size) << name << ' ' << k;
-      EXPECT_LE(bound[k], 1.01e-4 * size + 1e-12) << name << ' ' << k;
-      all += std::abs(middle[k]);
+)") + keys);
+    const auto run = [&](const char* out, std::vector<std::string> more) {
+      std::vector<std::string> words{"run", file.string(), "-o", (folder / out).string()};
+      words.insert(words.end(), more.begin(), more.end());
+      const Outcome outcome = run_program(words);
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+      return folder / out / "echoes.nc";
+    };
+    const NetcdfReader ordinary(run("ordinary", {})),
+        reference(run("reference", {"--reference", "--tolerance", "1e-4"}));
+    const auto upper = ordinary.values("/", "energy"), lower = ordinary.values("/", "energy_lower");
+    for (const std::string name : {"energy", "energy_lower", "cross_real", "cross_imag"}) {
+      const auto found = ordinary.values("/", name), middle = reference.values("/", name),
+                 bound = reference.values("/", name + "_bound");
+      ASSERT_EQ(bound.size(), found.size());
+      double all = 0;
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        const double size = std::max(upper[k], lower[k]);
+        EXPECT_LE(std::abs(found[k] - middle[k]), bound[k] + 1e-7 * size) << name << ' ' << k;
+        EXPECT_LE(bound[k], 2e-4 * size + 1e-12) << name << ' ' << k;
+        all += std::abs(middle[k]);
+      }
+      EXPECT_GT(all, 0) << name;
     }
-    EXPECT_GT(all, 0) << name;
   }
 }
 

@@ -83,6 +83,26 @@ double expected_coherence(double range, double step, double wavenumber, const De
   return std::abs(std::sin((step - shift) * kappa / 2)) / (step * kappa / 2);
 }
 
+// A facet whose plane passes between the two ends is seen by one of them, whatever the other one is.
+TEST(StaffEcho, AFacetThatOnlyOneEndFacesIsHeardByThatEnd) {
+  const FacetPlane plane{{1, 0, 0}, 0.02};
+  StaffHistory history = piece_on(plane, {{3, 3}, {4, 3}, {4, 4}});
+  const RangeSamples samples{3, 1, 4};
+  history.by_lower = {};
+  const StaffEcho across = echo_of(history, patterns_of({{1, 0, 0}, 0.1, 100}), samples);
+  // The upper end in the same place, the lower one next to it, before the plane.
+  history.middle_m = {0.045, 0, 0};
+  const StaffEcho before = echo_of(history, patterns_of({{1, 0, 0}, 0.01, 100}), samples);
+  double all = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR(across.upper_j[k], before.upper_j[k], 1e-7 * before.upper_j[k]) << k;
+    EXPECT_EQ(across.lower_j[k], 0) << k;
+    EXPECT_EQ(cross_of(across, k), 0.0) << k;
+    all += before.upper_j[k];
+  }
+  EXPECT_GT(all, 0);
+}
+
 TEST(StaffEcho, CoherenceOfTheFlatBedHasTheShiftOfTheReceiversSamples) {
   const double range = 30, step = 0.075;
   const Fringe staff = staff_at(pi / 6, 0.06, 250e3);
