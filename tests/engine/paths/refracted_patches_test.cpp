@@ -95,8 +95,9 @@ TEST(RefractedPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints) {
     const Arcs arcs{1500 - 3 * g, g, s.absorption_db_per_m};
     const PathEcho paths = through(through_water(column_of(arcs)), s), straight = s.run();
     const PointSum sum(s, 8, arcs, arcs);
-    expect_near(paths.by_order[2], sum.scattered_twice(), 0.02, 0.02, "two");
-    expect_near(paths.by_order[3], sum.scattered_thrice(), 0.03, 0.03, "three");
+    expect_near(paths.by_order[2], sum.scattered_twice(), 0.01, 0.01, "two");
+    // Delays that are kept in steps of a sample blur its ends, as in even water.
+    expect_near(paths.by_order[3], sum.scattered_thrice(), 0.01, 0.04, "three");
     // Which bending has its part in.
     EXPECT_GT(std::abs(total(straight.by_order[2]) / total(paths.by_order[2]) - 1), 0.05);
   }
@@ -147,14 +148,14 @@ TEST(RefractedPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
 TEST(RefractedPatches, AFlatBedIsLitByItselfAlongRaysThatTurn) {
   for (const double g : {-60.0, 60.0}) {
     Setting s;
-    s.mesh = square_bed(-5, 2);
+    s.mesh = square_bed(-5, 1.2);
     s.transmit = s.receive = around({0.3, 0.2, -3}, -89.9, -20, 3, 60, 4);
     s.samples = {1, 0.5, 20};
     s.mu = {0.2};
     s.paths.order = s.paths.scatterings = 2;
-    s.paths.patch_m = 0.2;
+    s.paths.patch_m = 0.25;
     const Arcs arcs{1500 - 3 * g, g};
-    const PathEcho paths = through(through_water(column_of(arcs), 2e-4), s);
+    const PathEcho paths = through(through_water(column_of(arcs), 1e-3), s);
     EXPECT_EQ(paths.seen_by_patches.in_shadow, 0u);
     if (g > 0) {
       EXPECT_EQ(total(paths.by_order[2]), 0);
@@ -215,10 +216,13 @@ TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
       const std::vector<Image> images = from.images_of(0);
       ASSERT_EQ(images.size(), 1u);
       const SeenBed seen = from.seen_by(images[0]);
-      double sum = 0;
-      for (const Patch& patch : patches_of(from.base(), apex, seen, unit, 0.5, {}, normal))
+      double sum = 0, own = 0;
+      for (const Patch& patch : patches_of(from.base(), apex, seen, unit, 0.5, {}, normal)) {
         sum += patch.projected_sr;
+        if (patch.facet / 2 == facet / 2) own += patch.projected_sr;
+      }
       EXPECT_NEAR(sum, pi, 2e-4 * pi) << g << ", facet " << facet;
+      EXPECT_LT(own, 0.03 * pi) << g << ", facet " << facet;  // by rays that turn
       EXPECT_EQ(from.counts({&seen, 1}).in_shadow, 0u);
     }
   }
