@@ -79,6 +79,7 @@ std::string scene_with(const std::set<Feature>& features) {
     sensor += one.sensor;
   }
   const bool staff = features.contains(Feature::two_receivers), mirrors = features.contains(Feature::mirrors);
+  if (staff && mirrors) sensor += "depression_min_deg = -60\n";  // up to the surface, too
   if (features.contains(Feature::receiver_apart))
     sensor += staff ? "receiver_arm_m = [1, 0, 0]\n" : "receiver_arm_m = [0, 1, 0]\n";
   if (mirrors) tables += "[paths]\norder = 2\n";
