@@ -157,9 +157,10 @@ TEST(InterferometricRun, PhaseNoiseFollowsTheSeedAndReceiverNoiseLowersCoherence
 // All four channels have bounds in the file, which hold what an ordinary run finds.
 TEST(InterferometricRun, AReferenceHoldsEnergiesAndProducts) {
   // The transmitter in the middle, apart, and under a surface that mirrors.
-  for (const auto& [tables, keys] : {std::pair("", ""),
-                                     {"", "receiver_arm_m = [1, 0.5, 0.25]\n"},
-                                     {"[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\n", ""}}) {
+  for (const auto& [tables, keys] :
+       {std::pair("", ""),
+        {"", "receiver_arm_m = [1, 0.5, 0.25]\n"},
+        {"[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\n", "depression_min_deg = -60\n"}}) {
     SCOPED_TRACE(std::string(tables) + keys);
     const TestFolder folder;
     const auto file = folder.write("scene.toml", tables + std::string(R"(

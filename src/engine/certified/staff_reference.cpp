@@ -331,6 +331,8 @@ std::vector<double> staff_targets(std::span<const double> upper, std::span<const
 CertifiedEcho enclosed(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
                        const Fringe& staff, const RangeSamples& samples, std::array<const EchoLaw*, 2> laws,
                        const StaffEcho& ordinary, double tolerance, bool energies) {
+  if (!history.paired_upper.empty() || !history.paired_lower.empty())
+    throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
   const auto textures = certified_textures(*laws[0]);
   return narrowed(tolerance, [&](double working, bool& coarse) {
     const std::vector<double> target = staff_targets(ordinary.upper_j, ordinary.lower_j, working);

@@ -220,6 +220,13 @@ TEST(StaffReference, FortyDigitsFromOutsideTheProgram) {
   }
 }
 
+TEST(StaffReference, RefusesFacetsThatAreSeenElsewhere) {
+  StaffHistory history;
+  history.paired_upper.resize(1);
+  const EchoLaw law{material_mu, {}, 0};
+  EXPECT_THROW(certify_staff_echo({}, history, 1, {}, {1, 1, 1}, law, {}, 1e-3), std::invalid_argument);
+}
+
 TEST(StaffReference, PatternsOfAllAreHeld) {
   const StaffScene scene(13);
   Directivity line{Directivity::Kind::line, glm::normalize(glm::dvec3(0.5, 0.1, 0.8))},
