@@ -78,51 +78,7 @@ double most_of(const MirrorLoss& loss, const std::vector<glm::dvec3>& corners) {
   return loss.at({std::sqrt((1 - least) * (1 + least)), 0, least});
 }
 
-/// Whether a facet is seen from the other side than rays come to; not of one that is seen edge-on, which the
-/// gap alone may turn over.
-bool is_folded(const SeenBed& bed, const SharedFacet& facet) {
-  constexpr double least_sine = 0.01;
-  const BentFacet& bent = bed.bent[static_cast<std::size_t>(&facet - bed.shared.facets.data())];
-  const glm::dvec3 at = bed.shared.corners_m[bed.shared.pieces[facet.first_piece].first];
-  return glm::dot(bent.normal, facet.plane_normal) < 0 &&
-         facet.transmit_distance_m > least_sine * glm::length(at) &&
-         bent.sine(at, bent.ray_to(bent.lies.at(at))) > least_sine;
-}
-
 }  // namespace
-
-WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m) {
-  constexpr double same_depth_m = 1e-6;
-  const std::vector<ProfilePoint>& points = water.profile.points();
-  const auto end =
-      std::ranges::find_if(points, [&](const ProfilePoint& p) { return p.depth_m > depth_m - same_depth_m; });
-  const auto layer = static_cast<std::size_t>(end - points.begin());
-  const double gradient = water.profile.gradient_per_s(layer), speed = water.profile.at(depth_m);
-  if (gradient == 0) return water;  // nothing is bent there
-  // Speeds stay above half of that at the bed.
-  const double by_m = gradient < 0 ? std::min(further_m, speed / (-2 * gradient)) : further_m;
-  WaterColumn column;
-  std::vector<ProfilePoint> above(points.begin(), end);
-  above.push_back({depth_m, speed});
-  above.push_back({depth_m + by_m, speed + gradient * by_m});
-  column.profile = SoundSpeedProfile(above);
-  for (std::size_t k = 0; k <= above.size() && !water.absorption_db_per_m.empty(); ++k)
-    column.absorption_db_per_m.push_back(water.absorption_in(std::min(k, layer)));
-  return column;
-}
-
-void GroundCounts::add(const GroundCounts& more) {
-  facets += more.facets;
-  in_shadow += more.in_shadow;
-  of_several += more.of_several;
-  folded += more.folded;
-  largest_gap_m = std::max(largest_gap_m, more.largest_gap_m);
-  for (const UnclearPlace& place : more.unclear)
-    if (std::ranges::none_of(unclear, [&](const UnclearPlace& known) {
-          return (known.eigenrays == 0) == (place.eigenrays == 0);
-        }))
-      unclear.push_back(place);
-}
 
 /// From an end over a chain of mirrors.
 struct RefractedImages::Way {
@@ -442,34 +398,10 @@ SeenBed RefractedImages::seen_by(const Image& image) const {
 
 GroundCounts RefractedImages::counts(std::span<const SeenBed> seen) const {
   GroundCounts all;
-  for (std::size_t k = 0; k < ways_.size(); ++k) {
-    const ApparentGround& ground = alike_.seen[k];
-    GroundCounts own;
-    own.facets = ground.refined.mesh.facets.size();
-    own.of_several = ground.facets_of_several;
-    own.largest_gap_m = ground.largest_gap_m;
-    const glm::dvec3 apex_m = ways_[k].straightening.apex_m();
-    const double before_m = 4 * water_.grid.unit_m();  // an apex on the bed is itself that far off
-    for (const auto& corners : ground.left_out_m) {
-      const bool is_before =
-          ways_[k].heights.empty() && on_bed_.front != glm::dvec3(0)
-              ? std::ranges::any_of(corners,
-                                    [&](const glm::dvec3& corner) {
-                                      return glm::dot(on_bed_.front, corner - apex_m) > before_m;
-                                    })
-              : true;
-      own.in_shadow += is_before;
-      if (!is_before || !own.unclear.empty()) continue;
-      const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-      own.unclear.push_back({0, centre, 0, glm::normalize(centre - apex_m)});
-    }
-    const auto several =
-        std::ranges::find_if(ground.unclear, [](const UnclearPlace& p) { return p.eigenrays > 1; });
-    if (several != ground.unclear.end()) own.unclear.push_back(*several);
-    all.add(own);
-  }
-  for (const SeenBed& bed : seen)
-    for (const SharedFacet& facet : bed.shared.facets) all.folded += is_folded(bed, facet);
+  for (std::size_t k = 0; k < ways_.size(); ++k)
+    all.add(counts_from(alike_.seen[k], ways_[k].straightening,
+                        ways_[k].heights.empty() ? on_bed_.front : glm::dvec3(0), 4 * water_.grid.unit_m()));
+  for (const SeenBed& bed : seen) all.folded += folded_facets(bed);
   return all;
 }
 

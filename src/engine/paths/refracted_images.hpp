@@ -11,7 +11,7 @@
 
 #include "engine/ground/paired_facet.hpp"
 #include "engine/paths/image_tree.hpp"
-#include "engine/paths/seen_bed.hpp"
+#include "engine/paths/patch_water.hpp"
 
 // Apexes and their images in level mirrors, in refracting water. docs/paths.md, "In refracting water"
 namespace tubefoot {
@@ -25,20 +25,6 @@ struct PathWater {
   StraighteningSettings straightening;
   RefinementLimits limits;
   const WorldGrid& grid;
-};
-
-/// The same water for places on a bed: below the bed's lowest place, where no sound is, speeds go on as above
-/// it for `further_m`, so that a ray leads from a place to all that are level with it, and it can be told
-/// that it is sent into the bed.
-WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m);
-
-/// What came of several straightenings, counted (ApparentGround).
-struct GroundCounts {
-  std::size_t facets = 0, in_shadow = 0, of_several = 0, folded = 0;
-  double largest_gap_m = 0;
-  std::vector<UnclearPlace> unclear{};  ///< the first without a ray, and the first with several
-
-  void add(const GroundCounts& more);
 };
 
 /// A ray from an image, over its mirrors, to a receiver.
@@ -86,8 +72,7 @@ class RefractedImages {
   const PathWater& water() const { return water_; }
   /// What an image that has looked sees.
   SeenBed seen_by(const Image& image) const;
-  /// Of all that was straightened. A place without a ray counts if sound would come to it straight from the
-  /// apex' side of its facet; a facet is folded if it is seen from behind.
+  /// Of all that was straightened for an apex on the bed, which sees that.
   GroundCounts counts(std::span<const SeenBed> seen) const;
   const WorldGrid& grid() const { return water_.grid; }
   ApparentEnd end_of(const Image& image) const;

@@ -228,5 +228,36 @@ TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
   }
 }
 
+// Rays do not turn above the surface: right under it, where they are bent down, two walls do not see each
+// other, which is told; what lies in the plane of a wall itself is no shadow.
+TEST(RefractedPatches, ShadowsBeforeAPatchAreCounted) {
+  FacetMesh walls;
+  for (double top = -0.02; top > -1; top -= 0.1)
+    for (const double x : {-2.0, 2.0})
+      add_quad(walls, {x, -0.1, top - 0.1}, {x, 0.1, top - 0.1}, {x, 0.1, top}, {x, -0.1, top});
+  const SceneTree tree(walls);
+  const WaterColumn column = column_of({1800, -60});
+  const PathWater water = through_water(column, 1e-3);
+  const Mirrors none;
+  const RefractedImages bed(walls, tree, VisibilityOptions(), none, 0, 10, 0, water,
+                            {around({0, 0, -4}, -80, 80, 1, 30)}, 1);
+  const glm::dvec3 normal(1, 0, 0);
+  for (const double depth : {0.05, 0.9}) {
+    const GridPoint apex = at({-2 + 4 * unit, 0.01, -depth});
+    RefractedImages from(bed, water, front_tubes(apex, normal, 30 / unit), 1, {normal, 0.05});
+    const std::vector<Image> images = from.images_of(0);
+    const SeenBed seen = from.seen_by(images.at(0));
+    const GroundCounts counts = from.counts({&seen, 1});
+    // Chords of 4 m need (4 m)^2 / 8 g / c = 7 cm of water over them.
+    EXPECT_EQ(counts.in_shadow > 0, depth < 0.07) << depth;
+    if (counts.in_shadow > 0) {
+      ASSERT_EQ(counts.unclear.size(), 1u);
+      EXPECT_NEAR(counts.unclear[0].at_m.x, 2, 1e-6);
+      EXPECT_EQ(counts.unclear[0].eigenrays, 0);
+    }
+    EXPECT_EQ(counts.folded, 0u);
+  }
+}
+
 }  // namespace
 }  // namespace tubefoot

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/patch_water.hpp"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+namespace tubefoot {
+
+WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m) {
+  constexpr double same_depth_m = 1e-6;
+  const std::vector<ProfilePoint>& points = water.profile.points();
+  const auto end =
+      std::ranges::find_if(points, [&](const ProfilePoint& p) { return p.depth_m > depth_m - same_depth_m; });
+  const auto layer = static_cast<std::size_t>(end - points.begin());
+  const double gradient = water.profile.gradient_per_s(layer), speed = water.profile.at(depth_m);
+  if (gradient == 0) return water;  // nothing is bent there
+  // Speeds stay above half of that at the bed.
+  const double by_m = gradient < 0 ? std::min(further_m, speed / (-2 * gradient)) : further_m;
+  WaterColumn column;
+  std::vector<ProfilePoint> above(points.begin(), end);
+  above.push_back({depth_m, speed});
+  above.push_back({depth_m + by_m, speed + gradient * by_m});
+  column.profile = SoundSpeedProfile(above);
+  for (std::size_t k = 0; k <= above.size() && !water.absorption_db_per_m.empty(); ++k)
+    column.absorption_db_per_m.push_back(water.absorption_in(std::min(k, layer)));
+  return column;
+}
+
+void GroundCounts::add(const GroundCounts& more) {
+  facets += more.facets;
+  in_shadow += more.in_shadow;
+  of_several += more.of_several;
+  folded += more.folded;
+  largest_gap_m = std::max(largest_gap_m, more.largest_gap_m);
+  for (const UnclearPlace& place : more.unclear)
+    if (std::ranges::none_of(unclear, [&](const UnclearPlace& known) {
+          return (known.eigenrays == 0) == (place.eigenrays == 0);
+        }))
+      unclear.push_back(place);
+}
+
+GroundCounts counts_from(const ApparentGround& ground, const Straightening& water, glm::dvec3 front,
+                         double before_m) {
+  GroundCounts counts;
+  counts.facets = ground.refined.mesh.facets.size();
+  counts.of_several = ground.facets_of_several;
+  counts.largest_gap_m = ground.largest_gap_m;
+  const glm::dvec3 apex_m = water.apex_m();
+  for (const auto& corners : ground.left_out_m) {
+    const bool lies_before =
+        front == glm::dvec3(0) || std::ranges::any_of(corners, [&](const glm::dvec3& corner) {
+          return glm::dot(front, corner - apex_m) > before_m;
+        });
+    counts.in_shadow += lies_before;
+    if (!lies_before || !counts.unclear.empty()) continue;
+    const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+    counts.unclear.push_back({0, centre, 0, glm::normalize(centre - apex_m)});
+  }
+  const auto several =
+      std::ranges::find_if(ground.unclear, [](const UnclearPlace& p) { return p.eigenrays > 1; });
+  if (several != ground.unclear.end()) counts.unclear.push_back(*several);
+  return counts;
+}
+
+std::size_t folded_facets(const SeenBed& bed) {
+  constexpr double least_sine = 0.01;
+  return static_cast<std::size_t>(std::ranges::count_if(bed.shared.facets, [&](const SharedFacet& facet) {
+    const BentFacet& bent = *bed.bent_of(facet);
+    const glm::dvec3 at = bed.shared.corners_m[bed.shared.pieces[facet.first_piece].first];
+    return glm::dot(bent.normal, facet.plane_normal) < 0 &&
+           facet.transmit_distance_m > least_sine * glm::length(at) &&
+           bent.sine(at, bent.ray_to(bent.lies.at(at))) > least_sine;
+  }));
+}
+
+}  // namespace tubefoot
