@@ -48,7 +48,7 @@ struct Image : SeenPoint {
 
 /// Rays to two places that are the same ones but for where they go: for each of the fewer, the number of that
 /// of the more, in their order; empty where they cannot be. Of those, the ones that are launched most alike.
-/// Law (fold): places on the two sides of a caustic differ by neighbours one of which is crossed.
+/// Places on the two sides of a caustic differ by neighbours one of which is crossed.
 std::vector<std::size_t> same_rays(const std::vector<SeenPoint>& more, const std::vector<SeenPoint>& fewer);
 /// As many, and each crossed or not in its turn.
 bool are_alike(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b);

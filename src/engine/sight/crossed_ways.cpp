@@ -2,6 +2,7 @@
 #include "engine/sight/crossed_ways.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
@@ -47,6 +48,29 @@ struct View {
     return some;
   }
 };
+
+/// The mean over a part of what two rays gain together. Next to a caustic tubes widen as the root of the
+/// distance from it: 1 / gain^2 of each is a plane over the bed, and elsewhere is so to second order.
+double mean_gain(const RayOfPart& sent, const RayOfPart& heard) {
+  constexpr int n = 8;
+  const auto inverse_square = [](const RayOfPart& ray, double u, double v) {
+    const std::array<double, 3> weight{1 - u - v, u, v};
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += weight[k] / (ray.corners[k].gain * ray.corners[k].gain);
+    return sum;
+  };
+  double sum = 0;
+  const auto add = [&](double u, double v) {
+    sum += 1 / std::sqrt(inverse_square(sent, u, v) * inverse_square(heard, u, v));
+  };
+  // Middles of even triangles, those that point one way and those that point the other.
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      add((i + 1 / 3.) / n, (j + 1 / 3.) / n);
+      if (i + j + 1 < n) add((i + 2 / 3.) / n, (j + 2 / 3.) / n);
+    }
+  return sum / (n * n);
+}
 
 /// One family's images of the parts.
 struct Sheet {
@@ -106,13 +130,14 @@ void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, con
         place();
       }
       LaidOutFacet laid = lay_out_between(from_t, from_r, lies);
+      const double gain = mean_gain(sent, heard);
       for (std::size_t k = 0; k < 3; ++k) {
         const RayOfPart::Corner &there = sent.corners[corner[k]], &back = heard.corners[corner[k]];
         PairedFacet::Corner& at = laid.facet.corners[k];
         at.transmit_lies = there.sine;
         at.receive_lies = back.sine;
         const double ranges = laid.there_m[k] * laid.back_m[k] / (there.range_m * back.range_m);
-        at.gain *= there.gain * back.gain * ranges * ranges;
+        at.gain *= gain * ranges * ranges;
       }
       history.paired.push_back(laid.facet);
     }

@@ -314,11 +314,11 @@ TEST(SceneFile, PlacesTellWhereThingsStand) {
   const std::string file = folder.scene_file.string();
   EXPECT_EQ(to_string(scene.georeference->place), file + ":3:1");
   EXPECT_EQ(to_string(scene.water.place), file + ":7:1");
-  EXPECT_EQ(to_string(scene.materials[1].place), file + ":29:1");
-  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":33:1");
-  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":36:12");
-  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":93:12");
-  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":161:14");
+  EXPECT_EQ(to_string(scene.materials[1].place), file + ":30:1");
+  EXPECT_EQ(to_string(scene.terrains[0].place), file + ":34:1");
+  EXPECT_EQ(to_string(scene.terrains[0].material_place), file + ":37:12");
+  EXPECT_EQ(to_string(scene.objects[0].material_place), file + ":94:12");
+  EXPECT_EQ(to_string(scene.sensors[0].trajectory_place), file + ":162:14");
 }
 
 TEST(SceneFile, LeavesTheRestAtTheDefaults) {
