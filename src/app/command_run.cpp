@@ -80,7 +80,9 @@ void print_tolerance(const nlohmann::ordered_json& advice) {
 }
 
 void print_relief(const Site& site, const SimulationStats& stats) {
-  if (site.is_tiled())
+  if (site.refines_tiles())
+    tell("relief: tiles refined once for each region of pings, in cells of {:g} m\n", site.relief.cell_m);
+  else if (site.is_tiled())
     tell("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
   else if (site.ground)
     tell("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n", stats.refined_facets,

@@ -99,7 +99,8 @@ std::vector<FacetBlock> facet_blocks(const Shots& shots, std::span<const HeardPi
     for (const std::size_t unit : met[p]) units[unit].pings.push_back(p);
 
   const auto most_facets =
-      static_cast<std::uint64_t>(scene.description.run.terrain_cache_mb * 1e6 / bytes_a_facet);
+      static_cast<std::uint64_t>(scene.description.run.terrain_cache_mb * 1e6 / bytes_a_facet /
+                                 static_cast<double>(survey.site->relief.parts_a_facet));
   const FacetNumbering& numbering = survey.site->numbering();
   std::vector<FacetBlock> blocks;
   std::optional<Growing> growing;

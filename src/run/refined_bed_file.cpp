@@ -4,14 +4,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "files/file_hash.hpp"
 #include "files/inlet.hpp"
 #include "files/streamed_file.hpp"
 #include "geometry/steps/stop.hpp"
+#include "scene/beds/material_map.hpp"
+#include "scene/tiled_scene.hpp"
 
 namespace tubefoot {
 namespace {
@@ -44,69 +50,86 @@ std::string header(const std::string& hash, std::size_t vertices, std::size_t fa
       hash_line(hash), vertices, facets);
 }
 
-/// Bytes that come in large pieces.
-class Reader {
- public:
-  Reader(std::istream& stream, std::size_t record) : stream_(stream), record_(record) {}
-  /// Null at the end of what the file holds.
-  const char* next() {
-    if (at_ == buffer_.size()) {
-      buffer_.resize(record_ * 65536);
-      stream_.read(buffer_.data(), static_cast<std::streamsize>(std::min(buffer_.size(), left)));
-      buffer_.resize(static_cast<std::size_t>(stream_.gcount()) / record_ * record_);
-      left -= buffer_.size();
-      at_ = 0;
-      if (buffer_.empty()) return nullptr;
+/// Calls `use` with the corners on the grid and the material of each facet before relief, in the order of
+/// their numbers.
+template <class Use>
+void for_base_facets(const Scene& scene, const Use& use) {
+  FacetId next = 0;
+  const auto use_mesh = [&](std::size_t component) {
+    for (; next < scene.mesh.facets.size() && scene.mesh.component[next] == component; ++next) {
+      const auto& [a, b, c] = scene.mesh.facets[next];
+      use(std::array{scene.mesh.vertices[a], scene.mesh.vertices[b], scene.mesh.vertices[c]},
+          scene.mesh.material[next]);
     }
-    at_ += record_;
-    return buffer_.data() + at_ - record_;
+  };
+  for (std::size_t i = 0; i < scene.report.components.size(); ++i) {
+    if (scene.tiled.empty() || !scene.tiled[i].tiles) {
+      use_mesh(i);
+      continue;
+    }
+    const TerrainTiles& tiles = *scene.tiled[i].tiles;
+    for (std::size_t row = 0; row < tiles.rows(); ++row) {
+      stop_if_wanted();
+      std::vector<std::uint32_t> chosen;
+      for (std::size_t k = row * tiles.columns(); k < (row + 1) * tiles.columns(); ++k)
+        if (tiles.tiles()[k].facets > 0) chosen.push_back(static_cast<std::uint32_t>(k));
+      ComponentMesh mesh = tiles.read(chosen);
+      if (scene.tiled[i].map)
+        scene.tiled[i].map->apply(mesh);
+      else
+        mesh.materials.assign(mesh.triangles.size(), scene.tiled[i].material);
+      std::vector<GridPoint> points;
+      for (const glm::dvec3& p : mesh.points_m) points.push_back(scene.grid.snap(p));
+      for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+        const auto& [a, b, c] = mesh.triangles[f];
+        use(std::array{points[a], points[b], points[c]}, mesh.materials[f]);
+      }
+    }
   }
-  std::size_t left = 0;
+}
 
- private:
-  std::istream& stream_;
-  std::size_t record_, at_ = 0;
-  std::string buffer_;
-};
+/// At how many places of a facet the relief's heights are part of the hash: of few facets at many.
+std::uint64_t places_on(std::uint64_t facet) {
+  return facet < 64 ? 64 : facet < 4096 || facet % 1024 == 0 ? 1 : 0;
+}
 
 }  // namespace
 
-std::string bed_hash(const Scene& scene, const Ground& ground) {
-  const FacetMesh& base = ground.base();
+std::string bed_hash(const Scene& scene, double cell_m) {
   Sha256 hash;
-  const auto add = [&hash](const auto& values) {
-    hash.update({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])});
-  };
   const glm::dvec3 origin = scene.grid.origin_m();
-  hash.update(fmt::format("bed 1, grid {} {} {} {}, cell {}, {}, {} {}\n", scene.grid.exponent(), origin.x,
-                          origin.y, origin.z, ground.settings().cell_m, scene.description.refinement.displace,
-                          base.vertices.size(), base.facets.size()));
-  add(base.vertices);
-  add(base.facets);
-  add(base.material);
-  // Fields are functions: what they are is what they say.
-  constexpr std::size_t places = 4096;
-  const std::size_t step = std::max<std::size_t>(1, base.facets.size() / places);
-  for (std::size_t k = 0; k < std::max(places, base.facets.size()); k += step) {
-    const std::size_t f = k % base.facets.size();
-    const auto& field = scene.relief[base.material[f]];
-    std::string text;
-    put(text, field ? 1 : 0);
-    if (field) {
-      // Facets may be few: then more places on each.
+  hash.update(fmt::format("bed 2, grid {} {} {} {}, cell {}, {}\n", scene.grid.exponent(), origin.x, origin.y,
+                          origin.z, cell_m, scene.description.refinement.displace));
+  std::uint64_t number = 0;
+  std::string bytes;
+  for_base_facets(scene, [&](const std::array<GridPoint, 3>& corners, std::uint16_t material) {
+    for (const GridPoint& p : corners) put(bytes, p);
+    put(bytes, material);
+    // Fields are functions: what they are is what they say.
+    const std::uint64_t places = places_on(number);
+    const auto& field = scene.relief[material];
+    if (places > 0) put(bytes, field ? 1 : 0);
+    for (std::uint64_t k = number; field && k < number + places; ++k) {
       const double u = static_cast<double>(k % 61) / 61, v = (1 - u) * static_cast<double>(k % 53) / 53;
-      const auto at = [&](int c) { return scene.grid.to_metres(base.vertices[base.facets[f][c]]); };
-      put(text, field->height_m((1 - u - v) * at(0) + u * at(1) + v * at(2)));
+      const auto at = [&](std::size_t c) { return scene.grid.to_metres(corners[c]); };
+      put(bytes, field->height_m((1 - u - v) * at(0) + u * at(1) + v * at(2)));
     }
-    hash.update(text);
-  }
+    ++number;
+    if (bytes.size() < 1 << 16) return;
+    stop_if_wanted();
+    hash.update(bytes);
+    bytes.clear();
+  });
+  hash.update(bytes);
+  hash.update(fmt::format("{} facets\n", number));
   return hash.hex_digest();
 }
 
 void write_refined_bed(const std::filesystem::path& file, const RefinedMesh& bed, const Scene& scene,
                        const Ground& ground) {
   StreamedFile stream(file);
-  std::string bytes = header(bed_hash(scene, ground), bed.mesh.vertices.size(), bed.mesh.facets.size());
+  std::string bytes =
+      header(bed_hash(scene, ground.settings().cell_m), bed.mesh.vertices.size(), bed.mesh.facets.size());
   const auto flush = [&](std::size_t above) {
     if (bytes.size() <= above) return;
     stream.append(bytes);
@@ -132,79 +155,172 @@ void write_refined_bed(const std::filesystem::path& file, const RefinedMesh& bed
   stream.close();
 }
 
-RefinedMesh read_refined_bed(const std::filesystem::path& file, const SourcePlace& place, const Scene& scene,
-                             const Ground& ground) {
-  const auto refused = [&](const std::string& why) {
-    return InputError(place, fmt::format("'{}' {}: make it with 'tubefoot refine {} -o {}'", file.string(),
-                                         why, scene.description.file.string(), file.string()));
-  };
+InputError RefinedBedFile::refused(const std::string& why) const {
+  return InputError(place_, fmt::format("'{}' {}: make it with 'tubefoot refine {} -o {}'", file_.string(),
+                                        why, scene_file_.string(), file_.string()));
+}
+
+RefinedBedFile::RefinedBedFile(std::filesystem::path file, const SourcePlace& place, const Scene& scene,
+                               double cell_m)
+    : file_(std::move(file)),
+      scene_file_(scene.description.file),
+      place_(place),
+      grid_(scene.grid),
+      materials_(scene.relief.size()),
+      components_(scene.report.components.size()) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw refused("is not there");
-  InputFile input(file, place);
+  if (!std::filesystem::exists(file_, error)) throw refused("is not there");
+  InputFile input(file_, place_);
   std::istream& stream = input.stream();
   std::string head;
-  std::size_t vertices = 0, facets = 0;
   const auto number_after = [&](std::string_view words) {
     const std::size_t at = head.find(words);
-    std::size_t value = 0;
+    std::uint64_t value = 0;
     if (at != std::string::npos)
       for (std::size_t k = at + words.size(); k < head.size() && head[k] >= '0' && head[k] <= '9'; ++k)
-        value = std::min<std::size_t>(10 * value + static_cast<std::size_t>(head[k] - '0'), 1ull << 40);
+        value = std::min<std::uint64_t>(10 * value + static_cast<std::uint64_t>(head[k] - '0'), 1ull << 40);
     return value;
   };
   for (std::string line; head.size() < 4096 && std::getline(stream, line);) {
     head += line + '\n';
     if (line == "end_header") break;
   }
-  vertices = number_after("element vertex ");
-  facets = number_after("element face ");
-  const std::string hash = bed_hash(scene, ground);
+  vertices_ = number_after("element vertex ");
+  facets_ = number_after("element face ");
+  const std::string hash = bed_hash(scene, cell_m);
   if (head.find("\ncomment refined bed ") == std::string::npos) throw refused("is no refined bed");
   if (head.find("\n" + hash_line(hash) + "\n") == std::string::npos)
     throw refused("is the refined bed of another scene, or of other keys in [relief]");
-  if (head != header(hash, vertices, facets)) throw refused("is no refined bed of this version");
-  const auto here = stream.tellg();
-  stream.seekg(0, std::ios::end);
-  if (static_cast<std::size_t>(stream.tellg() - here) != vertices * vertex_bytes + facets * face_bytes)
+  if (head != header(hash, vertices_, facets_)) throw refused("is no refined bed of this version");
+  first_byte_ = head.size();
+  if (input.size() != first_byte_ + vertices_ * vertex_bytes + facets_ * face_bytes)
     throw refused("is cut short or longer than it says");
-  stream.seekg(here);
+}
 
-  RefinedMesh bed;
-  bed.mesh.vertices.reserve(vertices);
-  bed.mesh.facets.reserve(facets);
-  bed.mesh.material.reserve(facets);
-  bed.mesh.component.reserve(facets);
-  bed.parent.reserve(facets);
-  Reader points(stream, vertex_bytes);
-  points.left = vertices * vertex_bytes;
-  while (const char* at = points.next()) {
-    stop_if_wanted();
-    glm::dvec3 p;
-    for (int k = 0; k < 3; ++k) p[k] = take<double>(at);
-    try {
-      bed.mesh.vertices.push_back(scene.grid.snap(p));
-    } catch (const GridRangeError&) {
-      throw refused("has a vertex that is not in the scene");
+/// Records of the open file.
+class RefinedBedFile::Reader {
+ public:
+  explicit Reader(const RefinedBedFile& of)
+      : of_(of), input_(of.file_, of.place_), faces_at_(of.first_byte_ + of.vertices_ * vertex_bytes) {}
+
+  /// The first face that is part of this facet or of a later one.
+  std::uint64_t first_face_of(FacetId base) {
+    std::uint64_t lo = 0, hi = of_.facets_;
+    while (lo < hi) {
+      const std::uint64_t middle = lo + (hi - lo) / 2;
+      char bytes[sizeof(FacetId)];
+      take_bytes(faces_at_ + (middle + 1) * face_bytes - sizeof bytes, bytes, sizeof bytes);
+      const char* at = bytes;
+      if (take<FacetId>(at) < base)
+        lo = middle + 1;
+      else
+        hi = middle;
+    }
+    return lo;
+  }
+  template <class Use>
+  void faces(std::uint64_t first, std::uint64_t end, const Use& use) {
+    records(faces_at_, face_bytes, first, end, use);
+  }
+  template <class Use>
+  void vertices(std::uint64_t first, std::uint64_t end, const Use& use) {
+    records(of_.first_byte_, vertex_bytes, first, end, use);
+  }
+
+ private:
+  template <class Use>
+  void records(std::uint64_t from, std::size_t size, std::uint64_t first, std::uint64_t end, const Use& use) {
+    constexpr std::uint64_t at_once = 1 << 16;
+    for (; first < end; first += at_once) {
+      stop_if_wanted();
+      const std::uint64_t count = std::min(at_once, end - first);
+      buffer_.resize(count * size);
+      take_bytes(from + first * size, buffer_.data(), buffer_.size());
+      for (std::uint64_t k = 0; k < count; ++k) use(buffer_.data() + k * size);
     }
   }
-  Reader faces(stream, face_bytes);
-  faces.left = facets * face_bytes;
-  while (const char* at = faces.next()) {
-    stop_if_wanted();
-    const auto corners = take<std::uint8_t>(at);
-    std::array<VertexId, 3> facet;
-    for (VertexId& v : facet) v = take<VertexId>(at);
-    const auto material = take<std::uint16_t>(at), component = take<std::uint16_t>(at);
-    const auto parent = take<FacetId>(at);
-    if (corners != 3 || *std::max_element(facet.begin(), facet.end()) >= vertices ||
-        material >= scene.relief.size() || component >= scene.report.components.size() ||
-        parent >= scene.mesh.facets.size())
-      throw refused("is damaged");
-    bed.mesh.facets.push_back(facet);
-    bed.mesh.material.push_back(material);
-    bed.mesh.component.push_back(component);
-    bed.parent.push_back(parent);
+  void take_bytes(std::uint64_t at, char* to, std::size_t count) {
+    std::istream& stream = input_.stream();
+    stream.seekg(static_cast<std::streamoff>(at));
+    stream.read(to, static_cast<std::streamsize>(count));
+    if (!stream) throw of_.refused("cannot be read any more");
   }
+
+  const RefinedBedFile& of_;
+  InputFile input_;
+  std::uint64_t faces_at_;
+  std::string buffer_;
+};
+
+RefinedMesh RefinedBedFile::read(std::span<const FacetId> base) const {
+  Reader reader(*this);
+  RefinedMesh bed;
+  FacetMesh& mesh = bed.mesh;
+  for (std::size_t k = 0; k < base.size();) {
+    std::size_t end = k + 1;
+    while (end < base.size() && base[end] == base[end - 1] + 1) ++end;
+    FacetId next = base[k];  // that none of the faces so far is part of
+    reader.faces(reader.first_face_of(base[k]), reader.first_face_of(base[end - 1] + 1), [&](const char* at) {
+      const auto corners = take<std::uint8_t>(at);
+      std::array<VertexId, 3> facet;
+      for (VertexId& v : facet) v = take<VertexId>(at);
+      const auto material = take<std::uint16_t>(at), component = take<std::uint16_t>(at);
+      const auto parent = take<FacetId>(at);
+      const bool is_in_order = parent == next || (parent + 1 == next && parent >= base[k]);
+      if (corners != 3 || *std::ranges::max_element(facet) >= vertices_ || material >= materials_ ||
+          component >= components_ || !is_in_order || parent > base[end - 1])
+        throw refused("is damaged");
+      next = parent + 1;
+      mesh.facets.push_back(facet);
+      mesh.material.push_back(material);
+      mesh.component.push_back(component);
+      bed.parent.push_back(parent);
+    });
+    if (next != base[end - 1] + 1) throw refused("is damaged");
+    k = end;
+  }
+  // Vertices that lie near each other in the file are read at once, those between along with them.
+  struct Run {
+    std::uint64_t first, end;
+    std::size_t at;  // in `points`
+  };
+  constexpr std::uint64_t near = 64;
+  std::vector<VertexId> named;
+  for (const auto& facet : mesh.facets) named.insert(named.end(), facet.begin(), facet.end());
+  std::ranges::sort(named);
+  std::vector<Run> runs;
+  for (const VertexId v : named)
+    if (!runs.empty() && v < runs.back().end + near)
+      runs.back().end = std::max<std::uint64_t>(runs.back().end, v + std::uint64_t{1});
+    else
+      runs.push_back({v, v + std::uint64_t{1}, 0});
+  named = {};
+  std::vector<GridPoint> points;
+  for (Run& run : runs) {
+    run.at = points.size();
+    reader.vertices(run.first, run.end, [&](const char* at) {
+      glm::dvec3 p;
+      for (int k = 0; k < 3; ++k) p[k] = take<double>(at);
+      try {
+        points.push_back(grid_.snap(p));
+      } catch (const GridRangeError&) {
+        throw refused("has a vertex that is not in the scene");
+      }
+    });
+  }
+  // As facets name them, which is their order in the file.
+  constexpr VertexId unnamed = std::numeric_limits<VertexId>::max();
+  std::vector<VertexId> number(points.size(), unnamed);
+  for (auto& facet : mesh.facets)
+    for (VertexId& v : facet) {
+      const Run& run = *std::prev(std::ranges::upper_bound(runs, std::uint64_t{v}, {}, &Run::first));
+      const std::size_t k = run.at + (v - run.first);
+      if (number[k] == unnamed) {
+        number[k] = static_cast<VertexId>(mesh.vertices.size());
+        mesh.vertices.push_back(points[k]);
+      }
+      v = number[k];
+    }
   return bed;
 }
 

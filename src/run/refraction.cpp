@@ -113,12 +113,16 @@ void put_into_water(Site& site, Fleet& fleet) {
   const Scene& scene = site.scene;
   if (!scene.water->refracts()) return;
   site.lowest_m = std::numeric_limits<double>::infinity();
-  for (const GridPoint& v : scene.mesh.vertices)
-    site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(v).z);
+  if (site.relief.parent.empty())
+    for (const GridPoint& v : scene.mesh.vertices)
+      site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(v).z);
+  else  // before relief: what it may lower is the same however terrain is read
+    for (const ComponentReport& component : scene.report.components)
+      site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(scene.grid.snap(component.lo_m)).z);
   for (const TiledTerrain& terrain : scene.tiled)
     if (terrain.tiles)
       site.lowest_m = std::min(site.lowest_m, scene.grid.to_metres(scene.grid.snap(terrain.tiles->lo_m())).z);
-  if (site.ground) site.lowest_m -= site.ground->omitted().largest_height_m();
+  if (site.relief.omitted) site.lowest_m -= site.relief.omitted->largest_height_m();
   const double surface = scene.water->surface_height_m();
   for (SensorPings& pings : fleet.sensors) {
     pings.water = std::make_shared<const WaterColumn>(scene.water->column(pings.sensor->frequency_khz()));

@@ -49,7 +49,8 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
     relief = {{"mode", keys.mode}, {"cell_m", site.relief.cell_m}, {"displace", keys.displace}};
     if (site.ground) relief["tolerance"] = site.ground->settings().tolerance;
     relief["base_facets"] = site.relief.base_facets;
-    relief["facets_made"] = site.ground ? stats.refined_facets : scene.mesh.facets.size();
+    if (!site.refines_tiles())
+      relief["facets_made"] = site.ground ? stats.refined_facets : scene.mesh.facets.size();
     if (!site.is_tiled()) relief["uniform_facets"] = site.relief.uniform_facets;
     relief["change_by_finer_relief"] = {
         {"of", "a facet's energy, relative; mean over the worst ping, weighed by energy"},

@@ -10,7 +10,8 @@
 #include <numeric>
 
 #include "files/memory_at_hand.hpp"
-#include "geometry/tubes/mirror.hpp"
+#include "geometry/tubes/part_corner_weights.hpp"
+#include "run/facet_numbering.hpp"
 #include "run/paths.hpp"
 #include "run/refined_bed_file.hpp"
 #include "run/refraction.hpp"
@@ -36,6 +37,12 @@ std::size_t facets_of(const Scene& scene) {
   std::size_t sum = 0;
   for (const ComponentReport& component : scene.report.components) sum += component.facets;
   return sum;
+}
+
+std::vector<FacetId> all_facets(const FacetMesh& mesh) {
+  std::vector<FacetId> all(mesh.facets.size());
+  std::iota(all.begin(), all.end(), FacetId{0});
+  return all;
 }
 
 double cell_of(const Scene& scene) {
@@ -108,6 +115,36 @@ RefinedMesh refined_bed(const Scene& scene, const Ground& ground) {
   }
 }
 
+RefinedMesh refined_part(const Site& whole, const Scene& part, std::span<const FacetId> facets,
+                         std::span<const FacetId> names) {
+  const SourcePlace& place = part.description.refinement.place;
+  if (whole.relief.file) {
+    RefinedMesh bed = whole.relief.file->read(names);
+    for (FacetId& facet : bed.parent)
+      facet = facets[std::size_t(std::ranges::lower_bound(names, facet) - names.begin())];
+    return bed;
+  }
+  const auto at_hand = static_cast<std::size_t>(std::min(memory_at_hand() / bytes_a_facet, 1e12));
+  const RefinementLimits most{.facets = std::min(most_offline.facets, at_hand)};
+  try {
+    return relief_ground(part)->everywhere(facets, most);
+  } catch (const RefinementTooLarge&) {
+    throw InputError(place, fmt::format("the tiles that are needed at once have more than {} facets in cells "
+                                        "of {:.3g} m: use mode = \"online\", a larger 'cell_m', fewer pings "
+                                        "or a shorter range",
+                                        most.facets, whole.relief.cell_m));
+  }
+}
+
+void refine_part(const Site& whole, const TileChoice& tiles, Site& part) {
+  part.ground.reset();
+  const std::vector<FacetId> facets = all_facets(part.scene.mesh);
+  RefinedMesh bed =
+      refined_part(whole, part.scene, facets, whole.relief.file ? whole.base_numbering().of(tiles) : facets);
+  part.scene.mesh = std::move(bed.mesh);
+  part.relief.parent = std::move(bed.parent);
+}
+
 void lay_relief(Site& site) {
   Scene& scene = site.scene;
   if (!has_relief(scene)) return;
@@ -121,8 +158,19 @@ void lay_relief(Site& site) {
     site.ground = std::move(ground);
     return;
   }
-  RefinedMesh bed =
-      keys.file ? read_refined_bed(*keys.file, keys.file_place, scene, *ground) : refined_bed(scene, *ground);
+  std::shared_ptr<const RefinedBedFile> file;
+  if (keys.file)
+    file = std::make_shared<const RefinedBedFile>(*keys.file, keys.file_place, scene, site.relief.cell_m);
+  if (site.is_tiled()) {
+    double longest_m = 0;
+    for (const TiledTerrain& terrain : scene.tiled)
+      if (terrain.tiles) longest_m = std::max(longest_m, terrain.tiles->longest_edge_m());
+    // The longest edge is halved until it is no cell's; shorter ones are no more often.
+    for (; longest_m > site.relief.cell_m; longest_m /= 2) site.relief.parts_a_facet *= 4;
+    site.relief.file = std::move(file);
+    return;
+  }
+  RefinedMesh bed = file ? file->read(all_facets(scene.mesh)) : refined_bed(scene, *ground);
   ground.reset();
   scene.mesh = std::move(bed.mesh);
   site.relief.parent = std::move(bed.parent);
@@ -140,15 +188,6 @@ RefinedMesh refined_for(const Shot& shot, const Refine& refine) {
                                  "'tolerance'",
                                  shot.name(), most_a_shot.facets));
   }
-}
-
-/// Rounded alike whichever way they are counted, so that what lies on an edge of the whole stays on it.
-std::array<std::int64_t, 2> weights_at(const PartCorner& corner, const PartWeights& of_whole) {
-  const auto between = [&](std::int64_t from, std::int64_t to) {
-    return from + static_cast<std::int64_t>(std::llround(corner.part * static_cast<long double>(to - from)));
-  };
-  const auto &from = of_whole[corner.from], &to = of_whole[corner.to];
-  return {between(from[0], to[0]), between(from[1], to[1])};
 }
 
 }  // namespace
@@ -174,16 +213,14 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
   if (!scene.description.sea_surface) return false;
   const std::int32_t height = scene.surface_height();
   if (std::ranges::all_of(mesh.vertices, [=](GridPoint v) { return v.z <= height; })) return false;
-  std::vector<FacetId> all(mesh.facets.size());
-  std::iota(all.begin(), all.end(), FacetId{0});
   std::vector<std::array<PartCorner, 3>> corners;
-  MeshPart wet =
-      in_front_of(MirrorPlane::horizontal(height), mesh, all, weights == nullptr ? nullptr : &corners);
+  MeshPart wet = in_front_of(MirrorPlane::horizontal(height), mesh, all_facets(mesh),
+                             weights == nullptr ? nullptr : &corners);
   mesh = std::move(wet.mesh);
   if (weights != nullptr) {
     std::vector<PartWeights> parts(corners.size());
     for (std::size_t f = 0; f < parts.size(); ++f)
-      for (std::size_t k = 0; k < 3; ++k) parts[f][k] = weights_at(corners[f][k], (*weights)[wet.origin[f]]);
+      parts[f] = weights_of(corners[f], (*weights)[wet.origin[f]]);
     *weights = std::move(parts);
   }
   if (!parent.empty()) {

@@ -68,8 +68,15 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
 ShotGround ground_in_line_with(const Site& site, glm::dvec3 place_m);
 
 /// Settles how a scene's relief gets into its facets: nothing without relief; online, what ground_of() needs;
-/// offline, the scene's facets are refined (or loaded) here. Throws InputError.
+/// offline, the scene's facets are refined (or loaded) here, and of a tiled site those of tiles by
+/// refine_part(). Throws InputError.
 void lay_relief(Site& site);
+/// Refines a part of a tiled site, that has these tiles and its ground. Throws InputError.
+void refine_part(const Site& whole, const TileChoice& tiles, Site& part);
+/// The parts of some facets of a scene with some of a tiled site's tiles, and what these facets are called
+/// before relief. `parent`: of the scene. Throws InputError.
+RefinedMesh refined_part(const Site& whole, const Scene& part, std::span<const FacetId> facets,
+                         std::span<const FacetId> names);
 
 /// The ground that lay_relief() refines, for a scene with relief. Throws InputError.
 std::unique_ptr<Ground> relief_ground(const Scene& scene);

@@ -27,19 +27,30 @@ const RayScene& Site::rays() const {
   return *rays_;
 }
 
+const FacetNumbering& Site::base_numbering() const {
+  make_once(base_numbering_made_,
+            [this] { base_numbering_ = std::make_unique<const FacetNumbering>(*this); });
+  return *base_numbering_;
+}
+
 const FacetNumbering& Site::numbering() const {
-  make_once(numbering_made_, [this] { numbering_ = std::make_unique<const FacetNumbering>(*this); });
+  if (!refines_tiles()) return base_numbering();
+  make_once(numbering_made_,
+            [this] { numbering_ = std::make_unique<const FacetNumbering>(*this, base_numbering()); });
   return *numbering_;
 }
 
 FacetId Site::number_of(FacetId facet) const {
   if (!whole) return facet;
-  make_once(numbered_, [this] { numbers_ = whole->numbering().of(tiles); });
+  make_once(numbered_, [this] { numbers_ = whole->numbering().of(tiles, relief.parent); });
   return numbers_[facet];
 }
 
 FacetId Site::base_number_of(FacetId facet) const {
-  return relief.parent.empty() ? number_of(facet) : relief.parent[facet];
+  if (relief.parent.empty()) return number_of(facet);
+  if (!whole) return relief.parent[facet];
+  make_once(base_numbered_, [this] { base_numbers_ = whole->base_numbering().of(tiles); });
+  return base_numbers_[relief.parent[facet]];
 }
 
 const std::vector<glm::dvec3>& Site::vertices_m() const {

@@ -17,13 +17,17 @@ class FacetNumbering;
 class Ground;
 class OmittedRelief;
 class RayScene;
+class RefinedBedFile;
 
 /// How relief is in a scene's facets; nothing of it without relief.
 struct SiteRelief {
   double cell_m = 0;                                ///< 0: no relief
   std::size_t base_facets = 0, uniform_facets = 0;  ///< unrefined; textured ones in cells
-  std::vector<FacetId> parent;                      ///< offline: by facet of the scene, the unrefined one
+  std::vector<FacetId> parent;  ///< offline: by facet of the scene, the unrefined one; of a part, the part's
   std::shared_ptr<const OmittedRelief> omitted;
+  // Of a tiled site, offline, whose tiles are refined when they are loaded:
+  std::uint64_t parts_a_facet = 1;             ///< into how many facets one may be cut, about
+  std::shared_ptr<const RefinedBedFile> file;  ///< that they come from; null: they are made
 };
 
 /// What was loaded of terrain that is read by tiles.
@@ -54,6 +58,8 @@ struct Site {
   TileChoice tiles;                   ///< its tiles that the mesh has
 
   bool is_tiled() const { return !scene.tiled.empty(); }
+  /// Whether relief gets into facets as tiles are loaded.
+  bool refines_tiles() const { return is_tiled() && relief.cell_m > 0 && ground == nullptr; }
   /// Whether each shot meets facets of its own.
   bool has_ground_a_shot() const { return ground != nullptr || scene.water->refracts(); }
   /// The number that a facet of the mesh has where all of the scene is in memory. Thread-safe. Throws as
@@ -63,17 +69,20 @@ struct Site {
   FacetId base_number_of(FacetId facet) const;
   /// Of a tiled site. Thread-safe.
   const FacetNumbering& numbering() const;
+  /// Of its facets before relief. Thread-safe.
+  const FacetNumbering& base_numbering() const;
   /// The mesh's vertices in metres, worked out at the first call. Thread-safe.
   const std::vector<glm::dvec3>& vertices_m() const;
   /// The facets made ready for rays, at the first call. Thread-safe. Throws as RayScene().
   const RayScene& rays() const;
 
  private:
-  mutable std::once_flag rays_made_, vertices_made_, numbered_, numbering_made_;
+  mutable std::once_flag rays_made_, vertices_made_, numbered_, numbering_made_, base_numbered_,
+      base_numbering_made_;
   mutable std::unique_ptr<const RayScene> rays_;
   mutable std::vector<glm::dvec3> vertices_m_;
-  mutable std::vector<FacetId> numbers_;                     ///< of a part, by facet
-  mutable std::unique_ptr<const FacetNumbering> numbering_;  ///< of a tiled site
+  mutable std::vector<FacetId> numbers_, base_numbers_;  ///< of a part, by facet; by facet before relief
+  mutable std::unique_ptr<const FacetNumbering> numbering_, base_numbering_;  ///< of a tiled site
 };
 
 }  // namespace tubefoot

@@ -94,7 +94,7 @@ void place_shots(SensorPings& pings, const Trajectory& trajectory) {
 std::unique_ptr<Site> loaded_with(const Site& site, const TileChoice& choice) {
   auto part = std::make_unique<Site>(with_tiles(site.scene, choice));
   part->relief = site.relief;
-  if (site.ground) part->ground = relief_ground(part->scene);
+  if (site.relief.cell_m > 0) part->ground = relief_ground(part->scene);
   return part;
 }
 
@@ -245,7 +245,9 @@ bool reaches_surface(const Site& site) {
   const std::int32_t height = scene.surface_height();
   return std::ranges::any_of(scene.mesh.vertices, [=](GridPoint v) { return v.z > height; }) ||
          std::ranges::any_of(scene.tiled, [&](const TiledTerrain& terrain) {
-           return terrain.tiles && scene.grid.snap(terrain.tiles->hi_m()).z > height;
+           const double lift_m = site.relief.omitted ? site.relief.omitted->largest_height_m() : 0;
+           return terrain.tiles &&
+                  scene.grid.snap(terrain.tiles->hi_m() + glm::dvec3(0, 0, lift_m)).z > height;
          });
 }
 
@@ -296,6 +298,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description) {
 
 Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
   const std::shared_ptr<Site> part = loaded_with(*survey.site, choice);
+  if (survey.site->refines_tiles()) refine_part(*survey.site, choice, *part);
   part->tree = std::make_unique<SceneTree>(part->scene.mesh);
   part->lowest_m = survey.site->lowest_m;
   part->whole = survey.site;

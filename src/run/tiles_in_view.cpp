@@ -37,7 +37,8 @@ double fastest_m_s(const SoundSpeedProfile& profile) {
 
 TilesInView::TilesInView(const Site& site)
     : site_(site),
-      lift_m_((site.ground ? site.ground->omitted().largest_height_m() : 0) + 2 * site.scene.grid.unit_m()) {
+      lift_m_((site.relief.omitted ? site.relief.omitted->largest_height_m() : 0) +
+              2 * site.scene.grid.unit_m()) {
   const Scene& scene = site.scene;
   for (std::size_t i = 0; i < scene.tiled.size(); ++i) {
     const ComponentReport& whole = scene.report.components[i];
@@ -188,7 +189,7 @@ std::uint64_t TilesInView::facets(const TileChoice& choice) const {
   for (const Boxes& boxes : boxes_)
     for (const std::uint32_t tile : choice[boxes.component])
       sum += site_.scene.tiled[boxes.component].tiles->tiles()[tile].facets;
-  return sum;
+  return sum * site_.relief.parts_a_facet;
 }
 
 Survey survey_around(const Shots& shots, const SharedShots& group, std::size_t ping) {

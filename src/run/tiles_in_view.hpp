@@ -32,6 +32,7 @@ class TilesInView {
   TileChoice within(glm::dvec3 lo_m, glm::dvec3 hi_m) const;
   /// Those with facets above or below a place, before or after relief moves them.
   TileChoice below(glm::dvec3 place_m) const;
+  /// In their tiles; about so many where relief is refined with them.
   std::uint64_t facets(const TileChoice& choice) const;
 
  private:

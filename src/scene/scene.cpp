@@ -278,7 +278,7 @@ class Loader {
   void load_components() {
     std::vector<ComponentMesh> terrains;  // objects may stand on them
     for (const TerrainDescription& t : description_.terrains) {
-      if (!named_at(t.place, [&] { return is_read_by_tiles(t, description_); })) {
+      if (!named_at(t.place, [&] { return is_read_by_tiles(t); })) {
         terrains.push_back(terrain_mesh(t, frame_));
         continue;
       }

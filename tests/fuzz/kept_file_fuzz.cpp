@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 
 #include "files/usage_error.hpp"
@@ -138,7 +139,10 @@ void refined_bed(Bytes& bytes) {
   const auto file =
       scratch_file("bed.ply", bytes.below(4) == 0 ? std::string(bytes.rest()) : damaged(good.text, bytes));
   may_refuse([&] {
-    const RefinedMesh bed = read_refined_bed(file, {"scene.toml", 1, 1}, good.scene, *good.ground);
+    std::vector<FacetId> all(good.scene.mesh.facets.size());
+    std::iota(all.begin(), all.end(), FacetId{0});
+    const RefinedMesh bed =
+        RefinedBedFile(file, {"scene.toml", 1, 1}, good.scene, good.ground->settings().cell_m).read(all);
     for (std::size_t f = 0; f < bed.mesh.facets.size(); ++f) {
       for (const VertexId v : bed.mesh.facets[f])
         if (v >= bed.mesh.vertices.size()) finding("a corner out of range");

@@ -42,10 +42,7 @@ std::vector<CommandCase> cases() {
                                    "ping_interval_s = 8", "ping_interval_s = 18.6");
   // The third ping has the island abeam; paths over the surface need few of the tiles.
   const std::string abeam = replaced(few, "range_max_m = 22", "range_max_m = 16");
-  std::string relief = replaced(
-      scene("", line + few + "[relief]\ncell_m = 0.25\n"), "lambert_db = -25\n",
-      "lambert_db = -25\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.08\n"
-      "wavelength_m = 0.8\nrms_height_m = 0.03\n");
+  const std::string relief = with_ripples(scene("", line + few + "[relief]\ncell_m = 0.25\n"));
   return {
       {"HolesAndAnObject", scene("", std::string(ball) + line + few), true},
       {"AnIslandAndTheSurface", scene("[sea_surface]\nheight_m = 0\n", std::string(ball) + line + abeam),
@@ -53,6 +50,11 @@ std::vector<CommandCase> cases() {
       {"AMapAndAnIsland", with_mud(scene("[sea_surface]\nheight_m = 0\n", std::string(ball) + line + abeam)),
        false, true, patches},
       {"ReliefOnline", relief},
+      {"ReliefOffline", replaced(relief, "cell_m = 0.25", "mode = \"offline\"\ncell_m = 0.6")},
+      {"ReliefOfflineOfAMapAndAnIsland",
+       with_ripples(with_mud(scene("[sea_surface]\nheight_m = 0\n", std::string(ball) + line + abeam)) +
+                    "[relief]\nmode = \"offline\"\ncell_m = 0.6\n"),
+       false, true, patches},
       {"RefractingWater", scene("[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
                                 "-1.5\nprofile_bottom_m = 30\n",
                                 line + few)}};
@@ -215,11 +217,8 @@ TEST(TiledBlocks, HoldEachFacetOnceWithThePingsThatMaySeeIt) {
 TEST(TiledRefine, WritesTheBedOfTheWhole) {
   const TestFolder folder;
   write_mosaic(folder, true);
-  const std::string text = replaced(
-      scene("", std::string(diagonal) + std::string(sidescan) + "[relief]\ncell_m = 0.3\n"),
-      "lambert_db = -25\n",
-      "lambert_db = -25\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.08\n"
-      "wavelength_m = 0.8\nrms_height_m = 0.03\n");
+  const std::string text =
+      with_ripples(scene("", std::string(diagonal) + std::string(sidescan) + "[relief]\ncell_m = 0.3\n"));
   std::vector<std::string> beds;
   for (const char* load : {"whole", "tiles"}) {
     const auto file = folder.write(

@@ -86,14 +86,15 @@ struct TiledCase {
 
 std::vector<TiledCase> scenes() {
   const std::string line(diagonal), side(sidescan);
-  std::string relief = scene("", line + side + "[relief]\ncell_m = 0.25\ndisplace = \"normal\"\n");
-  relief = replaced(relief, "lambert_db = -25\n",
-                    "lambert_db = -25\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m "
-                    "= 0.08\nwavelength_m = 0.8\nrms_height_m = 0.03\n");
+  std::string relief =
+      with_ripples(scene("", line + side + "[relief]\ncell_m = 0.25\ndisplace = \"normal\"\n"));
   relief = replaced(relief, "pings = 9", "pings = 3");
   relief = replaced(relief, "ping_interval_s = 8", "ping_interval_s = 27");
   const std::string few =
       replaced(replaced(side, "pings = 9", "pings = 3"), "ping_interval_s = 8", "ping_interval_s = 27");
+  const auto offline = [](const std::string& text) {
+    return with_ripples(text + "[relief]\nmode = \"offline\"\ncell_m = 0.6\n");
+  };
   const std::string refracting =
       "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
       "-1.5\nprofile_bottom_m = 30\n";
@@ -104,6 +105,14 @@ std::vector<TiledCase> scenes() {
        "window = [11, 7, 280, 250]\ndecimate = 2"},
       {"TwoSensors", scene("", line + side + std::string(multibeam)), true},
       {"ReliefOnline", relief},
+      {"ReliefOffline", replaced(replaced(relief, "cell_m = 0.25", "cell_m = 0.6"),
+                                 "displace =", "mode = \"offline\"\ndisplace =")},
+      {"ReliefOfflineWithHolesAndAnObject", offline(scene("", std::string(ball) + line + few)), true},
+      {"ReliefOfflineOfAMapAndAnIsland",
+       offline(with_mud(scene("[sea_surface]\nheight_m = 0\n",
+                              line + replaced(few, "range_max_m = 22", "range_max_m = 16")))),
+       false, true, patches},
+      {"ReliefOfflineInRefractingWater", offline(scene(refracting, line + few))},
       {"RefractingWater", scene(refracting, line + few)},
       {"RefractingWaterWithReceiverApart", scene(refracting, line + few + "receiver_arm_m = [0.3, 0, 0]\n")},
       {"ReceiverApart", scene("", line + few + "receiver_arm_m = [0.3, 0, 0]\n"), true},
@@ -205,19 +214,48 @@ TEST(TiledTerrainFiles, CheckSaysWhatIsThereWithoutLoadingIt) {
                                     2 * (columns - 1) * (rows - 1))));
 }
 
-TEST(TiledTerrainFiles, OfflineReliefNeedsTheWholeAndSaysSo) {
+// A bed that was refined once, for the whole or by tiles, is read back by tiles, a region at a time.
+TEST(TiledTerrainFiles, ARefinedBedIsReadByTiles) {
   const TestFolder folder;
-  write_mosaic(folder, false);
-  const std::string text =
-      replaced(replaced(scene("", std::string(diagonal) + std::string(sidescan)), "{}",
-                        terrain("mosaic.vrt", "tiles")),
-               "lambert_db = -25\n",
-               "lambert_db = -25\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = "
-               "0.08\nwavelength_m = 0.8\nrms_height_m = 0.03\n") +
-      "[relief]\nmode = \"offline\"\ncell_m = 0.25\n";
-  const Outcome outcome = run_program({"check", folder.write("scene.toml", text).string()});
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("needs all of 'bed'"), HasSubstr("load = \"whole\"")));
+  write_mosaic(folder, true);
+  const auto text = [&](std::string_view load, std::string_view more) {
+    return replaced(
+               with_ripples(scene("", std::string(ball) + std::string(diagonal) + std::string(sidescan))),
+               "{}", terrain("mosaic.vrt", load, "window = [60, 50, 150, 140]\n")) +
+           fmt::format("[relief]\nmode = \"offline\"\ncell_m = 0.3\n{}", more);
+  };
+  const auto energies = [&](std::string_view load, std::string_view more, int cache_mb) {
+    SceneDescription description = read_scene_text(text(load, more), folder / "scene.toml");
+    description.run.terrain_cache_mb = cache_mb;
+    const Result result = simulated(description);
+    if (load == "tiles" && cache_mb == 0) {
+      EXPECT_GE(result.regions, 2u);
+    }
+    return result.energy;
+  };
+  const auto expected = energies("whole", "", 0);
+  ASSERT_GT(sum(expected[0]), 0);
+  for (const char* by : {"whole", "tiles"}) {
+    const auto refined = run_program(
+        {"refine", folder.write("scene.toml", text(by, "")).string(), "-o", (folder / "bed.ply").string()});
+    ASSERT_EQ(refined.exit_code, 0) << refined.err;
+    EXPECT_EQ(energies("whole", "file = \"bed.ply\"\n", 0), expected);
+    EXPECT_EQ(energies("tiles", "file = \"bed.ply\"\n", 512), expected);
+    EXPECT_EQ(energies("tiles", "file = \"bed.ply\"\n", 0), expected);
+  }
+  // Of another bed: one height differs.
+  GDALAllRegister();
+  {
+    const GDALDatasetUniquePtr data(GDALDataset::Open((folder / "part0.tif").c_str(), GDAL_OF_UPDATE));
+    float value = -11.5f;
+    ASSERT_EQ(
+        data->GetRasterBand(1)->RasterIO(GF_Write, 100, 80, 1, 1, &value, 1, 1, GDT_Float32, 0, 0, nullptr),
+        CE_None);
+  }
+  const Outcome other =
+      run_program({"check", folder.write("scene.toml", text("tiles", "file = \"bed.ply\"\n")).string()});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("of another scene"));
 }
 
 // A source that is cut off while a run goes on: the pings before it are kept, and go on once it is back.

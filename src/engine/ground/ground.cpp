@@ -246,7 +246,11 @@ RefinedMesh Ground::refined(std::span<const FacetId> facets, const EdgeRule& rul
 RefinedMesh Ground::everywhere(const RefinementLimits& limits) const {
   std::vector<FacetId> all(base_.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  return refined(all, Cells(*this), limits);
+  return everywhere(all, limits);
+}
+
+RefinedMesh Ground::everywhere(std::span<const FacetId> facets, const RefinementLimits& limits) const {
+  return refined(facets, Cells(*this), limits);
 }
 
 RefinedMesh Ground::seen_by(std::span<const Look> looks, const RefinementLimits& limits) const {

@@ -47,6 +47,8 @@ class Ground {
 
   /// All facets; those with relief in cells. Throws RefinementTooLarge.
   RefinedMesh everywhere(const RefinementLimits& limits) const;
+  /// The same of some of them: the same parts.
+  RefinedMesh everywhere(std::span<const FacetId> facets, const RefinementLimits& limits) const;
   /// All facets that these shots may see, as fine as they need; coarse beside them. Throws
   /// RefinementTooLarge.
   RefinedMesh seen_by(std::span<const Look> looks, const RefinementLimits& limits) const;

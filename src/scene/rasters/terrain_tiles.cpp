@@ -13,7 +13,6 @@
 
 #include "files/limits.hpp"
 #include "geometry/steps/stop.hpp"
-#include "scene/description/scene_description.hpp"
 #include "scene/rasters/raster_reader.hpp"
 
 namespace tubefoot {
@@ -42,21 +41,10 @@ void add(std::vector<Interval>& list, Interval more) {
 
 }  // namespace
 
-bool is_read_by_tiles(const TerrainDescription& terrain, const SceneDescription& scene) {
+bool is_read_by_tiles(const TerrainDescription& terrain) {
   const auto* raster = std::get_if<RasterTerrain>(&terrain.kind);
   if (raster == nullptr || terrain.facets || raster->load == "whole") return false;
-  const bool offline =
-      scene.refinement.mode == "offline" && std::any_of(scene.materials.begin(), scene.materials.end(),
-                                                        [](const auto& m) { return !m.relief.empty(); });
-  if (raster->load == "tiles") {
-    if (offline)
-      throw InputError(terrain.place,
-                       fmt::format("[relief] with mode = \"offline\" needs all of '{}' at once: give the "
-                                   "terrain a window and load = \"whole\"",
-                                   terrain.name));
-    return true;
-  }
-  if (offline) return false;
+  if (raster->load == "tiles") return true;
   const RasterReader reader(*raster);
   return !reader.file().has_variable_resolution() && reader.window().cells() > most_cells_whole;
 }

@@ -15,11 +15,9 @@
 
 namespace tubefoot {
 
-struct SceneDescription;
-
-/// Whether a raster terrain is read by tiles: as it says, or, if it leaves that open, because it is large and
-/// nothing that it asks for needs all of it at once. Throws InputError as read_raster() does.
-bool is_read_by_tiles(const TerrainDescription& terrain, const SceneDescription& scene);
+/// Whether a raster terrain is read by tiles: as it says, or, if it leaves that open, because it is large.
+/// Throws InputError as read_raster() does.
+bool is_read_by_tiles(const TerrainDescription& terrain);
 
 /// A raster terrain of which only some tiles are in memory at a time: squares of cells, counted row by row
 /// from the north-west corner. A cell lies between four centres of the raster's pixels, and holds the facets
