@@ -16,6 +16,7 @@
 #include "run/paths.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
+#include "run/shot_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -82,18 +83,6 @@ void add_own_engine(const Shot& shot, PingSums& sums) {
   }
 }
 
-/// Where every sensor's own paths begin and end: its range says how far they go.
-struct PathEnds {
-  TubeSet transmit, receive;
-  PathEnds(const Shot& shot, std::size_t s) : transmit(shot.tubes()), receive(shot.receive_tubes(s)) {
-    transmit.reach = receive.reach = 2 * shot.sensor(s).reach(shot.scene().grid);
-  }
-};
-
-bool is_wanted(const Shot& shot, std::size_t order) {
-  return shot.scene().description.paths.only_order.value_or(int(order)) == int(order);
-}
-
 void count_paths(const auto& paths, PingSums& sums) {
   sums.counts.images += paths.images;
   sums.counts.arrivals += paths.arrivals;
@@ -116,8 +105,8 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   const ShotGround& ground = lying ? *lying : shot.ground();
   const SensorLaw law(shot, ground, s);
   std::optional<RayGround> rays;
-  if (shot.request().engine == Engine::ray && !water)
-    settings.sampled = SampledPaths{&*rays.emplace(shot), shot.scene().grid, rays_of(shot),
+  if (shot.request().engine == Engine::ray)
+    settings.sampled = SampledPaths{water ? nullptr : &*rays.emplace(shot), shot.scene().grid, rays_of(shot),
                                     sensor.beam_of_tube(shot.number())};
   PathEcho paths;
   try {
@@ -130,7 +119,7 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
     rethrow_as_seen_by(shot);
   }
   for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
-    if (!is_wanted(shot, order)) continue;
+    if (!is_order_wanted(shot.scene(), order)) continue;
     if (!settings.reference_tolerance) {
       sums.add(shot, s, order, paths.by_order[order].energy);
       continue;
@@ -194,7 +183,7 @@ void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& set
     count_paths(paths, sums);
   }
   for (std::size_t order = 0; order < by_order.size(); ++order)
-    if (is_wanted(shot, order)) sums.add(shot, s, order, by_order[order].all());
+    if (is_order_wanted(shot.scene(), order)) sums.add(shot, s, order, by_order[order].all());
 }
 
 void add_paths(const Shot& shot, PingSums& sums) {
@@ -422,7 +411,7 @@ Asked asked_of(const Shots& shots, const SharedShots& group) {
   asked.mirrors = std::ranges::any_of(group.sensors, [&](std::size_t s) {
     return path_settings(survey.scene, sensor(s).frequency_khz()).has_value();
   });
-  asked.direct = !asked.own_engine && survey.scene.description.paths.only_order.value_or(1) == 1;
+  asked.direct = !asked.own_engine && is_order_wanted(survey.scene, 1);
   asked.certified = request.reference_tolerance.has_value();
   asked.refracted = survey.scene.water->refracts();
   asked.apart = sensor(group.sensors.front()).has_receiver_apart();
