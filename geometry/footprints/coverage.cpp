@@ -192,7 +192,7 @@ void Coverage::add_seen(std::uint32_t l, bool home, std::vector<char>& seen_whol
       const FacetId own = seen.pieces[k].facet, facet = end.base_of(own);
       seen_.push_back({facet, l, end.name_of(own), home, own, tube, k});
       if (!look.home && !end.bed && !seen_whole[facet] && is_whole_facet(mesh, seen, seen.pieces[k]) &&
-          surely_in_window(look, mesh, own, own))
+          surely_in_window(look, mesh, own, mesh, own))
         seen_whole[facet] = 1;
     }
   }
@@ -210,7 +210,7 @@ void Coverage::add_within(std::uint32_t l, bool home, const std::vector<char>& s
     part_whole.resize(mesh.facets.size(), 0);
     for (const TubeVisibility& seen : end.seen)
       for (const NamedPiece& piece : seen.pieces)
-        if (is_whole_facet(mesh, seen, piece) && surely_in_window(look, mesh, piece.facet, piece.facet))
+        if (is_whole_facet(mesh, seen, piece) && surely_in_window(look, mesh, piece.facet, mesh, piece.facet))
           part_whole[piece.facet] = 1;
   }
   const TubeSet& tubes = end.tubes;
@@ -253,6 +253,15 @@ void Coverage::index() {
   }
 }
 
+/// Which facets of an end's bed these are of: one, unless the end calls several alike, as images in mirrors
+/// do that cut a facet.
+std::vector<FacetId> Coverage::own_parts(std::span<const Part> parts) {
+  std::vector<FacetId> own;
+  for (const Part& part : parts)
+    if (std::find(own.begin(), own.end(), part.own) == own.end()) own.push_back(part.own);
+  return own;
+}
+
 /// Parts of one facet: what looks see, or what they have in their tubes.
 void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) const {
   const auto polygon = [&](const FacetRegions::Aspect& from, const Part& part) {
@@ -270,39 +279,48 @@ void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) con
     while (home < end && !parts[home].home) ++home;
     const CoverageLook& look = looks_[part.look];
     if (home == first || (look.home && home == end)) continue;  // in the sector of one end only
-    const FacetRegions::Aspect out = facet.aspect(look.out, part.own);
-    if (out.edge_on) continue;
-    FacetRegion what{look.ping, part.look, {part.own, part.own}, part.piece == no_piece, {}, {}};
-    if (!look.home) {
-      const FacetRegions::Window window = facet.window(look, out, nullptr);
-      if (window.none) continue;
-      for (std::size_t k = first; k < end; ++k) facet.add(window, polygon(out, parts[k]), what);
-      continue;
-    }
-    what.parts[1] = parts[home].own;
-    const FacetRegions::Aspect there = facet.aspect(*look.home, parts[home].own);
-    if (there.edge_on || (!what.hidden_too && out.seen.reversed != there.seen.reversed)) continue;
-    const FacetRegions::Window window = facet.window(look, out, &there);
-    if (window.none) continue;
-    std::vector<Placed> heard;
-    for (std::size_t k = home; k < end; ++k)
-      if (LinePolygon p = polygon(there, parts[k]); !p.empty()) {
-        const ChartBox box = box_of(corners_of(p));
-        heard.push_back({std::move(p), box});
+    const std::span<const Part> sent = parts.subspan(first, home - first),
+                                listened = parts.subspan(home, end - home);
+    for (const FacetId own : own_parts(sent)) {
+      const FacetRegions::Aspect out = facet.aspect(look.out, own);
+      if (out.edge_on) continue;
+      FacetRegion what{look.ping, part.look, {own, own}, part.piece == no_piece, {}, {}};
+      if (!look.home) {
+        const FacetRegions::Window window = facet.window(look, out, nullptr);
+        if (window.none) continue;
+        for (const Part& its : sent)
+          if (its.own == own) facet.add(window, polygon(out, its), what);
+        continue;
       }
-    for (std::size_t k = first; k < home; ++k) {
-      const LinePolygon sent = polygon(out, parts[k]);
-      if (sent.empty()) continue;
-      const ChartBox box = box_of(corners_of(sent));
-      for (const Placed& other : heard) {
-        stop_if_wanted();
-        if (!box.meets(other.box)) continue;
-        LinePolygon both = sent;
-        for (const PlaneLine* line : other.polygon) {
-          if (!both.empty() && std::find(both.begin(), both.end(), line) == both.end())
-            clip(both, *line, sides);
+      for (const FacetId own_home : own_parts(listened)) {
+        what.parts[1] = own_home;
+        const FacetRegions::Aspect there = facet.aspect(*look.home, own_home);
+        if (there.edge_on || (!what.hidden_too && out.seen.reversed != there.seen.reversed)) continue;
+        const FacetRegions::Window window = facet.window(look, out, &there);
+        if (window.none) continue;
+        std::vector<Placed> heard;
+        for (const Part& its : listened)
+          if (its.own == own_home)
+            if (LinePolygon p = polygon(there, its); !p.empty()) {
+              const ChartBox box = box_of(corners_of(p));
+              heard.push_back({std::move(p), box});
+            }
+        for (const Part& its : sent) {
+          if (its.own != own) continue;
+          const LinePolygon from = polygon(out, its);
+          if (from.empty()) continue;
+          const ChartBox box = box_of(corners_of(from));
+          for (const Placed& other : heard) {
+            stop_if_wanted();
+            if (!box.meets(other.box)) continue;
+            LinePolygon both = from;
+            for (const PlaneLine* line : other.polygon) {
+              if (!both.empty() && std::find(both.begin(), both.end(), line) == both.end())
+                clip(both, *line, sides);
+            }
+            facet.add(window, std::move(both), what);
+          }
         }
-        facet.add(window, std::move(both), what);
       }
     }
   }

@@ -31,7 +31,9 @@ struct PartedBed {
   std::unique_ptr<const SceneTree> tree;  ///< of this mesh
   std::vector<FacetId> base;              ///< by facet: the covered one
   std::vector<PartWeights> weights;       ///< by facet
-  std::vector<FacetId> name;  ///< by facet: facets of two ends' beds of the same name are the same part
+  /// By facet: facets of two ends' beds of the same name are the same part; or, where each end's mirrors cut
+  /// facets for themselves and all is seen where it lies, parts of the same.
+  std::vector<FacetId> name;
 };
 
 /// What one end of a ping's paths sees.
@@ -122,6 +124,7 @@ class Coverage {
   void add_within(std::uint32_t look, bool home, const std::vector<char>& seen_whole,
                   std::vector<Part>& to) const;
   void index();
+  static std::vector<FacetId> own_parts(std::span<const Part> parts);
   void add_regions(FacetRegions& facet, std::span<const Part> parts) const;
 
   const FacetMesh& mesh_;

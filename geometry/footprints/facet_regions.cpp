@@ -187,13 +187,19 @@ std::vector<const PlaneLine*> FacetRegions::lines_round(std::span<const glm::dve
 FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect& out, const Aspect* home) {
   Window window;
   const FacetMesh& mesh = look.out.bed ? look.out.bed->mesh : mesh_;
-  if (surely_in_window(look, mesh, out.facet, home ? home->facet : out.facet)) return window;
+  const FacetMesh& there = home != nullptr && home->end->bed ? home->end->bed->mesh : mesh_;
+  if (surely_in_window(look, mesh, out.facet, there, home ? home->facet : out.facet)) return window;
   const auto ring = [&](double range, RingSide side) {
     if (home != nullptr) {
       const auto places = [](const Aspect& of) {
         return std::array{vector(of.corners[0]), vector(of.corners[1]), vector(of.corners[2])};
       };
-      return half_path_ring(places(out), places(*home), range, side);
+      if (home->on_chart == out.on_chart) return half_path_ring(places(out), places(*home), range, side);
+      // Parts of the same that each end's mirrors have cut: it lies in one place.
+      Aspect same = out;
+      const GridPoint apart = home->end->tubes.apex - out.end->tubes.apex;
+      for (GridPoint& corner : same.corners) corner = corner - apart;
+      return half_path_ring(places(out), places(same), range, side);
     }
     const FacetCone plane = facet_plane(mesh, out.facet);
     const glm::dvec3 n = glm::normalize(vector(plane.normal));
@@ -298,7 +304,8 @@ LinePolygon FacetRegions::within(const Aspect& from, std::uint32_t tube) {
   return polygon;
 }
 
-bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId out, FacetId home) {
+bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId out, const FacetMesh& there,
+                      FacetId home) {
   // The mean of both ends' ranges, each bounded by itself.
   double farthest = 0, nearest = 0;
   const auto add = [&](const FacetMesh& its, FacetId facet, GridPoint apex) {
@@ -317,7 +324,7 @@ bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId o
   };
   add(mesh, out, look.out.tubes.apex);
   if (look.home) {
-    add(look.home->bed ? look.home->bed->mesh : mesh, home, look.home->tubes.apex);
+    add(there, home, look.home->tubes.apex);
     farthest /= 2;
     nearest /= 2;
   }

@@ -109,7 +109,9 @@ class FacetRegions {
 };
 
 /// Whether a part lies inside the window of a look, seen from anywhere on it; false if that is not sure.
-bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId out, FacetId home);
+/// `home`: of `there`, where the look has another end.
+bool surely_in_window(const CoverageLook& look, const FacetMesh& mesh, FacetId out, const FacetMesh& there,
+                      FacetId home);
 /// Whether all of a piece's edges are edges of its facet, by name alone.
 bool is_whole_facet(const FacetMesh& mesh, const TubeVisibility& seen, const NamedPiece& piece);
 

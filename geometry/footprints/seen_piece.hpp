@@ -45,10 +45,12 @@ class SeenPiece {
     if (look.mesh != nullptr) {
       // Names are those of the facet as it was seen, which may be a part of what it is.
       FacetCone own;
-      if (FacetCone::make(*look.mesh, piece_.facet, look.tubes.apex, own) && own.point == facet.point)
+      if (FacetCone::make(*look.mesh, piece_.facet, look.tubes.apex, own) && own.point == facet.point) {
         vertex_ = own.vertex;
-      else
+      } else {
         vertex_.fill(no_point);
+        is_cut_ = true;
+      }
     } else {
       vertex_ = facet.vertex;
     }
@@ -73,6 +75,8 @@ class SeenPiece {
   const std::vector<glm::dvec3>& points() const { return points_; }
   /// True only if every edge lies on one of the facet's.
   bool is_whole_facet() const { return whole_; }
+  /// Of a part of the facet, whose rounded corners may lie beyond the facet's edges.
+  bool is_of_cut_facet() const { return is_cut_; }
   /// False only if they have no point in common.
   bool may_meet(const SeenPiece& o) const {
     return lo_[0] <= o.hi_[0] && o.lo_[0] <= hi_[0] && lo_[1] <= o.hi_[1] && o.lo_[1] <= hi_[1];
@@ -119,7 +123,7 @@ class SeenPiece {
   FacetChart chart_;
   std::vector<glm::dvec3> points_;
   double lo_[2], hi_[2];  // of u and v, with their errors
-  bool whole_ = true, polygon_made_ = false;
+  bool whole_ = true, polygon_made_ = false, is_cut_ = false;
   std::vector<PlaneLine> lines_;
   LinePolygon polygon_;
 };
@@ -127,16 +131,20 @@ class SeenPiece {
 /// What two pieces of a facet share, empty if nothing.
 inline void shared_by(SeenPiece& sent, SeenPiece& heard, LinePolygon& polygon) {
   thread_local std::vector<int> sides;
+  const auto clip_by = [&](SeenPiece& other, bool edges_too) {
+    const auto& walls = other.lines();
+    for (std::uint32_t k = 0; k < walls.size() && !polygon.empty(); ++k)
+      if (!walls[k].is_none() && (edges_too || !other.on_facet_edge(k))) clip(polygon, walls[k], sides);
+  };
+  // What is seen lies on the facet, whose own edges cut nothing off, unless it is of a part that a mirror
+  // cut.
   if (sent.is_whole_facet() && !heard.is_whole_facet()) {
     polygon = heard.polygon();
+    if (heard.is_of_cut_facet()) clip_by(sent, true);
     return;
   }
   polygon = sent.polygon();
-  if (heard.is_whole_facet()) return;
-  const auto& walls = heard.lines();
-  // What is seen lies on the facet: its own edges cut nothing off.
-  for (std::uint32_t k = 0; k < walls.size() && !polygon.empty(); ++k)
-    if (!walls[k].is_none() && !heard.on_facet_edge(k)) clip(polygon, walls[k], sides);
+  if (sent.is_of_cut_facet() || !heard.is_whole_facet()) clip_by(heard, sent.is_of_cut_facet());
 }
 
 /// Of one facet: how both apexes see it, and what each sees of it, whose pieces refer to the cones here.

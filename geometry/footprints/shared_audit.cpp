@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <map>
 
 #include "geometry/footprints/facet_regions.hpp"
 #include "geometry/footprints/line_areas.hpp"
@@ -55,6 +56,13 @@ SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) cons
 
   SharedAudit result;
   bool inside = true;
+  // Windows of images overlap by what their corners are rounded: of them one is held at a time.
+  const bool windows = transmit_.mesh != nullptr;
+  const auto of_tube = [&](SeenPiece& piece) { return windows ? piece.tube() : 0; };
+  std::map<std::uint32_t, std::vector<LinePolygon>> by_sent, by_heard;  // what is shared
+  std::map<std::uint32_t, std::vector<Walls>> sent_by, heard_by;
+  for (std::size_t s = 0; s < on.sent.size(); ++s) sent_by[of_tube(on.sent[s])].push_back(walls_sent[s]);
+  for (std::size_t h = 0; h < on.heard.size(); ++h) heard_by[of_tube(on.heard[h])].push_back(walls_heard[h]);
   std::vector<LinePolygon> shared, all_sent, all_heard;
   for (std::size_t s = 0; s < on.sent.size(); ++s) {
     if (!on.sent[s].polygon().empty()) all_sent.push_back(on.sent[s].polygon());
@@ -65,6 +73,8 @@ SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) cons
       shared_by(on.sent[s], on.heard[h], polygon);
       if (polygon.empty()) continue;
       inside = inside && lies_within(polygon, walls_sent[s]) && lies_within(polygon, walls_heard[h]);
+      by_sent[of_tube(on.sent[s])].push_back(polygon);
+      by_heard[of_tube(on.heard[h])].push_back(polygon);
       shared.push_back(std::move(polygon));
     }
   }
@@ -79,10 +89,10 @@ SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) cons
                       Integer(p[std::size_t(on.chart.v)] - q[std::size_t(on.chart.v)])};
   };
   const Integer whole = u(1)[0] * u(2)[1] - u(1)[1] * u(2)[0];
-  const Fraction common = area_of(shared);
   bool adds_up = true;
-  const auto check = [&](std::vector<LinePolygon> polygons, const std::vector<Walls>& others) {
-    const Fraction own = area_of(polygons);
+  const auto check = [&](std::vector<LinePolygon> polygons, const std::vector<Walls>& others,
+                         const std::vector<LinePolygon>& in_both) {
+    const Fraction own = area_of(polygons), common = area_of(in_both);
     LineStore store;
     take_away(others, polygons, store);
     const Fraction left = sum({common, area_of(polygons)});
@@ -90,11 +100,12 @@ SharedAudit FootprintSharer::audit(std::size_t number, std::uint64_t label) cons
     adds_up = false;
     result.defect += std::abs(share_of(sum({left, {Integer(-own.numerator), own.denominator}}), whole).share);
   };
-  check(all_sent, walls_heard);
-  check(all_heard, walls_sent);
+  for (const auto& [tube, walls] : heard_by) check(all_sent, walls, by_heard[tube]);
+  for (const auto& [tube, walls] : sent_by) check(all_heard, walls, by_sent[tube]);
   result.closes = inside && adds_up;
   result.pieces = shared.size();
   if (!shared.empty()) {
+    const Fraction common = area_of(shared);
     TopologyHasher hasher;
     hasher.add(label);
     hasher.add(mesh_, on.from_transmitter.id, transmit_.tubes.apex);

@@ -13,6 +13,7 @@
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
 #include "run/shot_ends.hpp"
+#include "run/shot_images.hpp"
 #include "run/tiles_in_view.hpp"
 
 namespace tubefoot {
@@ -45,10 +46,11 @@ int audit_command(const AuditOptions& options) {
                              static_cast<std::uint64_t>(ping)});
   }
 
-  std::size_t tubes = 0, pieces = 0, facets = 0, shared_facets = 0, shared_pieces = 0, failures = 0;
+  std::size_t tubes = 0, pieces = 0, facets = 0, shared_facets = 0, shared_pieces = 0, failures = 0,
+              images = 0, pairs = 0;
   double worst = 0;
   TopologyHash hash;
-  bool apart = false;
+  bool apart = false;  // or over mirrors
   const auto fail = [&](const Shot& shot, const std::string& what, double defect, const char* whole) {
     if (++failures <= 10)
       say("sensor '{}', ping {}, shot {}, {}: off by {:.3e} of {}\n", shot.pings().sensor->description().name,
@@ -65,6 +67,29 @@ int audit_command(const AuditOptions& options) {
       if (!audit.closes) fail(shot, fmt::format("{}tube {}", of_whom, tube), audit.defect, "the tube");
     }
   };
+  const auto add_shared = [&](const Shot& shot, const char* who, const std::vector<SharedAudit>& audits) {
+    for (const SharedAudit& shared : audits) {
+      shared_facets += shared.pieces > 0;
+      shared_pieces += shared.pieces;
+      hash += shared.hash;
+      if (!shared.closes) fail(shot, fmt::format("what {} see", who), shared.defect, "a facet");
+    }
+  };
+  const auto add_paths = [&](const Shot& shot, const PathAudit& paths) {
+    apart = true;
+    images += paths.images.size();
+    pairs += paths.pairs;
+    for (const ImageAudit& image : paths.images) {
+      const std::string whose =
+          fmt::format("{}'s image in {} mirror{}", image.of_receiver ? "receiver" : "transmitter",
+                      image.mirrors, image.mirrors == 1 ? "" : "s");
+      add_tubes(shot, (whose + ", ").c_str(), image.windows);
+      if (!image.fills())
+        fail(shot, whose + ", windows", (image.windows_sr - image.mirror_sr) / image.mirror_sr,
+             "what is seen of the mirror");
+    }
+    add_shared(shot, "two images", paths.shared);
+  };
   ShotsAround around(all);
   Progress progress("audited shots", shots.size(), options.quiet);
   for (const Asked& asked : shots) {
@@ -75,15 +100,11 @@ int audit_command(const AuditOptions& options) {
       const BistaticAudit audit = ShotEnds(shot, shot.first()).audit(asked.label);
       add_tubes(shot, "transmitter's ", audit.transmit);
       add_tubes(shot, "receiver's ", audit.receive);
-      for (const SharedAudit& shared : audit.shared) {
-        shared_facets += shared.pieces > 0;
-        shared_pieces += shared.pieces;
-        hash += shared.hash;
-        if (!shared.closes) fail(shot, "what both ends see", shared.defect, "a facet");
-      }
+      add_shared(shot, "both ends", audit.shared);
     } else {
       add_tubes(shot, "", shot.audit(asked.label));
     }
+    audit_paths(shot, asked.label, [&](const PathAudit& paths) { add_paths(shot, paths); });
     progress.step();
   }
   tell("arithmetic     {}\n", description.run.arithmetic);
@@ -91,6 +112,10 @@ int audit_command(const AuditOptions& options) {
   tell("tubes          {}\n", tubes);
   tell("footprints     {}\n", facets);
   tell("pieces         {}\n", pieces);
+  if (pairs > 0) {
+    tell("images         {}\n", images);
+    tell("image pairs    {}\n", pairs);
+  }
   if (apart) {
     tell("shared facets  {}\n", shared_facets);
     tell("shared pieces  {}\n", shared_pieces);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <map>
 #include <span>
 #include <tuple>
@@ -53,15 +54,17 @@ std::vector<CoverageLook> look(const Shots& shots, std::span<const HeardPing> pi
   for (const std::size_t p : chosen)
     for (std::size_t shot = 0; shot < shots.survey().sensors[pings[p].sensor].sensor->shots(); ++shot)
       asked.push_back({p, shot});
-  std::vector<CoverageLook> looks(asked.size());
+  std::vector<std::vector<CoverageLook>> found(asked.size());
   Progress progress("shots", asked.size(), quiet);
   tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t l) {
     stop_if_wanted();
     const auto& [listed, shot] = asked[l];
     const auto& [sensor, ping] = pings[listed];
-    looks[l] = coverage_look(shots.heard_by(sensor, ping, shot), sensor, static_cast<std::uint32_t>(listed));
+    found[l] = coverage_looks(shots.heard_by(sensor, ping, shot), sensor, static_cast<std::uint32_t>(listed));
     progress.step();
   });
+  std::vector<CoverageLook> looks;
+  for (auto& some : found) std::move(some.begin(), some.end(), std::back_inserter(looks));
   return looks;
 }
 
@@ -178,7 +181,11 @@ int coverage_command(const CoverageOptions& options) {
                                  options.output.string()));
   if (options.picture && options.picture->extension() != ".png")
     throw UsageError(fmt::format("'{}': the picture is a .png", options.picture->string()));
-  const SceneDescription description = described(options);
+  SceneDescription description = described(options);
+  if (options.order) {
+    description.paths.order = *options.order;
+    description.paths.only_order.reset();
+  }
   const Inputs inputs = inputs_of(description);
   std::optional<OutputFolder> staged;
   std::optional<OutputFile> file, picture_file;

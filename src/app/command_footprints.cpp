@@ -94,9 +94,13 @@ int footprints_command(const FootprintOptions& options) {
   const SensorPings& pings = survey->sensors[index];
   const PingRange range = resolved(options.pings, pings.times_s.size());
   const std::vector<std::uint32_t> beams = resolved_beams(options.beams, pings.sensor->beams().size());
-  if (description.paths.order > 1 || description.paths.only_order)
-    print_warnings({"footprints are those of paths of order 1: what mirrors and second scatterings add is in "
-                    "the energies of 'run' only"},
+  if (description.paths.scatterings > 1)
+    print_warnings({"footprints are those of what is scattered once: what second scatterings add is in the "
+                    "energies of 'run' only"},
+                   options.quiet);
+  if (places.exact && description.paths.order > 1)
+    print_warnings({"exact corners are those of paths of order 1: footprints over mirrors are in the other "
+                    "formats"},
                    options.quiet);
 
   Files files(places, make, shots, index);

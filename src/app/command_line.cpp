@@ -175,6 +175,10 @@ void add_coverage(CLI::App& app, Asked& asked) {
                    "file: .gpkg (GeoPackage: polygons and tables) or .csv (a row a facet); else a folder for "
                    "both and a picture")
       ->required();
+  command
+      ->add_option("--order", coverage.order,
+                   "what paths of up to so many interactions see; 1: straight ways only; else [paths] says")
+      ->check(CLI::Range(1, 8));
   command->add_option("--picture", coverage.picture, "also draw a plan of it into this PNG");
   command->footer("Example:\n  tubefoot coverage scenes/survey/scene.toml --pings 200:299 -o out/coverage");
   command->callback([&asked] { asked.command = [&asked] { return coverage_command(asked.coverage); }; });

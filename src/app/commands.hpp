@@ -25,6 +25,7 @@ struct FootprintOptions : CommonOptions {
 
 struct CoverageOptions : CommonOptions {
   std::optional<std::string> sensor;
+  std::optional<int> order;  ///< of [paths]; none: the scene's
   std::string pings = ":";
   std::filesystem::path output;
   std::optional<std::filesystem::path> picture;

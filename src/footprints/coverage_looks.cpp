@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "footprints/coverage_looks.hpp"
 
+#include <numeric>
+#include <utility>
+
+#include "geometry/tubes/part_corner_weights.hpp"
 #include "run/shot_ends.hpp"
+#include "run/shot_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,9 +31,7 @@ CoverageEnd seen_by(const ShotEnd& end, std::shared_ptr<const PartedBed> bed,
   return result;
 }
 
-}  // namespace
-
-CoverageLook coverage_look(const Shot& shot, std::size_t sensor, std::uint32_t ping) {
+CoverageLook straight(const Shot& shot, std::size_t sensor, std::uint32_t ping) {
   const ShotEnds ends(shot, sensor, true);
   const VisibilityOptions& options = shot.request().visibility;
   const auto bed = bed_of(ends.out());
@@ -38,6 +41,77 @@ CoverageLook coverage_look(const Shot& shot, std::size_t sensor, std::uint32_t p
   if (ends.are_two())
     look.home = seen_by(ends.home(), ends.apparent_pair() != nullptr ? bed_of(ends.home()) : bed, options);
   return look;
+}
+
+/// What images see, as parts of the scene's facets.
+class ImageBeds {
+ public:
+  explicit ImageBeds(const ShotImages& of) : of_(of) {
+    const RefinedMesh* own = of.ground().refined();
+    if (own != nullptr) whole_ = made(own->mesh, own->parent, own->weights, {});
+  }
+  CoverageEnd end_of(const Image& image) const {
+    CoverageEnd end{image.windows, image.seen, whole_};
+    const PathImages::Parts parts = of_.images().parts_seen_by(image);
+    if (parts.of.empty()) return end;
+    std::vector<FacetId> base = parts.of;
+    std::vector<PartWeights> weights = parts.weights;
+    if (const RefinedMesh* own = of_.ground().refined(); own != nullptr)
+      for (FacetId f = 0; f < base.size(); ++f) {
+        weights[f] = rounded_part_of_part(own->weights[base[f]], weights[f]);
+        base[f] = own->parent[base[f]];
+      }
+    end.bed = made(*image.mesh, std::move(base), std::move(weights), parts.name);
+    return end;
+  }
+
+ private:
+  static std::shared_ptr<const PartedBed> made(const FacetMesh& mesh, std::vector<FacetId> base,
+                                               std::vector<PartWeights> weights, std::vector<FacetId> name) {
+    auto bed = std::make_shared<PartedBed>();
+    bed->mesh = mesh;
+    bed->tree = std::make_unique<const SceneTree>(bed->mesh, SceneTree::Sheets::ignored);
+    bed->base = std::move(base);
+    bed->weights = std::move(weights);
+    bed->name = std::move(name);
+    if (bed->name.empty()) {
+      bed->name.resize(bed->base.size());
+      std::iota(bed->name.begin(), bed->name.end(), FacetId{0});
+    }
+    return bed;
+  }
+
+  const ShotImages& of_;
+  std::shared_ptr<const PartedBed> whole_;  // null: the scene's own facets
+};
+
+void add_over_mirrors(const Shot& shot, std::size_t sensor, const PathSettings& settings, std::uint32_t ping,
+                      std::vector<CoverageLook>& looks) {
+  const ShotImages of(shot, sensor, settings, PathEnds(shot, sensor), false, true);
+  const PathImages& images = of.images();
+  const ImageBeds beds(of);
+  std::vector<CoverageEnd> sent, heard;
+  for (const Image& image : images.sent()) sent.push_back(beds.end_of(image));
+  if (!images.one_place())
+    for (const Image& image : images.heard()) heard.push_back(beds.end_of(image));
+  for (const auto& [i, j] : images.pairs()) {
+    if (!is_order_wanted(shot.scene(), images.sent()[i].mirrors + images.heard()[j].mirrors + 1)) continue;
+    CoverageLook look{ping, sent[i], shot.sensor(sensor).samples().first_m / shot.scene().grid.unit_m(),
+                      shot.sensor(sensor).reach(shot.scene().grid)};
+    if (!(images.one_place() && i == j)) look.home = images.one_place() ? sent[j] : heard[j];
+    looks.push_back(std::move(look));
+  }
+}
+
+}  // namespace
+
+std::vector<CoverageLook> coverage_looks(const Shot& shot, std::size_t sensor, std::uint32_t ping) {
+  std::vector<CoverageLook> looks;
+  if (is_order_wanted(shot.scene(), 1)) looks.push_back(straight(shot, sensor, ping));
+  if (const auto settings = path_settings(shot.scene(), shot.sensor(sensor).frequency_khz());
+      settings && settings->order > 1)
+    add_over_mirrors(shot, sensor, *settings, ping, looks);
+  return looks;
 }
 
 }  // namespace tubefoot

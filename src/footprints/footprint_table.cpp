@@ -6,11 +6,14 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
 
 #include "engine/echo/echo.hpp"
 #include "engine/sight/path_footprints.hpp"
+#include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/shot_ends.hpp"
+#include "run/shot_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -18,7 +21,7 @@ namespace {
 constexpr double degrees = 180 / std::numbers::pi;
 
 using T = FootprintTable;
-const std::array<FootprintColumn, 21> columns{{
+const std::array<FootprintColumn, 23> columns{{
     {"ping", "1", "ping, counted from 0", &T::ping},
     {"shot", "1", "shot of the ping, counted from 0", &T::shot},
     {"beam", "1", "beam that the receive tube belongs to, counted from 0", &T::beam},
@@ -30,6 +33,8 @@ const std::array<FootprintColumn, 21> columns{{
     {"component_index", "1", "component of the scene, counted from 0", &T::component},
     {"material_index", "1", "material of the scene, counted from 0", &T::material},
     {"path_order", "1", "interactions of the path: 1 is the ordinary echo", &T::path_order},
+    {"mirrors_out", "1", "mirrors on the way out", &T::mirrors_out},
+    {"mirrors_home", "1", "mirrors on the way home", &T::mirrors_home},
     {"area_m2", "m2", "area", &T::area_m2},
     {"solid_angle_sr", "sr", "solid angle at the sensor", &T::solid_angle_sr},
     {"grazing_deg", "degree", "grazing angle at the centroid", &T::grazing_deg},
@@ -59,15 +64,39 @@ void append_offsets(std::vector<std::uint64_t>& to, const std::vector<std::uint6
 /// Facets that take something away from what a tube sees of a facet, by both.
 using Occluders = std::map<std::pair<FacetId, std::uint32_t>, std::vector<FacetId>>;
 
-Occluders occluders_of(const History& history, const ShotEnd& end) {
+/// `end` tells of a facet what both ends call it, and its number.
+template <class End>
+Occluders occluders_of(const FootprintSet& set, const End& end) {
   Occluders all;
-  for (const Footprint& f : history.footprints.footprints) {
+  for (const Footprint& f : set.footprints) {
     auto& its = all[{end.name_of(f.facet), f.tube}];
     for (std::uint32_t k = 0; k < f.occluder_count; ++k)
-      its.push_back(end.number_of(history.footprints.occluders[f.first_occluder + k]));
+      its.push_back(end.number_of(set.occluders[f.first_occluder + k]));
   }
   return all;
 }
+
+/// Of a facet, in a tube of the way out and one of the way home.
+std::vector<FacetId> of_either(const Occluders& out, std::uint32_t out_tube, const Occluders& home,
+                               std::uint32_t home_tube, FacetId facet) {
+  std::vector<FacetId> occluders;
+  const auto add = [&](const Occluders& all, std::uint32_t tube) {
+    // In plain doubles what both see of a facet and what one of them sees may disagree.
+    if (const auto its = all.find({facet, tube}); its != all.end())
+      occluders.insert(occluders.end(), its->second.begin(), its->second.end());
+  };
+  add(out, out_tube);
+  add(home, home_tube);
+  std::sort(occluders.begin(), occluders.end());
+  occluders.erase(std::unique(occluders.begin(), occluders.end()), occluders.end());
+  return occluders;
+}
+
+/// A way over mirrors, or none.
+struct RowPath {
+  std::uint32_t mirrors_out = 0, mirrors_home = 0;
+  glm::dmat3 to_true{1};  ///< a direction of the way out as the apex has it
+};
 
 /// Rows of footprints, whichever way they are seen.
 class Rows {
@@ -78,7 +107,7 @@ class Rows {
   template <class Place>
   void add(const Footprint& footprint, const FootprintSet& set, std::uint32_t receive_tube, FacetId number,
            FacetId base, const FacetMesh& mesh, double area_m2, double energy_j, double own_beam_energy_j,
-           std::span<const FacetId> occluders, const Place& place) {
+           std::span<const FacetId> occluders, const Place& place, const RowPath& path = {}) {
     const FacetId facet = footprint.facet;
     table.ping.push_back(static_cast<std::uint32_t>(shot_.ping()));
     table.shot.push_back(static_cast<std::uint32_t>(shot_.number()));
@@ -90,11 +119,14 @@ class Rows {
     table.base_facet.push_back(base);
     table.component.push_back(mesh.component[facet]);
     table.material.push_back(mesh.material[facet]);
-    table.path_order.push_back(1);
+    table.path_order.push_back(path.mirrors_out + path.mirrors_home + 1);
+    table.mirrors_out.push_back(path.mirrors_out);
+    table.mirrors_home.push_back(path.mirrors_home);
     table.area_m2.push_back(area_m2);
     table.solid_angle_sr.push_back(footprint.solid_angle_sr);
     table.grazing_deg.push_back(footprint.grazing_angle_rad * degrees);
-    const double azimuth = std::atan2(footprint.centroid_m.x, footprint.centroid_m.y) * degrees;
+    const glm::dvec3 sent = path.to_true * footprint.centroid_m;
+    const double azimuth = std::atan2(sent.x, sent.y) * degrees;
     table.azimuth_deg.push_back(azimuth < 0 ? std::fmod(azimuth + 360, 360) : azimuth);
     table.slant_range_min_m.push_back(footprint.slant_range_min_m);
     table.slant_range_max_m.push_back(footprint.slant_range_max_m);
@@ -134,31 +166,117 @@ FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<cons
   const FootprintEnergies energies =
       footprint_energies(heard, seen.history, beam_of_tube, shot.beams_by_fans(s, fans), sensor.samples(),
                          ends.law(s)->law, shot.request().binning);
-  const Occluders out = occluders_of(ends.trace(ends.out()), ends.out()),
-                  home = occluders_of(ends.trace(ends.home()), ends.home());
+  const Occluders out = occluders_of(ends.trace(ends.out()).footprints, ends.out()),
+                  home = occluders_of(ends.trace(ends.home()).footprints, ends.home());
   const glm::dvec3 apex = shot.scene().grid.to_metres(ends.out().tubes.apex);
   Rows rows(shot, s);
-  std::vector<FacetId> occluders;
   for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
     stop_if_wanted();
     const Footprint& footprint = seen.footprints.footprints[k];
     if (!std::ranges::binary_search(tubes, seen.receive_tube[k])) continue;
-    occluders.clear();
-    const auto add = [&](const Occluders& all, std::uint32_t tube) {
-      // In plain doubles what both see of a facet and what one of them sees may disagree.
-      if (const auto its = all.find({footprint.facet, tube}); its != all.end())
-        append_all(occluders, its->second);
-    };
-    add(out, footprint.tube);
-    add(home, seen.receive_tube[k]);
-    std::sort(occluders.begin(), occluders.end());
-    occluders.erase(std::unique(occluders.begin(), occluders.end()), occluders.end());
     rows.add(footprint, seen.footprints, seen.receive_tube[k], ends.out().number_of_name(footprint.facet),
              ends.base_facet(footprint.facet), ends.shared_mesh(), seen.area_m2(k), energies.all_beams[k],
-             energies.own_beam[k], occluders, [&](glm::dvec3 corner) { return seen.place(k, corner, apex); });
+             energies.own_beam[k],
+             of_either(out, footprint.tube, home, seen.receive_tube[k], footprint.facet),
+             [&](glm::dvec3 corner) { return seen.place(k, corner, apex); });
   }
   return std::move(rows.table);
 }
+
+/// Of paths that are scattered once over mirrors.
+class PathRows {
+ public:
+  /// `tubes`: of the receiver.
+  PathRows(const Shot& shot, std::size_t s, const PathSettings& settings,
+           std::span<const std::uint32_t> tubes)
+      : shot_(shot),
+        s_(s),
+        tubes_(tubes),
+        images_(shot, s, settings, PathEnds(shot, s)),
+        law_(shot, images_.ground(), s),
+        fans_(shot.sensor(s).fan_of_tube(shot.number())),
+        rows_(shot, s) {}
+
+  FootprintTable table() {
+    const PathImages& images = images_.images();
+    std::vector<ImagePair> pairs = images.pairs();
+    if (images.one_place())  // sound goes both ways
+      for (std::size_t k = pairs.size(); k-- > 0;)
+        if (pairs[k].sent != pairs[k].heard) pairs.push_back({pairs[k].heard, pairs[k].sent});
+    const auto path = [&](const ImagePair& pair) {
+      const std::uint32_t out = images.sent()[pair.sent].mirrors, home = images.heard()[pair.heard].mirrors;
+      return std::tuple(out + home, out, pair.sent, pair.heard);
+    };
+    std::ranges::sort(pairs, {}, path);
+    for (const Image& image : images.sent()) out_.push_back(hidden_of(image));
+    if (!images.one_place())
+      for (const Image& image : images.heard()) home_.push_back(hidden_of(image));
+    for (const ImagePair& pair : pairs)
+      if (is_order_wanted(shot_.scene(), std::get<0>(path(pair)) + 1)) add(pair);
+    return std::move(rows_.table);
+  }
+
+ private:
+  /// What hides of each facet, by the names that all images have.
+  Occluders hidden_of(const Image& image) const {
+    struct End {
+      const Image& image;
+      const PathRows& rows;
+      FacetId name_of(FacetId facet) const { return image.origin.empty() ? facet : image.origin[facet]; }
+      FacetId number_of(FacetId facet) const { return rows.number_of(name_of(facet)); }
+    };
+    std::vector<FootprintSet> of_window(image.seen.size());
+    for (std::uint32_t window = 0; window < image.seen.size(); ++window)
+      append_footprints(*image.mesh, image.windows, window, image.seen[window], shot_.scene().grid.unit_m(),
+                        of_window[window]);
+    return occluders_of(joined(of_window), End{image, *this});
+  }
+
+  FacetId number_of(FacetId facet) const {
+    return images_.images().is_cut() ? facet : images_.ground().number_of(facet);
+  }
+
+  void add(const ImagePair& pair) {
+    stop_if_wanted();
+    const PathImages& images = images_.images();
+    const Image &sent = images.sent()[pair.sent], &heard = images.heard()[pair.heard];
+    const BistaticHistory history = images.history(sent, heard);
+    if (history.shared.pieces.empty()) return;
+    const PathFootprints seen = path_footprints(history);
+    const PairLaw law = images.law(sent, heard, law_.law, shot_.beams_by_fans(s_, fans_));
+    FootprintSet at_home = seen.footprints;
+    for (std::size_t k = 0; k < at_home.footprints.size(); ++k)
+      at_home.footprints[k].tube = seen.receive_tube[k];
+    const Sensor& sensor = shot_.sensor(s_);
+    const FootprintEnergies energies = footprint_energies(at_home, seen.history, law.beams.of_tube, law.beams,
+                                                          sensor.samples(), law.law, shot_.request().binning);
+    const glm::dvec3 apex = shot_.scene().grid.to_metres(sent.windows.apex);
+    const RowPath path{sent.mirrors, heard.mirrors, sent.leg.to_true};
+    const Occluders& home = (images.one_place() ? out_ : home_)[pair.heard];
+    for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {
+      Footprint footprint = seen.footprints.footprints[k];
+      const std::uint32_t window = footprint.tube, receive_tube = heard.own_tube[seen.receive_tube[k]];
+      if (!std::ranges::binary_search(tubes_, receive_tube)) continue;
+      if (!law.beams.in_one_fan(window, seen.receive_tube[k])) continue;  // nobody hears that
+      footprint.tube = sent.own_tube[window];
+      rows_.add(
+          footprint, seen.footprints, receive_tube, number_of(footprint.facet),
+          images_.ground().base_facet(images.uncut(footprint.facet)), images.bed(), seen.area_m2(k),
+          energies.all_beams[k], energies.own_beam[k],
+          of_either(out_[pair.sent], window, home, seen.receive_tube[k], footprint.facet),
+          [&](glm::dvec3 corner) { return seen.place(k, corner, apex); }, path);
+    }
+  }
+
+  const Shot& shot_;
+  std::size_t s_;
+  std::span<const std::uint32_t> tubes_;
+  ShotImages images_;
+  SensorLaw law_;
+  std::vector<std::uint32_t> fans_;
+  Rows rows_;
+  std::vector<Occluders> out_, home_;  // by image
+};
 
 }  // namespace
 
@@ -192,10 +310,9 @@ TubeSet only_tubes(TubeSet set, std::span<const std::uint32_t> tubes) {
   return set;
 }
 
-FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
-  const std::vector<std::uint32_t> tubes = tubes_of_beams(shot, s, beams);
-  if (tubes.empty()) return {};
-  if (shot.has_receiver_apart()) return table_of_two_ends(shot, s, tubes);
+namespace {
+
+FootprintTable table_of_one_end(const Shot& shot, std::size_t s, std::span<const std::uint32_t> tubes) {
   const Scene& scene = shot.scene();
   const ShotGround& ground = shot.ground();
   History history = shot.trace(only_tubes(shot.tubes_of(s), tubes));
@@ -225,6 +342,20 @@ FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const 
              });
   }
   return std::move(rows.table);
+}
+
+}  // namespace
+
+FootprintTable footprint_table(const Shot& shot, std::size_t s, std::span<const std::uint32_t> beams) {
+  const std::vector<std::uint32_t> tubes = tubes_of_beams(shot, s, beams);
+  FootprintTable table;
+  if (tubes.empty()) return table;
+  if (is_order_wanted(shot.scene(), 1))
+    table = shot.has_receiver_apart() ? table_of_two_ends(shot, s, tubes) : table_of_one_end(shot, s, tubes);
+  if (const auto settings = path_settings(shot.scene(), shot.sensor(s).frequency_khz());
+      settings && settings->order > 1)
+    table.append(PathRows(shot, s, *settings, tubes).table());
+  return table;
 }
 
 }  // namespace tubefoot

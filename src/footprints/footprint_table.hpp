@@ -12,7 +12,7 @@
 namespace tubefoot {
 
 /// Footprints of a sensor as columns, whatever they are written to (docs/footprints.md): each column has one
-/// element a footprint. Rows are ordered by ping, shot, tube and facet.
+/// element a footprint. Rows are ordered by ping, shot, path, tube and facet.
 struct FootprintTable {
   std::vector<std::uint32_t> ping, shot;
   std::vector<std::uint32_t> beam;          ///< of the sensor, that the receive tube belongs to
@@ -21,6 +21,7 @@ struct FootprintTable {
   std::vector<std::uint32_t> facet, base_facet;    ///< of the shot's ground; of the scene without relief
   std::vector<std::uint32_t> component, material;  ///< as the scene numbers them
   std::vector<std::uint32_t> path_order;           ///< interactions of the path: 1 is the ordinary echo
+  std::vector<std::uint32_t> mirrors_out, mirrors_home;  ///< of the way out, and of the way home
   std::vector<double> area_m2, solid_angle_sr, grazing_deg;
   /// Of the direction from the sensor to the centroid: clockwise from the local frame's north, [0, 360).
   std::vector<double> azimuth_deg;
@@ -79,7 +80,9 @@ std::span<const FootprintColumn> footprint_columns();
 /// true; solid angle, grazing angle, azimuth and ranges are those of the apparent facet. With a receiver
 /// apart a footprint is what one of its tubes and one of the transmitter's both see of a facet, `beams` are
 /// the receiver's, ranges half paths, the other measures as the transmitter sees it, and occluders those
-/// of either. Does not depend on the number of threads. Throws InputError as a run does.
+/// of either. Footprints of paths that are scattered once over mirrors follow, told like those of two ends,
+/// which are images then: tubes are those of the true apexes, directions those at them. `only_order` of
+/// [paths] chooses. Does not depend on the number of threads. Throws InputError as a run does.
 FootprintTable footprint_table(const Shot& shot, std::size_t sensor,
                                std::span<const std::uint32_t> beams = {});
 

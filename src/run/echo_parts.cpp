@@ -17,6 +17,7 @@
 #include "run/paths.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
+#include "run/shot_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -83,18 +84,6 @@ void add_own_engine(const Shot& shot, PingSums& sums) {
   }
 }
 
-/// Where every sensor's own paths begin and end: its range says how far they go.
-struct PathEnds {
-  TubeSet transmit, receive;
-  PathEnds(const Shot& shot, std::size_t s) : transmit(shot.tubes()), receive(shot.receive_tubes(s)) {
-    transmit.reach = receive.reach = 2 * shot.sensor(s).reach(shot.scene().grid);
-  }
-};
-
-bool is_wanted(const Shot& shot, std::size_t order) {
-  return shot.scene().description.paths.only_order.value_or(int(order)) == int(order);
-}
-
 /// The bed that a sensor's paths meet where it lies: in refracting water images make apparent grounds of
 /// their own.
 class PathBed {
@@ -143,16 +132,16 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   const PathBed bed(shot, s, ends);
   const SensorLaw law(shot, *bed, s);
   std::optional<RayGround> rays;
-  if (shot.request().engine == Engine::ray && bed.water() == nullptr)
-    settings.sampled = SampledPaths{&*rays.emplace(shot), shot.scene().grid, rays_of(shot),
-                                    sensor.beam_of_tube(shot.number())};
+  if (shot.request().engine == Engine::ray)
+    settings.sampled = SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(shot),
+                                    shot.scene().grid, rays_of(shot), sensor.beam_of_tube(shot.number())};
   const PathEcho paths = as_seen_by(shot, [&] {
     return path_echo((*bed).mesh(), (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,
                      ends.transmit, ends.receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law,
                      settings, bed.water());
   });
   for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
-    if (!is_wanted(shot, order)) continue;
+    if (!is_order_wanted(shot.scene(), order)) continue;
     if (!settings.reference_tolerance) {
       sums.add(shot, s, order, paths.by_order[order].energy);
       continue;
@@ -231,7 +220,7 @@ void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& set
     count_paths(shot, paths, sums);
   }
   for (std::size_t order = 0; order < by_order.size(); ++order)
-    if (is_wanted(shot, order)) by_order[order].add_to(sums, shot, s, order);
+    if (is_order_wanted(shot.scene(), order)) by_order[order].add_to(sums, shot, s, order);
 }
 
 void add_paths(const Shot& shot, PingSums& sums) {
@@ -481,7 +470,7 @@ Asked asked_of(const Shots& shots, const SharedShots& group) {
   asked.mirrors = std::ranges::any_of(group.sensors, [&](std::size_t s) {
     return path_settings(survey.scene, sensor(s).frequency_khz()).has_value();
   });
-  asked.direct = !asked.own_engine && survey.scene.description.paths.only_order.value_or(1) == 1;
+  asked.direct = !asked.own_engine && is_order_wanted(survey.scene, 1);
   asked.certified = request.reference_tolerance.has_value();
   asked.refracted = survey.scene.water->refracts();
   asked.apart = sensor(group.sensors.front()).has_receiver_apart();

@@ -65,9 +65,9 @@ BistaticAudit ShotEnds::audit(std::uint64_t label) const {
   const auto sent = look(*out().mesh, *out().tree, out().tubes, options),
              heard = look(*home().mesh, *home().tree, home().tubes, options);
   const double unit_m = shot_.scene().grid.unit_m();
-  BistaticAudit result{audit_tubes(*out().mesh, out().tubes, sent, label << 32),
-                       // Another end of the same shot: tubes have fewer bits.
-                       audit_tubes(*home().mesh, home().tubes, heard, label << 32 | std::uint64_t{1} << 31),
+  constexpr std::uint64_t of_home = std::uint64_t{1} << 62;
+  BistaticAudit result{audit_tubes(*out().mesh, out().tubes, sent, label),
+                       audit_tubes(*home().mesh, home().tubes, heard, label_of_part(label, of_home)),
                        {}};
   const auto audit = [&](const FootprintSharer& sharer) { result.shared = audit_shared(sharer, label); };
   if (pair_)

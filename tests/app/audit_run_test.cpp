@@ -212,6 +212,58 @@ TEST(AuditOfAReceiverApart, ClosesForBothEndsAndHashesAlikeInEveryExactArithmeti
   }
 }
 
+// Paths over mirrors: every window of every image, and what pairs of images share.
+TEST(AuditOverMirrors, ProvesEveryPathAndHashesAlikeInEveryExactArithmetic) {
+  const TestFolder folder;
+  const auto scene_with = [&](std::string_view water, std::string_view wall, std::string_view sonar,
+                              int order) {
+    return folder.write(
+        "scene.toml",
+        fmt::format(
+            "{}[sea_surface]\nloss_db = 1\n[paths]\norder = {}\n[[materials]]\nname = \"sand\"\n"
+            "[[materials]]\nname = \"steel\"\n{}[[terrain]]\nkind = \"fractal\"\n"
+            "width_m = 12\nlength_m = 12\ncell_m = 1.5\nrms_height_m = 0.1\ncentre_m = [0, 0, -5]\n"
+            "material = \"sand\"\n[[objects]]\nname = \"lid\"\nshape = \"box\"\nmaterial = \"steel\"\n"
+            "size_m = [1.5, 3, 0.4]\nposition_m = [2.5, 0, -3.5]\n{}[trajectory]\nkind = \"fixed\"\n"
+            "position_m = [0.2, 0.1, -2]\n[[sensors]]\nname = \"sonar\"\nkind = \"sidescan\"\n"
+            "along_track_deg = 40\nrange_max_m = 9\ndepression_min_deg = -60\n"
+            "depression_max_deg = 60\n{}",
+            water, order, wall.empty() ? "" : "specular_loss_db = 3\n", wall, sonar));
+  };
+  constexpr std::string_view leaning = "pitch_deg = 20\n", apart = "receiver_arm_m = [0.3, 0.1, 0.1]\n",
+                             bent =
+                                 "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
+                                 "0.5\nprofile_bottom_m = 30\n";
+  struct {
+    std::string_view water, wall, sonar;
+  } const cases[] = {{"", leaning, ""}, {"", leaning, apart}, {bent, "", ""}, {bent, "", apart}};
+  for (const auto& [water, wall, sonar] : cases) {
+    SCOPED_TRACE(fmt::format("{}{}{}", water, wall, sonar));
+    auto once = audited(scene_with(water, wall, sonar, 1));
+    EXPECT_EQ(once.count("images"), 0u);
+    const auto scene = scene_with(water, wall, sonar, 3);
+    auto fixed = audited(scene);
+    EXPECT_GE(std::stoi(fixed["images"]), 2);
+    EXPECT_GE(std::stoi(fixed["image pairs"]), 2);
+    EXPECT_GT(std::stoi(fixed["tubes"]), std::stoi(once["tubes"]));
+    EXPECT_GT(std::stoi(fixed["shared facets"]), 10);
+    EXPECT_NE(fixed["topology hash"], once["topology hash"]);
+    EXPECT_EQ(audited(scene, {"--threads", "1"})["topology hash"], fixed["topology hash"]);
+    for (const char* arithmetic : {"filtered", "rational"}) {
+      if (arithmetic == std::string("rational") && !(water.empty() && sonar.empty())) continue;
+      EXPECT_EQ(audited(scene, {"--arithmetic", arithmetic})["topology hash"], fixed["topology hash"])
+          << arithmetic;
+    }
+  }
+}
+
+TEST(AuditOverMirrors, ShallowWater) {
+  const fs::path scene = fs::path(TUBEFOOT_SOURCE_DIR) / "scenes/paths/shallow-water.toml";
+  auto found = audited(scene, {"--pings", "120"});
+  EXPECT_GE(std::stoi(found["images"]), 4);
+  EXPECT_GT(std::stoi(found["shared facets"]), 20);
+}
+
 // Rounding has to show somewhere, or the law proves nothing: doubles without tolerance may break it, and must
 // then say so and fail. They may also get away with it.
 TEST(Audit, ExitCodeFollowsTheFailures) {

@@ -13,6 +13,7 @@
 #include <memory>
 #include <sstream>
 
+#include "fixtures/footprint_rows.hpp"
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
 #include "scene/meshes/mesh_file.hpp"
@@ -22,52 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-using Row = std::map<std::string, double>;
-struct Rows {
-  std::vector<Row> rows;
-  std::vector<std::string> occluders;
-
-  double sum(const std::string& column) const {
-    double total = 0;
-    for (const Row& row : rows) total += row.at(column);
-    return total;
-  }
-  std::set<double> values(const std::string& column) const {
-    std::set<double> all;
-    for (const Row& row : rows) all.insert(row.at(column));
-    return all;
-  }
-};
-
-Rows rows_of(const fs::path& file) {
-  GDALAllRegister();
-  const std::unique_ptr<GDALDataset> data(
-      GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
-  if (!data) throw std::runtime_error("OGR cannot read " + file.string());
-  Rows read;
-  for (const auto& feature : *data->GetLayer(0)) {
-    Row row;
-    for (int f = 0; f < feature->GetFieldCount(); ++f)
-      row[feature->GetFieldDefnRef(f)->GetNameRef()] = feature->GetFieldAsDouble(f);
-    read.rows.push_back(row);
-    read.occluders.emplace_back(feature->GetFieldAsString("occluders"));
-  }
-  return read;
-}
-
-/// Writes the footprints of a scene in a folder; throws with the program's own words if it fails.
-fs::path footprints(const TestFolder& folder, const std::string& scene, const std::string& sensor,
-                    const std::string& name, const std::vector<std::string>& more = {}) {
-  const fs::path file = folder / name;
-  std::vector<std::string> words{
-      "footprints", folder.write("scene.toml", scene).string(), "--sensor", sensor, "-o", file.string(),
-      "--quiet"};
-  words.insert(words.end(), more.begin(), more.end());
-  const Outcome outcome = run_program(words);
-  if (outcome.exit_code != 0) throw std::runtime_error(outcome.err);
-  return file;
-}
 
 /// A bed, rough or not, with a box on it, under a sensor with the keys given; all in the window.
 std::string box_scene(const std::string& sensor_keys, const std::string& more = {}) {
@@ -202,10 +157,13 @@ TEST(FootprintChoice, LeavesOutWhatFootprintsAreNot) {
     return run_program({"footprints", folder.write("scene.toml", scene).string(), "--sensor", "camera", "-o",
                         (folder / file).string()});
   };
-  const Outcome mirrored = outcome_of(
-      box_scene("", "[sea_surface]\nheight_m = 10\nloss_db = 1\n[paths]\norder = 2\n"), "camera.csv");
+  const std::string mirrors = "[sea_surface]\nheight_m = 10\nloss_db = 1\n[paths]\norder = 2\n";
+  const Outcome mirrored = outcome_of(box_scene("", mirrors), "camera.txt");
   EXPECT_EQ(mirrored.exit_code, 0) << mirrored.err;
-  EXPECT_THAT(mirrored.err, HasSubstr("footprints are those of paths of order 1"));
+  EXPECT_THAT(mirrored.err, HasSubstr("exact corners are those of paths of order 1"));
+  const Outcome twice = outcome_of(box_scene("", mirrors + "scatterings = 2\npatch_m = 2\n"), "camera.csv");
+  EXPECT_EQ(twice.exit_code, 0) << twice.err;
+  EXPECT_THAT(twice.err, HasSubstr("footprints are those of what is scattered once"));
 }
 
 // A bed in z = 0 (facets 0, 1) under a plate in z = 1 (facets 2, 3), from 5 m: what a tube and a facet are on

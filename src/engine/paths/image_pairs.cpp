@@ -32,7 +32,38 @@ std::vector<std::pair<FacetId, std::size_t>> who_sees(std::span<const Image> ima
   return who;
 }
 
+std::vector<std::uint32_t> of_windows(const Image& image, std::span<const std::uint32_t> of_tube) {
+  std::vector<std::uint32_t> values;
+  if (of_tube.empty()) return values;
+  for (const std::uint32_t tube : image.own_tube) values.push_back(of_tube[tube]);
+  return values;
+}
+
 }  // namespace
+
+PairLaw::PairLaw(const Image& sent, const Image& heard, GridPoint true_apex, double grid_unit_m,
+                 const EchoLaw& of_apexes, const ReceiveBeams& all, const FacetMesh* bed)
+    : law(of_apexes),
+      beam(of_windows(heard, all.of_tube)),
+      from(of_windows(sent, all.fan_of_transmit_tube)),
+      to(of_windows(heard, all.fan_of_receive_tube)),
+      beams{all.count, beam, from, to} {
+  if (bed != nullptr) law.material = bed->material;
+  law.path.home = heard.leg;
+  law.path.out = sent.leg;
+  const GridPoint apex = sent.windows.apex;
+  law.path.out.apex_m =
+      of_apexes.path.out.apex_m +
+      glm::dvec3(double(apex.x) - true_apex.x, double(apex.y) - true_apex.y, double(apex.z) - true_apex.z) *
+          grid_unit_m;
+  if (of_apexes.patterns == nullptr) return;
+  patterns = *of_apexes.patterns;
+  patterns.fan_of_tube = of_windows(heard, of_apexes.patterns->fan_of_tube);
+  patterns.beams_of_tube.clear();
+  for (const std::uint32_t tube : heard.own_tube)
+    patterns.beams_of_tube.push_back(of_apexes.patterns->beams_of_tube[tube]);
+  law.patterns = &patterns;
+}
 
 std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> heard,
                                        bool one_place, int order, double least, std::size_t most) {

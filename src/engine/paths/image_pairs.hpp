@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
+#include "engine/echo/echo.hpp"
 #include "engine/paths/image_tree.hpp"
 
 namespace tubefoot {
@@ -19,5 +21,20 @@ struct ImagePair {
 /// same images, and each two are a pair once. Throws std::length_error if there are more than `most`.
 std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<const Image> heard,
                                        bool one_place, int order, double least, std::size_t most);
+
+/// The law and the beams between two images, made of those between their apexes, which outlive it.
+struct PairLaw {
+  /// `true_apex`: of the transmitter. `bed`: the facets that are shared, where they are not those of `law`;
+  /// null: they are.
+  PairLaw(const Image& sent, const Image& heard, GridPoint true_apex, double grid_unit_m, const EchoLaw& law,
+          const ReceiveBeams& beams, const FacetMesh* bed);
+  PairLaw(const PairLaw&) = delete;
+  PairLaw& operator=(const PairLaw&) = delete;
+
+  EchoLaw law;
+  BeamPatterns patterns;
+  std::vector<std::uint32_t> beam, from, to;  ///< by window
+  ReceiveBeams beams;
+};
 
 }  // namespace tubefoot

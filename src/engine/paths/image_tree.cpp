@@ -56,6 +56,18 @@ std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
 
 }  // namespace
 
+void add_to_mirror(Image& image, std::span<const glm::dvec3> corners) {
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const glm::dvec3 &a = corners[0], &b = corners[k], &c = corners[(k + 1) % corners.size()];
+    image.border_rad += std::atan2(glm::length(glm::cross(b, c)), glm::dot(b, c));
+    image.mirror_sr += std::abs(solid_angle(a, b, c));
+  }
+}
+
+double solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
+  return 2 * std::atan2(glm::dot(a, glm::cross(b, c)), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
+}
+
 struct ImageFinder::State {
   State(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
         const Mirrors& mirrors, double least_loss, std::size_t most_images)
@@ -65,7 +77,7 @@ struct ImageFinder::State {
         mirrors_(mirrors),
         least_loss_(least_loss),
         most_images_(most_images) {
-    options_.open_water = mirrors.surface.has_value();
+    options_.open_water = options.open_water || mirrors.surface.has_value();
     if (!mirrors.surface) return;
     // As in_front_of() has it: what touches the surface from below stays as it is, what lies in it does not.
     const auto height = [&](VertexId v) { return mesh.vertices[v].z; };
@@ -188,6 +200,7 @@ struct ImageFinder::State {
       const double passes = most(child.leg.loss, mirrored);
       if (passes <= least_loss_) continue;
       child.largest = std::max(child.largest, passes);
+      add_to_mirror(child, cone.corners);
       windows.add(mirrored, cone.own_tube);
     }
     if (windows.tubes().tubes.empty()) return;

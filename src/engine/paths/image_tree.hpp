@@ -40,6 +40,9 @@ struct Image {
   std::vector<std::uint32_t> own_tube;  ///< by window: the true apex's tube that it belongs to
   Leg leg;                              ///< from it, but for its place
   double largest = 1;                   ///< of the loss over all windows, at least
+  /// Of what its parent sees of the last mirror and windows were made of: steradians, and summed lengths of
+  /// the borders, radians.
+  double mirror_sr = 0, border_rad = 0;
 
   std::size_t way = 0;  ///< in refracting water: its chain of mirrors (refracted_images.hpp)
 
@@ -56,14 +59,19 @@ struct Image {
   std::shared_ptr<const World> world;
 };
 
+/// Of three unit vectors (van Oosterom & Strackee 1983); with the sign of how they turn.
+double solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c);
+/// Adds a convex cone of unit vectors to what windows are made of.
+void add_to_mirror(Image& image, std::span<const glm::dvec3> corners);
+
 /// Directions that near to a window's border are taken as in it: windows are rounded to half of this.
 constexpr double window_border_rad = 4e-9;
 
 /// Finds the images of apexes over one mesh. Thread-safe; results do not depend on the threads.
 class ImageFinder {
  public:
-  /// Windows through which no more than `least_loss` passes are left out. What is referred to must outlive
-  /// it.
+  /// Windows through which no more than `least_loss` passes are left out. Images tell what they see of open
+  /// water where there is a surface, or `options` say so. What is referred to must outlive it.
   ImageFinder(const FacetMesh& mesh, const SceneTree& tree, const VisibilityOptions& options,
               const Mirrors& mirrors, double least_loss, std::size_t most_images);
   ~ImageFinder();

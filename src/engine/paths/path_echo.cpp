@@ -23,13 +23,6 @@
 namespace tubefoot {
 namespace {
 
-std::vector<std::uint32_t> of_windows(const Image& image, std::span<const std::uint32_t> of_tube) {
-  std::vector<std::uint32_t> values;
-  if (of_tube.empty()) return values;
-  for (const std::uint32_t tube : image.own_tube) values.push_back(of_tube[tube]);
-  return values;
-}
-
 glm::dvec3 difference_m(GridPoint a, GridPoint b, double unit_m) {
   return glm::dvec3(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z) * unit_m;
 }
@@ -37,7 +30,7 @@ glm::dvec3 difference_m(GridPoint a, GridPoint b, double unit_m) {
 /// Both apexes' images, and what passes between them.
 class PathTracer {
  public:
-  PathTracer(const FacetMesh& mesh, double unit_m, const PathImages& images, const TubeSet& receive,
+  PathTracer(const FacetMesh& mesh, double unit_m, const KnownImages& images, const TubeSet& receive,
              const ReceiveBeams& beams, const RangeSamples& samples, const EchoLaw& law,
              const PathSettings& settings)
       : mesh_(mesh),
@@ -98,7 +91,7 @@ class PathTracer {
     if (settings_.order < 2) return;
     const std::vector<ImagePair> pairs = pairs_of_images(transmit_, receive_, one_place_, settings_.order,
                                                          least_, 100 * settings_.most_images);
-    if (settings_.sampled && bent_ == nullptr) return sample(pairs);
+    if (settings_.sampled) return sample(pairs);
     std::vector<Part> parts(pairs.size());
     Steps steps("pairs of images", pairs.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
@@ -130,18 +123,27 @@ class PathTracer {
       if (image.mesh != &mesh) own.emplace(*image.mesh, sampled.grid);
       end.emplace(SampledEnd{own ? *own : *sampled.scene, image.windows, finder, image.origin});
     }
+    /// In refracting water, where images see facets of `count` in places of their own.
+    void place(std::size_t count) {
+      apparent.heard.assign(count, ApparentFacets::none);
+      for (FacetId facet = 0; facet < end->origin.size(); ++facet) apparent.heard[end->origin[facet]] = facet;
+    }
     RayImage(const RayImage&) = delete;
     RayImage& operator=(const RayImage&) = delete;
     std::optional<RayScene> own;
     TubeFinder finder;
     std::optional<SampledEnd> end;
+    ApparentFacets apparent;
   };
   using RayImages = std::vector<std::unique_ptr<const RayImage>>;
 
   RayImages made_ready(std::span<const Image> images, const std::vector<char>& wanted) const {
     RayImages ready(images.size());
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
-      if (wanted[i]) ready[i] = std::make_unique<const RayImage>(images[i], mesh_, *settings_.sampled);
+      if (!wanted[i]) return;
+      auto image = std::make_unique<RayImage>(images[i], mesh_, *settings_.sampled);
+      if (bent_) image->place(bent_->bed().facets.size());
+      ready[i] = std::move(image);
     });
     return ready;
   }
@@ -178,8 +180,11 @@ class PathTracer {
           [&] {
             for (const std::size_t j : heard_by[i]) {
               const Image& heard = receive_[j];
-              BistaticHistory shared = shared_hits(history, *senders[i]->end, *listeners[j]->end, mesh_);
+              BistaticHistory shared =
+                  shared_hits(history, *senders[i]->end, *listeners[j]->end, bent_ ? bent_->bed() : mesh_,
+                              bent_ ? &listeners[j]->apparent : nullptr);
               if (shared.hits.empty()) continue;
+              if (bent_) pair_facets(parts[i], sent, heard, shared);
               parts[i].hits += shared.hits.size();
               add(parts[i], sent.mirrors + heard.mirrors + 1, scattered(sent, heard, std::move(shared)), 0);
             }
@@ -191,20 +196,22 @@ class PathTracer {
 
   /// Each end sees the bed elsewhere: what they share is told where the one sees it that sends.
   void add_bent(Part& part, std::size_t order, const Image& sent, const Image& heard) const {
-    SharedFootprints shared = FootprintSharer(sent.look(), heard.look(), unit_m_).all();
-    if (shared.pieces.empty()) return;
-    std::vector<PairedFacet> paired =
-        paired_facets(shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard), bent_->grid(),
-                      law_.absorption_db_per_m);
+    BistaticHistory history{sent.windows, heard.windows, unit_m_,
+                            FootprintSharer(sent.look(), heard.look(), unit_m_).all()};
+    if (history.shared.pieces.empty()) return;
+    pair_facets(part, sent, heard, history);
+    add(part, order, scattered(sent, heard, history), history.shared.pieces.size());
+  }
+
+  void pair_facets(Part& part, const Image& sent, const Image& heard, BistaticHistory& history) const {
+    history.paired = paired_facets(history.shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard),
+                                   bent_->grid(), law_.absorption_db_per_m);
     const glm::dvec3 beside_m = bent_->beside_m(heard);
-    for (std::size_t k = 0; k < paired.size(); ++k) {
-      part.misfit_m = std::max(part.misfit_m, paired[k].misfit_m);
-      if (beside_m != glm::dvec3(0) && !paired[k].move_receiver(beside_m)) shared.facets[k].piece_count = 0;
+    for (std::size_t k = 0; k < history.paired.size(); ++k) {
+      part.misfit_m = std::max(part.misfit_m, history.paired[k].misfit_m);
+      if (beside_m != glm::dvec3(0) && !history.paired[k].move_receiver(beside_m))
+        history.shared.facets[k].piece_count = 0;
     }
-    const std::size_t pieces = shared.pieces.size();
-    add(part, order,
-        scattered(sent, heard, {sent.windows, heard.windows, unit_m_, std::move(shared), std::move(paired)}),
-        pieces);
   }
 
   /// Without bounds all are 0.
@@ -233,28 +240,11 @@ class PathTracer {
   }
 
   CertifiedEcho scattered(const Image& sent, const Image& heard, const BistaticHistory& history) const {
-    const std::vector<std::uint32_t> beam = of_windows(heard, beams_.of_tube),
-                                     from = of_windows(sent, beams_.fan_of_transmit_tube),
-                                     to = of_windows(heard, beams_.fan_of_receive_tube);
-    EchoLaw law = law_;
-    if (bent_) law.material = bent_->bed().material;
-    law.path.home = heard.leg;
-    law.path.out = sent.leg;
-    law.path.out.apex_m = law_.path.out.apex_m + difference_m(sent.windows.apex, true_apex_, unit_m_);
-    BeamPatterns patterns;
-    if (law_.patterns != nullptr) {
-      patterns = *law_.patterns;
-      patterns.fan_of_tube = of_windows(heard, law_.patterns->fan_of_tube);
-      patterns.beams_of_tube.clear();
-      for (const std::uint32_t tube : heard.own_tube)
-        patterns.beams_of_tube.push_back(law_.patterns->beams_of_tube[tube]);
-      law.patterns = &patterns;
-    }
-    const ReceiveBeams beams{beams_.count, beam, from, to};
+    const PairLaw pair(sent, heard, true_apex_, unit_m_, law_, beams_, bent_ ? &bent_->bed() : nullptr);
     CertifiedEcho found;
-    found.echo = integrate_echo(history, beams, samples_, law, settings_.binning);
+    found.echo = integrate_echo(history, pair.beams, samples_, pair.law, settings_.binning);
     if (const auto tolerance = settings_.reference_tolerance)
-      found = certify_echo(mesh_, history, beams, samples_, law, found.echo, *tolerance);
+      found = certify_echo(mesh_, history, pair.beams, samples_, pair.law, found.echo, *tolerance);
     return found;
   }
 
@@ -424,7 +414,7 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
   return path_echo(mesh, grid_unit_m, {finder, sent, heard}, receive, beams, samples, law, settings);
 }
 
-PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const PathImages& images,
+PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,
                    const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
                    const EchoLaw& law, const PathSettings& settings) {
   if (settings.reference_tolerance && settings.scatterings > 1)

@@ -19,7 +19,7 @@ namespace tubefoot {
 
 /// Rays in place of footprints: each of a transmission's rays goes on over the mirrors that it meets.
 struct SampledPaths {
-  const RayScene* scene = nullptr;  ///< of the mesh
+  const RayScene* scene = nullptr;  ///< of the mesh; null in refracting water, where images see others
   WorldGrid grid;                   ///< its grid
   RaySettings rays;
   std::vector<std::uint32_t> beam_of_tube;  ///< of the transmitter, as RayPlan takes it
@@ -38,7 +38,7 @@ struct PathSettings {
   std::optional<double> reference_tolerance{};
   Mirrors mirrors;
   Binning binning = Binning::exact;       ///< of what two images share
-  std::optional<SampledPaths> sampled{};  ///< instead of that; not in refracting water
+  std::optional<SampledPaths> sampled{};  ///< instead of that
 
   /// The part of the energy that has to be left.
   double least() const { return std::pow(10, -cutoff_db / 10); }
@@ -99,14 +99,14 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
                    const PathSettings& settings, const PathWater* water = nullptr);
 
 /// Images that are known.
-struct PathImages {
+struct KnownImages {
   const ImageFinder& finder;        ///< that made them
   std::span<const Image> sent;      ///< with the most mirrors those that have a window towards the receiver
   std::span<const Image> heard;     ///< with one mirror less; the very same for a sonar in one place
   RefractedImages* bent = nullptr;  ///< in refracting water: that made them; its grounds are left to it
 };
 /// The same between these.
-PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const PathImages& images,
+PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,
                    const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
                    const EchoLaw& law, const PathSettings& settings);
 

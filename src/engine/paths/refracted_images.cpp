@@ -18,6 +18,7 @@
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/stop.hpp"
+#include "geometry/tubes/part_corner_weights.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 #include "geometry/visibility/contradictions.hpp"
 
@@ -34,8 +35,10 @@ std::array<std::int32_t, 3> heights_of(const FacetMesh& mesh, FacetId facet) {
   return {mesh.vertices[a].z, mesh.vertices[b].z, mesh.vertices[c].z};
 }
 
-/// The mesh with facets cut in two that lie on both sides of a height.
-FacetMesh cut_at(const FacetMesh& mesh, std::int32_t height) {
+/// The mesh with facets cut in two that lie on both sides of a height. `origin`: by facet, and kept so;
+/// empty: each is its own.
+FacetMesh cut_at(const FacetMesh& mesh, std::int32_t height, std::vector<FacetId>& origin,
+                 std::vector<PartWeights>& weights) {
   std::vector<FacetId> crossing;
   for (FacetId f = 0; f < mesh.facets.size(); ++f) {
     const auto heights = heights_of(mesh, f);
@@ -46,7 +49,12 @@ FacetMesh cut_at(const FacetMesh& mesh, std::int32_t height) {
   FacetMesh cut;
   WeldTable weld(cut.vertices);
   weld.reserve(mesh.vertices.size() + 4 * crossing.size());
-  const auto add = [&](const FacetMesh& from, FacetId f) {
+  std::vector<FacetId> now;
+  std::vector<PartWeights> lies;
+  const auto of_whole = [&](FacetId whole) { return weights.empty() ? all_of_it : weights[whole]; };
+  const auto add = [&](const FacetMesh& from, FacetId f, FacetId whole, const PartWeights& on_whole) {
+    now.push_back(origin.empty() ? whole : origin[whole]);
+    lies.push_back(on_whole);
     std::array<VertexId, 3> facet;
     for (std::size_t k = 0; k < 3; ++k) facet[k] = weld.id_of(from.vertices[from.facets[f][k]]);
     cut.facets.push_back(facet);
@@ -54,12 +62,16 @@ FacetMesh cut_at(const FacetMesh& mesh, std::int32_t height) {
     cut.component.push_back(from.component[f]);
   };
   for (FacetId f = 0; f < mesh.facets.size(); ++f)
-    if (!std::ranges::binary_search(crossing, f)) add(mesh, f);
+    if (!std::ranges::binary_search(crossing, f)) add(mesh, f, f, of_whole(f));
   const MirrorPlane below = MirrorPlane::horizontal(height), above{{0, 0, 1}, Int128(height)};
   for (const MirrorPlane& plane : {above, below}) {
-    const MeshPart part = in_front_of(plane, mesh, crossing);
-    for (FacetId f = 0; f < part.mesh.facets.size(); ++f) add(part.mesh, f);
+    std::vector<std::array<PartCorner, 3>> corners;
+    const MeshPart part = in_front_of(plane, mesh, crossing, &corners);
+    for (FacetId f = 0; f < part.mesh.facets.size(); ++f)
+      add(part.mesh, f, part.origin[f], weights_of(corners[f], of_whole(part.origin[f])));
   }
+  origin = std::move(now);
+  weights = std::move(lies);
   return cut;
 }
 
@@ -118,7 +130,7 @@ RefractedImages::RefractedImages(const FacetMesh& mesh, const SceneTree& tree,
                                  std::vector<TubeSet> ends, int order)
     : options_([&] {
         VisibilityOptions own = options;
-        own.open_water = mirrors.surface.has_value();
+        own.open_water = options.open_water || mirrors.surface.has_value();
         return own;
       }()),
       mirrors_(mirrors),
@@ -132,7 +144,7 @@ RefractedImages::RefractedImages(const FacetMesh& mesh, const SceneTree& tree,
       tree_(&tree) {
   find_levels(mesh);
   for (const auto& [height, reflection] : levels_) {
-    FacetMesh cut = cut_at(*mesh_, height);
+    FacetMesh cut = cut_at(*mesh_, height, cut_origin_, cut_weights_);
     if (cut.facets.size() == mesh_->facets.size()) continue;
     cut_ = std::move(cut);
     mesh_ = &cut_;
@@ -350,6 +362,7 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
       const double passes = most_of(child.leg.loss, mirrored);
       if (passes <= least_loss_) continue;
       child.largest = std::max(child.largest, passes);
+      add_to_mirror(child, cone.corners);
       windows.add(mirrored, cone.own_tube);
     }
     if (windows.tubes().tubes.empty()) continue;
@@ -366,6 +379,15 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
     children.push_back(std::move(child));
   }
   return children;
+}
+
+std::vector<PartWeights> RefractedImages::weights(const Image& image) const {
+  const RefinedMesh& seen = alike_.seen[image.way].refined;
+  std::vector<PartWeights> all = seen.weights;
+  if (!cut_weights_.empty())
+    for (FacetId f = 0; f < all.size(); ++f)
+      all[f] = rounded_part_of_part(cut_weights_[seen.parent[f]], all[f]);
+  return all;
 }
 
 ApparentEnd RefractedImages::end_of(const Image& image) const {

@@ -74,7 +74,15 @@ class RefractedImages {
   SeenBed seen_by(const Image& image) const;
   /// Of all that was straightened for an apex on the bed, which sees that.
   GroundCounts counts(std::span<const SeenBed> seen) const;
+  /// By facet of that: the one of the mesh that it is a part of.
+  FacetId uncut(FacetId facet) const {
+    facet = alike_.bed.parent[facet];
+    return cut_origin_.empty() ? facet : cut_origin_[facet];
+  }
   const WorldGrid& grid() const { return water_.grid; }
+  /// By facet that an image sees: where that lies on the one of the mesh that it is a part of. Of limits with
+  /// weights.
+  std::vector<PartWeights> weights(const Image& image) const;
   ApparentEnd end_of(const Image& image) const;
   /// What came of straightening, but for the apexes' own; by chain of mirrors. Directions are those of
   /// launch.
@@ -108,6 +116,8 @@ class RefractedImages {
   OnBed on_bed_;
   std::map<std::int32_t, double> levels_;  ///< heights of level mirrors, and the most that one reflects
   FacetMesh cut_;                          ///< no facet lies on both sides of a mirror's height
+  std::vector<FacetId> cut_origin_;        ///< by its facet: the one of the mesh
+  std::vector<PartWeights> cut_weights_;   ///< and where it lies on that
   std::unique_ptr<SceneTree> cut_tree_;
   const FacetMesh* mesh_;
   const SceneTree* tree_;

@@ -8,12 +8,12 @@
 namespace tubefoot {
 
 std::vector<TubeAudit> audit_tubes(const FacetMesh& mesh, const TubeSet& tubes,
-                                   std::span<const TubeVisibility> seen, std::uint64_t first_label) {
+                                   std::span<const TubeVisibility> seen, std::uint64_t label) {
   std::vector<TubeAudit> audits(seen.size());
   tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t tube) {
     stop_if_wanted();
     audits[tube] =
-        audit(mesh, tubes, static_cast<std::uint32_t>(tube), seen[tube], first_label | std::uint64_t{tube});
+        audit(mesh, tubes, static_cast<std::uint32_t>(tube), seen[tube], label_of_part(label, tube));
   });
   return audits;
 }

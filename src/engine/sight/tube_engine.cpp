@@ -5,6 +5,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "engine/sight/bistatic_audit.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/steps/steps.hpp"
@@ -63,7 +64,7 @@ std::vector<TubeAudit> TubeEngine::audit(const TubeSet& tubes, std::uint64_t lab
                     [&](std::uint32_t tube) {
                       auto& [visibility, seen] = scratch_->threads.local();
                       see(mesh_, tree_, tubes, tube, options, visibility, seen);
-                      audits[tube] = tubefoot::audit(mesh_, tubes, tube, seen, (label << 32) | tube);
+                      audits[tube] = tubefoot::audit(mesh_, tubes, tube, seen, label_of_part(label, tube));
                       steps.done();
                     });
   return audits;

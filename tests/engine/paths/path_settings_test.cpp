@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Paths over mirrors by the cheaper settings: rays, fast binnings and plain doubles, against closed forms and
 // against exact cuts.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -91,42 +92,67 @@ Setting harbour(bool apart, double block_from_m = -10, double block_to_m = -4) {
   return s;
 }
 
+/// Rays over seeds against exact cuts, within their statistical error.
+void expect_same_mean(Setting s, const PathWater* water) {
+  const PathEcho exact = s.run(nullptr, water);
+  std::vector<std::vector<Spread>> sampled(4, std::vector<Spread>(12));
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+    s.rays = RaySettings{RaySampling::stratified, 8000, RaySettings::Per::ping, seed};
+    const PathEcho paths = s.run(nullptr, water);
+    EXPECT_EQ(paths.images, exact.images);
+    EXPECT_EQ(paths.arrivals, exact.arrivals);
+    EXPECT_EQ(paths.shared_pieces, 0u);
+    EXPECT_GT(paths.hits, 1000u);
+    for (std::size_t order = 1; order <= 3; ++order)
+      for (int k = 0; k < 12; ++k) sampled[order][std::size_t(k)].add(paths.by_order[order].at(0, k));
+  }
+  for (int k = 0; k < 12; ++k)  // no scattering, no rays
+    EXPECT_NEAR(sampled[1][std::size_t(k)].mean(), exact.by_order[1].at(0, k),
+                1e-12 * exact.by_order[1].at(0, k));
+  for (std::size_t order = 2; order <= 3; ++order) {
+    const double all = total(exact.by_order[order]);
+    double wide = 0, squares = 0;
+    int lit = 0;
+    for (int k = 0; k < 12; ++k) {
+      const Spread& bin = sampled[order][std::size_t(k)];
+      const double expected = exact.by_order[order].at(0, k);
+      EXPECT_NEAR(bin.mean(), expected, 6 * bin.sigma() + 1e-5 * all) << "order " << order << " sample " << k;
+      wide += bin.sigma();
+      if (!(expected > 1e-3 * all)) continue;
+      squares += std::pow((bin.mean() - expected) / bin.sigma(), 2);
+      ++lit;
+    }
+    EXPECT_LT(wide, 0.05 * all);
+    ASSERT_GE(lit, 5);
+    EXPECT_LT(squares / lit, 1 + 6 * std::sqrt(2.0 / lit));
+  }
+}
+
 TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGive) {
   for (const bool apart : {false, true}) {
     SCOPED_TRACE(apart ? "apart" : "in one place");
-    Setting s = harbour(apart);
-    const PathEcho exact = s.run();
-    std::vector<std::vector<Spread>> sampled(4, std::vector<Spread>(12));
-    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
-      s.rays = RaySettings{RaySampling::stratified, 8000, RaySettings::Per::ping, seed};
-      const PathEcho paths = s.run();
-      EXPECT_EQ(paths.images, exact.images);
-      EXPECT_EQ(paths.arrivals, exact.arrivals);
-      for (std::size_t order = 1; order <= 3; ++order)
-        for (int k = 0; k < 12; ++k) sampled[order][std::size_t(k)].add(paths.by_order[order].at(0, k));
-    }
-    for (int k = 0; k < 12; ++k)  // no scattering, no rays
-      EXPECT_NEAR(sampled[1][std::size_t(k)].mean(), exact.by_order[1].at(0, k),
-                  1e-12 * exact.by_order[1].at(0, k));
-    for (std::size_t order = 2; order <= 3; ++order) {
-      const double all = total(exact.by_order[order]);
-      double wide = 0, squares = 0;
-      int lit = 0;
-      for (int k = 0; k < 12; ++k) {
-        const Spread& bin = sampled[order][std::size_t(k)];
-        const double expected = exact.by_order[order].at(0, k);
-        EXPECT_NEAR(bin.mean(), expected, 6 * bin.sigma() + 1e-5 * all)
-            << "order " << order << " sample " << k;
-        wide += bin.sigma();
-        if (!(expected > 1e-3 * all)) continue;
-        squares += std::pow((bin.mean() - expected) / bin.sigma(), 2);
-        ++lit;
-      }
-      EXPECT_LT(wide, 0.05 * all);
-      ASSERT_GE(lit, 5);
-      EXPECT_LT(squares / lit, 1 + 6 * std::sqrt(2.0 / lit));
-    }
+    expect_same_mean(harbour(apart), nullptr);
   }
+}
+
+// Bent rays over the surface and the level bed. The block scatters only: its walls are no level mirrors.
+TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGiveInRefractingWater) {
+  for (const double gradient_per_s : {-2.0, 1.5})
+    for (const bool apart : {false, true}) {
+      SCOPED_TRACE(fmt::format("{} / s, {}", gradient_per_s, apart ? "apart" : "in one place"));
+      Setting s = harbour(apart, -9.5, -4.2);
+      s.reflection = {0.3, 0};
+      s.samples = {17, 1.5, 12};  // from where more than a corner is heard
+      const WaterColumn column{SoundSpeedProfile({{0, 1500}, {60, 1500 + 60 * gradient_per_s}}),
+                               {0.02, 0.02, 0.02}};
+      EigenrayOptions rays;
+      rays.deepest_turn_m = 10;
+      const PathWater water{column, 0, rays, 1500, {.gap_m = 0.02}, {}, WorldGrid(20, glm::dvec3(0))};
+      expect_same_mean(s, &water);
+      // The water is not even: what bends is seen.
+      const PathEcho bent = s.run(nullptr, &water), straight = s.run();
+      EXPECT_GT(std::abs(total(bent.by_order[2]) / total(straight.by_order[2]) - 1), 1e-3);
+    }
 }
 
 TEST(PathRays, RaysGoToTheirOwnFansAndPatternsAreTakenAtTheTrueDirections) {

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/path_images.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "geometry/tubes/part_corner_weights.hpp"
+
+namespace tubefoot {
+
+PathImages::PathImages(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                       const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
+                       const PathSettings& settings, double absorption_db_per_m, const PathWater* water)
+    : mesh_(mesh),
+      unit_m_(grid_unit_m),
+      absorption_db_per_m_(absorption_db_per_m),
+      settings_(settings),
+      one_place_(transmit == receive) {
+  const int most_mirrors = settings.order - 1;
+  if (water != nullptr) {
+    std::vector<TubeSet> ends{std::move(transmit)};
+    if (!one_place_) ends.push_back(std::move(receive));
+    bent_ = std::make_unique<RefractedImages>(mesh, tree, options, settings.mirrors, settings.least(),
+                                              settings.most_images, absorption_db_per_m, *water,
+                                              std::move(ends), settings.order);
+    sent_ = bent_->images_of(0);
+    if (!one_place_) heard_ = bent_->images_of(1);
+    return;
+  }
+  finder_ = std::make_unique<ImageFinder>(mesh, tree, options, settings.mirrors, settings.least(),
+                                          settings.most_images);
+  sent_ = finder_->images_of(std::move(transmit), most_mirrors);
+  if (!one_place_) heard_ = finder_->images_of(std::move(receive), most_mirrors);
+}
+
+PathImages::~PathImages() = default;
+
+std::vector<ImagePair> PathImages::pairs() const {
+  return pairs_of_images(sent(), heard(), one_place_, settings_.order, settings_.least(),
+                         100 * settings_.most_images);
+}
+
+const FacetMesh& PathImages::bed() const { return bent_ ? bent_->bed() : mesh_; }
+
+PathImages::Parts PathImages::parts_seen_by(const Image& image) const {
+  Parts parts;
+  if (image.mesh == &mesh_) return parts;
+  parts.name.assign(image.origin.begin(), image.origin.end());
+  if (bent_) {
+    for (const FacetId facet : parts.name) parts.of.push_back(bent_->uncut(facet));
+    parts.weights = bent_->weights(image);
+    return parts;
+  }
+  parts.of = parts.name;
+  // As the image's world was made.
+  std::vector<FacetId> cut = parts.of;
+  cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
+  std::vector<std::array<PartCorner, 3>> corners;
+  in_front_of(*image.last, mesh_, cut, &corners);
+  for (const auto& corner : corners) parts.weights.push_back(weights_of(corner, all_of_it));
+  return parts;
+}
+
+FootprintSharer PathImages::sharer(const Image& sent, const Image& heard) const {
+  if (bent_) return FootprintSharer(sent.look(), heard.look(), unit_m_);
+  return FootprintSharer(mesh_, sent.look(), heard.look(), unit_m_);
+}
+
+BistaticHistory PathImages::history(const Image& sent, const Image& heard) const {
+  BistaticHistory history{sent.windows, heard.windows, unit_m_, {}};
+  history.shared =
+      &sent == &heard && !bent_ ? shared_with_itself(mesh_, sent.look(), unit_m_) : sharer(sent, heard).all();
+  if (bent_)
+    history.paired = paired_facets(history.shared, bent_->bed(), bent_->end_of(sent), bent_->end_of(heard),
+                                   bent_->grid(), absorption_db_per_m_);
+  return history;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/paths/image_pairs.hpp"
+#include "engine/paths/path_echo.hpp"
+#include "engine/sight/bistatic_history.hpp"
+
+// What paths over mirrors see, for who tells it or proves it. docs/paths.md
+namespace tubefoot {
+
+/// The images between which a transmission is scattered once, of its transmitter and of its receiver, and
+/// what pairs of them see together.
+class PathImages {
+ public:
+  /// As path_echo() has them: between apexes and images in up to `settings.order` - 1 mirrors. What is
+  /// referred to must outlive it. Throws as path_echo().
+  PathImages(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+             const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
+             const PathSettings& settings, double absorption_db_per_m, const PathWater* water = nullptr);
+  ~PathImages();
+
+  std::span<const Image> sent() const { return sent_; }
+  /// The very same for a sonar in one place.
+  std::span<const Image> heard() const { return one_place_ ? sent_ : heard_; }
+  bool one_place() const { return one_place_; }
+  /// Of one place each two images are a pair once: sound goes both ways.
+  std::vector<ImagePair> pairs() const;
+
+  /// The facets that shared ones are of: the mesh, or in refracting water what it was cut into.
+  const FacetMesh& bed() const;
+  bool is_cut() const { return bent_ != nullptr; }
+  /// By facet of that: the one of the mesh that it is, or is a part of.
+  FacetId uncut(FacetId facet) const { return bent_ ? bent_->uncut(facet) : facet; }
+  /// Of what `law` and `beams` are between the apexes; they and this outlive it.
+  PairLaw law(const Image& sent, const Image& heard, const EchoLaw& law, const ReceiveBeams& beams) const {
+    return PairLaw(sent, heard, this->sent().front().windows.apex, unit_m_, law, beams,
+                   bent_ ? &bed() : nullptr);
+  }
+  /// Facets that an image sees as parts of those of the mesh: of which, where they lie on it, and what all
+  /// images that see the same (in even water, a part of the same) call it. Empty where it sees the mesh
+  /// itself. In refracting water of a PathWater whose limits want weights.
+  struct Parts {
+    std::vector<FacetId> of, name;
+    std::vector<PartWeights> weights;
+  };
+  Parts parts_seen_by(const Image& image) const;
+  FootprintSharer sharer(const Image& sent, const Image& heard) const;
+  /// What both see, over the way out to the one and home from the other.
+  BistaticHistory history(const Image& sent, const Image& heard) const;
+
+ private:
+  const FacetMesh& mesh_;
+  double unit_m_, absorption_db_per_m_;
+  const PathSettings& settings_;
+  bool one_place_;
+  std::unique_ptr<RefractedImages> bent_;
+  std::unique_ptr<ImageFinder> finder_;
+  std::vector<Image> sent_, heard_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tubefoot coverage of what is seen over mirrors: against sonars at the places of the images, in scenes
+// without the mirror.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "fixtures/csv_rows.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Covered {
+  std::string table;
+  std::map<std::string, double> seen, shadow;  ///< shares by facet
+  double seen_m2 = 0, shadow_m2 = 0;
+};
+
+struct CoverageOverMirrors : testing::Test {
+  TestFolder folder;
+  Covered cover(const std::string& text, const std::vector<std::string>& more = {}) {
+    const fs::path file = folder / "c.csv";
+    std::vector<std::string> words{"coverage", folder.write("scene.toml", text).string(), "-o", file.string(),
+                                   "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run_program(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    Covered all{bytes_of(file), {}, {}};
+    for (const auto& row : csv_rows(file)) {
+      all.seen[row.at("facet")] = std::stod(row.at("seen_share"));
+      all.shadow[row.at("facet")] = std::stod(row.at("shadow_share"));
+      all.seen_m2 += std::stod(row.at("seen_m2"));
+      all.shadow_m2 += std::stod(row.at("shadow_m2"));
+    }
+    EXPECT_GT(all.seen_m2, 1);
+    return all;
+  }
+  static void expect_near(const Covered& a, const Covered& b, double error) {
+    for (const auto* of : {&a, &b})
+      for (const auto& [facet, share] : of->seen)
+        EXPECT_NEAR(a.seen.contains(facet) ? a.seen.at(facet) : 0,
+                    b.seen.contains(facet) ? b.seen.at(facet) : 0, error)
+            << "facet " << facet;
+    EXPECT_NEAR(a.shadow_m2, b.shadow_m2, error * (1 + b.seen_m2));
+  }
+};
+
+/// A sidescan that looks up as it looks down, over a bed with a box, 3 m under the surface if there is one.
+std::string scene(const std::string& beginning, double height_m, const std::string& sensor = {}) {
+  return beginning + flat_terrain(16, 16, "material = \"sand\"\n") +
+         fmt::format(R"([[objects]]
+name = "box"
+shape = "box"
+material = "sand"
+position_m = [0.2, 4.2, 0.4]
+heading_deg = 20
+[trajectory]
+kind = "fixed"
+position_m = [0.1, -0.2, {}]
+heading_deg = 90
+[[sensors]]
+name = "side"
+kind = "sidescan"
+along_track_deg = 30
+depression_min_deg = -60
+depression_max_deg = 60
+range_min_m = 2
+range_max_m = 11
+samples = 20
+)",
+                     height_m) +
+         sensor;
+}
+std::string surface(int order, const std::string& keys = {}) {
+  return fmt::format("[sea_surface]\nheight_m = 6\nloss_db = 1\n[paths]\norder = {}\n{}", order, keys);
+}
+const std::string even = "[water]\nsound_speed_m_s = 1500\n", sand = "[[materials]]\nname = \"sand\"\n";
+std::string gradient(const std::string& per_s) {
+  return "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = " + per_s +
+         "\nprofile_bottom_m = 30\nsurface_height_m = 6\n";
+}
+
+// The surface's image of a sonar 3 m below it is one 3 m above it.
+TEST_F(CoverageOverMirrors, IsThatOfSonarsAtTheImages) {
+  const Covered straight = cover(scene(even + sand, 3)),
+                apart = cover(scene(even + sand, 3, "receiver_arm_m = [0, 0, 6]\n")),
+                above = cover(scene(even + sand, 9));
+  for (const std::string& water : {even, gradient("1e-7")}) {
+    SCOPED_TRACE(water);
+    const double error = water == even ? 1e-6 : 1e-4;
+    const auto of = [&](int order, const std::string& keys) {
+      return cover(scene(water + surface(order, keys) + sand, 3));
+    };
+    expect_near(of(3, "only_order = 1\n"), straight, error);
+    expect_near(of(2, "only_order = 2\n"), apart, error);
+    expect_near(of(3, "only_order = 3\n"), above, error);
+    // Together they see no less than each, and less than the sum.
+    const Covered all = of(3, "");
+    for (const Covered* one : {&straight, &apart, &above})
+      for (const auto& [facet, share] : one->seen) EXPECT_GE(all.seen.at(facet), share - error);
+    EXPECT_LT(all.seen_m2, straight.seen_m2 + apart.seen_m2 + above.seen_m2);
+    EXPECT_GT(all.seen_m2, straight.seen_m2 + 0.1);
+  }
+}
+
+TEST_F(CoverageOverMirrors, AnOptionSaysHowFarPathsAreFollowed) {
+  const std::string mirrored = scene(even + surface(3) + sand, 3);
+  const Covered all = cover(mirrored), once = cover(mirrored, {"--order", "1"}),
+                twice = cover(mirrored, {"--order", "2"});
+  expect_near(once, cover(scene(even + sand, 3)), 1e-9);
+  EXPECT_EQ(cover(mirrored, {"--order", "3"}).table, all.table);
+  EXPECT_GT(twice.seen_m2, once.seen_m2 - 1e-9);
+  EXPECT_GT(all.seen_m2, twice.seen_m2 + 0.1);
+  EXPECT_EQ(cover(mirrored, {"--threads", "1"}).table, all.table);
+}
+
+// A wall that mirrors, and a bed that goes on behind it: its plane cuts facets. Without the wall, from its
+// image, over a bed that ends there.
+TEST_F(CoverageOverMirrors, FacetsThatAMirrorsPlaneCutsEndThere) {
+  const auto camera = [](double north_m, double heading_deg) {
+    return fmt::format(
+        "[trajectory]\nkind = \"fixed\"\nposition_m = [0.1, {}, 3]\nheading_deg = {}\n[[sensors]]\nname = "
+        "\"camera\"\nkind = \"didson\"\nbeams = 4\nhorizontal_deg = 12\ntilt_deg = 10\nvertical_deg = 8\n"
+        "window_start_m = 2\nwindow_length_m = 28\nsamples = 20\n",
+        north_m, heading_deg);
+  };
+  const auto bed = [](double south_m, double north_m) {
+    return fmt::format(
+        "[[terrain]]\nname = \"bed\"\nkind = \"flat\"\nmaterial = \"sand\"\nwidth_m = 24\nlength_m = "
+        "{}\ncell_m = "
+        "1.7\ncentre_m = [0, {}, 0]\n",
+        north_m - south_m, (north_m + south_m) / 2);
+  };
+  const std::string wall =
+      "[[materials]]\nname = \"steel\"\nspecular_loss_db = 2\n[[objects]]\nname = \"wall\"\nshape = \"box\"\n"
+      "material = \"steel\"\nsize_m = [20, 1, 12]\nposition_m = [0, 6.5, 0]\n";
+  const Covered mirrored =
+                    cover("[paths]\norder = 3\nonly_order = 3\n" + sand + wall + bed(-24, 9) + camera(0, 0)),
+                from_image = cover(sand + bed(-24, 6) + camera(12, 180));
+  EXPECT_NEAR(mirrored.seen_m2, from_image.seen_m2, 1e-5 * from_image.seen_m2);
+  EXPECT_GT(mirrored.seen_m2, 10);
+}
+
+TEST_F(CoverageOverMirrors, AllAtOnceCloses) {
+  const std::string relief =
+      "[relief]\ncell_m = 0.8\ntolerance = 0\n[[materials]]\nname = \"sand\"\n[[materials.relief]]\nkind = "
+      "\"ripples\"\ntile_m = 10.24\nresolution_m = 0.08\nwavelength_m = 2\nrms_height_m = 0.03\n";
+  for (const std::string& water : {even, gradient("0.6")})
+    for (const char* sensor : {"", "receiver_arm_m = [0.4, 0.2, 0.3]\n"}) {
+      SCOPED_TRACE(water + sensor);
+      const std::string all = scene(water + surface(3) + relief, 3, sensor);
+      const Covered first = cover(all, {"--threads", "1"});
+      EXPECT_EQ(cover(all, {"--threads", "3"}).table, first.table);
+      EXPECT_GT(first.seen_m2, cover(all, {"--order", "1"}).seen_m2);
+    }
+}
+
+}  // namespace
+}  // namespace tubefoot
