@@ -10,7 +10,7 @@
 namespace tubefoot {
 
 /// What holds of an image. Law C1 (closure) in rationals for each of its windows, in the world beyond them.
-/// Law I3 (windows): they fill what is seen of the mirror from before it, to within what corners of windows
+/// Law I4 (windows): they fill what is seen of the mirror from before it, to within what corners of windows
 /// are rounded by.
 struct ImageAudit {
   bool of_receiver = false;

@@ -39,6 +39,7 @@ struct Harbour {
   }
 };
 
+// Law I4, and closure.
 TEST(PathAudit, ClosesForEveryImageAndPair) {
   const Harbour harbour;
   const TubeSet one = around({0.1, 0.2, -2}, -80, 75, 3, 40),
