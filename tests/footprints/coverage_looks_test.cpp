@@ -6,17 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 #include <sstream>
 
-#include "fixtures/csv_rows.hpp"
-#include "fixtures/program.hpp"
+#include "fixtures/covered.hpp"
 #include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {
-
-namespace fs = std::filesystem;
 
 const std::string gentle = "gradient_per_s = 1e-7", steep = "gradient_per_s = 0.6";
 std::string water(const std::string& gradient) {
@@ -63,32 +59,10 @@ window_length_m = 5
 )" + sensor;
 }
 
-struct Covered {
-  std::string table, out;
-  std::map<std::string, double> seen, never, shadow;  ///< shares by facet
-  double seen_m2 = 0, shadow_m2 = 0;
-};
-
 struct CoverageLooks : testing::Test {
   TestFolder folder;
   Covered cover(const std::string& text, const std::vector<std::string>& more = {}) {
-    const fs::path file = folder / "c.csv";
-    std::vector<std::string> words{"coverage", folder.write("scene.toml", text).string(), "-o", file.string(),
-                                   "--quiet"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = run_program(words);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    Covered all{bytes_of(file), outcome.out, {}, {}, {}};
-    for (const auto& row : csv_rows(file)) {
-      const std::string& facet = row.at("facet");
-      all.seen[facet] = std::stod(row.at("seen_share"));
-      all.never[facet] = std::stod(row.at("never_share"));
-      all.shadow[facet] = std::stod(row.at("shadow_share"));
-      all.seen_m2 += std::stod(row.at("seen_m2"));
-      all.shadow_m2 += std::stod(row.at("shadow_m2"));
-      EXPECT_NEAR(all.seen[facet] + all.never[facet], 1, 1e-15);
-    }
-    EXPECT_GT(all.seen_m2, 1);
+    Covered all = covered(folder, text, more);
     EXPECT_GT(all.shadow_m2, 0.1);
     return all;
   }

@@ -5,43 +5,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <map>
 #include <string>
 #include <vector>
 
-#include "fixtures/csv_rows.hpp"
-#include "fixtures/program.hpp"
+#include "fixtures/covered.hpp"
 #include "fixtures/scene_texts.hpp"
 
 namespace tubefoot {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct Covered {
-  std::string table;
-  std::map<std::string, double> seen, shadow;  ///< shares by facet
-  double seen_m2 = 0, shadow_m2 = 0;
-};
-
 struct CoverageOverMirrors : testing::Test {
   TestFolder folder;
   Covered cover(const std::string& text, const std::vector<std::string>& more = {}) {
-    const fs::path file = folder / "c.csv";
-    std::vector<std::string> words{"coverage", folder.write("scene.toml", text).string(), "-o", file.string(),
-                                   "--quiet"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = run_program(words);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    Covered all{bytes_of(file), {}, {}};
-    for (const auto& row : csv_rows(file)) {
-      all.seen[row.at("facet")] = std::stod(row.at("seen_share"));
-      all.shadow[row.at("facet")] = std::stod(row.at("shadow_share"));
-      all.seen_m2 += std::stod(row.at("seen_m2"));
-      all.shadow_m2 += std::stod(row.at("shadow_m2"));
-    }
-    EXPECT_GT(all.seen_m2, 1);
-    return all;
+    return covered(folder, text, more);
   }
   static void expect_near(const Covered& a, const Covered& b, double error) {
     for (const auto* of : {&a, &b})

@@ -207,11 +207,7 @@ CertifiedPathEnergy::CertifiedPathEnergy(const CertifiedPolygon& polygon, const 
 CertifiedPathEnergy::CertifiedPathEnergy(CertifiedEnd out, CertifiedEnd home, const Path& path,
                                          const std::array<const ScatteringLaw*, 2>& laws, double mu,
                                          const Ball& beta_per_m)
-    : out_(std::move(out)),
-      home_(std::move(home)),
-      out_law_(laws[0]),
-      home_law_(laws[1]),
-      beta_(beta_per_m) {
+    : out_(std::move(out)), home_(std::move(home)), out_law_(laws[0]), home_law_(laws[1]), beta_(beta_per_m) {
   take(path, 1, mu);
 }
 

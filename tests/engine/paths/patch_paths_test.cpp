@@ -22,15 +22,6 @@ namespace {
 
 using namespace test;
 
-void expect_near(const Echo& echo, const std::vector<double>& expected, double of_total, double of_bin,
-                 const char* what) {
-  const double all = std::accumulate(expected.begin(), expected.end(), 0.0);
-  EXPECT_GT(all, 0);
-  EXPECT_NEAR(total(echo), all, of_total * all) << what;
-  for (std::size_t k = 0; k < expected.size(); ++k)
-    EXPECT_NEAR(echo.energy[k], expected[k], of_bin * all) << what << ' ' << k;
-}
-
 TEST(PatchPaths, TwoScatteringsByAnyLawAgreeWithTheDoubleSum) {
   Setting s = plates(false);
   s.paths.patch_m = 0.15;

@@ -96,25 +96,6 @@ TEST(PathEcho, AFlatMirrorAtNormalIncidenceReturnsByItsImage) {
   EXPECT_EQ(total(paths.by_order[0]), 0);  // a sonar in one place hears nothing directly
 }
 
-/// Rings of a plane between half paths, one apex h1, the other h2 above it (bistatic_echo_test.cpp).
-double rings(double mu, double h1, double h2, double half_path) {
-  const double path = 2 * half_path, a = h1 * h1, b = h2 * h2;
-  const double r1 = (path + (a - b) / path) / 2, u = r1 * r1 - a;
-  return -2 * pi * mu * h1 * h2 * (2 * u + a + b) / ((a - b) * (a - b) * std::sqrt((u + a) * (u + b)));
-}
-
-Setting under_surface(int order) {
-  Setting s;
-  s.mesh = square_bed(-20, 200);
-  s.transmit = s.receive = around({0, 0, -5}, -88, 88, 8, 120);
-  s.samples = {26, 1, 30};
-  s.mu = {0.01};
-  s.reflection = {0};
-  s.paths.order = order;
-  s.paths.mirrors.surface = SeaSurface{0, 0.6, 0};
-  return s;
-}
-
 // Order 2: bed seen straight and by the image over the surface, there and back. Order 3: by the image both
 // ways, which is a sonar as far above the bed.
 TEST(PathEcho, SurfaceMultiplesOfAFlatBedInClosedForm) {

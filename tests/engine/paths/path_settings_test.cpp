@@ -27,27 +27,8 @@ struct Spread {
   double sigma() const { return std::sqrt(std::max(squares / count - mean() * mean(), 0.0) / (count - 1)); }
 };
 
-/// Rings of a plane between half paths, one apex h1, the other h2 above it (bistatic_echo_test.cpp).
-double rings(double mu, double h1, double h2, double half_path) {
-  const double path = 2 * half_path, a = h1 * h1, b = h2 * h2;
-  const double r1 = (path + (a - b) / path) / 2, u = r1 * r1 - a;
-  return -2 * pi * mu * h1 * h2 * (2 * u + a + b) / ((a - b) * (a - b) * std::sqrt((u + a) * (u + b)));
-}
-
-Setting under_surface() {
-  Setting s;
-  s.mesh = square_bed(-20, 200);
-  s.transmit = s.receive = around({0, 0, -5}, -88, 88, 8, 120);
-  s.samples = {26, 1, 30};
-  s.mu = {0.01};
-  s.reflection = {0};
-  s.paths.order = 3;
-  s.paths.mirrors.surface = SeaSurface{0, 0.6, 0};
-  return s;
-}
-
 TEST(PathRays, SurfaceMultiplesOfAFlatBedInClosedForm) {
-  Setting s = under_surface();
+  Setting s = under_surface(3);
   std::vector<Spread> once(30), twice(30);
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
     s.rays = RaySettings{RaySampling::stratified, 20000, RaySettings::Per::ping, seed};
@@ -156,7 +137,7 @@ TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGiveInRefractingWater) {
 }
 
 TEST(PathRays, RaysGoToTheirOwnFansAndPatternsAreTakenAtTheTrueDirections) {
-  Setting s = under_surface();
+  Setting s = under_surface(3);
   const Directivity tilted{Directivity::Kind::gaussian, {0, 0, 1}, true, 0, 1.5};
   BeamPatterns patterns{{tilted}, {Directivity()}, {}, {}};
   patterns.fan_of_tube.assign(s.receive.tubes.size(), 0);
@@ -174,7 +155,7 @@ TEST(PathRays, RaysGoToTheirOwnFansAndPatternsAreTakenAtTheTrueDirections) {
 TEST(PathBinning, FastBinningsOfPathsApproachExactCuts) {
   std::vector<double> errors;
   for (const int cells : {8, 32}) {
-    Setting s = under_surface();
+    Setting s = under_surface(3);
     s.transmit = s.receive = around({0, 0, -5}, -88, 88, cells, 120, cells);
     s.samples = {26, 4, 6};
     const PathEcho exact = s.run();

@@ -23,15 +23,6 @@ WaterColumn column_of(const Arcs& water) {
 
 PathWater through_water(const WaterColumn& column, double gap_m = 2e-3) { return water_of(column, gap_m, 8); }
 
-void expect_near(const Echo& echo, const std::vector<double>& expected, double of_total, double of_bin,
-                 const char* what) {
-  const double all = std::accumulate(expected.begin(), expected.end(), 0.0);
-  EXPECT_GT(all, 0);
-  EXPECT_NEAR(total(echo), all, of_total * all) << what;
-  for (std::size_t k = 0; k < expected.size(); ++k)
-    EXPECT_NEAR(echo.energy[k], expected[k], of_bin * all) << what << ' ' << k;
-}
-
 // The oracle: a ray that is stepped off in an arc's direction comes to its end, then and thus; the tube's
 // area is that of rays in closed form.
 TEST(RefractedPatches, ArcsAreRays) {
