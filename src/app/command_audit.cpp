@@ -50,7 +50,7 @@ int audit_command(const AuditOptions& options) {
               images = 0, pairs = 0;
   double worst = 0;
   TopologyHash hash;
-  bool apart = false;  // or over mirrors
+  bool has_shared = false;  // of two ends, or two images
   const auto fail = [&](const Shot& shot, const std::string& what, double defect, const char* whole) {
     if (++failures <= 10)
       say("sensor '{}', ping {}, shot {}, {}: off by {:.3e} of {}\n", shot.pings().sensor->description().name,
@@ -76,7 +76,7 @@ int audit_command(const AuditOptions& options) {
     }
   };
   const auto add_paths = [&](const Shot& shot, const PathAudit& paths) {
-    apart = true;
+    has_shared = true;
     images += paths.images.size();
     pairs += paths.pairs;
     for (const ImageAudit& image : paths.images) {
@@ -96,7 +96,7 @@ int audit_command(const AuditOptions& options) {
     stop_if_wanted();
     const Shot shot = around.at(*asked.group, asked.ping).of(*asked.group, asked.ping, asked.shot);
     if (shot.has_receiver_apart()) {
-      apart = true;
+      has_shared = true;
       const BistaticAudit audit = ShotEnds(shot, shot.first()).audit(asked.label);
       add_tubes(shot, "transmitter's ", audit.transmit);
       add_tubes(shot, "receiver's ", audit.receive);
@@ -116,12 +116,12 @@ int audit_command(const AuditOptions& options) {
     tell("images         {}\n", images);
     tell("image pairs    {}\n", pairs);
   }
-  if (apart) {
+  if (has_shared) {
     tell("shared facets  {}\n", shared_facets);
     tell("shared pieces  {}\n", shared_pieces);
   }
   tell("failures       {}\n", failures);
-  if (failures > 0) tell("worst defect   {:.3e} of its {}\n", worst, apart ? "tube or facet" : "tube");
+  if (failures > 0) tell("worst defect   {:.3e} of its {}\n", worst, has_shared ? "tube or facet" : "tube");
   tell("topology hash  {}\n", hash.hex());
   return failures == 0 ? 0 : 1;
 }

@@ -198,9 +198,10 @@ int check_command(const CommonOptions& options) {
         scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
         refused);
   if (survey->site->relief.cell_m > 0)
-    tell("relief         {}, cells of {}: {} facets of {} unrefined ones\n", description.refinement.mode,
+    tell("relief         {}, cells of {}: {}{} unrefined facets\n", description.refinement.mode,
          length_text(survey->site->relief.cell_m),
-         survey->site->is_tiled() ? "not counted" : std::to_string(survey->site->relief.uniform_facets),
+         survey->site->is_tiled() ? "of tiles, some of "
+                                  : fmt::format("{} facets of ", survey->site->relief.uniform_facets),
          survey->site->relief.base_facets);
   if (!survey->site->is_tiled()) tell("vertices       {}\n", scene.mesh.vertices.size());
   tell("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));

@@ -57,8 +57,10 @@ class Files {
     if (!columns_) return pieces;
     const FootprintTable table = footprint_table(shot, sensor_, beams);
     columns_->add(table);
+    facets_of_several_rays_ += table.facets_of_several_rays;
     return table.rows();
   }
+  std::size_t facets_of_several_rays() const { return facets_of_several_rays_; }
 
   void close() {
     if (columns_) columns_->close();
@@ -72,7 +74,7 @@ class Files {
  private:
   const Shots& shots_;
   ShotsAround around_;
-  std::size_t sensor_;
+  std::size_t sensor_, facets_of_several_rays_ = 0;
   Places& places_;
   std::unique_ptr<FootprintFile> columns_;
   std::optional<RationalsFile> exact_;
@@ -115,6 +117,12 @@ int footprints_command(const FootprintOptions& options) {
     progress.step();
   }
   files.close();
+  if (files.facets_of_several_rays() > 0)
+    print_warnings(
+        {fmt::format("several rays lead to {} facets: their footprints are of the first to arrive, and "
+                     "'energy_j' is less than the echo's, which has all",
+                     files.facets_of_several_rays())},
+        options.quiet);
   tell("wrote {} ({} {})\n", options.output.string(), count, files.counted());
   if (options.rationals) tell("wrote {} (exact corners)\n", options.rationals->string());
   return 0;

@@ -37,6 +37,8 @@ void print_reference(double tolerance, const ReferenceStats& reference, bool ref
   if (reference.bins_over == 0)
     tell("reference: every energy within {:g} of its bin, certified{}\n", tolerance,
          refined ? ", for the facets that relief was refined into" : "");
+  else if (reference.worst_ratio == 0)  // no bound is finite
+    tell("reference: {} bins have no bound, and every other energy is 0, certified\n", reference.bins_over);
   else if (reference.worst_ratio <= 1)  // of the bounds that are finite
     tell("reference: {} bins have no bound; every other energy within {:g} of its bin, certified\n",
          reference.bins_over, tolerance);
@@ -150,7 +152,7 @@ std::vector<Recording> simulate_all(RunUnderWay& run, const Survey& survey, Part
   });
   run.stats = totals(survey, *store);
   std::vector<Recording> recordings = recordings_of(survey, store);
-  run.warn(refraction_warnings(survey, run.stats));
+  run.warn(refraction_warnings(survey, run.request.reference_tolerance.has_value(), run.stats));
   run.simulation_seconds = seconds_since(start);
   return recordings;
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "footprints/coverage_looks.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
+#include "engine/echo/staff_echo.hpp"
 #include "geometry/tubes/part_corner_weights.hpp"
 #include "run/shot_ends.hpp"
 #include "run/shot_images.hpp"
@@ -31,16 +33,36 @@ CoverageEnd seen_by(const ShotEnd& end, std::shared_ptr<const PartedBed> bed,
   return result;
 }
 
-CoverageLook straight(const Shot& shot, std::size_t sensor, std::uint32_t ping) {
+/// Adds looks of two ends, a fan each: nobody hears what one fan sends to another.
+void add_by_fans(const CoverageLook& all, std::span<const std::uint32_t> fan_of_out,
+                 std::span<const std::uint32_t> fan_of_home, std::vector<CoverageLook>& looks) {
+  const auto of_fan = [](const CoverageEnd& end, std::span<const std::uint32_t> fans, std::uint32_t fan) {
+    CoverageEnd own{tubes_of_fan(end.tubes, fans, fan), {}, end.bed};
+    for (std::size_t tube = 0; tube < fans.size(); ++tube)
+      if (fans[tube] == fan) own.seen.push_back(end.seen[tube]);
+    return own;
+  };
+  const std::uint32_t fans = fan_of_out.empty() ? 0 : 1 + *std::ranges::max_element(fan_of_out);
+  for (std::uint32_t fan = 0; fan < fans; ++fan)
+    looks.push_back({all.ping, of_fan(all.out, fan_of_out, fan), all.nearest, all.farthest,
+                     of_fan(*all.home, fan_of_home, fan)});
+}
+
+void add_straight(const Shot& shot, std::size_t sensor, std::uint32_t ping,
+                  std::vector<CoverageLook>& looks) {
   const ShotEnds ends(shot, sensor, true);
   const VisibilityOptions& options = shot.request().visibility;
   const auto bed = bed_of(ends.out());
   CoverageLook look{ping, seen_by(ends.out(), bed, options),
                     shot.sensor(sensor).samples().first_m / shot.scene().grid.unit_m(),
                     shot.sensor(sensor).reach(shot.scene().grid)};
-  if (ends.are_two())
-    look.home = seen_by(ends.home(), ends.apparent_pair() != nullptr ? bed_of(ends.home()) : bed, options);
-  return look;
+  if (!ends.are_two()) {
+    looks.push_back(std::move(look));
+    return;
+  }
+  look.home = seen_by(ends.home(), ends.apparent_pair() != nullptr ? bed_of(ends.home()) : bed, options);
+  const std::vector<std::uint32_t> fans = shot.sensor(sensor).fan_of_tube(shot.number());
+  add_by_fans(look, fans, fans, looks);
 }
 
 /// What images see, as parts of the scene's facets.
@@ -90,6 +112,12 @@ void add_over_mirrors(const Shot& shot, std::size_t sensor, const PathSettings& 
   const ShotImages of(shot, sensor, settings, PathEnds(shot, sensor), false, true);
   const PathImages& images = of.images();
   const ImageBeds beds(of);
+  const std::vector<std::uint32_t> fan_of_tube = shot.sensor(sensor).fan_of_tube(shot.number());
+  const auto fans_of = [&](const Image& image) {
+    std::vector<std::uint32_t> fans;
+    for (const std::uint32_t tube : image.own_tube) fans.push_back(fan_of_tube[tube]);
+    return fans;
+  };
   std::vector<CoverageEnd> sent, heard;
   for (const Image& image : images.sent()) sent.push_back(beds.end_of(image));
   if (!images.one_place())
@@ -98,8 +126,12 @@ void add_over_mirrors(const Shot& shot, std::size_t sensor, const PathSettings& 
     if (!is_order_wanted(shot.scene(), images.sent()[i].mirrors + images.heard()[j].mirrors + 1)) continue;
     CoverageLook look{ping, sent[i], shot.sensor(sensor).samples().first_m / shot.scene().grid.unit_m(),
                       shot.sensor(sensor).reach(shot.scene().grid)};
-    if (!(images.one_place() && i == j)) look.home = images.one_place() ? sent[j] : heard[j];
-    looks.push_back(std::move(look));
+    if (images.one_place() && i == j) {
+      looks.push_back(std::move(look));
+      continue;
+    }
+    look.home = images.one_place() ? sent[j] : heard[j];
+    add_by_fans(look, fans_of(images.sent()[i]), fans_of(images.heard()[j]), looks);
   }
 }
 
@@ -107,7 +139,7 @@ void add_over_mirrors(const Shot& shot, std::size_t sensor, const PathSettings& 
 
 std::vector<CoverageLook> coverage_looks(const Shot& shot, std::size_t sensor, std::uint32_t ping) {
   std::vector<CoverageLook> looks;
-  if (is_order_wanted(shot.scene(), 1)) looks.push_back(straight(shot, sensor, ping));
+  if (is_order_wanted(shot.scene(), 1)) add_straight(shot, sensor, ping, looks);
   if (const auto settings = path_settings(shot.scene(), shot.sensor(sensor).frequency_khz());
       settings && settings->order > 1)
     add_over_mirrors(shot, sensor, *settings, ping, looks);

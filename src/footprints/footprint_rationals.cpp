@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "files/input_error.hpp"
 #include "files/streamed_file.hpp"
 #include "files/usage_error.hpp"
 #include "footprints/footprint_table.hpp"
@@ -17,6 +18,7 @@
 #include "geometry/visibility/exact_direction.hpp"
 #include "run/abilities.hpp"
 #include "run/shot_ends.hpp"
+#include "run/shot_images.hpp"
 
 namespace tubefoot {
 namespace {
@@ -90,6 +92,11 @@ struct RationalsFile::State {
 
 RationalsFile::RationalsFile(const std::filesystem::path& file, const Shots& shots, std::size_t sensor) {
   require_able(shots.survey(), shots.request(), Feature::exact_corners, sensor);
+  if (const Scene& scene = shots.survey().scene; !is_order_wanted(scene, 1))
+    throw InputError(
+        scene.description.paths.place,
+        "'only_order' leaves out paths of order 1, and exact corners are those of no other: ask for "
+        "the other formats, or leave out 'only_order'");
   state_.reset(new State{StreamedFile(file), sensor, {}});
   state_->write(fmt::format(
       "# tubefoot exact footprints, version 1\n"

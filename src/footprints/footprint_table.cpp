@@ -174,6 +174,7 @@ FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<cons
     stop_if_wanted();
     const Footprint& footprint = seen.footprints.footprints[k];
     if (!std::ranges::binary_search(tubes, seen.receive_tube[k])) continue;
+    if (fans[footprint.tube] != fans[seen.receive_tube[k]]) continue;  // nobody hears that
     rows.add(footprint, seen.footprints, seen.receive_tube[k], ends.out().number_of_name(footprint.facet),
              ends.base_facet(footprint.facet), ends.shared_mesh(), seen.area_m2(k), energies.all_beams[k],
              energies.own_beam[k],
@@ -341,6 +342,7 @@ FootprintTable table_of_one_end(const Shot& shot, std::size_t s, std::span<const
                                           : apparent->true_place(facet, apex + corner, scene.grid);
              });
   }
+  if (apparent != nullptr) rows.table.facets_of_several_rays = apparent->facets_of_several;
   return std::move(rows.table);
 }
 

@@ -14,6 +14,8 @@ namespace tubefoot {
 /// Footprints of a sensor as columns, whatever they are written to (docs/footprints.md): each column has one
 /// element a footprint. Rows are ordered by ping, shot, path, tube and facet.
 struct FootprintTable {
+  /// Of the bed: several rays lead to them, and these rows are of the first that arrives. Echoes have all.
+  std::size_t facets_of_several_rays = 0;
   std::vector<std::uint32_t> ping, shot;
   std::vector<std::uint32_t> beam;          ///< of the sensor, that the receive tube belongs to
   std::vector<std::uint32_t> tube;          ///< of the shot

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -88,29 +89,53 @@ void for_base_facets(const Scene& scene, const Use& use) {
   }
 }
 
-/// At how many places of a facet the relief's heights are part of the hash: of few facets at many.
-std::uint64_t places_on(std::uint64_t facet) {
-  return facet < 64 ? 64 : facet < 4096 || facet % 1024 == 0 ? 1 : 0;
-}
+/// At which places of a facet the relief's heights are part of the hash: some thousands in all, of few facets
+/// at many each.
+class HashedPlaces {
+ public:
+  explicit HashedPlaces(const Scene& scene) {
+    // As the files have them: the same however terrain is read.
+    std::uint64_t facets = 0;
+    for (const ComponentReport& component : scene.report.components) facets += component.facets_in_file;
+    constexpr std::uint64_t wanted = 4096;
+    a_facet_ = facets < wanted ? wanted / std::max<std::uint64_t>(facets, 1) : 1;
+    stride_ = std::max<std::uint64_t>(facets / wanted, 1);
+  }
+  std::uint64_t on(std::uint64_t facet) const { return facet % stride_ == 0 ? a_facet_ : 0; }
+  /// Weights of two corners at the k-th place, evenly over the facet: multiples of the two powers of the
+  /// plastic number's inverse (Roberts 2018), folded into the triangle.
+  static std::pair<double, double> weights(std::uint64_t k) {
+    const auto part = [k](double step) {
+      const double at = 0.5 + static_cast<double>(k) * step;
+      return at - std::floor(at);
+    };
+    const double u = part(0.7548776662466927), v = part(0.5698402909980532);
+    return u + v > 1 ? std::pair(1 - u, 1 - v) : std::pair(u, v);
+  }
+
+ private:
+  std::uint64_t a_facet_, stride_;
+};
 
 }  // namespace
 
 std::string bed_hash(const Scene& scene, double cell_m) {
   Sha256 hash;
   const glm::dvec3 origin = scene.grid.origin_m();
-  hash.update(fmt::format("bed 2, grid {} {} {} {}, cell {}, {}\n", scene.grid.exponent(), origin.x, origin.y,
+  hash.update(fmt::format("bed 3, grid {} {} {} {}, cell {}, {}\n", scene.grid.exponent(), origin.x, origin.y,
                           origin.z, cell_m, scene.description.refinement.displace));
+  const HashedPlaces hashed(scene);
   std::uint64_t number = 0;
   std::string bytes;
   for_base_facets(scene, [&](const std::array<GridPoint, 3>& corners, std::uint16_t material) {
     for (const GridPoint& p : corners) put(bytes, p);
     put(bytes, material);
     // Fields are functions: what they are is what they say.
-    const std::uint64_t places = places_on(number);
+    const std::uint64_t places = hashed.on(number);
     const auto& field = scene.relief[material];
     if (places > 0) put(bytes, field ? 1 : 0);
     for (std::uint64_t k = number; field && k < number + places; ++k) {
-      const double u = static_cast<double>(k % 61) / 61, v = (1 - u) * static_cast<double>(k % 53) / 53;
+      const auto [u, v] = HashedPlaces::weights(k);
       const auto at = [&](std::size_t c) { return scene.grid.to_metres(corners[c]); };
       put(bytes, field->height_m((1 - u - v) * at(0) + u * at(1) + v * at(2)));
     }

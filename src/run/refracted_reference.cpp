@@ -14,8 +14,9 @@ namespace tubefoot {
 namespace {
 
 constexpr int most_tries = 6;
-constexpr double most_facets = 24'000;  // of the last try: some half a minute of one core
-constexpr double coarsest = 0.1;        // tolerance that the first try is made for
+constexpr double most_facets = 24'000;     // of the last try: some half a minute of one core
+constexpr std::size_t few_facets = 1'500;  // that cost next to nothing
+constexpr double coarsest = 0.1;           // tolerance that the first try is made for
 constexpr double least_worth = 1.2;
 
 RefractedShot certify(const Shot& shot, const ShotStraightening& seen, ApparentGround apparent) {
@@ -113,12 +114,13 @@ auto certify_ever_finer(const Shot& shot, double reach_m, const Seen& seen, cons
   settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
   settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
   std::optional best(certify(shot, seen, ground_of(settings)));
+  std::size_t facets_before = best->facets();
   for (int tries = 1;; ++tries) {
     const Quality quality = quality_of(best->sensors);
     // Slivers at a beam's ends are wider than asked with any ground.
     if (quality.over * 200 <= quality.bins) break;
     // Facets grow as the square at most, where it is spreading that they are cut for.
-    const double room = std::sqrt(most_facets / std::max(double(best->facets()), 1.0));
+    const double room = std::sqrt(most_facets / std::max(double(facets_before), 1.0));
     if (room < least_worth || tries == most_tries) {
       best->at_limit = true;
       break;
@@ -127,17 +129,20 @@ auto certify_ever_finer(const Shot& shot, double reach_m, const Seen& seen, cons
     settings.gap_m = std::max(settings.gap_m / finer, 2 * unit);
     settings.tolerance_db /= finer;
     auto ground = ground_of(settings);
-    const std::size_t facets = facets_of(ground), facets_before = best->facets();
+    const std::size_t facets = facets_of(ground);
     // Where it was about as fine as that already, the next one is to be finer than it is.
     const bool hardly_finer = double(facets) < least_worth * double(facets_before);
     if (hardly_finer) settings.gap_m = std::min(settings.gap_m, std::max(largest_gap_m(ground), 2 * unit));
-    if (facets == facets_before) continue;
+    const bool as_it_was = facets == facets_before;
+    facets_before = facets;
+    if (as_it_was) continue;
     auto next = certify(shot, seen, std::move(ground));
     const Quality found = quality_of(next.sensors);
     const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
                             found.usual_excess * least_worth < quality.usual_excess;
     if (worth_more || found.over <= quality.over) best.emplace(std::move(next));
-    if (worth_more || hardly_finer) continue;
+    // What a few facets more do not gain, many may.
+    if (worth_more || hardly_finer || facets < few_facets) continue;
     best->at_limit = true;
     break;
   }

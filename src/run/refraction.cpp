@@ -40,7 +40,8 @@ auto made_for(const Shot& shot, const Make& make) {
 /// Whether a way is told by more than one apparent ground: of those each shows what its first rays do.
 bool has_ways_of_first_rays(const Survey& survey) {
   return std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
-    return pings.sensor->has_receiver_apart() || path_settings(survey.scene, pings.sensor->frequency_khz());
+    const auto paths = path_settings(survey.scene, pings.sensor->frequency_khz());
+    return pings.sensor->has_receiver_apart() || (paths && (paths->order > 1 || paths->scatterings > 1));
   });
 }
 
@@ -52,6 +53,16 @@ bool has_staff(const Survey& survey) {
 std::string turning_points(const Survey& survey) {
   const int most = survey.scene.description.water.refraction_turns;
   return fmt::format("{} turning point{} at most", most, most == 1 ? "" : "s");
+}
+
+/// Which of several rays to a place are followed; empty: every one, out and home along any two.
+std::string rays_left_out(const Survey& survey, bool reference) {
+  if (reference || has_ways_of_first_rays(survey))
+    return "to receivers apart, over mirrors and in references only the first to arrive is followed";
+  if (has_staff(survey))
+    return "two receivers' phases have each of them out and home again, but not what goes out along one and "
+           "comes home along another";
+  return {};
 }
 
 nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
@@ -341,21 +352,20 @@ void add_counts(StraighteningCounts& sum, const StraighteningCounts& more) {
   sum.largest_gap_m = std::max(sum.largest_gap_m, more.largest_gap_m);
 }
 
-nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationStats& stats) {
+nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, const SimulationStats& stats) {
   const StraighteningCounts& counts = stats.refraction;
-  nlohmann::ordered_json json{{"profile", survey.scene.description.water.profile},
-                              {"layers", survey.scene.water->profile().layers()},
-                              {"branches", fmt::format("{}, with {}",
-                                                       has_ways_of_first_rays(survey)
-                                                           ? "every ray; to receivers apart and over mirrors "
-                                                             "the first to arrive"
-                                                           : "every ray, out and home along any two",
-                                                       turning_points(survey))},
-                              {"apparent_facets", counts.facets},
-                              {"largest_gap_m", counts.largest_gap_m},
-                              {"facets_in_shadow", counts.in_shadow},
-                              {"facets_of_several_rays", counts.of_several},
-                              {"facets_folded", counts.folded}};
+  const std::string left_out = rays_left_out(survey, reference);
+  nlohmann::ordered_json json{
+      {"profile", survey.scene.description.water.profile},
+      {"layers", survey.scene.water->profile().layers()},
+      {"branches",
+       fmt::format("{}, with {}", left_out.empty() ? "every ray, out and home along any two" : left_out,
+                   turning_points(survey))},
+      {"apparent_facets", counts.facets},
+      {"largest_gap_m", counts.largest_gap_m},
+      {"facets_in_shadow", counts.in_shadow},
+      {"facets_of_several_rays", counts.of_several},
+      {"facets_folded", counts.folded}};
   for (const SensorPings& pings : survey.sensors)
     json["sound_speed_m_s"][pings.sensor->description().name] = pings.sound_speed_m_s;
   if (counts.in_shadow > 0) {
@@ -368,7 +378,8 @@ nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationSta
   return json;
 }
 
-std::vector<std::string> refraction_warnings(const Survey& survey, const SimulationStats& stats) {
+std::vector<std::string> refraction_warnings(const Survey& survey, bool reference,
+                                             const SimulationStats& stats) {
   const StraighteningCounts& counts = stats.refraction;
   std::vector<std::string> warnings;
   const auto at = [](const std::array<double, 3>& place) {
@@ -381,16 +392,10 @@ std::vector<std::string> refraction_warnings(const Survey& survey, const Simulat
         fmt::format("{}: {} apparent facets of {} pings are left out: no ray leads to them, or to a part of "
                     "them (a shadow zone); {}",
                     where, counts.in_shadow, stats.shadowed_pings, at(counts.shadow)));
-  const bool by_first_rays = has_ways_of_first_rays(survey) || counts.unbounded > 0;
-  if (counts.of_several > 0 && (by_first_rays || has_staff(survey)))
-    warnings.push_back(fmt::format(
-        "{}: several rays, with {}, lead to {} facets: {}; {}", where, turning_points(survey),
-        counts.of_several,
-        by_first_rays ? "to receivers apart, over mirrors and in references only the first to arrive is "
-                        "followed"
-                      : "two receivers' phases have each of them out and home again, but not what goes out "
-                        "along one and comes home along another",
-        at(counts.several)));
+  const std::string left_out = rays_left_out(survey, reference);
+  if (counts.of_several > 0 && !left_out.empty())
+    warnings.push_back(fmt::format("{}: several rays, with {}, lead to {} facets: {}; {}", where,
+                                   turning_points(survey), counts.of_several, left_out, at(counts.several)));
   if (counts.folded > 0 && has_ways_of_first_rays(survey))
     warnings.push_back(
         fmt::format("{}: {} apparent facets are turned over: rays cross before them (a "

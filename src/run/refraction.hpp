@@ -121,9 +121,10 @@ void add_counts(StraighteningCounts& counts, const ApparentGround& ground, const
 void add_counts(StraighteningCounts& counts, const GroundCounts& grounds, const Shot& shot);
 void add_counts(StraighteningCounts& sum, const StraighteningCounts& more);
 
-/// For stats.json.
-nlohmann::ordered_json refraction_json(const Survey& survey, const SimulationStats& stats);
+/// For stats.json. `reference`: of a run with bounds.
+nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, const SimulationStats& stats);
 /// What a run has to tell of facets without, or with several, rays.
-std::vector<std::string> refraction_warnings(const Survey& survey, const SimulationStats& stats);
+std::vector<std::string> refraction_warnings(const Survey& survey, bool reference,
+                                             const SimulationStats& stats);
 
 }  // namespace tubefoot

@@ -58,7 +58,8 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
         {"rms", stats.finer_relief_rms},
         {"largest", stats.finer_relief_largest}};
   }
-  if (scene.water->refracts()) json["refraction"] = refraction_json(survey, stats);
+  if (scene.water->refracts())
+    json["refraction"] = refraction_json(survey, request.reference_tolerance.has_value(), stats);
   if (site.is_tiled()) {
     std::size_t facets = 0;
     for (const ComponentReport& component : scene.report.components) facets += component.facets;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/shot_ends.hpp"
 
+#include "engine/sight/part_label.hpp"
+
 namespace tubefoot {
 
 ShotEnds::ShotEnds(const Shot& shot, std::size_t sensor, bool weights) : shot_(shot) {

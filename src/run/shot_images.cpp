@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/echo/staff_echo.hpp"
+#include "engine/sight/part_label.hpp"
 #include "run/refraction.hpp"
 
 namespace tubefoot {

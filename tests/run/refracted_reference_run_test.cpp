@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "fixtures/world/echoes.hpp"
@@ -172,6 +173,36 @@ TEST(RefractedReferenceRun, ReliefOfEachShotIsThatOfAllShots) {
     if (all.energy[k] > 0) largest = std::max(largest, std::abs(flat.energy[k] / all.energy[k] - 1));
   }
   EXPECT_GT(largest, 0.1);  // it is not flat
+}
+
+// A first ground of a few facets, of which a few more gain nothing, is no limit: what a loose tolerance
+// keeps, a tighter one is no worse than.
+TEST(RefractedReferenceRun, TighterTolerancesHaveNoWiderBounds) {
+  const TestFolder folder;
+  constexpr std::array steps{0, 1, -8, 8, -1, -10, 6, -3, -2, 4, -5, -4, 2, 3, -6};  // cm
+  std::string bed = "ncols 24\nnrows 24\nxllcorner -12\nyllcorner -12\ncellsize 1\n";
+  for (std::size_t row = 0; row < 24; ++row)
+    for (std::size_t column = 0; column < 24; ++column)
+      bed += fmt::format("{}{}", 0.01 * steps[(column + 9 * row) % steps.size()], column < 23 ? " " : "\n");
+  const std::string scene =
+      "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 40\n"
+      "surface_height_m = 6.5\n[[materials]]\nname = \"rock\"\n[[terrain]]\nkind = \"raster\"\nfile = \"" +
+      folder.write("bed.asc", bed).string() +
+      "\"\n[trajectory]\nkind = \"fixed\"\nposition_m = [0, 0, 6]\n[[sensors]]\nname = \"sonar\"\n"
+      "kind = \"imaging\"\nbeams = 1\nhorizontal_deg = 2\nvertical_deg = 10\ntilt_deg = 50\n"
+      "receiver_arm_m = [0, 1, 0]\nrange_min_m = 7\nrange_max_m = 12\nsamples = 4\n";
+  for (const char* tolerance : {"9e-3", "7e-3", "3e-3", "1e-3"}) {
+    const KeptRun run(scene, {"--reference", "--tolerance", tolerance});
+    ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+    EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0) << tolerance;
+  }
+}
+
+TEST(RefractedReferenceRun, SaysThatOneRayAloneIsFollowed) {
+  const KeptRun run(scene_of(texture, gradient(-0.5)), {"--reference", "--tolerance", "3e-2"});
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+  EXPECT_THAT(run.stats.at("refraction").at("branches").get<std::string>(),
+              HasSubstr("in references only the first to arrive"));
 }
 
 }  // namespace

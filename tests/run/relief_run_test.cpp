@@ -8,10 +8,14 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <set>
 
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
+#include "fixtures/world/read_scenes.hpp"
+#include "run/refined_bed_file.hpp"
+#include "scene/scene.hpp"
 
 namespace tubefoot {
 namespace {
@@ -118,6 +122,31 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   std::filesystem::resize_file(folder / "bed.ply", std::filesystem::file_size(folder / "bed.ply") - 5);
   EXPECT_THAT(refused(with_file), HasSubstr("cut short"));
   EXPECT_THAT(refused(replaced(with_file, "bed.ply", "no.ply")), HasSubstr("tubefoot refine"));
+}
+
+// A refined bed is another's where a map of its heights differs, wherever on two facets that is.
+TEST(ReliefRun, ABedIsKnownByItsHeightsAllOverFewFacets) {
+  const TestFolder folder;
+  constexpr int cells = 60;
+  const auto hash = [&](int bump_row, int bump_column) {
+    std::string map =
+        fmt::format("ncols {}\nnrows {}\nxllcorner -12\nyllcorner -12\ncellsize 0.4\n", cells, cells);
+    for (int row = 0; row < cells; ++row)
+      for (int column = 0; column < cells; ++column)
+        map += row / 10 == bump_row && column / 10 == bump_column ? "0.4 " : "0.1 ";
+    folder.write("map.asc", map);
+    const Scene loaded = load_scene(
+        read_scene_text(flat_terrain(23, 23) +
+                            "[[materials]]\nname = \"sand\"\n[[materials.relief]]\nkind = \"map\"\nfile = "
+                            "\"map.asc\"\n[relief]\nmode = \"offline\"\ncell_m = 0.3\n[trajectory]\nkind = "
+                            "\"fixed\"\n[[sensors]]\nname = \"camera\"\nkind = \"didson\"\n",
+                        folder / "scene.toml"));
+    return bed_hash(loaded, 0.3);
+  };
+  std::set<std::string> hashes{hash(-1, -1)};
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 6; ++column)
+      EXPECT_TRUE(hashes.insert(hash(row, column)).second) << row << " " << column;
 }
 
 // Refined where bent rays look, with the receiver in the same place and apart.

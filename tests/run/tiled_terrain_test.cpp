@@ -214,6 +214,22 @@ TEST(TiledTerrainFiles, CheckSaysWhatIsThereWithoutLoadingIt) {
                                     2 * (columns - 1) * (rows - 1))));
 }
 
+// Cells that make more facets than may be held are refused before they are tried, by tiles as for the whole.
+TEST(TiledTerrainFiles, TooFineABedIsRefusedBeforeItIsMade) {
+  const TestFolder folder;
+  write_mosaic(folder, false);
+  for (const char* load : {"whole", "tiles"}) {
+    const std::string text =
+        replaced(with_ripples(scene("", std::string(ball) + std::string(diagonal) + std::string(sidescan))),
+                 "{}", terrain("mosaic.vrt", load, "window = [60, 50, 70, 70]\n")) +
+        "[relief]\nmode = \"offline\"\ncell_m = 0.001\n";
+    const Outcome outcome =
+        run_program({"run", folder.write("scene.toml", text).string(), "-o", (folder / "out").string()});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("a larger 'cell_m'"));
+  }
+}
+
 // A bed that was refined once, for the whole or by tiles, is read back by tiles, a region at a time.
 TEST(TiledTerrainFiles, ARefinedBedIsReadByTiles) {
   const TestFolder folder;

@@ -47,12 +47,13 @@ Images::Images(const Straightening& straightening, double reference_absorption_d
       bend_per_m_(straightening.water().profile.largest_bend_per_m()) {}
 
 Image Images::make(const glm::dvec3& point_m) const {
-  const std::optional<ApparentPoint> found = straightening_.apparent(point_m);
+  std::vector<ApparentPoint> several;
+  const std::optional<ApparentPoint> found =
+      straightening_.apparent(point_m, settings_.later_arrivals ? &several : nullptr);
   if (!found) return {};
   Image image{seen_point(point_m, *found), found->eigenrays, {}};
   if (settings_.later_arrivals && found->eigenrays > 1) {
-    for (const ApparentPoint& each : straightening_.all_apparent(point_m))
-      image.several.push_back(seen_point(point_m, each));
+    for (const ApparentPoint& each : several) image.several.push_back(seen_point(point_m, each));
     return image;
   }
   if (!std::isfinite(image.returned.spreading)) return {};  // on a caustic, where rays say nothing

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/ground/ground.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -250,6 +252,14 @@ RefinedMesh Ground::everywhere(const RefinementLimits& limits) const {
 }
 
 RefinedMesh Ground::everywhere(std::span<const FacetId> facets, const RefinementLimits& limits) const {
+  // Known before it is tried, which would take as long as all that may be made.
+  std::size_t count = 0;
+  for (const FacetId f : facets) {
+    stop_if_wanted();
+    if (textured(base_.material[f])) count += tubefoot::uniform_count(base_, f, grid_, settings_.cell_m);
+    if (count > limits.facets)
+      throw RefinementTooLarge(fmt::format("a refinement makes more than {} facets", limits.facets));
+  }
   return refined(facets, Cells(*this), limits);
 }
 

@@ -16,6 +16,7 @@
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "engine/rays/shared_hits.hpp"
+#include "engine/sight/part_label.hpp"
 #include "geometry/search/line_of_sight.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/window_tubes.hpp"
@@ -173,7 +174,7 @@ class PathTracer {
       history.tubes = transmit_[0].windows;
       history.grid_unit_m = unit_m_;
       RaySettings rays = settings_.sampled->rays;
-      rays.seed += 0x9e3779b97f4a7c15u * i;  // samples of their own
+      rays.seed = label_of_part(rays.seed, i + 1);  // samples of their own
       const RaysOnwards onwards{sent.windows.apex, glm::transpose(sent.leg.to_true), senders[i]->finder};
       trace_rays(
           senders[i]->end->scene, history, rays, settings_.sampled->beam_of_tube,

@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "engine/sight/part_label.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {

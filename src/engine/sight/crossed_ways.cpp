@@ -142,14 +142,20 @@ void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, con
       history.paired.push_back(laid.facet);
     }
   };
-  for (const Family& out : families)
-    for (const Family& home : families) {
+  const auto share_a_part = [](const Sheet& a, const Sheet& b) {
+    for (std::size_t p = 0; p < a.rays.size(); ++p)
+      if (a.rays[p] != nullptr && b.rays[p] != nullptr) return true;
+    return false;
+  };
+  std::vector<std::pair<Family, Sheet>> sheets;
+  for (const Family& family : families) sheets.emplace_back(family, sheet_of(family));
+  for (const auto& [out, sent] : sheets) {
+    const std::vector<TubeVisibility> seen_out = straight.part(sent.is_own);
+    for (const auto& [home, heard] : sheets) {
       stop_if_wanted();
-      if (out.first == home.first) continue;
-      const Sheet sent = sheet_of(out), heard = sheet_of(home);
+      if (out.first == home.first || !share_a_part(sent, heard)) continue;
       const View& view = out.second == home.second ? straight : in_mirror();
-      const std::vector<TubeVisibility> seen_out = straight.part(sent.is_own),
-                                        seen_home = view.part(heard.is_own);
+      const std::vector<TubeVisibility> seen_home = view.part(heard.is_own);
       BistaticHistory history{tubes, tubes, grid.unit_m(), {}};
       history.shared = FootprintSharer({straight.tubes, seen_out, &straight.mesh, part_of},
                                        {view.tubes, seen_home, &view.mesh, part_of}, grid.unit_m())
@@ -159,6 +165,7 @@ void trace_crossed_ways(const ApparentGround& ground, const SceneTree& tree, con
       add_paired(history, sent, heard);
       take(history);
     }
+  }
 }
 
 }  // namespace tubefoot

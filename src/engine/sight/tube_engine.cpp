@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include "engine/sight/bistatic_audit.hpp"
+#include "engine/sight/part_label.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/steps/steps.hpp"

@@ -32,7 +32,8 @@ ApparentPoint Straightening::straight_to(glm::dvec3 point_m) const {
   return {apex_m_ + reference_speed_m_s_ / c * way, ray, 1};
 }
 
-std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
+std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m,
+                                                     std::vector<ApparentPoint>* each) const {
   const glm::dvec3 way = point_m - apex_m_;
   if (on_bed_.straight_within_m > 0 && glm::length(way) <= on_bed_.straight_within_m)
     return straight_to(point_m);
@@ -45,6 +46,7 @@ std::optional<ApparentPoint> Straightening::apparent(glm::dvec3 point_m) const {
     if (rays.empty()) return std::nullopt;
     first = rays.front();
     count = rays.size();
+    if (each != nullptr && count > 1) *each = seen_by(rays, point_m);
     if (on_bed_.front != glm::dvec3(0) && count > 1) {
       // Sent into the bed there is nothing that could be told apart.
       std::erase_if(rays, [&](const Eigenray& ray) {
@@ -71,13 +73,16 @@ ApparentPoint Straightening::seen_by(const Eigenray& ray, glm::dvec3 point_m, st
           ray, static_cast<int>(rays)};
 }
 
-std::vector<ApparentPoint> Straightening::all_apparent(glm::dvec3 point_m) const {
-  const glm::dvec3 way = point_m - apex_m_;
-  std::vector<Eigenray> rays = finder_.all(depth_m(point_m), std::hypot(way.x, way.y));
+std::vector<ApparentPoint> Straightening::seen_by(std::vector<Eigenray> rays, glm::dvec3 point_m) const {
   std::ranges::sort(rays, {}, [](const Eigenray& ray) { return ray.launch_sine; });
   std::vector<ApparentPoint> all;
   for (const Eigenray& ray : rays) all.push_back(seen_by(ray, point_m, rays.size()));
   return all;
+}
+
+std::vector<ApparentPoint> Straightening::all_apparent(glm::dvec3 point_m) const {
+  const glm::dvec3 way = point_m - apex_m_;
+  return seen_by(finder_.all(depth_m(point_m), std::hypot(way.x, way.y)), point_m);
 }
 
 glm::dvec3 Straightening::launch_direction(glm::dvec3 point_m, const Eigenray& ray) const {

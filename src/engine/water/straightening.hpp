@@ -48,8 +48,9 @@ class Straightening {
                 const EigenrayOptions& options = {}, std::optional<double> reference_speed_m_s = {},
                 const Unfolding& unfolding = {}, const OnBed& on_bed = {});
 
-  /// None where no ray leads to (a shadow zone).
-  std::optional<ApparentPoint> apparent(glm::dvec3 point_m) const;
+  /// None where no ray leads to (a shadow zone). `each`: becomes all_apparent() where several rays lead
+  /// there.
+  std::optional<ApparentPoint> apparent(glm::dvec3 point_m, std::vector<ApparentPoint>* each = nullptr) const;
   /// By every ray that leads there, from the one launched highest to the lowest. No two are launched alike:
   /// along a way on the bed they keep their order, and come or go only in neighbouring pairs, one of which
   /// has crossed its neighbours (Eigenray::crossed), or at the end of what rays are followed.
@@ -82,6 +83,7 @@ class Straightening {
  private:
   ApparentPoint straight_to(glm::dvec3 point_m) const;
   ApparentPoint seen_by(const Eigenray& ray, glm::dvec3 point_m, std::size_t rays) const;
+  std::vector<ApparentPoint> seen_by(std::vector<Eigenray> rays, glm::dvec3 point_m) const;
 
   EigenrayFinder finder_;
   glm::dvec3 apex_m_;
