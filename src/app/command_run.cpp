@@ -220,7 +220,7 @@ void tell_all(const RunUnderWay& run, const Site& site) {
   const SimulationStats& stats = run.stats;
   const bool exact = run.request.engine == Engine::tube;
   if (!run.options.quiet)
-    tell("{} pings, {} tubes, {} {} in {:.1f} s: simulation {:.1f} s{}, writing {:.1f} s\n", stats.pings,
+    tell("{} pings, {} tubes, {} {} in {:.1f} s\nsimulation {:.1f} s{}, writing {:.1f} s\n", stats.pings,
          stats.tubes, exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
          seconds_since(run.start), run.simulation_seconds, pace(run), run.write_seconds);
   if (!run.options.quiet && site.relief.cell_m > 0) print_relief(site, stats);

@@ -58,6 +58,8 @@ Tolerance parse_tolerance(std::string_view text) {
 }
 
 std::string to_text(const Tolerance& tolerance) {
+  if (tolerance.measure == ErrorMeasure::l1 && tolerance.value > largest_bare_tolerance)
+    return fmt::format("{:g}%", 100 * tolerance.value);
   return fmt::format("{:g}{}", tolerance.value, tolerance.measure == ErrorMeasure::rms_db ? "dB" : "");
 }
 
