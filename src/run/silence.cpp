@@ -120,9 +120,9 @@ class Reason {
       return fmt::format(
           "it looks {}, {:.4g} m beside the terrain, which covers {}: move it there, or turn it", look(),
           beside_m, to_text(terrain_));
-    if (survey_.site->is_tiled() && altitude_m() > window_of(sensor_).hi_m) return window();
-    return fmt::format("it looks {}, where nothing is; the terrain covers {}: turn it or move it", look(),
-                       to_text(terrain_));
+    if (const auto words = of_level_ground()) return *words;
+    return fmt::format("it looks {}, where nothing is{}; the terrain covers {}: turn it or move it", look(),
+                       survey_.site->is_tiled() ? " within its range window" : "", to_text(terrain_));
   }
 
   /// Where the sensor is.
@@ -153,6 +153,21 @@ class Reason {
           "look at absorption_db_per_km, the materials and the beam patterns",
           met_.lo_m, met_.hi_m);
     return fmt::format("what it looks at lies {:.4g} to {:.4g} m away, and {}", met_.lo_m, met_.hi_m,
+                       window());
+  }
+
+  /// Of terrain that is read by tiles, which are not read to look farther than pings do: as if it were as far
+  /// below everywhere as it is straight below.
+  std::optional<std::string> of_level_ground() const {
+    if (!survey_.site->is_tiled() || std::isnan(altitude_m()) || elevation_.lo_m >= 0) return std::nullopt;
+    const auto range_m = [&](double elevation_deg) {
+      return elevation_deg < 0 ? altitude_m() / std::sin(-glm::radians(elevation_deg))
+                               : std::numeric_limits<double>::infinity();
+    };
+    const double nearest_m = range_m(elevation_.lo_m), farthest_m = range_m(elevation_.hi_m);
+    const Span window_m = window_of(sensor_);
+    if (nearest_m <= window_m.hi_m && farthest_m >= window_m.lo_m) return std::nullopt;
+    return fmt::format("level ground would lie {:.4g} m away and farther where it looks, and {}", nearest_m,
                        window());
   }
 
