@@ -16,6 +16,9 @@
 #include "run/run_steps.hpp"
 #include "run/settings.hpp"
 #include "run/shot.hpp"
+#include "run/silence.hpp"
+#include "run/simulation.hpp"
+#include "run/standing.hpp"
 #include "run/survey.hpp"
 #include "run/tiles_in_view.hpp"
 
@@ -30,6 +33,19 @@ std::string length_text(double metres) {
   return fmt::format("{:.3g} m", metres);
 }
 
+std::string duration_text(double seconds) {
+  constexpr double minute = 60, hour = 3600;
+  if (seconds < 2 * minute) return fmt::format("{:.3g} s", seconds);
+  if (seconds < 2 * hour) return fmt::format("{:.3g} minutes", seconds / minute);
+  return fmt::format("{:.3g} hours", seconds / hour);
+}
+
+std::string size_text(double bytes) {
+  if (bytes < 1e6) return fmt::format("{:.3g} kB", bytes / 1e3);
+  if (bytes < 1e9) return fmt::format("{:.3g} MB", bytes / 1e6);
+  return fmt::format("{:.4g} GB", bytes / 1e9);
+}
+
 void print_components(const Scene& scene) {
   tell("{:<24} {:>10} {:>10} {:>10}  extent east, north, up (m)\n", "component", "in file", "facets",
        "hole cells");
@@ -37,6 +53,43 @@ void print_components(const Scene& scene) {
     tell("{:<24} {:>10} {:>10} {:>10}  {:.2f}..{:.2f}, {:.2f}..{:.2f}, {:.2f}..{:.2f}\n", c.name,
          c.facets_in_file, c.facets, c.hole_cells, c.lo_m.x, c.hi_m.x, c.lo_m.y, c.hi_m.y, c.lo_m.z,
          c.hi_m.z);
+}
+
+/// Where the frame lies on Earth.
+void print_frame(const Scene& scene) {
+  if (!scene.frame.is_georeferenced()) {
+    tell("frame          local metres, with no place on Earth\n");
+    return;
+  }
+  glm::dvec3 origin(0);
+  scene.frame.to_lon_lat({&origin, 1}, {scene.description.file.string(), 0, 0});
+  tell("frame          origin at latitude {:.6f}, longitude {:.6f}\n", origin.y, origin.x);
+}
+
+/// How objects stand to the bed.
+void print_standings(const std::vector<Standing>& standings) {
+  constexpr std::size_t most_listed = 50;
+  for (std::size_t i = 0; i < std::min(standings.size(), most_listed); ++i)
+    tell("{:<24} {}\n", shown_line(standings[i].object), standings[i].words);
+  if (standings.size() > most_listed) tell("and {} more objects\n", standings.size() - most_listed);
+  if (!standings.empty()) tell("\n");
+}
+
+/// Where a sensor pings, in time and space.
+void print_places(const Scene& scene, const SensorPings& pings, const Trajectory& trajectory) {
+  const auto place = [&](std::size_t ping) {
+    const glm::dvec3 at_m = pings.poses[ping].position_m;
+    const double altitude_m = pings.altitudes_m.empty() ? std::nan("") : pings.altitudes_m[ping];
+    return fmt::format("east {:.2f}, north {:.2f}, up {:.2f} m{}", at_m.x, at_m.y, at_m.z,
+                       scene.description.terrains.empty() ? std::string()
+                       : std::isnan(altitude_m)           ? std::string(" (no terrain below)")
+                                                : fmt::format(" ({:.4g} m over the bed)", altitude_m));
+  };
+  const std::size_t last = pings.times_s.size() - 1;
+  tell("               {}{}\n", place(0), last > 0 ? fmt::format(", to {}", place(last)) : std::string());
+  if (!trajectory.is_fixed())
+    tell("               from {:.9g} to {:.9g} s of a trajectory from {:.9g} to {:.9g} s\n",
+         pings.times_s.front(), pings.times_s.back(), trajectory.begin_s(), trajectory.end_s());
 }
 
 /// How round spheres, cylinders and cones are.
@@ -160,10 +213,17 @@ void print_cost(const Survey& survey, RunRequest request, int threads) {
          asked_m ? fmt::format(", asked: {}", length_text(*asked_m)) : std::string());
   }
   tell(
-      "expected cost  {:.3g} s for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
+      "expected cost  {} for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
       "to 3 "
-      "pings a sensor)\n",
-      seconds, name_of(request.visibility.arithmetic), threads);
+      "pings a sensor; writing files comes on top)\n",
+      duration_text(seconds), name_of(request.visibility.arithmetic), threads);
+  double bytes = 0;
+  for (const StoreLayout::Sensor& sensor : layout_of(survey, request).sensors)
+    bytes += 8.0 * static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells);
+  tell(
+      "expected disk  {} for energies while it runs, and as much at most for echoes.nc; other files come on "
+      "top\n",
+      size_text(bytes));
 }
 
 }  // namespace
@@ -180,11 +240,20 @@ int check_command(const CommonOptions& options) {
   require_able_to_run(*survey, request);
   print_warnings(scene.report.warnings, options.quiet);
   print_warnings(files_left_out(*survey), options.quiet);
+  const std::vector<Standing> standings = tubefoot::standings(*survey);
+  for (const Standing& standing : standings)
+    if (!standing.warning.empty()) print_warnings({standing.warning}, options.quiet);
+  print_warnings(vast_windows(*survey), options.quiet);
+  for (const Silence& silence : foreseen_silence(*survey, request))
+    print_warnings({silence.warning}, options.quiet);
 
   tell("scene          {}\n",
        shown_line(description.title.empty() ? description.file.string() : description.title));
-  tell("scene hash     {}\n\n", description.sha256);
+  tell("scene hash     {}\n", description.sha256);
+  print_frame(scene);
+  tell("\n");
   print_components(scene);
+  print_standings(standings);
   print_fineness(scene);
   print_materials(scene);
   print_mesh_names(scene);
@@ -221,7 +290,8 @@ int check_command(const CommonOptions& options) {
           static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
              static_cast<double>(scene.mesh.facets.size()));
 
-  for (const SensorPings& pings : survey->sensors) {
+  for (std::size_t s = 0; s < survey->sensors.size(); ++s) {
+    const SensorPings& pings = survey->sensors[s];
     const Sensor& sensor = *pings.sensor;
     const RangeSamples& samples = sensor.samples();
     tell(
@@ -230,6 +300,7 @@ int check_command(const CommonOptions& options) {
         sensor.description().name, pings.times_s.size(), sensor.beams().size(), samples.count,
         samples.first_m, samples.first_m + samples.step_m * samples.count, sensor.frequency_khz(),
         1000 * absorption_db_per_m(scene, sensor));
+    print_places(scene, pings, scene.trajectories[scene.sensor_trajectory[s]]);
     if (pings.water) tell("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);
   }
   print_cost(*survey, request, limit.threads());

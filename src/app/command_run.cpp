@@ -19,7 +19,9 @@
 #include "run/run_statistics.hpp"
 #include "run/run_steps.hpp"
 #include "run/settings.hpp"
+#include "run/silence.hpp"
 #include "run/simulation.hpp"
+#include "run/standing.hpp"
 #include "run/survey.hpp"
 #include "study/ping_spread.hpp"
 
@@ -110,9 +112,17 @@ struct RunUnderWay {
   std::size_t kept_pings = 0;  ///< of a run before, that this one goes on with
   int threads = 0;
   std::optional<int> ranks;
-  double simulation_seconds = 0;
+  double simulation_seconds = 0, write_seconds = 0;
   std::vector<std::string> warnings;
+  std::vector<std::size_t> silent;  ///< sensors that were told to hear nothing
 
+  void warn(const std::vector<Silence>& silences) {
+    for (const Silence& silence : silences) {
+      if (std::ranges::find(silent, silence.sensor) != silent.end()) continue;
+      silent.push_back(silence.sensor);
+      warn(std::vector{silence.warning});
+    }
+  }
   void warn(const std::vector<std::string>& more) {
     print_warnings(more, options.quiet);
     warnings.insert(warnings.end(), more.begin(), more.end());
@@ -153,6 +163,7 @@ std::vector<Recording> simulate_all(RunUnderWay& run, const Survey& survey, Part
   run.stats = totals(survey, *store);
   std::vector<Recording> recordings = recordings_of(survey, store);
   run.warn(refraction_warnings(survey, run.request.reference_tolerance.has_value(), run.stats));
+  run.warn(met_silence(survey, run.request, recordings));
   run.simulation_seconds = seconds_since(start);
   return recordings;
 }
@@ -194,16 +205,26 @@ std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& sur
   stop_if_wanted();
   refuse_changed_input(survey.scene.description);
   output.commit();
+  run.write_seconds = seconds_since(start);
   files.emplace_back("stats.json");
   return files;
+}
+
+/// Pings a second, where this run made all of them.
+std::string pace(const RunUnderWay& run) {
+  return run.kept_pings == 0 && run.simulation_seconds > 0
+             ? fmt::format(" ({:.3g} pings a second)",
+                           static_cast<double>(run.stats.pings) / run.simulation_seconds)
+             : std::string();
 }
 
 void tell_all(const RunUnderWay& run, const Site& site) {
   const SimulationStats& stats = run.stats;
   const bool exact = run.request.engine == Engine::tube;
   if (!run.options.quiet)
-    tell("{} pings, {} tubes, {} {} in {:.1f} s\n", stats.pings, stats.tubes,
-         exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits", seconds_since(run.start));
+    tell("{} pings, {} tubes, {} {} in {:.1f} s\nsimulation {:.1f} s{}, writing {:.1f} s\n", stats.pings,
+         stats.tubes, exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
+         seconds_since(run.start), run.simulation_seconds, pace(run), run.write_seconds);
   if (!run.options.quiet && site.relief.cell_m > 0) print_relief(site, stats);
   if (run.request.reference_tolerance)
     print_reference(*run.request.reference_tolerance, stats.reference, site.ground != nullptr);
@@ -234,6 +255,10 @@ int run_command(const RunOptions& options) {
   const auto survey = partial.unless_interrupted([&] { return open_survey(description); });
   refuse_changed_input(description);
   run.warn(survey->scene.report.warnings);
+  run.warn(vast_windows(*survey));
+  // Where a shot's ground is made for it, one more ping takes longer than it is worth.
+  if (!survey->site->has_ground_a_shot() && !survey->site->is_tiled())
+    run.warn(foreseen_silence(*survey, run.request));
   const std::vector<std::string> left_out = files_left_out(*survey);
   print_warnings(left_out, options.quiet);
 

@@ -40,9 +40,39 @@ double number(const Field& field, std::string_view name, const SourcePlace& plac
   const char* end = field.text.data() + field.text.size();
   const auto [rest, error] = std::from_chars(field.text.data(), end, value);
   if (error != std::errc() || rest != end || !std::isfinite(value)) {
-    throw InputError(place, fmt::format("{} is '{}', expected a finite number", name, field.text));
+    const bool date = field.text.find(':') != field.text.npos;
+    throw InputError(place, fmt::format("{} is '{}', expected a finite number{}", name, field.text,
+                                        field.text.empty() ? ": the cell is empty"
+                                        : date             ? ": seconds in one count, and no date or clock"
+                                                           : ""));
   }
   return value;
+}
+
+/// What may be wrong with the first line of a table.
+std::string header_hint(std::string_view text, const std::vector<Field>& fields,
+                        std::span<const std::string_view> columns, std::string_view wanted) {
+  if (text.starts_with("PK") || text.starts_with("\xD0\xCF"))
+    return ": this is a workbook of a spreadsheet: save it as CSV";
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text.find('\0') != text.npos)
+    return ": this is UTF-16, or no text: save it as CSV in UTF-8";
+  for (const auto& [separator, name] :
+       {std::pair(';', "semicolons"), std::pair('\t', "tabs"), std::pair(' ', "blanks")})
+    if (fields.size() == 1 && text.find(separator) != text.npos)
+      return fmt::format(": columns are separated by {} here, expected commas, and points in decimals", name);
+  double value = 0;
+  const std::string_view first = fields.front().text;
+  if (std::from_chars(first.data(), first.data() + first.size(), value).ec == std::errc())
+    return ": the first line holds numbers: put the header above it";
+  const std::string_view stem = wanted.substr(0, wanted.rfind('_') + 1);  // "heading_"
+  for (const Field& field : fields)
+    if (!stem.empty() && field.text.starts_with(stem) &&
+        std::ranges::find(columns, field.text) == columns.end())
+      return fmt::format(": '{}' is in other units, and its name says so: convert it, and call it {}",
+                         field.text, wanted);
+  std::vector<std::string_view> names;
+  for (const Field& field : fields) names.push_back(field.text);
+  return fmt::format(", and not {}", fmt::join(names, ","));
 }
 
 class CsvReader {
@@ -61,7 +91,7 @@ class CsvReader {
       const std::vector<Field> fields = fields_of(text);
       if ((fields.size() == 1 && fields[0].text.empty()) || fields[0].text.starts_with('#')) continue;
       if (header_size_ == 0) {
-        read_header(fields);
+        read_header(text, fields);
       } else {
         if (++rows > limits::table_rows)
           throw InputError(place_, fmt::format("more than {} rows: thin out the table", limits::table_rows));
@@ -77,14 +107,15 @@ class CsvReader {
   }
 
  private:
-  void read_header(const std::vector<Field>& fields) {
+  void read_header(std::string_view text, const std::vector<Field>& fields) {
     header_size_ = fields.size();
     for (const std::string_view wanted : columns_) {
       const auto found =
           std::ranges::find_if(fields, [wanted](const Field& field) { return field.text == wanted; });
       if (found == fields.end()) {
-        throw InputError(place_, fmt::format("the column {} is missing, expected the header {}", wanted,
-                                             fmt::join(columns_, ",")));
+        throw InputError(place_,
+                         fmt::format("the column {} is missing, expected the header {}{}", wanted,
+                                     fmt::join(columns_, ","), header_hint(text, fields, columns_, wanted)));
       }
       field_of_column_.push_back(static_cast<std::size_t>(found - fields.begin()));
     }
@@ -92,8 +123,10 @@ class CsvReader {
 
   void read_row(const std::vector<Field>& fields, const std::function<void(const CsvRow&)>& take) {
     if (fields.size() != header_size_) {
-      throw InputError(place_, fmt::format("the row has {} fields, expected {} as in the header",
-                                           fields.size(), header_size_));
+      throw InputError(
+          place_,
+          fmt::format("the row has {} fields, expected {} as in the header{}", fields.size(), header_size_,
+                      fields.size() > header_size_ ? ": are decimals written with commas? Use points" : ""));
     }
     std::vector<double> values;
     std::vector<SourcePlace> places;

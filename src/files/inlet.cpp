@@ -29,8 +29,13 @@ InputFile::InputFile(fs::path file, const SourcePlace& place, std::string_view e
   // Without waiting: a pipe would otherwise wait for its writer. What is then no ordinary file is never read.
   const int descriptor = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor < 0)
-    throw InputError(place_, fmt::format("{}cannot be opened ({}): check the path and the permissions", name,
-                                         std::strerror(errno)));
+    throw InputError(place_,
+                     errno == EACCES
+                         ? fmt::format("{}may not be read ({}): change its permissions, or those of the "
+                                       "folders that it is in",
+                                       name, std::strerror(errno))
+                         : fmt::format("{}cannot be opened ({}): check the path and the permissions", name,
+                                       std::strerror(errno)));
   struct stat status {};
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     close(descriptor);

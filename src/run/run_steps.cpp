@@ -44,6 +44,20 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
         fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
 }
 
+/// Settings of the engine that is not used.
+void refuse_unused_settings(const RunOptions& options, Engine engine) {
+  const bool rays = engine == Engine::ray;
+  const char* unused = !rays && options.rays            ? "--rays"
+                       : !rays && options.rays_per_beam ? "--rays-per-beam"
+                       : !rays && options.sampling      ? "--sampling"
+                       : rays && options.binning        ? "--binning"
+                                                        : nullptr;
+  if (unused != nullptr)
+    throw UsageError(fmt::format(
+        "{} is a setting of the {} engine, and this run's is {}: add --engine {}, or leave it out", unused,
+        rays ? "tube" : "ray", name_of(engine), rays ? "tube" : "ray"));
+}
+
 RunContext context_of(const Scene& scene) {
   const SceneDescription& description = scene.description;
   return {scene.frame, *unix_time_s(description.run.start_utc), description.run.seed, description.water,
@@ -63,6 +77,7 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
   if (options.seed) description.run.seed = *options.seed;
   RunRequest request = request_of(description.run);
+  if (!options.tolerance || options.reference) refuse_unused_settings(options, request.engine);
   if (options.tolerance && !options.reference) {
     refuse_what_the_tolerance_picks(options);
     request.tolerance = asked_tolerance(*options.tolerance);

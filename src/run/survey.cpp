@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -130,6 +131,20 @@ void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) 
         "{}: sensor '{}' has beams so narrow that the rounding of directions to 2^-30 may be {:.2g} "
         "of their width, and of their energy",
         to_string(sensor.description().place), sensor.description().name, sensor.wall_rounding()));
+}
+
+/// A beam is as wide as its wavelength over the length of its antenna.
+void warn_of_aperture(const SensorPings& pings, std::vector<std::string>& warnings) {
+  constexpr double longest_m = 18;  // of antennas under ships, for 12 kHz
+  const SensorFigures figures = figures_of(pings.sensor->description());
+  const double wavelength_m = pings.sound_speed_m_s / (1000 * figures.frequency_khz),
+               antenna_m = wavelength_m / glm::radians(figures.beam_deg);
+  if (antenna_m > longest_m)
+    warnings.push_back(fmt::format(
+        "{}: sensor '{}' has beams of {:.3g} degrees at {:.4g} kHz, which takes an antenna of {:.3g} m: does "
+        "frequency_khz count kHz, and are the beams' widths in degrees?",
+        to_string(pings.sensor->description().place), pings.sensor->description().name, figures.beam_deg,
+        figures.frequency_khz, antenna_m));
 }
 
 std::vector<FacetId> facets_above_and_below(const ShotGround& ground, GridPoint point) {
@@ -270,6 +285,7 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
   pings.times_s = pings.sensor->ping_times_s();
   place_shots(pings, trajectory);
   warn_of_rounding(*pings.sensor, site.scene.report.warnings);
+  warn_of_aperture(pings, site.scene.report.warnings);
   return pings;
 }
 

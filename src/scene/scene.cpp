@@ -15,9 +15,11 @@
 #include "scene/beds/reflectivity.hpp"
 #include "scene/beds/relief.hpp"
 #include "scene/beds/scattering.hpp"
+#include "scene/extent.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/meshes/mesh_materials.hpp"
 #include "scene/meshes/primitives.hpp"
+#include "scene/odd_angles.hpp"
 #include "scene/rasters/earth_place.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/raster.hpp"
@@ -27,14 +29,6 @@
 
 namespace tubefoot {
 namespace {
-
-struct Box {
-  glm::dvec3 lo{std::numeric_limits<double>::infinity()}, hi{-std::numeric_limits<double>::infinity()};
-  void add(glm::dvec3 p) {
-    lo = glm::min(lo, p);
-    hi = glm::max(hi, p);
-  }
-};
 
 // An error in a file that the scene names: both places are told.
 template <typename Read>
@@ -94,9 +88,9 @@ NamedMesh object_mesh(const SceneDescription& scene, const ObjectDescription& ob
 }
 
 // Where the sensor is at each of its pings, which is also the check that its trajectory covers them.
-Box sensor_positions(const SensorDescription& sensor, const TrajectoryDescription& described,
-                     const Trajectory& trajectory) {
-  Box box;
+Extent sensor_positions(const SensorDescription& sensor, const TrajectoryDescription& described,
+                        const Trajectory& trajectory) {
+  Extent box;
   const auto vector = [](const std::array<double, 3>& v) { return glm::dvec3(v[0], v[1], v[2]); };
   const glm::dvec3 lever_arm = vector(sensor.lever_arm_m),
                    receiver_arm = vector(sensor.receiver_arm_m.value_or(sensor.lever_arm_m));
@@ -129,7 +123,7 @@ struct LoadedComponent {
 struct Part {
   std::string name;
   SourcePlace place;
-  Box box;
+  Extent box;
 };
 
 bool has_mirrors(const SceneDescription& description) {
@@ -139,28 +133,28 @@ bool has_mirrors(const SceneDescription& description) {
 }
 
 WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>& parts) {
-  Box box;
+  Extent box;
   for (const Part& part : parts) {
-    box.add(part.box.lo);
-    box.add(part.box.hi);
+    box.add(part.box.lo_m);
+    box.add(part.box.hi_m);
   }
   if (parts.empty()) box.add(glm::dvec3(0));
-  if (description.sea_surface) box.add({box.lo.x, box.lo.y, description.sea_surface->height_m});
+  if (description.sea_surface) box.add({box.lo_m.x, box.lo_m.y, description.sea_surface->height_m});
   // An image apex is as far away as the way that its mirrors fold up, which crosses the scene once for each.
   if (has_mirrors(description)) {
-    const double beyond = description.paths.order * glm::distance(box.lo, box.hi);
-    box.lo -= beyond;
-    box.hi += beyond;
+    const double beyond = description.paths.order * glm::distance(box.lo_m, box.hi_m);
+    box.lo_m -= beyond;
+    box.hi_m += beyond;
   }
   const std::optional<int>& exponent = description.run.grid_exponent;
   try {
-    return exponent ? WorldGrid::with_exponent(*exponent, box.lo, box.hi)
-                    : WorldGrid::fitting(box.lo, box.hi);
+    return exponent ? WorldGrid::with_exponent(*exponent, box.lo_m, box.hi_m)
+                    : WorldGrid::fitting(box.lo_m, box.hi_m);
   } catch (const GridRangeError& error) {
     if (parts.empty()) throw InputError(description.run.place, error.what());
     // The culprit is most likely the one that reaches furthest out.
     const auto reach = [](const Part& part) {
-      const glm::dvec3 r = glm::max(glm::abs(part.box.lo), glm::abs(part.box.hi));
+      const glm::dvec3 r = glm::max(glm::abs(part.box.lo_m), glm::abs(part.box.hi_m));
       return std::max({r.x, r.y, r.z});
     };
     const Part& furthest = *std::max_element(
@@ -228,10 +222,11 @@ class Loader {
           fmt::format("more than {} materials or more than {} terrains and objects", kMost, kMost));
     }
     report_.warnings = description_.outside;
+    for (std::string& odd : odd_angles(description_)) report_.warnings.push_back(std::move(odd));
     load_components();
     std::vector<Trajectory> trajectories;
     for (const TrajectoryDescription& t : description_.trajectories)
-      trajectories.push_back(make_trajectory(t));
+      trajectories.push_back(make_trajectory(t, &report_.warnings));
     std::vector<std::size_t> sensor_trajectory;
     for (const SensorDescription& sensor : description_.sensors) {
       const std::size_t t = trajectory_of(sensor);
@@ -294,9 +289,10 @@ class Loader {
       NamedMesh mesh = object_mesh(description_, object);
       names.push_back(apply_mesh_materials(mesh, object, description_.materials));
       objects.push_back(std::move(mesh));
-      place_object(objects.back(), object, frame_.value_or(LocalFrame()), [&](double east_m, double north_m) {
-        return highest_m(object, terrains, east_m, north_m);
-      });
+      place_object(
+          objects.back(), object, frame_.value_or(LocalFrame()),
+          [&](double east_m, double north_m) { return highest_m(object, terrains, east_m, north_m); },
+          [&] { return to_text(extent_of_terrains(terrains)); });
     }
     for (std::size_t i = 0; i < terrains.size(); ++i) {
       const TerrainDescription& t = description_.terrains[i];
@@ -325,18 +321,30 @@ class Loader {
 
   void add_component(ComponentMesh mesh, const std::string& name, const std::string& material,
                      const SourcePlace& material_place, const SourcePlace& place, bool is_file) {
-    Box extent;
+    Extent extent;
     for (const glm::dvec3& p : mesh.points_m) extent.add(p);
     parts_.push_back({name, place, extent});
     ComponentReport& report = report_.components.emplace_back();
     report.name = name;
     report.facets_in_file = mesh.triangles.size();
     report.hole_cells = mesh.hole_cells;
-    report.lo_m = extent.lo;
-    report.hi_m = extent.hi;
+    report.lo_m = extent.lo_m;
+    report.hi_m = extent.hi_m;
     report_.warnings.insert(report_.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
     const std::size_t index = index_of(description_.materials, material, "material", material_place);
     components_.push_back({std::move(mesh), static_cast<std::uint16_t>(index), is_file});
+  }
+
+  Extent extent_of_terrains(std::span<const ComponentMesh> terrains) const {
+    Extent extent;
+    for (const ComponentMesh& terrain : terrains)
+      for (const glm::dvec3& p : terrain.points_m) extent.add(p);
+    for (const TiledTerrain& terrain : tiled_)
+      if (terrain.tiles) {
+        extent.add(terrain.tiles->lo_m());
+        extent.add(terrain.tiles->hi_m());
+      }
+    return extent;
   }
 
   /// Of all terrains at a place.
@@ -375,8 +383,8 @@ class Loader {
       if (field) largest_m = std::max(largest_m, field->largest_m());
     for (std::size_t i = 0; i < components_.size(); ++i) {
       if (components_[i].mesh.points_m.empty() && !is_tiled(i)) continue;
-      parts_[i].box.lo -= largest_m;
-      parts_[i].box.hi += largest_m;
+      parts_[i].box.lo_m -= largest_m;
+      parts_[i].box.hi_m += largest_m;
     }
   }
 

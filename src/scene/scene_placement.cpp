@@ -58,7 +58,8 @@ std::optional<double> terrain_height_m(std::span<const ComponentMesh> terrains, 
 }
 
 void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
-                  const std::function<std::optional<double>(double, double)>& height_m) {
+                  const std::function<std::optional<double>(double, double)>& height_m,
+                  const std::function<std::string()>& extent) {
   const glm::dvec3 position = position_of(object, frame);
   const glm::dquat attitude = attitude_from_angles(
       glm::radians(object.heading_deg), glm::radians(object.pitch_deg), glm::radians(object.roll_deg));
@@ -71,10 +72,12 @@ void place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
   if (object.on_terrain_m) {
     const auto ground = height_m(position.x, position.y);
     if (!ground) {
-      throw InputError(object.place,
-                       fmt::format("on_terrain_m: there is no terrain below the object's position ({:.3f} m "
-                                   "east, {:.3f} m north): move it, or give the height in position_m",
-                                   position.x, position.y));
+      throw InputError(
+          object.place,
+          fmt::format("on_terrain_m: there is no terrain below the object's position ({:.3f} m "
+                      "east, {:.3f} m north), and terrain covers {}: move it, or give the height "
+                      "in position_m",
+                      position.x, position.y, extent()));
     }
     const double shift = *ground + *object.on_terrain_m - lowest;
     for (glm::dvec3& p : mesh.points_m) p.z += shift;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "scene/description/object_description.hpp"
 #include "scene/description/scene_component.hpp"
@@ -17,8 +18,10 @@ std::optional<double> terrain_height_m(std::span<const ComponentMesh> terrains, 
 
 /// Puts an object where its description says: scales along east, north and up, turns by roll,
 /// pitch and heading, moves to its position, and sets it on the terrain, of which `height_m` tells the height
-/// at a place east and north, if asked to. Throws InputError at the object's place.
+/// at a place east and north, if asked to; `extent` says where the terrain is. Throws InputError at the
+/// object's place.
 void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
-                  const std::function<std::optional<double>(double, double)>& height_m);
+                  const std::function<std::optional<double>(double, double)>& height_m,
+                  const std::function<std::string()>& extent);
 
 }  // namespace tubefoot

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "scene/description/trajectory_description.hpp"
 #include "scene/trajectory.hpp"
@@ -14,7 +16,9 @@ namespace tubefoot {
 /// ...".
 Trajectory read_waypoints(const std::filesystem::path& file);
 
-/// The trajectory that a scene describes. Throws InputError at the description's place.
-Trajectory make_trajectory(const TrajectoryDescription& description);
+/// The trajectory that a scene describes. Throws InputError at the description's place. `odd`, if given,
+/// receives what is odd about waypoints: headings that fit their way as radians and not as degrees, speeds
+/// that no carrier has.
+Trajectory make_trajectory(const TrajectoryDescription& description, std::vector<std::string>* odd = nullptr);
 
 }  // namespace tubefoot

@@ -12,6 +12,9 @@
 namespace tubefoot {
 namespace {
 
+/// Without a unit; more is rather meant in dB or in percent.
+constexpr double largest_bare_tolerance = 0.1;
+
 [[noreturn]] void refuse(std::string_view text) {
   throw std::invalid_argument(fmt::format(
       "'{}' is no tolerance: write 0.1dB (RMS error of lit bins), or 1e-3 or 0.1% (relative L1 error)",
@@ -39,6 +42,14 @@ Tolerance parse_tolerance(std::string_view text) {
     tolerance.value /= 100;
   else if (!unit.empty())
     refuse(text);
+  else if (tolerance.value > largest_bare_tolerance && tolerance.value <= 100)
+    throw std::invalid_argument(fmt::format(
+        "'{3}' alone is a relative error of {1:g} %: write {0:g}dB (RMS error of lit bins) or {0:g}%{2}",
+        tolerance.value, 100 * tolerance.value,
+        tolerance.value <= largest_l1_tolerance
+            ? fmt::format(", or {:g}% if that is meant", 100 * tolerance.value)
+            : std::string(),
+        text));
   if (!(tolerance.value >= least_l1_tolerance && tolerance.value <= largest_l1_tolerance))
     throw std::invalid_argument(
         fmt::format("'{}': a relative tolerance is {:g} to {:g}; less than that is for 'run --reference'",
@@ -47,6 +58,8 @@ Tolerance parse_tolerance(std::string_view text) {
 }
 
 std::string to_text(const Tolerance& tolerance) {
+  if (tolerance.measure == ErrorMeasure::l1 && tolerance.value > largest_bare_tolerance)
+    return fmt::format("{:g}%", 100 * tolerance.value);
   return fmt::format("{:g}{}", tolerance.value, tolerance.measure == ErrorMeasure::rms_db ? "dB" : "");
 }
 

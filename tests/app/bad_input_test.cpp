@@ -197,10 +197,12 @@ TEST_F(BadInput, SensorInsideAnObjectIsAWarning) {
   EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' is inside object 'housing' at ping 0"));
 }
 
-TEST_F(BadInput, NothingInSightIsNoMistake) {
+TEST_F(BadInput, NothingInSightIsAWarning) {
   folder.write("scene.toml", replaced(small_scene, "tilt_deg = 30", "tilt_deg = -60"));
   const Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("warning: "));
+  EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' hears nothing"));
   EXPECT_EQ(read_echoes(folder / "results" / "echoes.nc").total(), 0);
 }
 

@@ -23,11 +23,12 @@ TEST(Tolerance, IsReadAsPeopleWriteIt) {
   expect("0.1%", ErrorMeasure::l1, 1e-3);
   expect("5 %", ErrorMeasure::l1, 0.05);
   expect("0.02", ErrorMeasure::l1, 0.02);
-  expect("1", ErrorMeasure::l1, 1);
+  expect("0.1", ErrorMeasure::l1, 0.1);
+  expect("100%", ErrorMeasure::l1, 1);
 }
 
 TEST(Tolerance, WhatIsWrittenIsReadAgain) {
-  for (const char* text : {"0.1dB", "0.001", "1e-05dB", "1e-06"})
+  for (const char* text : {"0.1dB", "0.001", "1e-05dB", "1e-06", "0.1", "50%", "3dB"})
     EXPECT_EQ(to_text(parse_tolerance(text)), text);
 }
 
@@ -41,6 +42,21 @@ TEST(Tolerance, OtherTextIsRefusedWithWhatWasExpected) {
       EXPECT_THAT(error.what(),
                   testing::HasSubstr("'" + std::string(text) + "' is no tolerance: write 0.1dB"));
     }
+}
+
+// 0.5 alone would be 50 %, which hardly anybody means.
+TEST(Tolerance, LargeOnesNeedAUnit) {
+  for (const char* text : {"0.11", "0.5", "1", "5", "10"}) {
+    const std::string said = testing::PrintToString(text);
+    try {
+      parse_tolerance(text);
+      ADD_FAILURE() << "taken: " << said;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(),
+                  testing::HasSubstr("'" + std::string(text) + "' alone is a relative error of "));
+      EXPECT_THAT(error.what(), testing::HasSubstr(std::string(text) + "dB"));
+    }
+  }
 }
 
 TEST(Tolerance, WhatNoRunCanKeepIsRefused) {

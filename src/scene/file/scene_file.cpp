@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <regex>
 #include <system_error>
 
 #include "files/companions.hpp"
@@ -52,12 +53,27 @@ void check_dots(std::string_view text, const fs::path& file) {
   }
 }
 
+/// What is meant by a line that TOML has no meaning for.
+std::string toml_hint(std::string_view text, std::size_t number) {
+  for (; number > 1 && text.find('\n') != text.npos; --number) text.remove_prefix(text.find('\n') + 1);
+  const std::string line(text.substr(0, std::min<std::size_t>(text.find('\n'), 1000)));
+  const auto is = [&](const char* form) { return std::regex_search(line, std::regex(form)); };
+  if (is("^\\s*[A-Za-z0-9_-]+\\s*:")) return ": write key = value, with an equals sign";
+  if (is("=\\s*[-+]?[0-9]+,[0-9]+\\s*(#.*)?$")) return ": decimals have a point";
+  if (is("=\\s*[-+]?[0-9.]+\\s*[A-Za-z%]")) return ": write the number alone, its unit is in the key's name";
+  if (is("=\\s*[A-Za-z./~]")) return ": text stands in quotes";
+  if (is("\\\\")) return ": write folders with /, as \\ has a meaning of its own";
+  return "";
+}
+
 toml::table parse(std::string_view text, const TomlSource& source) {
   check_dots(text, source.file);
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
-    throw InputError(source.place(error.source()), fmt::format("not valid TOML: {}", error.description()));
+    const SourcePlace place = source.place(error.source());
+    throw InputError(place, fmt::format("not valid TOML: {}{}", error.description(),
+                                        toml_hint(text, static_cast<std::size_t>(place.line))));
   }
 }
 
@@ -74,14 +90,14 @@ class InputHash {
 
   void add(const TomlSource::NamedFile& named) {
     refuse_or_note(named.file, named.place, fmt::format("\"{}\"", named.name));
-    const bool through_gdal = gdal_driver_of(format_of(named.file)) != nullptr;
-    take(named.file, named.place, through_gdal);
     const auto admit = [&](const fs::path& companion) {
       refuse_or_note(
           companion, named.place,
           fmt::format("'{}', which is read along with \"{}\",", companion.filename().string(), named.name));
     };
     try {
+      const bool through_gdal = gdal_driver_of(format_of(named.file)) != nullptr;
+      take(named.file, named.place, through_gdal);
       for (const fs::path& companion : companions_of(named.file, admit))
         take(companion, named.place, through_gdal);
     } catch (const InputError& error) {
@@ -129,9 +145,18 @@ class InputHash {
   Sha256 hash_;
 };
 
+void refuse_preset_as_kind(const toml::table& sensor, const TomlSource& source) {
+  const auto kind = sensor["kind"].value<std::string>();
+  if (kind && std::ranges::any_of(sensor_presets(), [&](const SensorPreset& p) { return p.name == *kind; }))
+    throw InputError(
+        source.place(sensor.get("kind")->source()),
+        fmt::format("\"{0}\" is a preset and no kind: write preset = \"{0}\" in its place", *kind));
+}
+
 /// Adds the keys of a sensor's preset that the sensor does not give itself. A pattern that it gives replaces
 /// all that the preset says of that pattern.
 void apply_preset(toml::table& sensor, const TomlSource& source) {
+  refuse_preset_as_kind(sensor, source);
   const toml::node* named = sensor.get("preset");
   if (named == nullptr || !named->is_string()) return;  // the section's reader refuses what is no text
   const std::string name = **named->as_string();
@@ -153,6 +178,13 @@ void apply_preset(toml::table& sensor, const TomlSource& source) {
     }
     return;
   }
+  if (name == "none" || sensor.contains("kind")) return;  // the section's reader has the same to say
+  const std::vector<std::string> names = sensor_preset_names();
+  const std::string_view meant = nearest(name, names);
+  throw InputError(
+      source.place(named->source()),
+      fmt::format("there is no preset \"{}\"{}: expected {}", name,
+                  meant.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", meant), one_of(names, '"')));
 }
 
 void apply_presets(toml::table& root, const TomlSource& source) {

@@ -63,6 +63,27 @@ void check_range(double value, const std::string& as_written, const toml::node& 
                                                             as_written, why.empty() ? "" : ": ", why));
 }
 
+/// Of a file that is not there.
+std::string other_name(const fs::path& file) {
+  if (file.string().find('\\') != std::string::npos) return ": folders are parted by / here, not by \\";
+  std::vector<std::string> names;
+  std::error_code error;
+  constexpr std::size_t most = 1000;
+  for (fs::directory_iterator entry(file.parent_path(), error), end;
+       !error && entry != end && names.size() < most; entry.increment(error))
+    names.push_back(entry->path().filename().string());
+  std::ranges::sort(names);
+  const auto small = [](std::string text) {
+    std::ranges::transform(text, text.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+  };
+  const std::string wanted = file.filename().string();
+  const auto same = std::ranges::find(names, small(wanted), small);
+  const std::string_view meant = same != names.end() ? std::string_view(*same) : nearest(wanted, names);
+  return meant.empty() ? "" : fmt::format(": did you mean '{}'?", meant);
+}
+
 }  // namespace
 
 bool ValueRange::contains(double value) const {
@@ -198,9 +219,9 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source,
   std::error_code error;
   const fs::file_status status = fs::status(value, error);
   if (status.type() == fs::file_type::not_found) {
-    throw InputError(place,
-                     fmt::format("'{}': there is no file '{}'; names are relative to the scene file's folder",
-                                 key.name, value.string()));
+    throw InputError(
+        place, fmt::format("'{}': there is no file '{}'; names are relative to the scene file's folder{}",
+                           key.name, value.string(), other_name(value)));
   }
   if (status.type() == fs::file_type::none) {
     throw InputError(place,

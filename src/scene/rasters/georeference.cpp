@@ -114,6 +114,27 @@ void check_lat_lon(double latitude_deg, double longitude_deg, const SourcePlace&
   }
 }
 
+// An origin in degrees is a place near the projection's own origin, where hardly any such system is used.
+void refuse_degrees_for_metres(const std::string& crs, double easting, double northing,
+                               const SourcePlace& place) {
+  const OGRSpatialReference known = crs_from(crs, place);
+  double west = 0, south = 0, east = 0, north = 0;
+  const char* area = nullptr;
+  if (std::abs(easting) > 360 || std::abs(northing) > 360 ||
+      (easting == std::round(easting) && northing == std::round(northing)) || known.IsProjected() == 0 ||
+      !known.GetAreaOfUse(&west, &south, &east, &north, &area) || west > east)
+    return;
+  const auto within = [&](double longitude, double latitude) {
+    return longitude >= west && longitude <= east && latitude >= south && latitude <= north;
+  };
+  if (within(easting, northing) || within(northing, easting))
+    throw InputError(place,
+                     fmt::format("origin_crs [{:g}, {:g}] looks like degrees, and {} counts easting and "
+                                 "northing in metres: give origin_lat_lon_deg, latitude first, instead "
+                                 "of crs and origin_crs, or the origin's easting and northing",
+                                 easting, northing, known.GetName()));
+}
+
 }  // namespace
 
 LocalFrame LocalFrame::at_lat_lon(double latitude_deg, double longitude_deg, double height_m) {
@@ -159,6 +180,7 @@ LocalFrame LocalFrame::from(const GeoreferenceDescription& description) {
     throw InputError(description.place, "expected either origin_lat_lon_deg, or crs and origin_crs");
   }
   const auto [easting, northing] = *description.origin_crs;
+  refuse_degrees_for_metres(*description.crs, easting, northing, description.place);
   return projected(*description.crs, easting, northing, description.origin_height_m, description.place);
 }
 

@@ -102,7 +102,7 @@ ComponentMesh read_raster(const RasterTerrain& terrain, std::optional<LocalFrame
   }
   glm::dvec3 lo = mesh.points_m.front(), hi = lo;
   for (const glm::dvec3& point : mesh.points_m) lo = glm::min(lo, point), hi = glm::max(hi, point);
-  reader.refuse_degrees(lo, hi);
+  for (std::string& text : reader.odd_extent(lo, hi)) mesh.warnings.push_back(std::move(text));
   reader.carry(mesh.points_m, *frame);
   for (std::string& text : reader.warnings()) mesh.warnings.push_back(std::move(text));
   return mesh;

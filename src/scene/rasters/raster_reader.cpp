@@ -118,11 +118,18 @@ double RasterReader::metres_per_unit() const {
   return crs.importFromWkt(crs_.c_str()) == OGRERR_NONE ? crs.GetLinearUnits() : 1;
 }
 
-void RasterReader::refuse_degrees(glm::dvec3 lo, glm::dvec3 hi) const {
+std::vector<std::string> RasterReader::odd_extent(glm::dvec3 lo, glm::dvec3 hi) const {
+  // What cells without data often hold in files that do not say so.
+  for (const double value : {-9999.0, -99999.0, -32768.0, -32767.0, 9999.0, 99999.0})
+    if (const double height = height_m(value); lo.z < hi.z && (height == lo.z || height == hi.z))
+      return {fmt::format(
+          "{}: has cells of {:g}, as programs write where there is no data, and does not say that this is "
+          "what it means: if so, gdal_translate -a_nodata {:g} makes them holes",
+          file_.place().file, value, value)};
   const glm::dvec3 size = hi - lo;
   if (!crs_.empty() || lo.x < -180 || hi.x > 360 || lo.y < -90 || hi.y > 90 ||
       size.z <= steepest * std::max(size.x, size.y))
-    return;
+    return {};
   file_.fail(fmt::format(
       "has no coordinate reference system; taken for metres, its {:.3g} x {:.3g} m would be {:.3g} m "
       "high, so these look like degrees, of longitude {:.6g} to {:.6g} and latitude {:.6g} to "

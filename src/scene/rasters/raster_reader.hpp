@@ -52,8 +52,9 @@ class RasterReader {
   std::vector<std::string> settle(std::optional<LocalFrame>& frame) const;
   /// From the raster's CRS into the frame, in place.
   void carry(std::span<glm::dvec3> points, const LocalFrame& frame) const;
-  /// Throws InputError for a raster without CRS whose extent, taken for metres, can only be degrees.
-  void refuse_degrees(glm::dvec3 lo, glm::dvec3 hi) const;
+  /// What is odd about the extent of its points. Throws InputError for a raster without CRS whose extent,
+  /// taken for metres, can only be degrees.
+  std::vector<std::string> odd_extent(glm::dvec3 lo, glm::dvec3 hi) const;
   /// Also what GDAL warns of.
   std::vector<std::string> warnings() const;
 

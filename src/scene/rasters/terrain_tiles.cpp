@@ -200,7 +200,7 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
         reader.file().place(),
         "has no three neighbouring cells with data in the window, so it gives no facet: check the "
         "window and the nodata value");
-  reader.refuse_degrees(lo_m_, hi_m_);
+  for (std::string& text : reader.odd_extent(lo_m_, hi_m_)) warnings_.push_back(std::move(text));
   if (hole_cells_ == 0) {
     row_facets_ = {};
     row_first_ = {};

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/silence.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "run/paths.hpp"
+#include "run/shot.hpp"
+#include "run/tiles_in_view.hpp"
+#include "scene/extent.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// From the nearest to the farthest point of something, in metres.
+struct Span {
+  double lo_m = std::numeric_limits<double>::infinity(), hi_m = -std::numeric_limits<double>::infinity();
+  bool empty() const { return lo_m > hi_m; }
+  void add(double m) {
+    lo_m = std::min(lo_m, m);
+    hi_m = std::max(hi_m, m);
+  }
+};
+
+Span window_of(const Sensor& sensor) {
+  const RangeSamples& samples = sensor.samples();
+  // A staff's receivers are apart from where the range is counted from.
+  const double aside_m = sensor.staff().baseline_m / 2;
+  return {samples.first_m - aside_m, samples.first_m + samples.step_m * samples.count + aside_m};
+}
+
+/// Whether some of what was met may be heard. A receiver apart hears other ranges than the transmitter's.
+bool hears(const Sensor& sensor, const History& history) {
+  const Span window = window_of(sensor);
+  return std::ranges::any_of(history.footprints.footprints, [&](const Footprint& footprint) {
+    return sensor.has_receiver_apart() ||
+           (footprint.slant_range_max_m >= window.lo_m && footprint.slant_range_min_m <= window.hi_m);
+  });
+}
+
+/// Middle, first, last, then between them: at most `most` of so many pings.
+std::vector<std::size_t> spread(std::size_t pings, std::size_t most) {
+  std::vector<std::size_t> chosen{pings / 2, 0, pings - 1};
+  for (std::size_t parts = 4; parts < 2 * most; parts *= 2)
+    for (std::size_t k = 1; k < parts; k += 2) chosen.push_back(k * pings / parts);
+  std::vector<std::size_t> once;
+  for (const std::size_t ping : chosen)
+    if (once.size() < most && std::ranges::find(once, ping) == once.end()) once.push_back(ping);
+  return once;
+}
+
+TubeSet some_of(TubeSet set, std::size_t most) {
+  const std::size_t step = set.tubes.size() / most + 1;
+  std::vector<Tube> some;
+  for (std::size_t t = 0; t < set.tubes.size(); t += step) some.push_back(set.tubes[t]);
+  set.tubes = std::move(some);
+  return set;
+}
+
+/// Takes the sensors out of `silent` that a shot is heard by.
+void listen(const Shot& shot, std::vector<std::size_t>& silent) {
+  const auto heard_in = [&](const History& history) {
+    std::erase_if(silent, [&](std::size_t s) { return hears(shot.sensor(s), history); });
+  };
+  constexpr std::size_t few = 64;  // most sensors hear something in the first of their tubes that are asked
+  const TubeSet all = shot.tubes();
+  if (all.tubes.size() > few) heard_in(shot.trace(some_of(all, few)));
+  if (!silent.empty()) heard_in(shot.trace(all));
+}
+
+/// Why a sensor hears nothing at a ping.
+class Reason {
+ public:
+  Reason(const Survey& survey, const RunRequest& request, std::size_t s, std::size_t ping)
+      : survey_(survey),
+        scene_(survey.scene),
+        pings_(survey.sensors[s]),
+        sensor_(*pings_.sensor),
+        ping_(ping),
+        at_m_(pings_.shot_pose(ping, 0).position_m),
+        tubes_(sensor_.tubes(pings_.shot_pose(ping, 0), scene_.grid, 0)),
+        all_(extent_of(scene_, Components::all)),
+        terrain_(extent_of(scene_, Components::terrains)) {
+    if (terrain_.empty()) terrain_ = all_;
+    const glm::dvec3 far_m = glm::max(glm::abs(all_.lo_m - at_m_), glm::abs(all_.hi_m - at_m_));
+    tubes_.reach = 1.01 * glm::length(far_m) / scene_.grid.unit_m() + 1;
+    if (!survey.site->is_tiled())
+      for (const Footprint& footprint :
+           TubeEngine(scene_.mesh, *survey.site->tree, scene_.grid.unit_m(), request.visibility)
+               .trace(tubes_)
+               .footprints.footprints) {
+        met_.add(footprint.slant_range_min_m);
+        met_.add(footprint.slant_range_max_m);
+      }
+    for (const GridPoint& ray : tubes_.rays) {
+      const glm::dvec3 direction(ray.x, ray.y, ray.z);
+      elevation_.add(glm::degrees(std::asin(direction.z / glm::length(direction))));
+      middle_ += glm::normalize(direction);
+    }
+  }
+
+  std::string in_words() const {
+    if (!met_.empty()) return of_window();
+    const double beside_m = terrain_.distance_in_plan_m(at_m_);
+    if (const auto words = of_frame(beside_m)) return *words;
+    if (elevation_.lo_m >= 0 && all_.hi_m.z <= at_m_.z)
+      return fmt::format(
+          "it looks {}, and all that there is lies below it: tilt_deg turns a sensor downwards, pitch_deg "
+          "and roll_deg turn its carrier",
+          look());
+    if (beside_m > 0)
+      return fmt::format(
+          "it looks {}, {:.4g} m beside the terrain, which covers {}: move it there, or turn it", look(),
+          beside_m, to_text(terrain_));
+    if (const auto words = of_level_ground()) return *words;
+    return fmt::format("it looks {}, where nothing is{}; the terrain covers {}: turn it or move it", look(),
+                       survey_.site->is_tiled() ? " within its range window" : "", to_text(terrain_));
+  }
+
+  /// Where the sensor is.
+  std::string place() const {
+    return fmt::format(
+        "east {:.2f}, north {:.2f}, up {:.2f} m{}", at_m_.x, at_m_.y, at_m_.z,
+        std::isnan(altitude_m()) ? std::string() : fmt::format(", {:.4g} m over the terrain", altitude_m()));
+  }
+
+ private:
+  double altitude_m() const {
+    return ping_ < pings_.altitudes_m.size() ? pings_.altitudes_m[ping_]
+                                             : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  std::string window() const {
+    const RangeSamples& samples = sensor_.samples();
+    return fmt::format("its range window is {:.4g} to {:.4g} m: change the window, or where it is",
+                       samples.first_m, samples.first_m + samples.step_m * samples.count);
+  }
+
+  std::string of_window() const {
+    const Span window_m = window_of(sensor_);
+    if (met_.lo_m <= window_m.hi_m && met_.hi_m >= window_m.lo_m)
+      return fmt::format(
+          "what it looks at lies {:.4g} to {:.4g} m away, within its range window, and returns nothing "
+          "there: "
+          "look at absorption_db_per_km, the materials and the beam patterns",
+          met_.lo_m, met_.hi_m);
+    return fmt::format("what it looks at lies {:.4g} to {:.4g} m away, and {}", met_.lo_m, met_.hi_m,
+                       window());
+  }
+
+  /// Of terrain that is read by tiles, which are not read to look farther than pings do: as if it were as far
+  /// below everywhere as it is straight below.
+  std::optional<std::string> of_level_ground() const {
+    if (!survey_.site->is_tiled() || std::isnan(altitude_m()) || elevation_.lo_m >= 0) return std::nullopt;
+    const auto range_m = [&](double elevation_deg) {
+      return elevation_deg < 0 ? altitude_m() / std::sin(-glm::radians(elevation_deg))
+                               : std::numeric_limits<double>::infinity();
+    };
+    const double nearest_m = range_m(elevation_.lo_m), farthest_m = range_m(elevation_.hi_m);
+    const Span window_m = window_of(sensor_);
+    if (nearest_m <= window_m.hi_m && farthest_m >= window_m.lo_m) return std::nullopt;
+    return fmt::format("level ground would lie {:.4g} m away and farther where it looks, and {}", nearest_m,
+                       window());
+  }
+
+  /// Coordinates of two different frames.
+  std::optional<std::string> of_frame(double beside_m) const {
+    if (const std::optional<std::array<double, 2>>& origin =
+            scene_.description.georeference ? scene_.description.georeference->origin_lat_lon_deg
+                                            : std::nullopt;
+        origin && beside_m > 0 && std::hypot((*origin)[1] - at_m_.x, (*origin)[0] - at_m_.y) < 1)
+      return fmt::format(
+          "its east {:.6g} and north {:.6g} look like longitude and latitude, and are metres from the "
+          "frame's "
+          "origin; the terrain covers {}: bring them to the local frame",
+          at_m_.x, at_m_.y, to_text(terrain_));
+    const std::string hint = mixed_frames(at_m_, terrain_);
+    if (hint.empty()) return std::nullopt;
+    return fmt::format("it is {:.4g} km away from the terrain, which covers {}: {}", beside_m / 1000,
+                       to_text(terrain_), hint);
+  }
+
+  std::string look() const {
+    const double level = glm::length(glm::dvec2(middle_));
+    const auto degrees = [](double value) { return fmt::format("{:.3g}", std::abs(value)); };
+    std::string words =
+        elevation_.lo_m >= 0
+            ? fmt::format("{} to {} degrees up", degrees(elevation_.lo_m), degrees(elevation_.hi_m))
+        : elevation_.hi_m <= 0
+            ? fmt::format("{} to {} degrees down", degrees(elevation_.hi_m), degrees(elevation_.lo_m))
+            : fmt::format("from {} degrees down to {} degrees up", degrees(elevation_.lo_m),
+                          degrees(elevation_.hi_m));
+    if (level > 0.1 * glm::length(middle_))
+      words += fmt::format(", towards {:.0f} degrees (clockwise from north)",
+                           std::fmod(glm::degrees(std::atan2(middle_.x, middle_.y)) + 360, 360.0));
+    return words;
+  }
+
+  const Survey& survey_;
+  const Scene& scene_;
+  const SensorPings& pings_;
+  const Sensor& sensor_;
+  const std::size_t ping_;
+  const glm::dvec3 at_m_;
+  TubeSet tubes_;
+  Extent all_, terrain_;
+  Span met_, elevation_;  ///< elevation of its rays in degrees
+  glm::dvec3 middle_{0};
+};
+
+/// `when`: " at any of 9 pings", or empty.
+Silence silence(const Survey& survey, const RunRequest& request, std::size_t s, const std::string& when) {
+  const SensorPings& pings = survey.sensors[s];
+  const std::size_t ping = pings.times_s.size() / 2;
+  const Reason reason(survey, request, s, ping);
+  return {s, fmt::format("{}: sensor '{}' hears nothing{}: at ping {} ({}) {}",
+                         to_string(pings.sensor->description().place), pings.sensor->description().name, when,
+                         ping, reason.place(), reason.in_words())};
+}
+
+bool has_facets(const Scene& scene) { return !scene.mesh.facets.empty() || !scene.tiled.empty(); }
+
+bool is_silent(const Recording& recording) {
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    for (std::size_t channel = 0; channel < recording.channels(); ++channel)
+      if (std::ranges::any_of(recording.channel_of(ping, channel), [](double e) { return e != 0; }))
+        return false;
+    recording.let_go(ping);
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& request) {
+  std::vector<Silence> found;
+  if (!has_facets(survey.scene)) return found;  // which is told already
+  const Shots shots(survey, request);
+  ShotsAround around(shots);
+  for (const SharedShots& group : survey.shots) {
+    std::vector<std::size_t> silent = group.sensors;
+    std::erase_if(silent, [&](std::size_t s) {
+      return path_settings(survey.scene, survey.sensors[s].sensor->frequency_khz()).has_value();
+    });
+    constexpr std::size_t most_pings = 33;
+    constexpr std::chrono::seconds enough(3);
+    const auto start = std::chrono::steady_clock::now();
+    const std::size_t pings = survey.fleet->pings(group);
+    std::size_t looked = 0;
+    for (const std::size_t ping : spread(pings, most_pings)) {
+      if (silent.empty() || (looked > 0 && std::chrono::steady_clock::now() - start > enough)) break;
+      ++looked;
+      for (std::size_t number = 0; number < survey.fleet->shots_a_ping(group) && !silent.empty(); ++number)
+        listen(around.at(group, ping).of(group, ping, number), silent);
+    }
+    for (const std::size_t s : silent)
+      found.push_back(silence(survey, request, s,
+                              pings == 1        ? std::string()
+                              : looked == pings ? std::string(" at any ping")
+                                                : fmt::format(" at any of {} pings looked at", looked)));
+  }
+  return found;
+}
+
+std::vector<Silence> met_silence(const Survey& survey, const RunRequest& request,
+                                 const std::vector<Recording>& recordings) {
+  std::vector<Silence> found;
+  if (!has_facets(survey.scene)) return found;
+  for (std::size_t s = 0; s < recordings.size(); ++s)
+    if (is_silent(recordings[s]))
+      found.push_back(
+          silence(survey, request, s, recordings[s].pings() == 1 ? "" : " at any ping: all samples are 0"));
+  return found;
+}
+
+}  // namespace tubefoot

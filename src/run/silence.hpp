@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "run/run_request.hpp"
+#include "run/survey.hpp"
+#include "sensors/recordings/recording.hpp"
+
+namespace tubefoot {
+
+/// A sensor that hears nothing.
+struct Silence {
+  std::size_t sensor = 0;  ///< index in the survey
+  std::string warning;     ///< which, where, why, and what to do, in the scene's terms
+};
+
+/// Sensors whose tubes meet no facet within their window at any of a few pings, spread over their track. Of a
+/// sensor that may hear by mirrors, direct sound or several scatterings nothing is foreseen. Makes the ground
+/// of these pings where each shot has its own, and reads their tiles. Throws InputError as Shot::ground().
+std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& request);
+
+/// Sensors all of whose samples are 0; reads recordings up to the first that is not.
+std::vector<Silence> met_silence(const Survey& survey, const RunRequest& request,
+                                 const std::vector<Recording>& recordings);
+
+}  // namespace tubefoot

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/standing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <optional>
+
+#include "geometry/search/vertical_line.hpp"
+#include "run/shot_ground.hpp"
+#include "run/tiles_in_view.hpp"
+#include "scene/extent.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// The bed over and under one place after the other.
+class Bed {
+ public:
+  explicit Bed(const Survey& survey) : survey_(survey) {
+    if (survey.site->is_tiled()) tiles_.emplace(*survey.site);
+  }
+
+  /// How high a place is above the highest terrain there, less than 0 below it; nothing beside all terrain.
+  std::optional<double> height_over_m(glm::dvec3 place_m) {
+    const Site& site = in_line_with(place_m);
+    const ShotGround ground = ground_in_line_with(site, place_m);
+    const GridPoint point = site.scene.grid.snap(place_m);
+    std::vector<FacetId> near;
+    facets_near_vertical(ground.tree(), point, near);
+    std::optional<double> height;
+    for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), near, point)) {
+      if (c.component >= site.scene.description.terrains.size() || c.above + c.below == 0) continue;
+      const double over = (c.above > 0 ? -c.lowest_above : c.highest_below) * site.scene.grid.unit_m();
+      height = height ? std::min(*height, over) : over;
+    }
+    return height;
+  }
+
+ private:
+  const Site& in_line_with(glm::dvec3 place_m) {
+    if (!tiles_) return *survey_.site;
+    TileChoice choice = tiles_->below(place_m);
+    if (!part_ || choice != choice_) {
+      part_.emplace(survey_with_tiles(survey_, choice));
+      choice_ = std::move(choice);
+    }
+    return *part_->site;
+  }
+
+  const Survey& survey_;
+  std::optional<TilesInView> tiles_;
+  TileChoice choice_;
+  std::optional<Survey> part_;
+};
+
+/// Some of a component's vertices: the outermost, and others in between.
+std::vector<glm::dvec3> places_of(const Scene& scene, std::size_t component, std::size_t most) {
+  std::vector<VertexId> vertices;
+  const auto [first, last] = std::ranges::equal_range(scene.mesh.component, component);
+  for (auto at = first; at != last; ++at)
+    for (const VertexId v : scene.mesh.facets[static_cast<std::size_t>(at - scene.mesh.component.begin())])
+      vertices.push_back(v);
+  std::vector<glm::dvec3> places;
+  if (vertices.empty()) return places;
+  const auto add = [&](VertexId v) { places.push_back(scene.grid.to_metres(scene.mesh.vertices[v])); };
+  for (const auto along : {&GridPoint::x, &GridPoint::y, &GridPoint::z}) {
+    const auto [lo, hi] =
+        std::ranges::minmax_element(vertices, {}, [&](VertexId v) { return scene.mesh.vertices[v].*along; });
+    add(*lo);
+    add(*hi);
+  }
+  for (std::size_t k = 0; k < vertices.size(); k += vertices.size() / most + 1) add(vertices[k]);
+  return places;
+}
+
+double largest_side_m(const Extent& extent) {
+  return std::max(extent.hi_m.x - extent.lo_m.x, extent.hi_m.y - extent.lo_m.y);
+}
+
+struct Heights {
+  double lowest_m = std::numeric_limits<double>::infinity(),
+         highest_m = -std::numeric_limits<double>::infinity();
+  std::size_t over_terrain = 0, places = 0;
+};
+
+Standing told(const std::string& name, const Extent& object, const Extent& terrain, const Heights& heights,
+              const std::string& place) {
+  Standing standing{name, {}, {}};
+  const auto warn = [&](const std::string& what) {
+    standing.warning = fmt::format("{}: object '{}' {}", place, name, what);
+  };
+  constexpr double far_larger = 4;
+  if (const double times = largest_side_m(object) / largest_side_m(terrain); times > far_larger) {
+    standing.words = fmt::format("{:.3g} times as wide as the terrain", times);
+    warn(fmt::format("is {:.4g} m wide, {:.3g} times the terrain, which covers {}: {}",
+                     largest_side_m(object), times, to_text(terrain),
+                     largest_side_m(terrain) < 1 ? "are the terrain's coordinates degrees or kilometres?"
+                                                 : "is its size in other units (unit_m, scale)?"));
+    return standing;
+  }
+  if (heights.places == 0) {
+    standing.words = "has no facet in the water";
+    warn("has no facet in the water: it is above the sea surface");
+  } else if (heights.over_terrain == 0) {
+    const double gap_m = terrain.distance_in_plan_m((object.lo_m + object.hi_m) / 2.0);
+    standing.words = gap_m > 0 ? fmt::format("beside the terrain, {:.4g} m from it to its middle", gap_m)
+                               : std::string("over a hole of the terrain, or beside it");
+    const std::string frames = mixed_frames((object.lo_m + object.hi_m) / 2.0, terrain);
+    if (gap_m > 0)
+      warn(fmt::format("lies beside the terrain, which covers {}: {}", to_text(terrain),
+                       frames.empty() ? "move it there, if that is not meant" : frames));
+  } else if (heights.highest_m < 0) {
+    standing.words = fmt::format("buried: its top is {:.4g} m below the bed", -heights.highest_m);
+    warn(
+        fmt::format("is buried: its top is {:.4g} m below the bed, and it cannot be seen; on_terrain_m = 0 "
+                    "would put it on the bed",
+                    -heights.highest_m));
+  } else if (heights.lowest_m > 1e-3) {
+    standing.words = fmt::format("{:.4g} m above the bed", heights.lowest_m);
+  } else if (heights.lowest_m > -1e-3) {
+    standing.words = "on the bed";
+  } else {
+    standing.words = fmt::format("in the bed: from {:.4g} m below it to {:.4g} m above", -heights.lowest_m,
+                                 heights.highest_m);
+  }
+  constexpr double tiny_m = 0.01;
+  if (const glm::dvec3 size_m = object.hi_m - object.lo_m;
+      standing.warning.empty() && std::max({size_m.x, size_m.y, size_m.z}) < tiny_m)
+    warn(fmt::format("is only {:.3g} x {:.3g} x {:.3g} m large: is its size in other units (unit_m, scale)?",
+                     size_m.x, size_m.y, size_m.z));
+  if (heights.over_terrain > 0 && heights.over_terrain < heights.places)
+    standing.words += "; partly beside the terrain";
+  return standing;
+}
+
+}  // namespace
+
+std::vector<Standing> standings(const Survey& survey) {
+  const Scene& scene = survey.scene;
+  const Extent terrain = extent_of(scene, Components::terrains);
+  std::vector<Standing> all;
+  if (terrain.empty()) return all;
+  const std::size_t terrains = scene.description.terrains.size();
+  // Each place of a tiled terrain, or of one with relief, is loaded or made.
+  const std::size_t most = survey.site->is_tiled() ? 4 : survey.site->has_ground_a_shot() ? 30 : 300;
+  Bed bed(survey);
+  for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
+    const ComponentReport& object = scene.report.components[i];
+    Heights heights;
+    for (const glm::dvec3& place_m : places_of(scene, i, most)) {
+      ++heights.places;
+      const std::optional<double> over_m = bed.height_over_m(place_m);
+      if (!over_m) continue;
+      ++heights.over_terrain;
+      heights.lowest_m = std::min(heights.lowest_m, *over_m);
+      heights.highest_m = std::max(heights.highest_m, *over_m);
+    }
+    all.push_back(told(object.name, {object.lo_m, object.hi_m}, terrain, heights,
+                       to_string(scene.description.objects[i - terrains].place)));
+  }
+  return all;
+}
+
+std::vector<std::string> vast_windows(const Survey& survey) {
+  std::vector<std::string> warnings;
+  const Extent all = extent_of(survey.scene, Components::all);
+  if (all.empty()) return warnings;
+  for (const SensorPings& pings : survey.sensors) {
+    const RangeSamples& samples = pings.sensor->samples();
+    const double end_m = samples.first_m + samples.step_m * samples.count;
+    double farthest_m = 0;
+    for (const Pose& pose : pings.poses)
+      farthest_m = std::max(farthest_m, glm::length(glm::max(glm::abs(all.lo_m - pose.position_m),
+                                                             glm::abs(all.hi_m - pose.position_m))));
+    constexpr double vast = 20;
+    if (end_m > vast * farthest_m)
+      warnings.push_back(
+          fmt::format("{}: sensor '{}' listens up to {:.4g} m in samples of {:.3g} m, and nothing of the "
+                      "scene is farther "
+                      "away than {:.4g} m: is its range window in metres?",
+                      to_string(pings.sensor->description().place), pings.sensor->description().name, end_m,
+                      samples.step_m, farthest_m));
+  }
+  return warnings;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "run/survey.hpp"
+
+namespace tubefoot {
+
+/// How an object stands to the bed.
+struct Standing {
+  std::string object;
+  std::string words;    ///< "in the bed: from 0.5 m below it to 0.5 m above"
+  std::string warning;  ///< empty where that is nothing odd
+};
+
+/// Of each object of a scene with terrain, by some of its vertices: what lies between them may differ. Throws
+/// InputError for a raster that can no longer be read.
+std::vector<Standing> standings(const Survey& survey);
+
+/// Warnings of sensors whose range window reaches far beyond all that there is.
+std::vector<std::string> vast_windows(const Survey& survey);
+
+}  // namespace tubefoot
