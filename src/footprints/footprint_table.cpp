@@ -158,7 +158,7 @@ class Rows {
 FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<const std::uint32_t> tubes) {
   const Sensor& sensor = shot.sensor(s);
   const ShotEnds ends(shot, s);
-  const PathFootprints seen = path_footprints(ends.trace());
+  const auto [alone, seen] = ends.seen();
   const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot.number());
   const std::vector<std::uint32_t> fans = sensor.fan_of_tube(shot.number());
   FootprintSet heard = seen.footprints;
@@ -166,8 +166,8 @@ FootprintTable table_of_two_ends(const Shot& shot, std::size_t s, std::span<cons
   const FootprintEnergies energies =
       footprint_energies(heard, seen.history, beam_of_tube, shot.beams_by_fans(s, fans), sensor.samples(),
                          ends.law(s)->law, shot.request().binning);
-  const Occluders out = occluders_of(ends.trace(ends.out()).footprints, ends.out()),
-                  home = occluders_of(ends.trace(ends.home()).footprints, ends.home());
+  const Occluders out = occluders_of(alone[0].footprints, ends.out()),
+                  home = occluders_of(alone[1].footprints, ends.home());
   const glm::dvec3 apex = shot.scene().grid.to_metres(ends.out().tubes.apex);
   Rows rows(shot, s);
   for (std::size_t k = 0; k < seen.footprints.footprints.size(); ++k) {

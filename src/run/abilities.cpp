@@ -51,8 +51,6 @@ constexpr auto table = std::to_array<Refusal>({
      {},
      "an inclined mirror's image of layered water is not layered, and rays through it have no closed form: "
      "lay the facets level, leave out 'specular_loss_db', or give profile = \"constant\""},
-    {refraction, scatterings, two_receivers,
-     "phases of further scatterings need even water: give profile = \"constant\", or scatterings = 1"},
     {refraction, mirrors, reference, two_places_straight},
     {refraction, two_receivers, reference, two_places_straight},
     {scatterings,

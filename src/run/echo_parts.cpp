@@ -116,6 +116,7 @@ auto as_seen_by(const Shot& shot, const Work& work) {
 
 void count_paths(const Shot& shot, const auto& paths, PingSums& sums) {
   StraighteningCounts& counts = sums.counts.refraction;
+  add_counts(counts, paths.seen_by_patches, shot);
   for (const ApparentGround& apparent : paths.grounds) add_counts(counts, apparent, shot);
   counts.largest_gap_m = std::max(counts.largest_gap_m, paths.largest_misfit_m);
   sums.counts.images += paths.images;
@@ -150,7 +151,6 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
     hold_against(certified, *settings.reference_tolerance);
     sums.add(shot, s, certified, order);
   }
-  add_counts(sums.counts.refraction, paths.seen_by_patches, shot);
   sums.counts.hits += paths.hits;
   count_paths(shot, paths, sums);
 }

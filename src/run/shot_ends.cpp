@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/shot_ends.hpp"
 
+#include "engine/sight/looks.hpp"
 #include "engine/sight/part_label.hpp"
 
 namespace tubefoot {
@@ -44,40 +45,48 @@ FacetId ShotEnds::base_facet(FacetId shared) const {
   return shot_.site().base_number_of(shared);
 }
 
-History ShotEnds::trace(const ShotEnd& end) const {
-  return TubeEngine(*end.mesh, *end.tree, shot_.scene().grid.unit_m(), shot_.request().visibility)
-      .trace(end.tubes);
-}
-
 std::unique_ptr<SensorLaw> ShotEnds::law(std::size_t sensor) const {
   auto law = std::make_unique<SensorLaw>(shot_, ShotGround(shot_.site()), sensor);
   law->law.material = shared_mesh().material;
   return law;
 }
 
-BistaticHistory ShotEnds::trace() const {
-  if (pair_) return trace_both(shot_, *pair_);
-  return trace_bistatic(*out().mesh, *out().tree, shot_.scene().grid.unit_m(), shot_.request().visibility,
-                        out().tubes, home().tubes);
+ShotEnds::Looks ShotEnds::look_from_all(bool open_water) const {
+  VisibilityOptions options = shot_.request().visibility;
+  options.open_water = options.open_water || open_water;
+  Looks looks;
+  for (const ShotEnd& end : ends_) looks.push_back(look(*end.mesh, *end.tree, end.tubes, options));
+  return looks;
+}
+
+FootprintSharer ShotEnds::sharer(const Looks& looks) const {
+  const double unit_m = shot_.scene().grid.unit_m();
+  if (!pair_) return {*out().mesh, {out().tubes, looks[0]}, {home().tubes, looks[1]}, unit_m};
+  return {{out().tubes, looks[0], out().mesh, out().name},
+          {home().tubes, looks[1], home().mesh, home().name},
+          unit_m};
+}
+
+ShotEnds::Seen ShotEnds::seen() const {
+  const WorldGrid& grid = shot_.scene().grid;
+  const Looks looks = look_from_all(false);
+  Seen seen;
+  for (std::size_t k = 0; k < ends_.size(); ++k)
+    seen.alone.push_back(history_of(*ends_[k].mesh, ends_[k].tubes, looks[k], grid.unit_m()));
+  BistaticHistory both{out().tubes, home().tubes, grid.unit_m(), shared_by_all(sharer(looks))};
+  if (pair_)
+    both.paired = paired_facets(both.shared, pair_->apparent, grid, pair_->transmit_water,
+                                pair_->receive_water, pair_->absorption_db_per_m);
+  seen.together = path_footprints(both);
+  return seen;
 }
 
 BistaticAudit ShotEnds::audit(std::uint64_t label) const {
-  VisibilityOptions options = shot_.request().visibility;
-  options.open_water = true;
-  const auto sent = look(*out().mesh, *out().tree, out().tubes, options),
-             heard = look(*home().mesh, *home().tree, home().tubes, options);
-  const double unit_m = shot_.scene().grid.unit_m();
+  const Looks looks = look_from_all(true);
   constexpr std::uint64_t of_home = std::uint64_t{1} << 62;
-  BistaticAudit result{audit_tubes(*out().mesh, out().tubes, sent, label),
-                       audit_tubes(*home().mesh, home().tubes, heard, label_of_part(label, of_home)),
-                       {}};
-  const auto audit = [&](const FootprintSharer& sharer) { result.shared = audit_shared(sharer, label); };
-  if (pair_)
-    audit(FootprintSharer({out().tubes, sent, out().mesh, out().name},
-                          {home().tubes, heard, home().mesh, home().name}, unit_m));
-  else
-    audit(FootprintSharer(*out().mesh, {out().tubes, sent}, {home().tubes, heard}, unit_m));
-  return result;
+  return {audit_tubes(*out().mesh, out().tubes, looks[0], label),
+          audit_tubes(*home().mesh, home().tubes, looks[1], label_of_part(label, of_home)),
+          audit_shared(sharer(looks), label)};
 }
 
 }  // namespace tubefoot

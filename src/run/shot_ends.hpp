@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/sight/bistatic_audit.hpp"
+#include "engine/sight/path_footprints.hpp"
 #include "run/refraction.hpp"
 #include "run/shot.hpp"
 
@@ -50,16 +51,22 @@ class ShotEnds {
   FacetId base_facet(FacetId shared) const;
   const ApparentPair* apparent_pair() const { return pair_ ? &pair_->apparent : nullptr; }
 
-  /// What one end sees by itself.
-  History trace(const ShotEnd& end) const;
-  /// What two ends see together.
-  BistaticHistory trace() const;
+  /// What two ends see, each by itself and together, from one look of each.
+  struct Seen {
+    std::vector<History> alone;
+    PathFootprints together;
+  };
+  Seen seen() const;
   /// How the shot hears what two ends see together.
   std::unique_ptr<SensorLaw> law(std::size_t sensor) const;
   /// The laws of both; `label` tells shots apart in the hash.
   BistaticAudit audit(std::uint64_t label) const;
 
  private:
+  using Looks = std::vector<std::vector<TubeVisibility>>;  // by end
+  Looks look_from_all(bool open_water) const;
+  FootprintSharer sharer(const Looks& looks) const;
+
   const Shot& shot_;
   std::optional<ShotGround> ground_;  ///< with weights
   std::optional<RefractedPair> pair_;

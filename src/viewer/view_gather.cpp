@@ -161,13 +161,14 @@ class Gatherer {
 
   /// What both see together, and what is in the tubes of either and hidden from it.
   void add_two_ends(const Shot& shot, const ShotEnds& ends, std::uint32_t place) {
-    const PathFootprints seen = path_footprints(ends.trace());
+    const ShotEnds::Seen all = ends.seen();
+    const PathFootprints& seen = all.together;
     require_room(seen.footprints.footprints.size());
     std::array<std::uint32_t, 2> first_tube{};
     std::array<std::map<std::pair<FacetId, std::uint32_t>, std::uint32_t>, 2> occluders;
     for (std::size_t k = 0; k < 2; ++k) {
       const ShotEnd& end = ends.all()[k];
-      const History history = ends.trace(end);
+      const History& history = all.alone[k];
       first_tube[k] =
           draw_tubes(shot, end.tubes, history, place, shot.scene().grid.to_metres(end.tubes.apex));
       for (const Footprint& f : history.footprints.footprints)

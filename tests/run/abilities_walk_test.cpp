@@ -177,6 +177,8 @@ TEST_F(AbilitiesWalk, TwoReceiversWithWhatTheirProductsMeet) {
   walk({two_receivers, mirrors, receiver_apart, reference}, of_runs.front().words);
   walk({two_receivers, mirrors, refraction}, {"run"});
   walk({two_receivers, mirrors, refraction, receiver_apart}, {"run"});
+  walk({two_receivers, scatterings, refraction}, {"run"});
+  walk({two_receivers, scatterings, refraction, receiver_apart}, {"run"});
 }
 
 // More than two at once: a real scene has four.

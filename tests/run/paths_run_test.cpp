@@ -8,7 +8,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 
+#include "fixtures/netcdf_reader.hpp"
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
 
@@ -163,6 +165,57 @@ TEST(PathsRun, ScatteringsInRefractingWater) {
   EXPECT_NEAR(almost, even, 5e-3 * even);
   EXPECT_GT(std::abs(strongly / almost - 1), 3e-3);
   EXPECT_NEAR(strongly, even, 0.2 * even);
+}
+
+// What two receivers hear of the hollow's second scatterings, and how much alike.
+TEST(PathsRun, ScatteringsInRefractingWaterToTwoReceivers) {
+  const TestFolder folder;
+  std::string text = hollow(2, 8);
+  text.replace(text.find("[[sensors]]"), std::string::npos, R"(heading_deg = 90
+[[sensors]]
+name = "swath"
+kind = "interferometric"
+along_track_deg = 60
+depression_min_deg = 5
+frequency_khz = 100
+baseline_m = 0.05
+range_min_m = 10
+range_max_m = 30
+samples = 10
+)");
+  struct Heard {
+    std::vector<double> upper, lower, real, imaginary;
+    nlohmann::json refraction;
+  };
+  const auto heard = [&](const std::string& scene, const std::string& name) {
+    const auto out = folder / name;
+    const Outcome outcome =
+        run_program({"run", folder.write(name + ".toml", scene).string(), "-o", out.string(), "--quiet"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const NetcdfReader file(out / "echoes.nc");
+    const nlohmann::json stats = nlohmann::json::parse(std::ifstream(out / "stats.json"));
+    return Heard{file.values("/", "energy"), file.values("/", "energy_lower"), file.values("/", "cross_real"),
+                 file.values("/", "cross_imag"), stats.value("refraction", nlohmann::json())};
+  };
+  const Heard even = heard(text, "even"), almost = heard(bent(text, 1e-6, ""), "almost"),
+              strongly = heard(bent(text, -2, ""), "strongly");
+  EXPECT_GT(almost.refraction.at("apparent_facets").get<int>(), 100);  // of patches, too
+  const double total = std::reduce(even.upper.begin(), even.upper.end());
+  EXPECT_GT(total, 0);
+  double turned = 0, moved = 0;
+  for (std::size_t k = 0; k < even.upper.size(); ++k) {
+    EXPECT_NEAR(almost.upper[k], even.upper[k], 5e-3 * total) << k;
+    EXPECT_NEAR(almost.lower[k], even.lower[k], 5e-3 * total) << k;
+    EXPECT_NEAR(almost.real[k], even.real[k], 5e-3 * total) << k;
+    EXPECT_NEAR(almost.imaginary[k], even.imaginary[k], 5e-3 * total) << k;
+    EXPECT_LE(std::hypot(strongly.real[k], strongly.imaginary[k]),
+              std::sqrt(strongly.upper[k] * strongly.lower[k]) * (1 + 1e-6));
+    turned = std::max(turned, std::abs(even.imaginary[k]));
+    moved = std::max(moved,
+                     std::hypot(strongly.real[k] - even.real[k], strongly.imaginary[k] - even.imaginary[k]));
+  }
+  EXPECT_GT(turned, 0.02 * total);
+  EXPECT_GT(moved, 0.01 * total);
 }
 
 // Straight up, by the surface and back: rings of the bed by rays that are arcs of circles (physics

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -13,63 +12,22 @@
 #include <vector>
 
 #include "engine/echo/echo.hpp"
-#include "engine/paths/image_tree.hpp"
-#include "engine/paths/seen_bed.hpp"
-#include "geometry/integrals/measure.hpp"
+#include "engine/paths/heard_facets.hpp"
 
 // What a point that scatters sends to a receiver by one more scattering. docs/paths.md
 namespace tubefoot {
 
-/// What an image of a receiver sees, by facet, in coordinates of the plane that the facet lies in: made once
-/// for all points that light it.
-class HeardFacets {
- public:
-  /// `apex_m`: where the image is, in the frame of the points that will be asked about; `bed`: what it sees.
-  HeardFacets(const Image& heard, glm::dvec3 apex_m, SeenBed bed);
-
-  struct Piece {
-    std::uint32_t tube = 0;   ///< of the image
-    std::size_t seen_as = 0;  ///< bent facet, where rays are bent
-    std::vector<glm::dvec2> corners;
-    glm::dvec2 low{0}, high{0};
-  };
-  struct Facet {
-    FacetId facet = 0;
-    FacetPlane plane;  ///< from the image; in refracting water that may be behind it
-    PlaneFrame frame{FacetPlane{}};
-    std::vector<Piece> pieces;
-  };
-  /// Null if the side of a facet that a normal points to is not seen.
-  const Facet* find(FacetId facet, glm::dvec3 normal) const;
-  /// Null where rays are straight.
-  const BentFacet* bent_of(const Piece& piece) const {
-    return bent_.empty() ? nullptr : &bent_[piece.seen_as];
-  }
-  const Image& image() const { return image_; }
-  glm::dvec3 apex_m() const { return apex_m_; }
-
- private:
-  const Image& image_;
-  glm::dvec3 apex_m_;
-  std::vector<BentFacet> bent_;
-  std::vector<Facet> facets_;  // by id
-};
-
 /// Who hears the last scattering: an image of a receiver, or those of both receivers of a staff in the same
 /// mirrors.
 struct Listener {
-  HeardFacets upper;                 ///< or the only receiver
-  std::optional<HeardFacets> lower;  ///< for the mean product of both
+  HeardFacets hears;  ///< of a staff for the mean product: what both hear
   /// Of a staff: the row of bins that energies go to; a product's real and imaginary part go to this and the
   /// next. None: those of the beams that hear them.
-  std::optional<std::uint32_t> row;
+  std::optional<std::uint32_t> row{};
   glm::dvec3 middle_m{0}, arm_m{0};  ///< of the staff's image: from its lower to its upper end
   double wavenumber_rad_m = 0;
 
-  const Image& image() const { return upper.image(); }
-  double largest() const {
-    return lower ? std::min(image().largest, lower->image().largest) : image().largest;
-  }
+  bool is_product() const { return hears.ends().size() > 1; }
 };
 
 /// Bins of which few are not empty.
@@ -122,38 +80,7 @@ class PatchEcho {
  private:
   using Polygon = std::vector<glm::dvec2>;
 
-  /// The point, or a receiver, over the facet at hand.
-  struct Over {
-    const Image* image = nullptr;  ///< of a receiver
-    double height = 0;             ///< over the plane
-    glm::dvec2 foot{0};            ///< its foot point
-    glm::dvec3 at_m{0};            ///< in the local frame
-    /// Where rays are bent: where the plane's points lie and where they are seen, both from here.
-    const BentFacet* bent = nullptr;
-    LyingPlane lies, seen;
-    double range(glm::dvec2 p) const {
-      return bent != nullptr ? glm::length(seen.at(p)) : std::hypot(height, glm::length(p - foot));
-    }
-    /// Of the range, which is known.
-    glm::dvec2 slope(glm::dvec2 p, double range) const {
-      if (bent == nullptr) return (p - foot) / range;
-      const glm::dvec3 at = seen.at(p);
-      return glm::dvec2(glm::dot(at, seen.u), glm::dot(at, seen.v)) / range;
-    }
-  };
-  /// A place as an end sees it.
-  struct Met {
-    double range = 0, sine = 0;
-    glm::dvec3 direction{0};   ///< in which it is seen, unit vector
-    glm::dvec3 lies_m{0};      ///< from the end
-    double out = 1, home = 1;  ///< spreading and absorption over those of the straight way
-  };
-  Met meet(const Over& end, glm::dvec2 p) const;
-  void bend(Over& end, const BentFacet& facet, glm::dvec3 from_heard_m) const;
-
   void clip(const std::vector<glm::dvec2>& by, Polygon& polygon);
-  /// A corner of a piece of the lower receiver's, in the coordinates of the upper one's plane.
-  glm::dvec2 from_lower(const HeardFacets::Facet& lower, glm::dvec2 corner) const;
   void halve(std::size_t level);
   void cut_into_samples(const Polygon& polygon, glm::dvec2 centre);
   void cut_for_both(const Polygon& polygon, double sample, double middle, glm::dvec2 gradient,
@@ -168,9 +95,9 @@ class PatchEcho {
   // Of the facet and the piece at hand.
   const Point* point_ = nullptr;
   const Listener* heard_ = nullptr;
-  const HeardFacets::Facet* facet_ = nullptr;
-  Over lit_;            // the point
-  Over upper_, lower_;  // the lower one of a staff's, if a product is asked for
+  OverFacet lit_;                  // the point
+  std::array<OverFacet, 2> home_;  // the upper or only receiver, and of a product the lower one
+  glm::dvec3 local_m_{0};
   double borders_m_ = 0;
   RangeSamples samples_;
   SparseEnergy* out_ = nullptr;
@@ -179,7 +106,7 @@ class PatchEcho {
   const ReflectivityField* texture_ = nullptr;
   double mu_ = 0;
   std::vector<Polygon> levels_;
-  Polygon below_, above_, rest_, before_, both_, common_;
+  Polygon below_, above_, rest_, before_, both_;
 };
 
 }  // namespace tubefoot

@@ -310,8 +310,8 @@ class PatchPaths {
       const PatchEcho::Point point{from_apex(image.windows.apex), image.leg.loss,
                                    glm::transpose(image.leg.to_true) * source.normal, scattering, source.fan};
       for (const Listener& heard : heard_) {
-        const int order = interactions + int(heard.image().mirrors);
-        if (order <= scene_.settings.order && image.largest * heard.largest() > least_)
+        const int order = interactions + int(heard.hears.image().mirrors);
+        if (order <= scene_.settings.order && image.largest * heard.hears.largest() > least_)
           hear(source, seen, point, heard, std::size_t(order), sent);
       }
       if (!again || interactions >= scene_.settings.order) continue;
@@ -401,14 +401,20 @@ SeenBed PathScene::seen_by(const Image& image, const RefractedImages* by) const 
 
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Listener> heard,
                          PathEcho& echo) {
-  PatchPaths(scene, heard, echo).follow(sent);
+  if (scene.bent == nullptr) return PatchPaths(scene, heard, echo).follow(sent);
+  const FacetMesh& base = scene.bent->base();
+  EchoLaw law = scene.law;
+  law.material = base.material;
+  const PathScene cut{base, scene.unit_m,   scene.finder, scene.beams, scene.samples,
+                      law,  scene.settings, scene.apex,   scene.reach, scene.bent};
+  PatchPaths(cut, heard, echo).follow(sent);
 }
 
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
                          PathEcho& echo) {
   std::vector<Listener> listeners;
   for (const Image& image : heard)
-    if (!image.seen.empty()) listeners.push_back({scene.heard_by(image), {}, {}});
+    if (!image.seen.empty()) listeners.push_back({scene.heard_by(image)});
   add_scattered_paths(scene, sent, listeners, echo);
 }
 

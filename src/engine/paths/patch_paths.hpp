@@ -20,7 +20,7 @@ struct PathScene {
   const PathSettings& settings;
   GridPoint apex;  ///< true one of the transmitter
   double reach;    ///< TubeSet::reach
-  /// In refracting water: who made the images; `mesh` is its base().
+  /// In refracting water: who made the images, of a mesh that it may have cut; facets are its base()'s.
   const RefractedImages* bent = nullptr;
 
   glm::dvec3 from_apex(GridPoint p) const;  ///< metres
@@ -40,7 +40,8 @@ struct PathScene {
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Image> heard,
                          PathEcho& echo);
 
-/// The same for listeners that may have rows of their own, of which `echo` then has as many as beams.
+/// The same for listeners that may have rows of their own, of which `echo` then has as many as beams:
+/// energies at either end of a staff, and products of both, through whatever water there is.
 void add_scattered_paths(const PathScene& scene, std::span<const Image> sent, std::span<const Listener> heard,
                          PathEcho& echo);
 

@@ -62,13 +62,10 @@ class PathTracer {
 
   PathEcho trace() {
     scatter();
-    if (settings_.scatterings > 1) {
-      EchoLaw law = law_;
-      if (bent_) law.material = bent_->base().material;
-      add_scattered_paths({bent_ ? bent_->base() : mesh_, unit_m_, finder_, beams_, samples_, law, settings_,
-                           true_apex_, true_receive_.reach, bent_},
+    if (settings_.scatterings > 1)
+      add_scattered_paths({mesh_, unit_m_, finder_, beams_, samples_, law_, settings_, true_apex_,
+                           true_receive_.reach, bent_},
                           transmit_, receive_, echo_);
-    }
     for (const Image& image : transmit_)
       if (image.mirrors > 0 || (settings_.direct && !one_place_)) arrive(image);
     return std::move(echo_);

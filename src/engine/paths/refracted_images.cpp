@@ -398,6 +398,7 @@ SeenBed RefractedImages::seen_by(const Image& image) const {
   const Way& way = ways_[image.way];
   const ApparentGround& ground = alike_.seen[image.way];
   const FacetMesh& mesh = *image.mesh;
+  const glm::dvec3 apex_m = water_.grid.to_metres(image.windows.apex);
   SeenBed bed{shared_with_itself(mesh, {image.windows, image.seen}, water_.grid.unit_m())};
   std::unordered_map<VertexId, Eigenray> rays;
   for (SharedFacet& facet : bed.shared.facets) {
@@ -406,13 +407,13 @@ SeenBed RefractedImages::seen_by(const Image& image) const {
     Eigenray ray[3];
     for (std::size_t k = 0; k < 3; ++k) {
       const VertexId v = mesh.facets[facet.facet][k];
-      seen[k] = water_.grid.to_metres(mesh.vertices[v]) - way.straightening.apex_m();
+      seen[k] = water_.grid.to_metres(mesh.vertices[v]);
       lies[k] = ground.truth[v];
       const auto [known, is_new] = rays.try_emplace(v);
       if (is_new) known->second = way.straightening.apparent(lies[k])->ray;  // or it would not be seen
       ray[k] = known->second;
     }
-    bed.bent.push_back(bent_facet(seen, lies, ray, way.straightening, absorption_db_per_m_));
+    bed.bent.push_back(bent_facet(apex_m, seen, lies, ray, way.straightening, absorption_db_per_m_));
     facet.facet = alike_.bed.parent[image.origin[facet.facet]];
   }
   return bed;

@@ -20,19 +20,21 @@ double BentFacet::sine(glm::dvec3 seen_m, const Ray& ray) const {
   return ray.bend - glm::dot(normal, seen_m) / glm::length(seen_m);
 }
 
-BentFacet bent_facet(const glm::dvec3 (&seen_m)[3], const glm::dvec3 (&lies_m)[3], const Eigenray (&rays)[3],
-                     const Straightening& water, double reference_absorption_db_per_m) {
-  glm::dvec3 lies[3], arrival[3];
+BentFacet bent_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3], const glm::dvec3 (&lies_m)[3],
+                     const Eigenray (&rays)[3], const Straightening& water,
+                     double reference_absorption_db_per_m) {
+  glm::dvec3 lies[3], from_apex[3], arrival[3];
   for (std::size_t k = 0; k < 3; ++k) {
-    lies[k] = lies_m[k] - water.apex_m();
+    lies[k] = lies_m[k] - apex_m;
+    from_apex[k] = seen_m[k] - apex_m;
     arrival[k] = water.arrival_direction(lies_m[k], rays[k]);
   }
   BentFacet facet;
-  facet.lies = facet_map(seen_m, lies);
-  facet.seen = facet_map(lies, seen_m);
+  facet.lies = facet_map(from_apex, lies);
+  facet.seen = facet_map(lies, from_apex);
   facet.parts = facet_map(lies, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   const glm::dvec3 across = glm::cross(lies[1] - lies[0], lies[2] - lies[0]),
-                   seen = glm::cross(seen_m[1] - seen_m[0], seen_m[2] - seen_m[0]);
+                   seen = glm::cross(from_apex[1] - from_apex[0], from_apex[2] - from_apex[0]);
   facet.normal = across / glm::length(across);
   facet.area_ratio = glm::length(across) / glm::length(seen);
   if (glm::dot(facet.normal, arrival[0] + arrival[1] + arrival[2]) > 0) facet.normal = -facet.normal;

@@ -12,7 +12,8 @@
 namespace tubefoot {
 
 /// A part of a facet that is seen elsewhere than where it lies, and the rays to it. Places are relative to
-/// the apex that sees it.
+/// the apex that sees it. The end of a staff sees the bed where its middle does, whose rays are its own but
+/// for direction and range, which are from the end.
 struct BentFacet {
   FacetMap lies;          ///< from where places are seen to where they lie
   FacetMap seen;          ///< and back
@@ -35,9 +36,11 @@ struct BentFacet {
   double sine(glm::dvec3 seen_m, const Ray& ray) const;
 };
 
-/// `lies_m` in the local frame, with the rays to there; `seen_m` relative to the apex.
-BentFacet bent_facet(const glm::dvec3 (&seen_m)[3], const glm::dvec3 (&lies_m)[3], const Eigenray (&rays)[3],
-                     const Straightening& water, double reference_absorption_db_per_m);
+/// As it is seen from `apex_m`, which is the water's apex or beside it. All places in the local frame;
+/// `rays`: from the water's apex to where the corners lie.
+BentFacet bent_facet(glm::dvec3 apex_m, const glm::dvec3 (&seen_m)[3], const glm::dvec3 (&lies_m)[3],
+                     const Eigenray (&rays)[3], const Straightening& water,
+                     double reference_absorption_db_per_m);
 
 /// What an image sees of the bed.
 struct SeenBed {

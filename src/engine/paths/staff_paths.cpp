@@ -260,15 +260,18 @@ class StaffTracer {
   /// parts of the product.
   void add_scattered() {
     const ReceiveBeams beams{1, only_beam_};
-    const PathScene scene{mesh_, unit_m_, finder_, beams, samples_, law_, settings_, apex_, ends_[0].reach};
+    const PathScene scene{mesh_, unit_m_,   finder_, beams,          samples_,
+                          law_,  settings_, apex_,   ends_[0].reach, bent_ ? &*bent_ : nullptr};
     std::vector<Listener> listeners;
     for (std::uint32_t end = 0; end < 2; ++end)
-      for (const Image& image : heard_[end]) listeners.push_back({scene.heard_by(image), {}, end});
-    for (const Image& upper : heard_[0])
-      for (const std::size_t k : lower_of(upper))
-        listeners.push_back({scene.heard_by(upper), scene.heard_by(heard_[1][k]), 2,
-                             image_m(middle_, upper.chain, apex_, unit_m_),
+      for (const Image& image : heard_[end]) listeners.push_back({scene.heard_by(image), end});
+    for (std::size_t u = 0; u < heard_[0].size(); ++u)
+      for (const std::size_t k : lower_of(heard_[0][u])) {
+        const Image& upper = heard_[0][u];
+        HeardFacets both(listeners[u].hears, listeners[heard_[0].size() + k].hears);
+        listeners.push_back({std::move(both), 2, image_m(middle_, upper.chain, apex_, unit_m_),
                              staff_.baseline_m * axis_of(upper), staff_.wavenumber_rad_m});
+      }
     const auto count = std::size_t(samples_.count);
     PathEcho rows;
     rows.by_order.resize(echo_.by_order.size());
@@ -285,6 +288,7 @@ class StaffTracer {
     }
     echo_.patches += rows.patches;
     echo_.shared_pieces += rows.shared_pieces;
+    echo_.seen_by_patches.add(rows.seen_by_patches);
   }
 
   const FacetMesh& mesh_;
@@ -312,8 +316,6 @@ StaffPathEcho staff_path_echo(const FacetMesh& mesh, const SceneTree& tree, doub
                               const PathWater* water) {
   if (settings.reference_tolerance && settings.scatterings > 1)
     throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
-  if (water != nullptr && settings.scatterings > 1)
-    throw std::invalid_argument("in refracting water no path to two receivers has more than one scattering");
   return StaffTracer(mesh, tree, grid_unit_m, options, ends, samples, law, settings, water).trace();
 }
 

@@ -17,6 +17,7 @@ struct StaffPathEcho {
   std::size_t images = 0, shared_pieces = 0, arrivals = 0, patches = 0;
   std::vector<ApparentGround> grounds;  ///< as PathEcho's
   double largest_misfit_m = 0;
+  GroundCounts seen_by_patches;  ///< as PathEcho's
 };
 
 /// Tubes of one fan, from the transmitter and from the middle of a staff (the same for one place), and the
@@ -33,7 +34,8 @@ struct StaffEnds {
 /// not asked. Different paths are independent, as in the energies.
 ///
 /// In refracting water (`water`, as path_echo()'s) images of both ends look at the bed as it appears from
-/// that of their middle (docs/refraction.md); what comes unscattered follows rays to either end.
+/// that of their middle (docs/refraction.md), which patches light through the water from their own depth;
+/// what comes unscattered follows rays to either end.
 ///
 /// `law.patterns`: those of the fan alone (patterns_of_fan()), whose one beam hears all of its tubes. Throws
 /// as path_echo().

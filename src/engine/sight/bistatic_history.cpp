@@ -4,30 +4,13 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <utility>
 
+#include "engine/sight/looks.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/visibility/contradictions.hpp"
 
 namespace tubefoot {
-namespace {
-
-/// Facets that one task takes. No result depends on it.
-constexpr std::size_t facets_per_task = 32;
-
-void share(const FootprintSharer& sharer, SharedFootprints& shared) {
-  std::vector<SharedFootprints> parts((sharer.facets() + facets_per_task - 1) / facets_per_task);
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * facets_per_task, sharer.facets());
-    for (std::size_t k = task * facets_per_task; k < end; ++k) sharer.append(k, parts[task]);
-  });
-  shared.receiver_m = sharer.receiver_m();
-  for (const SharedFootprints& part : parts) append(shared, part);
-}
-
-}  // namespace
-
 std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
                                  const VisibilityOptions& options) {
   struct Buffers {
@@ -56,8 +39,8 @@ BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, dou
   BistaticHistory history{std::move(transmit), std::move(receive), grid_unit_m, {}};
   const auto sent = look(mesh, tree, history.transmit, options),
              heard = look(mesh, tree, history.receive, options);
-  share(FootprintSharer(mesh, {history.transmit, sent}, {history.receive, heard}, grid_unit_m),
-        history.shared);
+  history.shared =
+      shared_by_all(FootprintSharer(mesh, {history.transmit, sent}, {history.receive, heard}, grid_unit_m));
   return history;
 }
 
@@ -71,9 +54,9 @@ BistaticHistory trace_bistatic(const ApparentPair& pair, const WorldGrid& grid,
       heard_tree(heard_from, SceneTree::Sheets::ignored);
   const auto sent = look(sent_to, sent_tree, history.transmit, options),
              heard = look(heard_from, heard_tree, history.receive, options);
-  share(FootprintSharer({history.transmit, sent, &sent_to, pair.transmit_origin},
-                        {history.receive, heard, &heard_from, pair.receive_origin}, grid.unit_m()),
-        history.shared);
+  history.shared = shared_by_all(FootprintSharer({history.transmit, sent, &sent_to, pair.transmit_origin},
+                                                 {history.receive, heard, &heard_from, pair.receive_origin},
+                                                 grid.unit_m()));
   history.paired =
       paired_facets(history.shared, pair, grid, transmit_water, receive_water, reference_absorption_db_per_m);
   return history;

@@ -15,14 +15,6 @@ namespace {
 
 using namespace test;
 
-/// One gradient from the surface down to 8 m, and no absorption below that.
-WaterColumn column_of(const Arcs& water) {
-  const double a = water.absorption_db_per_m;
-  return {SoundSpeedProfile({{0, water.c0}, {8, water.c0 + 8 * water.g}}), {a, a, a}};
-}
-
-PathWater through_water(const WaterColumn& column, double gap_m = 2e-3) { return water_of(column, gap_m, 8); }
-
 // The oracle: a ray that is stepped off in an arc's direction comes to its end, then and thus; the tube's
 // area is that of rays in closed form.
 TEST(RefractedPatches, ArcsAreRays) {
@@ -104,35 +96,35 @@ TEST(RefractedPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
   const double g = -50;
   const Arcs arcs{1700, g, s.absorption_db_per_m};
-  const Circles circles{1700, g};
-  const auto by_surface = [&](glm::dvec3 from, glm::dvec3 to) {
-    const glm::dvec2 way = glm::dvec2(to) - glm::dvec2(from);
-    const double x = glm::length(way);
-    const glm::dvec2 across = way / x;
-    const Circles::Ray found = circles.to(x, -from.z, {0}, -to.z);
-    const double p = std::cos(found.launch) / circles.speed(-from.z);
-    Ray ray;
-    ray.way_m = c_ref * found.t;
-    ray.launch = {std::cos(found.launch) * across, std::sin(found.launch)};
-    ray.arrival = {std::cos(found.arrival) * across, -std::sin(found.arrival)};
-    ray.tube_area_m2 = found.area;
-    ray.kept =
-        0.7 * std::pow(10, -s.absorption_db_per_m * circles.over(found.launch, -from.z, {0}, -to.z).s / 10);
-    double met = 0;
-    for (int k = 0; k <= 6; ++k) {
-      const double depth = -from.z * (6 - k) / 6;
-      met = k == 0 ? 0 : circles.between(p, -from.z, depth).x;
-      ray.places.emplace_back(glm::dvec2(from) + met * across, -depth);
-    }
-    for (int k = 1; k <= 6; ++k) {
-      const double depth = -to.z * k / 6;
-      ray.places.emplace_back(glm::dvec2(from) + (met + circles.between(p, 0, depth).x) * across, -depth);
-    }
-    return ray;
-  };
+  const ArcsBySurface by_surface{{1700, g}, 0.7, s.absorption_db_per_m};
   const PathEcho paths = through(through_water(column_of(arcs)), s);
   EXPECT_EQ(total(paths.by_order[2]), 0);
   expect_near(paths.by_order[4], PointSum(s, 12, arcs, by_surface).scattered_twice(), 0.02, 0.02, "surface");
+}
+
+// A sample does not know how long the record is, however much slower than the reference sound is.
+TEST(RefractedPatches, ALongerRecordHoldsAShorterOne) {
+  Setting s;  // A bed, and beside the sonar a wall that lights it from the same side.
+  add_quad(s.mesh, {0, -0.5, -5}, {4, -0.5, -5}, {4, 0.5, -5}, {0, 0.5, -5});
+  add_quad(s.mesh, {-0.3, -0.5, -5}, {-0.3, 0.5, -5}, {-0.3, 0.5, -4.5}, {-0.3, -0.5, -4.5});
+  s.transmit = s.receive = around({0, 0, -4.6}, -89.99, 20, 3, 60, 4);
+  s.mu = {0.1};
+  s.paths.order = s.paths.scatterings = 2;
+  s.paths.patch_m = 1;
+  s.samples = {0.25, 0.1, 100};
+  const WaterColumn column = column_of({1500, -60, s.absorption_db_per_m});
+  const PathWater water = through_water(column, 0.1);
+  const std::vector<double> whole = through(water, s).by_order[2].energy;
+  double held = 0;
+  for (int count = 10; count < 40; count += 3) {
+    s.samples.count = count;
+    const std::vector<double> part = through(water, s).by_order[2].energy;
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      EXPECT_NEAR(part[k], whole[k], 1e-9 * whole[k]) << count << ' ' << k;
+      held += part[k];
+    }
+  }
+  EXPECT_GT(held, 0);
 }
 
 // A flat bed lights itself where rays are bent down, and does not where they are bent up.

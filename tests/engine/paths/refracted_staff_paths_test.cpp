@@ -10,41 +10,24 @@
 #include <optional>
 #include <random>
 
-#include "engine/paths/staff_paths.hpp"
 #include "fixtures/world/bent_rays.hpp"
+#include "fixtures/world/staffs.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
-using Complex = std::complex<double>;
-
-const glm::dvec3 slanting = glm::normalize(glm::dvec3(0.5, -0.2, 1));
-
-/// `receive` has the staff in its middle. Without water: even, by planes.
-StaffPathEcho run(const Setting& s, const Fringe& staff, const PathWater* water) {
-  const SceneTree tree(s.mesh);
-  const std::vector<double> none(s.mu.size(), 0);
-  PathSettings settings = s.paths;
-  settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
-  const BeamPatterns patterns =
-      patterns_of_fan({{Directivity()}, {Directivity()}, {}, {}}, 0, s.receive.tubes.size());
-  return staff_path_echo(s.mesh, tree, unit, {}, {s.transmit, s.receive, staff}, s.samples,
-                         s.law(s.transmit, &patterns), settings, water);
-}
-
-Complex product(const StaffEcho& echo, std::size_t k) { return {echo.cross_real_j[k], echo.cross_imag_j[k]}; }
 
 TEST(RefractedStaffPaths, EvenWaterIsTheStraightEngine) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {60, c_ref}}), {0.02, 0.02, 0.02}};
   const PathWater water = water_of(even);
-  const Fringe staff{slanting, 0.3, 40};
+  const Fringe staff{slanting_axis, 0.3, 40};
   for (const bool apart : {false, true}) {
     Setting s = furnished(apart);
     s.absorption_db_per_m = 0.02;
     s.paths.direct = false;
     s.paths.mirrors.surface->roughness = 0.8;
-    const StaffPathEcho straight = run(s, staff, nullptr), bent = run(s, staff, &water);
+    const StaffPathEcho straight = heard_by_staff(s, staff), bent = heard_by_staff(s, staff, &water);
     EXPECT_EQ(bent.arrivals, straight.arrivals);
     EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // by the surface, to both ends
     for (std::size_t order = apart ? 1 : 2; order < straight.by_order.size(); ++order) {
@@ -75,12 +58,12 @@ TEST(RefractedStaffPaths, AGradientThatGoesToZeroLeavesEvenWater) {
       add_quad(s.mesh, {x, y, -20}, {x + 10, y, -20}, {x + 10, y + 10, -20}, {x, y + 10, -20});
   s.receive = around({2, -3, -7}, -88, 88, 8, 120);
   s.samples = {22, 2, 6};
-  const Fringe staff{slanting, 0.3, 8};
-  const StaffPathEcho straight = run(s, staff, nullptr);
+  const Fringe staff{slanting_axis, 0.3, 8};
+  const StaffPathEcho straight = heard_by_staff(s, staff);
   const auto at = [&](double g) {
     const WaterColumn column = gradient(g, 1500 - 5 * g);
     const PathWater water = water_of(column, 1);
-    return run(s, staff, &water);
+    return heard_by_staff(s, staff, &water);
   };
   const StaffPathEcho whole = at(4e-3), half = at(2e-3), next_to_none = at(1e-9);
   for (const std::size_t order : {2, 3})
@@ -95,29 +78,6 @@ TEST(RefractedStaffPaths, AGradientThatGoesToZeroLeavesEvenWater) {
     }
 }
 
-/// What points add up to, by sample.
-struct Sums {
-  explicit Sums(const RangeSamples& of)
-      : samples(of), upper(std::size_t(of.count)), lower(upper), cross(upper.size()) {}
-  RangeSamples samples;
-  std::vector<double> upper, lower;
-  std::vector<Complex> cross;
-
-  /// By way of either end: an energy, and the time out and home.
-  void add(std::array<double, 2> energy, double there_s, std::array<double, 2> back_s, double wavenumber) {
-    std::array<int, 2> sample;
-    for (std::size_t end = 0; end < 2; ++end) {
-      const double k = ((there_s + back_s[end]) / 2 * c_ref - samples.first_m) / samples.step_m;
-      sample[end] = energy[end] > 0 && k >= 0 && k < samples.count ? int(k) : -1;
-    }
-    if (sample[0] >= 0) upper[std::size_t(sample[0])] += energy[0];
-    if (sample[1] >= 0) lower[std::size_t(sample[1])] += energy[1];
-    if (sample[0] >= 0 && sample[0] == sample[1])
-      cross[std::size_t(sample[0])] +=
-          std::polar(std::sqrt(energy[0] * energy[1]), wavenumber * c_ref * (back_s[0] - back_s[1]));
-  }
-};
-
 // Places all over a flat bed, joined to the transmitter and to both ends by rays of one gradient in closed
 // form: nothing is taken from the staff's middle.
 TEST(RefractedStaffPaths, PointsOfAFlatBedWithRaysToBothEnds) {
@@ -128,12 +88,13 @@ TEST(RefractedStaffPaths, PointsOfAFlatBedWithRaysToBothEnds) {
       add_quad(s.mesh, {0, -60, -20}, {60, -60, -20}, {60, 60, -20}, {0, 60, -20});
       if (apart) s.receive = around({2, -3, -7}, -88, 88, 8, 120);
       s.samples = {25, 4, 5};
-      const Fringe staff{slanting, 0.3, 12};
+      const Fringe staff{slanting_axis, 0.3, 12};
       const WaterColumn column = gradient(g, 1510);
       const PathWater water = water_of(column, 2e-3);
-      const StaffPathEcho paths = run(s, staff, &water);
+      const StaffPathEcho paths = heard_by_staff(s, staff, &water);
       const Circles circles{1510, g};
-      std::array<Sums, 4> sums{Sums(s.samples), Sums(s.samples), Sums(s.samples), Sums(s.samples)};
+      std::array<StaffSums, 4> sums{StaffSums(s.samples), StaffSums(s.samples), StaffSums(s.samples),
+                                    StaffSums(s.samples)};
       const glm::dvec3 middle = metres(s.receive.apex), half = staff.baseline_m / 2 * staff.axis;
       constexpr int rings = 180, around_it = 24;
       const std::array<std::vector<double>, 2> chains{std::vector<double>{}, {0.0}};
@@ -158,7 +119,7 @@ TEST(RefractedStaffPaths, PointsOfAFlatBedWithRaysToBothEnds) {
                 energy[end] = 0.01 * area * std::pow(0.6, double(there + home)) *
                               std::sin(out[there].arrival) * std::sin(back[end].arrival) /
                               (out[there].area * back[end].area_back);
-              sums[there + home + 1].add(energy, out[there].t, {back[0].t, back[1].t},
+              sums[there + home + 1].add(energy, c_ref * out[there].t, {c_ref * back[0].t, c_ref * back[1].t},
                                          staff.wavenumber_rad_m);
             }
           }
@@ -194,15 +155,15 @@ TEST(RefractedStaffPaths, ArrivalsHaveThePhaseOfTheirTimes) {
   s.paths.order = 2;
   s.paths.cutoff_db = 300;
   s.paths.mirrors.surface = SeaSurface{0, 0.8, 0};
-  const Fringe staff{slanting, 0.3, 1000};
+  const Fringe staff{slanting_axis, 0.3, 1000};
   const Circles circles{1470, 0.4};
   const WaterColumn column = gradient(0.4, 1470);
   const PathWater water = water_of(column, 1);
-  const StaffPathEcho paths = run(s, staff, &water);
+  const StaffPathEcho paths = heard_by_staff(s, staff, &water);
   EXPECT_EQ(paths.arrivals, 8u);
   const glm::dvec3 middle = metres(s.receive.apex), half = staff.baseline_m / 2 * staff.axis;
   for (std::size_t order = 1; order <= 2; ++order) {
-    Sums sums(s.samples);
+    StaffSums sums(s.samples);
     for (const bool surface_first : {true, false}) {
       std::vector<double> mirrors;
       double passes = 1;
@@ -211,14 +172,14 @@ TEST(RefractedStaffPaths, ArrivalsHaveThePhaseOfTheirTimes) {
         mirrors.push_back(surface ? 0 : 20);
         passes *= surface ? 0.8 : 0.25;
       }
-      std::array<double, 2> energy, time;
+      std::array<double, 2> energy, way;
       for (std::size_t end = 0; end < 2; ++end) {
         const glm::dvec3 to = end == 0 ? middle + half : middle - half;
         const Circles::Ray ray = circles.to(std::hypot(to.x, to.y), 5, mirrors, -to.z);
         energy[end] = passes / ray.area;
-        time[end] = ray.t;
+        way[end] = c_ref * ray.t;
       }
-      sums.add(energy, 0, time, staff.wavenumber_rad_m);
+      sums.add(energy, 0, way, staff.wavenumber_rad_m);
     }
     int met = 0;
     for (std::size_t k = 0; k < sums.upper.size(); ++k) {
@@ -242,8 +203,8 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
   const Circles circles{1510, g};
   const WaterColumn column = gradient(g, 1510);
   const PathWater water = water_of(column, 2e-3);
-  const Fringe staff{slanting, 0.3, 3};
-  const StaffPathEcho paths = run(s, staff, &water);
+  const Fringe staff{slanting_axis, 0.3, 3};
+  const StaffPathEcho paths = heard_by_staff(s, staff, &water);
   const Stepped rays{s, circles};
   const unsigned seed = 21;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -257,7 +218,7 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
     return what == Stepped::surface ? 0.6 : s.reflection[s.mesh.material[std::size_t(what)]];
   };
   struct Back {
-    double energy = 0, time = 0;
+    double energy = 0, way_m = 0;
   };
   /// From a place that a ray met to an end, over mirrors at these depths.
   const auto back_to = [&](const Stepped::Meeting& lit, glm::dvec3 end, const std::vector<double>& chain) {
@@ -282,7 +243,7 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
     const glm::dvec3 normal = rays.normal(lit.what);
     const double in = glm::dot(normal, lit.along), out = glm::dot(normal, home.back().along);
     if (in * out <= 0) return Back{};
-    return Back{passes * std::abs(out) / back.area_back, home.back().t};
+    return Back{passes * std::abs(out) / back.area_back, c_ref * home.back().t};
   };
   // All samples together: sums, and of each ray's own the squares.
   std::array<Complex, 4> cross{};
@@ -291,7 +252,8 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
     const double z = top * (2 * (n + any(random)) / count - 1), azimuth = 2 * pi * any(random);
     const double flat = std::sqrt(1 - z * z);
     const auto met = rays.follow(apex, {flat * std::cos(azimuth), flat * std::sin(azimuth), z}, 2);
-    std::array<Sums, 4> own{Sums(s.samples), Sums(s.samples), Sums(s.samples), Sums(s.samples)};
+    std::array<StaffSums, 4> own{StaffSums(s.samples), StaffSums(s.samples), StaffSums(s.samples),
+                                 StaffSums(s.samples)};
     double passed = 1;
     for (std::size_t there = 0; there < met.size(); ++there) {
       const Stepped::Meeting& lit = met[there];
@@ -301,7 +263,7 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
         if (lit.what < 0 || order < 2 || order > 3) continue;
         const Back up = back_to(lit, middle + half, chain), down = back_to(lit, middle - half, chain);
         const double sent = whole * passed * s.mu[s.mesh.material[std::size_t(lit.what)]];
-        own[order].add({sent * up.energy, sent * down.energy}, lit.t, {up.time, down.time},
+        own[order].add({sent * up.energy, sent * down.energy}, c_ref * lit.t, {up.way_m, down.way_m},
                        staff.wavenumber_rad_m);
       }
       if (there + 1 < met.size()) passed *= reflected(lit.what);
@@ -333,14 +295,6 @@ TEST(RefractedStaffPaths, AgreeWithBruteForceRays) {
     EXPECT_LT(std::abs(both - cross[order]), 4.5 * cross_error + 2e-3 * upper[order]) << order;
     EXPECT_GT(std::abs(cross[order]), 8 * cross_error) << order;  // there is a phase to know
   }
-}
-
-TEST(RefractedStaffPaths, SeveralScatteringsAreRefused) {
-  Setting s = furnished(false);
-  s.paths.scatterings = 2;
-  const WaterColumn column = gradient(0.1);
-  const PathWater water = water_of(column);
-  EXPECT_THROW(run(s, {slanting, 0.3, 8}, &water), std::invalid_argument);
 }
 
 }  // namespace

@@ -11,44 +11,25 @@
 #include <complex>
 #include <optional>
 
-#include "fixtures/world/path_scenes.hpp"
+#include "fixtures/world/point_sum.hpp"
+#include "fixtures/world/staffs.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
-using Complex = std::complex<double>;
-
-const Fringe slanting{glm::normalize(glm::dvec3(0.5, -0.2, 1)), 0.3, 40};
-
-BeamPatterns even_patterns(std::size_t tubes) {
-  return patterns_of_fan({{Directivity()}, {Directivity()}, {}, {}}, 0, tubes);
-}
-
-/// `receive` has the staff in its middle.
-StaffPathEcho run(const Setting& s, const Fringe& staff) {
-  const SceneTree tree(s.mesh);
-  const std::vector<double> none(s.mu.size(), 0);
-  PathSettings settings = s.paths;
-  settings.mirrors.reflection = s.reflection.empty() ? none : s.reflection;
-  const std::size_t tubes = s.receive.tubes.size();
-  const BeamPatterns patterns = even_patterns(tubes);
-  return staff_path_echo(s.mesh, tree, unit, {}, {s.transmit, s.receive, staff}, s.samples,
-                         s.law(s.transmit, &patterns), settings);
-}
+const Fringe slanting{slanting_axis, 0.3, 40};
 
 /// The ordinary echo, and those over one mirror and over two.
 std::array<StaffEcho, 3> by_mirrors(const Setting& s, const Fringe& staff) {
   const SceneTree tree(s.mesh);
   const std::size_t tubes = s.receive.tubes.size();
   const BeamPatterns patterns = even_patterns(tubes);
-  StaffPathEcho paths = run(s, staff);
+  StaffPathEcho paths = heard_by_staff(s, staff);
   return {integrate_staff_echo(trace_staff(s.mesh, tree, unit, {}, s.transmit, s.receive, staff), staff, 0, 0,
                                s.samples, s.law(s.transmit, &patterns)),
           std::move(paths.by_order[2]), std::move(paths.by_order[3])};
 }
-
-Complex product(const StaffEcho& echo, std::size_t k) { return {echo.cross_real_j[k], echo.cross_imag_j[k]}; }
 
 /// 1.5 m below the surface and 2.5 m above a bed, before a plate that leans away and mirrors and scatters.
 Setting before_a_plate(int order) {
@@ -141,13 +122,8 @@ class Rays {
   std::vector<Triangle> facets_;
 };
 
-struct Sums {
-  std::vector<double> upper, lower;
-  std::vector<Complex> cross;
-};
-
 /// Of n^2 points a facet, by the number of mirrors.
-std::array<Sums, 3> over_points(const Setting& s, const Fringe& staff, int n) {
+std::array<StaffSums, 3> over_points(const Setting& s, const Fringe& staff, int n) {
   const Rays rays(s.mesh);
   using Mirror = Rays::Mirror;
   const std::vector<std::vector<Mirror>> chains{
@@ -157,9 +133,8 @@ std::array<Sums, 3> over_points(const Setting& s, const Fringe& staff, int n) {
     for (const Mirror& mirror : chain) part *= mirror ? s.reflection[1] : s.paths.mirrors.surface->reflection;
     return part;
   };
-  const auto count = std::size_t(s.samples.count);
-  const Sums none{std::vector<double>(count), std::vector<double>(count), std::vector<Complex>(count)};
-  std::array<Sums, 3> sums{none, none, none};
+  const StaffSums none(s.samples);
+  std::array<StaffSums, 3> sums{none, none, none};
   const glm::dvec3 half = staff.baseline_m / 2 * staff.axis, middle = metres(s.receive.apex);
   for (std::size_t f = 0; f < s.mesh.facets.size(); ++f) {
     const auto& [i, j, k] = s.mesh.facets[f];
@@ -180,28 +155,19 @@ std::array<Sums, 3> over_points(const Setting& s, const Fringe& staff, int n) {
               const std::size_t mirrors = chains[out].size() + chains[home].size();
               if (mirrors > 2 || !ways[out][0]) continue;
               const Rays::Way& there = *ways[out][0];
-              std::array<double, 2> energy{0, 0};
-              std::array<std::size_t, 2> sample{count, count};
+              std::array<double, 2> energy{0, 0}, way{0, 0};
               for (std::size_t end = 0; end < 2; ++end) {
                 const auto& back = ways[home][1 + end];
                 if (!back) continue;
                 const double sines = glm::dot(normal, there.arrives) * glm::dot(normal, back->arrives);
                 if (!(sines > 0)) continue;
-                const double whole = there.length + back->length,
-                             place = std::floor((whole / 2 - s.samples.first_m) / s.samples.step_m);
-                if (!(place >= 0 && place < s.samples.count)) continue;
-                sample[end] = std::size_t(place);
-                energy[end] = strength * sines * std::pow(10, -s.absorption_db_per_m * whole / 10) /
+                way[end] = back->length;
+                energy[end] = strength * sines *
+                              std::pow(10, -s.absorption_db_per_m * (there.length + back->length) / 10) /
                               std::pow(there.length * back->length, 2) * loss(chains[out]) *
                               loss(chains[home]);
               }
-              Sums& to = sums[mirrors];
-              if (sample[0] < count) to.upper[sample[0]] += energy[0];
-              if (sample[1] < count) to.lower[sample[1]] += energy[1];
-              if (sample[0] < count && sample[0] == sample[1])
-                to.cross[sample[0]] +=
-                    std::polar(std::sqrt(energy[0] * energy[1]),
-                               staff.wavenumber_rad_m * (ways[home][1]->length - ways[home][2]->length));
+              sums[mirrors].add(energy, there.length, way, staff.wavenumber_rad_m);
             }
         }
   }
@@ -209,33 +175,29 @@ std::array<Sums, 3> over_points(const Setting& s, const Fringe& staff, int n) {
 }
 
 /// Adds what comes to both ends over two mirrors, unscattered: of order 2, as what is scattered over one.
-void add_arrivals(const Setting& s, const Fringe& staff, Sums& to) {
+void add_arrivals(const Setting& s, const Fringe& staff, StaffSums& to) {
   const Rays rays(s.mesh);
   const glm::dvec3 half = staff.baseline_m / 2 * staff.axis, middle = metres(s.receive.apex);
   for (const std::vector<Rays::Mirror>& chain :
        {std::vector<Rays::Mirror>{{}, 2}, std::vector<Rays::Mirror>{2, {}}}) {
     std::array<std::optional<Rays::Way>, 2> ways;
-    std::array<double, 2> energy{};
-    std::array<std::size_t, 2> sample{};
+    std::array<double, 2> energy{}, length{};
     for (std::size_t end = 0; end < 2; ++end) {
       ways[end] = rays.way(metres(s.transmit.apex), chain, end == 0 ? middle + half : middle - half);
       if (!ways[end]) continue;
-      const double length = ways[end]->length;
+      length[end] = ways[end]->length;
       energy[end] = s.reflection[1] * s.paths.mirrors.surface->reflection *
-                    std::pow(10, -s.absorption_db_per_m * length / 10) / (length * length);
-      sample[end] = std::size_t((length / 2 - s.samples.first_m) / s.samples.step_m);
-      (end == 0 ? to.upper : to.lower)[sample[end]] += energy[end];
+                    std::pow(10, -s.absorption_db_per_m * length[end] / 10) / (length[end] * length[end]);
     }
-    if (ways[0] && ways[1] && sample[0] == sample[1])
-      to.cross[sample[0]] += std::polar(std::sqrt(energy[0] * energy[1]),
-                                        staff.wavenumber_rad_m * (ways[0]->length - ways[1]->length));
+    to.add(energy, 0, length, staff.wavenumber_rad_m);
   }
 }
 
-void expect_sums(const std::array<StaffEcho, 3>& echo, const std::array<Sums, 3>& sums, double tolerance) {
+void expect_sums(const std::array<StaffEcho, 3>& echo, const std::array<StaffSums, 3>& sums,
+                 double tolerance) {
   for (std::size_t mirrors = 0; mirrors <= 2; ++mirrors) {
     const StaffEcho& one = echo[mirrors];
-    const Sums& expected = sums[mirrors];
+    const StaffSums& expected = sums[mirrors];
     const double most = *std::ranges::max_element(expected.upper);
     EXPECT_GT(most, 0);
     for (std::size_t k = 0; k < expected.upper.size(); ++k) {
@@ -256,7 +218,7 @@ TEST(StaffPaths, PointsWithRaysOverMirrorsToBothEnds) {
     s.samples = {0.5, 20, 1};
     auto sums = over_points(s, slanting, 160);
     add_arrivals(s, slanting, sums[1]);
-    for (const Sums& one : sums) EXPECT_LT(std::abs(one.cross[0]), 0.9 * one.upper[0]);  // phases differ
+    for (const StaffSums& one : sums) EXPECT_LT(std::abs(one.cross[0]), 0.9 * one.upper[0]);  // phases differ
     expect_sums(by_mirrors(s, slanting), sums, 3e-3);
   }
 }
@@ -291,7 +253,7 @@ TEST(StaffPaths, AStaffInTheSurfaceIsItsImage) {
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
   Fringe staff = slanting;
   staff.wavenumber_rad_m = 8;
-  const StaffPathEcho echo = run(s, staff);
+  const StaffPathEcho echo = heard_by_staff(s, staff);
   Fringe image = staff;
   image.axis.z = -image.axis.z;
   const TubeSet down = looking(5, -1);
@@ -319,7 +281,7 @@ TEST(StaffPaths, ArrivalsHaveThePhaseOfTheirLengths) {
   s.samples = {0.5, 0.5, 30};
   Fringe staff = slanting;
   staff.wavenumber_rad_m = 2000;
-  const StaffPathEcho echo = run(s, staff);
+  const StaffPathEcho echo = heard_by_staff(s, staff);
   const Rays rays(s.mesh);
   const glm::dvec3 from = metres(s.transmit.apex), middle = metres(s.receive.apex),
                    half = staff.baseline_m / 2 * staff.axis;
@@ -355,7 +317,7 @@ TEST(StaffPaths, WithoutLengthAStaffIsOneReceiver) {
   s.samples = {1, 0.5, 20};
   Fringe staff = slanting;
   staff.baseline_m = 1e-8;
-  const StaffPathEcho echo = run(s, staff);
+  const StaffPathEcho echo = heard_by_staff(s, staff);
   const PathEcho one = s.run();
   for (std::size_t order = 1; order <= 3; ++order)
     for (std::size_t k = 0; k < 20; ++k) {
@@ -378,61 +340,17 @@ TEST(StaffPaths, TwoScatteringsAgreeWithPairsOfPoints) {
   s.paths.order = s.paths.scatterings = 2;
   s.paths.patch_m = 0.4;
   s.paths.cutoff_db = 300;
-  const StaffPathEcho echo = run(s, slanting);
+  const StaffPathEcho echo = heard_by_staff(s, slanting);
 
-  struct Point {
-    glm::dvec3 at, normal;
-    double strength;
-  };
-  const auto lattice = [](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, int n, glm::dvec3 normal,
-                          double mu) {
-    std::vector<Point> points;
-    for (int x = 0; x < n; ++x)
-      for (int y = 0; y < n; ++y)
-        points.push_back({corner + (x + 0.5) / n * u + (y + 0.5) / n * v, normal,
-                          mu * glm::length(glm::cross(u, v)) / (n * n)});
-    return points;
-  };
-  constexpr int n = 40;
-  const std::vector<Point> bed = lattice({-1.5, -1.5, -4}, {3, 0, 0}, {0, 3, 0}, n, {0, 0, 1}, 0.1),
-                           wall = lattice({2, -1.5, -3.5}, {0, 3, 0}, {0, 0, 2.5}, n, {-1, 0, 0}, 0.05);
-  const glm::dvec3 apex = metres(s.transmit.apex), half = slanting.baseline_m / 2 * slanting.axis;
-  std::vector<double> upper(15), lower(15);
-  std::vector<Complex> cross(15);
-  const auto lobe = [](const Point& p, glm::dvec3 other) {
-    return std::max(glm::dot(p.normal, glm::normalize(other - p.at)), 0.0);
-  };
-  for (const auto& [first, second] : {std::pair(&bed, &wall), std::pair(&wall, &bed)})
-    for (const Point& b : *second) {
-      std::array<double, 2> heard, way;
-      for (std::size_t end = 0; end < 2; ++end) {
-        const glm::dvec3 receiver = end == 0 ? apex + half : apex - half;
-        way[end] = glm::distance(receiver, b.at);
-        heard[end] = b.strength * lobe(b, receiver) / (way[end] * way[end]);
-      }
-      for (const Point& a : *first) {
-        const double out = glm::distance(apex, a.at), between = glm::distance(a.at, b.at);
-        const double gain =
-            a.strength * lobe(a, apex) / (out * out) * lobe(a, b.at) * lobe(b, a.at) / (between * between);
-        std::array<int, 2> sample;
-        for (std::size_t end = 0; end < 2; ++end)
-          sample[end] = int(std::floor(((out + between + way[end]) / 2 - 2) / 0.4));
-        const auto inside = [](int k) { return k >= 0 && k < 15; };
-        if (inside(sample[0])) upper[std::size_t(sample[0])] += gain * heard[0];
-        if (inside(sample[1])) lower[std::size_t(sample[1])] += gain * heard[1];
-        if (inside(sample[0]) && sample[0] == sample[1])
-          cross[std::size_t(sample[0])] += std::polar(gain * std::sqrt(heard[0] * heard[1]),
-                                                      slanting.wavenumber_rad_m * (way[0] - way[1]));
-      }
-    }
+  const StaffSums sums = PointSum(s, 28, slanting).twice_by_staff();
   const StaffEcho& two = echo.by_order[2];
-  const double most = *std::ranges::max_element(upper);
+  const double most = *std::ranges::max_element(sums.upper);
   double coherent = 0;
   for (std::size_t k = 0; k < 15; ++k) {
-    EXPECT_NEAR(two.upper_j[k], upper[k], 0.01 * most) << k;
-    EXPECT_NEAR(two.lower_j[k], lower[k], 0.01 * most) << k;
-    EXPECT_LT(std::abs(product(two, k) - cross[k]), 0.01 * most) << k;
-    coherent = std::max(coherent, std::abs(cross[k]));
+    EXPECT_NEAR(two.upper_j[k], sums.upper[k], 0.01 * most) << k;
+    EXPECT_NEAR(two.lower_j[k], sums.lower[k], 0.01 * most) << k;
+    EXPECT_LT(std::abs(product(two, k) - sums.cross[k]), 0.01 * most) << k;
+    coherent = std::max(coherent, std::abs(sums.cross[k]));
   }
   EXPECT_GT(coherent, 0.2 * most);
 }

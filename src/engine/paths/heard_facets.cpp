@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/paths/heard_facets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+void set_box(HeardFacets::Piece& piece, const std::vector<glm::dvec2>& polygon) {
+  piece.low = piece.high = polygon.front();
+  for (const glm::dvec2 p : polygon) {
+    piece.low = glm::min(piece.low, p);
+    piece.high = glm::max(piece.high, p);
+  }
+}
+
+}  // namespace
+
+double turning(const std::vector<glm::dvec2>& polygon) {
+  double sum = 0;
+  for (std::size_t k = 2; k < polygon.size(); ++k)
+    sum += cross(polygon[k - 1] - polygon[0], polygon[k] - polygon[0]);
+  return sum;
+}
+
+HeardFacets::HeardFacets(const Image& heard, glm::dvec3 apex_m, SeenBed bed)
+    : ends_{{&heard, apex_m, std::make_shared<const std::vector<BentFacet>>(std::move(bed.bent))}} {
+  const SharedFootprints& seen = bed.shared;
+  const std::vector<BentFacet>& all_bent = *ends_.front().bent;
+  const auto number_of = [&](const SharedFacet& facet) { return std::size_t(&facet - seen.facets.data()); };
+  std::vector<const SharedFacet*> by_facet;
+  for (const SharedFacet& facet : seen.facets) by_facet.push_back(&facet);
+  std::stable_sort(by_facet.begin(), by_facet.end(),
+                   [](const SharedFacet* a, const SharedFacet* b) { return a->facet < b->facet; });
+  for (const SharedFacet* one : by_facet) {
+    const BentFacet* bent = all_bent.empty() ? nullptr : &all_bent[number_of(*one)];
+    const FacetPlane plane = bent == nullptr
+                                 ? FacetPlane{one->plane_normal, one->transmit_distance_m}
+                                 : FacetPlane{bent->normal, -glm::dot(bent->normal, bent->lies.lies_m)};
+    // Bent rays may come to both sides of a facet.
+    std::size_t at = facets_.size();
+    while (at > 0 && facets_[at - 1].facet == one->facet &&
+           !(bent == nullptr || glm::dot(facets_[at - 1].plane.normal, plane.normal) > 0))
+      --at;
+    if (at == 0 || facets_[at - 1].facet != one->facet) {
+      facets_.push_back({one->facet, plane, PlaneFrame(plane), {plane.distance_m, 0}, {}});
+      at = facets_.size();
+    }
+    Facet& facet = facets_[at - 1];
+    for (std::uint32_t k = one->first_piece; k < one->first_piece + one->piece_count; ++k) {
+      const SharedPiece& from = seen.pieces[k];
+      Piece piece;
+      piece.tube = from.transmit_tube;
+      piece.seen_as[0] = number_of(*one);
+      std::vector<glm::dvec2>& corners = piece.seen.emplace_back();
+      for (std::uint32_t c = 0; c < from.count; ++c) {
+        const glm::dvec3 corner = seen.corners_m[from.first + c];
+        corners.push_back(facet.frame.project(bent == nullptr ? corner : bent->lies.at(corner)));
+      }
+      const double area = turning(corners);
+      if (area == 0) continue;
+      if (area < 0) std::reverse(corners.begin(), corners.end());
+      set_box(piece, corners);
+      facet.pieces.push_back(std::move(piece));
+    }
+  }
+}
+
+HeardFacets::HeardFacets(const HeardFacets& upper, const HeardFacets& lower)
+    : ends_{upper.ends_.front(), lower.ends_.front()} {
+  const glm::dvec3 from_upper = ends_[1].apex_m - ends_[0].apex_m;
+  for (const Facet& one : upper.facets_) {
+    stop_if_wanted();
+    const Facet* other = lower.find(one.facet, one.plane.normal);
+    if (other == nullptr) continue;
+    Facet both{one.facet, one.plane, one.frame, {one.height_m[0], other->height_m[0]}, {}};
+    const glm::dvec2 foot = one.frame.project(from_upper);
+    std::vector<Piece> others = other->pieces;
+    for (Piece& piece : others) {
+      for (glm::dvec2& corner : piece.seen[0])
+        corner = foot + one.frame.project(corner.x * other->frame.u + corner.y * other->frame.v);
+      if (turning(piece.seen[0]) < 0) std::reverse(piece.seen[0].begin(), piece.seen[0].end());
+      set_box(piece, piece.seen[0]);
+    }
+    for (const Piece& piece : one.pieces)
+      for (const Piece& with : others) {
+        const glm::dvec2 low = glm::max(piece.low, with.low), high = glm::min(piece.high, with.high);
+        if (low.x > high.x || low.y > high.y) continue;
+        both.pieces.push_back(
+            {piece.tube, {piece.seen_as[0], with.seen_as[0]}, {piece.seen[0], with.seen[0]}, low, high});
+      }
+    if (!both.pieces.empty()) facets_.push_back(std::move(both));
+  }
+}
+
+const HeardFacets::Facet* HeardFacets::find(FacetId facet, glm::dvec3 normal) const {
+  for (auto at = std::lower_bound(facets_.begin(), facets_.end(), facet,
+                                  [](const Facet&a, FacetId b) { return a.facet < b; });
+       at != facets_.end() && at->facet == facet; ++at)
+    if (glm::dot(at->plane.normal, normal) > 0) return &*at;
+  return nullptr;
+}
+
+double HeardFacets::largest() const {
+  double least = ends_.front().image->largest;
+  for (const End& end : ends_) least = std::min(least, end.image->largest);
+  return least;
+}
+
+OverFacet::OverFacet(const HeardFacets::Facet& facet, glm::dvec3 from_heard_m, double height_m,
+                     const BentFacet* bent)
+    : height_(height_m), foot_(facet.frame.project(from_heard_m)), bent_(bent) {
+  lies_.foot_m = seen_.foot_m = -facet.plane.distance_m * facet.plane.normal - from_heard_m;
+  lies_.u = seen_.u = facet.frame.u;
+  lies_.v = seen_.v = facet.frame.v;
+  if (bent == nullptr) {
+    lies_.foot_m = -height_m * facet.plane.normal;
+    return;
+  }
+  seen_.foot_m = bent->seen.at(lies_.foot_m);
+  seen_.u = bent->seen.linear * lies_.u;
+  seen_.v = bent->seen.linear * lies_.v;
+  steepest_ = std::sqrt(glm::dot(seen_.u, seen_.u) + glm::dot(seen_.v, seen_.v));
+}
+
+double OverFacet::range(glm::dvec2 p) const {
+  return bent_ != nullptr ? glm::length(seen_.at(p)) : std::hypot(height_, glm::length(p - foot_));
+}
+
+glm::dvec2 OverFacet::slope(glm::dvec2 p, double range) const {
+  if (bent_ == nullptr) return (p - foot_) / range;
+  const glm::dvec3 at = seen_.at(p);
+  return glm::dvec2(glm::dot(at, seen_.u), glm::dot(at, seen_.v)) / range;
+}
+
+OverFacet::Met OverFacet::meet(glm::dvec2 p) const {
+  Met met;
+  if (bent_ != nullptr) {
+    const glm::dvec3 seen = seen_.at(p);
+    met.lies_m = lies_.at(p);
+    met.range = glm::length(seen);
+    met.direction = seen / met.range;
+    const BentFacet::Ray ray = bent_->ray_to(met.lies_m);
+    met.sine = bent_->sine(seen, ray);
+    met.out = ray.out;
+    met.home = ray.home;
+    return met;
+  }
+  const glm::dvec2 away = p - foot_;
+  met.range = std::sqrt(height_ * height_ + glm::dot(away, away));
+  met.sine = height_ / met.range;
+  met.lies_m = lies_.at(away);
+  met.direction = met.lies_m / met.range;
+  return met;
+}
+
+}  // namespace tubefoot

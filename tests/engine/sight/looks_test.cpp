@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What one look of each of two apexes tells: as much as each apex by itself, and both together.
+#include "engine/sight/looks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <tuple>
+#include <vector>
+
+#include "engine/sight/bistatic_history.hpp"
+#include "engine/sight/tube_engine.hpp"
+#include "fixtures/world/path_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace test;
+
+/// A bed under loose facets that hide parts of it and of each other.
+FacetMesh strewn(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> any(-1, 1);
+  FacetMesh mesh = square_bed(-6, 8);
+  for (int k = 0; k < 12; ++k) {
+    const glm::dvec3 middle(5 * any(random), 5 * any(random), -4 + any(random));
+    const auto near = [&] { return middle + glm::dvec3(any(random), any(random), any(random)); };
+    const glm::dvec3 a = near(), b = near(), c = near();
+    add_triangle(mesh, a, b, c);
+  }
+  return mesh;
+}
+
+TEST(Looks, TellWhatEachApexTracesByItselfAndBothShare) {
+  std::size_t occluders = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    const FacetMesh mesh = strewn(seed);
+    const SceneTree tree(mesh);
+    const TubeSet ends[]{around({0, 0, 0}, -80, -10, 5, 40), around({1, -0.5, -0.25}, -80, -10, 5, 40)};
+    std::vector<std::vector<TubeVisibility>> seen;
+    for (const TubeSet& tubes : ends) {
+      seen.push_back(look(mesh, tree, tubes, {}));
+      const FootprintSet told = history_of(mesh, tubes, seen.back(), unit).footprints,
+                         traced = TubeEngine(mesh, tree, unit, {}).trace(tubes).footprints;
+      EXPECT_EQ(told.corners_m, traced.corners_m);
+      EXPECT_EQ(told.occluders, traced.occluders);
+      occluders += told.occluders.size();
+      ASSERT_EQ(told.footprints.size(), traced.footprints.size());
+      for (std::size_t k = 0; k < told.footprints.size(); ++k) {
+        const Footprint &a = told.footprints[k], &b = traced.footprints[k];
+        EXPECT_EQ(std::tie(a.facet, a.tube, a.piece_count, a.occluder_count),
+                  std::tie(b.facet, b.tube, b.piece_count, b.occluder_count));
+        EXPECT_EQ(std::tie(a.area_m2, a.solid_angle_sr, a.slant_range_min_m, a.slant_range_max_m),
+                  std::tie(b.area_m2, b.solid_angle_sr, b.slant_range_min_m, b.slant_range_max_m));
+        EXPECT_GT(a.area_m2, 0);
+      }
+    }
+    const FootprintSharer sharer(mesh, {ends[0], seen[0]}, {ends[1], seen[1]}, unit);
+    const SharedFootprints told = shared_by_all(sharer), one_by_one = sharer.all(),
+                           traced = trace_bistatic(mesh, tree, unit, {}, ends[0], ends[1]).shared;
+    EXPECT_GT(told.pieces.size(), 0u);
+    EXPECT_EQ(told.corners_m, one_by_one.corners_m);
+    EXPECT_EQ(told.corners_m, traced.corners_m);
+    EXPECT_EQ(told.receiver_m, traced.receiver_m);
+    EXPECT_EQ(told.facets.size(), traced.facets.size());
+  }
+  EXPECT_GT(occluders, 50u);
+}
+
+}  // namespace
+}  // namespace tubefoot
