@@ -293,6 +293,7 @@ class DidsonKind : public SensorKind {
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     check_keys(sensor, table);
   }
+  bool looks_ahead() const override { return true; }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& camera = sensor.kind.as<DidsonDescription>();
     SensorFigures figures;

@@ -75,6 +75,7 @@ class ImagingKind : public SensorKind {
     const auto& fan = sensor.kind.as<ImagingDescription>();
     check_ranges(fan.range_min_m, fan.range_max_m, table);
   }
+  bool looks_ahead() const override { return true; }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& fan = sensor.kind.as<ImagingDescription>();
     return range_figures(fan, fan.beams, std::min(fan.horizontal_deg / fan.beams, fan.vertical_deg));

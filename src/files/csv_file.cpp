@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -47,8 +48,9 @@ double number(const Field& field, std::string_view name, const SourcePlace& plac
 
 class CsvReader {
  public:
-  CsvReader(const std::filesystem::path& file, std::span<const std::string_view> columns)
-      : place_{file.string(), 0, 0}, columns_(columns) {}
+  CsvReader(const std::filesystem::path& file, std::span<const std::string_view> columns,
+            std::span<const std::string_view> optional_columns)
+      : place_{file.string(), 0, 0}, columns_(columns), optional_columns_(optional_columns) {}
 
   std::size_t read(const std::function<void(const CsvRow&)>& take) {
     InputFile input(place_.file, place_);
@@ -70,8 +72,7 @@ class CsvReader {
     }
     if (in.bad()) throw InputError(place_, "cannot be read to its end");
     if (header_size_ == 0) {
-      throw InputError({place_.file, 0, 0},
-                       fmt::format("is empty, expected the header line {}", fmt::join(columns_, ",")));
+      throw InputError({place_.file, 0, 0}, fmt::format("is empty, expected the header line {}", wanted()));
     }
     return rows;
   }
@@ -79,15 +80,18 @@ class CsvReader {
  private:
   void read_header(const std::vector<Field>& fields) {
     header_size_ = fields.size();
-    for (const std::string_view wanted : columns_) {
-      const auto found =
-          std::ranges::find_if(fields, [wanted](const Field& field) { return field.text == wanted; });
-      if (found == fields.end()) {
-        throw InputError(place_, fmt::format("the column {} is missing, expected the header {}", wanted,
+    header_place_ = place_;
+    const auto find = [&](std::string_view name) {
+      const auto found = std::ranges::find(fields, name, &Field::text);
+      return found == fields.end() ? no_field : static_cast<std::size_t>(found - fields.begin());
+    };
+    for (const std::string_view column : columns_) {
+      field_of_column_.push_back(find(column));
+      if (field_of_column_.back() == no_field)
+        throw InputError(place_, fmt::format("the column {} is missing, expected the header {}", column,
                                              fmt::join(columns_, ",")));
-      }
-      field_of_column_.push_back(static_cast<std::size_t>(found - fields.begin()));
     }
+    for (const std::string_view column : optional_columns_) field_of_column_.push_back(find(column));
   }
 
   void read_row(const std::vector<Field>& fields, const std::function<void(const CsvRow&)>& take) {
@@ -97,16 +101,29 @@ class CsvReader {
     }
     std::vector<double> values;
     std::vector<SourcePlace> places;
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
+    for (std::size_t i = 0; i < field_of_column_.size(); ++i) {
+      if (field_of_column_[i] == no_field) {
+        places.push_back(header_place_);
+        values.push_back(std::numeric_limits<double>::quiet_NaN());
+        continue;
+      }
       const Field& field = fields[field_of_column_[i]];
       places.push_back({place_.file, place_.line, field.column});
-      values.push_back(number(field, columns_[i], places.back()));
+      values.push_back(number(
+          field, i < columns_.size() ? columns_[i] : optional_columns_[i - columns_.size()], places.back()));
     }
     take({values, places});
   }
 
-  SourcePlace place_;
-  std::span<const std::string_view> columns_;
+  std::string wanted() const {
+    return fmt::format("{}{}{}", fmt::join(columns_, ","),
+                       columns_.empty() || optional_columns_.empty() ? "" : ",",
+                       fmt::join(optional_columns_, ","));
+  }
+
+  static constexpr std::size_t no_field = std::numeric_limits<std::size_t>::max();
+  SourcePlace place_, header_place_;
+  std::span<const std::string_view> columns_, optional_columns_;
   std::size_t header_size_ = 0;
   std::vector<std::size_t> field_of_column_;
 };
@@ -138,7 +155,13 @@ bool next_line(std::istream& in, std::string& line, const SourcePlace& place) {
 
 std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                      const std::function<void(const CsvRow&)>& take) {
-  return CsvReader(file, columns).read(take);
+  return CsvReader(file, columns, {}).read(take);
+}
+
+std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+                     std::span<const std::string_view> optional_columns,
+                     const std::function<void(const CsvRow&)>& take) {
+  return CsvReader(file, columns, optional_columns).read(take);
 }
 
 }  // namespace tubefoot
