@@ -286,7 +286,7 @@ class DidsonKind : public SensorKind {
                      field("transmit_steering", &D::transmit_steering,
                            {.choices = {"fan", "beams"}, .default_value = "beams, if there are cycles"}),
                      field("samples", &D::samples, {.ranges = {range_samples}}),
-                     field("window_start_m", &D::window_start_m, {.ranges = {sonar_range}}),
+                     field("window_start_m", &D::window_start_m, {.ranges = {range_start}}),
                      field("window_length_m", &D::window_length_m, {.ranges = {sonar_range}}),
                      field("pictures", &D::pictures, {.choices = {"all", "sequence"}})});
   }

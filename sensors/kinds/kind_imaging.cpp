@@ -68,7 +68,7 @@ class ImagingKind : public SensorKind {
                      field("horizontal_deg", &I::horizontal_deg, {.ranges = {sector(180, true)}}),
                      field("vertical_deg", &I::vertical_deg, {.ranges = {sector(170, false)}}),
                      field("samples", &I::samples, {.ranges = {range_samples}}),
-                     field("range_min_m", &I::range_min_m, {.ranges = {sonar_range}}),
+                     field("range_min_m", &I::range_min_m, {.ranges = {range_start}}),
                      field("range_max_m", &I::range_max_m, {.ranges = {sonar_range}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {

@@ -140,6 +140,7 @@ const TomlSection<TerrainDescription>& terrain_section() {
   using Flat = FlatTerrain;
   using Fractal = FractalTerrain;
   using Raster = RasterTerrain;
+  constexpr ValueRange slope{.lo = -80, .hi = 80};
   static const auto section =
       TomlSection<T>("[[terrain]]")
           .keys({field("name", &T::name, {.longest = limits::name_bytes}),
@@ -149,13 +150,17 @@ const TomlSection<TerrainDescription>& terrain_section() {
                       {field("width_m", &Flat::width_m, {.ranges = {size}, .required = true}),
                        field("length_m", &Flat::length_m, {.ranges = {size}, .required = true}),
                        field("centre_m", &Flat::centre_m, {.ranges = {coordinate}}),
-                       field("cell_m", &Flat::cell_m, {.ranges = {size_or_zero}})})
+                       field("cell_m", &Flat::cell_m, {.ranges = {size_or_zero}}),
+                       field("slope_deg", &Flat::slope_deg, {.ranges = {slope}}),
+                       field("slope_heading_deg", &Flat::slope_heading_deg, {.ranges = {heading}})})
           .kind<Fractal>(
               "kind", "fractal",
               {field("width_m", &Fractal::width_m, {.ranges = {size}, .required = true}),
                field("length_m", &Fractal::length_m, {.ranges = {size}, .required = true}),
                field("centre_m", &Fractal::centre_m, {.ranges = {coordinate}}),
                field("cell_m", &Fractal::cell_m, {.ranges = {size}}),
+               field("slope_deg", &Fractal::slope_deg, {.ranges = {slope}}),
+               field("slope_heading_deg", &Fractal::slope_heading_deg, {.ranges = {heading}}),
                field("rms_height_m", &Fractal::rms_height_m, {.ranges = {height}}),
                field("hurst", &Fractal::hurst,
                      {.ranges = {{.lo = 0, .hi = 1, .lo_excluded = true, .hi_excluded = true}}}),
