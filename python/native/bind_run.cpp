@@ -154,8 +154,7 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
   arrays["sensor_roll"] = array_of(roll);
   arrays["altitude"] = view_of<double>(r.altitude_m, self);
   const Provenance& provenance = self.cast<const NativeResult&>().provenance;
-  for (const EarthColumn& column : earth_columns(r, provenance))
-    arrays[column.name] = array_of(column.values);
+  for (const PingColumn& column : ping_columns(r, provenance)) arrays[column.name] = array_of(column.values);
   return arrays;
 }
 

@@ -49,6 +49,8 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
                        "north"),
     "sensor_pitch": (("ping",), "degree", "pitch of the sensor, forward axis up positive"),
     "sensor_roll": (("ping",), "degree", "roll of the sensor, starboard down positive"),
+    # Of a survey with lines.
+    "line": (("ping",), "1", "line of the survey, counted from 1"),
     # Of a scene with a place on Earth.
     "sensor_longitude": (("ping",), "degrees_east", "longitude of the sensor on WGS 84"),
     "sensor_latitude": (("ping",), "degrees_north", "latitude of the sensor on WGS 84"),

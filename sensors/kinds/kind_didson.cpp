@@ -286,13 +286,14 @@ class DidsonKind : public SensorKind {
                      field("transmit_steering", &D::transmit_steering,
                            {.choices = {"fan", "beams"}, .default_value = "beams, if there are cycles"}),
                      field("samples", &D::samples, {.ranges = {range_samples}}),
-                     field("window_start_m", &D::window_start_m, {.ranges = {sonar_range}}),
+                     field("window_start_m", &D::window_start_m, {.ranges = {range_start}}),
                      field("window_length_m", &D::window_length_m, {.ranges = {sonar_range}}),
                      field("pictures", &D::pictures, {.choices = {"all", "sequence"}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     check_keys(sensor, table);
   }
+  bool looks_ahead() const override { return true; }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& camera = sensor.kind.as<DidsonDescription>();
     SensorFigures figures;

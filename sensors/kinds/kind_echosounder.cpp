@@ -179,7 +179,7 @@ class EchosounderKind : public SensorKind {
          field("sector_deg", &E::sector_deg,
                {.ranges = {sector(170, false)}, .default_value = "3 beam_deg, at most 170"}),
          field("samples", &E::samples, {.ranges = {range_samples}}),
-         field("range_min_m", &E::range_min_m, {.ranges = {sonar_range}}),
+         field("range_min_m", &E::range_min_m, {.ranges = {range_start}}),
          field("range_max_m", &E::range_max_m, {.ranges = {sonar_range}}),
          field("detection", &E::detection, {.choices = {"first_return", "energy_centroid", "maximum"}}),
          field("detection_threshold_db", &E::detection_threshold_db, {.ranges = {{.lo = -300, .hi = 0}}})});

@@ -68,13 +68,14 @@ class ImagingKind : public SensorKind {
                      field("horizontal_deg", &I::horizontal_deg, {.ranges = {sector(180, true)}}),
                      field("vertical_deg", &I::vertical_deg, {.ranges = {sector(170, false)}}),
                      field("samples", &I::samples, {.ranges = {range_samples}}),
-                     field("range_min_m", &I::range_min_m, {.ranges = {sonar_range}}),
+                     field("range_min_m", &I::range_min_m, {.ranges = {range_start}}),
                      field("range_max_m", &I::range_max_m, {.ranges = {sonar_range}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& fan = sensor.kind.as<ImagingDescription>();
     check_ranges(fan.range_min_m, fan.range_max_m, table);
   }
+  bool looks_ahead() const override { return true; }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& fan = sensor.kind.as<ImagingDescription>();
     return range_figures(fan, fan.beams, std::min(fan.horizontal_deg / fan.beams, fan.vertical_deg));

@@ -178,7 +178,7 @@ class MultibeamKind : public SensorKind {
          field("beam_across_deg", &M::beam_across_deg, {.ranges = {sector(90, false)}}),
          field("along_track_deg", &M::along_track_deg, {.ranges = {sector(90, false)}}),
          field("samples", &M::samples, {.ranges = {range_samples}}),
-         field("range_min_m", &M::range_min_m, {.ranges = {sonar_range}}),
+         field("range_min_m", &M::range_min_m, {.ranges = {range_start}}),
          field("range_max_m", &M::range_max_m, {.ranges = {sonar_range}}),
          field("detection", &M::detection, {.choices = {"first_return", "energy_centroid", "maximum"}}),
          field("detection_threshold_db", &M::detection_threshold_db, {.ranges = {{.lo = -300, .hi = 0}}}),

@@ -107,7 +107,7 @@ std::vector<TomlField<SidescanDescription>> sidescan_fields() {
           field("depression_min_deg", &S::depression_min_deg, {.ranges = {depression}}),
           field("depression_max_deg", &S::depression_max_deg, {.ranges = {depression}}),
           field("samples", &S::samples, {.ranges = {range_samples}}),
-          field("range_min_m", &S::range_min_m, {.ranges = {sonar_range}}),
+          field("range_min_m", &S::range_min_m, {.ranges = {range_start}}),
           field("range_max_m", &S::range_max_m, {.ranges = {sonar_range}})};
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/model/sensor.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numbers>
 
 #include "sensors/model/angles.hpp"
@@ -31,7 +34,8 @@ glm::dvec3 direction_of(const BeamAxis& axis) {
 }  // namespace
 
 Sensor::Sensor(SensorDescription description) : description_(std::move(description)) {
-  require(description_.pings >= 1, description_, "pings", description_.pings, "1 or more");
+  require(description_.pings.value_or(1) >= 1, description_, "pings", description_.pings.value_or(1),
+          "1 or more");
   transmit_ = opened(description_.transmit);
   receive_ = opened(description_.receive);
 }
@@ -111,17 +115,41 @@ double Sensor::reach(const WorldGrid& grid) const {
   return (samples_.first_m + samples_.count * samples_.step_m + staff_.baseline_m / 2) / grid.unit_m();
 }
 
-Pose Sensor::mounted_at(const std::array<double, 3>& arm, const Pose& carrier) const {
-  const glm::dquat mounting = attitude_from_angles(
-      radians(description_.yaw_deg), -radians(description_.tilt_deg), radians(description_.roll_deg));
-  return {carrier.position_m + carrier.attitude * glm::dvec3(arm[0], arm[1], arm[2]),
-          glm::normalize(carrier.attitude * mounting)};
+namespace {
+
+glm::dvec3 at_arm(const std::array<double, 3>& arm, const Pose& carrier) {
+  return carrier.position_m + carrier.attitude * glm::dvec3(arm[0], arm[1], arm[2]);
 }
 
-Pose Sensor::pose_on(const Pose& carrier) const { return mounted_at(description_.lever_arm_m, carrier); }
+}  // namespace
+
+glm::dquat Sensor::mounting() const {
+  if (description_.look_at_m) return {1, 0, 0, 0};
+  return attitude_from_angles(radians(description_.yaw_deg), -radians(description_.tilt_deg),
+                              radians(description_.roll_deg));
+}
+
+glm::dquat Sensor::attitude_on(const Pose& carrier) const {
+  if (!description_.look_at_m) return glm::normalize(carrier.attitude * mounting());
+  const auto& [east, north, up] = *description_.look_at_m;
+  const glm::dvec3 way = glm::dvec3(east, north, up) - at_arm(description_.lever_arm_m, carrier);
+  const double level_m = std::hypot(way.x, way.y);
+  if (!(glm::length(way) > 0))
+    throw InputError(description_.place,
+                     fmt::format("sensor '{}' is where it is to look at ('look_at_m')", description_.name));
+  // Straight up or down there is no heading: the carrier's.
+  const glm::dvec3 forward = carrier.attitude * forward_axis;
+  const double heading = level_m > 0 ? std::atan2(way.x, way.y) : std::atan2(forward.x, forward.y);
+  return attitude_from_angles(heading, std::atan2(way.z, level_m), radians(description_.roll_deg));
+}
+
+Pose Sensor::pose_on(const Pose& carrier) const {
+  return {at_arm(description_.lever_arm_m, carrier), attitude_on(carrier)};
+}
 
 Pose Sensor::receiver_pose_on(const Pose& carrier) const {
-  return mounted_at(description_.receiver_arm_m.value_or(description_.lever_arm_m), carrier);
+  return {at_arm(description_.receiver_arm_m.value_or(description_.lever_arm_m), carrier),
+          attitude_on(carrier)};
 }
 
 std::vector<std::uint32_t> Sensor::fan_of_tube(std::size_t shot) const {
@@ -129,13 +157,6 @@ std::vector<std::uint32_t> Sensor::fan_of_tube(std::size_t shot) const {
   for (std::uint32_t fan = 0; fan < shots_.at(shot).fans.size(); ++fan)
     fans.resize(shots_[shot].fans[fan].end_tube, fan);
   return fans;
-}
-
-std::vector<double> Sensor::ping_times_s() const {
-  std::vector<double> times;
-  for (int ping = 0; ping < description_.pings; ++ping)
-    times.push_back(description_.first_ping_s + ping * description_.ping_interval_s);
-  return times;
 }
 
 }  // namespace tubefoot

@@ -71,8 +71,11 @@ class Sensor {
 
   /// TubeSet::reach of its tubes: the end of the last sample, in grid units.
   double reach(const WorldGrid& grid) const;
-  /// Pose of the sensor for a pose of its carrier: lever arm and mounting applied.
+  /// Pose of the sensor for a pose of its carrier: lever arm and mounting applied, or turned to what it looks
+  /// at.
   Pose pose_on(const Pose& carrier) const;
+  /// Turns the sensor's axes into its carrier's. One that is turned to look at something carries itself.
+  glm::dquat mounting() const;
   /// Whether the receiver has a place of its own.
   bool has_receiver_apart() const {
     return description_.receiver_arm_m && *description_.receiver_arm_m != description_.lever_arm_m;
@@ -88,8 +91,6 @@ class Sensor {
   double wall_rounding() const;
   /// Rounding is then less than a hundredth of the width.
   static constexpr double narrowest_rad = 1e-5 * 3.14159265358979323846 / 180;
-  /// Times of the pings, seconds.
-  std::vector<double> ping_times_s() const;
 
  protected:
   explicit Sensor(SensorDescription description);
@@ -120,7 +121,8 @@ class Sensor {
   std::vector<Shot> shots_;
 
  private:
-  Pose mounted_at(const std::array<double, 3>& arm, const Pose& carrier) const;
+  /// Of both its ends.
+  glm::dquat attitude_on(const Pose& carrier) const;
   Directivity directivity(const PatternDescription& pattern, const std::shared_ptr<const PatternTable>& table,
                           const Fan& fan, glm::dvec3 beam_axis, const glm::dmat3& turn,
                           double sound_speed_m_s) const;

@@ -172,7 +172,8 @@ Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std
   const std::span<const double> ideal(recording.energy.data() + ping * cells, cells);
   const std::vector<double> received = heard ? heard->energy_of(ping) : std::vector<double>();
   const std::span<const double> energy = heard ? std::span<const double>(received) : ideal;
-  const DecibelScale scale(heard && heard->has_gain ? energy : ideal);
+  const DecibelScale scale(heard && heard->has_gain ? energy : ideal,
+                           sensor.description().signal.display_gain_db);
 
   const std::string title = fmt::format("{}   ping {}   t = {:.2f} s", sensor.description().name, ping,
                                         recording.ping_time_s[ping]);
@@ -245,7 +246,8 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
     recording.let_go(ping);
   }
   const std::vector<double>& all = heard ? received : ideal;
-  const DecibelScale scale(heard && heard->has_gain ? received : ideal);
+  const DecibelScale scale(heard && heard->has_gain ? received : ideal,
+                           recording.sensor->description().signal.display_gain_db);
 
   const int columns = std::min(columns_at_most, static_cast<int>(frames.size()));
   const int rows = (static_cast<int>(frames.size()) + columns - 1) / columns;

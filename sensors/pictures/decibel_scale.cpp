@@ -10,14 +10,14 @@
 
 namespace tubefoot {
 
-DecibelScale::DecibelScale(std::span<const double> energies_j) {
+DecibelScale::DecibelScale(std::span<const double> energies_j, double display_gain_db) {
   std::vector<double> echoes;
   for (const double energy : energies_j)
     if (energy > 0 && std::isfinite(energy)) echoes.push_back(energy);
   if (echoes.empty()) return;
   const auto rank = static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(echoes.size() - 1) + 0.5);
   std::nth_element(echoes.begin(), echoes.begin() + rank, echoes.end());
-  reference_j_ = echoes[static_cast<std::size_t>(rank)];
+  reference_j_ = echoes[static_cast<std::size_t>(rank)] * std::pow(10, -display_gain_db / 10);
 }
 
 double DecibelScale::level(double energy_j) const {

@@ -43,7 +43,7 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j
   const int width = static_cast<int>(std::clamp<std::size_t>(pings, 640, 1200));
   const int height = static_cast<int>(std::clamp<std::size_t>(count, 320, 720));
   const std::vector<double> means = pixels_of(energy_j, pings, count, width, height);
-  const DecibelScale scale(means);
+  const DecibelScale scale(means, sensor.description().signal.display_gain_db);
 
   const int left = margin + axis_width, top = header_height;
   Canvas canvas(left + width + DecibelScale::legend_width + 2 * margin, top + height + axis_height + margin,

@@ -32,7 +32,8 @@ double mean_power(const CellMeans& amplitudes, std::int64_t c0, std::int64_t c1,
 
 }  // namespace
 
-Canvas draw_mosaic(const CellMeans& amplitudes, const std::string& title, const std::string& font) {
+Canvas draw_mosaic(const CellMeans& amplitudes, double display_gain_db, const std::string& title,
+                   const std::string& font) {
   const CellMeans::Extent& extent = amplitudes.extent();
   const double cell_m = amplitudes.cell_m();
   const double longest = static_cast<double>(std::max(extent.columns(), extent.rows()));
@@ -61,7 +62,7 @@ Canvas draw_mosaic(const CellMeans& amplitudes, const std::string& title, const 
   std::vector<double> known;
   std::copy_if(power.begin(), power.end(), std::back_inserter(known),
                [](double value) { return !std::isnan(value); });
-  const DecibelScale scale(known);
+  const DecibelScale scale(known, display_gain_db);
 
   const int left = margin + axis_width, top = header_height, right = left + width, bottom = top + height;
   const int least_width = 2 * margin + text_width(title, title_size, font);

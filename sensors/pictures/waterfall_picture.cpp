@@ -40,11 +40,8 @@ CellSpan cells_under(double begin, double end, std::size_t count) {
 
 /// Mean distance between neighbouring pings, metres; 0 for a sensor at rest.
 double ping_spacing_m(const Recording& recording) {
-  double path = 0;
-  for (std::size_t k = 1; k < recording.ping_pose.size(); ++k)
-    path += glm::distance(recording.ping_pose[k - 1].position_m, recording.ping_pose[k].position_m);
-  if (path < 1e-6) return 0;  // at rest, or a single ping
-  return path / static_cast<double>(recording.ping_pose.size() - 1);
+  constexpr double at_rest_m = 1e-6;
+  return recording.track_length_m() < at_rest_m ? 0 : recording.ping_spacing_m();
 }
 
 /// A time-varied gain that undoes spreading and absorption both ways, 40 log R + 2 alpha R, as every sidescan
@@ -112,7 +109,8 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font, const
   const double stretch = rows / wanted_rows;
   const bool own_gain = heard && heard->has_gain;
   const std::vector<double> energies = rows_of(recording, rows, heard);
-  const DecibelScale scale(heard && !own_gain ? rows_of(recording, rows, nullptr) : energies);
+  const DecibelScale scale(heard && !own_gain ? rows_of(recording, rows, nullptr) : energies,
+                           sensor.description().signal.display_gain_db);
 
   const std::string title =
       fmt::format("{}   pings 0 to {}   t = {:.2f} to {:.2f} s", sensor.description().name, pings - 1,

@@ -164,8 +164,7 @@ class Frames {
     const Pose& pose = recording_.ping_pose[ping];
     const NavigationFix& fix = track_.of(ping);
     // How the camera sits on its platform.
-    const glm::dquat mounting = recording_.sensor->pose_on({}).attitude;
-    const glm::dquat platform = pose.attitude * glm::inverse(mounting);
+    const glm::dquat platform = pose.attitude * glm::inverse(recording_.sensor->mounting());
     CameraFrame frame;
     frame.unix_time_s = fix.unix_time_s;
     frame.longitude_deg = fix.place.lon_lat_height.x;

@@ -288,7 +288,7 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
   group.variable("sensor_roll", {ping}, "degree", "roll of the sensor, starboard down positive",
                  column(angles, [](const PoseAngles& a) { return a.roll_deg; }));
 
-  for (const EarthColumn& column : earth_columns(recording, provenance))
+  for (const PingColumn& column : ping_columns(recording, provenance))
     group.variable(column.name, {ping}, column.units, column.long_name, column.values);
 
   group.write();

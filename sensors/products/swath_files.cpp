@@ -82,12 +82,9 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
         depths.push_back(std::abs(recording.ping_pose[placed.ping].position_m.z - sounding->position_m.z));
   std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
                    depths.end());
-  double path_m = 0;
-  for (std::size_t ping = 1; ping < recording.pings(); ++ping)
-    path_m += glm::distance(recording.ping_pose[ping - 1].position_m, recording.ping_pose[ping].position_m);
-  const double spacing_m = path_m / static_cast<double>(std::max<std::size_t>(recording.pings() - 1, 1));
   const double beam_rad = recording.sensor->beams().front().elevation_width_rad;
-  return rounded_up(std::max({2 * depths[depths.size() / 2] * std::tan(beam_rad / 2), spacing_m, 0.01}));
+  return rounded_up(
+      std::max({2 * depths[depths.size() / 2] * std::tan(beam_rad / 2), recording.ping_spacing_m(), 0.01}));
 }
 
 /// Adds a ping's soundings, and what lies on straight lines between those of neighbouring beams and, where

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <optional>
 #include <stdexcept>
 
@@ -14,6 +13,7 @@
 #include "sensors/model/angles.hpp"
 #include "sensors/pictures/mosaic_picture.hpp"
 #include "sensors/pictures/scanline_picture.hpp"
+#include "sensors/products/pictures.hpp"
 #include "sensors/receiver/quantisation.hpp"
 #include "sensors/recordings/navigation.hpp"
 
@@ -21,14 +21,6 @@ namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Way from the first ping's place to the last one's, along the track.
-double track_length_m(const Recording& recording) {
-  double length = 0;
-  for (std::size_t k = 1; k < recording.pings(); ++k)
-    length += glm::distance(recording.ping_pose[k - 1].position_m, recording.ping_pose[k].position_m);
-  return length;
-}
 
 double altitude_m(const Recording& recording, std::size_t ping) {
   return recording.altitude_m.empty() ? std::nan("") : recording.altitude_m[ping];
@@ -60,11 +52,13 @@ class Amplitudes {
   }
   /// That of the loudest sample.
   double largest_upa() const { return largest_ > 0 ? largest_ : 1; }
-  /// White for the eye: 15 dB above the mean level, lest a quay wall leave the seabed black.
+  /// White for the eye: 15 dB above the mean level, lest a quay wall leave the seabed black; less a display
+  /// gain.
   double white_upa() const {
     if (echoes_ == 0) return 1;
     const double mean_level_upa = std::exp(sum_of_logarithms_ / static_cast<double>(echoes_));
-    return std::min(largest_upa(), mean_level_upa * std::pow(10, 15.0 / 20));
+    return std::min(largest_upa(), mean_level_upa * std::pow(10, 15.0 / 20)) *
+           std::pow(10, -recording_.sensor->description().signal.display_gain_db / 20);
   }
 
  private:
@@ -197,10 +191,11 @@ OIIO::ImageSpec waterfall_spec(const Recording& recording, double white_upa) {
   return spec;
 }
 
-/// The mosaic, and how many pings it had to leave out.
+/// A mosaic, and how many pings it had to leave out.
 struct Map {
+  std::string name;
   SidescanMosaic mosaic;
-  std::size_t left_out = 0;
+  std::size_t pings = 0, left_out = 0;
 
   void add(const Recording& recording, std::size_t ping, std::span<const float> amplitudes) {
     const RangeSamples& samples = recording.sensor->samples();
@@ -208,6 +203,7 @@ struct Map {
     const Pose& pose = recording.ping_pose[ping];
     const glm::dvec3 forward = pose.attitude * glm::dvec3(0, 1, 0);
     const double altitude = altitude_m(recording, ping);
+    ++pings;
     constexpr double upright = 1e-3;  // looking straight up or down there is no heading
     if (std::isnan(altitude) || std::hypot(forward.x, forward.y) <= upright) {
       ++left_out;
@@ -219,13 +215,33 @@ struct Map {
   }
 };
 
+/// <name>-mosaic.tif and .png; nothing, and a warning, where nothing lies on the bed.
+std::vector<fs::path> write_map(const fs::path& folder, const Recording& recording, const RunContext& run,
+                                const Map& map, std::vector<std::string>& warnings) {
+  const fs::path file = map.name + "-mosaic.tif", picture = map.name + "-mosaic.png";
+  if (map.left_out > 0)
+    warnings.push_back(
+        fmt::format("{}: {} of {} pings have no seabed straight below them, or no heading, and were "
+                    "left out",
+                    file.string(), map.left_out, map.pings));
+  const CellMeans& cells = map.mosaic.cells();
+  if (cells.empty()) {
+    warnings.push_back(fmt::format(
+        "{} was not written: nothing was heard from beyond the seabed straight below", file.string()));
+    return {};
+  }
+  map.mosaic.write_tiff(folder / file, run.frame, "uPa");
+  draw_mosaic(cells, recording.sensor->description().signal.display_gain_db,
+              fmt::format("{}   mosaic, cells of {:g} m", map.name, cells.cell_m()), label_font())
+      .write_png(folder / picture, map.name);
+  return {file, picture};
+}
+
 }  // namespace
 
 double mosaic_cell_m(const Recording& recording) {
   const RangeSamples& samples = recording.sensor->samples();
-  const double length_m = track_length_m(recording);
-  const double spacing_m =
-      recording.pings() > 1 ? length_m / static_cast<double>(recording.pings() - 1) : 0.0;
+  const double length_m = recording.track_length_m(), spacing_m = recording.ping_spacing_m();
   const double swath_m = 2 * (samples.first_m + samples.count * samples.step_m);
   constexpr double most_cells = 4e6;
   const double wanted = std::max({spacing_m, 3 * samples.step_m, std::sqrt(length_m * swath_m / most_cells)});
@@ -241,56 +257,50 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
                                             const RunContext& run, const TwoSidedWidths& widths,
                                             std::vector<std::string>& warnings) {
   const std::string& name = recording.sensor->description().name;
-  const fs::path waterfall = name + "-waterfall.png", map_file = name + "-mosaic.tif",
-                 map_picture = name + "-mosaic.png", xtf_file = name + ".xtf";
+  const fs::path waterfall = name + "-waterfall.png";
   const Amplitudes amplitudes(recording, run);
   const Quantiser all = Quantiser::xtf_amplitude(amplitudes.largest_upa()),
                   visible = Quantiser::xtf_amplitude(amplitudes.white_upa());
-  std::optional<XtfRecord> xtf;
-  if (const auto why = why_no_xtf(recording, run))
-    warnings.push_back(*why);
-  else
-    xtf.emplace(folder / xtf_file, recording, run, widths, amplitudes.largest_upa());
+  const auto why_not = why_no_xtf(recording, run);
+  if (why_not) warnings.push_back(*why_not);
   ScanlinePicture picture(folder / waterfall, static_cast<int>(recording.cells()),
                           static_cast<int>(recording.pings()),
                           waterfall_spec(recording, amplitudes.white_upa()));
-  Map map{SidescanMosaic(mosaic_cell_m(recording))};
+  const double cell_m = mosaic_cell_m(recording);
+  Map whole{name, SidescanMosaic(cell_m)};
   std::vector<std::uint16_t> codes(recording.cells());
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    const std::vector<float> heard = amplitudes.of(ping);
-    const auto code = [&](const Quantiser& quantiser) {
-      std::transform(heard.begin(), heard.end(), codes.begin(),
-                     [&](float amplitude) { return quantiser.code(amplitude); });
-      return std::span<const std::uint16_t>(codes);
-    };
-    if (xtf) xtf->add(ping, code(all));
-    add_waterfall_row(picture, code(visible));
-    map.add(recording, ping, heard);
-    recording.let_go(ping);
-  }
-
-  std::vector<fs::path> files;
-  if (xtf) {
-    xtf->finish();
-    files.push_back(xtf_file);
+  std::vector<fs::path> files, maps;
+  const std::vector<PingSpan> lines = recording.lines();
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    // As surveys are kept: a file a line.
+    const std::string of_line = lines.size() == 1 ? name : fmt::format("{}-line-{:02}", name, k + 1);
+    std::optional<XtfRecord> xtf;
+    if (!why_not) xtf.emplace(folder / (of_line + ".xtf"), recording, run, widths, amplitudes.largest_upa());
+    Map map{of_line, SidescanMosaic(cell_m)};
+    for (std::size_t ping = lines[k].first; ping < lines[k].end; ++ping) {
+      const std::vector<float> heard = amplitudes.of(ping);
+      const auto code = [&](const Quantiser& quantiser) {
+        std::transform(heard.begin(), heard.end(), codes.begin(),
+                       [&](float amplitude) { return quantiser.code(amplitude); });
+        return std::span<const std::uint16_t>(codes);
+      };
+      if (xtf) xtf->add(ping, code(all));
+      add_waterfall_row(picture, code(visible));
+      whole.add(recording, ping, heard);
+      if (lines.size() > 1) map.add(recording, ping, heard);
+      recording.let_go(ping);
+    }
+    whole.mosaic.end_line();
+    if (xtf) {
+      xtf->finish();
+      files.emplace_back(of_line + ".xtf");
+    }
+    if (lines.size() > 1) append(maps, write_map(folder, recording, run, map, warnings));
   }
   picture.finish();
   files.push_back(waterfall);
-  if (map.left_out > 0)
-    warnings.push_back(
-        fmt::format("{}: {} of {} pings have no seabed straight below them, or no heading, and were "
-                    "left out",
-                    map_file.string(), map.left_out, recording.pings()));
-  const CellMeans& cells = map.mosaic.cells();
-  if (cells.empty()) {
-    warnings.push_back(fmt::format(
-        "{} was not written: nothing was heard from beyond the seabed straight below", map_file.string()));
-    return files;
-  }
-  map.mosaic.write_tiff(folder / map_file, run.frame, "uPa");
-  draw_mosaic(cells, fmt::format("{}   mosaic, cells of {:g} m", name, cells.cell_m()), label_font())
-      .write_png(folder / map_picture, name);
-  files.insert(files.end(), {map_file, map_picture});
+  append(files, write_map(folder, recording, run, whole, warnings));
+  append(files, maps);
   return files;
 }
 

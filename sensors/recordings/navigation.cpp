@@ -22,7 +22,8 @@ std::vector<EarthPlace> places(const Recording& recording, const RunContext& run
 }  // namespace
 
 glm::dvec3 velocity_m_s(const Recording& recording, std::size_t ping) {
-  const std::size_t before = ping > 0 ? ping - 1 : 0, after = std::min(ping + 1, recording.pings() - 1);
+  const PingSpan line = recording.line_of(ping);
+  const std::size_t before = ping > line.first ? ping - 1 : ping, after = std::min(ping + 1, line.end - 1);
   const double seconds = recording.ping_time_s[after] - recording.ping_time_s[before];
   if (!(seconds > 0)) return glm::dvec3(0);
   return (recording.ping_pose[after].position_m - recording.ping_pose[before].position_m) / seconds;

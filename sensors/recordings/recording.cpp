@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <glm/geometric.hpp>
 #include <stdexcept>
 
 #include "sensors/recordings/navigation.hpp"
@@ -14,6 +16,34 @@ std::size_t Recording::cells() const {
 }
 
 std::size_t Recording::channels() const { return static_cast<std::size_t>(sensor->channels()); }
+
+std::vector<PingSpan> Recording::lines() const {
+  std::vector<PingSpan> lines;
+  for (const std::size_t start : line_starts) {
+    if (!lines.empty()) lines.back().end = start;
+    lines.push_back({start, pings()});
+  }
+  if (lines.empty()) lines.push_back({0, pings()});
+  return lines;
+}
+
+PingSpan Recording::line_of(std::size_t ping) const {
+  const auto after = std::ranges::upper_bound(line_starts, ping);
+  return {after == line_starts.begin() ? 0 : *(after - 1), after == line_starts.end() ? pings() : *after};
+}
+
+double Recording::track_length_m() const {
+  double length = 0;
+  for (const PingSpan& line : lines())
+    for (std::size_t k = line.first + 1; k < line.end; ++k)
+      length += glm::distance(ping_pose[k - 1].position_m, ping_pose[k].position_m);
+  return length;
+}
+
+double Recording::ping_spacing_m() const {
+  const std::size_t ways = pings() - lines().size();
+  return ways == 0 ? 0 : track_length_m() / static_cast<double>(ways);
+}
 
 void check(const Recording& recording) {
   if (!recording.sensor) throw std::invalid_argument("a recording without a sensor cannot be written");
@@ -46,9 +76,15 @@ std::vector<NamedAttribute> attributes_of(const Provenance& provenance) {
   return attributes;
 }
 
-std::vector<EarthColumn> earth_columns(const Recording& recording, const Provenance& provenance) {
-  if (!provenance.frame.is_georeferenced()) return {};
-  std::vector<EarthColumn> columns{
+std::vector<PingColumn> ping_columns(const Recording& recording, const Provenance& provenance) {
+  std::vector<PingColumn> of_lines;
+  if (!recording.line_starts.empty()) {
+    of_lines.push_back({"line", "1", "line of the survey, counted from 1", {}});
+    double number = 0;
+    for (const PingSpan& line : recording.lines()) of_lines.back().values.resize(line.end, ++number);
+  }
+  if (!provenance.frame.is_georeferenced()) return of_lines;
+  std::vector<PingColumn> columns{
       {"sensor_longitude", "degrees_east", "longitude of the sensor on WGS 84", {}},
       {"sensor_latitude", "degrees_north", "latitude of the sensor on WGS 84", {}},
       {"sensor_height", "m", "height of the sensor, up positive, as the scene's heights count", {}},
@@ -65,6 +101,7 @@ std::vector<EarthColumn> earth_columns(const Recording& recording, const Provena
                              fix.place.lon_lat_height.z, fix.lie.heading_deg};
     for (std::size_t k = 0; k < columns.size(); ++k) columns[k].values.push_back(values[k]);
   }
+  columns.insert(columns.end(), of_lines.begin(), of_lines.end());
   return columns;
 }
 

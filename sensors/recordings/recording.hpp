@@ -15,11 +15,17 @@
 
 namespace tubefoot {
 
+/// Pings [first, end).
+struct PingSpan {
+  std::size_t first = 0, end = 0;
+};
+
 /// All pings of one sensor, as they are written. The energies lie elsewhere, in memory or in a file.
 struct Recording {
   const Sensor* sensor = nullptr;
   std::vector<double> ping_time_s;
-  std::vector<Pose> ping_pose;     ///< of the sensor
+  std::vector<Pose> ping_pose;             ///< of the sensor
+  std::vector<std::size_t> line_starts{};  ///< first ping of each line of a survey; empty: not divided
   std::vector<double> altitude_m;  ///< above the terrain straight below; not a number: unknown. May be empty
   /// [ping][beam][sample], J for a source of 1 J/sr at 1 m. Of a sensor with more channels
   /// (Sensor::channels) those of a ping follow each other: [ping][channel][beam][sample].
@@ -32,6 +38,14 @@ struct Recording {
   std::function<void(std::size_t ping)> release{};
 
   std::size_t pings() const { return ping_time_s.size(); }
+  /// The lines of a survey, or all pings as one.
+  std::vector<PingSpan> lines() const;
+  /// The one of a ping.
+  PingSpan line_of(std::size_t ping) const;
+  /// Way of the sensor from ping to ping along all lines [m]; turns between them are none of it.
+  double track_length_m() const;
+  /// Mean distance between neighbouring pings of a line [m]; 0 without any.
+  double ping_spacing_m() const;
   std::size_t cells() const;     ///< of a ping: beams times samples
   std::size_t channels() const;  ///< of the sensor
   /// [beam][sample]. Throws Interrupted if somebody wants to stop, as channel_of() does: whoever writes a
@@ -65,13 +79,13 @@ struct NamedAttribute {
 };
 std::vector<NamedAttribute> attributes_of(const Provenance& provenance);
 
-/// What echoes.nc has of every ping of a scene with a place on Earth, besides what it has of any.
-struct EarthColumn {
+/// What echoes.nc has of every ping of some scenes: with a place on Earth, or with lines of a survey.
+struct PingColumn {
   const char *name, *units, *long_name;
   std::vector<double> values;
 };
-/// Empty without such a place. Throws InputError where a ping has none.
-std::vector<EarthColumn> earth_columns(const Recording& recording, const Provenance& provenance);
+/// Throws InputError where a ping has no place on Earth, and the scene has.
+std::vector<PingColumn> ping_columns(const Recording& recording, const Provenance& provenance);
 
 /// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording: variables in the root group. Several: one
 /// group per sensor, named after it. Recordings of more than `most_bytes_in_memory` are written ping by ping,

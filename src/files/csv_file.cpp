@@ -5,8 +5,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,19 @@ double number(const Field& field, std::string_view name, const SourcePlace& plac
   return value;
 }
 
+/// A column that is not wanted and named as one that is, but for its unit; empty where there is none.
+std::string_view in_other_units(const std::vector<Field>& fields, std::span<const std::string_view> columns,
+                                std::string_view wanted) {
+  constexpr std::array units{"rad", "deg", "grad", "m", "km", "cm", "mm", "ft", "s", "ms", "us", "min", "h"};
+  const std::string_view stem = wanted.substr(0, wanted.rfind('_') + 1);  // "heading_"
+  for (const Field& field : fields)
+    if (!stem.empty() && field.text.starts_with(stem) &&
+        std::ranges::find(units, field.text.substr(stem.size())) != units.end() &&
+        std::ranges::find(columns, field.text) == columns.end())
+      return field.text;
+  return {};
+}
+
 /// What may be wrong with the first line of a table.
 std::string header_hint(std::string_view text, const std::vector<Field>& fields,
                         std::span<const std::string_view> columns, std::string_view wanted) {
@@ -64,12 +79,9 @@ std::string header_hint(std::string_view text, const std::vector<Field>& fields,
   const std::string_view first = fields.front().text;
   if (std::from_chars(first.data(), first.data() + first.size(), value).ec == std::errc())
     return ": the first line holds numbers: put the header above it";
-  const std::string_view stem = wanted.substr(0, wanted.rfind('_') + 1);  // "heading_"
-  for (const Field& field : fields)
-    if (!stem.empty() && field.text.starts_with(stem) &&
-        std::ranges::find(columns, field.text) == columns.end())
-      return fmt::format(": '{}' is in other units, and its name says so: convert it, and call it {}",
-                         field.text, wanted);
+  if (const std::string_view other = in_other_units(fields, columns, wanted); !other.empty())
+    return fmt::format(": '{}' is in other units, and its name says so: convert it, and call it {}", other,
+                       wanted);
   std::vector<std::string_view> names;
   for (const Field& field : fields) names.push_back(field.text);
   return fmt::format(", and not {}", fmt::join(names, ","));
@@ -77,8 +89,9 @@ std::string header_hint(std::string_view text, const std::vector<Field>& fields,
 
 class CsvReader {
  public:
-  CsvReader(const std::filesystem::path& file, std::span<const std::string_view> columns)
-      : place_{file.string(), 0, 0}, columns_(columns) {}
+  CsvReader(const std::filesystem::path& file, std::span<const std::string_view> columns,
+            std::span<const std::string_view> optional_columns)
+      : place_{file.string(), 0, 0}, columns_(columns), optional_columns_(optional_columns) {}
 
   std::size_t read(const std::function<void(const CsvRow&)>& take) {
     InputFile input(place_.file, place_);
@@ -100,8 +113,7 @@ class CsvReader {
     }
     if (in.bad()) throw InputError(place_, "cannot be read to its end");
     if (header_size_ == 0) {
-      throw InputError({place_.file, 0, 0},
-                       fmt::format("is empty, expected the header line {}", fmt::join(columns_, ",")));
+      throw InputError({place_.file, 0, 0}, fmt::format("is empty, expected the header line {}", wanted()));
     }
     return rows;
   }
@@ -109,16 +121,35 @@ class CsvReader {
  private:
   void read_header(std::string_view text, const std::vector<Field>& fields) {
     header_size_ = fields.size();
-    for (const std::string_view wanted : columns_) {
-      const auto found =
-          std::ranges::find_if(fields, [wanted](const Field& field) { return field.text == wanted; });
-      if (found == fields.end()) {
+    header_place_ = place_;
+    const auto find = [&](std::string_view name) {
+      const auto found = std::ranges::find(fields, name, &Field::text);
+      return found == fields.end() ? no_field : static_cast<std::size_t>(found - fields.begin());
+    };
+    for (const std::string_view column : columns_) {
+      field_of_column_.push_back(find(column));
+      if (field_of_column_.back() == no_field)
         throw InputError(place_,
-                         fmt::format("the column {} is missing, expected the header {}{}", wanted,
-                                     fmt::join(columns_, ","), header_hint(text, fields, columns_, wanted)));
-      }
-      field_of_column_.push_back(static_cast<std::size_t>(found - fields.begin()));
+                         fmt::format("the column {} is missing, expected the header {}{}", column,
+                                     fmt::join(columns_, ","), header_hint(text, fields, columns_, column)));
     }
+    bool has_optional = false;
+    for (const std::string_view column : optional_columns_) {
+      field_of_column_.push_back(find(column));
+      if (field_of_column_.back() != no_field) {
+        has_optional = true;
+      } else if (const std::string_view other = in_other_units(fields, optional_columns_, column);
+                 !other.empty()) {
+        throw InputError(place_,
+                         fmt::format("the column '{}' is in other units, and its name says so: convert it, "
+                                     "and call it {}",
+                                     other, column));
+      }
+    }
+    if (columns_.empty() && !has_optional)
+      throw InputError(place_,
+                       fmt::format("none of the columns is there, expected some of {}{}", wanted(),
+                                   header_hint(text, fields, optional_columns_, optional_columns_.front())));
   }
 
   void read_row(const std::vector<Field>& fields, const std::function<void(const CsvRow&)>& take) {
@@ -130,16 +161,29 @@ class CsvReader {
     }
     std::vector<double> values;
     std::vector<SourcePlace> places;
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
+    for (std::size_t i = 0; i < field_of_column_.size(); ++i) {
+      if (field_of_column_[i] == no_field) {
+        places.push_back(header_place_);
+        values.push_back(std::numeric_limits<double>::quiet_NaN());
+        continue;
+      }
       const Field& field = fields[field_of_column_[i]];
       places.push_back({place_.file, place_.line, field.column});
-      values.push_back(number(field, columns_[i], places.back()));
+      values.push_back(number(
+          field, i < columns_.size() ? columns_[i] : optional_columns_[i - columns_.size()], places.back()));
     }
     take({values, places});
   }
 
-  SourcePlace place_;
-  std::span<const std::string_view> columns_;
+  std::string wanted() const {
+    return fmt::format("{}{}{}", fmt::join(columns_, ","),
+                       columns_.empty() || optional_columns_.empty() ? "" : ",",
+                       fmt::join(optional_columns_, ","));
+  }
+
+  static constexpr std::size_t no_field = std::numeric_limits<std::size_t>::max();
+  SourcePlace place_, header_place_;
+  std::span<const std::string_view> columns_, optional_columns_;
   std::size_t header_size_ = 0;
   std::vector<std::size_t> field_of_column_;
 };
@@ -171,7 +215,13 @@ bool next_line(std::istream& in, std::string& line, const SourcePlace& place) {
 
 std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                      const std::function<void(const CsvRow&)>& take) {
-  return CsvReader(file, columns).read(take);
+  return CsvReader(file, columns, {}).read(take);
+}
+
+std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+                     std::span<const std::string_view> optional_columns,
+                     const std::function<void(const CsvRow&)>& take) {
+  return CsvReader(file, columns, optional_columns).read(take);
 }
 
 }  // namespace tubefoot

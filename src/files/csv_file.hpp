@@ -12,10 +12,11 @@
 
 namespace tubefoot {
 
-/// One row of a CSV file: the values of the wanted columns, in the order they were asked for, all finite.
+/// One row of a CSV file: the values of the wanted columns, in the order they were asked for. All are finite,
+/// but for those of optional columns that the file does not have: they are not numbers.
 struct CsvRow {
   std::span<const double> values;
-  std::span<const SourcePlace> places;  ///< of each value
+  std::span<const SourcePlace> places;  ///< of each value; of a missing column, the header line
 };
 
 /// The next line of a text, as std::getline() gives it. Throws InputError at `place` (the line's) for one
@@ -30,6 +31,10 @@ std::string csv_text(std::string_view text);
 /// ignored), then rows, each handed to `take`. Blank lines and lines that start with # are skipped. Returns
 /// the number of rows. Throws InputError "file:line:column: ...".
 std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+                     const std::function<void(const CsvRow&)>& take);
+/// The same with columns that may be missing, behind the others in each row.
+std::size_t read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
+                     std::span<const std::string_view> optional_columns,
                      const std::function<void(const CsvRow&)>& take);
 
 }  // namespace tubefoot

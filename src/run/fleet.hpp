@@ -15,9 +15,10 @@ namespace tubefoot {
 struct SensorPings {
   std::shared_ptr<const Sensor> sensor;  ///< never null
   std::vector<double> times_s;
-  std::vector<Pose> poses;           ///< at the pings' times
-  std::vector<Pose> shot_poses;      ///< [ping][shot], each at its own time
-  std::vector<Pose> receiver_poses;  ///< [ping][shot], of a receiver that is apart; else empty
+  std::vector<std::size_t> line_starts;  ///< first ping of each line of a survey; empty: not divided
+  std::vector<Pose> poses;               ///< at the pings' times
+  std::vector<Pose> shot_poses;          ///< [ping][shot], each at its own time
+  std::vector<Pose> receiver_poses;      ///< [ping][shot], of a receiver that is apart; else empty
   /// At its first place; the scene's, in even water. Travel times times this are slant ranges.
   double sound_speed_m_s = 1500;
   std::shared_ptr<const WaterColumn>

@@ -13,6 +13,7 @@
 #include "engine/rays/shared_hits.hpp"
 #include "run/paths.hpp"
 #include "run/simulation.hpp"
+#include "scene/ping_times.hpp"
 #include "scene/scene_water.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
@@ -115,8 +116,8 @@ double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const
   if (!scene.water->refracts()) return scene.sound_speed_m_s;
   // Only a place is asked of it: the samples may still change with the speed.
   const auto provisional = make_sensor(in_water(sensor, scene.sound_speed_m_s));
-  const std::vector<double> times_s = provisional->ping_times_s();
-  const glm::dvec3 at_m = provisional->pose_on(trajectory.at(times_s.front())).position_m;
+  const double first_s = PingTimes(sensor, trajectory, sensor.trajectory).first_s();
+  const glm::dvec3 at_m = provisional->pose_on(trajectory.at(first_s)).position_m;
   return scene.water->profile().at(scene.water->surface_height_m() - at_m.z);
 }
 

@@ -141,6 +141,7 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
     recording.sensor = pings.sensor.get();
     recording.ping_time_s = pings.times_s;
     recording.ping_pose = pings.poses;
+    recording.line_starts = pings.line_starts;
     recording.altitude_m = pings.altitudes_m;
     recording.energy = store->energy(s);
     recording.energy_bound = store->bound(s);

@@ -24,6 +24,7 @@
 #include "run/refraction.hpp"
 #include "run/shot_ground.hpp"
 #include "run/tiles_in_view.hpp"
+#include "scene/ping_times.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
@@ -277,12 +278,15 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
   SensorPings pings;
   pings.sound_speed_m_s = sound_speed_at(site.scene, description, trajectory);
   pings.sensor = make_sensor(in_water(description, pings.sound_speed_m_s, &site.scene.report.warnings));
-  const double shots = static_cast<double>(pings.sensor->shots()) * description.pings;
+  const PingTimes times(description, trajectory, description.trajectory);
+  const auto count = static_cast<double>(times.count());
+  const double shots = static_cast<double>(pings.sensor->shots()) * count;
   require_memory(shots * sizeof(Pose) * (pings.sensor->has_receiver_apart() ? 2 : 1) +
-                     description.pings * (sizeof(Pose) + 2.0 * sizeof(double)),
+                     count * (sizeof(Pose) + 2.0 * sizeof(double)),
                  description.place, fmt::format("the poses of {:.3g} shots", shots),
                  "ask for fewer pings, in several scenes");
-  pings.times_s = pings.sensor->ping_times_s();
+  pings.times_s = times.times_s();
+  pings.line_starts = times.line_starts();
   place_shots(pings, trajectory);
   warn_of_rounding(*pings.sensor, site.scene.report.warnings);
   warn_of_aperture(pings, site.scene.report.warnings);

@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "files/memory_at_hand.hpp"
@@ -20,12 +21,14 @@
 #include "scene/meshes/mesh_materials.hpp"
 #include "scene/meshes/primitives.hpp"
 #include "scene/odd_angles.hpp"
+#include "scene/ping_times.hpp"
 #include "scene/rasters/earth_place.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/raster.hpp"
 #include "scene/rasters/terrain.hpp"
 #include "scene/scene_placement.hpp"
-#include "scene/trajectory_file.hpp"
+#include "scene/terrain_height.hpp"
+#include "scene/tracks.hpp"
 
 namespace tubefoot {
 namespace {
@@ -94,21 +97,10 @@ Extent sensor_positions(const SensorDescription& sensor, const TrajectoryDescrip
   const auto vector = [](const std::array<double, 3>& v) { return glm::dvec3(v[0], v[1], v[2]); };
   const glm::dvec3 lever_arm = vector(sensor.lever_arm_m),
                    receiver_arm = vector(sensor.receiver_arm_m.value_or(sensor.lever_arm_m));
-  const int pings = trajectory.is_fixed() ? 1 : sensor.pings;
-  for (int ping = 0; ping < pings; ++ping) {
-    const double time_s = sensor.first_ping_s + ping * sensor.ping_interval_s;
-    try {
-      const Pose pose = trajectory.at(time_s);
-      for (const glm::dvec3& arm : {lever_arm, receiver_arm}) box.add(pose.position_m + pose.attitude * arm);
-    } catch (const std::out_of_range&) {
-      throw InputError(
-          sensor.place,
-          fmt::format(
-              "ping {} of sensor '{}' is at {:.9g} s, outside of its trajectory '{}', which lasts from "
-              "{:.9g} s to {:.9g} s: change first_ping_s, pings or ping_interval_s, or the trajectory",
-              ping, sensor.name, time_s, described.name, trajectory.begin_s(), trajectory.end_s()));
-    }
-  }
+  PingTimes(sensor, trajectory, described.name).each([&](double time_s) {
+    const Pose pose = trajectory.at(time_s);
+    for (const glm::dvec3& arm : {lever_arm, receiver_arm}) box.add(pose.position_m + pose.attitude * arm);
+  });
   return box;
 }
 
@@ -224,15 +216,12 @@ class Loader {
     report_.warnings = description_.outside;
     for (std::string& odd : odd_angles(description_)) report_.warnings.push_back(std::move(odd));
     load_components();
-    std::vector<Trajectory> trajectories;
-    for (const TrajectoryDescription& t : description_.trajectories)
-      trajectories.push_back(make_trajectory(t, &report_.warnings));
     std::vector<std::size_t> sensor_trajectory;
     for (const SensorDescription& sensor : description_.sensors) {
       const std::size_t t = trajectory_of(sensor);
       sensor_trajectory.push_back(t);
       parts_.push_back({sensor.name, sensor.place,
-                        sensor_positions(sensor, description_.trajectories[t], trajectories[t])});
+                        sensor_positions(sensor, description_.trajectories[t], trajectories_[t])});
     }
 
     std::vector<std::shared_ptr<const ElevationField>> relief(description_.materials.size());
@@ -249,7 +238,7 @@ class Loader {
                 .reflectivity = {},
                 .scattering = load_scattering(description_, report_.warnings),
                 .water = {},
-                .trajectories = std::move(trajectories),
+                .trajectories = std::move(trajectories_),
                 .sensor_trajectory = std::move(sensor_trajectory),
                 .tiled = tiled_,
                 .report = {}};
@@ -291,9 +280,17 @@ class Loader {
       objects.push_back(std::move(mesh));
       place_object(
           objects.back(), object, frame_.value_or(LocalFrame()),
-          [&](double east_m, double north_m) { return highest_m(object, terrains, east_m, north_m); },
+          [&](double east_m, double north_m) {
+            const glm::dvec2 place(east_m, north_m);
+            return heights_m(object.place, terrains, {&place, 1}).front();
+          },
           [&] { return to_text(extent_of_terrains(terrains)); });
     }
+    for (const TrajectoryDescription& t : description_.trajectories)
+      trajectories_.push_back(make_trajectory(
+          t, {frame_.value_or(LocalFrame()), surface_height_m(),
+              [&](std::span<const glm::dvec2> places) { return heights_m(t.place, terrains, places); },
+              &report_.warnings}));
     for (std::size_t i = 0; i < terrains.size(); ++i) {
       const TerrainDescription& t = description_.terrains[i];
       if (is_tiled(i) && t.material_map)
@@ -347,18 +344,26 @@ class Loader {
     return extent;
   }
 
-  /// Of all terrains at a place.
-  std::optional<double> highest_m(const ObjectDescription& object, std::span<const ComponentMesh> terrains,
-                                  double east_m, double north_m) const {
-    std::vector<ComponentMesh> patches;
+  /// Of all terrains, at some places; `who` asks.
+  std::vector<std::optional<double>> heights_m(const SourcePlace& who,
+                                               std::span<const ComponentMesh> terrains,
+                                               std::span<const glm::dvec2> places) const {
+    std::vector<std::optional<double>> heights = terrain_heights_m(terrains, places);
     for (const TiledTerrain& terrain : tiled_) {
       if (!terrain.tiles) continue;
-      const auto near = terrain.tiles->at(east_m, north_m);
-      patches.push_back(named_at(object.place, [&] { return terrain.tiles->read(near); }));
+      std::map<std::vector<std::uint32_t>, std::vector<std::size_t>> by_tiles;
+      for (std::size_t k = 0; k < places.size(); ++k)
+        by_tiles[terrain.tiles->at(places[k].x, places[k].y)].push_back(k);
+      for (const auto& [tiles, here] : by_tiles) {
+        const ComponentMesh patch = named_at(who, [&] { return terrain.tiles->read(tiles); });
+        std::vector<glm::dvec2> some;
+        for (const std::size_t k : here) some.push_back(places[k]);
+        const auto of_patch = terrain_heights_m({&patch, 1}, some);
+        for (std::size_t k = 0; k < here.size(); ++k)
+          heights[here[k]] = std::max(heights[here[k]], of_patch[k]);  // nothing is below all heights
+      }
     }
-    const auto whole = terrain_height_m(terrains, east_m, north_m),
-               tiled = terrain_height_m(patches, east_m, north_m);
-    return whole && tiled ? std::max(whole, tiled) : whole ? whole : tiled;
+    return heights;
   }
 
   /// Of the component that was added last.
@@ -372,6 +377,12 @@ class Loader {
     report.hi_m = tiles.hi_m();
     parts_.back().box = {report.lo_m, report.hi_m};
     report_.warnings.insert(report_.warnings.end(), tiles.warnings().begin(), tiles.warnings().end());
+  }
+
+  /// Where depths count from.
+  double surface_height_m() const {
+    return description_.sea_surface ? description_.sea_surface->height_m
+                                    : description_.water.surface_height_m.value_or(0);
   }
 
   bool is_tiled(std::size_t component) const { return !tiled_.empty() && tiled_[component].tiles; }
@@ -436,6 +447,7 @@ class Loader {
   std::vector<Part> parts_;
   std::vector<LoadedComponent> components_;
   std::vector<TiledTerrain> tiled_;
+  std::vector<Trajectory> trajectories_;
   SceneReport report_;
 };
 

@@ -7,54 +7,42 @@
 #include <cmath>
 #include <glm/trigonometric.hpp>
 #include <limits>
+#include <vector>
 
 #include "scene/trajectory.hpp"
 
 namespace tubefoot {
 namespace {
 
-// Height of a triangle above a place; nothing where it does not reach or stands upright.
-std::optional<double> height_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double x,
-                                double y) {
-  const auto turn = [x, y](const glm::dvec3& p, const glm::dvec3& q) {
-    return (p.x - x) * (q.y - y) - (p.y - y) * (q.x - x);
-  };
-  const double wa = turn(b, c), wb = turn(c, a), wc = turn(a, b), sum = wa + wb + wc;
-  const bool inside = (wa >= 0 && wb >= 0 && wc >= 0) || (wa <= 0 && wb <= 0 && wc <= 0);
-  if (!inside || sum == 0) return std::nullopt;
-  return (wa * a.z + wb * b.z + wc * c.z) / sum;
-}
-
 glm::dvec3 position_of(const ObjectDescription& object, const LocalFrame& frame) {
   const auto [east, north, up] = object.position_m;
   if (!object.position_lat_lon_deg) return {east, north, up};
-  if (!frame.is_georeferenced()) {
-    throw InputError(
-        object.place,
-        "position_lat_lon_deg needs a [georeference], which the scene does not have: add one, or "
-        "give position_m");
-  }
   const auto [latitude, longitude] = *object.position_lat_lon_deg;
-  // A vertical is not the local up away from a tangent frame's origin: the height that ends at `up` comes
-  // second.
-  const double height = up - frame.from_lat_lon(latitude, longitude, 0, object.place).z;
-  const glm::dvec3 local = frame.from_lat_lon(latitude, longitude, height, object.place);
-  return {local.x, local.y, up};
+  glm::dvec3 point(longitude, latitude, up);
+  place_by_lon_lat(
+      {&point, 1}, frame, object.place,
+      "position_lat_lon_deg needs a [georeference], which the scene does not have: add one, or give "
+      "position_m");
+  return point;
 }
 
 }  // namespace
 
-std::optional<double> terrain_height_m(std::span<const ComponentMesh> terrains, double east_m,
-                                       double north_m) {
-  std::optional<double> highest;
-  for (const ComponentMesh& terrain : terrains) {
-    for (const auto& [a, b, c] : terrain.triangles) {
-      const auto& p = terrain.points_m;
-      const auto height = height_of(p[a], p[b], p[c], east_m, north_m);
-      if (height && (!highest || *height > *highest)) highest = height;
-    }
+void place_by_lon_lat(std::span<glm::dvec3> points, const LocalFrame& frame, const SourcePlace& place,
+                      const char* without_frame) {
+  if (!frame.is_georeferenced()) throw InputError(place, without_frame);
+  // A vertical is not the local up away from a tangent frame's origin: the height that ends at the wanted one
+  // comes second.
+  std::vector<glm::dvec3> level(points.begin(), points.end());
+  for (glm::dvec3& p : level) p.z = 0;
+  frame.from_lon_lat(level, place);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double up = points[k].z;
+    points[k].z = up - level[k].z;
+    level[k].z = up;
   }
-  return highest;
+  frame.from_lon_lat(points, place);
+  for (std::size_t k = 0; k < points.size(); ++k) points[k].z = level[k].z;
 }
 
 void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,

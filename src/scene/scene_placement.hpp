@@ -12,9 +12,11 @@
 
 namespace tubefoot {
 
-/// Height of the highest terrain facet above or below a place (edges included); nothing where there is none.
-std::optional<double> terrain_height_m(std::span<const ComponentMesh> terrains, double east_m,
-                                       double north_m);
+/// Puts points, which are given by longitude, latitude [degrees] and local height, where they lie in the
+/// local frame; heights stay. Throws InputError at `place`, in the words of `without_frame` for a frame that
+/// does not lie on Earth.
+void place_by_lon_lat(std::span<glm::dvec3> points, const LocalFrame& frame, const SourcePlace& place,
+                      const char* without_frame);
 
 /// Puts an object where its description says: scales along east, north and up, turns by roll,
 /// pitch and heading, moves to its position, and sets it on the terrain, of which `height_m` tells the height

@@ -24,7 +24,8 @@ glm::dquat attitude_from_angles(double heading_rad, double pitch_rad, double rol
          glm::angleAxis(roll_rad, glm::dvec3(0, 1, 0));
 }
 
-Trajectory::Trajectory(std::vector<Sample> samples) : samples_(std::move(samples)) {
+Trajectory::Trajectory(std::vector<Sample> samples, std::vector<Line> lines)
+    : samples_(std::move(samples)), lines_(std::move(lines)) {
   if (samples_.empty()) throw std::invalid_argument("a trajectory needs at least one sample");
   for (std::size_t i = 1; i < samples_.size(); ++i) {
     if (!(samples_[i - 1].time_s < samples_[i].time_s)) {
@@ -32,11 +33,23 @@ Trajectory::Trajectory(std::vector<Sample> samples) : samples_(std::move(samples
                                               samples_[i - 1].time_s, samples_[i].time_s));
     }
   }
+  double after_s = begin_s();
+  for (const auto& [line_begin_s, line_end_s] : lines_) {
+    if (!(line_begin_s >= after_s && line_end_s >= line_begin_s && line_end_s <= end_s()))
+      throw std::invalid_argument(
+          fmt::format("the line from {} s to {} s must come after {} s, within {} s to {} s", line_begin_s,
+                      line_end_s, after_s, begin_s(), end_s()));
+    after_s = line_end_s;
+  }
+}
+
+bool Trajectory::holds(double time_s) const {
+  return is_fixed() || (time_s >= begin_s() - kTimeRounding_s && time_s <= end_s() + kTimeRounding_s);
 }
 
 Pose Trajectory::at(double time_s) const {
   if (is_fixed()) return samples_.front().pose;
-  if (!(time_s >= begin_s() - kTimeRounding_s && time_s <= end_s() + kTimeRounding_s)) {
+  if (!holds(time_s)) {
     throw std::out_of_range(
         fmt::format("time {} s is outside of the trajectory's {} s to {} s", time_s, begin_s(), end_s()));
   }

@@ -26,17 +26,26 @@ class Trajectory {
     double time_s = 0;
     Pose pose;
   };
-  /// At least one sample, times strictly increasing. One sample: the pose never changes.
-  explicit Trajectory(std::vector<Sample> samples);
+  /// A line of a survey. Between two is a turn, on which no sensor pings.
+  struct Line {
+    double begin_s = 0, end_s = 0;
+  };
+  /// At least one sample, times strictly increasing. One sample: the pose never changes. Lines within the
+  /// samples' times, one after the other; none: the track is not divided.
+  explicit Trajectory(std::vector<Sample> samples, std::vector<Line> lines = {});
 
   double begin_s() const { return samples_.front().time_s; }
   double end_s() const { return samples_.back().time_s; }
   bool is_fixed() const { return samples_.size() == 1; }
+  const std::vector<Line>& lines() const { return lines_; }
+  /// Whether there is a pose at a time; times of pings may miss the ends by rounding.
+  bool holds(double time_s) const;
   /// Pose at a time within [begin, end] (any time if fixed). Throws std::out_of_range outside.
   Pose at(double time_s) const;
 
  private:
   std::vector<Sample> samples_;
+  std::vector<Line> lines_;
 };
 
 }  // namespace tubefoot

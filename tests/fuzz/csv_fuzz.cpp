@@ -10,7 +10,7 @@
 #include "scene/beds/scattering.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/scene_water.hpp"
-#include "scene/trajectory_file.hpp"
+#include "scene/waypoint_file.hpp"
 #include "sensors/model/pattern_file.hpp"
 
 namespace tubefoot::fuzz {
@@ -18,8 +18,14 @@ namespace {
 
 using Path = std::filesystem::path;
 
-void trajectory(const Path& file) {
-  const Trajectory read = read_waypoints(file);
+/// In a frame on Earth, over a terrain with a hole, with and without times.
+void trajectory(const Path& file, std::optional<double> speed_m_s) {
+  const TrackSurroundings around{LocalFrame::at_lat_lon(50, 8, 0), 0, [](std::span<const glm::dvec2> places) {
+                                   std::vector<std::optional<double>> heights(places.size(), -20.0);
+                                   if (places.size() > 5) heights[5].reset();
+                                   return heights;
+                                 }};
+  const Trajectory read = read_waypoints({file, speed_m_s}, around);
   for (const double part : {0.0, 0.3, 1.0}) {
     const Pose pose = read.at(std::lerp(read.begin_s(), read.end_s(), part));
     for (int k = 0; k < 3; ++k)
@@ -71,12 +77,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace tubefoot;
   const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
-  const std::uint32_t kind = bytes.below(6);
+  const std::uint32_t kind = bytes.below(7);
   const auto file = fuzz::scratch_file("t.csv", bytes.rest());
   fuzz::may_refuse([&] {
     switch (kind) {
       case 0:
-        return fuzz::trajectory(file);
+        return fuzz::trajectory(file, std::nullopt);
       case 1:
         return fuzz::water(file, "table", "mackenzie");
       case 2:
@@ -85,8 +91,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         return fuzz::water(file, "cast", "leroy");
       case 4:
         return fuzz::pattern(file);
-      default:
+      case 5:
         return fuzz::scattering(file);
+      default:
+        return fuzz::trajectory(file, 1.5);
     }
   });
   return 0;

@@ -5,12 +5,13 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <random>
 
 #include "engine/water/absorption.hpp"
 #include "engine/water/sound_speed.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/scene.hpp"
-#include "scene/scene_placement.hpp"
+#include "scene/terrain_height.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 
 namespace tubefoot {
@@ -173,11 +174,28 @@ TEST(Placement, TheHighestTerrainCountsAndEdgesAndCornersBelongToIt) {
   high.points_m = {{0, 0, 9}, {1, 0, 9}, {0, 1, 9}};
   high.triangles = {{0, 1, 2}};
   const std::vector<ComponentMesh> both = {low, high};
-  EXPECT_EQ(terrain_height_m(both, 0.25, 0.25), 9);
-  EXPECT_EQ(terrain_height_m(both, 2, 1), 1);
-  EXPECT_EQ(terrain_height_m(both, 0, 4), 4);
-  EXPECT_EQ(terrain_height_m(both, 2, 2), 2);
-  EXPECT_EQ(terrain_height_m(both, 2, 2.0001), std::nullopt);
+  const std::vector<glm::dvec2> places{{0.25, 0.25}, {2, 1}, {0, 4}, {2, 2}, {2, 2.0001}};
+  EXPECT_THAT(terrain_heights_m(both, places), ElementsAre(9.0, 1.0, 4.0, 2.0, std::nullopt));
+  EXPECT_THAT(terrain_heights_m(both, std::span(places).last(1)), ElementsAre(std::nullopt));
+  EXPECT_THAT(terrain_heights_m(both, {}), IsEmpty());
+}
+
+TEST(Placement, HeightsOfManyPlacesAreThoseOfEach) {
+  constexpr unsigned seed = 21;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> at(-30, 30);
+  ComponentMesh soup;
+  for (std::uint32_t k = 0; k < 200; ++k) {
+    const glm::dvec3 corner(at(random), at(random), at(random));
+    for (int c = 0; c < 3; ++c) soup.points_m.push_back(corner + 0.3 * glm::dvec3(at(random), at(random), 1));
+    soup.triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+  }
+  std::vector<glm::dvec2> places;
+  for (int k = 0; k < 300; ++k) places.emplace_back(1.4 * at(random), 0.2 * at(random));
+  const auto together = terrain_heights_m({&soup, 1}, places);
+  for (std::size_t k = 0; k < places.size(); ++k)
+    EXPECT_EQ(together[k], terrain_heights_m({&soup, 1}, {&places[k], 1}).front())
+        << "seed " << seed << ", " << k;
 }
 
 TEST(Placement, LatitudeAndLongitudeNeedAGeoreference) {

@@ -9,8 +9,7 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
-#include "fixtures/world/read_scenes.hpp"
-#include "scene/trajectory_file.hpp"
+#include "scene/tracks.hpp"
 
 namespace tubefoot {
 namespace {
@@ -81,13 +80,13 @@ TEST(Trajectory, HoldsWithinItsTimesOnly) {
 
 TEST(Trajectory, RefusesNoSamplesAndTimesThatDoNotIncrease) {
   EXPECT_THROW(Trajectory({}), std::invalid_argument);
-  EXPECT_THROW(Trajectory({{1, {}}, {1, {}}}), std::invalid_argument);
+  EXPECT_THROW(Trajectory(std::vector<Trajectory::Sample>(2)), std::invalid_argument);
 }
 
 TEST(LineTrajectory, KeepsItsSpeedAndLooksAlongItself) {
   TrajectoryDescription description;
   description.kind = LineTrajectory{{10, 20, -5}, {40, -20, -5}, 2.0, 0, 0};
-  const Trajectory t = make_trajectory(description);
+  const Trajectory t = make_trajectory(description, {});
   EXPECT_EQ(t.begin_s(), 0);
   EXPECT_DOUBLE_EQ(t.end_s(), 25);  // 50 m at 2 m/s
   EXPECT_NEAR(glm::distance(t.at(3).position_m, t.at(8.5).position_m), 11, 1e-12);
@@ -98,64 +97,24 @@ TEST(LineTrajectory, RefusesALineWithoutHeadingAndASpeedOfZero) {
   TrajectoryDescription description;
   description.place = {"scene.toml", 7, 1};
   description.kind = LineTrajectory{{1, 1, 0}, {1, 1, -9}, 1, 0, 0};
-  EXPECT_THAT([&] { make_trajectory(description); },
+  EXPECT_THAT([&] { make_trajectory(description, {}); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:7:1"), HasSubstr("no heading"))));
   description.kind = LineTrajectory{{1, 1, 0}, {1, 2, 0}, 0, 0, 0};
-  EXPECT_THAT([&] { make_trajectory(description); }, ThrowsMessage<InputError>(HasSubstr("speed")));
+  EXPECT_THAT([&] { make_trajectory(description, {}); }, ThrowsMessage<InputError>(HasSubstr("speed")));
 }
 
-constexpr const char* kHeader = "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n";
-
-TEST(Waypoints, AreReadInAnyColumnOrderWithCommentsAndFurtherColumns) {
-  const TestFolder folder;
-  const Trajectory t =
-      read_waypoints(folder.write("route.csv",
-                                  "# a survey\r\n\r\n"
-                                  "note, up_m ,time_s,east_m,north_m,heading_deg,pitch_deg,roll_deg\r\n"
-                                  "start,-3,0,1,2,90,0,0\r\n"
-                                  "end,-5,2,3,4,90,0,0\r\n"));
-  expect_near(t.at(1).position_m, {2, 3, -4});
-  expect_near(t.at(1).attitude * kForward, {1, 0, 0});
-}
-
-struct BadCsv {
-  const char* name;
-  std::string content;
-  const char* place;
-  const char* message;
-};
-void PrintTo(const BadCsv& bad, std::ostream* out) { *out << bad.name; }
-
-class WaypointsRefuse : public testing::TestWithParam<BadCsv> {};
-
-TEST_P(WaypointsRefuse, BadFiles) {
-  const TestFolder folder;
-  const auto file = folder.write("route.csv", GetParam().content);
-  EXPECT_THAT([&] { read_waypoints(file); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("route.csv" + std::string(GetParam().place)),
-                                              HasSubstr(GetParam().message))));
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Csv, WaypointsRefuse,
-    testing::Values(BadCsv{"Empty", "", ": ", "expected the header"},
-                    BadCsv{"MissingColumn", "time_s,east_m,north_m,up_m,heading_deg,pitch_deg\n",
-                           ":1: ", "roll_deg"},
-                    BadCsv{"NoRow", kHeader, ": ", "at least one row"},
-                    BadCsv{"NotANumber", std::string(kHeader) + "0,1,2,3,4,5,6\n1,1,north,3,4,5,6\n",
-                           ":3:5: ", "north_m is 'north'"},
-                    BadCsv{"Nan", std::string(kHeader) + "0,nan,2,3,4,5,6\n", ":2:3: ", "finite"},
-                    BadCsv{"ShortRow", std::string(kHeader) + "0,1,2,3,4,5\n", ":2: ", "6 fields"},
-                    BadCsv{"TimeStandsStill", std::string(kHeader) + "0,1,2,3,4,5,6\n0,1,2,3,4,5,6\n",
-                           ":3:1: ", "increase"}),
-    [](const auto& bad) { return bad.param.name; });
-
-TEST(Waypoints, AMissingFileIsNamedWithThePlaceThatNamedIt) {
+TEST(LineTrajectory, IsNotDividedIntoLinesOfASurvey) {
   TrajectoryDescription description;
-  description.place = {"scene.toml", 3, 2};
-  description.kind = WaypointTrajectory{"no_such_file.csv"};
-  EXPECT_THAT([&] { make_trajectory(description); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:3:2"), HasSubstr("no_such_file.csv"))));
+  description.kind = LineTrajectory{{0, 0, 0}, {0, 9, 0}, 1, 0, 0};
+  EXPECT_TRUE(make_trajectory(description, {}).lines().empty());
+}
+
+TEST(Trajectory, RefusesLinesOutOfOrderAndBeyondItsTimes) {
+  const std::vector<Trajectory::Sample> samples{{0, {}}, {10, {{0, 9, 0}, {1, 0, 0, 0}}}};
+  EXPECT_NO_THROW(Trajectory(samples, {{0, 4}, {5, 10}}));
+  EXPECT_THROW(Trajectory(samples, {{5, 10}, {0, 4}}), std::invalid_argument);
+  EXPECT_THROW(Trajectory(samples, {{0, 4}, {5, 11}}), std::invalid_argument);
+  EXPECT_THROW(Trajectory(samples, {{4, 3}}), std::invalid_argument);
 }
 
 }  // namespace

@@ -83,6 +83,7 @@ struct SignalDescription {
   std::optional<double> tvg_absorption_db_per_km;  ///< alpha; else the water's own
   double tvg_gain_db = 0;
   double tvg_fixed_below_m = 10;          ///< nearer than this the gain stays what it is here
+  double display_gain_db = 0;             ///< by which pictures are brighter; files keep their values
   std::optional<double> pulse_length_us;  ///< echoes are spread over c tau / 2; none: not spread
 };
 
@@ -95,8 +96,10 @@ struct SensorDescription {
   std::array<double, 3> lever_arm_m{0, 0, 0};  ///< starboard, forward, up from the carrier's reference point
   std::optional<std::array<double, 3>> receiver_arm_m;  ///< of a receiver apart from the transmitter
   double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;       ///< mounting: yaw to starboard, tilt downwards, roll
+  std::optional<std::array<double, 3>>
+      look_at_m;  ///< east, north, up of what it is turned to, whatever carries it
   double first_ping_s = 0;
-  int pings = 1;
+  std::optional<int> pings;  ///< else 1; on the lines of a survey, all that fit them
   double ping_interval_s = 0.1;
   /// How far off a beam's height may be, relative, as its cones are cut by planes (angles.hpp).
   double cone_tolerance = 4.5e-5;

@@ -37,6 +37,8 @@ class SensorSection {
   virtual void add_keys(TomlSection<SensorDescription>& section) const = 0;
   /// What no single key can tell. Throws InputError at a key's place.
   virtual void check(const SensorDescription&, const TomlTable&) const {}
+  /// Whether its beams lie about the sensor's forward axis, so that it can be turned to look at something.
+  virtual bool looks_ahead() const { return false; }
   virtual SensorFigures figures(const SensorDescription& sensor) const = 0;
 
  private:

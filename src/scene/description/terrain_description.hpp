@@ -19,7 +19,8 @@ namespace tubefoot {
 struct FlatTerrain {
   double width_m = 0, length_m = 0;  ///< east-west, north-south extent, centred on `centre_m`
   std::array<double, 3> centre_m{0, 0, 0};
-  double cell_m = 0;  ///< 0: two facets in all
+  double cell_m = 0;                            ///< 0: two facets in all
+  double slope_deg = 0, slope_heading_deg = 0;  ///< falls towards the heading, about the middle
 };
 
 /// Seeded fractal relief: fractional Brownian surface by midpoint-free spectral-like noise; same seed, same
@@ -28,6 +29,7 @@ struct FractalTerrain {
   double width_m = 0, length_m = 0;
   std::array<double, 3> centre_m{0, 0, 0};
   double cell_m = 1;
+  double slope_deg = 0, slope_heading_deg = 0;  ///< as a flat terrain's
   double rms_height_m = 0.1;
   double hurst = 0.8;               ///< 0..1
   double largest_wavelength_m = 0;  ///< 0: the larger extent

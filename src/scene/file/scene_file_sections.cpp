@@ -54,7 +54,29 @@ void check_terrain(const TerrainDescription& terrain, const TomlTable& table) {
   }
 }
 
+void check_survey(const SurveyTrajectory& survey, const TomlTable& table) {
+  if (table.has("centre_m") + survey.centre_lat_lon_deg.has_value() + survey.centre_crs.has_value() > 1)
+    throw InputError(table.place_of(survey.centre_crs ? "centre_crs" : "centre_lat_lon_deg"),
+                     "the survey has more than one centre: keep one of 'centre_m', 'centre_lat_lon_deg' and "
+                     "'centre_crs'");
+  const int heights = survey.up_m.has_value() + survey.depth_m.has_value() + survey.altitude_m.has_value();
+  if (heights != 1)
+    throw InputError(
+        table.place,
+        fmt::format("a survey has {} height: give one of 'up_m' (in the local frame), 'depth_m' (below "
+                    "the water's surface) and 'altitude_m' (above the terrain)",
+                    heights == 0 ? "no" : "more than one"));
+  if (survey.altitude_step_m && !survey.altitude_m)
+    throw InputError(table.place_of("altitude_step_m"),
+                     "'altitude_step_m' goes with 'altitude_m': remove it, or give the height by that");
+}
+
 void check_trajectory(const TrajectoryDescription& trajectory, const TomlTable& table) {
+  if (const auto* survey = std::get_if<SurveyTrajectory>(&trajectory.kind)) check_survey(*survey, table);
+  if (const auto* waypoints = std::get_if<WaypointTrajectory>(&trajectory.kind))
+    if (table.has("turn_s") && !waypoints->speed_m_s)
+      throw InputError(table.place_of("turn_s"),
+                       "'turn_s' is for files without times: give 'speed_m_s', or remove 'turn_s'");
   const auto* line = std::get_if<LineTrajectory>(&trajectory.kind);
   if (line == nullptr) return;
   if (line->start_m == line->end_m) {
@@ -118,6 +140,7 @@ const TomlSection<TerrainDescription>& terrain_section() {
   using Flat = FlatTerrain;
   using Fractal = FractalTerrain;
   using Raster = RasterTerrain;
+  constexpr ValueRange slope{.lo = -80, .hi = 80};
   static const auto section =
       TomlSection<T>("[[terrain]]")
           .keys({field("name", &T::name, {.longest = limits::name_bytes}),
@@ -127,13 +150,17 @@ const TomlSection<TerrainDescription>& terrain_section() {
                       {field("width_m", &Flat::width_m, {.ranges = {size}, .required = true}),
                        field("length_m", &Flat::length_m, {.ranges = {size}, .required = true}),
                        field("centre_m", &Flat::centre_m, {.ranges = {coordinate}}),
-                       field("cell_m", &Flat::cell_m, {.ranges = {size_or_zero}})})
+                       field("cell_m", &Flat::cell_m, {.ranges = {size_or_zero}}),
+                       field("slope_deg", &Flat::slope_deg, {.ranges = {slope}}),
+                       field("slope_heading_deg", &Flat::slope_heading_deg, {.ranges = {heading}})})
           .kind<Fractal>(
               "kind", "fractal",
               {field("width_m", &Fractal::width_m, {.ranges = {size}, .required = true}),
                field("length_m", &Fractal::length_m, {.ranges = {size}, .required = true}),
                field("centre_m", &Fractal::centre_m, {.ranges = {coordinate}}),
                field("cell_m", &Fractal::cell_m, {.ranges = {size}}),
+               field("slope_deg", &Fractal::slope_deg, {.ranges = {slope}}),
+               field("slope_heading_deg", &Fractal::slope_heading_deg, {.ranges = {heading}}),
                field("rms_height_m", &Fractal::rms_height_m, {.ranges = {height}}),
                field("hurst", &Fractal::hurst,
                      {.ranges = {{.lo = 0, .hi = 1, .lo_excluded = true, .hi_excluded = true}}}),
@@ -198,7 +225,9 @@ const TomlSection<TrajectoryDescription>& trajectory_section() {
   using Fixed = FixedTrajectory;
   using Line = LineTrajectory;
   using Waypoints = WaypointTrajectory;
+  using Lines = SurveyTrajectory;
   constexpr ValueRange speed{.lo = 0, .hi = 100, .lo_excluded = true};
+  constexpr ValueRange turn{.lo = 0.001, .hi = 1e6};
   static const auto section =
       TomlSection<T>("[[trajectories]]")
           .keys({field("name", &T::name, {.longest = limits::name_bytes})})
@@ -213,7 +242,29 @@ const TomlSection<TrajectoryDescription>& trajectory_section() {
                        field("speed_m_s", &Line::speed_m_s, {.ranges = {speed}}),
                        field("pitch_deg", &Line::pitch_deg, {.ranges = {pitch}}),
                        field("roll_deg", &Line::roll_deg, {.ranges = {roll}})})
-          .kind<Waypoints>("kind", "waypoints", {field("file", &Waypoints::file, {.required = true})})
+          .kind<Waypoints>("kind", "waypoints",
+                           {field("file", &Waypoints::file, {.required = true}),
+                            field("speed_m_s", &Waypoints::speed_m_s, {.ranges = {speed}}),
+                            field("turn_s", &Waypoints::turn_s, {.ranges = {turn}})})
+          .kind<Lines>(
+              "kind", "survey",
+              {field("centre_m", &Lines::centre_m, {.ranges = {coordinate}}),
+               field("centre_lat_lon_deg", &Lines::centre_lat_lon_deg, {.ranges = {latitude, longitude}}),
+               field("centre_crs", &Lines::centre_crs),
+               field("length_m", &Lines::length_m, {.ranges = {size}, .required = true}),
+               field("width_m", &Lines::width_m, {.ranges = {size_or_zero}, .required = true}),
+               field("spacing_m", &Lines::spacing_m, {.ranges = {size}, .required = true}),
+               field("heading_deg", &Lines::heading_deg, {.ranges = {heading}}),
+               field("one_way", &Lines::one_way), field("up_m", &Lines::up_m, {.ranges = {coordinate}}),
+               field("depth_m", &Lines::depth_m, {.ranges = {{.lo = 0, .hi = 12000}}}),
+               field("altitude_m", &Lines::altitude_m,
+                     {.ranges = {{.lo = 0, .hi = 12000, .lo_excluded = true}}}),
+               field("altitude_step_m", &Lines::altitude_step_m,
+                     {.ranges = {size}, .default_value = "as altitude_m"}),
+               field("speed_m_s", &Lines::speed_m_s, {.ranges = {speed}}),
+               field("turn_s", &Lines::turn_s, {.ranges = {turn}}),
+               field("pitch_deg", &Lines::pitch_deg, {.ranges = {pitch}}),
+               field("roll_deg", &Lines::roll_deg, {.ranges = {roll}})})
           .check(check_trajectory);
   return section;
 }

@@ -72,7 +72,7 @@ void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
         fmt::format("'beams' and 'samples' make {} range samples a ping, at most {} are taken: lower "
                     "one of the two, or share the beams among several sensors",
                     cells, limits::ping_cells));
-  const std::int64_t shots = sensor.pings * figures.shots;
+  const std::int64_t shots = sensor.pings.value_or(1) * figures.shots;
   if (shots > limits::sensor_shots)
     throw InputError(table.place_of("pings"),
                      fmt::format("'pings' and 'cycles' make {} shots, at most {} are taken: ask for fewer "
@@ -93,6 +93,19 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
         fmt::format("a sensor's 'name' becomes the name of files: expected at most {} of the characters "
                     "A-Z a-z 0-9 _ -, not \"{}\"",
                     longest_name, sensor.name));
+  }
+  if (sensor.look_at_m) {
+    if (!sensor.kind.section().looks_ahead())
+      throw InputError(
+          table.place_of("look_at_m"),
+          fmt::format("'look_at_m' turns sonars that look ahead, which kind = \"{}\" does not: give "
+                      "'yaw_deg', 'tilt_deg' and 'roll_deg'",
+                      sensor.kind.section().name()));
+    for (const char* key : {"yaw_deg", "tilt_deg"})
+      if (table.has(key))
+        throw InputError(
+            table.place_of(key),
+            fmt::format("'look_at_m' turns the sensor already: remove '{}' or 'look_at_m'", key));
   }
   sensor.kind.section().check(sensor, table);
 }
@@ -136,6 +149,7 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
             {.ranges = {{.lo = 0, .hi = 100000}}, .default_value = "the water's"}),
       field("tvg_gain_db", &G::tvg_gain_db, {.ranges = {level}}),
       field("tvg_fixed_below_m", &G::tvg_fixed_below_m, {.ranges = {sonar_range}}),
+      field("display_gain_db", &G::display_gain_db, {.ranges = {{.lo = -100, .hi = 100}}}),
       field("pulse_length_us", &G::pulse_length_us,
             {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}})};
   std::vector<TomlField<SensorDescription>> fields;
@@ -163,8 +177,10 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
              field("yaw_deg", &S::yaw_deg, {.ranges = {heading}}),
              field("tilt_deg", &S::tilt_deg, {.ranges = {pitch}}),
              field("roll_deg", &S::roll_deg, {.ranges = {roll}}),
+             field("look_at_m", &S::look_at_m, {.ranges = {coordinate}}),
              field("first_ping_s", &S::first_ping_s, {.ranges = {{.lo = -1e10, .hi = 1e10}}}),
-             field("pings", &S::pings, {.ranges = {{.lo = 1, .hi = 1e7}}}),
+             field("pings", &S::pings,
+                   {.ranges = {{.lo = 1, .hi = 1e7}}, .default_value = "1; of a survey, all"}),
              field("ping_interval_s", &S::ping_interval_s,
                    {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}}),
              field("cone_tolerance", &S::cone_tolerance, {.ranges = {{.lo = 1e-9, .hi = 0.01}}})})

@@ -8,6 +8,7 @@ namespace tubefoot {
 
 inline constexpr ValueRange pitch{.lo = -90, .hi = 90};
 inline constexpr ValueRange range_samples{.lo = 1, .hi = 65536};
+inline constexpr ValueRange range_start{.lo = 0, .hi = 100000};
 inline constexpr ValueRange sonar_range{.lo = 0, .hi = 100000, .lo_excluded = true};
 inline constexpr ValueRange frequency{.lo = 1, .hi = 10000};
 

@@ -210,10 +210,14 @@ void LocalFrame::carry(std::span<glm::dvec3> points, const std::string& crs, con
 
 glm::dvec3 LocalFrame::from_lat_lon(double latitude_deg, double longitude_deg, double height_m,
                                     const SourcePlace& place) const {
-  check_lat_lon(latitude_deg, longitude_deg, place);
   glm::dvec3 point(longitude_deg, latitude_deg, height_m);
-  carry({&point, 1}, kWgs84, place);
+  from_lon_lat({&point, 1}, place);
   return point;
+}
+
+void LocalFrame::from_lon_lat(std::span<glm::dvec3> points, const SourcePlace& place) const {
+  for (const glm::dvec3& p : points) check_lat_lon(p.y, p.x, place);
+  carry(points, kWgs84, place);
 }
 
 void LocalFrame::to_lon_lat(std::span<glm::dvec3> points, const SourcePlace& place) const {

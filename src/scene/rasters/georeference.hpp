@@ -39,6 +39,8 @@ class LocalFrame {
   /// frame that is not georeferenced, a point that the CRS cannot hold.
   glm::dvec3 from_lat_lon(double latitude_deg, double longitude_deg, double height_m,
                           const SourcePlace& place) const;
+  /// The same of many points by longitude, latitude and height, in place.
+  void from_lon_lat(std::span<glm::dvec3> points, const SourcePlace& place) const;
 
   /// The other way: local points to longitude [degrees], latitude [degrees] on WGS 84 and height [m], in
   /// place. A call sets up a transformation: give it many points. Throws InputError at `place` for a frame

@@ -26,9 +26,30 @@ double cells_along(double extent_m, double cell_m) {
                   std::ceil(extent_m / cell_m * (1 - 1e-12)));  // 50 m in cells of 0.1 m are 500, not 501
 }
 
-// A flat grid of columns x rows cells, row by row from the south-west, facets facing up.
-ComponentMesh grid_facets(double width_m, double length_m, const std::array<double, 3>& centre_m,
-                          double cell_m, const SourcePlace& place) {
+// The library's last bit differs between machines; single precision of its result does not, but for a rare
+// tie.
+double portable(double value) { return static_cast<double>(static_cast<float>(value)); }
+
+// A slope, as heights above a terrain's middle.
+struct Slope {
+  double east = 0, north = 0;  // rise a metre
+  template <class Terrain>
+  static Slope of(const Terrain& terrain, const SourcePlace& place) {
+    if (terrain.slope_deg == 0) return {};
+    if (!(std::abs(terrain.slope_deg) <= 80))
+      throw InputError(place, fmt::format("slope_deg is {}, expected -80 to 80", terrain.slope_deg));
+    const double fall = std::tan(terrain.slope_deg * std::numbers::pi / 180),
+                 heading = terrain.slope_heading_deg * std::numbers::pi / 180;
+    return {-portable(fall * std::sin(heading)), -portable(fall * std::cos(heading))};
+  }
+};
+
+// A plane grid of columns x rows cells, row by row from the south-west, facets facing up.
+template <class Terrain>
+ComponentMesh grid_facets(const Terrain& terrain, double cell_m, const SourcePlace& place) {
+  const double width_m = terrain.width_m, length_m = terrain.length_m;
+  const std::array<double, 3>& centre_m = terrain.centre_m;
+  const Slope slope = Slope::of(terrain, place);
   check_positive(width_m, "width_m", place);
   check_positive(length_m, "length_m", place);
   check_positive(cell_m, "cell_m", place);
@@ -49,8 +70,9 @@ ComponentMesh grid_facets(double width_m, double length_m, const std::array<doub
   for (std::uint32_t j = 0; j <= ny; ++j) {
     stop_if_wanted();
     for (std::uint32_t i = 0; i <= nx; ++i) {
-      mesh.points_m.emplace_back(centre_m[0] + width_m * (i / columns - 0.5),
-                                 centre_m[1] + length_m * (j / rows - 0.5), centre_m[2]);
+      const double east_m = width_m * (i / columns - 0.5), north_m = length_m * (j / rows - 0.5);
+      mesh.points_m.emplace_back(centre_m[0] + east_m, centre_m[1] + north_m,
+                                 centre_m[2] + (slope.east * east_m + slope.north * north_m));
     }
   }
   for (std::uint32_t j = 0; j < ny; ++j) {
@@ -98,10 +120,6 @@ double gradient_noise(std::uint64_t seed, std::uint64_t octave, double x, double
   const double u = fade(fx), v = fade(fy);
   return mix(mix(slope(0, 0), slope(1, 0), u), mix(slope(0, 1), slope(1, 1), u), v);
 }
-
-// The library's last bit differs between machines; single precision of its result does not, but for a rare
-// tie.
-double portable(double value) { return static_cast<double>(static_cast<float>(value)); }
 
 // Sum of the octaves at a place; not normalised.
 class FractalNoise {
@@ -151,12 +169,11 @@ void normalise(std::vector<double>& heights, double rms) {
 
 ComponentMesh flat_facets(const FlatTerrain& terrain, const SourcePlace& place) {
   const double cell = terrain.cell_m == 0 ? std::max(terrain.width_m, terrain.length_m) : terrain.cell_m;
-  return grid_facets(terrain.width_m, terrain.length_m, terrain.centre_m, cell, place);
+  return grid_facets(terrain, cell, place);
 }
 
 ComponentMesh fractal_facets(const FractalTerrain& terrain, const SourcePlace& place) {
-  ComponentMesh mesh =
-      grid_facets(terrain.width_m, terrain.length_m, terrain.centre_m, terrain.cell_m, place);
+  ComponentMesh mesh = grid_facets(terrain, terrain.cell_m, place);
   if (!(terrain.hurst >= 0 && terrain.hurst <= 1)) {
     throw InputError(place, fmt::format("hurst is {}, expected 0 (rough) to 1 (smooth)", terrain.hurst));
   }

@@ -14,7 +14,7 @@
 #include "scene/rasters/raster.hpp"
 #include "scene/rasters/terrain.hpp"
 #include "scene/scene_water.hpp"
-#include "scene/trajectory_file.hpp"
+#include "scene/waypoint_file.hpp"
 
 namespace tubefoot {
 namespace {
@@ -40,7 +40,9 @@ std::string refusal(const std::string& name, const std::string& content, const R
 constexpr const char* waypoint_columns = "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n";
 
 std::string waypoints_refusal(const std::string& rows) {
-  return refusal("t.csv", waypoint_columns + rows, read_waypoints);
+  return refusal("t.csv", waypoint_columns + rows, [](const std::filesystem::path& file) {
+    read_waypoints({file, {}}, {});
+  });
 }
 
 // ---- Messages

@@ -85,6 +85,29 @@ TEST(SceneFileErrors, WrongUnitsNameTheRightOne) {
   });
 }
 
+constexpr const char* survey = "kind = \"survey\"\nlength_m = 9\nwidth_m = 9\nspacing_m = 3\n";
+
+TEST(SceneFileErrors, SurveysSayWhereAndHowHigh) {
+  const auto with = [](const std::string& more) { return survey + more; };
+  for (const auto& [keys, place, says] :
+       {std::tuple(with(""), "7:1", "a survey has no height: give one of 'up_m'"),
+        std::tuple(with("up_m = 1\ndepth_m = 1"), "7:1", "more than one height"),
+        std::tuple(with("up_m = 1\naltitude_step_m = 1"), "13:19", "goes with 'altitude_m'"),
+        std::tuple(with("up_m = 1\ncentre_m = [1, 2]\ncentre_crs = [1, 2]"), "14:14", "more than one centre"),
+        std::tuple(with("altitude_m = 0"), "12:14", "> 0"),
+        std::tuple(std::string("kind = \"waypoints\"\nfile = \"scene.toml\"\nturn_s = 3"), "10:10",
+                   "for files without times")})
+    expect_mistakes({{fixed, keys.c_str(), place, says}});
+}
+
+TEST(SceneFileErrors, LookAtIsForSensorsThatLookAheadAndNotTurnedOtherwise) {
+  expect_mistakes({
+      {didson, "kind = \"sidescan\"\nlook_at_m = [0, 0, 0]", "12:13",
+       "'look_at_m' turns sonars that look ahead, which kind = \"sidescan\" does not"},
+      {didson, "kind = \"didson\"\nlook_at_m = [0, 0, 0]\ntilt_deg = 3", "13:12", "remove 'tilt_deg'"},
+  });
+}
+
 TEST(SceneFileErrors, WrongTypesSayWhatIsWanted) {
   expect_mistakes({
       {material_name, "name = 3", "2:8", "'name' must be a text, not an integer"},

@@ -55,6 +55,27 @@ FractalTerrain bed() {
   return terrain;
 }
 
+TEST(Terrain, SlopesFallToTheirHeadingAboutTheMiddle) {
+  FlatTerrain flat{30, 20, {100, -50, -12}, 5};
+  flat.slope_deg = 30;
+  flat.slope_heading_deg = 90;
+  for (const glm::dvec3& p : flat_facets(flat, kPlace).points_m)
+    EXPECT_NEAR(p.z, -12 - (p.x - 100) * std::tan(std::numbers::pi / 6), 1e-6);
+  flat.slope_deg = 81;
+  EXPECT_THROW(flat_facets(flat, kPlace), InputError);
+
+  FractalTerrain sloping = bed();
+  sloping.slope_deg = 12;
+  sloping.slope_heading_deg = -140;
+  const ComponentMesh level = fractal_facets(bed(), kPlace), tilted = fractal_facets(sloping, kPlace);
+  const double fall = std::tan(12 * std::numbers::pi / 180), h = -140 * std::numbers::pi / 180;
+  for (std::size_t i = 0; i < level.points_m.size(); ++i) {
+    const glm::dvec3 p = level.points_m[i];
+    EXPECT_NEAR(tilted.points_m[i].z - p.z, -fall * (std::sin(h) * (p.x - 10) + std::cos(h) * (p.y - 20)),
+                1e-6);
+  }
+}
+
 TEST(FractalTerrain, SameSeedSameBedOtherSeedOtherBed) {
   const ComponentMesh a = fractal_facets(bed(), kPlace), b = fractal_facets(bed(), kPlace);
   EXPECT_EQ(a.points_m, b.points_m);

@@ -227,6 +227,36 @@ TEST(Mounting, LeverArmTurnsWithTheCarrier) {
   EXPECT_TRUE(near(at(0, 90), {11, 17, 32}));  // bow up: forward is up, up is astern
 }
 
+TEST(Mounting, LookAtTurnsTheSensorToAPlaceWhateverItsCarrierDoes) {
+  SensorDescription description = samples::camera();
+  description.lever_arm_m = {0, 2, 0};
+  description.receiver_arm_m = {{1, 2, 0}};
+  description.look_at_m = {{30, 42, -11}};
+  const auto near = [](glm::dvec3 a, glm::dvec3 b) { return glm::length(a - b) < 1e-12; };
+  for (const double heading : {0.0, 1.0, -2.5}) {
+    const auto sensor = make_sensor(description);
+    const Pose carrier{{30, -4, 1}, attitude_from_angles(heading, 0.3, -0.2)};
+    const Pose pose = sensor->pose_on(carrier);
+    const glm::dvec3 way = glm::dvec3(30, 42, -11) - pose.position_m;
+    EXPECT_TRUE(near(pose.attitude * glm::dvec3(0, 1, 0), glm::normalize(way)));
+    EXPECT_NEAR((pose.attitude * glm::dvec3(1, 0, 0)).z, 0, 1e-12);  // upright
+    EXPECT_EQ(sensor->receiver_pose_on(carrier).attitude, pose.attitude);
+    EXPECT_NE(sensor->receiver_pose_on(carrier).position_m, pose.position_m);
+  }
+  description.roll_deg = 90;
+  EXPECT_NEAR((make_sensor(description)->pose_on(Pose{}).attitude * glm::dvec3(1, 0, 0)).y, 0, 1);
+  EXPECT_LT((make_sensor(description)->pose_on(Pose{}).attitude * glm::dvec3(1, 0, 0)).z, -0.9);
+  // Straight down: the carrier's heading.
+  description.lever_arm_m = {0, 0, 0};
+  description.roll_deg = 0;
+  description.look_at_m = {{0, 0, -3}};
+  const Pose down = make_sensor(description)->pose_on({{0, 0, 0}, attitude_from_angles(90 * degree, 0, 0)});
+  EXPECT_TRUE(near(down.attitude * glm::dvec3(0, 1, 0), {0, 0, -1}));
+  EXPECT_TRUE(near(down.attitude * glm::dvec3(1, 0, 0), {0, -1, 0}));
+  description.look_at_m = {{0, 0, 0}};
+  EXPECT_THROW(make_sensor(description)->pose_on(Pose{}), InputError);
+}
+
 TEST(Mounting, CarrierAndMountingTurnsAddUp) {
   SensorDescription description = samples::camera();
   description.yaw_deg = 30;
@@ -245,14 +275,6 @@ TEST(Tubes, FollowThePose) {
   // Beam 0, port, looks to the north of east.
   EXPECT_GT(middle_of(set, 0).y, 0.2);
   EXPECT_EQ(set, sensor->tubes(pose, grid));
-}
-
-TEST(PingTimes, AreEvenFromTheFirst) {
-  SensorDescription description = samples::camera();
-  description.first_ping_s = 2;
-  description.ping_interval_s = 0.25;
-  description.pings = 3;
-  EXPECT_EQ(make_sensor(description)->ping_times_s(), (std::vector<double>{2, 2.25, 2.5}));
 }
 
 TEST(MakeSensor, RefusesWhatMakesNoSonar) {

@@ -15,8 +15,10 @@ namespace tubefoot {
 namespace {
 
 using samples::degree;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 const Provenance provenance{"A test", "0123abcd", "tube", "fixed", "0.1.0"};
 
@@ -28,6 +30,16 @@ samples::OwnedRecording noisy_camera(int pings = 3) {
     made.recording.ping_pose[ping].attitude =
         attitude_from_angles((350 - 90.0 * double(ping)) * degree, -20 * degree, 5 * double(ping) * degree);
   return made;
+}
+
+TEST(EchoFile, NumbersTheLinesOfASurvey) {
+  const TestFolder folder;
+  auto made = noisy_camera(5);
+  write_echoes(folder / "whole.nc", {made.recording}, provenance);
+  EXPECT_THAT(NetcdfReader(folder / "whole.nc").variables("/"), Not(Contains("line")));
+  made.recording.line_starts = {0, 2};
+  write_echoes(folder / "lines.nc", {made.recording}, provenance);
+  EXPECT_THAT(NetcdfReader(folder / "lines.nc").values("/", "line"), ElementsAre(1, 1, 2, 2, 2));
 }
 
 TEST(EchoFile, ReadsBackBitForBit) {

@@ -386,6 +386,8 @@ TEST(DecibelScale, IsRelativeToTheStrongestThousandthOfTheEchoes) {
   EXPECT_EQ(scale.level(0), 0);
   EXPECT_EQ(scale.level(std::nan("")), 0);
   EXPECT_EQ(DecibelScale(std::vector<double>(10, 0.0)).level(0), 0);
+  EXPECT_NEAR(DecibelScale(energies, 10).level(1e-14), 0.8, 1e-12);  // a display gain of 10 dB
+  EXPECT_NEAR(DecibelScale(energies, -10).level(1e-12), 0.8, 1e-12);
 }
 
 TEST(DecibelScale, GrowsLighterEverywhere) {

@@ -231,5 +231,59 @@ TEST(SidescanFiles, MosaicCellsFollowPingsAndSamplesAndStayFew) {
   EXPECT_LE(area / cell / cell, 4e6);
 }
 
+TEST(SidescanFiles, ASurveyHasAnXtfAndAMosaicALineAndOneMosaicOfAll) {
+  const TestFolder folder;
+  auto made = line();
+  made.recording.line_starts = {0, 5};
+  for (std::size_t k = 5; k < 9; ++k) {
+    made.recording.ping_pose[k].position_m.x = 40;
+    made.recording.ping_time_s[k] += 60;
+  }
+  std::vector<std::string> warnings;
+  const auto files = write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
+  EXPECT_THAT(warnings, IsEmpty());
+  EXPECT_THAT(files, ElementsAre("sidescan-line-01.xtf", "sidescan-line-02.xtf", "sidescan-waterfall.png",
+                                 "sidescan-mosaic.tif", "sidescan-mosaic.png", "sidescan-line-01-mosaic.tif",
+                                 "sidescan-line-01-mosaic.png", "sidescan-line-02-mosaic.tif",
+                                 "sidescan-line-02-mosaic.png"));
+  for (const auto& file : files) EXPECT_TRUE(std::filesystem::exists(folder / file.string())) << file;
+  std::size_t ping = 0;
+  for (const auto& [name, pings] :
+       {std::pair("sidescan-line-01.xtf", 5u), std::pair("sidescan-line-02.xtf", 4u)}) {
+    const auto bytes = file_content(folder / name);
+    std::size_t in_file = 0;
+    for (std::size_t begin = 1024; begin < bytes.size();) {
+      PacketReader packet(std::span<const unsigned char>(bytes).subspan(begin), false);
+      if (packet.u8(2) == 0) {
+        EXPECT_EQ(packet.u32(28), ping++);
+        EXPECT_NEAR(packet.f32(120), 5 * 3600 / 1852.0, 1e-4);  // the way across the turn is no speed
+        ++in_file;
+      }
+      begin += packet.u32(10);
+    }
+    EXPECT_EQ(in_file, pings) << name;
+  }
+  EXPECT_NEAR(made.recording.track_length_m(), 7 * 0.5, 1e-12);
+  EXPECT_NEAR(made.recording.ping_spacing_m(), 0.5, 1e-12);
+}
+
+TEST(SidescanFiles, DisplayGainBrightensPicturesAndLeavesTheXtf) {
+  const TestFolder plain, bright;
+  auto made = line();
+  std::fill(made.energies.begin(), made.energies.end(), 1e-12);
+  SignalDescription signal;
+  signal.display_gain_db = -6;
+  auto dimmed = line(9, signal);
+  std::fill(dimmed.energies.begin(), dimmed.energies.end(), 1e-12);
+  std::vector<std::string> warnings;
+  write_two_sided_files(plain.path(), made.recording, at_sea(), widths, warnings);
+  write_two_sided_files(bright.path(), dimmed.recording, at_sea(), widths, warnings);
+  EXPECT_EQ(bytes_of(plain / "sidescan.xtf"), bytes_of(bright / "sidescan.xtf"));
+  int width = 0, height = 0;
+  EXPECT_NEAR(waterfall_of(plain / "sidescan-waterfall.png", width, height)[0], 65535, 1);
+  EXPECT_NEAR(waterfall_of(bright / "sidescan-waterfall.png", width, height)[0], 65535 * std::pow(10, -0.3),
+              1);
+}
+
 }  // namespace
 }  // namespace tubefoot

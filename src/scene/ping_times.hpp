@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "scene/description/sensor_description.hpp"
+#include "scene/trajectory.hpp"
+
+namespace tubefoot {
+
+/// When a sensor pings: an interval apart from its first ping on. On the lines of a survey it begins anew at
+/// the beginning of each, and pings until the line ends; what is asked for are the first of all these.
+class PingTimes {
+ public:
+  /// Throws InputError at the sensor's place for pings before or after its trajectory, for more than the
+  /// lines hold, and for lines that hold none or more than 10^7.
+  PingTimes(const SensorDescription& sensor, const Trajectory& trajectory,
+            const std::string& trajectory_name);
+
+  std::size_t count() const { return count_; }
+  /// Calls `take` with the time of each ping [s].
+  template <class Take>
+  void each(const Take& take) const {
+    for (std::size_t line = 0; line < starts_.size(); ++line)
+      for (std::size_t ping = starts_[line]; ping < end_of(line); ++ping)
+        take(first_s_[line] + static_cast<double>(ping - starts_[line]) * interval_s_);
+  }
+  std::vector<double> times_s() const;
+  double first_s() const { return first_s_.front(); }
+  /// The first ping of each line of a survey that has pings; empty: its track is not divided.
+  std::vector<std::size_t> line_starts() const { return divided_ ? starts_ : std::vector<std::size_t>{}; }
+
+ private:
+  std::size_t end_of(std::size_t line) const {
+    return line + 1 < starts_.size() ? starts_[line + 1] : count_;
+  }
+
+  std::size_t count_ = 0;
+  double interval_s_;
+  bool divided_;
+  std::vector<std::size_t> starts_;
+  std::vector<double> first_s_;  ///< time of the first ping, by line
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scene/description/trajectory_description.hpp"
+#include "scene/survey_lines.hpp"
+#include "scene/trajectory.hpp"
+
+namespace tubefoot {
+
+/// The trajectory that a scene describes. Throws InputError at the description's place.
+Trajectory make_trajectory(const TrajectoryDescription& description, const TrackSurroundings& around);
+
+}  // namespace tubefoot

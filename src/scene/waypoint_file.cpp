@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/waypoint_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <numbers>
+#include <string_view>
+
+#include "files/csv_file.hpp"
+#include "scene/file/scene_file_ranges.hpp"
+
+namespace tubefoot {
+namespace {
+
+enum Column {
+  time_s,
+  east_m,
+  north_m,
+  latitude_deg,
+  longitude_deg,
+  easting,
+  northing,
+  up_m,
+  depth_m,
+  altitude_m,
+  heading_deg,
+  pitch_deg,
+  roll_deg,
+  line
+};
+constexpr std::size_t column_count = line + 1;
+constexpr std::array<std::string_view, column_count> names = {
+    "time_s", "east_m",  "north_m",    "latitude_deg", "longitude_deg", "easting",  "northing",
+    "up_m",   "depth_m", "altitude_m", "heading_deg",  "pitch_deg",     "roll_deg", "line"};
+
+// Years that have times to the microsecond in a double; the coordinates of scene files; maps' own; any number
+// of turns.
+constexpr std::array<double, column_count> largest = {1e10,  far_m, far_m, 90,  360, 1e9, 1e9,
+                                                      far_m, far_m, far_m, 1e6, 1e6, 1e6, 1e9};
+
+/// A row as it stands in the file.
+struct Waypoint {
+  std::array<double, column_count> values;
+  std::array<SourcePlace, column_count> places;
+  bool has(Column column) const { return !std::isnan(values[column]); }
+  double operator[](Column column) const { return values[column]; }
+};
+
+/// One of some columns, or sets of them, which all rows have.
+Column only_one(const Waypoint& row, std::initializer_list<Column> some, std::string_view expected) {
+  std::optional<Column> found;
+  for (const Column column : some) {
+    if (!row.has(column)) continue;
+    if (found)
+      throw InputError(row.places[column], fmt::format("the columns {} and {} say the same: expected {}",
+                                                       names[*found], names[column], expected));
+    found = column;
+  }
+  if (!found) throw InputError(row.places[some.begin()[0]], fmt::format("expected the columns {}", expected));
+  return *found;
+}
+
+std::vector<Waypoint> rows_of(const WaypointTrajectory& waypoints) {
+  std::vector<Waypoint> rows;
+  read_csv(waypoints.file, {}, names, [&](const CsvRow& row) {
+    Waypoint& point = rows.emplace_back();
+    for (std::size_t k = 0; k < column_count; ++k) {
+      if (std::abs(row.values[k]) > largest[k])
+        throw InputError(row.places[k], fmt::format("{} is {}, expected {:g} to {:g}", names[k],
+                                                    row.values[k], -largest[k], largest[k]));
+      point.values[k] = row.values[k];
+      point.places[k] = row.places[k];
+    }
+  });
+  if (rows.empty())
+    throw InputError({waypoints.file.string(), 0, 0},
+                     "has a header but no waypoint, expected at least one row");
+  return rows;
+}
+
+/// What is odd about a line of waypoints.
+std::vector<std::string> odd_waypoints(const std::vector<Trajectory::Sample>& samples, bool has_times,
+                                       const std::filesystem::path& file) {
+  std::vector<std::string> odd;
+  const auto apart = [](double a, double b) { return std::abs(std::remainder(a - b, 2 * std::numbers::pi)); };
+  std::size_t moves = 0, in_radians = 0;
+  double way_m = 0;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    const glm::dvec3 step = samples[k].pose.position_m - samples[k - 1].pose.position_m;
+    way_m += glm::length(step);
+    if (std::hypot(step.x, step.y) < 1e-3) continue;
+    ++moves;
+    const glm::dvec3 ahead = samples[k].pose.attitude * glm::dvec3(0, 1, 0);
+    const double course = std::atan2(step.x, step.y), heading = std::atan2(ahead.x, ahead.y),
+                 as_radians = glm::degrees(heading);
+    constexpr double near = 0.2, far = 0.35;
+    if (std::abs(as_radians) < 6.3 && apart(as_radians, course) < near && apart(heading, course) > far)
+      ++in_radians;
+  }
+  if (moves > 0 && 10 * in_radians >= 9 * moves)
+    odd.push_back(fmt::format(
+        "{}: heading_deg looks like radians: taken for degrees the headings do not fit the way from waypoint "
+        "to waypoint, taken for radians they do",
+        file.string()));
+  const double lasts_s = samples.back().time_s - samples.front().time_s, speed_m_s = way_m / lasts_s;
+  constexpr double fast_m_s = 30, slow_m_s = 0.005;
+  if (has_times && lasts_s > 0 && (speed_m_s > fast_m_s || (speed_m_s < slow_m_s && way_m > 1)))
+    odd.push_back(fmt::format("{}: {:.4g} m in {:.4g} s are {:.3g} m/s: does time_s count seconds?",
+                              file.string(), way_m, lasts_s, speed_m_s));
+  return odd;
+}
+
+class Waypoints {
+ public:
+  Waypoints(const WaypointTrajectory& description, const TrackSurroundings& around)
+      : description_(description), around_(around), rows_(rows_of(description)) {
+    check_columns();
+    place();
+  }
+
+  Trajectory track() const {
+    if (rows_.size() == 1) return Trajectory({{rows_[0].has(time_s) ? rows_[0][time_s] : 0, pose(0, 0, 1)}});
+    const std::vector<std::size_t> ends = ends_of_lines();
+    const bool divided = rows_[0].has(line);
+    std::vector<Trajectory::Sample> samples;
+    std::vector<Trajectory::Line> lines;
+    SurveyLines survey(description_.turn_s);
+    const std::size_t told = around_.odd == nullptr ? 0 : around_.odd->size();  // of one line will do
+    for (std::size_t k = 0, begin = 0; k < ends.size(); begin = ends[k++]) {
+      std::vector<Trajectory::Sample> of_line;
+      for (std::size_t i = begin; i < ends[k]; ++i)
+        of_line.push_back({time_of(i, begin, of_line), pose(i, begin, ends[k])});
+      if (around_.odd != nullptr && around_.odd->size() == told)
+        for (std::string& words : odd_waypoints(of_line, rows_[0].has(time_s), description_.file))
+          around_.odd->push_back(std::move(words));
+      if (!rows_[0].has(time_s) && divided) {
+        if (of_line.size() < 2)
+          throw InputError(rows_[begin].places[line],
+                           "the line has one waypoint, expected two or more where there are no times");
+        survey.add(std::move(of_line));
+        continue;
+      }
+      lines.push_back({of_line.front().time_s, of_line.back().time_s});
+      samples.insert(samples.end(), of_line.begin(), of_line.end());
+    }
+    if (samples.empty()) return std::move(survey).finish();
+    if (!divided) lines.clear();
+    return Trajectory(std::move(samples), std::move(lines));
+  }
+
+ private:
+  void check_columns() {
+    const Waypoint& row = rows_.front();
+    constexpr std::string_view position =
+        "east_m and north_m, or latitude_deg and longitude_deg, or easting and northing (of the scene's crs)";
+    across_ = only_one(row, {east_m, latitude_deg, easting}, position);
+    along_ = only_one(row, {north_m, longitude_deg, northing}, position);
+    if (along_ != across_ + 1)
+      throw InputError(row.places[along_], fmt::format("{} does not go with {}: expected {}", names[along_],
+                                                       names[across_], position));
+    height_ = only_one(row, {up_m, depth_m, altitude_m},
+                       "up_m, or depth_m (below the water's surface), or altitude_m (above the terrain)");
+    if (row.has(time_s) == description_.speed_m_s.has_value())
+      throw InputError(
+          row.places[time_s],
+          row.has(time_s)
+              ? "the column time_s and the scene's 'speed_m_s' both say when: remove one of the two"
+              : "expected the column time_s, or 'speed_m_s' in the scene's trajectory");
+    for (std::size_t i = 1; row.has(time_s) && i < rows_.size(); ++i)
+      if (!(rows_[i][time_s] > rows_[i - 1][time_s]))
+        throw InputError(rows_[i].places[time_s],
+                         fmt::format("time_s is {} after {}, expected times that increase", rows_[i][time_s],
+                                     rows_[i - 1][time_s]));
+  }
+
+  /// Local positions of all rows.
+  void place() {
+    const SourcePlace file{description_.file.string(), 0, 0};
+    for (const Waypoint& row : rows_) {
+      const double up = height_ == up_m      ? row[up_m]
+                        : height_ == depth_m ? around_.surface_height_m - row[depth_m]
+                                             : 0;
+      if (across_ == latitude_deg)
+        positions_.emplace_back(row[longitude_deg], row[latitude_deg], up);
+      else
+        positions_.emplace_back(row[across_], row[along_], up);
+    }
+    if (across_ == latitude_deg) around_.place_by_lon_lat(positions_, file);
+    if (across_ == easting) around_.place_by_crs(positions_, file);
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+      if (!(std::abs(positions_[i].x) <= far_m && std::abs(positions_[i].y) <= far_m))
+        throw InputError(
+            place_of(i),
+            fmt::format("the waypoint is {:.0f} km east and {:.0f} km north of the scene's origin, "
+                        "expected {:g} km at most",
+                        positions_[i].x / 1e3, positions_[i].y / 1e3, far_m / 1e3));
+    if (height_ != altitude_m) return;
+    const std::vector<glm::dvec2> places(positions_.begin(), positions_.end());
+    const auto ground = around_.terrain_heights_m(places);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (!ground[i])
+        throw InputError(
+            rows_[i].places[altitude_m],
+            fmt::format("there is no terrain below this waypoint ({:.3f} m east, {:.3f} m north): "
+                        "give up_m or depth_m",
+                        places[i].x, places[i].y));
+      positions_[i].z = *ground[i] + rows_[i][altitude_m];
+    }
+  }
+
+  /// Beyond the last waypoint of each line.
+  std::vector<std::size_t> ends_of_lines() const {
+    std::vector<std::size_t> ends;
+    for (std::size_t i = 1; i < rows_.size(); ++i)
+      if (rows_[i].has(line) && rows_[i][line] != rows_[i - 1][line]) ends.push_back(i);
+    ends.push_back(rows_.size());
+    return ends;
+  }
+
+  double time_of(std::size_t i, std::size_t begin, std::span<const Trajectory::Sample> before) const {
+    if (rows_[i].has(time_s)) return rows_[i][time_s];
+    if (i == begin) return 0;
+    const double way_m = glm::distance(positions_[i - 1], positions_[i]);
+    if (!(way_m > 0))
+      throw InputError(rows_[i].places[across_],
+                       "the waypoint is where the one before is, expected a way between them");
+    return before.back().time_s + way_m / *description_.speed_m_s;
+  }
+
+  /// Of a waypoint of the line [begin, end).
+  Pose pose(std::size_t i, std::size_t begin, std::size_t end) const {
+    const Waypoint& row = rows_[i];
+    const auto angle = [&](Column column) { return row.has(column) ? glm::radians(row[column]) : 0; };
+    const double heading = row.has(heading_deg) ? angle(heading_deg) : heading_along(i, begin, end);
+    return {positions_[i], attitude_from_angles(heading, angle(pitch_deg), angle(roll_deg))};
+  }
+
+  /// Between the ways to the waypoint and from it.
+  double heading_along(std::size_t i, std::size_t begin, std::size_t end) const {
+    const glm::dvec2 at(positions_[i]);
+    glm::dvec2 course(0);
+    const auto add = [&](glm::dvec2 way) {
+      if (glm::length(way) > 0) course += glm::normalize(way);
+    };
+    for (std::size_t k = i; k-- > begin;)
+      if (glm::dvec2(positions_[k]) != at) {
+        add(at - glm::dvec2(positions_[k]));
+        break;
+      }
+    for (std::size_t k = i + 1; k < end; ++k)
+      if (glm::dvec2(positions_[k]) != at) {
+        add(glm::dvec2(positions_[k]) - at);
+        break;
+      }
+    constexpr double turned_back = 1e-9;
+    if (glm::length(course) <= turned_back)
+      throw InputError(place_of(i), "the track has no direction here: give the column heading_deg");
+    return std::atan2(course.x, course.y);
+  }
+  const SourcePlace& place_of(std::size_t i) const { return rows_[i].places[across_]; }
+
+  const WaypointTrajectory& description_;
+  const TrackSurroundings& around_;
+  std::vector<Waypoint> rows_;
+  Column across_ = east_m, along_ = north_m, height_ = up_m;
+  std::vector<glm::dvec3> positions_;
+};
+
+}  // namespace
+
+Trajectory read_waypoints(const WaypointTrajectory& waypoints, const TrackSurroundings& around) {
+  return Waypoints(waypoints, around).track();
+}
+
+}  // namespace tubefoot
