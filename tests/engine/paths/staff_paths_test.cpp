@@ -18,6 +18,7 @@ namespace tubefoot {
 namespace {
 
 using namespace test;
+
 const Fringe slanting{slanting_axis, 0.3, 40};
 
 /// The ordinary echo, and those over one mirror and over two.
