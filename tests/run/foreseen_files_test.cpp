@@ -19,7 +19,7 @@ using testing::Not;
 
 std::string camera_in(double sound_speed_m_s, const std::string& keys) {
   return fmt::format("[water]\nsound_speed_m_s = {}\n", sound_speed_m_s) + lambert_material("bed", -27) +
-         flat_terrain(20, 20) + fixed_at(0, -3, 1.5) + "[[sensors]]\nname = \"camera\"\ntilt_deg = 20\n" +
+         flat_terrain(20, 20) + fixed_at(0, -3, 1.2) + "[[sensors]]\nname = \"camera\"\ntilt_deg = 20\n" +
          keys + "\n";
 }
 
