@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The front door. Everything else is CMake: see CMakePresets.json.
 #
-#   make demo    install what is missing, build, run scenes/wellhead, name the pictures
+#   make demo    install what the program needs, build it, run scenes/wellhead, name the pictures
 #   make python  build the Python module and install it for the current user of /usr/bin/python3: docs/python.md
-#   make test    install what is missing, build, run the tests
+#   make test    install what the tests need besides, build, run the tests
 #   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
 #   make package  Debian packages into build/
 #   make sanitize  the tests once more under address, undefined-behaviour and thread sanitizers: docs/sanitizers.md
@@ -27,10 +27,10 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test install package build setup sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
+.PHONY: demo python test install package program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
   rays scaling long-run reference docs figures format tidy clean
 
-demo: build
+demo: program
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
 	@echo
 	@echo "The acoustic camera, from three sides:  out/wellhead/camera-0000.png  camera-0001.png  camera-0002.png"
@@ -38,7 +38,9 @@ demo: build
 
 PYTHON_SITE := $(shell /usr/bin/python3 -m site --user-site 2>/dev/null)
 
-python: build
+python: program
+	@tools/setup python
+	@$(CONFIGURE_PROGRAM)
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_python
 	@test -n "$(PYTHON_SITE)" || { echo "/usr/bin/python3 knows no folder of this user: make python PYTHON_SITE=FOLDER" >&2; exit 1; }
 	@mkdir -p "$(PYTHON_SITE)"
@@ -55,26 +57,48 @@ test: build
 # into the default, or into a folder of one's own. DESTDIR, if set, comes before it.
 PREFIX := /usr/local
 
-install: build
-	cmake --build --preset release --parallel $(JOBS) --target tubefoot_manual
+install: whole
 	cmake --install build/release --prefix $(abspath $(PREFIX)) >build/install.log || { cat build/install.log; exit 1; }
 	@echo "tubefoot is in $(DESTDIR)$(abspath $(PREFIX))/bin"
 
-package: build
-	cmake --build --preset release --parallel $(JOBS) --target tubefoot_manual
+package: whole
+	@tools/setup packages
 	@cpack --config build/release/CPackConfig.cmake -B build >build/package.log || { cat build/package.log; exit 1; }
 	@rm -rf build/_CPack_Packages
 	@ls build/*.deb
 
-build: setup
-	@cmake --preset release -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+# The program alone, or all that is configured with the tests, once they were: then it stays so.
+configure = cmake --preset release -Wno-dev $(1) >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+CONFIGURE_PROGRAM = tests=$$(grep -qs TUBEFOOT_TESTS:BOOL=ON build/release/CMakeCache.txt && echo ON || echo OFF); \
+  $(call configure,-DTUBEFOOT_TESTS=$$tests -DTUBEFOOT_BENCH=$$tests)
+
+program:
+	@mkdir -p build
+	@tools/setup program
+	@[ -e $(PROGRAM) ] || echo "tubefoot: building takes about $(MINUTES) minutes of one processor; here are $(JOBS)"
+	@$(CONFIGURE_PROGRAM)
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot
 
-setup:
-	@mkdir -p build
-	@tools/setup
+# All that is installed.
+whole: program
+	@tools/setup python cluster
+	@$(CONFIGURE_PROGRAM)
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_manual tubefoot_python tubefoot_mpi
 
-sanitize: setup
+# Minutes of one processor that the program takes to build from nothing.
+MINUTES := 25
+
+# With tests, benchmarks and studies.
+build: configured
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot
+
+configured:
+	@mkdir -p build
+	@tools/setup program python cluster packages documents figures tests
+	@$(call configure,-DTUBEFOOT_TESTS=ON -DTUBEFOOT_BENCH=ON)
+
+sanitize: configured
+	@tools/setup sanitizers
 	tools/instrumented_tbb build/tbb-thread
 	@for preset in dev thread; do \
 	  cmake --preset $$preset -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }; \
@@ -95,7 +119,8 @@ FUZZ_SECONDS := 3600
 FUZZ_TARGETS := all
 FUZZ_JOBS := 2
 
-fuzz: setup
+fuzz: configured
+	@tools/setup sanitizers
 	@cmake --preset dev -Wno-dev >build/configure-dev.log 2>&1 || { cat build/configure-dev.log; exit 1; }
 	cmake --build --preset dev --parallel $(JOBS) --target fuzz_targets
 	@tests/fuzz/run build/dev/fuzz --seconds $(FUZZ_SECONDS) --targets $(FUZZ_TARGETS) --jobs $(FUZZ_JOBS)
@@ -105,13 +130,12 @@ AGAINST := HEAD~1
 against: build
 	validation/bench/against $(AGAINST) --jobs $(JOBS)
 
-bench: setup
+bench: configured
 	cmake --preset bench -Wno-dev
 	cmake --build --preset bench --parallel $(JOBS)
 	build/bench/tubefoot_bench
 
-atlas: setup
-	@cmake --preset release -Wno-dev >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+atlas: configured
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_atlas
 	build/release/tubefoot_atlas validation
 
@@ -150,7 +174,8 @@ long-run: build
 reference: build
 	tools/reference_pack $(PROGRAM) validation/reference/v1
 
-docs: setup
+docs:
+	@tools/setup documents
 	@/usr/bin/python3 docs/site/build.py build/docs
 
 figures: build

@@ -29,12 +29,14 @@ of a sonar touches first, and integrates the echo over those polygons. It writes
 echoes, pictures, footprints and the files that sidescans, multibeams and
 acoustic cameras write, and measures how far other engines are off.")
 
-# A static library asks the programs that link it for all that it is made of: what packages.txt lists to build with.
+# A static library asks the programs that link it for all that it is made of: what packages.txt lists for the program.
 file(STRINGS ${PROJECT_SOURCE_DIR}/packages.txt lines)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/packages.txt)
 set(needed cmake g++ pkg-config)
 foreach(line ${lines})
-  if(NOT line MATCHES "gtest|gmock|benchmark|openmpi" AND line MATCHES "^((lib|nlohmann|zlib)[^ ]*-dev)")
+  if(line MATCHES "^\\[([a-z]*)")
+    set(purpose ${CMAKE_MATCH_1})
+  elseif(purpose STREQUAL "program" AND line MATCHES "^((lib|nlohmann|zlib)[^ ]*-dev)")
     list(APPEND needed ${CMAKE_MATCH_1})
   endif()
 endforeach()

@@ -14,12 +14,13 @@ elseif(TUBEFOOT_PYTHON)
     set(TUBEFOOT_WITH_PYTHON ON)
     message(STATUS "Python module: for ${Python_EXECUTABLE} ${Python_VERSION}, by pybind11 ${pybind11_VERSION}")
   else()
-    message(STATUS "No Python module: it needs Debian's pybind11-dev and python3-dev (tools/setup installs them)")
+    message(STATUS "No Python module: it needs Debian's pybind11-dev and python3-dev (tools/setup python installs them)")
   endif()
 endif()
 
-if(TUBEFOOT_WITH_PYTHON)
-  # The static libraries end in a shared object too. Hidden symbols cost it nothing, unlike ones that may be replaced.
+if(TUBEFOOT_PYTHON AND NOT TUBEFOOT_SANITIZE)
+  # The static libraries end in a shared object too, now or when pybind11 will have been installed: nothing is then
+  # compiled twice. Hidden symbols cost it nothing, unlike ones that may be replaced.
   set(CMAKE_POSITION_INDEPENDENT_CODE ON)
   set(CMAKE_CXX_VISIBILITY_PRESET hidden)
   set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)

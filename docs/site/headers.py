@@ -138,7 +138,7 @@ def shown_class(lines):
     begin, end = code.index("{") + 1, code.rindex("}")
     if "\n" not in text[begin:end]:
         return lines
-    result, private = text[:begin].split("\n"), re.search(r"\bclass\b", code[:begin]) is not None
+    result, private = text[:begin].split("\n"), TYPE.match(code.strip())[1] == "class"
     for entry in entries(text[begin:end].lstrip("\n").split("\n")):
         part = []
         for declaration in entry.declarations:

@@ -16,6 +16,10 @@ from browser import Page, skip  # noqa: E402
 
 BUILD = pathlib.Path(sys.argv.pop(2)).resolve()
 HTML = pathlib.Path(sys.argv.pop(1)).resolve()
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(BUILD.parent))
+import headers  # noqa: E402
+
 if not (HTML / "index.html").exists():
     skip("there is no site: see the test Docs.Site")
 
@@ -134,6 +138,70 @@ class InABrowser(unittest.TestCase):
                      "api/python.html", "api/src-engine-echo.html", "validation/atlas.html"]:
             self.open(name, 390, 844)
             self.assertLessEqual(self.page.js("return document.documentElement.scrollWidth"), 390, name)
+
+
+class Headers(unittest.TestCase):
+    """What pages of headers show of them."""
+    TEXT = """#pragma once
+namespace tubefoot {
+
+/// Stands alone.
+
+class Forward;
+/// Two of one kind; "{" in words.
+int first(int a, std::vector<int> of = {});
+inline double second(double x) { return x < 0 ? -x : x; }
+
+template <class T>
+struct Pair {
+  T a{}, b{};  ///< both
+  /// The larger.
+  T most() const {
+    if (a < b) return b;
+    return a;
+  }
+};
+
+/// Keeps.
+class Keeper : public Pair<int> {
+ public:
+  explicit Keeper(int n)  // NOLINT: on purpose
+      : n_(n), letter_('{') {}
+  bool operator==(const Keeper&) const = default;
+  friend bool operator<(const Keeper& a, const Keeper& b) { return a.n_ < b.n_; }
+
+ private:
+  int secret() const { return n_; }
+  int n_;
+};
+
+constexpr std::array<int, 2> table = {1, 2};
+using Names = std::vector<std::string>;
+
+}  // namespace tubefoot
+"""
+
+    def test_declarations_without_bodies_and_without_what_is_private(self):
+        found = list(headers.declared(self.TEXT))
+        self.assertEqual([entry.names for entry in found], [[], ["first", "second"], ["Pair"], ["Keeper"], ["table", "Names"]])
+        self.assertEqual(found[1].comment, ['Two of one kind; "{" in words.'])
+        self.assertEqual(found[1].text, "int first(int a, std::vector<int> of = {});\ninline double second(double x);")
+        self.assertEqual(found[2].text, "template <class T>\nstruct Pair {\n  T a{}, b{};  ///< both\n\n"
+                                        "  /// The larger.\n  T most() const;\n};")
+        self.assertEqual(found[3].text, "class Keeper : public Pair<int> {\n public:\n  explicit Keeper(int n);\n"
+                                        "  bool operator==(const Keeper&) const = default;\n"
+                                        "  friend bool operator<(const Keeper& a, const Keeper& b);\n};")
+
+    def test_every_type_of_every_header_is_told(self):
+        sources, types = BUILD.parents[2], 0
+        for room in ("geometry", "src", "sensors"):
+            for file in (sources / room).rglob("*.hpp"):
+                text = file.read_text()
+                told = {name for entry in headers.declared(text) for name in entry.types}
+                wanted = set(re.findall(r"^(?:class|struct|enum class) (\w+)[^;(]*\{$", text, re.M))
+                self.assertLessEqual(wanted, told, file)
+                types += len(wanted)
+        self.assertGreater(types, 300)
 
 
 class WrongSites(unittest.TestCase):
