@@ -69,10 +69,10 @@ void print_frame(const Scene& scene) {
 /// How objects stand to the bed.
 void print_standings(const std::vector<Standing>& standings) {
   constexpr std::size_t most_listed = 50;
+  if (!standings.empty()) tell("\n{:<24} how it stands to the bed\n", "object");
   for (std::size_t i = 0; i < std::min(standings.size(), most_listed); ++i)
     tell("{:<24} {}\n", shown_line(standings[i].object), standings[i].words);
   if (standings.size() > most_listed) tell("and {} more objects\n", standings.size() - most_listed);
-  if (!standings.empty()) tell("\n");
 }
 
 /// Where a sensor pings, in time and space.
@@ -253,8 +253,8 @@ int check_command(const CommonOptions& options) {
   print_frame(scene);
   tell("\n");
   print_components(scene);
-  print_standings(standings);
   print_fineness(scene);
+  print_standings(standings);
   print_materials(scene);
   print_mesh_names(scene);
   std::size_t refused = 0;
