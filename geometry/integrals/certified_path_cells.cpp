@@ -95,6 +95,24 @@ ComplexBall PathCurve::at(const ComplexBall& t) const {
   return b.real().middle() > 0 ? ComplexBall(-k_) * tight_inverse(b + far) : (far - b) * tight_inverse(a);
 }
 
+IntervalCurve::IntervalCurve(const PathCurve& curve)
+    : kind_(curve.kind_),
+      k_(interval_of(curve.k_)),
+      dx_(interval_of(curve.dx_)),
+      dy_(interval_of(curve.dy_)),
+      a0_(interval_of(curve.a0_)),
+      a1_(interval_of(curve.a1_)),
+      a2_(interval_of(curve.a2_)),
+      b0_(interval_of(curve.b0_)),
+      b1_(interval_of(curve.b1_)) {}
+
+Interval IntervalCurve::at(const Interval& t) const {
+  if (kind_ == PathCurve::Kind::centre) return {};
+  if (kind_ == PathCurve::Kind::line) return k_ / (dy_ - t * dx_);
+  const Interval a = a0_ + t * (a1_ + t * a2_), b = b0_ + t * b1_, far = root(squared(b) - a * k_);
+  return b.middle() > 0 ? -k_ / (b + far) : (far - b) / a;
+}
+
 CertifiedPathCutter::CertifiedPathCutter(std::span<const double> half_path_borders_m)
     : borders_(half_path_borders_m) {}
 

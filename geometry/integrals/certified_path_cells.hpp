@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/integrals/certified_polygon.hpp"
+#include "geometry/numbers/interval.hpp"
 
 // A polygon cut by samples of path length, two apexes, in balls. Heavy: include only in .cpp files and
 // headers of integrators.
@@ -18,6 +19,9 @@ struct ApexOverPlane {
 };
 /// `place_m`: relative to the polygon's own apex.
 ApexOverPlane apex_over(const CertifiedPolygon& polygon, const std::array<Ball, 3>& place_m);
+
+/// Rounded outwards to doubles.
+inline Interval interval_of(const Ball& x) { return {x.lo(), x.hi()}; }
 
 /// Rays from a centre: one for each t, its places centre + X (along + t across) for X > 0; an area is X dX
 /// dt.
@@ -35,6 +39,20 @@ struct RayFrame {
   std::pair<N, N> place(const N& far, const N& t) const {
     const N ax(along_x), ay(along_y);
     return {N(centre_x) + far * (ax - t * ay), N(centre_y) + far * (ay + t * ax)};
+  }
+};
+/// The same frame in intervals of doubles.
+struct IntervalFrame {
+  Interval centre_x, centre_y, along_x, along_y;
+
+  IntervalFrame() = default;
+  explicit IntervalFrame(const RayFrame& frame)
+      : centre_x(interval_of(frame.centre_x)),
+        centre_y(interval_of(frame.centre_y)),
+        along_x(interval_of(frame.along_x)),
+        along_y(interval_of(frame.along_y)) {}
+  std::pair<Interval, Interval> place(const Interval& far, const Interval& t) const {
+    return {centre_x + far * (along_x - t * along_y), centre_y + far * (along_y + t * along_x)};
   }
 };
 
@@ -55,10 +73,23 @@ class PathCurve {
   ComplexBall at(const ComplexBall& t) const;
 
  private:
+  friend class IntervalCurve;
   enum class Kind { centre, line, ellipse };
   Kind kind_ = Kind::centre;
   Ball k_, dx_, dy_;             // k: of an ellipse, c
   Ball a0_, a1_, a2_, b0_, b1_;  // of an ellipse
+};
+
+/// The same curve in intervals of doubles.
+class IntervalCurve {
+ public:
+  IntervalCurve() = default;
+  explicit IntervalCurve(const PathCurve& curve);
+  Interval at(const Interval& t) const;
+
+ private:
+  PathCurve::Kind kind_ = PathCurve::Kind::centre;
+  Interval k_, dx_, dy_, a0_, a1_, a2_, b0_, b1_;
 };
 
 /// Cuts convex polygons into cells { t between two numbers, X between two curves } of one sample each, and

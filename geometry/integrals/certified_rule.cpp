@@ -28,6 +28,8 @@ const CertifiedRule& certified_rule(int nodes) {
         arb_hypgeom_legendre_p_ui_root(node.get(), weight.get(), ulong(n), ulong(k), ball_bits + 32);
         all[n].node.push_back(node);
         all[n].weight.push_back(weight);
+        all[n].node_in_doubles.emplace_back(node.lo(), node.hi());
+        all[n].weight_in_doubles.emplace_back(weight.lo(), weight.hi());
       }
     return all;
   }();

@@ -4,12 +4,14 @@
 #include <vector>
 
 #include "geometry/numbers/ball.hpp"
+#include "geometry/numbers/interval.hpp"
 
 namespace tubefoot {
 
 /// The Gauss-Legendre rule of n nodes on [-1, 1], nodes and weights enclosed.
 struct CertifiedRule {
   std::vector<Ball> node, weight;
+  std::vector<Interval> node_in_doubles, weight_in_doubles;
 };
 
 constexpr int fewest_certified_nodes = 2, most_certified_nodes = 32;

@@ -44,6 +44,10 @@ class Cutter {
       };
       cell_.traces.push_back(
           {along(at) + along(away) * polygon.distance + axis.origin - along(from), along(u), along(v)});
+      const CertifiedCell::Trace& trace = cell_.traces.back();
+      const auto rounded = [](const Ball& x) { return Interval(x.lo(), x.hi()); };
+      cell_.traces_in_doubles.push_back(
+          {rounded(trace.at_foot), rounded(trace.along_u), rounded(trace.along_v)});
     }
     cell_.cell.resize(cell_.traces.size());
   }
@@ -142,6 +146,13 @@ double CertifiedCell::largest(const ComplexBall& rho, const ComplexBall& angle) 
 
 Ball CertifiedCell::factor_at(const Ball& x, const Ball& y) const {
   return texture->factor(cell, coordinates_at(*this, x, y)) + slack;
+}
+
+Interval CertifiedCell::factor_at(const Interval& x, const Interval& y) const {
+  std::vector<Interval> q;
+  for (const IntervalTrace& trace : traces_in_doubles)
+    q.push_back(trace.at_foot + trace.along_u * x + trace.along_v * y);
+  return texture->factor(cell, q) + Interval(slack.lo(), slack.hi());
 }
 
 double CertifiedCell::largest_at(const ComplexBall& x, const ComplexBall& y) const {

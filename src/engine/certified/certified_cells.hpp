@@ -21,6 +21,10 @@ struct CertifiedCell {
     Ball at_foot, along_u, along_v;
   };
   std::vector<Trace> traces;
+  struct IntervalTrace {
+    Interval at_foot, along_u, along_v;
+  };
+  std::vector<IntervalTrace> traces_in_doubles;
   std::vector<std::int64_t> cell;
   /// Added to factors: what the cell's polynomial may differ by where the polygon's corners are outside of
   /// the cell by their rounding, or lie in a plane between two cells.
@@ -32,6 +36,7 @@ struct CertifiedCell {
   double largest(const ComplexBall& rho, const ComplexBall& angle) const;
   /// The same along u and v from the foot point.
   Ball factor_at(const Ball& x, const Ball& y) const;
+  Interval factor_at(const Interval& x, const Interval& y) const;
   double largest_at(const ComplexBall& x, const ComplexBall& y) const;
 };
 

@@ -13,19 +13,44 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
+/// sin(pi x) / (pi x). No steeper than 1.3703, and no larger than 1 / (pi |x|).
+Interval sinc(const Interval& x) {
+  const double middle = x.lo + (x.hi - x.lo) / 2, nearest = std::nearbyint(middle),
+               radius = std::max(x.hi - middle, middle - x.lo) * (1 + 1e-15);
+  if (!(std::abs(middle) < 0x1p50)) return {-1, 1};
+  double value = 1;
+  if (middle != 0) {
+    const double sine = std::sin(std::numbers::pi * (middle - nearest));  // the difference is exact
+    value = (std::fmod(nearest, 2) == 0 ? sine : -sine) / (std::numbers::pi * middle);
+  }
+  const double off = 1.3704 * radius + std::abs(value) * 20 * 0x1p-52,
+               least = x.lo > 0   ? x.lo
+                       : x.hi < 0 ? -x.hi
+                                  : 0,
+               most = std::min(1.0, 0.3184 / std::max(least, 1e-300));
+  return {std::max(value - off, -most), std::min(value + off, most)};
+}
+
 }  // namespace
 
 CertifiedGain::CertifiedGain(const Directivity& directivity) : pattern(&directivity) {
+  using Kind = Directivity::Kind;
+  if (directivity.from_axis || (directivity.kind != Kind::gaussian && directivity.kind != Kind::table))
+    return;
   const Ball centre(directivity.centre);
-  if (!directivity.from_axis) centre_angle = atan2(centre, root(Ball(1) - squared(centre)));
+  centre_angle = atan2(centre, root(Ball(1) - squared(centre)));
 }
 
 Ball CertifiedGain::largest() const {
+  // A little above, for the rounding of the tables' cubics.
+  const auto of_level = [](double db) {
+    return exp(Ball(db * (1 + 1e-9) + 1e-9) * log(Ball(10)) / Ball(10));
+  };
+  static const Ball of_no_table = of_level(0);
   double most_db = 0;
   if (pattern->table)
     for (const auto& one : pattern->table->segments()) most_db = std::max(most_db, one.c[0]);
-  // A little above, for the rounding of the tables' cubics.
-  return exp(Ball(most_db * (1 + 1e-9) + 1e-9) * log(Ball(10)) / Ball(10));
+  return most_db == 0 ? of_no_table : of_level(most_db);
 }
 
 /// |sinc z| <= e^(pi |Im z|) and |2 J1(z) / z| <= e^|Im z|, because both are means of e^(i z s) over s;
@@ -59,6 +84,52 @@ double CertifiedGain::log_bound(const ComplexBall& w) const {
   const ComplexBall level =
       ComplexBall(s.c[0]) + x * (ComplexBall(s.c[1]) + x * (ComplexBall(s.c[2]) + x * ComplexBall(s.c[3])));
   return level.real().hi() * 0.2302585092994046 + std::abs(level.real().hi()) * 1e-12;
+}
+
+double CertifiedGain::log_bound(const ComplexRange& w) const {
+  const Directivity& d = *pattern;
+  if (d.kind == Directivity::Kind::uniform) return 0;
+  if (!w.is_finite()) return infinite;
+  constexpr double up = 1 + 1e-9;  // far above the rounding of the doubles below
+  if (d.kind == Directivity::Kind::line) return d.growth(w.most_im() * up) * up;
+  if (d.kind == Directivity::Kind::piston) {
+    // |u| - Re u of u = 1 - w^2 = (1 - w) (1 + w); Re u = 1 - x^2 + y^2.
+    const double y = w.most_im(), x = w.most_re(),
+                 size = std::hypot(std::max(w.re_hi - 1, 1 - w.re_lo), y) *
+                        std::hypot(std::max(w.re_hi + 1, -1 - w.re_lo), y),
+                 real = 1 - x * x + w.least_im() * w.least_im();
+    // Im sqrt u = Im u / (2 Re sqrt u), too.
+    double imaginary = std::sqrt(std::max(size - real, 0.0) / 2 + 1e-14);
+    if (real > 1e-9) imaginary = std::min(imaginary, x * y / std::sqrt(real));
+    return 2 * d.size * imaginary * up;
+  }
+  if (d.kind != Directivity::Kind::gaussian) return log_bound(w.ball());
+  if (!(w.re_lo > -1 && (d.from_axis || w.re_hi < 1))) return infinite;
+  // A sum of distances is convex: largest at a corner.
+  const double y = w.most_im();
+  const auto to_ends = [&](double x) { return std::hypot(x + 1, y) + std::hypot(x - 1, y); };
+  const double stretch = std::max(to_ends(w.re_lo), to_ends(w.re_hi)) / 2 * up;
+  return d.growth(std::acosh(std::max(stretch, 1.0)) * up) * up;
+}
+
+Interval CertifiedGain::at(const Interval& w, bool by_segment, double most) const {
+  const Directivity& d = *pattern;
+  const auto as_ball = [&] {
+    const Ball value = at(Ball::between(w.lo, w.hi), by_segment, Ball(most));
+    const bool beyond = !value.is_finite() || (!by_segment && value.hi() > most);
+    return beyond ? Interval(0, most) : Interval(value.lo(), value.hi());
+  };
+  if (d.kind == Directivity::Kind::line) return squared(sinc(d.size * (w - d.centre)));
+  if (d.kind != Directivity::Kind::gaussian || !(w.lo >= -1 && w.hi <= 1)) return as_ball();
+  const auto angle_of = [&](double x) { return d.from_axis ? std::acos(x) : std::asin(x); };
+  const auto span = [](double a, double b) {
+    return outwards(std::min(a, b), std::max(a, b), library_units);
+  };
+  Interval angle = span(angle_of(w.lo), angle_of(w.hi));
+  if (!d.from_axis) angle = angle - span(std::asin(d.centre), std::asin(d.centre));
+  const Interval four_ln2 = outwards(4 * std::numbers::ln2, 4 * std::numbers::ln2);
+  const Interval value = exp(-(four_ln2 * squared(angle / d.size)));
+  return {std::max(value.lo, 0.0), std::min(value.hi, most)};
 }
 
 Ball CertifiedGain::at(const Ball& w, bool by_segment, const Ball& otherwise) const {

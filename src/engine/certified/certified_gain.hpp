@@ -5,6 +5,8 @@
 
 #include "engine/law/beam_pattern.hpp"
 #include "geometry/numbers/ball.hpp"
+#include "geometry/numbers/complex_ranges.hpp"
+#include "geometry/numbers/interval.hpp"
 
 // Beam patterns in balls. Heavy: include only in .cpp files and headers of integrators.
 namespace tubefoot {
@@ -26,10 +28,14 @@ struct CertifiedGain {
   /// Encloses the pattern over a ball of cosines. `by_segment`: a table is the cubic of its segment.
   /// `otherwise`: where no angle belongs to the cosines.
   Ball at(const Ball& w, bool by_segment, const Ball& otherwise) const;
+  /// The same in intervals of doubles; `most`: no pattern is larger.
+  Interval at(const Interval& w, bool by_segment, double most) const;
 
   /// Upper bound of log |pattern| over a rectangle of cosines, of a table that of its segment's cubic;
   /// infinite where it is not analytic.
   double log_bound(const ComplexBall& w) const;
+  /// The same in doubles.
+  double log_bound(const ComplexRange& w) const;
 
   /// No zero of it lies within a ball of cosines: its root is as smooth as itself.
   bool has_no_zero(const Ball& w) const;

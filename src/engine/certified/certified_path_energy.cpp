@@ -39,6 +39,7 @@ double smooth_angle(const Growth& growth) {
 CertifiedEnd::CertifiedEnd(const CertifiedPolygon& polygon, const std::array<Ball, 3>& place_m)
     : u_(polygon.u), v_(polygon.v), over_(apex_over(polygon, place_m)) {
   for (std::size_t k = 0; k < 3; ++k) to_foot_[k] = polygon.away[k] * polygon.distance - place_m[k];
+  take_doubles();
 }
 
 CertifiedEnd::CertifiedEnd(const ApexOverPlane& over, const LyingPlane& seen) : over_(over) {
@@ -47,6 +48,13 @@ CertifiedEnd::CertifiedEnd(const ApexOverPlane& over, const LyingPlane& seen) : 
     u_[std::size_t(k)] = Ball(seen.u[k]);
     v_[std::size_t(k)] = Ball(seen.v[k]);
   }
+  take_doubles();
+}
+
+void CertifiedEnd::take_doubles() {
+  height_ = interval_of(over_.height);
+  x_ = interval_of(over_.x);
+  y_ = interval_of(over_.y);
 }
 
 CertifiedEnd::Trace CertifiedEnd::trace(const glm::dvec3& axis) const {
@@ -63,6 +71,10 @@ Ball CertifiedEnd::range(const PlanePlace<Ball>& p) const {
   return r;
 }
 
+Interval CertifiedEnd::range(const PlanePlace<Interval>& p) const {
+  return root(squared(height_) + squared(p.x - x_) + squared(p.y - y_));
+}
+
 ComplexBall CertifiedEnd::range2(const PlanePlace<ComplexBall>& p) const {
   return ComplexBall(squared(over_.height)) + squared(p.x - ComplexBall(over_.x)) +
          squared(p.y - ComplexBall(over_.y));
@@ -71,7 +83,11 @@ ComplexBall CertifiedEnd::range2(const PlanePlace<ComplexBall>& p) const {
 void CertifiedEnd::take_loss(const MirrorLoss& loss) {
   loss_ = loss.none() ? nullptr : &loss;
   rough_.clear();
-  for (const glm::dvec3& normal : loss.rough_normals) rough_.push_back(trace(normal));
+  rough_in_doubles_.clear();
+  for (const glm::dvec3& normal : loss.rough_normals) {
+    rough_.push_back(trace(normal));
+    rough_in_doubles_.emplace_back(rough_.back());
+  }
 }
 
 Ball CertifiedEnd::cosine(const Trace& trace, const PlanePlace<Ball>& p, const Ball& range) {
@@ -81,6 +97,12 @@ Ball CertifiedEnd::cosine(const Trace& trace, const PlanePlace<Ball>& p, const B
     return std::isnan(x) ? otherwise : std::clamp(x, -1.0, 1.0);
   };
   return Ball::between(in(w.lo(), -1), in(w.hi(), 1));
+}
+
+Interval CertifiedEnd::cosine(const IntervalTrace& trace, const PlanePlace<Interval>& p,
+                              const Interval& range) {
+  const Interval w = trace.at(p) / range;
+  return {std::clamp(w.lo, -1.0, 1.0), std::clamp(w.hi, -1.0, 1.0)};  // no cosine is beyond
 }
 
 Ball CertifiedEnd::passed(const PlanePlace<Ball>& p, const Ball& range) const {
@@ -95,8 +117,24 @@ Ball CertifiedEnd::passed(const PlanePlace<Ball>& p, const Ball& range) const {
   return Ball(loss_->factor) * exp(-(Ball(loss_->roughness) * exponent));
 }
 
+Interval CertifiedEnd::passed(const PlanePlace<Interval>& p, const Interval& range) const {
+  if (loss_ == nullptr) return 1;
+  Interval exponent;
+  for (const IntervalTrace& normal : rough_in_doubles_) {
+    const Interval sine2 = squared(cosine(normal, p, range));
+    exponent += loss_->bend == 0 ? sine2 : 1.0 - (Interval(1) + loss_->bend) * (Interval(1) - sine2);
+  }
+  exponent = {std::max(exponent.lo, 0.0), std::max(exponent.hi, 0.0)};
+  return loss_->factor * exp(-(loss_->roughness * exponent));
+}
+
 Ball CertifiedEnd::incidence(const PlanePlace<Ball>& p) const {
   return atan2(root(squared(p.x - over_.x) + squared(p.y - over_.y)), over_.height);
+}
+
+Interval CertifiedEnd::incidence(const PlanePlace<Interval>& p) const {
+  const Interval rho = root(squared(p.x - x_) + squared(p.y - y_));
+  return outwards(std::atan2(rho.lo, height_.hi), std::atan2(rho.hi, height_.lo), library_units);
 }
 
 bool CertifiedEnd::take_piece(const ScatteringLaw& law, const PlanePlace<Ball>& box) {
@@ -120,6 +158,12 @@ Ball CertifiedEnd::cross_section(const ScatteringLaw& law, const PlanePlace<Ball
   const Ball sine = over_.height / range;
   if (piece_ == nullptr) return cross_section_over(law, incidence(p), sine);
   return cross_section_in(*piece_, depends_on_angle(*piece_) ? incidence(p) : Ball(), sine);
+}
+
+Interval CertifiedEnd::cross_section(const ScatteringLaw& law, const PlanePlace<Interval>& p,
+                                     const Interval& range) const {
+  const Interval sine = height_ / range, angle = incidence(p);
+  return piece_ == nullptr ? cross_section_over(law, angle, sine) : cross_section_in(*piece_, angle, sine);
 }
 
 bool CertifiedEnd::bound(const ScatteringLaw* law, const PlanePlace<ComplexBall>& p, Bound& bound) const {
@@ -215,6 +259,8 @@ void CertifiedPathEnergy::take(const Path& path, double factor, double mu) {
   out_.take_loss(path.out.loss);
   home_.take_loss(path.back().loss);
   factor_ = out_law_ != nullptr ? Ball(factor) : Ball(mu) * out_.over().height * home_.over().height;
+  factor_in_doubles_ = interval_of(factor_);
+  beta_in_doubles_ = interval_of(beta_);
   for (const ScatteringLaw* law : {out_law_, home_law_})
     if (law != nullptr)
       smooth_rad_ = std::min(smooth_rad_, smooth_angle([&](double y) { return law->growth(y); }));
@@ -248,6 +294,17 @@ Ball CertifiedPathEnergy::density_at(const PlanePlace<Ball>& p, const Ball& out_
   return sent * Ball::between(std::max(least.lo(), 0.0), most.hi());
 }
 
+Interval CertifiedPathEnergy::density_at(const PlanePlace<Interval>& p, const Interval& out_range,
+                                         const Interval& home_range) const {
+  // All of it is positive, and falls with both ranges: as narrow as intervals can be.
+  const auto way = Way<Interval>::of(out_range, home_range);
+  const Interval sent = factor_in_doubles_ * out_.passed(p, out_range) * home_.passed(p, home_range);
+  if (out_law_ == nullptr) return sent * lambert_density(way, beta_in_doubles_);
+  const Interval lobes =
+      root(out_.cross_section(*out_law_, p, out_range) * home_.cross_section(*home_law_, p, home_range));
+  return density(sent * lobes, way, beta_in_doubles_);
+}
+
 double CertifiedPathEnergy::log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& out,
                                       CertifiedEnd::Bound& home) const {
   if (!out_.bound(out_law_, p, out) || !home_.bound(home_law_, p, home)) return infinite;
@@ -257,6 +314,10 @@ double CertifiedPathEnergy::log_bound(const PlanePlace<ComplexBall>& p, Certifie
                  beta_.lo() * std::max(out.least_real_range + home.least_real_range, 0.0);
   if (out_law_ != nullptr) value += (out.cross_section + home.cross_section) / 2;
   return std::isnan(value) ? infinite : value + 1e-9 * (1 + std::abs(value));
+}
+
+bool CertifiedPathEnergy::has_pieces() const {
+  return out_law_ != nullptr && (out_law_->pieces().size() > 1 || home_law_->pieces().size() > 1);
 }
 
 bool CertifiedPathEnergy::take_pieces(const PlanePlace<Ball>& box) {
@@ -276,8 +337,11 @@ CertifiedPathGains::CertifiedPathGains(const CertifiedEnd& out, const CertifiedE
                                        const TransmitPattern& transmit, std::span<const Directivity> receive)
     : any_(true) {
   const auto add = [&](const Directivity& pattern, const CertifiedEnd& end, std::vector<Gain>& gains) {
-    gains.push_back({CertifiedGain(pattern), end.trace(pattern.axis), Ball()});
-    gains.back().most = Ball(gains.back().largest().hi());
+    gains.push_back({CertifiedGain(pattern), end.trace(pattern.axis), Ball(1), {}, 1});
+    gains.back().trace_in_doubles = CertifiedEnd::IntervalTrace(gains.back().trace);
+    // Above 1, so are the patterns' own roundings.
+    gains.back().most_in_doubles = gains.back().largest().hi();
+    gains.back().most = Ball(gains.back().most_in_doubles);
     tables_ = tables_ || gains.back().is_table();
     smooth_rad_ = std::min(smooth_rad_, smooth_angle([&](double y) { return pattern.growth(y); }));
   };
@@ -301,23 +365,51 @@ void CertifiedPathGains::weigh(const PlanePlace<Ball>& p, const Ball& out_range,
     values[b] = values[b] * sent * gain(receive_[b], home_range);
 }
 
+void CertifiedPathGains::weigh(const PlanePlace<Interval>& p, const Interval& out_range,
+                               const Interval& home_range, std::vector<Interval>& values) const {
+  if (!any_) return;
+  const auto gain = [&](const Gain& g, const Interval& range) {
+    return g.is_uniform()
+               ? Interval(1)
+               : g.at(CertifiedEnd::cosine(g.trace_in_doubles, p, range), by_segment_, g.most_in_doubles);
+  };
+  Interval sent;
+  for (const Gain& beam : transmit_) sent += gain(beam, out_range);
+  for (std::size_t b = 0; b < receive_.size(); ++b)
+    values[b] = values[b] * sent * gain(receive_[b], home_range);
+}
+
+/// The cosine's rectangle is (f + u x + v y) / range, term by term.
+double CertifiedPathGains::log_bound(const Gain& gain, const PlanePlace<ComplexRange>& p,
+                                     const ComplexRange& per_range) const {
+  if (gain.is_uniform()) return 0;
+  const auto re = [](const ComplexRange& z) { return Interval(z.re_lo, z.re_hi); };
+  const auto im = [](const ComplexRange& z) { return Interval(z.im_lo, z.im_hi); };
+  const CertifiedEnd::IntervalTrace& trace = gain.trace_in_doubles;
+  const Interval along = trace.at({re(p.x), re(p.y)}),
+                 across = trace.along_u * im(p.x) + trace.along_v * im(p.y),
+                 w_re = along * re(per_range) - across * im(per_range),
+                 w_im = along * im(per_range) + across * re(per_range);
+  return gain.log_bound(ComplexRange(w_re.lo, w_re.hi, w_im.lo, w_im.hi));
+}
+
 void CertifiedPathGains::weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& out,
                                const CertifiedEnd::Bound& home, std::vector<double>& bounds) const {
   if (!any_) return;
-  const auto bound = [&](const Gain& g, const CertifiedEnd::Bound& end) {
-    return g.is_uniform() ? 0.0 : g.log_bound(CertifiedEnd::cosine(g.trace, p, end));
-  };
+  const PlanePlace<ComplexRange> place{ComplexRange(p.x), ComplexRange(p.y)};
+  const ComplexRange per_out(out.per_range), per_home(home.per_range);
   // The logarithm of a sum, from its largest term.
   double strongest = -infinite;
   std::vector<double> sent;
   for (const Gain& beam : transmit_) {
-    sent.push_back(bound(beam, out));
+    sent.push_back(log_bound(beam, place, per_out));
     strongest = std::max(strongest, std::isnan(sent.back()) ? infinite : sent.back());
   }
   double sum = 0;
   for (const double beam : sent) sum += std::exp(beam - strongest);
   const double all = strongest < infinite ? strongest + std::log(sum) + 1e-9 : infinite;
-  for (std::size_t b = 0; b < receive_.size(); ++b) bounds[b] += all + bound(receive_[b], home);
+  for (std::size_t b = 0; b < receive_.size(); ++b)
+    bounds[b] += all + log_bound(receive_[b], place, per_home);
 }
 
 void CertifiedPathGains::take_segments(const PlanePlace<Ball>& box, const Ball& out_range,
@@ -349,7 +441,20 @@ void CertifiedPathIntegrand::at(const PlanePlace<Ball>& place, std::vector<Ball>
   gains_.weigh(place, out, home, values);
 }
 
+bool CertifiedPathIntegrand::at(const PlanePlace<Interval>& place, std::vector<Interval>& values) const {
+  const Interval out = energy_.out().range(place), home = energy_.home().range(place);
+  Interval value = energy_.density_at(place, out, home);
+  if (texture_ != nullptr) value = value * texture_->factor_at(place.x, place.y);
+  values.assign(gains_.beams(), value);
+  gains_.weigh(place, out, home, values);
+  return true;
+}
+
 bool CertifiedPathIntegrand::take(const PlanePlace<Ball>& box, std::vector<double>& off) {
+  if (!gains_.has_tables() && !energy_.has_pieces()) {
+    gains_.take_tables();
+    return energy_.take_pieces(box);
+  }
   gains_.take_segments(box, energy_.out().range(box), energy_.home().range(box), off);
   return energy_.take_pieces(box);
 }

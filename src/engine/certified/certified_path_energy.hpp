@@ -32,19 +32,35 @@ class CertifiedEnd {
   };
   Trace trace(const glm::dvec3& axis) const;
   static Ball cosine(const Trace& trace, const PlanePlace<Ball>& p, const Ball& range);
+  /// The same in intervals of doubles.
+  struct IntervalTrace {
+    Interval at_foot, along_u, along_v;
+
+    IntervalTrace() = default;
+    explicit IntervalTrace(const Trace& trace)
+        : at_foot(interval_of(trace.at_foot)),
+          along_u(interval_of(trace.along_u)),
+          along_v(interval_of(trace.along_v)) {}
+    Interval at(const PlanePlace<Interval>& p) const { return at_foot + along_u * p.x + along_v * p.y; }
+  };
+  static Interval cosine(const IntervalTrace& trace, const PlanePlace<Interval>& p, const Interval& range);
 
   Ball range(const PlanePlace<Ball>& p) const;
+  Interval range(const PlanePlace<Interval>& p) const;
   /// Its square.
   ComplexBall range2(const PlanePlace<ComplexBall>& p) const;
 
   /// What mirrors leave in a direction.
   void take_loss(const MirrorLoss& loss);
   Ball passed(const PlanePlace<Ball>& p, const Ball& range) const;
+  Interval passed(const PlanePlace<Interval>& p, const Interval& range) const;
 
   /// A law's cross-section there; by the piece that was taken, or (real) whatever pieces there are.
   bool take_piece(const ScatteringLaw& law, const PlanePlace<Ball>& box);
   void take_all_pieces() { piece_ = nullptr; }
   Ball cross_section(const ScatteringLaw& law, const PlanePlace<Ball>& p, const Ball& range) const;
+  Interval cross_section(const ScatteringLaw& law, const PlanePlace<Interval>& p,
+                         const Interval& range) const;
 
   /// Upper bounds over complex places, in logarithms; infinite where something is not analytic.
   struct Bound {
@@ -62,11 +78,15 @@ class CertifiedEnd {
 
  private:
   Ball incidence(const PlanePlace<Ball>& p) const;
+  Interval incidence(const PlanePlace<Interval>& p) const;
+  void take_doubles();
 
   std::array<Ball, 3> u_, v_, to_foot_;  ///< the plane's frame; from the apex to the polygon's foot point
   ApexOverPlane over_;
+  Interval height_, x_, y_;  ///< the same in doubles
   const MirrorLoss* loss_ = nullptr;
   std::vector<Trace> rough_;
+  std::vector<IntervalTrace> rough_in_doubles_;
   const ScatteringLaw::Piece* piece_ = nullptr;
 };
 
@@ -86,9 +106,12 @@ class CertifiedPathEnergy {
 
   /// Without patterns or texture.
   Ball density_at(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range) const;
+  Interval density_at(const PlanePlace<Interval>& p, const Interval& out_range,
+                      const Interval& home_range) const;
   /// Of its logarithm, over complex places; infinite where it is not analytic. Fills those of its ends.
   double log_bound(const PlanePlace<ComplexBall>& p, CertifiedEnd::Bound& out,
                    CertifiedEnd::Bound& home) const;
+  bool has_pieces() const;
   bool take_pieces(const PlanePlace<Ball>& box);
   void take_all_pieces();
   double scale_m(const PlanePlace<Ball>& p) const;
@@ -102,6 +125,7 @@ class CertifiedPathEnergy {
   CertifiedEnd out_, home_;
   const ScatteringLaw *out_law_, *home_law_;
   Ball factor_, beta_;
+  Interval factor_in_doubles_, beta_in_doubles_;
   double smooth_rad_ = 1;
 };
 
@@ -117,6 +141,8 @@ class CertifiedPathGains {
   /// Multiplies each beam's value.
   void weigh(const PlanePlace<Ball>& p, const Ball& out_range, const Ball& home_range,
              std::vector<Ball>& values) const;
+  void weigh(const PlanePlace<Interval>& p, const Interval& out_range, const Interval& home_range,
+             std::vector<Interval>& values) const;
   /// Adds to the logarithms of each beam's bound.
   void weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& out,
              const CertifiedEnd::Bound& home, std::vector<double>& bounds) const;
@@ -126,13 +152,17 @@ class CertifiedPathGains {
   /// Of all that receives.
   bool has_no_zero(const PlanePlace<Ball>& box, const Ball& home_range) const;
   void take_tables() { by_segment_ = false; }
+  bool has_tables() const { return tables_; }
   double smooth_rad() const { return smooth_rad_; }
 
  private:
   struct Gain : CertifiedGain {
     CertifiedEnd::Trace trace;
     Ball most;
+    CertifiedEnd::IntervalTrace trace_in_doubles;
+    double most_in_doubles = 1;
   };
+  double log_bound(const Gain& gain, const PlanePlace<ComplexRange>& p, const ComplexRange& per_range) const;
   bool any_ = false, tables_ = false, by_segment_ = false;
   std::vector<Gain> transmit_, receive_;
   double smooth_rad_ = 1;
@@ -147,6 +177,7 @@ class CertifiedPathIntegrand : public CertifiedIntegrand {
   std::size_t values() const override { return gains_.beams(); }
   double scale_m(const PlanePlace<Ball>& place) const override;
   void at(const PlanePlace<Ball>& place, std::vector<Ball>& values) const override;
+  bool at(const PlanePlace<Interval>& place, std::vector<Interval>& values) const override;
   bool take(const PlanePlace<Ball>& box, std::vector<double>& off) override;
   void take_whole() override;
   void log_bounds(const PlanePlace<ComplexBall>& place, std::vector<double>& bounds) const override;

@@ -51,12 +51,12 @@ CertifiedPerlin::Within CertifiedPerlin::within(std::int64_t finest, int halving
   return {cell, double(finest - (cell << halvings)) * scale, scale};
 }
 
-Ball CertifiedPerlin::factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const {
+CertifiedPerlin::Noise CertifiedPerlin::noise(std::span<const std::int64_t> cell,
+                                              const std::array<Interval, 3>& place) const {
   std::array<double, 3> middle;
   double radius = 0;
-  for (int a = 0; a < 3; ++a) {
-    const Ball x = q[a] - Ball(double(cell[a]));
-    const double lo = std::clamp(x.lo(), 0.0, 1.0), hi = std::clamp(x.hi(), 0.0, 1.0);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double lo = std::clamp(place[a].lo, 0.0, 1.0), hi = std::clamp(place[a].hi, 0.0, 1.0);
     middle[a] = lo + (hi - lo) / 2;
     radius += (hi - lo) / 2 * up + 1e-16;
   }
@@ -75,9 +75,26 @@ Ball CertifiedPerlin::factor(std::span<const std::int64_t> cell, std::span<const
     sum += weight_[i] * (lo + hi) / 2;
     error += weight_[i] * (hi - lo) / 2 * up;
   }
-  Ball noise(sum);
-  noise.add_error(Ball(error + rounding));
-  return Ball(1) + Ball(depth_) * noise;
+  return {sum, error + rounding};
+}
+
+Ball CertifiedPerlin::factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const {
+  std::array<Interval, 3> place;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Ball x = q[a] - Ball(double(cell[a]));
+    place[a] = {x.lo(), x.hi()};
+  }
+  const Noise found = noise(cell, place);
+  Ball value(found.value);
+  value.add_error(Ball(found.error));
+  return Ball(1) + Ball(depth_) * value;
+}
+
+Interval CertifiedPerlin::factor(std::span<const std::int64_t> cell, std::span<const Interval> q) const {
+  std::array<Interval, 3> place;
+  for (std::size_t a = 0; a < 3; ++a) place[a] = q[a] - double(cell[a]);
+  const Noise found = noise(cell, place);
+  return 1.0 + depth_ * (found.value + Interval(-found.error, found.error));
 }
 
 double CertifiedPerlin::largest(std::span<const std::int64_t> cell, std::span<const ComplexBall> q) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "engine/certified/certified_texture.hpp"
@@ -19,6 +20,7 @@ class CertifiedPerlin : public CertifiedTexture {
 
   std::vector<Axis> axes() const override;
   Ball factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const override;
+  Interval factor(std::span<const std::int64_t> cell, std::span<const Interval> q) const override;
   double largest(std::span<const std::int64_t> cell, std::span<const ComplexBall> q) const override;
   double difference(double off) const override;
   double change(double off) const override;
@@ -31,6 +33,11 @@ class CertifiedPerlin : public CertifiedTexture {
     double offset, scale;
   };
   static Within within(std::int64_t finest, int halvings);
+  /// The sum of octaves at places in the cell, from its corner.
+  struct Noise {
+    double value, error;
+  };
+  Noise noise(std::span<const std::int64_t> cell, const std::array<Interval, 3>& place) const;
 
   PerlinLattice lattice_;
   double wavelength_m_, depth_;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/law/scattering_law.hpp"
 #include "geometry/numbers/ball.hpp"
+#include "geometry/numbers/interval.hpp"
 
 // Scattering laws in ball arithmetic. Heavy: include only in .cpp files.
 namespace tubefoot {
@@ -39,6 +41,39 @@ N cross_section_in(const ScatteringLaw::Piece& piece, const N& incidence, const 
     sum += value;
   }
   return sum;
+}
+
+/// In intervals of doubles.
+inline Interval power_of(const Interval& x, double exponent) {
+  if (exponent == 0) return 1;
+  if (exponent == 2) return squared(x);
+  const double a = std::pow(std::max(x.lo, 0.0), exponent), b = std::pow(std::max(x.hi, 0.0), exponent);
+  return outwards(std::min(a, b), std::max(a, b), library_units);
+}
+inline Interval cross_section_in(const ScatteringLaw::Piece& piece, const Interval& incidence,
+                                 const Interval& sine) {
+  Interval sum;
+  for (const ScatteringLaw::Term& t : piece.terms) {
+    Interval value = t.level * power_of(sine, t.power);
+    if (t.slope != 0 || t.curvature != 0)
+      value = value * exp(t.slope * (incidence - piece.from) - t.curvature * squared(incidence));
+    sum += value;
+  }
+  return sum;
+}
+inline Interval cross_section_over(const ScatteringLaw& law, const Interval& incidence,
+                                   const Interval& sine) {
+  const auto& pieces = law.pieces();
+  Interval all;
+  bool any = false;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (incidence.hi < pieces[k].from && k > 0) continue;
+    if (incidence.lo > pieces[k].to && k + 1 < pieces.size()) continue;
+    const Interval own = cross_section_in(pieces[k], incidence, sine);
+    all = any ? hull(all, own) : own;
+    any = true;
+  }
+  return all;
 }
 
 /// The whole law over a ball of angles.

@@ -29,6 +29,13 @@ class CertifiedProduct : public CertifiedTexture {
     });
     return product;
   }
+  Interval factor(std::span<const std::int64_t> cell, std::span<const Interval> q) const override {
+    Interval product(1);
+    each(cell, q, [&](const auto& layer, auto own_cell, auto own_q) {
+      product = product * layer.factor(own_cell, own_q);
+    });
+    return product;
+  }
 
   double largest(std::span<const std::int64_t> cell, std::span<const ComplexBall> q) const override {
     double product = 1;
@@ -78,6 +85,13 @@ class CertifiedProduct : public CertifiedTexture {
 };
 
 }  // namespace
+
+Interval CertifiedTexture::factor(std::span<const std::int64_t> cell, std::span<const Interval> q) const {
+  std::vector<Ball> balls;
+  for (const Interval& x : q) balls.push_back(Ball::between(x.lo, x.hi));
+  const Ball value = factor(cell, balls);
+  return {value.lo(), value.hi()};
+}
 
 std::shared_ptr<const CertifiedTexture> certified_texture(
     const std::shared_ptr<const ReflectivityField>& field) {

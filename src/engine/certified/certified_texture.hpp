@@ -9,6 +9,7 @@
 
 #include "engine/law/reflectivity_field.hpp"
 #include "geometry/numbers/ball.hpp"
+#include "geometry/numbers/interval.hpp"
 
 namespace tubefoot {
 
@@ -27,6 +28,8 @@ class CertifiedTexture {
 
   /// Encloses the factor at all those q (by axis) that lie in the cell [c, c + 1] of each axis.
   virtual Ball factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const = 0;
+  /// The same in intervals of doubles.
+  virtual Interval factor(std::span<const std::int64_t> cell, std::span<const Interval> q) const;
 
   /// Upper bound of the modulus of the cell's polynomial, continued to complex q outside of the cell too.
   virtual double largest(std::span<const std::int64_t> cell, std::span<const ComplexBall> q) const = 0;

@@ -17,20 +17,19 @@ namespace {
 constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
 
 /// The cosines between an axis and directions.
-Ball cosines_of(const glm::dvec3& axis, const Towards& towards) {
+Interval cosines_of(const glm::dvec3& axis, const Towards& towards) {
   const double range = glm::length(towards.centre_m);
-  if (!(range > towards.radius_m)) return Ball::between(-1, 1);
+  if (!(range > towards.radius_m)) return {-1, 1};
   const double middle = glm::dot(axis, towards.centre_m) / range,
                apart = std::asin(towards.radius_m / range) * (1 + slack) + slack;
-  return Ball::between(std::max(middle - apart, -1.0), std::min(middle + apart, 1.0));
+  return {std::max(middle - apart, -1.0), std::min(middle + apart, 1.0)};
 }
 
 double most_of(const Directivity& pattern, const Towards& towards) {
   const CertifiedGain gain(pattern);
   if (gain.is_uniform()) return 1;
-  const double most = gain.largest().hi(),
-               there = gain.at(cosines_of(pattern.axis, towards), false, gain.largest()).hi();
-  return there < most ? there : most;
+  const double most = gain.largest().hi();
+  return std::min(gain.at(cosines_of(pattern.axis, towards), false, most).hi, most);
 }
 double most_of(const TransmitPattern& transmit, const Towards& towards) {
   double sum = 0;
@@ -48,8 +47,7 @@ double root_change(const Directivity& d, double turn_rad, double stretch, const 
     return 0.4 * d.size * 1.01 * turn_rad + d.size * d.size / 4 * 1.01 * stretch;
   // Functions of the angle: d acos w = d asin w = dw / sqrt(1 - w^2), and no change of an angle is larger
   // than that from 0.
-  const Ball w = cosines_of(d.axis, towards);
-  const double flattest = std::min(std::max(std::abs(w.lo()), std::abs(w.hi())) + stretch, 1.0),
+  const double flattest = std::min(cosines_of(d.axis, towards).largest() + stretch, 1.0),
                sine = std::sqrt((1 - flattest) * (1 + flattest)),
                turn =
                    1.01 * turn_rad + std::min(sine > 0 ? stretch / sine : 1.0, 1.2 * std::sqrt(2 * stretch));
@@ -176,9 +174,9 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
   if (weighed || texture_change > 0) {
     CertifiedPathIntegrand integrand(energy, {}, nullptr);
     on.integrator->add(polygon, out, {&home, 1}, integrand, allowance(0.05, 20),
-                       [&](std::size_t sample, std::span<const Ball> values) {
-                         plain[sample] += values[0].hi();
-                         all_plain += values[0].hi();
+                       [&](std::size_t sample, std::span<const Interval> values) {
+                         plain[sample] += values[0].hi;
+                         all_plain += values[0].hi;
                        });
   }
   const auto plain_of = [&](std::size_t sample) {
@@ -210,12 +208,12 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
     CertifiedPathIntegrand integrand(energy, gains, cell);
     const double parts = 200 * double(std::max<std::size_t>(cells, 1)) * even.hi;
     on.integrator->add(part, out, {&home, 1}, integrand, allowance(tolerance_ / 8, parts),
-                       [&](std::size_t sample, std::span<const Ball> values) {
+                       [&](std::size_t sample, std::span<const Interval> values) {
                          std::vector<Between>& sums = found[sample];
                          sums.resize(values.size());
                          for (std::size_t b = 0; b < values.size(); ++b) {
-                           sums[b].lo += std::max(values[b].lo(), 0.0) * even.lo;
-                           sums[b].hi += std::max(values[b].hi(), 0.0) * even.hi;
+                           sums[b].lo += std::max(values[b].lo, 0.0) * even.lo;
+                           sums[b].hi += std::max(values[b].hi, 0.0) * even.hi;
                          }
                        });
   };

@@ -24,6 +24,8 @@ constexpr double slack = 1e-9;  // far above the rounding of the doubles that it
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;
+/// Neighbours as a rule, of the same bins.
+constexpr std::size_t facets_in_run = 32;
 
 /// One tube by itself.
 Sector sector_of(const TubeSet& tubes, std::uint32_t tube, double unit_m) {
@@ -108,10 +110,10 @@ class PairedReference {
              end_of(1, facet)->state == State::proven;
     };
 
-    std::vector<BinsBetween> bins(shared.facets.size());
+    const std::size_t runs = (shared.facets.size() + facets_in_run - 1) / facets_in_run;
+    std::vector<BinsBetween> bins(runs);
     Steps steps("facets", shared.facets.size());
-    tbb::parallel_for(std::size_t{0}, shared.facets.size(), [&](std::size_t number) {
-      steps.done();
+    const auto add_pieces = [&](std::size_t number, BinsBetween& own) {
       if (!is_proven(number)) return;
       const SharedFacet& facet = shared.facets[number];
       PairedPieces::OnFacet on = pieces_.on(facet.facet, paired[number], enclosures_.facets[number]);
@@ -120,7 +122,15 @@ class PairedReference {
         const SharedPiece& piece = shared.pieces[facet.first_piece + k];
         if (!in_one_fan(piece.transmit_tube, piece.receive_tube)) continue;
         pieces_.add(on, std::span(shared.corners_m).subspan(piece.first, piece.count), shared.receiver_m,
-                    piece.receive_tube, beams_of(piece.receive_tube), bins[number]);
+                    piece.receive_tube, beams_of(piece.receive_tube), own);
+      }
+    };
+    tbb::parallel_for(std::size_t{0}, runs, [&](std::size_t run) {
+      const std::size_t first = run * facets_in_run;
+      for (std::size_t number = first; number < std::min(first + facets_in_run, shared.facets.size());
+           ++number) {
+        steps.done();
+        add_pieces(number, bins[run]);
       }
     });
     // Facets of which only the most that they return is known.

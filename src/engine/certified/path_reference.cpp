@@ -16,6 +16,9 @@
 namespace tubefoot {
 namespace {
 
+/// Neighbours as a rule: of the same samples.
+constexpr std::size_t facets_in_run = 32;
+
 /// One try, as that of one apex (reference.cpp).
 class PathEncloser {
  public:
@@ -38,17 +41,23 @@ class PathEncloser {
 
   std::vector<Ball> enclose(bool& coarse) {
     const std::vector<SharedFacet>& facets = history_.shared.facets;
-    std::vector<Bins> by_facet(facets.size());
+    const std::size_t samples = borders_.size() - 1,
+                      runs = (facets.size() + facets_in_run - 1) / facets_in_run;
+    std::vector<BinSums> by_run(runs, BinSums(target_.size() / samples, samples));
     Steps steps("facets", facets.size());
-    tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t k) {
-      steps.done();
-      add(facets[k], by_facet[k]);
+    tbb::parallel_for(std::size_t{0}, runs, [&](std::size_t run) {
+      const std::size_t first = run * facets_in_run;
+      for (std::size_t k = first; k < std::min(first + facets_in_run, facets.size()); ++k) {
+        steps.done();
+        add(facets[k], by_run[run]);
+      }
     });
     coarse = coarse_;
-    std::vector<Ball> total(target_.size());
-    for (const Bins& bins : by_facet)  // in order, so that the result does not depend on the threads
-      for (const auto& [bin, part] : bins) total[bin] += part;
-    return total;
+    std::vector<Interval> total(target_.size());
+    for (const BinSums& sums : by_run) sums.add_to(total);  // in order, whatever the threads
+    std::vector<Ball> balls;
+    for (const Interval& sum : total) balls.push_back(Ball::between(sum.lo, sum.hi));
+    return balls;
   }
 
  private:
@@ -81,7 +90,7 @@ class PathEncloser {
     }
   }
 
-  void add(const SharedFacet& facet, Bins& bins) {
+  void add(const SharedFacet& facet, BinSums& bins) {
     FacetCone cone;
     FacetCone::make(mesh_, facet.facet, history_.transmit.apex, cone);
     CertifiedPathIntegrator integrator(borders_);
@@ -96,7 +105,7 @@ class PathEncloser {
   }
 
   void add(const CertifiedPolygon& polygon, FacetId facet, const SharedPiece& piece, std::uint32_t first,
-           std::uint32_t end, CertifiedPathIntegrator& integrator, Bins& bins) {
+           std::uint32_t end, CertifiedPathIntegrator& integrator, BinSums& bins) {
     const CertifiedPathEnergy energy(polygon, home_m_, law_, law_.bed(facet), beta_);
     CertifiedPathGains gains;
     if (law_.patterns != nullptr)
@@ -111,7 +120,7 @@ class PathEncloser {
                                                       most_cells, {})
                                        : 0;
     if (worth_it && cells == 0) coarse_ = true;
-    const Ball even = cells > 0 ? Ball(1) : range;
+    const Interval even = cells > 0 ? Interval(1) : interval_of(range);
     const auto add_part = [&](const CertifiedPolygon& part, const CertifiedCell* cell) {
       CertifiedPathIntegrand integrand(energy, gains, cell);
       // A third each for what is relative and for what is shared; the rest is for gaps and roundings.
@@ -119,13 +128,13 @@ class PathEncloser {
           working_ / 3, [&](std::size_t beam, std::size_t sample) {
             const std::size_t bin = (first + beam) * row + sample;
             const double sharers = std::max(parts_[bin], 1.0) * double(std::max<std::size_t>(cells, 1));
-            return std::max(target_[bin] / 3 / sharers / even.hi(), least_allowed);
+            return std::max(target_[bin] / 3 / sharers / even.hi, least_allowed);
           }};
       const ApexOverPlane home = energy.home().over();
       integrator.add(part, energy.out().over(), {&home, 1}, integrand, allowance,
-                     [&](std::size_t sample, std::span<const Ball> values) {
+                     [&](std::size_t sample, std::span<const Interval> values) {
                        for (std::size_t beam = 0; beam < values.size(); ++beam)
-                         bins[(first + beam) * row + sample] += even * values[beam];
+                         bins.at(first + beam, sample) += even * values[beam];
                      });
     };
     if (cells == 0) return add_part(polygon, nullptr);
