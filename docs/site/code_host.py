@@ -63,6 +63,7 @@ def pictures(app, doctree):
         images = [picture(tag, raw) for tag in IMAGE.findall(html)]
         if images and not re.sub(r"</?p>|\s", "", IMAGE.sub("", html)):
             inline = isinstance(raw.parent, nodes.TextElement)
+            images = [part for image in images for part in (image, nodes.Text(" "))][:-1]
             raw.parent.replace(raw, images if inline else nodes.paragraph("", "", *images, classes=["pictures"]))
 
 
@@ -109,7 +110,7 @@ def resolve(app, doctree, docname):
 
 
 def target(app, docname, uri):
-    """What a link of a page is on the site; the title, if it is a whole page."""
+    """What a link of a page is on the site; the title of the page that it leads to."""
     path, _, anchor = urllib.parse.unquote(uri).partition("#")
     file = os.path.normpath(os.path.join(os.path.dirname(docname), path)) if path else docname + ".md"
     place = pathlib.Path(app.srcdir) / file
@@ -121,8 +122,7 @@ def target(app, docname, uri):
     if page in app.env.all_docs:
         if anchor and anchor not in app.env.anchors_of_pages[page]:
             raise LookupError(f"no such heading: {uri}")
-        title = None if anchor else app.env.titles[page].astext()
-        return app.builder.get_relative_uri(docname, page) + (f"#{anchor}" if anchor else ""), title
+        return app.builder.get_relative_uri(docname, page) + (f"#{anchor}" if anchor else ""), app.env.titles[page].astext()
     copy = f"files/{file}.txt"  # .txt: so that a browser shows it
     (pathlib.Path(app.outdir) / copy).parent.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(place, pathlib.Path(app.outdir) / copy)
