@@ -54,7 +54,6 @@ constexpr auto table = std::to_array<Refusal>({
     {refraction, scatterings, two_receivers,
      "phases of further scatterings need even water: give profile = \"constant\", or scatterings = 1"},
     {refraction, mirrors, reference, two_places_straight},
-    {refraction, two_receivers, reference, two_places_straight},
     {scatterings,
      reference,
      {},
