@@ -52,7 +52,6 @@ constexpr auto table = std::to_array<Refusal>({
      "an inclined mirror's image of layered water is not layered, and rays through it have no closed form: "
      "lay the facets level, leave out 'specular_loss_db', or give profile = \"constant\""},
     {refraction, mirrors, reference, two_places_straight},
-    {refraction, two_receivers, reference, two_places_straight},
     {scatterings,
      reference,
      {},

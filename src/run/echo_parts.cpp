@@ -263,8 +263,30 @@ void add_refracted_reference(const Shot& shot, PingSums& sums) {
   counts.footprints += found.history.footprints.footprints.size();
   counts.pieces += found.history.footprints.pieces.size();
   for (std::size_t k = 0; k < shot.group().sensors.size(); ++k) {
+    if (shot.sensor(shot.group().sensors[k]).has_staff()) continue;
     counts.refraction.unbounded += found.sensors[k].unbounded;
     sums.add(shot, shot.group().sensors[k], found.sensors[k].certified);
+  }
+}
+
+void add_refracted_staff_reference(const Shot& shot, PingSums& sums) {
+  PingCounts& counts = sums.counts;
+  for (const std::size_t s : shot.group().sensors) {
+    if (!shot.sensor(s).has_staff()) continue;
+    StaffRows rows(shot, s);
+    for (std::uint32_t fan = 0; fan < std::uint32_t(shot.beams(s)); ++fan) {
+      const RefractedStaffShot found = certify_refracted_staff_shot(shot, s, fan);
+      counts.refraction.at_limit += found.at_limit;
+      for (const ApparentGround& ground : found.apparent.seen) add_counts(counts.refraction, ground, shot);
+      if (shot.site().ground) counts.refined_facets += found.facets();
+      sums.add_finer_relief(shot, found.history, found.apparent.bed.mesh, shot.sensor(s).samples().step_m);
+      counts.tubes += 3 * found.history.transmit.tubes.size();
+      counts.footprints += 2 * found.history.shared.facets.size();
+      counts.pieces += 2 * found.history.shared.pieces.size();
+      counts.refraction.unbounded += found.sensors.front().unbounded;
+      rows.set(fan, found.sensors.front().certified);
+    }
+    rows.add_to(sums, shot, s, 1);
   }
 }
 
@@ -493,7 +515,9 @@ constexpr auto table = std::to_array<Row>({
     {{"an engine of one's own", add_own_engine}, [](A a) { return a.own_engine; }},
     {{"paths over mirrors", add_paths}, [](A a) { return a.mirrors && !a.own_engine; }},
     {{"certified, through refracting water", add_refracted_reference},
-     [](A a) { return a.direct && a.refracted && a.certified; }},
+     [](A a) { return a.direct && a.refracted && a.certified && a.others; }},
+    {{"each receiver of a staff, certified, through refracting water", add_refracted_staff_reference},
+     [](A a) { return a.direct && a.refracted && a.certified && a.staffs; }},
     {{"a receiver apart, through refracting water", add_refracted_receiver_apart},
      [](A a) { return a.direct && a.refracted && a.apart && !a.certified; }},
     {{"the ground", count_ground},

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/refracted_reference.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "engine/certified/paired_reference.hpp"
+#include "engine/certified/refracted_staff.hpp"
+#include "engine/sight/bistatic_history.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "run/refraction.hpp"
 #include "run/sensor_law.hpp"
@@ -32,6 +35,10 @@ RefractedShot certify(const Shot& shot, const ShotStraightening& seen, ApparentG
   found.history = engine.trace(shot.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
   for (const std::size_t s : shot.group().sensors) {
+    if (shot.sensor(s).has_staff()) {
+      found.sensors.emplace_back();
+      continue;
+    }
     const Straightening straightening = straightening_of(shot.site(), shot.survey().sensors[s], apex);
     const RayEnclosure rays(straightening, eigenray_options(shot.site()));
     const SensorLaw sensor_law(shot, found.ground, s);
@@ -78,6 +85,55 @@ RefractedPairShot certify(const Shot& shot, const PairStraightening& seen, Refra
   return found;
 }
 
+/// One fan of a staff, whose ends the ground was straightened for: transmitter, upper and lower receiver.
+struct StaffEnds {
+  const EndsStraightening& ends;
+  std::size_t sensor;
+  std::uint32_t fan;
+  const Fringe& staff;
+};
+
+RefractedStaffShot certify(const Shot& shot, const StaffEnds& seen, AlikeGrounds grounds) {
+  const EndsStraightening& ends = seen.ends;
+  const Sensor& sensor = shot.sensor(seen.sensor);
+  const WorldGrid& grid = shot.scene().grid;
+  const VisibilityOptions& options = shot.request().visibility;
+  RefractedStaffShot found{std::move(grounds), {}, {}, false};
+  const AlikeGrounds& own = found.apparent;
+  const FacetMesh& mesh = own.bed.mesh;
+  SensorLaw law(shot, ShotGround(shot.site()), seen.sensor);
+  const BeamPatterns patterns = patterns_of_fan(law.patterns, seen.fan, ends.tubes(1).tubes.size());
+  law.law.material = mesh.material;
+  law.law.patterns = &patterns;
+  const std::vector<std::uint32_t> of_tube(ends.tubes(1).tubes.size(), 0);
+
+  std::vector<SceneTree> trees;
+  std::vector<RayEnclosure> rays;
+  for (std::size_t end = 0; end < 3; ++end) {
+    trees.emplace_back(own.seen[end].refined.mesh, SceneTree::Sheets::ignored);
+    rays.emplace_back(ends.water(end), eigenray_options(shot.site()));
+  }
+  const auto end_of = [&](std::size_t end) {
+    return PairedEnd{own.seen[end], trees[end], own.origin[end], ends.water(end), rays[end]};
+  };
+  const auto bed_of = [&](std::size_t end) {
+    return PairedBed{mesh, own.bed.parent, seen.ends.bed().mesh(), grid, end_of(0), end_of(end)};
+  };
+  std::array<Echo, 2> ordinary;
+  for (const std::size_t e : {1, 0}) {
+    const ApparentPair pair{mesh, own.seen[0], own.seen[1 + e], own.origin[0], own.origin[1 + e]};
+    found.history = trace_bistatic(pair, grid, options, ends.tubes(0), ends.tubes(1 + e), ends.water(0),
+                                   ends.water(1 + e), ends.absorption_db_per_m());
+    ordinary[e] = integrate_echo(found.history, {1, of_tube}, sensor.samples(), law.law);
+  }
+  found.sensors.push_back(certify_refracted_staff(
+      {bed_of(1), bed_of(2)},
+      {PairedTubes{ends.tubes(0), ends.tubes(1)}, PairedTubes{ends.tubes(0), ends.tubes(2)}}, options,
+      seen.staff, sensor.samples(), law.law, ordinary, *shot.request().reference_tolerance));
+  for (ApparentGround& ground : found.apparent.seen) ends.bed().name_by_scene(ground);
+  return found;
+}
+
 /// Bins of a finite bound, those of them that are wider than asked, and how much the middle one of those is.
 struct Quality {
   std::size_t bins = 0, over = 0;
@@ -95,6 +151,10 @@ Quality quality_of(std::span<const RefractedReference> sensors) {
 
 std::size_t facets_of(const ApparentGround& ground) { return ground.refined.mesh.facets.size(); }
 std::size_t facets_of(const RefractedPair& pair) { return pair.apparent.mesh.facets.size(); }
+std::size_t facets_of(const AlikeGrounds& grounds) { return grounds.bed.mesh.facets.size(); }
+double largest_gap_m(const AlikeGrounds& grounds) {
+  return std::ranges::max(grounds.seen, {}, &ApparentGround::largest_gap_m).largest_gap_m;
+}
 double largest_gap_m(const ApparentGround& ground) { return ground.largest_gap_m; }
 double largest_gap_m(const RefractedPair& pair) {
   return std::max(pair.apparent.transmit.largest_gap_m, pair.apparent.receive.largest_gap_m);
@@ -161,6 +221,34 @@ RefractedPairShot certify_refracted_pair_shot(const Shot& shot) {
   const PairStraightening seen(shot);
   return certify_ever_finer(shot, seen.reach_m(), seen,
                             [&](const StraighteningSettings& settings) { return seen.pair(settings); });
+}
+
+RefractedStaffShot certify_refracted_staff_shot(const Shot& shot, std::size_t sensor, std::uint32_t fan) {
+  const Scene& scene = shot.scene();
+  const WorldGrid& grid = scene.grid;
+  const SensorPings& pings = shot.survey().sensors[sensor];
+  const Fringe staff =
+      pings.sensor->patterns(shot.receiver_pose(), pings.sound_speed_m_s, shot.number()).fringes[fan];
+  const std::vector<std::uint32_t> fans = pings.sensor->fan_of_tube(shot.number());
+  const TubeSet transmit = tubes_of_fan(shot.tubes(), fans, fan),
+                receive = shot.has_receiver_apart() ? tubes_of_fan(shot.receive_tubes(sensor), fans, fan)
+                                                    : transmit;
+  std::vector<TubeSet> tubes{transmit};
+  std::vector<Straightening> water{straightening_of(shot.site(), pings, grid.to_metres(transmit.apex))};
+  for (const double end : {1.0, -1.0}) {
+    const glm::dvec3 at_m = grid.to_metres(receive.apex) + end * staff.baseline_m / 2 * staff.axis;
+    if (const double above = at_m.z - scene.water->surface_height_m(); above > 0)
+      throw InputError(
+          pings.sensor->description().place,
+          fmt::format("a receiver of {} is {:.3g} m above the sea surface: lower its trajectory, "
+                      "shorten 'baseline_m', or raise 'surface_height_m' of [water]",
+                      shot.name(), above));
+    tubes.push_back(moved_along(receive, staff, end, grid.unit_m()));
+    water.push_back(straightening_of(shot.site(), pings, at_m));
+  }
+  const EndsStraightening ends(shot, std::move(tubes), std::move(water));
+  return certify_ever_finer(shot, ends.reach_m(), StaffEnds{ends, sensor, fan, staff},
+                            [&](const StraighteningSettings& settings) { return ends.grounds(settings); });
 }
 
 }  // namespace tubefoot

@@ -230,29 +230,59 @@ ShotGround refracted_ground_of(const Shot& shot, bool weights) {
   return ShotGround(shot.site(), std::move(ground));
 }
 
-PairStraightening::PairStraightening(const Shot& shot, bool weights)
-    : shot_(shot),
-      weights_(weights),
-      tubes_{shot.tubes(), shot.receive_tubes(shot.first())},
-      water_{straightening_of(shot.site(), shot.pings(), shot.scene().grid.to_metres(tubes_[0].apex)),
-             straightening_of(shot.site(), shot.pings(), shot.scene().grid.to_metres(tubes_[1].apex))},
-      outlooks_{Outlook(tubes_[0], shot.scene().grid.unit_m(), water_[0]),
-                Outlook(tubes_[1], shot.scene().grid.unit_m(), water_[1])},
-      bed_(shot, tubes_, outlooks_, weights),
-      // What either may see: what hides from one need not be seen by the other.
-      facets_(bed_.facets(outlooks_)) {}
-
-double PairStraightening::reach_m() const {
-  return std::max(tubes_[0].reach, tubes_[1].reach) * shot_.scene().grid.unit_m();
+EndsStraightening::EndsStraightening(const Shot& shot, std::vector<TubeSet> tubes,
+                                     std::vector<Straightening> water, bool weights)
+    : shot_(shot), weights_(weights), tubes_(std::move(tubes)), water_(std::move(water)) {
+  for (std::size_t end = 0; end < tubes_.size(); ++end)
+    outlooks_.emplace_back(tubes_[end], shot.scene().grid.unit_m(), water_[end]);
+  bed_.emplace(shot, tubes_, outlooks_, weights);
+  // What any may see: what hides from one need not be seen by another.
+  facets_ = bed_->facets(outlooks_);
 }
 
+double EndsStraightening::absorption_db_per_m() const {
+  return tubefoot::absorption_db_per_m(shot_.scene(), *shot_.pings().sensor);
+}
+
+double EndsStraightening::reach_m() const {
+  return std::ranges::max_element(tubes_, {}, &TubeSet::reach)->reach * shot_.scene().grid.unit_m();
+}
+
+AlikeGrounds EndsStraightening::grounds(const StraighteningSettings& settings) const {
+  std::vector<const Straightening*> ways;
+  std::vector<const Outlook*> outlooks;
+  for (std::size_t end = 0; end < tubes_.size(); ++end) {
+    ways.push_back(&water_[end]);
+    outlooks.push_back(&outlooks_[end]);
+  }
+  return made_for(shot_, [&] {
+    return straighten_alike(bed_->mesh(), facets_, shot_.scene().grid, ways, absorption_db_per_m(), settings,
+                            {most_a_shot.facets, weights_}, outlooks);
+  });
+}
+
+namespace {
+
+std::vector<Straightening> water_of_both(const Shot& shot) {
+  const WorldGrid& grid = shot.scene().grid;
+  return {straightening_of(shot.site(), shot.pings(), grid.to_metres(shot.tubes().apex)),
+          straightening_of(shot.site(), shot.pings(), grid.to_metres(shot.receive_tubes(shot.first()).apex))};
+}
+
+}  // namespace
+
+PairStraightening::PairStraightening(const Shot& shot, bool weights)
+    : ends_(shot, {shot.tubes(), shot.receive_tubes(shot.first())}, water_of_both(shot), weights) {}
+
 RefractedPair PairStraightening::pair(const StraighteningSettings& settings) const {
-  const Scene& scene = shot_.scene();
-  const double absorption = absorption_db_per_m(scene, *shot_.pings().sensor);
-  return {tubes_[0], tubes_[1], water_[0], water_[1], absorption, made_for(shot_, [&] {
-            return straighten_pair(bed_.mesh(), facets_, scene.grid, water_[0], water_[1], absorption,
-                                   settings, {most_a_shot.facets, weights_}, &outlooks_[0], &outlooks_[1]);
-          })};
+  AlikeGrounds grounds = ends_.grounds(settings);
+  return {ends_.tubes(0),
+          ends_.tubes(1),
+          ends_.water(0),
+          ends_.water(1),
+          ends_.absorption_db_per_m(),
+          {std::move(grounds.bed.mesh), std::move(grounds.seen[0]), std::move(grounds.seen[1]),
+           std::move(grounds.origin[0]), std::move(grounds.origin[1])}};
 }
 
 RefractedPair refracted_pair_of(const Shot& shot, bool weights) {

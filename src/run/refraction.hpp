@@ -84,26 +84,42 @@ struct RefractedPair {
   double absorption_db_per_m;
   ApparentPair apparent;
 };
-/// What both ends of a shot see of its bed, straightened as finely as one likes; facets are named by the bed.
-class PairStraightening {
+/// What several ends of a shot see of its bed, straightened alike and as finely as one likes; facets are
+/// named by the bed.
+class EndsStraightening {
  public:
   /// Throws as refracted_ground_of().
-  explicit PairStraightening(const Shot& shot, bool weights = false);
-  PairStraightening(const PairStraightening&) = delete;
-  PairStraightening& operator=(const PairStraightening&) = delete;
-  const LyingBed& bed() const { return bed_; }
+  EndsStraightening(const Shot& shot, std::vector<TubeSet> tubes, std::vector<Straightening> water,
+                    bool weights = false);
+  EndsStraightening(const EndsStraightening&) = delete;
+  EndsStraightening& operator=(const EndsStraightening&) = delete;
+  const LyingBed& bed() const { return *bed_; }
+  const TubeSet& tubes(std::size_t end) const { return tubes_[end]; }
+  const Straightening& water(std::size_t end) const { return water_[end]; }
+  double absorption_db_per_m() const;
   double reach_m() const;
   /// Throws as refracted_ground_of().
-  RefractedPair pair(const StraighteningSettings& settings) const;
+  AlikeGrounds grounds(const StraighteningSettings& settings) const;
 
  private:
   const Shot& shot_;
   bool weights_;
-  std::array<TubeSet, 2> tubes_;
-  std::array<Straightening, 2> water_;
-  std::array<Outlook, 2> outlooks_;
-  LyingBed bed_;
+  std::vector<TubeSet> tubes_;
+  std::vector<Straightening> water_;
+  std::vector<Outlook> outlooks_;
+  std::optional<LyingBed> bed_;
   std::vector<FacetId> facets_;
+};
+/// Of transmitter and receiver.
+class PairStraightening {
+ public:
+  explicit PairStraightening(const Shot& shot, bool weights = false);
+  const LyingBed& bed() const { return ends_.bed(); }
+  double reach_m() const { return ends_.reach_m(); }
+  RefractedPair pair(const StraighteningSettings& settings) const;
+
+ private:
+  EndsStraightening ends_;
 };
 /// As the scene asks for, named by the scene. `weights` as there. Throws as refracted_ground_of().
 RefractedPair refracted_pair_of(const Shot& shot, bool weights = false);

@@ -27,6 +27,12 @@ SensorLaw::SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sen
   patterns = pings.sensor->patterns(pings.shot_pose(shot.ping(), shot.number()), pings.sound_speed_m_s,
                                     shot.number());
   law.patterns = &patterns;
+  if (ground.apparent() == nullptr || patterns.fringes.empty()) return;
+  // Phases turn by the speed of sound at the staff, ranges are told by that of its first place.
+  const double depth_m =
+      scene.water->surface_height_m() - pings.shot_pose(shot.ping(), shot.number()).position_m.z;
+  for (Fringe& fringe : patterns.fringes)
+    fringe.baseline_m *= pings.sound_speed_m_s / scene.water->profile().at(depth_m);
 }
 
 }  // namespace tubefoot

@@ -9,6 +9,7 @@ namespace tubefoot {
 /// The echo law of a sensor at a shot, and the patterns that it refers to. The site, and what the ground
 /// refers to, outlive it.
 struct SensorLaw {
+  /// On an apparent ground staffs are as much longer as integrate_staff_echo() asks for.
   SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sensor);
   SensorLaw(const SensorLaw&) = delete;
   SensorLaw& operator=(const SensorLaw&) = delete;

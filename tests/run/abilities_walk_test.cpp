@@ -175,6 +175,8 @@ TEST_F(AbilitiesWalk, TwoReceiversWithWhatTheirProductsMeet) {
   walk({two_receivers, receiver_apart, reference}, of_runs.front().words);
   walk({two_receivers, mirrors, reference}, of_runs.front().words);
   walk({two_receivers, mirrors, receiver_apart, reference}, of_runs.front().words);
+  walk({two_receivers, refraction, reference}, of_runs.front().words);
+  walk({two_receivers, refraction, receiver_apart, reference}, of_runs.front().words);
   walk({two_receivers, mirrors, refraction}, {"run"});
   walk({two_receivers, mirrors, refraction, receiver_apart}, {"run"});
   walk({two_receivers, scatterings, refraction}, {"run"});

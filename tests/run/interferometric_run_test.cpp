@@ -391,49 +391,144 @@ TEST(InterferometricRun, ATransmitterBesideItsStaffInEvenWaterThatIsToldAsLayers
               Channels(short_scene("interferometric", "[water]\nsound_speed_m_s = 1500\n", staff)), 1e-3);
 }
 
-// The staff hangs 4 m below its transmitter, where sound is faster: travel times of one gradient in closed
-// form, acosh(1 + g^2 d^2 / (2 c c')) / g, to both ends.
-TEST(InterferometricRun, PhasesOfAStaffBelowItsTransmitterAreThoseOfTravelTimes) {
-  constexpr double g = 5, baseline_m = 0.02, tilt_rad = 20 * degree, first = 12, long_m = 0.05;
-  std::string text = short_scene("interferometric", gradient(g),
-                                 "baseline_m = 0.02\nstaff_tilt_deg = 20\nreceiver_arm_m = [0.5, 0, -4]\n");
+/// In a vertical plane of water in which sound is faster by 5 m/s a metre of depth.
+struct Place {
+  static constexpr double g = 5;
+  double x, z;
+  double speed() const { return 1500 + g * (5 - z); }
+};
+/// In closed form.
+double time_between(Place a, Place b) {
+  const double d2 = (a.x - b.x) * (a.x - b.x) + (a.z - b.z) * (a.z - b.z);
+  return std::acosh(1 + Place::g * Place::g * d2 / (2 * a.speed() * b.speed())) / Place::g;
+}
+
+constexpr double staff_m = 0.02, staff_first_m = 12, staff_sample_m = 0.05;
+std::string far_scene(double tilt_deg, const std::string& more) {
+  std::string text = short_scene("interferometric", gradient(Place::g),
+                                 fmt::format("baseline_m = 0.02\nstaff_tilt_deg = {}\n{}", tilt_deg, more));
   text = replaced(text, "range_min_m = 5", "range_min_m = 12");
   text = replaced(text, "samples = 80", "samples = 260");
   text = replaced(text, "along_track_deg = 1", "along_track_deg = 0.2");
-  text = replaced(text, "position_m = [14, 0, -5]", "position_m = [-14, 0, -5]");
-  const Channels both(text);
-  ASSERT_EQ(both.energy.size(), 520u);
-  struct Place {
-    double x, z;
-    double speed() const { return 1500 + g * (5 - z); }
-  };
-  const auto time = [](Place a, Place b) {
-    const double d2 = (a.x - b.x) * (a.x - b.x) + (a.z - b.z) * (a.z - b.z);
-    return std::acosh(1 + g * g * d2 / (2 * a.speed() * b.speed())) / g;
-  };
-  const Place sent{0, 0}, middle{0.5, -4};
-  const double ax = baseline_m / 2 * std::sin(tilt_rad), az = baseline_m / 2 * std::cos(tilt_rad);
+  return replaced(text, "position_m = [14, 0, -5]", "position_m = [-14, 0, -5]");
+}
+
+/// Phases in 260 cells, the first at `cells`, are those of travel times to both ends of a staff; `speed`:
+/// that ranges are told by.
+void expect_phases_of_times(const Channels& both, std::size_t cells, Place sent, Place middle, double speed,
+                            double tilt_deg) {
+  const double ax = staff_m / 2 * std::sin(tilt_deg * degree), az = staff_m / 2 * std::cos(tilt_deg * degree);
   const Place upper{middle.x + ax, middle.z + az}, lower{middle.x - ax, middle.z - az};
   std::size_t compared = 0;
   for (std::size_t k = 0; k < 260; ++k) {
-    const std::size_t cell = 260 + k;  // starboard
+    const std::size_t cell = cells + k;
     if (!(both.energy[cell] > 0) ||
         !(std::hypot(both.real[cell], both.imaginary[cell]) > 0.8 * both.energy[cell]))
       continue;
-    const double half = first + (double(k) + 0.5) * long_m;
+    const double half = staff_first_m + (double(k) + 0.5) * staff_sample_m;
     double low = 3, high = 40;
     for (int i = 0; i < 60; ++i) {
       const Place met{(low + high) / 2, -8};
-      (sent.speed() * (time(sent, met) + time(met, middle)) / 2 < half ? low : high) = met.x;
+      (speed * (time_between(sent, met) + time_between(met, middle)) / 2 < half ? low : high) = met.x;
     }
     const Place met{low, -8};
     if (met.x > 24) continue;
-    const double phase = 2 * pi * 250e3 * (time(met, upper) - time(met, lower));
+    const double phase = 2 * pi * 250e3 * (time_between(met, upper) - time_between(met, lower));
     EXPECT_NEAR(std::remainder(std::atan2(both.imaginary[cell], both.real[cell]) - phase, 2 * pi), 0, 0.03)
         << half << " m, " << phase;
     ++compared;
   }
   EXPECT_GT(compared, 100u);
+}
+
+// The staff hangs 4 m below its transmitter, where sound is faster.
+TEST(InterferometricRun, PhasesOfAStaffBelowItsTransmitterAreThoseOfTravelTimes) {
+  const Channels both(far_scene(20, "receiver_arm_m = [0.5, 0, -4]\n"));
+  ASSERT_EQ(both.energy.size(), 520u);
+  const Place sent{0, 0};
+  expect_phases_of_times(both, 260, sent, {0.5, -4}, sent.speed(), 20);
+}
+
+// A sonar that leaves the depth that its ranges are told by: at its second ping it is 2 m deeper.
+TEST(InterferometricRun, PhasesAtAnotherDepthThanTheFirstAreThoseOfTravelTimes) {
+  const Channels both(replaced(far_scene(60, "pings = 2\nping_interval_s = 1\n"), "kind = \"fixed\"\n",
+                               "kind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [0, 1, -2]\nspeed_m_s = "
+                               "2.23606797749979\n"));
+  ASSERT_EQ(both.energy.size(), 1040u);
+  const Place first{0, 0}, second{0, -2};
+  expect_phases_of_times(both, 260, first, first, first.speed(), 60);
+  expect_phases_of_times(both, 780, second, second, first.speed(), 60);
+}
+
+// Through refracting water the reference chooses its own ground, and rays of its own to each receiver.
+TEST(InterferometricRun, AReferenceInRefractingWaterHoldsEnergiesAndProducts) {
+  for (const std::string keys : {"", "receiver_arm_m = [1, 0.5, 0.25]\n"}) {
+    SCOPED_TRACE(keys);
+    const TestFolder folder;
+    const auto scene_at = [&](const std::string& water_keys) {
+      return R"([water]
+profile = "gradient"
+sound_speed_m_s = 1500
+gradient_per_s = 0.5
+profile_bottom_m = 40
+surface_height_m = 10
+)" + water_keys +
+             R"([[materials]]
+name = "mud"
+[[terrain]]
+kind = "flat"
+width_m = 40
+length_m = 12
+cell_m = 4
+[trajectory]
+kind = "fixed"
+position_m = [0, 0, 6]
+[[sensors]]
+name = "swath"
+kind = "interferometric"
+along_track_deg = 3
+frequency_khz = 100
+baseline_m = 0.05
+range_min_m = 7
+range_max_m = 11
+samples = 8
+)" + keys;
+    };
+    const auto run = [&](const char* out, const std::string& text, std::vector<std::string> more) {
+      const auto file = folder.write(std::string(out) + ".toml", text);
+      std::vector<std::string> words{"run", file.string(), "-o", (folder / out).string()};
+      words.insert(words.end(), more.begin(), more.end());
+      const Outcome outcome = run_program(words);
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+      return folder / out / "echoes.nc";
+    };
+    const NetcdfReader fine(
+        run("fine", scene_at("refraction_gap_m = 0.0005\nrefraction_tolerance_db = 0.005\n"), {})),
+        ordinary(run("ordinary", scene_at(""), {})),
+        reference(run("reference", scene_at(""), {"--reference", "--tolerance", "2e-2"}));
+    const auto upper = fine.values("/", "energy"), lower = fine.values("/", "energy_lower");
+    double bounds = 0, sizes = 0, turned = 0;
+    for (const std::string name : {"energy", "energy_lower", "cross_real", "cross_imag"}) {
+      const auto finely = fine.values("/", name), usual = ordinary.values("/", name),
+                 middle = reference.values("/", name), bound = reference.values("/", name + "_bound");
+      ASSERT_EQ(bound.size(), finely.size());
+      for (std::size_t k = 0; k < finely.size(); ++k) {
+        const double size = std::max(upper[k], lower[k]);
+        EXPECT_LE(std::abs(finely[k] - middle[k]), bound[k] + 3e-3 * size) << name << ' ' << k;
+        // 0.1 dB is what the ordinary run promises, and a quarter of a sample.
+        EXPECT_LE(std::abs(usual[k] - middle[k]), bound[k] + 0.03 * size) << name << ' ' << k;
+        if (bound[k] > 3e-3 * size) {
+          EXPECT_GT(std::abs(finely[k] + 2 * bound[k] + 6e-3 * size - middle[k]), bound[k]) << name << k;
+        }
+        bounds += bound[k];
+        sizes += size;
+        if (name == "cross_imag" && size > 0) turned = std::max(turned, std::abs(middle[k]) / size);
+      }
+    }
+    EXPECT_GT(sizes, 0);
+    EXPECT_LT(bounds, 0.03 * sizes);
+    EXPECT_GT(turned, 0.5);
+  }
 }
 
 }  // namespace

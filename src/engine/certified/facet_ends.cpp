@@ -46,13 +46,14 @@ std::optional<EndPatch> EndOfFacet::over(const std::array<Interval, 3>& origin, 
                                          const Interval& b) const {
   const auto rays = end_.rays.over(origin, u_, v_, a, b, alone_);
   if (!rays) return std::nullopt;
-  EndPatch patch{*rays, {}, {}, {}, {}, {}};
+  EndPatch patch{*rays, {}, {}, {}, {}, {}, {}};
   std::array<Jet, 3> at;
   for (int k = 0; k < 3; ++k) {
     at[std::size_t(k)].v = origin[std::size_t(k)] + a * u_[k] + b * v_[k];
     at[std::size_t(k)].a = outwards(u_[k], u_[k], 4);
     at[std::size_t(k)].b = outwards(v_[k], v_[k], 4);
     patch.distance2 = patch.distance2 + squared(at[std::size_t(k)]);
+    patch.place[std::size_t(k)] = at[std::size_t(k)].v;
   }
   patch.sine_m = rays->arrival_across * (Jet(normal_.x) * at[0] + Jet(normal_.y) * at[1]) -
                  Jet(normal_.z) * rays->arrival_down_m;
@@ -70,6 +71,13 @@ std::optional<EndPatch> EndOfFacet::over(const std::array<Interval, 3>& origin, 
   patch.log_speed_a = -(gradient * at[2].a) / patch.speed;
   patch.log_speed_b = -(gradient * at[2].b) / patch.speed;
   return patch;
+}
+
+std::array<Interval, 3> EndOfFacet::change(const EndPatch& patch) const {
+  // The direction in which rays arrive; of the horizontal part the jet's direction is that of the place.
+  const Interval per_m = reference_speed() / patch.speed / root(patch.distance2.v);
+  const Interval across = per_m * patch.rays.arrival_across.v;
+  return {across * patch.place[0], across * patch.place[1], -(per_m * patch.rays.arrival_down_m.v)};
 }
 
 }  // namespace tubefoot

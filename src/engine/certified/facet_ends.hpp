@@ -20,6 +20,7 @@ struct EndPatch {
   Jet sine_m;                         ///< of the grazing angle where they arrive, times the distance
   Interval speed;                     ///< of sound there
   Interval log_speed_a, log_speed_b;  ///< slopes of its logarithm
+  std::array<Interval, 3> place;      ///< from the apex
 };
 
 /// A facet as one end sees it.
@@ -37,6 +38,12 @@ class EndOfFacet {
   bool valid() const { return valid_; }
   const EndPatch& middle() const { return middle_; }
   const EndPatch& corner(int k) const { return corner_[k]; }
+  /// At a place as lies() has them, which is taken to be just there.
+  std::optional<EndPatch> at(const glm::dvec3& place) const {
+    return over({place.x, place.y, place.z}, 0.0, 0.0);
+  }
+  /// How ranges change with their places on a patch.
+  std::array<Interval, 3> change(const EndPatch& patch) const;
   const FacetCorners& lies() const { return lies_; }
   const FacetCorners& seen() const { return seen_; }
   const glm::dvec3& seen_normal() const { return seen_normal_; }

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr int most_parts = 16;  // of HomeRanges
 constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;
 
@@ -62,8 +63,8 @@ class PairedEncloser {
     std::array<FacetEnclosure, 2> end;
     PairedEnclosure pair;
   };
-  /// `sees`: which ends do.
-  Found enclose(FacetId f, const std::array<bool, 2>& sees, const PairedFacet* paired) const {
+  /// `sees`: which ends do; the third: the receiver beside the second.
+  Found enclose(FacetId f, const std::array<bool, 3>& sees, const PairedFacet* paired) const {
     Found found;
     const std::array<VertexId, 3>& vertices = bed_.mesh.facets[f];
     FacetCorners lies, base;
@@ -97,12 +98,21 @@ class PairedEncloser {
         if (!ends[e]->valid()) ends[e].reset();
       }
     if (!ends[0] && !ends[1]) return found;
+    Beside beside{.sees = sees[2], .end = {}};
+    if (sees[2]) {
+      FacetCorners seen_there;
+      for (std::size_t k = 0; k < 3; ++k)
+        seen_there[k] = bed_.grid.to_metres(bed_.beside->ground.refined.mesh.vertices[vertices[k]]) -
+                        bed_.beside->water.apex_m();
+      beside.end.emplace(*bed_.beside, flat, lies, pad_m, seen_there);
+      if (!beside.end->valid()) beside.end.reset();
+    }
     const Surface& surface = surfaces_[bed_.mesh.material[f]];
 
     // All of it in boxes; in smaller ones while that says more.
     Gathered best;
     for (int parts = 1; parts <= 8; parts *= 2) {
-      Gathered finer = gather(flat, ends, surface.law, parts);
+      Gathered finer = gather(flat, ends, beside, surface.law, parts);
       const bool enough = parts > 1 && finer.measure() >= 0.8 * best.measure();
       best = std::move(finer);
       if (enough) break;
@@ -140,8 +150,13 @@ class PairedEncloser {
     return way;
   }
 
+  struct Beside {
+    bool sees = false;
+    std::optional<EndOfFacet> end;  // none where it sees it without a proven ray
+  };
+
   Gathered gather(const FlatFacet& flat, const std::array<std::optional<EndOfFacet>, 2>& ends,
-                  const ScatteringLaw* law, int parts) const {
+                  const Beside& other, const ScatteringLaw* law, int parts) const {
     Gathered all;
     const auto [least, most] = box_of(flat);
     const glm::dvec2 step = (most - least) / double(parts);
@@ -170,7 +185,10 @@ class PairedEncloser {
                      b = slope(out, &Jet::b) + slope(home, &Jet::b) - 2.0 * out.log_speed_b;
       all.level_a = k == 0 ? a : hull(all.level_a, a);
       all.level_b = k == 0 ? b : hull(all.level_b, b);
-      add_most(out, home, law, all);
+      const auto& [box_a, box_b] = all.boxes[k];
+      const auto also = other.end ? other.end->over(box_a, box_b) : std::nullopt;
+      add_most(out, home, also ? &*also : nullptr, law, all);
+      if (other.sees && !also) all.per_area = all.per_sr[0] = all.per_sr[1] = infinite;
     }
     return all;
   }
@@ -185,14 +203,16 @@ class PairedEncloser {
   }
   double reference_speed() const { return bed_.out.rays.reference_speed_m_s(); }
 
-  /// Upper bounds of what a box returns per steradian of either end, and per square metre.
-  void add_most(const EndPatch& out, const EndPatch& home, const ScatteringLaw* law, Gathered& all) const {
+  /// Upper bounds of what a box returns by way of two ends: a square metre, and per steradian of either.
+  struct Most {
+    double per_sr[2]{}, per_area = 0;
+  };
+  Most most_of(const EndPatch& out, const EndPatch& home, const ScatteringLaw* law) const {
     double lobe[2]{}, by_sine[2]{}, area[2]{}, lost = 1;
     for (const int e : {0, 1}) {
       const EndPatch& at = e == 0 ? out : home;
       const Interval sine = at.sine_m.v / root(at.distance2.v);
-      const double largest = std::min(sine.largest(), 1.0),
-                   least = sine.may_be_zero() ? 0 : std::min(std::abs(sine.lo), std::abs(sine.hi));
+      const double largest = std::min(sine.largest(), 1.0), least = least_size(sine);
       lobe[e] = law == nullptr
                     ? largest
                     : std::sqrt(largest_cross_section(*law, {std::min(least, 1.0), largest})) * (1 + slack);
@@ -205,10 +225,30 @@ class PairedEncloser {
                  heard = bed_.home.water.finder().source_speed_m_s(),
                  there = out.speed.lo / sent * (1 - slack),  // areas there and back differ by its square
         speeds = sent / heard * (1 + slack);
-    all.per_area = std::max(all.per_area, lobe[0] * lobe[1] * lost / (area[0] * there * there * area[1]));
     // A place may be seen a tenth wider than its apparent facet has it.
-    all.per_sr[0] = std::max(all.per_sr[0], 1.1 * by_sine[0] * lobe[1] * lost / area[1]);
-    all.per_sr[1] = std::max(all.per_sr[1], 1.1 * lobe[0] * by_sine[1] * lost * speeds * speeds / area[0]);
+    return {{1.1 * by_sine[0] * lobe[1] * lost / area[1],
+             1.1 * lobe[0] * by_sine[1] * lost * speeds * speeds / area[0]},
+            lobe[0] * lobe[1] * lost / (area[0] * there * there * area[1])};
+  }
+  static double least_size(const Interval& x) {
+    return x.may_be_zero() ? 0 : std::min(std::abs(x.lo), std::abs(x.hi));
+  }
+  /// `beside`: what a receiver there hears as well, per steradian of the way home; null: none.
+  void add_most(const EndPatch& out, const EndPatch& home, const EndPatch* beside, const ScatteringLaw* law,
+                Gathered& all) const {
+    Most most = most_of(out, home, law);
+    if (beside != nullptr) {
+      const Most other = most_of(out, *beside, law);
+      const double speed = home.speed.hi / bed_.home.water.finder().source_speed_m_s() * (1 + slack),
+                   sine = least_size(home.sine_m.v / root(home.distance2.v)),
+                   area = (home.rays.area_ratio_per_sr.v * home.distance2.v).hi * speed * speed / sine;
+      most.per_sr[0] = std::max(most.per_sr[0], other.per_sr[0]);
+      most.per_sr[1] = std::max(most.per_sr[1], 1.1 * other.per_area * area);
+      most.per_area = std::max(most.per_area, other.per_area);
+    }
+    all.per_area = std::max(all.per_area, most.per_area);
+    for (const int e : {0, 1})
+      all.per_sr[std::size_t(e)] = std::max(all.per_sr[std::size_t(e)], most.per_sr[e]);
   }
 
   /// Of linear interpolation between corners (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191).
@@ -219,8 +259,11 @@ class PairedEncloser {
   void finish_end(const FlatFacet& flat, const EndOfFacet& end, const Gathered& all, std::size_t e,
                   const FacetCorners& seen, double pad_m, const Surface& surface,
                   FacetEnclosure& facet) const {
-    const double gap = interpolated(flat, all.bends[e].all) + 1.1 * end.off_m() * (1 + slack),
-                 across = interpolated(flat, all.bends[e].across) + 1.1 * end.off_m() * (1 + slack);
+    const glm::dvec3 apex = bed_.end(int(e)).water.apex_m();
+    const double off = 1.1 * end.off_m() * (1 + slack) +
+                       glm::distance(apex, bed_.grid.to_metres(bed_.grid.snap(apex))),  // where tubes start
+        gap = interpolated(flat, all.bends[e].all) + off,
+                 across = interpolated(flat, all.bends[e].across) + off;
     if (!std::isfinite(gap)) return;
     facet.gap_m = gap;
     facet.seen = seen;
@@ -389,10 +432,45 @@ class PairedEncloser {
       level = level + both_ways(loss.roughness * double(loss.rough_normals.size()) * (1 + loss.bend) * turn *
                                 (2 + turn) * (1 + slack));
     }
+    if (bed_.beside != nullptr && !take_home(flat, *ends[1], all.patches[1], laid[1], misfit[1], pair.home))
+      return;
+    pair.home.pad_m = 2 * pad_m;  // of a length
     pair.factor = exp(level);
     pair.place_off_m = 4 * pad_m;
     pair.proven = pair.factor.is_finite() && std::isfinite(pair.shift_m) && pair.turn_rad[0] < 0.1 &&
                   pair.turn_rad[1] < 0.1 && pair.stretch[0] < 0.1 && pair.stretch[1] < 0.1;
+  }
+
+  bool take_home(const FlatFacet& flat, const EndOfFacet& end, const std::vector<EndPatch>& patches,
+                 const LaidOut& laid, const Misfit& misfit, HomeRanges& home) const {
+    Jet bend;
+    for (std::size_t k = 0; k < misfit.by_box.size(); ++k) {
+      for (Interval Jet::*part : {&Jet::aa, &Jet::ab, &Jet::bb})
+        bend.*part = k == 0 ? misfit.by_box[k].*part : hull(bend.*part, misfit.by_box[k].*part);
+      const std::array<Interval, 3> change = end.change(patches[k]);
+      for (std::size_t i = 0; i < 3; ++i)
+        home.change[i] = k == 0 ? change[i] : hull(home.change[i], change[i]);
+    }
+    home.between_m = interpolated(flat, bend_of(bend));
+    if (!std::isfinite(home.between_m)) return false;
+    const auto parts_worth = [&] { return double(home.parts) * home.parts * bed_.ranges_within_m; };
+    for (home.parts = 1; home.parts < most_parts && home.between_m > parts_worth();) home.parts *= 2;
+    home.lattice_m.resize(std::size_t((home.parts + 1) * (home.parts + 1)));
+    for (int i = 0; i <= home.parts; ++i)
+      for (int j = 0; i + j <= home.parts; ++j) {
+        const double to_1 = double(i) / home.parts, to_2 = double(j) / home.parts;
+        const auto between = [&](const auto& corner) {
+          return corner[0] + to_1 * (corner[1] - corner[0]) + to_2 * (corner[2] - corner[0]);
+        };
+        const auto there = end.at(between(end.lies()));
+        if (!there) return false;
+        const glm::dvec2 at = between(flat.at);
+        const Interval laid2 = laid.range2(at.x, at.y).v, range2 = square_of_range(*there).v,
+                       sum = root(range2) + root(laid2);
+        home.lattice_m[std::size_t(i * (home.parts + 1) + j)] =
+            (range2 - laid2) / sum + both_ways(1e-14 * sum.hi);  // places are rounded
+      }
+    return true;
   }
 
   static void take_directions(const FlatFacet& flat, const LaidOut& laid, const FacetCorners& seen,
@@ -423,6 +501,24 @@ class PairedEncloser {
 
 }  // namespace
 
+double HomeRanges::largest_difference_m(const HomeRanges& one, const HomeRanges& other) {
+  const int parts = std::min(one.parts, other.parts);
+  if (parts == 0) return infinite;
+  const auto at = [&](const HomeRanges& of, int i, int j) {
+    const int step = of.parts / parts;
+    return of.lattice_m[std::size_t(step * (i * (of.parts + 1) + j))];
+  };
+  double lattice = 0;
+  for (int i = 0; i <= parts; ++i)
+    for (int j = 0; i + j <= parts; ++j)
+      lattice = std::max(lattice, (at(one, i, j) - at(other, i, j)).largest());
+  std::array<Interval, 3> change;
+  for (std::size_t i = 0; i < 3; ++i) change[i] = one.change[i] - other.change[i];
+  return (lattice + (one.between_m + other.between_m) / (double(parts) * parts) +
+          std::max(one.pad_m, other.pad_m) * norm_of(change).hi) *
+         (1 + slack);
+}
+
 PairedEnclosures enclose(const PairedBed& bed, std::span<const SharedFacet> shared,
                          std::span<const PairedFacet> paired, const EchoLaw& law) {
   const PairedEncloser encloser(bed, law);
@@ -435,12 +531,15 @@ PairedEnclosures enclose(const PairedBed& bed, std::span<const SharedFacet> shar
     for (std::size_t k = 0; k < end.origin.size(); ++k) seen_as[e][end.origin[k]] = FacetId(k);
     all.ends[e].facets.resize(end.origin.size());
   }
+  std::vector<char> seen_beside(bed.mesh.facets.size(), 0);
+  if (bed.beside != nullptr)
+    for (const FacetId facet : bed.beside->origin) seen_beside[facet] = 1;
   std::vector<std::size_t> number(bed.mesh.facets.size(), shared.size());
   for (std::size_t k = 0; k < shared.size(); ++k) number[shared[k].facet] = k;
   Steps steps("facets", bed.mesh.facets.size());
   tbb::parallel_for(FacetId{0}, FacetId(bed.mesh.facets.size()), [&](FacetId f) {
     steps.done();
-    const std::array<bool, 2> sees{seen_as[0][f] != none, seen_as[1][f] != none};
+    const std::array<bool, 3> sees{seen_as[0][f] != none, seen_as[1][f] != none, seen_beside[f] != 0};
     if (!sees[0] && !sees[1]) return;
     const bool is_shared = number[f] < shared.size();
     const auto found = encloser.enclose(f, sees, is_shared ? &paired[number[f]] : nullptr);

@@ -12,7 +12,8 @@
 // What is proven of facets that two ends of a path see elsewhere.
 namespace tubefoot {
 
-/// An end of a path, and what it sees of a bed: vertices of its ground have the numbers of the bed's.
+/// An end of a path, and what it sees of a bed: vertices of its ground have the numbers of the bed's. Its
+/// apex may lie beside the grid point that its tubes look from.
 struct PairedEnd {
   const ApparentGround& ground;
   const SceneTree& tree;            ///< of its apparent facets
@@ -28,8 +29,26 @@ struct PairedBed {
   const FacetMesh& base;            ///< where it lies
   const WorldGrid& grid;
   PairedEnd out, home;
+  /// Another receiver of the same shot: most_per_sr and most are of what either hears of a place.
+  const PairedEnd* beside = nullptr;
+  double ranges_within_m = 0;  ///< with that: how closely HomeRanges are to be told
 
   const PairedEnd& end(int which) const { return which == 0 ? out : home; }
+};
+
+/// Ranges along rays home from a facet, less those laid out: on a lattice of a power of two of parts a side,
+/// from the first corner to the second (i) and to the third (j), as the mesh has them. What two receivers
+/// beside each other differ by, mostly, is all but alike for both: so ranges have to be told far more closely
+/// than samples ask for.
+struct HomeRanges {
+  int parts = 0;
+  std::vector<Interval> lattice_m{};  ///< at i (parts + 1) + j
+  double between_m = 0;  ///< and anywhere between no farther than that from the linear; all of that at 1 part
+  double pad_m = 0;      ///< places lie no farther from where the mesh has them
+  std::array<Interval, 3> change{};  ///< of the range with its place, anywhere
+
+  /// The difference of both ranges differs by no more from that of those laid out.
+  static double largest_difference_m(const HomeRanges& one, const HomeRanges& other);
 };
 
 /// What is proven of a facet laid out flat (PairedFacet), by ends: out and home.
@@ -43,6 +62,7 @@ struct PairedEnclosure {
   /// No ray is launched farther than this from where its end sees the place, and the place's distance there
   /// is no farther than this part of itself from the range laid out.
   std::array<double, 2> turn_rad{}, stretch{};
+  HomeRanges home;         ///< of a receiver that has one beside it
   double place_off_m = 0;  ///< no place lies farther from where the laid out plane has it
 };
 

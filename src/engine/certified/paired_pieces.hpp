@@ -9,17 +9,12 @@
 #include "engine/certified/certified_path_integral.hpp"
 #include "engine/certified/certified_texture.hpp"
 #include "engine/certified/paired_enclosure.hpp"
+#include "engine/certified/pattern_doubt.hpp"
 #include "engine/certified/refracted_bins.hpp"
 
 // What two ends share of facets that each sees elsewhere, enclosed piece by piece. Heavy: include only in
 // .cpp files.
 namespace tubefoot {
-
-/// Directions to what is no farther than that from a place.
-struct Towards {
-  glm::dvec3 centre_m{0};
-  double radius_m = 0;
-};
 
 /// Of one path: its law, with patterns as its ends have them, samples and tolerance.
 class PairedPieces {

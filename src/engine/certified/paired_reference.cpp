@@ -92,18 +92,23 @@ class PairedReference {
     }
   }
 
-  RefractedReference certify(const Echo& ordinary, double tolerance) {
+  /// What both ends see, laid out and enclosed.
+  void enclose_shared(const LayOut& lay_out) {
     const FootprintSharer sharer(
         {looks_[0].tubes, looks_[0].seen, &bed_.out.ground.refined.mesh, bed_.out.origin},
         {looks_[1].tubes, looks_[1].seen, &bed_.home.ground.refined.mesh, bed_.home.origin}, unit_m_);
-    const SharedFootprints shared = sharer.all();
-    const std::vector<PairedFacet> paired =
-        paired_facets(shared, bed_.mesh, {bed_.out.ground, bed_.out.water},
-                      {bed_.home.ground, bed_.home.water}, bed_.grid, law_.absorption_db_per_m);
-    enclosures_ = enclose(bed_, shared.facets, paired, law_);
+    shared_ = sharer.all();
+    paired_ = lay_out(shared_);
+    enclosures_ = enclose(bed_, shared_.facets, paired_, law_);
     for (std::size_t e = 0; e < 2; ++e)
       for (FacetEnclosure& facet : enclosures_.ends[e].facets)
         if (facet.state == State::proven && 4 * facet.gap_m > margin_m_) facet.state = State::loose;
+  }
+
+  /// All of them after enclose_shared(). `beside`: a receiver whose energies doubts are told with, too.
+  PairedParts parts(const PairedReference* beside = nullptr) {
+    beside_ = beside;
+    const SharedFootprints& shared = shared_;
     const auto is_proven = [&](std::size_t number) {
       const FacetId facet = shared.facets[number].facet;
       return enclosures_.facets[number].proven && end_of(0, facet)->state == State::proven &&
@@ -111,12 +116,14 @@ class PairedReference {
     };
 
     const std::size_t runs = (shared.facets.size() + facets_in_run - 1) / facets_in_run;
-    std::vector<BinsBetween> bins(runs);
+    PairedParts found;
+    std::vector<BinsBetween>& bins = found.bins;
+    bins.resize(runs);
     Steps steps("facets", shared.facets.size());
     const auto add_pieces = [&](std::size_t number, BinsBetween& own) {
       if (!is_proven(number)) return;
       const SharedFacet& facet = shared.facets[number];
-      PairedPieces::OnFacet on = pieces_.on(facet.facet, paired[number], enclosures_.facets[number]);
+      PairedPieces::OnFacet on = pieces_.on(facet.facet, paired_[number], enclosures_.facets[number]);
       for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
         stop_if_wanted();
         const SharedPiece& piece = shared.pieces[facet.first_piece + k];
@@ -136,8 +143,10 @@ class PairedReference {
     // Facets of which only the most that they return is known.
     BinsBetween& loose = bins.emplace_back();
     std::vector<char> proven(bed_.mesh.facets.size(), 1);
-    for (std::size_t number = 0; number < shared.facets.size(); ++number)
-      proven[shared.facets[number].facet] = is_proven(number);
+    for (std::size_t number = 0; number < shared.facets.size(); ++number) {
+      found.is_proven.push_back(is_proven(number));
+      proven[shared.facets[number].facet] = found.is_proven.back();
+    }
     for (FacetId f = 0; f < bed_.mesh.facets.size(); ++f) {
       const FacetEnclosure *out = end_of(0, f), *home = end_of(1, f);
       if (out == nullptr || home == nullptr || out->state == State::unproven ||
@@ -147,15 +156,14 @@ class PairedReference {
         add({out->nearest_m, out->farthest_m, out->most, looks_[0].apparent_of[f], out->seen}, 0, false,
             loose);
     }
-    for (std::size_t e = 0; e < 2; ++e) add_doubts_of(e, bins);
-
-    BinsBetween total;
-    for (const BinsBetween& own : bins)
-      for (const auto& [bin, part] : own) {
-        total[bin].lo += part.lo;
-        total[bin].hi += part.hi;
-      }
-    return reference_between({&total, 1}, ordinary, tolerance);
+    for (std::size_t e = 0; e < 2; ++e) {
+      found.first_doubt[e] = bins.size();
+      add_doubts_of(e, bins);
+    }
+    found.shared = shared_;
+    found.paired = paired_;
+    found.facets = enclosures_.facets;
+    return found;
   }
 
  private:
@@ -275,7 +283,8 @@ class PairedReference {
                  half_to = (farthest + about[1].farthest_m) / 2;
     if (half_from > borders_.back() || half_to < borders_.front()) return;
     if (e == 1) std::swap(about[0], about[1]);
-    for (const auto& [beam, weight] : heard_of(about)) {
+    for (const auto& [beam, weight] :
+         heard_of(about, heard_beside(facet, about[1], e == 0 ? *there : here))) {
       const double energy = doubt.energy_j * weight * (1 + slack);
       each_sample(half_from, half_to, [&](std::size_t sample) {
         Between& bin = bins[beam * (borders_.size() - 1) + sample];
@@ -286,7 +295,9 @@ class PairedReference {
   }
 
   /// Beams that may hear something about there, and no less than what patterns leave of it.
-  std::map<std::uint32_t, double> heard_of(const std::array<About, 2>& about) const {
+  /// `beside`: of the same for the receiver beside it; null: none.
+  std::map<std::uint32_t, double> heard_of(const std::array<About, 2>& about,
+                                           const std::optional<Towards>& beside) const {
     std::vector<char> fans;
     for (std::uint32_t tube = 0; tube < looks_[0].tubes.tubes.size(); ++tube) {
       const std::uint32_t fan = label_of(0, tube)[0];
@@ -307,16 +318,36 @@ class PairedReference {
       any = true;
       for (std::uint32_t beam = label[1]; beam < label[2]; ++beam) {
         double& weight = heard[beam];
-        weight = std::max(weight, pieces_.most_of(label[3], beam, {about[0].centre_m, about[0].radius_m},
-                                                  {about[1].centre_m, about[1].radius_m}));
+        const Towards out{about[0].centre_m, about[0].radius_m};
+        weight =
+            std::max(weight, pieces_.most_of(label[3], beam, out, {about[1].centre_m, about[1].radius_m}));
+        if (beside) weight = std::max(weight, pieces_.most_of(label[3], beam, out, *beside));
       }
     }
     return heard;
   }
 
+  /// Where the receiver beside this one sees a part of a facet. Without a proven ray all is unknown.
+  std::optional<Towards> heard_beside(FacetId facet, const About& about, const FacetEnclosure& here) const {
+    const FacetEnclosure* there = beside_ != nullptr ? beside_->end_of(1, facet) : nullptr;
+    if (there == nullptr || there->state == State::unproven) return std::nullopt;
+    const glm::dvec3 from[3]{here.seen[0], here.seen[1], here.seen[2]},
+        to[3]{there->seen[0], there->seen[1], there->seen[2]};
+    const FacetMap map = facet_map(from, to);
+    Towards moved{map.at(about.centre_m), 0};
+    // Its ball may be stretched.
+    const glm::dmat3& m = map.linear;
+    const double stretch = std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+    moved.radius_m = about.radius_m * stretch * (1 + slack) + there->gap_m;
+    return moved;
+  }
+
   const PairedBed& bed_;
   const ReceiveBeams& beams_;
   const EchoLaw& law_;
+  const PairedReference* beside_ = nullptr;
+  SharedFootprints shared_;
+  std::vector<PairedFacet> paired_;  // as its facets
   double unit_m_, margin_m_ = 0;
   std::vector<double> borders_;
   PairedPieces pieces_;
@@ -324,22 +355,65 @@ class PairedReference {
   PairedEnclosures enclosures_;
 };
 
+void require_exact(const VisibilityOptions& options) {
+  if (options.arithmetic == Arithmetic::plain_double)
+    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+}
+
+/// A law with patterns by the directions that its path's ends have.
+struct PatternsOfEnds {
+  explicit PatternsOfEnds(const EchoLaw& of) : law(of) {
+    if (of.patterns == nullptr) return;
+    patterns = as_images_have(*of.patterns, of.path);
+    law.patterns = &patterns;
+  }
+  PatternsOfEnds(const PatternsOfEnds&) = delete;
+  PatternsOfEnds& operator=(const PatternsOfEnds&) = delete;
+  EchoLaw law;
+  BeamPatterns patterns;
+};
+
 }  // namespace
+
+BinsBetween added_up(std::span<const BinsBetween> parts) {
+  BinsBetween total;
+  for (const BinsBetween& own : parts)
+    for (const auto& [bin, part] : own) {
+      total[bin].lo += part.lo;
+      total[bin].hi += part.hi;
+    }
+  return total;
+}
 
 RefractedReference certify_refracted_echo(const PairedBed& bed, const PairedTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
                                           const RangeSamples& samples, const EchoLaw& law,
                                           const Echo& ordinary, double tolerance) {
-  if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
-  EchoLaw own = law;
-  BeamPatterns patterns;
-  if (law.patterns != nullptr) {
-    patterns = as_images_have(*law.patterns, law.path);
-    own.patterns = &patterns;
-  }
-  return PairedReference(bed, tubes, options, beams, samples, own, ordinary, tolerance)
-      .certify(ordinary, tolerance);
+  require_exact(options);
+  const PatternsOfEnds own(law);
+  PairedReference reference(bed, tubes, options, beams, samples, own.law, ordinary, tolerance);
+  reference.enclose_shared([&](const SharedFootprints& shared) {
+    return paired_facets(shared, bed.mesh, {bed.out.ground, bed.out.water}, {bed.home.ground, bed.home.water},
+                         bed.grid, law.absorption_db_per_m);
+  });
+  const BinsBetween total = added_up(reference.parts().bins);
+  return reference_between({&total, 1}, ordinary, tolerance);
+}
+
+std::array<PairedParts, 2> paired_parts(const std::array<PairedBed, 2>& beds,
+                                        const std::array<PairedTubes, 2>& tubes,
+                                        const VisibilityOptions& options, const RangeSamples& samples,
+                                        const EchoLaw& law, const std::array<Echo, 2>& ordinary,
+                                        double tolerance, const std::array<LayOut, 2>& lay_out) {
+  require_exact(options);
+  const PatternsOfEnds own(law);
+  const std::vector<std::uint32_t> of_tube(tubes[0].home.tubes.size(), 0);
+  const ReceiveBeams beams{1, of_tube};
+  PairedReference upper(beds[0], tubes[0], options, beams, samples, own.law, ordinary[0], tolerance),
+      lower(beds[1], tubes[1], options, beams, samples, own.law, ordinary[1], tolerance);
+  upper.enclose_shared(lay_out[0]);
+  lower.enclose_shared(lay_out[1]);
+  return {upper.parts(&lower), lower.parts(&upper)};
 }
 
 }  // namespace tubefoot

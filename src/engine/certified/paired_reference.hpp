@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <functional>
+#include <vector>
+
 #include "engine/certified/paired_enclosure.hpp"
 #include "engine/certified/refracted_bins.hpp"
 #include "engine/echo/echo.hpp"
@@ -29,5 +33,31 @@ RefractedReference certify_refracted_echo(const PairedBed& bed, const PairedTube
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
                                           const RangeSamples& samples, const EchoLaw& law,
                                           const Echo& ordinary, double tolerance);
+
+/// The facets that two ends share, laid out flat, in their order.
+using LayOut = std::function<std::vector<PairedFacet>(const SharedFootprints& shared)>;
+
+/// What is known of such an echo before it is added up.
+struct PairedParts {
+  SharedFootprints shared;
+  std::vector<PairedFacet> paired;      ///< as its facets
+  std::vector<PairedEnclosure> facets;  ///< as these
+  std::vector<char> is_proven;          ///< as these: the facet, and that both ends see it by one ray
+  /// By runs of such facets what they surely have, a list of what loose facets may have, and from first_doubt[end] on of
+  /// what that end is not certain of.
+  std::vector<BinsBetween> bins;
+  std::array<std::size_t, 2> first_doubt{};
+};
+/// By bin, in the order of the list.
+BinsBetween added_up(std::span<const BinsBetween> parts);
+
+/// Of two receivers, each beside the other (PairedBed::beside), which hear one beam by all tubes: what is in
+/// doubt holds the energies that both hear of a place, and so the root of their product. `ordinary`,
+/// `lay_out`: by receiver.
+std::array<PairedParts, 2> paired_parts(const std::array<PairedBed, 2>& beds,
+                                        const std::array<PairedTubes, 2>& tubes,
+                                        const VisibilityOptions& options, const RangeSamples& samples,
+                                        const EchoLaw& law, const std::array<Echo, 2>& ordinary,
+                                        double tolerance, const std::array<LayOut, 2>& lay_out);
 
 }  // namespace tubefoot

@@ -100,39 +100,46 @@ RefractedReference reference_between(std::span<const BinsBetween> parts, const E
       total[bin].hi += part.hi;
     }
 
-  RefractedReference reference;
-  CertifiedEcho& certified = reference.certified;
-  certified.echo = ordinary;
-  certified.bound.resize(total.size());
+  CertifiedEcho certified{ordinary, std::vector<double>(total.size())};
   for (std::size_t bin = 0; bin < total.size(); ++bin) {
     if (!std::isfinite(total[bin].hi)) {
       certified.bound[bin] = infinite;
-      ++reference.unbounded;
       continue;
     }
     const double lo = total[bin].lo * (1 - slack), hi = total[bin].hi * (1 + slack);
     certified.echo.energy[bin] = lo + (hi - lo) / 2;
     certified.bound[bin] = (hi - lo) / 2 * (1 + slack);
   }
+  return reference_of(
+      std::move(certified), [&](CertifiedEcho& echo) { hold_against(echo, tolerance); },
+      [&](Echo&& least) { return reference_targets(least, tolerance); });
+}
+
+RefractedReference reference_of(CertifiedEcho echo, const std::function<void(CertifiedEcho&)>& hold,
+                                const std::function<std::vector<double>(Echo&&)>& targets_of) {
+  RefractedReference reference;
+  reference.certified = std::move(echo);
+  CertifiedEcho& certified = reference.certified;
   // What keeps the bounds that are finite from being as narrow as asked.
   CertifiedEcho finite = certified;
-  for (double& bound : finite.bound) bound = std::isfinite(bound) ? bound : 0;
-  hold_against(finite, tolerance);
-  reference.bins = total.size() - reference.unbounded;
+  for (double& bound : finite.bound)
+    if (!std::isfinite(bound)) bound = 0, ++reference.unbounded;
+  hold(finite);
+  reference.bins = certified.bound.size() - reference.unbounded;
   reference.bins_over = finite.bins_over;
   if (finite.bins_over > 0) {
     std::vector<double> excess;
     Echo least = finite.echo;
-    for (std::size_t bin = 0; bin < total.size(); ++bin)
+    for (std::size_t bin = 0; bin < least.energy.size(); ++bin)
       least.energy[bin] = std::max(least.energy[bin] - finite.bound[bin], 0.0);
-    const std::vector<double> targets = reference_targets(least, tolerance);
-    for (std::size_t bin = 0; bin < total.size(); ++bin)
+    const std::vector<double> targets = targets_of(std::move(least));
+    for (std::size_t bin = 0; bin < targets.size(); ++bin)
       if (finite.bound[bin] > targets[bin]) excess.push_back(finite.bound[bin] / targets[bin]);
     const auto middle = excess.begin() + std::ssize(excess) / 2;
     std::nth_element(excess.begin(), middle, excess.end());
     reference.usual_excess = *middle;
   }
-  hold_against(certified, tolerance);
+  hold(certified);
   certified.worst_ratio = finite.worst_ratio;
   certified.worst_beam = finite.worst_beam;
   certified.worst_sample = finite.worst_sample;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <map>
@@ -46,11 +47,13 @@ class ShiftedSamples {
     }
   }
   std::span<const double> borders() const { return about_; }
+  /// No place is surely of any sample.
+  bool too_wide() const { return shift_m_ > most_shift_m_; }
 
   /// What a part of these samples has, from `lo` to `hi`, to the beam's bins.
   void add(std::uint32_t beam, std::uint32_t sample, double lo, double hi, BinsBetween& bins) const {
     const std::size_t row = borders_.size() - 1, first = beam * row;
-    if (shift_m_ > most_shift_m_) {
+    if (too_wide()) {
       const double from = about_[sample] - shift_m_ - most_shift_m_,
                    to = about_[sample + 1] + shift_m_ + most_shift_m_;
       for (std::size_t k = 0; k < row; ++k)
@@ -74,6 +77,11 @@ class ShiftedSamples {
 /// What bins hold, added up in the order of the list.
 RefractedReference reference_between(std::span<const BinsBetween> parts, const Echo& ordinary,
                                      double tolerance);
+
+/// An echo whose bounds are infinite where nothing is known. `hold`: against what is asked; `targets_of`:
+/// what bounds of one that surely has these energies are to be.
+RefractedReference reference_of(CertifiedEcho echo, const std::function<void(CertifiedEcho&)>& hold,
+                                const std::function<std::vector<double>(Echo&& least)>& targets_of);
 
 /// Which facets have images that a tube may see.
 class Looked {

@@ -9,121 +9,14 @@
 #include <limits>
 #include <stdexcept>
 
-#include "engine/certified/certified_path_energy.hpp"
 #include "engine/certified/reference_parts.hpp"
-#include "geometry/numbers/complex_ranges.hpp"
+#include "engine/certified/staff_integrand.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-
-/// The root of both energies' product: its size, and its parts with the phase between the receivers.
-class StaffIntegrand : public CertifiedIntegrand {
- public:
-  StaffIntegrand(const CertifiedPathEnergy& upper, const CertifiedPathEnergy& lower,
-                 const CertifiedPathGains& upper_gains, const CertifiedPathGains& lower_gains,
-                 const Fringe& staff, const glm::dvec3& middle_m, const CertifiedCell* texture)
-      : upper_(upper),
-        lower_(lower),
-        upper_gains_(upper_gains),
-        lower_gains_(lower_gains),
-        texture_(texture),
-        along_(upper.out().trace(staff.axis)),
-        turn_(Ball(-2) * Ball(staff.baseline_m) * Ball(staff.wavenumber_rad_m)) {
-    for (int k = 0; k < 3; ++k) along_.at_foot += Ball(-middle_m[k]) * Ball(staff.axis[k]);
-  }
-
-  std::size_t values() const override { return 3; }
-  std::size_t size_of(std::size_t) const override { return 0; }
-  bool positive() const override { return false; }
-  double scale_m(const PlanePlace<Ball>& p) const override {
-    return std::min(upper_.scale_m(p), lower_.scale_m(p)) * upper_gains_.smooth_rad() /
-           (1 + std::abs(turn_.middle()) / 2);
-  }
-
-  void at(const PlanePlace<Ball>& p, std::vector<Ball>& values) const override {
-    const Ball out = upper_.out().range(p), up = upper_.home().range(p), down = lower_.home().range(p);
-    std::vector<Ball> one{upper_.density_at(p, out, up)}, other{lower_.density_at(p, out, down)};
-    upper_gains_.weigh(p, out, up, one);
-    lower_gains_.weigh(p, out, down, other);
-    Ball size = root(one[0] * other[0]);
-    if (texture_ != nullptr) size = size * texture_->factor_at(p.x, p.y);
-    Ball sine, cosine;
-    // (upper^2 - lower^2) / (upper + lower): no cancellation where the baseline is short.
-    sin_cos(turn_ * along_.at(p) / (up + down), sine, cosine);
-    values = {size, size * cosine, size * sine};
-  }
-
-  bool take(const PlanePlace<Ball>& box, std::vector<double>& off) override {
-    const Ball out = upper_.out().range(box);
-    std::vector<double> one(1, 0), other(1, 0);
-    upper_gains_.take_segments(box, out, upper_.home().range(box), one);
-    lower_gains_.take_segments(box, out, lower_.home().range(box), other);
-    for (double& value : off) value = (one[0] + other[0]) / 2;
-    if (!upper_.take_pieces(box) || !lower_.take_pieces(box)) return false;
-    // Roots of patterns have corners at their zeros.
-    return upper_gains_.has_no_zero(box, upper_.home().range(box)) &&
-           lower_gains_.has_no_zero(box, lower_.home().range(box));
-  }
-  void take_whole() override {
-    for (CertifiedPathGains* gains : {&upper_gains_, &lower_gains_}) gains->take_tables();
-    for (CertifiedPathEnergy* energy : {&upper_, &lower_}) energy->take_all_pieces();
-  }
-
-  void log_bounds(const PlanePlace<ComplexBall>& p, std::vector<double>& bounds) const override {
-    CertifiedEnd::Bound out, up, down;
-    std::vector<double> one{upper_.log_bound(p, out, up)}, other{lower_.log_bound(p, out, down)};
-    bounds.assign(3, infinite);
-    if (!(one[0] < infinite && other[0] < infinite)) return;
-    upper_gains_.weigh(p, out, up, one);
-    lower_gains_.weigh(p, out, down, other);
-    double size = (one[0] + other[0]) / 2 + 1e-9;
-    if (texture_ != nullptr) size += std::log(texture_->largest_at(p.x, p.y)) + 1e-9;
-    // |cos z| and |sin z| are at most e^|Im z|.
-    const ComplexBall ranges = tight_root(upper_.home().range2(p)) + tight_root(lower_.home().range2(p));
-    const ComplexRange phase(ComplexBall(turn_) * along_.at(p) * tight_inverse(ranges));
-    if (std::isnan(size) || !phase.is_finite()) return;
-    const double turned = size + phase.most_im() * (1 + 1e-12) + 1e-9;
-    bounds = {size, turned, turned};
-  }
-
- private:
-  CertifiedPathEnergy upper_, lower_;
-  CertifiedPathGains upper_gains_, lower_gains_;
-  const CertifiedCell* texture_;
-  CertifiedEnd::Trace along_;  // the staff, of a place from its middle
-  Ball turn_;
-};
-
-/// What of a polygon lies in another one of the same plane, and the area of what may, at their edges. No
-/// points: no more than that.
-std::pair<CertifiedPolygon, Ball> common_part(const CertifiedPolygon& one, const CertifiedPolygon& other) {
-  CertifiedPolygon left = one;
-  Ball unsure;
-  const std::size_t n = other.points.size();
-  for (std::size_t i = 0; i < n && !left.points.empty(); ++i) {
-    const CertifiedPolygon::Point &a = other.points[i], &b = other.points[i + 1 == n ? 0 : i + 1];
-    const Ball dx = b.x - a.x, dy = b.y - a.y, length = root(squared(dx) + squared(dy));
-    if (!length.surely_positive()) {
-      unsure += Ball(length.hi()) * one.perimeter;  // cuts off no more than it is long
-      continue;
-    }
-    std::vector<Ball> height;
-    double level = 0;
-    for (const CertifiedPolygon::Point& p : left.points) {
-      height.push_back((dx * (p.y - a.y) - dy * (p.x - a.x)) / length);
-      level = std::max(level, 2 * (height.back().hi() - height.back().lo()));
-    }
-    // What is nearer to the line than that is taken to be on it.
-    unsure += Ball(2 * level) * one.perimeter;
-    auto sides = split(left.points, height, level);
-    if (sides[0].empty()) continue;
-    left = part_of(one, std::move(sides[1]));
-  }
-  return {std::move(left), Ball(unsure.hi())};
-}
 
 class StaffEncloser {
  public:
@@ -207,11 +100,7 @@ class StaffEncloser {
     }
   }
 
-  struct Ends {
-    CertifiedPathEnergy energy;
-    CertifiedPathGains gains;
-  };
-  Ends ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
+  StaffWay ends(std::size_t end, FacetId facet, const CertifiedPolygon& polygon) const {
     const EchoLaw& law = *laws_[end];
     CertifiedPathEnergy energy(polygon, at_m_[end], law, law.bed(facet), beta_);
     CertifiedPathGains gains(energy.out(), energy.home(), law.patterns->transmit.front(),
@@ -251,7 +140,7 @@ class StaffEncloser {
     if (!faces(end, polygon)) return;
     by_cells(facet, polygon,
              [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
-               Ends own = ends(end, facet, part);
+               StaffWay own = ends(end, facet, part);
                const ApexOverPlane out = own.energy.out().over(), home = own.energy.home().over();
                CertifiedPathIntegrand integrand(std::move(own.energy), std::move(own.gains), cell);
                integrator.add(
@@ -268,9 +157,9 @@ class StaffEncloser {
     if (polygon.points.empty()) return;
     by_cells(facet, polygon,
              [&](const CertifiedPolygon& part, const CertifiedCell* cell, const Ball& even, double cells) {
-               const Ends upper = ends(0, facet, part), lower = ends(1, facet, part);
-               StaffIntegrand integrand(upper.energy, lower.energy, upper.gains, lower.gains, staff_,
-                                        history_.middle_m, cell);
+               const StaffWay upper = ends(0, facet, part), lower = ends(1, facet, part);
+               StaffIntegrand integrand({upper.energy, upper.gains}, {lower.energy, lower.gains},
+                                        StaffPhase(upper.energy.out(), staff_, history_.middle_m), cell);
                const ApexOverPlane homes[2] = {upper.energy.home().over(), lower.energy.home().over()};
                integrator.add(part, upper.energy.out().over(),
                               std::span(homes).first(staff_.baseline_m > 0 ? 2 : 1), integrand,
@@ -286,9 +175,9 @@ class StaffEncloser {
   void add_unsure(FacetId facet, const CertifiedPolygon& polygon, const Ball& unsure,
                   CertifiedPathIntegrator& integrator, Bins& bins) {
     const CertifiedTexture* texture = textures_[laws_[0]->material[facet]].get();
-    const Ends upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
-    StaffIntegrand integrand(upper.energy, lower.energy, upper.gains, lower.gains, staff_, history_.middle_m,
-                             nullptr);
+    const StaffWay upper = ends(0, facet, polygon), lower = ends(1, facet, polygon);
+    StaffIntegrand integrand({upper.energy, upper.gains}, {lower.energy, lower.gains},
+                             StaffPhase(upper.energy.out(), staff_, history_.middle_m), nullptr);
     const ApexOverPlane home = upper.energy.home().over();
     integrator.add(polygon, upper.energy.out().over(), {&home, 1}, integrand,
                    {0, [](std::size_t, std::size_t) { return least_allowed; }},
@@ -315,18 +204,6 @@ class StaffEncloser {
   std::array<std::array<Ball, 3>, 2> at_m_;
   std::atomic<bool> coarse_ = false;
 };
-
-/// What each bound is to be, by channel.
-std::vector<double> staff_targets(std::span<const double> upper, std::span<const double> lower,
-                                  double tolerance) {
-  Echo rows{3, int(upper.size()), {}};
-  for (const auto& row : {upper, lower}) rows.energy.insert(rows.energy.end(), row.begin(), row.end());
-  for (std::size_t k = 0; k < upper.size(); ++k) rows.energy.push_back(std::sqrt(upper[k] * lower[k]));
-  std::vector<double> target = reference_targets(rows, tolerance);
-  const std::vector<double> cross(target.end() - std::ptrdiff_t(upper.size()), target.end());
-  target.insert(target.end(), cross.begin(), cross.end());
-  return target;
-}
 
 CertifiedEcho enclosed(const FacetMesh& mesh, const StaffHistory& history, double grid_unit_m,
                        const Fringe& staff, const RangeSamples& samples, std::array<const EchoLaw*, 2> laws,
@@ -357,6 +234,17 @@ CertifiedEcho enclosed(const FacetMesh& mesh, const StaffHistory& history, doubl
 }
 
 }  // namespace
+
+std::vector<double> staff_targets(std::span<const double> upper, std::span<const double> lower,
+                                  double tolerance) {
+  Echo rows{3, int(upper.size()), {}};
+  for (const auto& row : {upper, lower}) rows.energy.insert(rows.energy.end(), row.begin(), row.end());
+  for (std::size_t k = 0; k < upper.size(); ++k) rows.energy.push_back(std::sqrt(upper[k] * lower[k]));
+  std::vector<double> target = reference_targets(rows, tolerance);
+  const std::vector<double> cross(target.end() - std::ptrdiff_t(upper.size()), target.end());
+  target.insert(target.end(), cross.begin(), cross.end());
+  return target;
+}
 
 Echo rows_of(const StaffEcho& echo) {
   Echo rows{4, int(echo.upper_j.size()), {}};

@@ -21,6 +21,10 @@ CertifiedEcho certify_staff_products(const FacetMesh& mesh, const StaffHistory& 
                                      const EchoLaw& by_upper, const EchoLaw& by_lower,
                                      const StaffEcho& ordinary, double tolerance);
 
+/// What each bound is to be, by row, where the receivers have these energies.
+std::vector<double> staff_targets(std::span<const double> upper_j, std::span<const double> lower_j,
+                                  double tolerance);
+
 /// The rows of such an echo.
 Echo rows_of(const StaffEcho& echo);
 /// Counts the bins of these rows whose bound is above what was asked for (as hold_against()).

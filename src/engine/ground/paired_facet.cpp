@@ -183,6 +183,73 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
   return paired;
 }
 
+StaffLayOut::StaffLayOut(const FacetMesh& bed, const ApparentEnd& transmit,
+                         const std::array<const Straightening*, 2>& receivers, const WorldGrid& grid)
+    : bed_(bed), transmit_(transmit), receivers_(receivers), grid_(grid) {}
+
+const StaffLayOut::Image& StaffLayOut::image(std::size_t receiver, VertexId vertex) {
+  const auto known = images_[receiver].find(vertex);
+  if (known != images_[receiver].end()) return known->second;
+  const Straightening& water = *receivers_[receiver];
+  const auto found = water.apparent(grid_.to_metres(bed_.vertices[vertex]));
+  return images_[receiver]
+      .emplace(vertex, found ? Image(found->at_m - water.apex_m()) : Image())
+      .first->second;
+}
+
+std::vector<PairedFacet> StaffLayOut::of(const SharedFootprints& shared, std::size_t receiver) {
+  std::vector<PairedFacet> all;
+  all.reserve(shared.facets.size());
+  for (const SharedFacet& of : shared.facets) {
+    stop_if_wanted();
+    std::array<VertexId, 3> vertex = bed_.facets[of.facet];
+    glm::dvec3 from_t[3], lies[3], from_r[2][3];
+    const auto take = [&] {
+      for (std::size_t k = 0; k < 3; ++k) {
+        from_t[k] =
+            grid_.to_metres(transmit_.ground.refined.mesh.vertices[vertex[k]]) - transmit_.water.apex_m();
+        lies[k] = transmit_.ground.truth[vertex[k]];
+      }
+    };
+    take();
+    // In the order in which pieces turn.
+    if (glm::dot(glm::cross(from_t[1] - from_t[0], from_t[2] - from_t[0]), of.plane_normal) > 0) {
+      std::swap(vertex[1], vertex[2]);
+      take();
+    }
+    Metric mean;
+    double seen_by = 0;
+    bool sees[2]{};
+    for (std::size_t r = 0; r < 2; ++r) {
+      sees[r] = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Image& there = image(r, vertex[k]);
+        sees[r] = sees[r] && there;
+        if (there) from_r[r][k] = *there;
+      }
+      if (!sees[r]) continue;
+      const Metric own = metric_of(from_r[r]);
+      mean = {mean.first + own.first, mean.second + own.second, mean.product + own.product};
+      ++seen_by;
+    }
+    PairedFacet& facet = all.emplace_back();
+    if (!sees[receiver]) continue;
+    mean = {mean.first / seen_by, mean.second / seen_by, mean.product / seen_by};
+    const Flat flat(mean);
+    const Place t = lay_out(from_t, mean), r = lay_out(from_r[receiver], mean);
+    const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
+                           glm::dvec2(flat.across_x, flat.across_y) - t.foot};
+    facet.transmit_distance_m = t.height;
+    facet.receive_distance_m = r.height;
+    facet.receive_foot_m = r.foot - t.foot;
+    facet.to_plane = facet_map(from_t, {{at[0], 0}, {at[1], 0}, {at[2], 0}});
+    facet.transmit_seen = plane_through(at, from_t);
+    facet.receive_seen = plane_through(at, from_r[receiver]);
+    facet.lies = plane_through(at, lies);
+  }
+  return all;
+}
+
 // Where the middle is sqrt(D^2 + |p - F|^2) from the plane's point p, which it sees at s(p), linear in p, the
 // end is as far from it as the root of D^2 + |p - F|^2 - 2 by . s(p) + by^2: a distance and a foot again.
 bool PairedFacet::move_receiver(glm::dvec3 by_m) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "engine/ground/refracted_ground.hpp"
@@ -75,6 +77,28 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
 std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const ApparentPair& pair,
                                        const WorldGrid& grid, const Straightening& transmit,
                                        const Straightening& receive, double reference_absorption_db_per_m);
+
+/// Lays out facets for a staff: on one plane for both of its receivers, with edges as these see them, so that
+/// their ranges, and what these differ by, are as right as they can be; the transmitter is put where its
+/// distances to the corners are right. Corners of the result (Corner) are left as they are made.
+class StaffLayOut {
+ public:
+  /// `receivers`: upper and lower. All outlive it.
+  StaffLayOut(const FacetMesh& bed, const ApparentEnd& transmit,
+              const std::array<const Straightening*, 2>& receivers, const WorldGrid& grid);
+  /// Facets that one of them shares with the transmitter, in their order.
+  std::vector<PairedFacet> of(const SharedFootprints& shared, std::size_t receiver);
+
+ private:
+  using Image = std::optional<glm::dvec3>;  // from the receiver's apex, to the last digit
+  const Image& image(std::size_t receiver, VertexId vertex);
+
+  const FacetMesh& bed_;
+  const ApparentEnd transmit_;
+  std::array<const Straightening*, 2> receivers_;
+  const WorldGrid& grid_;
+  std::array<std::unordered_map<VertexId, Image>, 2> images_;
+};
 
 /// What a facet returns over what the straight law makes of it laid out flat: the mean over its corners of
 /// gain sqrt(sigma(lies) sigma(lies)) / sqrt(sigma(seen) sigma(seen)); null: Lambert's law.

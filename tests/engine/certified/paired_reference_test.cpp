@@ -6,23 +6,17 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "fixtures/world/gradient_bed.hpp"
+#include "fixtures/world/gradient_pairs.hpp"
 #include "fixtures/world/textures.hpp"
 
 namespace tubefoot {
 namespace {
 
-using test::bed_fan;
-using test::bed_gradient;
-using test::GradientBed;
-using test::Triangle;
-
-constexpr double degree = GradientBed::degree;
+using namespace test;
 
 /// Two ends over a flat bed, and what stands on it.
 struct Paired {
@@ -72,106 +66,6 @@ struct Paired {
   }
 };
 
-TubeSet at(TubeSet tubes, const WorldGrid& grid, glm::dvec3 apex_m) {
-  tubes.apex = grid.snap(apex_m);
-  return tubes;
-}
-
-/// Of one gradient: the ray from an apex to a place, in closed form (physics.md).
-struct Ray {
-  double time_s, sine, area_m2, arc_m;  ///< on the bed; per steradian at the apex
-  glm::dvec3 launch;
-  Ray(double g, glm::dvec3 apex, glm::dvec3 place) {
-    const double cs = 1500 - g * apex.z, cr = 1500 - g * place.z, h = apex.z - place.z,
-                 x = std::hypot(place.x - apex.x, place.y - apex.y), chord = std::hypot(x, h),
-                 tilt = std::atan(g * x / (cs + cr));
-    time_s = std::acosh(1 + g * g * chord * chord / (2 * cs * cr)) / std::abs(g);
-    sine = std::sin(std::asin(h / chord) - tilt);
-    area_m2 = std::pow(cr * std::sinh(g * time_s) / g, 2);
-    arc_m = chord * tilt / std::sin(tilt);
-    const double down = std::asin(h / chord) + tilt;
-    launch = {std::cos(down) * (place.x - apex.x) / x, std::cos(down) * (place.y - apex.y) / x,
-              -std::sin(down)};
-  }
-};
-
-/// What a rectangle of the bed returns to each sample, cell by cell of a fine grid about its borders.
-std::vector<double> rectangle(double g, glm::dvec3 out, glm::dvec3 home, glm::dvec2 from, glm::dvec2 to,
-                              const RangeSamples& samples, double absorption,
-                              const BeamPatterns* patterns = nullptr) {
-  std::vector<double> energy(std::size_t(samples.count), 0);
-  const double beta = absorption * std::numbers::ln10 / 10, cr = 1500 + g * GradientBed::below_m,
-               speeds = (1500 - g * home.z) / cr;
-  const auto place = [](double x, double y) { return glm::dvec3(x, y, -GradientBed::below_m); };
-  const auto half = [&](double x, double y) {
-    return 750 * (Ray(g, out, place(x, y)).time_s + Ray(g, home, place(x, y)).time_s);
-  };
-  const auto density = [&](double x, double y) {
-    const Ray a(g, out, place(x, y)), b(g, home, place(x, y));
-    return GradientBed::mu * a.sine * b.sine / (a.area_m2 * b.area_m2 * speeds * speeds) *
-           std::exp(-beta * (a.arc_m + b.arc_m)) *
-           (patterns ? patterns->transmit[0].gain(a.launch) * patterns->receive[0].gain(b.launch) : 1);
-  };
-  using Rule = boost::math::quadrature::gauss<double, 15>;
-  constexpr int rows = 400;
-  // Along x half paths grow from here on: borders by bisection, rows of y by Gauss.
-  const std::array<double, 3> node{-std::sqrt(0.6), 0, std::sqrt(0.6)}, weight{5. / 18, 8. / 18, 5. / 18};
-  for (int row = 0; row < rows; ++row)
-    for (int k = 0; k < 3; ++k) {
-      const double dy = (to.y - from.y) / rows, y = from.y + dy * (row + (1 + node[std::size_t(k)]) / 2);
-      double x = from.x;
-      for (int s = 0; s <= samples.count && x < to.x; ++s) {
-        const double border = samples.first_m + s * samples.step_m;
-        if (half(x, y) >= border) continue;
-        double low = x, high = to.x;
-        if (half(high, y) > border)
-          for (int i = 0; i < 60; ++i) {
-            const double middle = (low + high) / 2;
-            (half(middle, y) < border ? low : high) = middle;
-          }
-        else
-          low = high;
-        if (s > 0)
-          energy[std::size_t(s - 1)] +=
-              weight[std::size_t(k)] * dy *
-              Rule::integrate([&](double at_x) { return density(at_x, y); }, x, low);
-        x = low;
-      }
-    }
-  return energy;
-}
-
-/// Of which only a rectangle scatters: a bed with mu there alone would need a material; so a small one lies
-/// in the water by itself.
-GradientBed plate(glm::dvec2 from, glm::dvec2 to) {
-  const double z = -GradientBed::below_m;
-  GradientBed bed({}, 256, 512);
-  MeshBuilder builder(bed.grid);
-  builder.add(std::vector<glm::dvec3>{{from, z}, {to.x, from.y, z}, {to, z}, {from.x, to.y, z}},
-              std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}, 0, 0);
-  MeshReport report;
-  bed.base = builder.finish(report);
-  return bed;
-}
-
-const glm::dvec3 transmitter(0), receiver(-4, 3, 2);
-const glm::dvec2 from(12, -3), to(24, 4);
-
-/// A line array ahead and a piston at the plate, which its first side lobe reaches.
-BeamPatterns patterns_for(const TubeSet& heard) {
-  BeamPatterns patterns;
-  patterns.transmit = {
-      TransmitPattern({.kind = Directivity::Kind::line, .axis = {0, 1, 0}, .centre = 0.02, .size = 6})};
-  const Directivity piston{.kind = Directivity::Kind::piston,
-                           .axis = glm::normalize(glm::dvec3(0.6, 0.1, -0.8)),
-                           .from_axis = true,
-                           .size = 16};
-  patterns.receive = {piston};
-  patterns.fan_of_tube.assign(heard.tubes.size(), 0);
-  patterns.beams_of_tube.assign(heard.tubes.size(), {0, 1});
-  return patterns;
-}
-
 // Bounds shrink with the gap, have not too much to spare, and fail when energies are moved by twice the
 // bound.
 TEST(PairedReference, HoldsTheClosedFormOfOneGradient) {
@@ -187,7 +81,7 @@ TEST(PairedReference, HoldsTheClosedFormOfOneGradient) {
       const BeamPatterns patterns = patterns_for(pair.heard);
       if (weighed) pair.patterns = &patterns;
       const std::vector<double> truth =
-          rectangle(g, transmitter, receiver, from, to, samples, absorption, pair.patterns);
+          rectangle({g, transmitter, receiver, absorption, pair.patterns}, from, to, samples);
       double before = 2, closest = 0;
       for (const double gap : {2e-2, 2e-3}) {
         SCOPED_TRACE(fmt::format("g {} gap {} weighed {}", g, gap, weighed));
@@ -223,17 +117,6 @@ void expect_agree(const CertifiedEcho& a, const CertifiedEcho& b, double scale =
   EXPECT_GT(lit, double(a.bound.size()) / 3);
 }
 
-std::shared_ptr<const ScatteringLaw> lobed() {
-  return std::make_shared<const ScatteringLaw>(
-      ScatteringLaw::gsab({0.4, 20 * degree, 0.01, 1.7, 0.03, 30 * degree}));
-}
-
-/// A leaning board in front of the plate, which hides some of it from both ends, from each another part.
-std::vector<Triangle> board() {
-  const glm::dvec3 a(10, -1, -16), b(10.5, 1.5, -16.2), c(9.6, -0.8, -13), d(10, 1.2, -13.4);
-  return {{a, b, c}, {b, d, c}};
-}
-
 TEST(PairedReference, EvenWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   const RangeSamples samples{24, 2, 3};
@@ -241,7 +124,7 @@ TEST(PairedReference, EvenWaterIsTheStraightReference) {
     SCOPED_TRACE(kind);
     GradientBed bed(board(), 24, 8);
     if (kind == 1) bed.laws = {lobed(), nullptr};
-    if (kind == 2) bed.textures = {test::perlin(6, 1, 0.5), nullptr};
+    if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
     Paired pair{bed, even, at(bed_fan(40), bed.grid, transmitter), at(bed_fan(40), bed.grid, receiver)};
     const BeamPatterns patterns = patterns_for(pair.heard);
     if (kind == 3) pair.patterns = &patterns;
@@ -261,7 +144,7 @@ TEST(PairedReference, InOnePlaceItIsTheReferenceOfOneApex) {
     SCOPED_TRACE(kind);
     GradientBed bed(board(), 32, 8);
     if (kind == 1) bed.laws = {lobed(), nullptr};
-    if (kind == 2) bed.textures = {test::perlin(6, 1, 0.5), nullptr};
+    if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
     const WaterColumn water = bed_gradient(-0.4, 0.05);
     const TubeSet tubes = bed_fan(40);
     const Paired pair{bed, water, tubes, tubes, 0.05};

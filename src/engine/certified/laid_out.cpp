@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/laid_out.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+
+}  // namespace
+
+CertifiedPolygon laid_out(std::span<const glm::dvec3> corners_m, glm::dvec3 receiver_m,
+                          const PairedFacet& paired) {
+  constexpr double units = 0x1p-49;  // that corners are rounded by (FootprintSharer)
+  CertifiedPolygon plane;
+  plane.distance = Ball(paired.transmit_distance_m);
+  plane.u = {Ball(1), Ball(0), Ball(0)};
+  plane.v = {Ball(0), Ball(1), Ball(0)};
+  plane.away = {Ball(0), Ball(0), Ball(1)};
+  std::vector<CertifiedPolygon::Point> points;
+  for (const glm::dvec3& corner : corners_m) {
+    std::array<Ball, 3> way;
+    for (int k = 0; k < 3; ++k) {
+      Ball& own = way[std::size_t(k)] = Ball(corner[k]);
+      own.add_error(Ball(
+          units * (std::abs(corner[k]) + std::abs(corner[k] - receiver_m[k]) + std::abs(receiver_m[k]))));
+      own = own - Ball(paired.to_plane.seen_m[k]);
+    }
+    const auto along = [&](int row) {
+      Ball sum(paired.to_plane.lies_m[row]);
+      for (int k = 0; k < 3; ++k) sum += Ball(paired.to_plane.linear[k][row]) * way[std::size_t(k)];
+      return sum;
+    };
+    points.push_back({along(0), along(1)});
+  }
+  return part_of(plane, std::move(points));
+}
+
+CertifiedPathEnergy energy_of(const PairedFacet& paired, const PairedEnclosure& proven, const EchoLaw& law,
+                              std::uint16_t material, const Ball& beta_per_m) {
+  const ApexOverPlane out{Ball(paired.transmit_distance_m), Ball(0), Ball(0)},
+      home{Ball(paired.receive_distance_m), Ball(paired.receive_foot_m.x), Ball(paired.receive_foot_m.y)};
+  const auto law_of = [&](std::size_t e) { return proven.law[e] ? &*proven.law[e] : nullptr; };
+  return {{out, paired.transmit_seen}, {home, paired.receive_seen}, law.path,
+          {law_of(0), law_of(1)},      law.material_mu[material],   beta_per_m};
+}
+
+Towards seen_home(const CertifiedPolygon& polygon, const PairedFacet& paired) {
+  std::vector<glm::dvec3> seen;
+  for (const CertifiedPolygon::Point& p : polygon.points)
+    seen.push_back(paired.receive_seen.at({p.x.middle(), p.y.middle()}));
+  return Towards::places(seen);
+}
+
+FacetMap map_of(const LyingPlane& lies) {
+  return {glm::dvec3(0), lies.foot_m, glm::dmat3(lies.u, lies.v, glm::dvec3(0))};
+}
+
+double change_of(const CertifiedTexture& texture, double way_m) {
+  if (!(way_m > 0)) return 0;
+  double per_m = 0;
+  for (const CertifiedTexture::Axis& axis : texture.axes())
+    per_m =
+        std::max(per_m, root(squared(axis.per_m[0]) + squared(axis.per_m[1]) + squared(axis.per_m[2])).hi());
+  return std::min(texture.change(per_m * way_m * (1 + slack)), texture.range().hi());
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/pattern_doubt.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "engine/certified/certified_gain.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+
+/// The cosines between an axis and directions.
+Interval cosines_of(const glm::dvec3& axis, const Towards& towards) {
+  const double range = glm::length(towards.centre_m);
+  if (!(range > towards.radius_m)) return {-1, 1};
+  const double middle = glm::dot(axis, towards.centre_m) / range,
+               apart = std::asin(towards.radius_m / range) * (1 + slack) + slack;
+  return {std::max(middle - apart, -1.0), std::min(middle + apart, 1.0)};
+}
+
+/// How much the root of a pattern may change where a direction is off by an angle, and its cosine with the
+/// pattern's axis by a part of itself besides. Steepest are sinc x = sin(pi x) / (pi x) with 1.3703, 2 J1(x)
+/// / x with 0.37 (by x^2: 1/8), and exp(-2 ln 2 (a / size)^2) with 1.0099 / size.
+double root_change(const Directivity& d, double turn_rad, double stretch, const Towards& towards) {
+  if (d.kind == Directivity::Kind::uniform) return 0;
+  if (d.kind == Directivity::Kind::line) return 1.3705 * d.size * (turn_rad + stretch);
+  if (d.kind == Directivity::Kind::piston)
+    return 0.4 * d.size * 1.01 * turn_rad + d.size * d.size / 4 * 1.01 * stretch;
+  // Functions of the angle: d acos w = d asin w = dw / sqrt(1 - w^2), and no change of an angle is larger
+  // than that from 0.
+  const double flattest = std::min(cosines_of(d.axis, towards).largest() + stretch, 1.0),
+               sine = std::sqrt((1 - flattest) * (1 + flattest)),
+               turn =
+                   1.01 * turn_rad + std::min(sine > 0 ? stretch / sine : 1.0, 1.2 * std::sqrt(2 * stretch));
+  if (d.kind == Directivity::Kind::gaussian) return 1.011 / d.size * turn;
+  return std::sqrt(CertifiedGain(d).largest().hi()) *
+         std::expm1(d.table->steepest() * std::numbers::ln10 / 20 * turn) * (1 + slack);
+}
+
+}  // namespace
+
+Towards Towards::places(std::span<const glm::dvec3> places_m) {
+  Towards found;
+  for (const glm::dvec3& p : places_m) found.centre_m += p / double(places_m.size());
+  for (const glm::dvec3& p : places_m)
+    found.radius_m = std::max(found.radius_m, glm::distance(p, found.centre_m) * (1 + slack));
+  return found;
+}
+
+double most_of(const Directivity& pattern, const Towards& towards) {
+  const CertifiedGain gain(pattern);
+  if (gain.is_uniform()) return 1;
+  const double most = gain.largest().hi();
+  return std::min(gain.at(cosines_of(pattern.axis, towards), false, most).hi, most);
+}
+double most_of(const TransmitPattern& transmit, const Towards& towards) {
+  double sum = 0;
+  for (const Directivity& beam : transmit.beams) sum += most_of(beam, towards);
+  return sum;
+}
+
+PatternDoubt::PatternDoubt(const TransmitPattern& transmit, const Towards& there,
+                           const PairedEnclosure& proven)
+    : out_beams(double(transmit.beams.size())), most_out(tubefoot::most_of(transmit, there)) {
+  for (const Directivity& beam : transmit.beams)
+    out_change = std::max(out_change, root_change(beam, proven.turn_rad[0], proven.stretch[0], there));
+}
+
+void PatternDoubt::take_home(const Directivity& receive, const Towards& back, const PairedEnclosure& proven) {
+  most_home = std::max(taken_ ? most_home : 0.0, tubefoot::most_of(receive, back));
+  home_change = std::max(home_change, root_change(receive, proven.turn_rad[1], proven.stretch[1], back));
+  taken_ = true;
+}
+
+double PatternDoubt::of(double energy, double plain) const {
+  const double t = out_change, n = out_beams, r = home_change, out = plain * most_out,
+               home = plain * most_home, root_n = std::sqrt(n);
+  return (2 * t * root_n * std::sqrt(energy * home) + n * t * t * home + 2 * r * std::sqrt(energy * out) +
+          r * r * out + 4 * t * r * root_n * std::sqrt(energy * plain) +
+          2 * t * root_n * r * r * std::sqrt(out * plain) + 2 * r * n * t * t * std::sqrt(home * plain) +
+          n * t * t * r * r * plain) *
+         (1 + slack);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/refracted_staff.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/certified/staff_pieces.hpp"
+#include "engine/certified/staff_reference.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// Facets that both receivers share with the transmitter, by their numbers in either's list.
+std::vector<std::array<std::size_t, 2>> common_facets(const std::array<PairedParts, 2>& parts) {
+  std::vector<std::array<std::size_t, 2>> both;
+  const auto &up = parts[0].shared.facets, &down = parts[1].shared.facets;
+  for (std::size_t u = 0, d = 0; u < up.size() && d < down.size();) {
+    if (up[u].facet == down[d].facet && parts[0].is_proven[u] && parts[1].is_proven[d])
+      both.push_back({u, d});
+    const bool next_up = up[u].facet <= down[d].facet, next_down = down[d].facet <= up[u].facet;
+    u += next_up;
+    d += next_down;
+  }
+  return both;
+}
+
+StaffPieces::Seen piece_of(const SharedFootprints& shared, const SharedPiece& piece) {
+  return {std::span(shared.corners_m).subspan(piece.first, piece.count), shared.receiver_m};
+}
+
+std::vector<StaffPieces::Products> products_of(const std::array<PairedParts, 2>& parts,
+                                               const StaffPieces& pieces) {
+  const auto facets = common_facets(parts);
+  std::vector<StaffPieces::Products> found(facets.size());
+  const SharedFootprints &by_upper = parts[0].shared, &by_lower = parts[1].shared;
+  tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t number) {
+    const auto [u, d] = facets[number];
+    const SharedFacet &upper = by_upper.facets[u], &lower = by_lower.facets[d];
+    StaffPieces::OnFacet on = pieces.on(upper.facet, {parts[0].paired[u], parts[0].facets[u]},
+                                        {parts[1].paired[d], parts[1].facets[d]});
+    for (std::uint32_t k = 0; k < upper.piece_count; ++k)
+      for (std::uint32_t m = 0; m < lower.piece_count; ++m) {
+        const SharedPiece &one = by_upper.pieces[upper.first_piece + k],
+                          &two = by_lower.pieces[lower.first_piece + m];
+        if (one.transmit_tube != two.transmit_tube) continue;
+        stop_if_wanted();
+        pieces.add(on, piece_of(by_upper, one), piece_of(by_lower, two), found[number]);
+      }
+  });
+  return found;
+}
+
+}  // namespace
+
+RefractedReference certify_refracted_staff(const std::array<PairedBed, 2>& beds,
+                                           const std::array<PairedTubes, 2>& tubes,
+                                           const VisibilityOptions& options, const Fringe& staff,
+                                           const RangeSamples& samples, const EchoLaw& law,
+                                           const std::array<Echo, 2>& ordinary, double tolerance) {
+  std::array<PairedBed, 2> both = beds;
+  for (std::size_t e = 0; e < 2; ++e) {
+    both[e].beside = &beds[1 - e].home;
+    both[e].ranges_within_m = tolerance / (16 * staff.wavenumber_rad_m);
+  }
+  StaffLayOut staff_out(beds[0].mesh, {beds[0].out.ground, beds[0].out.water},
+                        {&beds[0].home.water, &beds[1].home.water}, beds[0].grid);
+  std::array<LayOut, 2> lay_out;
+  for (const std::size_t e : {0, 1})
+    lay_out[e] = [&staff_out, e](const SharedFootprints& shared) { return staff_out.of(shared, e); };
+  const std::array<PairedParts, 2> parts =
+      paired_parts(both, tubes, options, samples, law, ordinary, tolerance, lay_out);
+
+  const auto row = std::size_t(samples.count);
+  const std::vector<double> targets = staff_targets(ordinary[0].energy, ordinary[1].energy, tolerance),
+                            borders = sample_borders_m(samples);
+  const StaffPieces pieces(
+      law, staff.wavenumber_rad_m, borders, samples.step_m,
+      {targets.begin() + std::ptrdiff_t(2 * row), targets.begin() + std::ptrdiff_t(3 * row)}, tolerance);
+  std::vector<Between> total(4 * row);
+  std::vector<double> unsure(row, 0);
+  const auto take_unsure = [&](const BinsBetween& bins) {
+    for (const auto& [bin, part] : bins) unsure[bin] += part.hi;
+  };
+  for (std::size_t e = 0; e < 2; ++e) {
+    const std::span all(parts[e].bins);
+    for (const auto& [bin, part] : added_up(all)) total[e * row + bin] = {std::max(part.lo, 0.0), part.hi};
+    const std::size_t loose = parts[e].shared.facets.size();
+    take_unsure(all[loose]);
+    // What the transmitter is not certain of is that of both.
+    for (const BinsBetween& bins : all.subspan(parts[e].first_doubt[e == 0 ? 0 : 1])) take_unsure(bins);
+  }
+  for (const StaffPieces::Products& of : products_of(parts, pieces)) {
+    for (const auto& [bin, part] : of.sure) {
+      total[2 * row + bin].lo += part.lo;
+      total[2 * row + bin].hi += part.hi;
+    }
+    take_unsure(of.unsure);
+  }
+
+  CertifiedEcho certified{Echo{4, int(row), std::vector<double>(4 * row)}, std::vector<double>(4 * row)};
+  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    const double more = bin < 2 * row ? 0 : unsure[bin % row] * (1 + slack), lo = total[bin].lo - more,
+                 hi = total[bin].hi + more;
+    if (!std::isfinite(hi)) {
+      certified.echo.energy[bin] = bin < 2 * row ? ordinary[bin / row].energy[bin % row] : 0;
+      certified.bound[bin] = infinite;
+      continue;
+    }
+    certified.echo.energy[bin] = lo + (hi - lo) / 2;
+    certified.bound[bin] = (hi - lo) / 2 * (1 + slack) + slack * std::max(std::abs(lo), std::abs(hi));
+  }
+  return reference_of(
+      std::move(certified), [&](CertifiedEcho& echo) { hold_staff_against(echo, tolerance); },
+      [&](Echo&& least) {
+        const std::span sure(least.energy);
+        return staff_targets(sure.first(row), sure.subspan(row, row), tolerance);
+      });
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "engine/certified/paired_reference.hpp"
+
+namespace tubefoot {
+
+/// Encloses what the two receivers of a fan's staff hear through refracting water: rows as
+/// certify_staff_echo() has them. Each receiver is an end of a path of its own, whose rays lead to its true
+/// place; tubes look from the grid point next to it, in directions about it. So energies are those of two
+/// paths, and the phase between them is that of the times along both arcs home.
+///
+/// `beds`, `tubes`: of one fan, with the upper and the lower receiver as their homes; `staff`: its
+/// wavenumber. `law.patterns`: those of the fan alone. `ordinary`: energies of either path, to guide the
+/// work. Throws as certify_refracted_echo().
+RefractedReference certify_refracted_staff(const std::array<PairedBed, 2>& beds,
+                                           const std::array<PairedTubes, 2>& tubes,
+                                           const VisibilityOptions& options, const Fringe& staff,
+                                           const RangeSamples& samples, const EchoLaw& law,
+                                           const std::array<Echo, 2>& ordinary, double tolerance);
+
+}  // namespace tubefoot

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/staff_pieces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "engine/certified/certified_cells.hpp"
+#include "engine/certified/laid_out.hpp"
+#include "engine/certified/staff_integrand.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double slack = 1e-9;      // far above the rounding of the doubles that it is laid on
+constexpr double whatever = 1e100;  // allowed of what is not asked for
+
+/// What a sample has of pieces without factors: both parts of the product, no less and no more, and upper
+/// bounds of its size and of either energy.
+struct Sums {
+  Between real, imag;
+  double size = 0, energy = 0;
+
+  void add(std::span<const Ball> values, const Between& texture) {
+    size += std::max(values[0].hi(), 0.0) * texture.hi;
+    if (values.size() > 3) energy += std::max({values[3].hi(), values[4].hi(), 0.0}) * texture.hi;
+    take(real, values[1], values[0], texture);
+    take(imag, values[2], values[0], texture);
+  }
+
+ private:
+  static void take(Between& sum, const Ball& part, const Ball& size, const Between& texture) {
+    const double middle = texture.lo + (texture.hi - texture.lo) / 2,
+                 off = (texture.hi - texture.lo) / 2 * std::max(size.hi(), 0.0) * (1 + slack);
+    sum.lo += part.lo() * middle - off;
+    sum.hi += part.hi() * middle + off;
+  }
+};
+
+}  // namespace
+
+StaffPieces::StaffPieces(const EchoLaw& law, double wavenumber_rad_m, std::span<const double> borders_m,
+                         double step_m, std::vector<double> target, double tolerance)
+    : law_(law),
+      wavenumber_(wavenumber_rad_m),
+      borders_(borders_m),
+      step_m_(step_m),
+      tolerance_(tolerance),
+      target_(std::move(target)),
+      textures_(certified_textures(law)),
+      beta_(Ball(law.absorption_db_per_m) * log(Ball(10)) / Ball(10)) {}
+
+StaffPieces::OnFacet StaffPieces::on(FacetId facet, const By& upper, const By& lower) const {
+  // Hardly more than what is known, and so wide that ellipses about a border are told apart with ease.
+  const double shift = std::max({upper.proven.shift_m, lower.proven.shift_m, 1e-7 * step_m_}) * (1 + slack);
+  OnFacet on{upper, lower, law_.material[facet], ShiftedSamples(borders_, step_m_, shift), nullptr};
+  on.integrator = std::make_unique<CertifiedPathIntegrator>(on.samples.borders());
+  return on;
+}
+
+void StaffPieces::add(OnFacet& on, const Seen& upper, const Seen& lower, Products& found) const {
+  const CertifiedPolygon seen = laid_out(upper.corners_m, upper.receiver_m, on.upper.paired),
+                         other = laid_out(lower.corners_m, lower.receiver_m, on.lower.paired);
+  if (seen.edges.size() < 3 || other.edges.size() < 3) return;
+  const auto [part, uncertain] = common_part(seen, other);
+  const bool is_any = part.edges.size() >= 3;
+  if (!is_any && !(uncertain.hi() > 0)) return;
+  const bool weighed = law_.patterns != nullptr;
+  StaffWay by_upper{energy_of(on.upper.paired, on.upper.proven, law_, on.material, beta_), {}},
+      by_lower{energy_of(on.lower.paired, on.lower.proven, law_, on.material, beta_), {}};
+  const ApexOverPlane out = by_upper.energy.out().over(),
+                      homes[2]{by_upper.energy.home().over(), by_lower.energy.home().over()};
+  const StaffPhase phase(homes[0], homes[1], wavenumber_);
+  const std::span both = std::span(homes).first(phase.growth > 0 ? 2 : 1);
+  // Either energy of an even bed without patterns: the root of their product is no more than their mean.
+  CertifiedPathIntegrand plain[2]{{by_upper.energy, {}, nullptr}, {by_lower.energy, {}, nullptr}};
+  PatternDoubt doubt;
+  if (weighed) {
+    const std::span receive = std::span(law_.patterns->receive).first(1);
+    const TransmitPattern& transmit = law_.patterns->transmit.front();
+    doubt = PatternDoubt(transmit, Towards::places(upper.corners_m), on.upper.proven);
+    for (const auto& [way, by, polygon] :
+         {std::tuple(&by_upper, &on.upper, &seen), {&by_lower, &on.lower, &other}}) {
+      way->gains = {way->energy.out(), way->energy.home(), transmit, receive};
+      doubt.take_home(receive.front(), seen_home(*polygon, by->paired), by->proven);
+    }
+  }
+  const CertifiedTexture* texture = textures_[on.material].get();
+  Between range{1, 1};
+  if (texture != nullptr) range = {std::max(texture->range().lo(), 0.0), texture->range().hi()};
+  const Interval factor(std::sqrt(on.upper.proven.factor.lo * on.lower.proven.factor.lo) * (1 - slack),
+                        std::sqrt(on.upper.proven.factor.hi * on.lower.proven.factor.hi) * (1 + slack));
+  const double largest = factor.hi * range.hi * doubt.most_out * doubt.most_home * (1 + slack);
+  const auto allowance = [&](double relative, double parts, int which) {
+    return CertifiedPathIntegrator::Allowance{
+        relative, [this, parts, which](std::size_t value, std::size_t sample) {
+          if (value > 2 || (which >= 0 && int(sample % 2) != which)) return whatever;
+          return std::max(target_[std::min(sample / 2, target_.size() - 1)] / parts, 1e-300);
+        }};
+  };
+
+  // Of places that one receiver hears next to a border, and of those that may or may not be common to both.
+  const auto add_unsure = [&](std::size_t sample, std::span<const Ball> values) {
+    on.samples.add(0, std::uint32_t(sample), 0, std::max(values[0].hi(), 0.0) / 2 * largest, found.unsure);
+  };
+  if (uncertain.hi() > 0)
+    for (CertifiedPathIntegrand& energy : plain)
+      on.integrator->add(seen, out, both.first(1), energy, allowance(1, 1, 2), add_unsure, uncertain);
+  if (!is_any) return;
+  const bool wide = on.samples.too_wide();
+  for (const ApexOverPlane& home : both.first(wide ? 1 : both.size()))
+    for (CertifiedPathIntegrand& energy : plain)
+      on.integrator->add(part, out, {&home, 1}, energy, allowance(0.1, 8, wide ? -1 : 0),
+                         [&](std::size_t sample, std::span<const Ball> values) {
+                           if (wide || sample % 2 == 0) add_unsure(sample, values);
+                         });
+  if (wide) return;
+
+  const FacetMap lies = map_of(on.upper.paired.lies);
+  const bool cut = range.hi - range.lo > tolerance_ / 8 * range.lo;
+  const std::size_t cells = cut ? cut_by_cells(part, *texture, lies, most_cells, {}) : 0;
+  const Between even = cells > 0 ? Between{1, 1} : range;
+  const double change = cells > 0 ? change_of(*texture, on.upper.proven.place_off_m) : 0;
+  // What changes of patterns and of texture are told by.
+  std::map<std::size_t, double> alone[2];
+  std::map<std::size_t, Sums> sums;
+  if (weighed || change > 0)
+    for (std::size_t r = 0; r < 2; ++r)
+      on.integrator->add(
+          part, out, both, plain[r], allowance(0.05, 20, 1),
+          [&](std::size_t sample, std::span<const Ball> values) { alone[r][sample] += values[0].hi(); });
+  const auto add_part = [&](const CertifiedPolygon& polygon, const CertifiedCell* cell) {
+    StaffIntegrand integrand(by_upper, by_lower, phase, cell, weighed);
+    const double parts = 200 * double(std::max<std::size_t>(cells, 1)) * even.hi;
+    on.integrator->add(
+        polygon, out, both, integrand, allowance(tolerance_ / 8, parts, 1),
+        [&](std::size_t sample, std::span<const Ball> values) { sums[sample].add(values, even); });
+  };
+  if (cells == 0)
+    add_part(part, nullptr);
+  else
+    cut_by_cells(
+        part, *texture, lies, most_cells,
+        [&](const CertifiedPolygon& polygon, const CertifiedCell& cell) { add_part(polygon, &cell); });
+  const double turn = std::min(
+      2.0, wavenumber_ * HomeRanges::largest_difference_m(on.upper.proven.home, on.lower.proven.home));
+  const std::uint32_t row = std::uint32_t(borders_.size() - 1);
+  for (const auto& [sample, own] : sums) {
+    if (sample % 2 == 0) continue;  // with what is next to a border
+    double off = 0;
+    if (weighed || change > 0) {
+      const double most = std::max(alone[0][sample], alone[1][sample]);
+      if (weighed) off += doubt.of(std::max(own.energy, own.size), most * range.hi);
+      off += change * most * doubt.most_out * doubt.most_home;
+    }
+    const double middle = factor.middle(),
+                 apart = ((factor.hi - factor.lo) / 2 + factor.hi * turn) * own.size + factor.hi * off;
+    for (const auto& [beam, sum] : {std::pair(0u, own.real), {1u, own.imag}}) {
+      Between& bin = found.sure[beam * row + sample / 2];
+      bin.lo += sum.lo * middle - apart * (1 + slack);
+      bin.hi += sum.hi * middle + apart * (1 + slack);
+    }
+  }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// References of two receivers through refracting water: against closed forms of one gradient integrated
+// apart, straight references of staffs, references of one receiver, and laws that hold whatever the water.
+#include "engine/certified/refracted_staff.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <glm/geometric.hpp>
+#include <numeric>
+
+#include "engine/certified/staff_reference.hpp"
+#include "fixtures/world/gradient_pairs.hpp"
+#include "fixtures/world/textures.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace test;
+
+/// A transmitter and a staff over a flat bed, and what stands on it.
+struct Staffed {
+  const GradientBed& site;
+  const WaterColumn& water;
+  glm::dvec3 sent_m{0}, middle_m{0};
+  Fringe staff{};
+  RangeSamples samples{22, 0.8, 16};
+  double absorption = 0;
+  BeamPatterns patterns{{TransmitPattern()}, {Directivity()}, {}, {}};
+  double width_deg = 70;
+
+  EigenrayOptions options{.deepest_turn_m = GradientBed::apex_depth_m + GradientBed::below_m};
+  TubeSet tubes_from(glm::dvec3 apex_m) const { return at(bed_fan(width_deg), site.grid, apex_m); }
+  glm::dvec3 end_m(double end) const { return middle_m + end * staff.baseline_m / 2 * staff.axis; }
+  Straightening seen_from(glm::dvec3 apex_m) const {
+    return Straightening(water, apex_m, GradientBed::apex_depth_m, options, 1500);
+  }
+  BeamPatterns for_tubes(const TubeSet& tubes) const {
+    BeamPatterns own = patterns;
+    own.fan_of_tube.assign(tubes.tubes.size(), 0);
+    own.beams_of_tube.assign(tubes.tubes.size(), {0, 1});
+    return own;
+  }
+
+  RefractedReference certified(const StraighteningSettings& settings, double tolerance) const {
+    std::vector<FacetId> all(site.base.facets.size());
+    std::iota(all.begin(), all.end(), 0u);
+    const double unit = site.grid.unit_m();
+    const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
+    const std::array<TubeSet, 2> heard{moved_along(middle, staff, 1, unit),
+                                       moved_along(middle, staff, -1, unit)};
+    const Straightening out = seen_from(site.grid.to_metres(sent.apex)), upper = seen_from(end_m(1)),
+                        lower = seen_from(end_m(-1));
+    const Outlook from_out(sent, unit, out), from_upper(heard[0], unit, upper),
+        from_lower(heard[1], unit, lower);
+    const AlikeGrounds alike =
+        straighten_alike(site.base, all, site.grid, std::array{&out, &upper, &lower}, absorption, settings,
+                         {}, std::array{&from_out, &from_upper, &from_lower});
+    EchoLaw law = site.law(alike.bed.mesh, absorption);
+    const BeamPatterns own = for_tubes(sent);
+    law.patterns = &own;
+    const RayEnclosure out_rays(out, options), upper_rays(upper, options), lower_rays(lower, options);
+    std::vector<SceneTree> trees;
+    for (const ApparentGround& ground : alike.seen)
+      trees.emplace_back(ground.refined.mesh, SceneTree::Sheets::ignored);
+    const std::array<Straightening const*, 2> waters{&upper, &lower};
+    const std::array<RayEnclosure const*, 2> rays{&upper_rays, &lower_rays};
+    std::array<Echo, 2> ordinary;
+    const std::vector<std::uint32_t> beams(sent.tubes.size(), 0);
+    for (std::size_t e = 0; e < 2; ++e) {
+      const ApparentPair pair{alike.bed.mesh, alike.seen[0], alike.seen[1 + e], alike.origin[0],
+                              alike.origin[1 + e]};
+      ordinary[e] =
+          integrate_echo(trace_bistatic(pair, site.grid, {}, sent, heard[e], out, *waters[e], absorption),
+                         {1, beams}, samples, law);
+    }
+    const auto bed = [&](std::size_t e) {
+      return PairedBed{alike.bed.mesh,
+                       alike.bed.parent,
+                       site.base,
+                       site.grid,
+                       {alike.seen[0], trees[0], alike.origin[0], out, out_rays},
+                       {alike.seen[1 + e], trees[1 + e], alike.origin[1 + e], *waters[e], *rays[e]}};
+    };
+    return certify_refracted_staff({bed(0), bed(1)}, {PairedTubes{sent, heard[0]}, {sent, heard[1]}}, {},
+                                   staff, samples, law, ordinary, tolerance);
+  }
+
+  /// Without bounds: receivers in the bed as it appears from the staff's middle.
+  StaffEcho ordinary(const StraighteningSettings& settings) const {
+    std::vector<FacetId> all(site.base.facets.size());
+    std::iota(all.begin(), all.end(), 0u);
+    const TubeSet sent = tubes_from(sent_m), middle = tubes_from(middle_m);
+    const Straightening out = seen_from(sent_m), home = seen_from(middle_m);
+    const ApparentPair pair = straighten_pair(site.base, all, site.grid, out, home, absorption, settings);
+    Fringe stretched = staff;
+    stretched.baseline_m *=
+        1500 / water.profile.at(GradientBed::apex_depth_m - site.grid.to_metres(middle.apex).z);
+    const StaffHistory history =
+        trace_staff(pair, site.grid, {}, sent, middle, stretched, out, home, absorption);
+    EchoLaw law = site.law(pair.mesh, absorption);
+    const BeamPatterns own = for_tubes(sent);
+    law.patterns = &own;
+    return integrate_staff_echo(history, stretched, 0, 0, samples, law);
+  }
+
+  CertifiedEcho straight(double tolerance) const {
+    EchoLaw law = site.law(site.base, absorption);
+    const SceneTree tree(site.base);
+    const TubeSet sent = tubes_from(sent_m);
+    const BeamPatterns own = for_tubes(sent);
+    law.patterns = &own;
+    const StaffHistory history =
+        trace_staff(site.base, tree, site.grid.unit_m(), {}, sent, tubes_from(middle_m), staff);
+    const StaffEcho echo = integrate_staff_echo(history, staff, 0, 0, samples, law);
+    return certify_staff_echo(site.base, history, site.grid.unit_m(), staff, samples, law, echo, tolerance);
+  }
+
+  GradientPath by(double g, double end) const { return {g, sent_m, end_m(end), absorption, &patterns}; }
+};
+
+/// Rows as certify_staff_echo() has them, of a rectangle of the bed.
+std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 from, glm::dvec2 to) {
+  const RangeSamples& samples = scene.samples;
+  const GradientPath upper = scene.by(g, 1), lower = scene.by(g, -1);
+  std::vector<double> rows = rectangle(upper, from, to, samples), down = rectangle(lower, from, to, samples);
+  const auto row = rows.size();
+  rows.insert(rows.end(), down.begin(), down.end());
+  rows.resize(4 * row, 0);
+  using Rule = boost::math::quadrature::gauss<double, 20>;
+  each_cell(std::array{upper, lower}, from, to, samples,
+            [&](std::size_t sample, double dy, double y, double first, double last) {
+              const auto product = [&](double x) {
+                const glm::dvec3 place = GradientPath::place(x, y);
+                const double phase = scene.staff.wavenumber_rad_m * 1500 *
+                                     (Ray(g, upper.home, place).time_s - Ray(g, lower.home, place).time_s);
+                return std::polar(std::sqrt(upper.density(x, y) * lower.density(x, y)), phase);
+              };
+              rows[2 * row + sample] +=
+                  dy * Rule::integrate([&](double x) { return product(x).real(); }, first, last);
+              rows[3 * row + sample] +=
+                  dy * Rule::integrate([&](double x) { return product(x).imag(); }, first, last);
+            });
+  return rows;
+}
+
+Fringe staff_of(double baseline_m, double wavelength_m) {
+  return {glm::normalize(glm::dvec3(0.4, 0.1, 0.9)), baseline_m, 2 * std::numbers::pi / wavelength_m};
+}
+
+/// Of a row, that of the energies it is told with.
+double size_at(const std::vector<double>& rows, std::size_t bin) {
+  const std::size_t row = rows.size() / 4, k = bin % row;
+  return bin < 2 * row ? rows[bin] : std::sqrt(std::max(rows[k] * rows[row + k], 0.0));
+}
+
+double share(const RefractedReference& found) {
+  const auto& c = found.certified;
+  double bounds = 0, sizes = 0;
+  for (std::size_t k = 0; k < c.bound.size(); ++k) bounds += c.bound[k], sizes += size_at(c.echo.energy, k);
+  return bounds / sizes;
+}
+
+// Energies and products to receivers whose rays are arcs, times and all, the transmitter in their middle or
+// elsewhere. Bounds shrink with the gap, and fail when a value is moved by twice the bound.
+TEST(RefractedStaff, HoldsTheClosedFormOfOneGradient) {
+  const GradientBed bed = plate(from, to);
+  for (const bool apart : {false, true})
+    for (const double g : {-0.6, 0.3}) {
+      if (apart != (g < 0)) continue;
+      const bool weighed = apart;
+      const double absorption = g < 0 ? 0.1 : 0;
+      const WaterColumn water = bed_gradient(g, absorption);
+      Staffed scene{.site = bed,
+                    .water = water,
+                    .middle_m = apart ? receiver : transmitter,
+                    .staff = staff_of(0.12, 0.03),
+                    .absorption = absorption};
+      if (weighed) {
+        scene.patterns.transmit = patterns_for({}).transmit;
+        scene.patterns.receive = {Directivity{
+            .kind = Directivity::Kind::gaussian, .axis = {0.8, 0, -0.6}, .from_axis = true, .size = 0.7}};
+      }
+      const std::vector<double> truth = rectangle_rows(scene, g, from, to);
+      double before = 2, closest[2]{};
+      for (const double gap : {2e-2, 2e-3}) {
+        SCOPED_TRACE(fmt::format("apart {} g {} gap {}", apart, g, gap));
+        const RefractedReference found = scene.certified({.gap_m = gap}, 1e-2);
+        EXPECT_EQ(found.unbounded, 0u);
+        double turned = 0;
+        for (std::size_t k = 0; k < truth.size(); ++k) {
+          const double value = found.certified.echo.energy[k], bound = found.certified.bound[k],
+                       rounding = 1e-6 * size_at(truth, k);
+          EXPECT_LE(std::abs(value - truth[k]), bound + rounding) << k;
+          if (!(size_at(truth, k) > 0)) continue;
+          EXPECT_GT(std::abs(value + 2 * bound - truth[k]), bound - rounding) << k;
+          double& own = closest[k >= truth.size() / 2];
+          own = std::max(own, std::abs(value - truth[k]) / bound);
+          if (k >= 3 * truth.size() / 4) turned = std::max(turned, std::abs(truth[k]) / size_at(truth, k));
+        }
+        EXPECT_GT(turned, 0.3);
+        const double now = share(found);
+        EXPECT_LT(now, before / 3);
+        before = now;
+      }
+      EXPECT_LT(before, 0.05);
+      EXPECT_GT(closest[0], 0.02);
+      EXPECT_GT(closest[1], 0.01);
+    }
+}
+
+void expect_agree(const CertifiedEcho& a, std::size_t a_row, const CertifiedEcho& b, std::size_t b_row,
+                  double sign = 1) {
+  const auto row = std::size_t(a.echo.samples);
+  for (std::size_t k = 0; k < row; ++k) {
+    const double one = a.echo.energy[a_row * row + k], other = sign * b.echo.energy[b_row * row + k];
+    EXPECT_LE(std::abs(one - other),
+              a.bound[a_row * row + k] + b.bound[b_row * row + k] + 1e-9 * std::abs(one))
+        << a_row << ' ' << b_row << ' ' << k;
+  }
+}
+void expect_agree(const CertifiedEcho& a, const CertifiedEcho& b) {
+  for (std::size_t row = 0; row < 4; ++row) expect_agree(a, row, b, row);
+}
+
+// Of laws, textures, patterns and a board that hides some of it from each.
+TEST(RefractedStaff, EvenWaterIsTheStraightReference) {
+  const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
+  for (int kind = 0; kind < 4; ++kind)
+    for (const glm::dvec3 middle : {transmitter, receiver}) {
+      if (kind % 2 == 1 && middle == transmitter) continue;
+      SCOPED_TRACE(fmt::format("kind {} at {}", kind, middle.z));
+      GradientBed bed(board(), 24, 8);
+      if (kind == 1) bed.laws = {lobed(), nullptr};
+      if (kind == 2) bed.textures = {perlin(6, 1, 0.5), nullptr};
+      Staffed scene{.site = bed,
+                    .water = even,
+                    .middle_m = middle,
+                    .staff = staff_of(0.1, 0.03),
+                    .samples = {24, 2, 3},
+                    .width_deg = 40};
+      if (kind == 3)
+        scene.patterns.receive = {Directivity{
+            .kind = Directivity::Kind::gaussian, .axis = {0.8, 0, -0.6}, .from_axis = true, .size = 0.7}};
+      const RefractedReference found = scene.certified({.gap_m = 1}, 1e-4);
+      EXPECT_EQ(found.unbounded, 0u);
+      expect_agree(found.certified, scene.straight(1e-4));
+      EXPECT_LT(share(found), 6e-3);
+    }
+}
+
+// What a gradient changes shrinks with it, in the first order.
+TEST(RefractedStaff, AGradientThatGoesToZeroLeavesEvenWater) {
+  const GradientBed bed = plate(from, to);
+  const WaterColumn even{SoundSpeedProfile({{-10, 1500}, {60, 1500}}), {}};
+  Staffed scene{.site = bed, .water = even, .staff = staff_of(0.12, 0.03)};
+  const CertifiedEcho straight = scene.straight(1e-5);
+  double changed[2];
+  for (int k = 0; k < 2; ++k) {
+    const WaterColumn water = bed_gradient(k == 0 ? 0.6 : 0.3);
+    Staffed bent{.site = bed, .water = water, .staff = scene.staff};
+    const CertifiedEcho found = bent.certified({.gap_m = 1e-3}, 1e-2).certified;
+    changed[k] = 0;
+    double bounds = 0;
+    for (std::size_t bin = 0; bin < found.bound.size(); ++bin) {
+      changed[k] += std::abs(found.echo.energy[bin] - straight.echo.energy[bin]);
+      bounds += found.bound[bin] + straight.bound[bin];
+    }
+    EXPECT_LT(bounds, 0.4 * changed[k]);
+  }
+  EXPECT_NEAR(changed[0] / changed[1], 2, 0.2);
+  const WaterColumn hardly = bed_gradient(1e-6);
+  expect_agree(
+      Staffed{.site = bed, .water = hardly, .staff = scene.staff}.certified({.gap_m = 1e-2}, 1e-2).certified,
+      straight);
+}
+
+TEST(RefractedStaff, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiver) {
+  const WaterColumn water = bed_gradient(-0.4);
+  GradientBed bed(board(), 24, 8);
+  for (const glm::dvec3 middle : {transmitter, receiver}) {
+    Staffed scene{.site = bed,
+                  .water = water,
+                  .middle_m = middle,
+                  .staff = staff_of(0.1, 0.03),
+                  .samples = {24, 2, 4},
+                  .width_deg = 40};
+    const CertifiedEcho there = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
+    scene.staff.axis = -scene.staff.axis;
+    const CertifiedEcho back = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
+    expect_agree(there, 0, back, 1);
+    expect_agree(there, 1, back, 0);
+    expect_agree(there, 2, back, 2);
+    expect_agree(there, 3, back, 3, -1);
+    scene.staff.baseline_m = 0;
+    const CertifiedEcho one = scene.certified({.gap_m = 5e-3}, 1e-2).certified;
+    expect_agree(one, 0, one, 1);
+    expect_agree(one, 2, one, 0);
+    expect_agree(one, 3, one, 3, -1);
+    double turned = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      turned = std::max(turned, std::abs(there.echo.energy[12 + k]) / (5 * there.bound[12 + k]));
+    EXPECT_GT(turned, 1);
+  }
+}
+
+// Two parts of a bed add up; what both hear alike is no more than either hears.
+TEST(RefractedStaff, PartsOfTheBedAddUp) {
+  const glm::dvec2 lower_end(17, from.y), upper_end(17, to.y);
+  const GradientBed whole = plate(from, to), near = plate(from, upper_end), far = plate(lower_end, to);
+  const WaterColumn water = bed_gradient(-0.5);
+  const auto of = [&](const GradientBed& bed) {
+    return Staffed{.site = bed, .water = water, .middle_m = receiver, .staff = staff_of(0.12, 0.03)}
+        .certified({.gap_m = 4e-3}, 1e-2)
+        .certified;
+  };
+  const CertifiedEcho all = of(whole);
+  CertifiedEcho sum = of(near);
+  const CertifiedEcho rest = of(far);
+  for (std::size_t bin = 0; bin < sum.bound.size(); ++bin) {
+    sum.echo.energy[bin] += rest.echo.energy[bin];
+    sum.bound[bin] += rest.bound[bin];
+  }
+  expect_agree(all, sum);
+  const std::size_t row = all.bound.size() / 4;
+  for (std::size_t k = 0; k < row; ++k)
+    EXPECT_LE(std::hypot(all.echo.energy[2 * row + k], all.echo.energy[3 * row + k]),
+              size_at(all.echo.energy, 2 * row + k) + all.bound[k] + all.bound[row + k] +
+                  all.bound[2 * row + k] + all.bound[3 * row + k]);
+}
+
+// What is computed without bounds takes the bed as it appears from the staff's middle.
+TEST(RefractedStaff, OrdinaryEnergiesAndProductsLieWithin) {
+  GradientBed bed(board(), 24, 8);
+  const WaterColumn water = bed_gradient(-0.4);
+  for (const glm::dvec3 middle : {transmitter, receiver}) {
+    SCOPED_TRACE(middle.z);
+    Staffed scene{.site = bed,
+                  .water = water,
+                  .middle_m = middle,
+                  .staff = staff_of(0.1, 0.03),
+                  .samples = {24, 2, 4},
+                  .width_deg = 40};
+    const std::vector<double> ordinary =
+        rows_of(scene.ordinary({.gap_m = 2e-3, .tolerance_db = 0.002})).energy;
+    const RefractedReference found = scene.certified({.gap_m = 2e-3, .tolerance_db = 0.05}, 1e-2);
+    EXPECT_EQ(found.unbounded, 0u);
+    for (std::size_t bin = 0; bin < ordinary.size(); ++bin) {
+      const double value = found.certified.echo.energy[bin], bound = found.certified.bound[bin],
+                   off = 2e-3 * size_at(ordinary, bin);
+      EXPECT_LE(std::abs(value - ordinary[bin]), bound + off) << bin;
+      EXPECT_LT(bound, 0.3 * size_at(ordinary, bin)) << bin;
+      if (bound > off) {
+        EXPECT_GT(std::abs(ordinary[bin] + 2 * bound + 2 * off - value), bound) << bin;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tubefoot
