@@ -53,7 +53,6 @@ constexpr auto table = std::to_array<Refusal>({
      "lay the facets level, leave out 'specular_loss_db', or give profile = \"constant\""},
     {refraction, scatterings, two_receivers,
      "phases of further scatterings need even water: give profile = \"constant\", or scatterings = 1"},
-    {refraction, mirrors, reference, two_places_straight},
     {refraction, two_receivers, reference, two_places_straight},
     {scatterings,
      reference,

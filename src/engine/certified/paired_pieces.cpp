@@ -32,6 +32,16 @@ double most_of(const Directivity& pattern, const Towards& towards) {
                there = gain.at(cosines_of(pattern.axis, towards), false, gain.largest()).hi();
   return there < most ? there : most;
 }
+double most_of(const MirrorLoss& loss, const Towards& towards) {
+  double exponent = 0;
+  for (const glm::dvec3& normal : loss.rough_normals) {
+    const Ball sine = cosines_of(normal, towards);
+    const double least =
+        sine.lo() <= 0 && sine.hi() >= 0 ? 0 : std::min(std::abs(sine.lo()), std::abs(sine.hi()));
+    exponent += std::max(0.0, least * least - loss.bend * (1 - least * least));
+  }
+  return loss.factor * std::exp(-loss.roughness * exponent) * (1 + slack);
+}
 double most_of(const TransmitPattern& transmit, const Towards& towards) {
   double sum = 0;
   for (const Directivity& beam : transmit.beams) sum += most_of(beam, towards);
@@ -240,8 +250,10 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
 
 double PairedPieces::most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& out,
                              const Towards& home) const {
-  if (law_.patterns == nullptr) return 1;
-  return tubefoot::most_of(law_.patterns->transmit[transmit], out) *
+  const double passes =
+      tubefoot::most_of(law_.path.out.loss, out) * tubefoot::most_of(law_.path.back().loss, home);
+  if (law_.patterns == nullptr) return passes;
+  return passes * tubefoot::most_of(law_.patterns->transmit[transmit], out) *
          tubefoot::most_of(law_.patterns->receive[beam], home);
 }
 

@@ -10,6 +10,9 @@ namespace tubefoot {
 /// Tubes of both ends of a path.
 struct PairedTubes {
   const TubeSet &out, &home;
+  /// Of an image they are windows, made of what is seen of a mirror: no wall is farther than this from where
+  /// curved rays have it.
+  std::array<double, 2> off_rad{};
 };
 
 /// Encloses the echo of a path whose two ends see the bed elsewhere, through refracting water: the energy
@@ -18,9 +21,9 @@ struct PairedTubes {
 ///
 /// - a factor, from least to most, and half paths, within shift_m of a border between samples;
 /// - beam patterns in the directions of rays, which are within turn_rad of those in which places are seen;
-/// - which tube sees a place next to a wall between tubes that are not heard alike; whether one is seen
-/// beside
-///   the edge of what hides it, or where two facets are closer together than ranges may be off;
+/// - which tube sees a place next to a wall between tubes that are not heard alike, or whether a window does;
+///   whether one is seen beside the edge of what hides it, or where two facets are closer together than
+///   ranges may be off;
 /// - all that lies behind a facet without a proven ray.
 ///
 /// `beams`, `law` as integrate_echo() has them for that path, `ordinary` what it makes of it. Throws as

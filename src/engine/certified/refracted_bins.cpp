@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <utility>
 
 namespace tubefoot {
 namespace {
@@ -34,11 +35,12 @@ Looked::Looked(std::span<const FacetEnclosure> facets) : facets_(facets), balls_
     if (facets[f].state != State::unproven && facets[f].gap_m > usual_gap_m_) wide_.push_back(f);
 }
 
-std::vector<FacetId> Looked::in(const Sector& tube, const SceneTree& tree) const {
-  std::vector<FacetId> seen = tube.facets(tree, usual_gap_m_);
+std::vector<FacetId> Looked::in(const Sector& tube, const SceneTree& tree, double beside_rad) const {
+  std::vector<FacetId> seen = tube.facets(tree, usual_gap_m_ + beside_rad * tube.reach_m());
   seen.insert(seen.end(), wide_.begin(), wide_.end());
   std::erase_if(seen, [&](FacetId f) {
-    return facets_[f].state == State::unproven || !tube.may_meet(balls_[f].first, balls_[f].second);
+    return facets_[f].state == State::unproven ||
+           !tube.may_meet(balls_[f].first, balls_[f].second + beside_rad * facets_[f].farthest_m);
   });
   std::ranges::sort(seen);
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
@@ -91,42 +93,24 @@ bool Unknown::may_be_seen(const Around& ball, const Sector& tube) const {
   return rays_.least_stretch() * range <= tube.reach_m() * (1 + slack) && tube.may_meet(ball.launch);
 }
 
-RefractedReference reference_between(std::span<const BinsBetween> parts, const Echo& ordinary,
-                                     double tolerance) {
-  std::vector<Between> total(ordinary.energy.size());
-  for (const BinsBetween& bins : parts)  // in order, so that the result does not depend on the threads
-    for (const auto& [bin, part] : bins) {
-      total[bin].lo += std::max(part.lo, 0.0);
-      total[bin].hi += part.hi;
-    }
-
+RefractedReference reference_of(CertifiedEcho echo, double tolerance) {
   RefractedReference reference;
   CertifiedEcho& certified = reference.certified;
-  certified.echo = ordinary;
-  certified.bound.resize(total.size());
-  for (std::size_t bin = 0; bin < total.size(); ++bin) {
-    if (!std::isfinite(total[bin].hi)) {
-      certified.bound[bin] = infinite;
-      ++reference.unbounded;
-      continue;
-    }
-    const double lo = total[bin].lo * (1 - slack), hi = total[bin].hi * (1 + slack);
-    certified.echo.energy[bin] = lo + (hi - lo) / 2;
-    certified.bound[bin] = (hi - lo) / 2 * (1 + slack);
-  }
+  certified = std::move(echo);
   // What keeps the bounds that are finite from being as narrow as asked.
   CertifiedEcho finite = certified;
   for (double& bound : finite.bound) bound = std::isfinite(bound) ? bound : 0;
   hold_against(finite, tolerance);
-  reference.bins = total.size() - reference.unbounded;
+  reference.unbounded = std::size_t(std::ranges::count(certified.bound, infinite));
+  reference.bins = certified.bound.size() - reference.unbounded;
   reference.bins_over = finite.bins_over;
   if (finite.bins_over > 0) {
     std::vector<double> excess;
     Echo least = finite.echo;
-    for (std::size_t bin = 0; bin < total.size(); ++bin)
+    for (std::size_t bin = 0; bin < finite.bound.size(); ++bin)
       least.energy[bin] = std::max(least.energy[bin] - finite.bound[bin], 0.0);
     const std::vector<double> targets = reference_targets(least, tolerance);
-    for (std::size_t bin = 0; bin < total.size(); ++bin)
+    for (std::size_t bin = 0; bin < finite.bound.size(); ++bin)
       if (finite.bound[bin] > targets[bin]) excess.push_back(finite.bound[bin] / targets[bin]);
     const auto middle = excess.begin() + std::ssize(excess) / 2;
     std::nth_element(excess.begin(), middle, excess.end());
@@ -137,6 +121,30 @@ RefractedReference reference_between(std::span<const BinsBetween> parts, const E
   certified.worst_beam = finite.worst_beam;
   certified.worst_sample = finite.worst_sample;
   return reference;
+}
+
+RefractedReference reference_between(std::span<const BinsBetween> parts, const Echo& ordinary,
+                                     double tolerance) {
+  std::vector<Between> total(ordinary.energy.size());
+  for (const BinsBetween& bins : parts)  // in order, so that the result does not depend on the threads
+    for (const auto& [bin, part] : bins) {
+      total[bin].lo += std::max(part.lo, 0.0);
+      total[bin].hi += part.hi;
+    }
+
+  CertifiedEcho certified;
+  certified.echo = ordinary;
+  certified.bound.resize(total.size());
+  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    if (!std::isfinite(total[bin].hi)) {
+      certified.bound[bin] = infinite;
+      continue;
+    }
+    const double lo = total[bin].lo * (1 - slack), hi = total[bin].hi * (1 + slack);
+    certified.echo.energy[bin] = lo + (hi - lo) / 2;
+    certified.bound[bin] = (hi - lo) / 2 * (1 + slack);
+  }
+  return reference_of(std::move(certified), tolerance);
 }
 
 }  // namespace tubefoot
