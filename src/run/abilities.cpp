@@ -42,16 +42,17 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "chart, advise, --tolerance",
                                                        "a shot in Python"};
 
-constexpr std::string_view two_places_straight =
-    "a reference of two places needs straight rays: leave out --reference, or give profile = \"constant\"";
-
 constexpr auto table = std::to_array<Refusal>({
     {inclined_mirrors,
      refraction,
      {},
      "an inclined mirror's image of layered water is not layered, and rays through it have no closed form: "
      "lay the facets level, leave out 'specular_loss_db', or give profile = \"constant\""},
-    {refraction, mirrors, reference, two_places_straight},
+    {refraction,
+     mirrors,
+     {two_receivers, reference},
+     "a certified phase over mirrors needs straight rays: leave out --reference, or give profile = "
+     "\"constant\""},
     {scatterings,
      reference,
      {},
@@ -124,12 +125,15 @@ std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature
   for (const Refusal& refusal : table) {
     const auto first = find(refusal.first), second = find(refusal.second);
     if (first == found.end() || second == found.end() ||
-        (refusal.third && find(*refusal.third) == found.end()))
+        std::ranges::any_of(refusal.more, [&](const std::optional<Feature>& feature) {
+          return feature && find(*feature) == found.end();
+        }))
       continue;
     Refused answer{&refusal, first->place, fmt::format("{}, and {}", first->subject, refusal.reason),
                    static_cast<std::size_t>(first - found.begin()) >= of_scene};
     // What a command asks has no place in the scene.
-    for (const Feature other : {refusal.third.value_or(refusal.second), refusal.second})
+    for (const Feature other :
+         {refusal.more[0].value_or(refusal.second), refusal.more[1].value_or(refusal.second), refusal.second})
       if (!answer.asked && (other == reference || other >= own_engine)) {
         answer.asked = true;
         answer.what = fmt::format("{}: {}", name_of(other), answer.what);

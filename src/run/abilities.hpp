@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -54,7 +55,7 @@ std::string_view name_of(Feature feature);
 /// Features that do not go together, why, and what to do about it.
 struct Refusal {
   Feature first, second;
-  std::optional<Feature> third;
+  std::array<std::optional<Feature>, 2> more;  ///< that have to be there as well
   std::string_view reason;
 };
 std::span<const Refusal> refusals();

@@ -136,13 +136,26 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   if (shot.request().engine == Engine::ray)
     settings.sampled = SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(shot),
                                     shot.scene().grid, rays_of(shot), sensor.beam_of_tube(shot.number())};
-  const PathEcho paths = as_seen_by(shot, [&] {
+  const auto trace = [&](const PathWater* water) {
     return path_echo((*bed).mesh(), (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,
                      ends.transmit, ends.receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law,
-                     settings, bed.water());
+                     settings, water);
+  };
+  const bool own_grounds = settings.reference_tolerance && bed.water() != nullptr;
+  RefractedPathsShot found = as_seen_by(shot, [&] {
+    if (!own_grounds) return RefractedPathsShot{trace(bed.water()), {}, false};
+    return certify_refracted_paths(shot, *bed.water(), ends.transmit.reach * shot.scene().grid.unit_m(),
+                                   [&](const PathWater& water) { return trace(&water); });
   });
+  const PathEcho& paths = found.paths;
+  sums.counts.refraction.at_limit += found.at_limit;
   for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
     if (!is_order_wanted(shot.scene(), order)) continue;
+    if (own_grounds) {
+      sums.counts.refraction.unbounded += found.orders[order].unbounded;
+      sums.add(shot, s, found.orders[order].certified, order);
+      continue;
+    }
     if (!settings.reference_tolerance) {
       sums.add(shot, s, order, paths.by_order[order].energy);
       continue;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "engine/certified/refracted_staff.hpp"
 #include "engine/sight/bistatic_history.hpp"
@@ -17,9 +18,10 @@ namespace tubefoot {
 namespace {
 
 constexpr int most_tries = 6;
-constexpr double most_facets = 24'000;     // of the last try: some half a minute of one core
-constexpr std::size_t few_facets = 1'500;  // that cost next to nothing
-constexpr double coarsest = 0.1;           // tolerance that the first try is made for
+constexpr double most_facets = 24'000;          // of the last try: some half a minute of one core
+constexpr double most_facets_of_paths = 6'000;  // each pair of images encloses its own
+constexpr std::size_t few_facets = 1'500;       // that cost next to nothing
+constexpr double coarsest = 0.1;                // tolerance that the first try is made for
 constexpr double least_worth = 1.2;
 
 RefractedShot certify(const Shot& shot, const ShotStraightening& seen, ApparentGround apparent) {
@@ -149,6 +151,19 @@ Quality quality_of(std::span<const RefractedReference> sensors) {
   return quality;
 }
 
+/// As finely as the first try is made for.
+StraighteningSettings first_settings(const Shot& shot, double reach_m, StraighteningSettings settings) {
+  const double unit = shot.scene().grid.unit_m(), sample = shot.sample_length_m(),
+               first = std::max(*shot.request().reference_tolerance, coarsest);
+  // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
+  // gap, and the change of a factor over a facet with its edges. The first ground is coarse: how many facets
+  // a tolerance takes is known only from what it has.
+  settings.gap_m = std::min(settings.gap_m, std::max(first * sample / 16, 2 * unit));
+  settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
+  settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
+  return settings;
+}
+
 std::size_t facets_of(const ApparentGround& ground) { return ground.refined.mesh.facets.size(); }
 std::size_t facets_of(const RefractedPair& pair) { return pair.apparent.mesh.facets.size(); }
 std::size_t facets_of(const AlikeGrounds& grounds) { return grounds.bed.mesh.facets.size(); }
@@ -163,16 +178,8 @@ double largest_gap_m(const RefractedPair& pair) {
 /// Ever finer. `ground(settings)`: straightened so, for certify().
 template <class Seen, class Ground>
 auto certify_ever_finer(const Shot& shot, double reach_m, const Seen& seen, const Ground& ground_of) {
-  const double unit = shot.scene().grid.unit_m(), sample = shot.sample_length_m(),
-               tolerance = *shot.request().reference_tolerance;
-  // The scene's own keys are for ordinary runs. What is left between straight and curved shrinks with the
-  // gap, and the change of a factor over a facet with its edges. The first ground is coarse: how many facets
-  // a tolerance takes is known only from what it has.
-  const double first = std::max(tolerance, coarsest);
-  StraighteningSettings settings = straightening_settings(shot, reach_m);
-  settings.gap_m = std::min(settings.gap_m, std::max(first * sample / 16, 2 * unit));
-  settings.tolerance_db = std::min(settings.tolerance_db, 2 * first);
-  settings.shortest_edge_m = std::max({sample / 16, reach_m / 20000, 64 * unit});
+  const double unit = shot.scene().grid.unit_m();
+  StraighteningSettings settings = first_settings(shot, reach_m, straightening_settings(shot, reach_m));
   std::optional best(certify(shot, seen, ground_of(settings)));
   std::size_t facets_before = best->facets();
   for (int tries = 1;; ++tries) {
@@ -249,6 +256,46 @@ RefractedStaffShot certify_refracted_staff_shot(const Shot& shot, std::size_t se
   const EndsStraightening ends(shot, std::move(tubes), std::move(water));
   return certify_ever_finer(shot, ends.reach_m(), StaffEnds{ends, sensor, fan, staff},
                             [&](const StraighteningSettings& settings) { return ends.grounds(settings); });
+}
+
+std::size_t RefractedPathsShot::facets() const {
+  std::size_t all = 0;
+  for (const ApparentGround& ground : paths.grounds) all += facets_of(ground);
+  return all;
+}
+
+RefractedPathsShot certify_refracted_paths(const Shot& shot, const PathWater& water, double reach_m,
+                                           const std::function<PathEcho(const PathWater&)>& trace) {
+  const double tolerance = *shot.request().reference_tolerance;
+  PathWater finer = water;
+  finer.straightening = first_settings(shot, reach_m, water.straightening);
+  const auto certified = [&] {
+    RefractedPathsShot found{trace(finer), {}, false};
+    for (std::size_t order = 0; order < found.paths.by_order.size(); ++order)
+      found.orders.push_back(
+          reference_of({found.paths.by_order[order], found.paths.bound_by_order[order]}, tolerance));
+    return found;
+  };
+  RefractedPathsShot best = certified();
+  for (int tries = 1;; ++tries) {
+    const Quality quality = quality_of(best.orders);
+    if (quality.over * 200 <= quality.bins) break;
+    const double room = std::sqrt(most_facets_of_paths / std::max(double(best.facets()), 1.0));
+    best.at_limit = room < least_worth || tries == most_tries;
+    if (best.at_limit) break;
+    const double by = std::clamp(1.3 * quality.usual_excess, least_worth, room);
+    finer.straightening.gap_m = std::max(finer.straightening.gap_m / by, 2 * shot.scene().grid.unit_m());
+    finer.straightening.tolerance_db /= by;
+    RefractedPathsShot next = certified();
+    const Quality found = quality_of(next.orders);
+    const bool worth_more = double(found.over) * least_worth < double(quality.over) ||
+                            found.usual_excess * least_worth < quality.usual_excess;
+    if (found.over <= quality.over || worth_more) best = std::move(next);
+    if (worth_more) continue;
+    best.at_limit = true;
+    break;
+  }
+  return best;
 }
 
 }  // namespace tubefoot

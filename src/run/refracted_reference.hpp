@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "engine/certified/certified_refraction.hpp"
@@ -46,5 +47,17 @@ struct RefractedStaffShot {
 RefractedShot certify_refracted_shot(const Shot& shot);
 RefractedPairShot certify_refracted_pair_shot(const Shot& shot);
 RefractedStaffShot certify_refracted_staff_shot(const Shot& shot, std::size_t sensor, std::uint32_t fan);
+
+/// The certified echoes of a sensor's paths over mirrors, by order.
+struct RefractedPathsShot {
+  PathEcho paths;
+  std::vector<RefractedReference> orders;
+  bool at_limit = false;
+
+  std::size_t facets() const;
+};
+/// The same of these, whose images make grounds of their own: `trace` is path_echo() through a water.
+RefractedPathsShot certify_refracted_paths(const Shot& shot, const PathWater& water, double reach_m,
+                                           const std::function<PathEcho(const PathWater&)>& trace);
 
 }  // namespace tubefoot

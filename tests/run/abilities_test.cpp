@@ -22,9 +22,12 @@ using testing::Not;
 
 std::string page_of_the_table() {
   std::string page = "| this | with this | is refused, because |\n|---|---|---|\n";
-  for (const Refusal& refusal : refusals())
-    page += fmt::format("| {} | {}{} | {} |\n", name_of(refusal.first), name_of(refusal.second),
-                        refusal.third ? fmt::format(", {}", name_of(*refusal.third)) : "", refusal.reason);
+  for (const Refusal& refusal : refusals()) {
+    std::string with(name_of(refusal.second));
+    for (const auto& feature : refusal.more)
+      if (feature) with += fmt::format(", {}", name_of(*feature));
+    page += fmt::format("| {} | {} | {} |\n", name_of(refusal.first), with, refusal.reason);
+  }
   return page;
 }
 
@@ -39,7 +42,8 @@ TEST(Abilities, EveryRefusalIsThereOnceAndSaysWhatToDo) {
   std::set<std::set<int>> seen;
   for (const Refusal& refusal : refusals()) {
     std::set<int> all{static_cast<int>(refusal.first), static_cast<int>(refusal.second)};
-    if (refusal.third) all.insert(static_cast<int>(*refusal.third));
+    for (const auto& feature : refusal.more)
+      if (feature) all.insert(static_cast<int>(*feature));
     SCOPED_TRACE(refusal.reason);
     EXPECT_TRUE(seen.insert(all).second) << "said twice";
     EXPECT_FALSE(refusal.reason.empty());

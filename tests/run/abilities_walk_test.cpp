@@ -48,7 +48,8 @@ const std::vector<Asked> of_commands{
 std::optional<std::string> reason_of_the_table(const std::set<Feature>& features) {
   for (const Refusal& r : refusals())
     if (features.contains(r.first) && features.contains(r.second) &&
-        (!r.third || features.contains(*r.third)))
+        std::ranges::all_of(r.more,
+                            [&](const auto& feature) { return !feature || features.contains(*feature); }))
       return std::string(r.reason);
   return std::nullopt;
 }

@@ -154,6 +154,29 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfReceiversApart) {
   }
 }
 
+// Down to the bed, up to the surface and down again, and straight home; as the ordinary run has it within the
+// 0.1 dB that it promises.
+TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
+  std::string scene =
+      "[sea_surface]\nheight_m = 20\nloss_db = 1\n[paths]\norder = 3\n" + scene_in(gradient(-0.5, 60));
+  scene = replaced(scene, "lambert_db = -27\n", "lambert_db = -27\nspecular_loss_db = 3\n");
+  scene = replaced(scene, "width_m = 256\nlength_m = 256", "width_m = 16\nlength_m = 40");
+  scene = replaced(replaced(scene, "heading_deg = 37", "heading_deg = 0"), "samples = 128", "samples = 4");
+  scene =
+      replaced(scene, "window_start_m = 8\nwindow_length_m = 32", "window_start_m = 31\nwindow_length_m = 8");
+  const KeptRun run(scene, {"--reference", "--tolerance", "1e-1"});
+  ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
+  EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
+  const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"), ordinary = echoes_of(scene);
+  for (std::size_t k = 0; k < echoes.samples; ++k) {
+    EXPECT_GT(echoes.energy[k], 0) << k;
+    EXPECT_LE(echoes.energy_bound[k], 0.1 * echoes.energy[k] * 1.001) << k;
+    EXPECT_LE(std::abs(echoes.energy[k] - ordinary.energy[k]),
+              echoes.energy_bound[k] + 0.0233 * ordinary.energy[k])
+        << k;
+  }
+}
+
 // Cells wherever a shot looks are those of a bed that is refined once.
 TEST(RefractedReferenceRun, ReliefOfEachShotIsThatOfAllShots) {
   const std::string scene = scene_of(relief, gradient(-0.5));

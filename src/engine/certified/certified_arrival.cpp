@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 #include "engine/certified/certified_gain.hpp"
 
@@ -38,19 +39,55 @@ Bounded bounded(const Ball& x) {
 
 }  // namespace
 
-void certify_arrival(const Arrival& arrival, const RangeSamples& samples,
-                     const std::function<void(std::size_t, std::size_t, double, double)>& take) {
+void certify_arrival(const Arrival& arrival, const RangeSamples& samples, const TakeArrival& take) {
   const BallVector way{Ball(double(arrival.way.x)), Ball(double(arrival.way.y)), Ball(double(arrival.way.z))};
   const Ball units = root(squared(way[0]) + squared(way[1]) + squared(way[2])),
              length = units * Ball(arrival.unit_m),
              beta = Ball(arrival.absorption_db_per_m) * log(Ball(10)) / Ball(10);
-  const BallVector direction{way[0] / units, way[1] / units, way[2] / units},
-      back{-direction[0], -direction[1], -direction[2]};
+  const BallVector direction{way[0] / units, way[1] / units, way[2] / units};
+  certify_arrival({length / Ball(2), exp(-(beta * length)) / squared(length), direction, direction}, arrival,
+                  true, samples, take);
+}
+
+std::optional<EnclosedRay> enclose_ray(const Straightening& water, const RayEnclosure& rays,
+                                       const glm::dvec3& place_m) {
+  const glm::dvec3 way = water.unfolded(place_m) - water.apex_m(), u(1, 0, 0), v(0, 1, 0);
+  const std::array<Interval, 3> at{way.x, way.y, way.z};
+  const auto found = rays.over(at, u, v, 0.0, 0.0);
+  if (!found) return std::nullopt;
+  const auto ball = [](const Interval& x) { return Ball::between(x.lo, x.hi); };
+  const Interval distance2 = squared(at[0]) + squared(at[1]) + squared(at[2]), distance = root(distance2),
+                 range = rays.reference_speed_m_s() * found->time_s.v;
+  // Areas there and back differ by the square of the speeds at the ends.
+  const double ratio = water.water().profile.at(water.depth_m(place_m)) / water.finder().source_speed_m_s(),
+               beta = std::numbers::ln10 / 10;
+  const Interval area = found->area_ratio_per_sr.v * distance2 * squared(outwards(ratio, ratio, 16)),
+                 kept = exp(-(found->absorption_db.v * outwards(beta, beta, 4))),
+                 across = found->arrival_across.v / distance;
+  const double sign = water.unfolding().sign;
+  EnclosedRay ray;
+  ray.half_path_m = ball(range * 0.5);
+  ray.energy = ball(kept / area);
+  ray.sent = {ball(found->image[0].v / range), ball(found->image[1].v / range),
+              ball(sign * found->image[2].v / range)};
+  ray.arrives = {ball(across * at[0]), ball(across * at[1]),
+                 ball(-sign * found->arrival_down_m.v / distance)};
+  if (!ray.energy.is_finite() || !ray.half_path_m.is_finite()) return std::nullopt;
+  return ray;
+}
+
+void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, const RangeSamples& samples,
+                     const TakeArrival& take) {
+  const BallVector &direction = ray.sent, back{-ray.arrives[0], -ray.arrives[1], -ray.arrives[2]};
   const MirrorLoss& loss = arrival.leg->loss;
-  Ball energy = Ball(loss.factor) * exp(-(beta * length)) / squared(length);
+  Ball energy = Ball(loss.factor) * ray.energy;
   Ball exponent;
-  for (const glm::dvec3& normal : loss.rough_normals) exponent += squared(along(normal, direction));
+  for (const glm::dvec3& normal : loss.rough_normals) {
+    const Ball sine2 = squared(along(normal, direction));
+    exponent += loss.bend == 0 ? sine2 : Ball(1) - Ball(1 + loss.bend) * (Ball(1) - sine2);
+  }
   energy = energy * exp(-(Ball(loss.roughness) * exponent));
+  if (!sure) energy = Ball(std::max(energy.hi(), 0.0)) * Ball::between(0, 1);
   if (arrival.transmit != nullptr) {
     BallVector sent;  // as the true apex has it
     for (int row = 0; row < 3; ++row) {
@@ -64,7 +101,7 @@ void certify_arrival(const Arrival& arrival, const RangeSamples& samples,
   }
 
   const std::vector<double> borders = sample_borders_m(samples);
-  const Ball half = length / Ball(2);
+  const Ball& half = ray.half_path_m;
   for (std::size_t sample = 0; sample + 1 < borders.size(); ++sample) {
     if (half.hi() < borders[sample] || half.lo() >= borders[sample + 1]) continue;
     const bool surely = half.lo() >= borders[sample] && half.hi() < borders[sample + 1];

@@ -3,12 +3,15 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "engine/law/beam_pattern.hpp"
 #include "engine/law/path.hpp"
 #include "engine/law/range_samples.hpp"
+#include "engine/water/ray_enclosure.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/numbers/ball.hpp"
 
 namespace tubefoot {
 
@@ -22,11 +25,24 @@ struct Arrival {
   std::span<const Directivity> receive{};     ///< by beam; without patterns one beam hears it
 };
 
+using TakeArrival = std::function<void(std::size_t beam, std::size_t sample, double energy, double bound)>;
 /// Encloses it: by beam and sample, energy and half-width of its bound. Where a border between samples may be
 /// all of the path's half, from nothing to all of it is in either.
-void certify_arrival(
-    const Arrival& arrival, const RangeSamples& samples,
-    const std::function<void(std::size_t beam, std::size_t sample, double energy, double bound)>& take);
+void certify_arrival(const Arrival& arrival, const RangeSamples& samples, const TakeArrival& take);
+
+/// A ray from an apex, or over mirrors, to a place.
+struct EnclosedRay {
+  Ball half_path_m;  ///< half of what sound covers in its time at the reference speed
+  Ball energy;       ///< of 1 J/sr what passes a square metre there, but for what mirrors take
+  std::array<Ball, 3> sent, arrives;  ///< directions of travel, unit vectors; as the image has it, and there
+};
+/// None where it is not proven that there is one.
+std::optional<EnclosedRay> enclose_ray(const Straightening& water, const RayEnclosure& rays,
+                                       const glm::dvec3& place_m);
+/// What comes along it; `sure`: or nothing does. Of `arrival` the way and what is about even water are not
+/// read.
+void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, const RangeSamples& samples,
+                     const TakeArrival& take);
 
 /// A value with the half-width of its bound.
 struct Bounded {

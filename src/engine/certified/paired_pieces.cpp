@@ -132,8 +132,10 @@ void PairedPieces::add(OnFacet& on, std::span<const glm::dvec3> corners_m, glm::
 
 double PairedPieces::most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& out,
                              const Towards& home) const {
-  if (law_.patterns == nullptr) return 1;
-  return tubefoot::most_of(law_.patterns->transmit[transmit], out) *
+  const double passes =
+      tubefoot::most_of(law_.path.out.loss, out) * tubefoot::most_of(law_.path.back().loss, home);
+  if (law_.patterns == nullptr) return passes;
+  return passes * tubefoot::most_of(law_.patterns->transmit[transmit], out) *
          tubefoot::most_of(law_.patterns->receive[beam], home);
 }
 

@@ -37,8 +37,7 @@ class PairedPieces {
            std::uint32_t receive_tube, std::pair<std::uint32_t, std::uint32_t> beams,
            BinsBetween& bins) const;
 
-  /// No less than what patterns leave of what goes out and comes home in these directions; 1 without
-  /// patterns.
+  /// No less than what mirrors and patterns leave of what goes out and comes home in these directions.
   double most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& out, const Towards& home) const;
 
  private:

@@ -68,6 +68,7 @@ class PairedReference {
       : bed_(bed),
         beams_(beams),
         law_(law),
+        off_rad_(tubes.off_rad),
         unit_m_(bed.grid.unit_m()),
         borders_(sample_borders_m(samples)),
         pieces_(law, borders_, samples.step_m, reference_targets(ordinary, tolerance), tolerance) {
@@ -237,7 +238,8 @@ class PairedReference {
       const std::vector<FacetId> nearby = looked.in(look.sectors[tube], end.tree);
       const DoubtSink sink = [&](const Doubt& doubt) { add(doubt, e, true, by_tube[tube]); };
       edges.add_doubts(context, seen, pieces, nearby, sink);
-      edges.add_walls(walls[tube], nearby, sink);
+      edges.add_walls(walls[tube], off_rad_[e], looked.in(look.sectors[tube], end.tree, 2 * off_rad_[e]),
+                      sink);
       if (const double begins = unknown.begins_m(look.sectors[tube]); begins < infinite)
         add_unknown(e, tube, (begins + std::min(nearest_other, begins)) / 2, by_tube[tube]);
     });
@@ -276,7 +278,11 @@ class PairedReference {
     const FacetMap map = facet_map(from, to);
     std::vector<glm::dvec3> elsewhere;
     for (const glm::dvec3& p : doubt.part_m) elsewhere.push_back(map.at(p));
-    std::array<About, 2> about{About(doubt.part_m, here.gap_m), About(elsewhere, there->gap_m)};
+    // Where nothing is seen through windows something may be, beside them.
+    const auto beside = [&](std::size_t end, const FacetEnclosure& seen) {
+      return seen.gap_m + 2 * off_rad_[end] * seen.farthest_m;
+    };
+    std::array<About, 2> about{About(doubt.part_m, beside(e, here)), About(elsewhere, beside(1 - e, *there))};
     const double nearest = std::max(doubt.nearest_m, about[0].nearest_m),
                  farthest = std::min(doubt.farthest_m, about[0].farthest_m + here.shift_m);
     const double half_from = (nearest + about[1].nearest_m) / 2,
@@ -348,6 +354,7 @@ class PairedReference {
   const PairedReference* beside_ = nullptr;
   SharedFootprints shared_;
   std::vector<PairedFacet> paired_;  // as its facets
+  std::array<double, 2> off_rad_;    // of windows
   double unit_m_, margin_m_ = 0;
   std::vector<double> borders_;
   PairedPieces pieces_;

@@ -14,6 +14,9 @@ namespace tubefoot {
 /// Tubes of both ends of a path.
 struct PairedTubes {
   const TubeSet &out, &home;
+  /// Of an image they are windows, made of what is seen of a mirror: no wall is farther than this from where
+  /// curved rays have it.
+  std::array<double, 2> off_rad{};
 };
 
 /// Encloses the echo of a path whose two ends see the bed elsewhere, through refracting water: the energy
@@ -22,9 +25,9 @@ struct PairedTubes {
 ///
 /// - a factor, from least to most, and half paths, within shift_m of a border between samples;
 /// - beam patterns in the directions of rays, which are within turn_rad of those in which places are seen;
-/// - which tube sees a place next to a wall between tubes that are not heard alike; whether one is seen
-/// beside
-///   the edge of what hides it, or where two facets are closer together than ranges may be off;
+/// - which tube sees a place next to a wall between tubes that are not heard alike, or whether a window does;
+///   whether one is seen beside the edge of what hides it, or where two facets are closer together than
+///   ranges may be off;
 /// - all that lies behind a facet without a proven ray.
 ///
 /// `beams`, `law` as integrate_echo() has them for that path, `ordinary` what it makes of it. Throws as
@@ -43,8 +46,8 @@ struct PairedParts {
   std::vector<PairedFacet> paired;      ///< as its facets
   std::vector<PairedEnclosure> facets;  ///< as these
   std::vector<char> is_proven;          ///< as these: the facet, and that both ends see it by one ray
-  /// By runs of such facets what they surely have, a list of what loose facets may have, and from first_doubt[end] on of
-  /// what that end is not certain of.
+  /// By runs of such facets what they surely have, a list of what loose facets may have, and from
+  /// first_doubt[end] on of what that end is not certain of.
   std::vector<BinsBetween> bins;
   std::array<std::size_t, 2> first_doubt{};
 };

@@ -63,6 +63,16 @@ double most_of(const TransmitPattern& transmit, const Towards& towards) {
   return sum;
 }
 
+double most_of(const MirrorLoss& loss, const Towards& towards) {
+  double exponent = 0;
+  for (const glm::dvec3& normal : loss.rough_normals) {
+    const Interval sine = cosines_of(normal, towards);
+    const double least = sine.lo <= 0 && sine.hi >= 0 ? 0 : std::min(std::abs(sine.lo), std::abs(sine.hi));
+    exponent += std::max(0.0, least * least - loss.bend * (1 - least * least));
+  }
+  return loss.factor * std::exp(-loss.roughness * exponent) * (1 + slack);
+}
+
 PatternDoubt::PatternDoubt(const TransmitPattern& transmit, const Towards& there,
                            const PairedEnclosure& proven)
     : out_beams(double(transmit.beams.size())), most_out(tubefoot::most_of(transmit, there)) {

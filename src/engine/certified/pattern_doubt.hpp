@@ -6,6 +6,7 @@
 
 #include "engine/certified/paired_enclosure.hpp"
 #include "engine/law/beam_pattern.hpp"
+#include "engine/law/path.hpp"
 
 // What beam patterns may make of places that are seen in slightly other directions than they are laid out in.
 namespace tubefoot {
@@ -21,6 +22,8 @@ struct Towards {
 /// No less than what a pattern leaves in these directions.
 double most_of(const Directivity& pattern, const Towards& towards);
 double most_of(const TransmitPattern& transmit, const Towards& towards);
+/// Or mirrors let pass.
+double most_of(const MirrorLoss& loss, const Towards& towards);
 
 /// What patterns in slightly other directions make of an energy, which would be `plain` without patterns.
 /// With a^2 and b^2 the patterns there and back, integrals of a times others are bounded by Cauchy's and

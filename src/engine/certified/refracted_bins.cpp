@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <utility>
 
 namespace tubefoot {
 namespace {
@@ -34,11 +35,12 @@ Looked::Looked(std::span<const FacetEnclosure> facets) : facets_(facets), balls_
     if (facets[f].state != State::unproven && facets[f].gap_m > usual_gap_m_) wide_.push_back(f);
 }
 
-std::vector<FacetId> Looked::in(const Sector& tube, const SceneTree& tree) const {
-  std::vector<FacetId> seen = tube.facets(tree, usual_gap_m_);
+std::vector<FacetId> Looked::in(const Sector& tube, const SceneTree& tree, double beside_rad) const {
+  std::vector<FacetId> seen = tube.facets(tree, usual_gap_m_ + beside_rad * tube.reach_m());
   seen.insert(seen.end(), wide_.begin(), wide_.end());
   std::erase_if(seen, [&](FacetId f) {
-    return facets_[f].state == State::unproven || !tube.may_meet(balls_[f].first, balls_[f].second);
+    return facets_[f].state == State::unproven ||
+           !tube.may_meet(balls_[f].first, balls_[f].second + beside_rad * facets_[f].farthest_m);
   });
   std::ranges::sort(seen);
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
@@ -110,8 +112,12 @@ RefractedReference reference_between(std::span<const BinsBetween> parts, const E
     certified.echo.energy[bin] = lo + (hi - lo) / 2;
     certified.bound[bin] = (hi - lo) / 2 * (1 + slack);
   }
+  return reference_of(std::move(certified), tolerance);
+}
+
+RefractedReference reference_of(CertifiedEcho echo, double tolerance) {
   return reference_of(
-      std::move(certified), [&](CertifiedEcho& echo) { hold_against(echo, tolerance); },
+      std::move(echo), [&](CertifiedEcho& held) { hold_against(held, tolerance); },
       [&](Echo&& least) { return reference_targets(least, tolerance); });
 }
 

@@ -74,6 +74,8 @@ class ShiftedSamples {
   std::vector<double> about_;
 };
 
+/// What keeps its bounds, of those that are finite, from being as narrow as asked.
+RefractedReference reference_of(CertifiedEcho echo, double tolerance);
 /// What bins hold, added up in the order of the list.
 RefractedReference reference_between(std::span<const BinsBetween> parts, const Echo& ordinary,
                                      double tolerance);
@@ -89,8 +91,8 @@ class Looked {
   explicit Looked(std::span<const FacetEnclosure> facets);
   double most_gap_m() const { return most_gap_m_; }
 
-  /// By increasing id.
-  std::vector<FacetId> in(const Sector& tube, const SceneTree& tree) const;
+  /// By increasing id; and in directions beside the tube, within reach.
+  std::vector<FacetId> in(const Sector& tube, const SceneTree& tree, double beside_rad = 0) const;
 
  private:
   std::span<const FacetEnclosure> facets_;

@@ -262,11 +262,12 @@ void UncertainEdges::clash(const SeenPiece& piece, FacetId other, const DoubtSin
   give(2 * off + slack);
 }
 
-void UncertainEdges::add_walls(std::span<const Wall> walls, std::span<const FacetId> nearby,
+void UncertainEdges::add_walls(std::span<const Wall> walls, double off_rad, std::span<const FacetId> nearby,
                                const DoubtSink& sink) const {
   if (walls.empty()) return;
   const Nearby near = nearby_of(nearby);
-  for (const Wall& wall : walls) strip(wall.first, wall.second, 1e-9, near, sink);  // rays are rounded
+  // Rays are rounded.
+  for (const Wall& wall : walls) strip(wall.first, wall.second, off_rad + 1e-9, near, sink);
 }
 
 void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility& seen,

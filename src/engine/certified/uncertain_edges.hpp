@@ -53,8 +53,9 @@ class UncertainEdges {
                   std::span<const FacetId> nearby, const DoubtSink& sink) const;
 
   using Wall = std::pair<glm::dvec3, glm::dvec3>;
-  /// Of places, on whichever facets: next to walls, each between two directions.
-  void add_walls(std::span<const Wall> walls, std::span<const FacetId> nearby, const DoubtSink& sink) const;
+  /// Of places, on whichever facets: next to walls, each between two directions and off by that at most.
+  void add_walls(std::span<const Wall> walls, double off_rad, std::span<const FacetId> nearby,
+                 const DoubtSink& sink) const;
 
  private:
   struct EdgeOf {

@@ -4,6 +4,8 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -12,7 +14,9 @@
 #include <utility>
 
 #include "engine/certified/certified_arrival.hpp"
+#include "engine/certified/paired_reference.hpp"
 #include "engine/certified/reference.hpp"
+#include "engine/paths/enclosed_images.hpp"
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
 #include "engine/rays/shared_hits.hpp"
@@ -56,8 +60,14 @@ class PathTracer {
       echo.energy.assign(std::size_t(beams.count) * std::size_t(samples.count), 0);
     }
     echo_.images = transmit_.size() - 1 + (one_place_ ? 0 : receive_.size() - 1);
-    if (settings.reference_tolerance)
-      for (const Echo& echo : echo_.by_order) echo_.bound_by_order.emplace_back(echo.energy.size(), 0.0);
+    if (!settings.reference_tolerance) return;
+    for (const Echo& echo : echo_.by_order) echo_.bound_by_order.emplace_back(echo.energy.size(), 0.0);
+    if (bent_ == nullptr) return;
+    bed_law_ = law;
+    bed_law_.material = bent_->bed().material;
+    enclosed_.emplace(*bent_, bed_law_, settings.mirrors.reflection,
+                      std::initializer_list<std::span<const Image>>{
+                          images.sent, one_place_ ? std::span<const Image>() : images.heard});
   }
 
   PathEcho trace() {
@@ -67,7 +77,9 @@ class PathTracer {
                            true_receive_.reach, bent_},
                           transmit_, receive_, echo_);
     for (const Image& image : transmit_)
-      if (image.mirrors > 0 || (settings_.direct && !one_place_)) arrive(image);
+      if (image.mirrors > 0 || (settings_.direct && !one_place_))
+        enclosed_ ? arrive_enclosed(image) : arrive(image);
+    if (enclosed_) add_unknown();
     return std::move(echo_);
   }
 
@@ -241,8 +253,18 @@ class PathTracer {
     const PairLaw pair(sent, heard, true_apex_, unit_m_, law_, beams_, bent_ ? &bent_->bed() : nullptr);
     CertifiedEcho found;
     found.echo = integrate_echo(history, pair.beams, samples_, pair.law, settings_.binning);
-    if (const auto tolerance = settings_.reference_tolerance)
+    const auto tolerance = settings_.reference_tolerance;
+    if (tolerance && enclosed_) {
+      VisibilityOptions options = bent_->options();
+      options.open_water = false;
+      found = certify_refracted_echo(
+                  enclosed_->bed_between(sent, heard),
+                  {sent.windows, heard.windows, {enclosed_->off_rad(sent), enclosed_->off_rad(heard)}},
+                  options, pair.beams, samples_, pair.law, found.echo, *tolerance)
+                  .certified;
+    } else if (tolerance) {
       found = certify_echo(mesh_, history, pair.beams, samples_, pair.law, found.echo, *tolerance);
+    }
     return found;
   }
 
@@ -342,6 +364,90 @@ class PathTracer {
       add(beam, sent * patterns.receive[beam].gain(-arrival.arrives));
   }
 
+  std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t receive_tube) const {
+    if (law_.patterns != nullptr) return law_.patterns->beams_of_tube[receive_tube];
+    return {beams_.of_tube[receive_tube], beams_.of_tube[receive_tube] + 1};
+  }
+  static std::uint32_t fan_of(std::span<const std::uint32_t> fans, std::uint32_t tube) {
+    return fans.empty() ? 0 : fans[tube];
+  }
+
+  /// In refracting water, with bounds: along the one ray that there is, if that is proven.
+  void arrive_enclosed(const Image& image) {
+    const EnclosedImages::Ray found = enclosed_->ray_to(image, true_receive_.apex);
+    if (!found.may_be_seen || found.passes == false) return;
+    if (!found.enclosed) {
+      for (std::uint32_t beam = 0; beam < std::uint32_t(beams_.count); ++beam)
+        nothing_known(image.mirrors, beam, found.soonest_m / 2);
+      return;
+    }
+    const MirroredRay& ray = *found.ray;
+    const WorldGrid& grid = bent_->grid();
+    const GridPoint from = image.windows.apex, along = ray.seen_at - from,
+                    back = grid.snap(grid.to_metres(from) - 2 * ray.half_path_m * ray.arrives) - from;
+    // Both are rounded to the grid.
+    const double rounded_rad = 1e-8 + 2 * unit_m_ / ray.half_path_m;
+    std::set<std::uint32_t> fans;
+    for (std::uint32_t window = 0; window < image.own_tube.size(); ++window)
+      if (holds(image.windows, window, along, enclosed_->off_rad(image) + rounded_rad))
+        fans.insert(fan_of(beams_.fan_of_transmit_tube, image.own_tube[window]));
+    for (const std::uint32_t fan : fans) {
+      const std::pair source(Source(from, ray.sent.z, ray.unfolded_height_m), fan);
+      if (arrived_.contains(source)) continue;
+      bool sure = found.passes == true &&
+                  !enclosed_->is_near_border(image, beams_.fan_of_transmit_tube, fan, ray.sent);
+      // Tubes that may hear it; those that are heard alike are one.
+      std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> tubes;
+      bool in_one = false;
+      for (std::uint32_t tube = 0; tube < true_receive_.tubes.size(); ++tube) {
+        if (!beams_.fan_of_receive_tube.empty() && beams_.fan_of_receive_tube[tube] != fan) continue;
+        if (!holds(true_receive_, tube, back, rounded_rad)) continue;
+        tubes.emplace(beams_of(tube), tube);
+        in_one = in_one || holds(true_receive_, tube, back);
+      }
+      sure = sure && in_one && tubes.size() == 1;
+      if (tubes.empty()) continue;
+      arrived_.insert(source);
+      for (const auto& [beams, tube] : tubes) hear_enclosed(image, tube, found, sure);
+    }
+  }
+
+  void hear_enclosed(const Image& image, std::uint32_t receive_tube, const EnclosedImages::Ray& found,
+                     bool sure) {
+    if (!(image.leg.loss.at(found.ray->sent) > least_)) return;
+    Arrival arrival;
+    arrival.leg = &image.leg;
+    const auto [first, end] = beams_of(receive_tube);
+    if (law_.patterns != nullptr) {
+      if (first == end) return;
+      arrival.transmit = &law_.patterns->transmit[law_.patterns->fan_of_tube[receive_tube]];
+      arrival.receive = std::span(law_.patterns->receive).subspan(first, end - first);
+    }
+    bool heard = false;
+    certify_arrival(
+        *found.enclosed, arrival, sure, samples_,
+        [&, first = first](std::size_t beam, std::size_t sample, double energy, double bound) {
+          heard = true;
+          take({image.mirrors, (first + beam) * std::size_t(samples_.count) + sample, energy, bound});
+        });
+    if (heard) ++echo_.arrivals;
+  }
+
+  void nothing_known(std::size_t order, std::uint32_t beam, double from_m) {
+    for (int sample = 0; sample < samples_.count; ++sample)
+      if (samples_.first_m + (sample + 1) * samples_.step_m >= from_m)
+        take({order, std::size_t(beam) * std::size_t(samples_.count) + std::size_t(sample), 0,
+              std::numeric_limits<double>::infinity()});
+  }
+
+  /// Of mirrors that facets without a proven ray may hide, or be, nothing is known.
+  void add_unknown() {
+    for (const EnclosedImages::Unknown& unknown : enclosed_->unknown())
+      for (std::size_t order = unknown.mirrors + 1; order < echo_.by_order.size(); ++order)
+        for (std::uint32_t beam = 0; beam < std::uint32_t(beams_.count); ++beam)
+          nothing_known(order, beam, unknown.from_m / 2);
+  }
+
   void hear_certified(const Image& image, std::uint32_t receive_tube) {
     Arrival arrival{true_receive_.apex - image.windows.apex, unit_m_, law_.absorption_db_per_m, &image.leg};
     const double length = glm::length(difference_m(true_receive_.apex, image.windows.apex, unit_m_));
@@ -380,7 +486,9 @@ class PathTracer {
   GridPoint true_apex_;
   const TubeSet& true_receive_;
   bool one_place_;
-  RefractedImages* bent_;                               // in refracting water: who made the images
+  RefractedImages* bent_;  // in refracting water: who made the images
+  EchoLaw bed_law_;        // with a reference: of the bed that these see
+  std::optional<EnclosedImages> enclosed_;
   std::set<std::pair<Source, std::uint32_t>> arrived_;  // and fans
   PathEcho echo_;
 };
@@ -396,8 +504,10 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
   if (water != nullptr) {
     std::vector<TubeSet> ends{transmit};
     if (!one_place) ends.push_back(receive);
+    PathWater own = *water;
+    own.keep_last = settings.reference_tolerance.has_value();
     RefractedImages bent(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images,
-                         law.absorption_db_per_m, *water, std::move(ends), settings.order);
+                         law.absorption_db_per_m, own, std::move(ends), settings.order);
     const std::vector<Image> sent = bent.images_of(0, {{receive.apex}}),
                              heard = one_place ? std::vector<Image>{} : bent.images_of(1);
     PathEcho echo = path_echo(mesh, grid_unit_m, {finder, sent, one_place ? sent : heard, &bent}, receive,

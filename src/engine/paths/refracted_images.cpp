@@ -14,6 +14,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "engine/certified/paired_enclosure.hpp"
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/search/line_of_sight.hpp"
@@ -103,6 +104,7 @@ struct RefractedImages::Way {
         straightening(unfolded.water, water.grid.to_metres(tubes.apex), water.surface_height_m, unfolded.rays,
                       water.reference_speed_m_s, unfolded.unfolding,
                       {on_bed.front, heights.empty() ? on_bed.straight_within_m : 0}),
+        rays(straightening, unfolded.rays),
         outlook(tubes, water.grid.unit_m(), straightening) {}
   Way(const Way&) = delete;
   Way& operator=(const Way&) = delete;
@@ -118,8 +120,10 @@ struct RefractedImages::Way {
   bool up_first;
   UnfoldedWater unfolded;
   Straightening straightening;
+  RayEnclosure rays;
   Outlook outlook;
-  std::unique_ptr<SceneTree> tree;  ///< of what it sees
+  std::unique_ptr<SceneTree> tree;      ///< of what it sees
+  std::unique_ptr<AlikeGrounds> alone;  ///< that, of a way whose images do not look
 };
 
 RefractedImages::~RefractedImages() = default;
@@ -368,7 +372,7 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
     if (windows.tubes().tubes.empty()) continue;
     child.windows = windows.tubes();
     child.own_tube = windows.labels();
-    if (!heard_at.empty() &&
+    if (!heard_at.empty() && !water_.keep_last &&
         std::ranges::all_of(heard_at, [&](const GridPoint& place) { return rays_to(child, place).empty(); }))
       continue;
     if (++found_ > most_images_)
@@ -392,6 +396,37 @@ std::vector<PartWeights> RefractedImages::weights(const Image& image) const {
 
 ApparentEnd RefractedImages::end_of(const Image& image) const {
   return {alike_.seen[image.way], ways_[image.way].straightening};
+}
+
+PairedBed RefractedImages::bed_between(const Image& sent, const Image& heard) {
+  for (const Image* image : {&sent, &heard}) {
+    Way& way = ways_[image->way];
+    if (way.tree != nullptr) continue;
+    way.alone = std::make_unique<AlikeGrounds>(straighten_alike(
+        *mesh_, way.outlook.facets(*mesh_, *tree_, water_.grid), water_.grid, std::array{&way.straightening},
+        absorption_db_per_m_, water_.straightening, water_.limits, std::array{&way.outlook}));
+    way.tree = std::make_unique<SceneTree>(way.alone->seen[0].refined.mesh, SceneTree::Sheets::ignored);
+  }
+  const auto end = [&](const Image& image) {
+    const Way& way = ways_[image.way];
+    const bool alone = way.alone != nullptr;
+    return PairedEnd{alone ? way.alone->seen[0] : alike_.seen[image.way], *way.tree,
+                     alone ? way.alone->origin[0] : alike_.origin[image.way], way.straightening, way.rays};
+  };
+  const RefinedMesh& cut = ways_[sent.way].alone ? ways_[sent.way].alone->bed : alike_.bed;
+  return {cut.mesh, cut.parent, *mesh_, water_.grid, end(sent), end(heard)};
+}
+
+const Straightening& RefractedImages::water_of(const Image& image) const {
+  return ways_[image.way].straightening;
+}
+
+const RayEnclosure& RefractedImages::rays_of(const Image& image) const { return ways_[image.way].rays; }
+
+std::optional<std::size_t> RefractedImages::way_before(const Image& image) const {
+  const Way& way = ways_[image.way];
+  if (way.heights.empty()) return std::nullopt;
+  return way_of_.at({way.end, Heights(way.heights.begin(), way.heights.end() - 1)});
 }
 
 SeenBed RefractedImages::seen_by(const Image& image) const {
@@ -451,6 +486,18 @@ bool RefractedImages::is_hidden(const Image& image, const GridPoint& from, const
 }
 
 std::vector<MirroredRay> RefractedImages::rays_to(const Image& image, GridPoint place) {
+  std::vector<MirroredRay> rays = all_rays_to(image, place);
+  std::erase_if(rays, [&](const MirroredRay& ray) {
+    const GridPoint along = ray.seen_at - image.windows.apex;
+    bool in_window = false;
+    for (std::uint32_t w = 0; w < image.windows.tubes.size() && !in_window; ++w)
+      in_window = holds(image.windows, w, along, window_border_rad);
+    return !in_window || is_hidden(image, image.windows.apex, ray.seen_at);
+  });
+  return rays;
+}
+
+std::vector<MirroredRay> RefractedImages::all_rays_to(const Image& image, GridPoint place) const {
   const Straightening& water = ways_[image.way].straightening;
   const glm::dvec3 at_m = water_.grid.to_metres(place), way = at_m - water.apex_m();
   std::vector<MirroredRay> rays;
@@ -468,11 +515,7 @@ std::vector<MirroredRay> RefractedImages::rays_to(const Image& image, GridPoint 
     found.kept = std::exp(-ray.absorption_db * std::numbers::ln10 / 10);
     found.tube_area_m2 = ray.tube_area_m2_per_sr;
     found.unfolded_height_m = water.unfolding().height_m(at_m.z);
-    const GridPoint along = found.seen_at - image.windows.apex;
-    bool in_window = false;
-    for (std::uint32_t w = 0; w < image.windows.tubes.size() && !in_window; ++w)
-      in_window = holds(image.windows, w, along, window_border_rad);
-    if (in_window && !is_hidden(image, image.windows.apex, found.seen_at)) rays.push_back(found);
+    rays.push_back(found);
   }
   return rays;
 }

@@ -16,6 +16,9 @@
 // Apexes and their images in level mirrors, in refracting water. docs/paths.md, "In refracting water"
 namespace tubefoot {
 
+struct PairedBed;    // engine/certified/paired_enclosure.hpp
+class RayEnclosure;  // engine/water/ray_enclosure.hpp
+
 /// Water that refracts, and how finely the bed is seen through it.
 struct PathWater {
   const WaterColumn& column;
@@ -25,6 +28,8 @@ struct PathWater {
   StraighteningSettings straightening;
   RefinementLimits limits;
   const WorldGrid& grid;
+  /// Images in the most mirrors are kept whether anything seems to come from them or not.
+  bool keep_last = false;
 };
 
 /// A ray from an image, over its mirrors, to a receiver.
@@ -84,12 +89,22 @@ class RefractedImages {
   /// weights.
   std::vector<PartWeights> weights(const Image& image) const;
   ApparentEnd end_of(const Image& image) const;
+  /// The bed between two images, for references; they may be the same. Those that have not looked, too,
+  /// straighten it for that.
+  PairedBed bed_between(const Image& sent, const Image& heard);
+  const VisibilityOptions& options() const { return options_; }
+  const Straightening& water_of(const Image& image) const;
+  const RayEnclosure& rays_of(const Image& image) const;
+  /// The way of those that have one mirror less; none of an end itself.
+  std::optional<std::size_t> way_before(const Image& image) const;
   /// What came of straightening, but for the apexes' own; by chain of mirrors. Directions are those of
   /// launch.
   std::vector<ApparentGround> take_grounds();
 
-  /// All rays from an image over its mirrors to a place, those not hidden by facets.
+  /// All rays from an image over its mirrors to a place, those through its windows not hidden by facets.
   std::vector<MirroredRay> rays_to(const Image& image, GridPoint place);
+  /// And whether anything lets them pass or not.
+  std::vector<MirroredRay> all_rays_to(const Image& image, GridPoint place) const;
 
  private:
   struct Way;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/water/ray_differences.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -77,6 +79,12 @@ Jet asin_root_ratio(const Jet& w) {
                  outwards(0.15, 0.15 * over / (1 - most), library_units));
 }
 
+/// Of two enclosures of the same.
+Interval common(const Interval& a, const Interval& b) {
+  return b.is_finite() && b.lo <= a.hi && b.hi >= a.lo ? Interval(std::max(a.lo, b.lo), std::min(a.hi, b.hi))
+                                                       : a;
+}
+
 Interval power(const Interval& x, int n) {
   Interval result = 1.0;
   for (int i = 0; i < n; ++i) result = result * x;
@@ -136,7 +144,7 @@ struct RayEnclosure::Sums {
 RayEnclosure::RayEnclosure(const Straightening& straightening, const EigenrayOptions& options)
     : straightening_(straightening),
       options_(options),
-      finder_(straightening.water(), straightening.depth_m(straightening.apex_m()), options),
+      finder_(straightening.water(), straightening.finder().source_depth_m(), options),
       source_m_(finder_.source_depth_m()),
       source_speed_(finder_.source_speed_m_s()),
       reference_speed_(straightening.reference_speed_m_s()) {
@@ -347,14 +355,43 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
   const Jet launch = root(Jet(1.0) - kj * Jet(squared(cs))), arrival = root(Jet(1.0) - kj * squared(speed));
   if (!launch.v.surely_positive()) return std::nullopt;
   RayJets rays;
-  const Jet across = Jet(reference_speed_ * cs) * time / reach, below = Jet(reference_speed_) * time * launch;
+  const Jet d2 = m + squared(way), d = root(d2);
+  std::vector<RayDifferences::Part> parts;
+  for (const Leg& leg : legs_between(straightening_.water().profile, source_m_, near))
+    parts.push_back({leg.dz_m, hull(leg.c1, leg.c2)});
+  parts.push_back({Interval(0, std::abs(far - near) * (1 + slack)), c});
+  const RayDifferences differences(parts, {k, sums.reach, sums.reach_k, sums.time, sums.dx_dp, sums.dx_dp_k,
+                                           c, s, g, cs, launch.v, way.v, d2.v});
+  const Jet ref(reference_speed_), across = ref * compose(kj, way, differences.across()),
+                                   below = ref * compose(kj, way, differences.below());
   rays.image = {across * x, across * y, down ? -below : below};
   rays.time_s = time;
-  const Jet d2 = m + squared(way), d = root(d2), arrival_down = d * arrival;
-  rays.slowness_s_per_m = time / d;
-  rays.arrival_across = d * speed / reach;
+  // At one place, in the middle of what k is and at the nearer end; from there on slopes say more than ranges
+  // of values.
+  const Interval k0(k.middle()), h0 = root(squared(Interval(near) - source_m_)), k_off = k - k0,
+                                 h_off = way.v - h0;
+  const Sums there = sums_to(near, k0);
+  const double end_speed = straightening_.water().profile.at(near);
+  const Interval c0 = outwards(end_speed, end_speed, 8), d0 = root(k0 * squared(there.reach) + squared(h0));
+  rays.slowness_s_per_m = compose(kj, way, differences.slowness(there.time / d0, k_off, h_off));
+  const auto with_slopes = [&](Jet value, const Interval& at_one_place, const RayDifferences::Slopes& slope) {
+    value.a = slope.k * kj.a + slope.z * way.a;
+    value.b = slope.k * kj.b + slope.z * way.b;
+    value.v = common(value.v, at_one_place + slope.k * k_off + slope.z * h_off);
+    return value;
+  };
+  const auto with_logs = [&](const Jet& value, const Interval& at_one_place,
+                             const RayDifferences::Slopes& logs) {
+    return with_slopes(value, at_one_place, {value.v * logs.k, value.v * logs.z});
+  };
+  rays.arrival_across = with_logs(d * speed / reach, d0 * c0 / there.reach, differences.log_arrival_across());
+  const Interval s_there = sine_at(k0, c0);
+  const Jet arrival_down = with_slopes(d * arrival, d0 * s_there, differences.arrival_down());
   rays.arrival_down_m = down ? arrival_down : -arrival_down;
-  rays.area_ratio_per_sr = reach * launch * arrival * dx_dp / (squared(speed) * d2);
+  rays.area_ratio_per_sr =
+      with_logs(reach * launch * arrival * dx_dp / (squared(speed) * d2),
+                there.reach * root(1.0 - k0 * squared(cs)) * s_there * there.dx_dp / squared(c0 * d0),
+                differences.log_area());
   rays.absorption_db =
       compose(kj, way, {sums.absorption, sums.absorption_k, sums.absorption_per_m / s, 0.0, 0.0, 0.0});
   return rays;

@@ -2,11 +2,11 @@
 // Paths over mirrors in refracting water.
 #include <gtest/gtest.h>
 
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <map>
+#include <numeric>
 #include <random>
 
 #include "engine/sight/tube_engine.hpp"
@@ -76,40 +76,10 @@ TEST(RefractedPaths, SurfaceMultiplesOfAFlatBedInOneGradient) {
       s.paths.mirrors.surface->roughness = roughness;
       const WaterColumn column = gradient(g, 1510);
       const PathEcho paths = through(water_of(column, 5e-4), s);
-      const Circles circles{1510, g};
-      const auto direct = [&](double x) { return circles.to(x, 5, {}, 20); };
-      const auto mirrored = [&](double x) { return circles.to(x, 5, {0}, 20); };
-      const auto through_surface = [&](const Circles::Ray& ray) {
-        return 0.6 * std::exp(-roughness * ray.mirror_sine * ray.mirror_sine);
-      };
-      const auto distance_of = [&](double half_path_m, const auto& half_time) {
-        double lo = 1e-6, hi = 120;
-        for (int k = 0; k < 100; ++k) {
-          const double x = (lo + hi) / 2;
-          (half_time(x) * c_ref < half_path_m ? lo : hi) = x;
-        }
-        return (lo + hi) / 2;
-      };
-      const auto integral = [](const auto& f, double from, double to) {
-        return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(f, from, to, 0);
-      };
+      const SurfaceMultiples rings{{1510, g}, roughness};
       for (const int k : {1, 5, 12, 18}) {
-        const double from = 26 + k;
-        const auto once = [&](double x) {
-          const Circles::Ray a = direct(x), b = mirrored(x);
-          return 0.01 * 2 * pi * x * std::sin(a.arrival) * std::sin(b.arrival) * through_surface(b) *
-                 (1 / (a.area * b.area_back) + 1 / (b.area * a.area_back));
-        };
-        const auto mean = [&](double x) { return (direct(x).t + mirrored(x).t) / 2; };
-        const double one = integral(once, distance_of(from, mean), distance_of(from + 1, mean));
+        const double from = 26 + k, one = rings.once(from, from + 1), two = rings.twice(from, from + 1);
         EXPECT_NEAR(paths.by_order[2].at(0, k), one, 2e-4 * one) << g << " sample " << k;
-        const auto twice = [&](double x) {
-          const Circles::Ray b = mirrored(x);
-          return 0.01 * 2 * pi * x * std::pow(std::sin(b.arrival) * through_surface(b), 2) /
-                 (b.area * b.area_back);
-        };
-        const auto both = [&](double x) { return mirrored(x).t; };
-        const double two = integral(twice, distance_of(from, both), distance_of(from + 1, both));
         EXPECT_NEAR(paths.by_order[3].at(0, k), two, 2e-4 * two) << g << " sample " << k;
       }
     }
@@ -185,6 +155,13 @@ TEST(RefractedPaths, AChannelIsASeriesOfRays) {
   const WaterColumn column = gradient(0.4, 1490, 0.01);
   const PathEcho paths = through(water_of(column, 1), s);
   EXPECT_EQ(paths.arrivals, 1u + 2 * order);
+  Setting certified = s;  // in samples that hold an arrival each, with bounds
+  certified.mesh = square_bed(-20, 60);
+  certified.paths.order = 2;
+  certified.paths.reference_tolerance = 1e-3;
+  certified.samples = {15, 2.5, 20};
+  const PathEcho reference = through(water_of(column, 5e-2), certified);
+  EXPECT_EQ(reference.arrivals, 5u);
   for (int n = 0; n <= order; ++n) {
     std::vector<double> expected(s.samples.count);
     for (int first = 0; first < (n == 0 ? 1 : 2); ++first) {
@@ -204,6 +181,15 @@ TEST(RefractedPaths, AChannelIsASeriesOfRays) {
       energy = passes * std::exp(-0.3 * rough * ray.mirror_sine * ray.mirror_sine) *
                std::pow(10, -0.001 * leg.s) / ray.area;
       expected[std::size_t((leg.t * c_ref / 2 - s.samples.first_m) / s.samples.step_m)] += energy;
+    }
+    for (std::size_t k = 0; n <= 2 && k < 20; ++k) {
+      const double truth = std::accumulate(expected.begin() + 50 * std::ptrdiff_t(k),
+                                           expected.begin() + 50 * std::ptrdiff_t(k) + 50, 0.0),
+                   energy = reference.by_order[std::size_t(n)].energy[k],
+                   bound = reference.bound_by_order[std::size_t(n)][k];
+      if (!(truth > 0)) continue;  // what the bed scatters
+      EXPECT_LE(std::abs(energy - truth), bound + 1e-8 * truth) << "order " << n << " sample " << k;
+      EXPECT_LT(bound, 1e-6 * truth) << "order " << n << " sample " << k;
     }
     double scattered = 0;
     for (int k = 0; k < s.samples.count; ++k) {
