@@ -61,7 +61,9 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   stop_if_wanted();
   const SimulationStats stats = totals(survey, *result->store);
   result->recordings = recordings_of(survey, result->store);
-  for (const std::string& warning : refraction_warnings(survey, stats)) result->warnings.push_back(warning);
+  for (const std::string& warning :
+       refraction_warnings(survey, request.reference_tolerance.has_value(), stats))
+    result->warnings.push_back(warning);
 
   result->provenance = provenance_of(survey.scene, request);
   nlohmann::ordered_json json = statistics_json(survey, request, stats);

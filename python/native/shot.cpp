@@ -51,7 +51,7 @@ const std::vector<glm::dvec3>& NativeShot::vertices_m() const {
 
 std::shared_ptr<NativeHistory> NativeShot::trace() const {
   if (ends_.are_two()) {
-    PathFootprints seen = path_footprints(ends_.trace());
+    PathFootprints seen = ends_.seen().together;
     return std::make_shared<NativeHistory>(NativeHistory{shared_from_this(), std::move(seen.footprints),
                                                          std::move(seen.receive_tube),
                                                          std::move(seen.receive_distance_m)});
