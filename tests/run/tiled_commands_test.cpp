@@ -45,8 +45,9 @@ std::vector<CommandCase> cases() {
   const std::string relief = with_ripples(scene("", line + few + "[relief]\ncell_m = 0.25\n"));
   return {
       {"HolesAndAnObject", scene("", std::string(ball) + line + few), true},
-      {"AnIslandAndTheSurface", scene("[sea_surface]\nheight_m = 0\n", std::string(ball) + line + abeam),
-       false, true},
+      {"AnIslandAndTheSurface",
+       scene("[sea_surface]\nheight_m = 0\n[paths]\norder = 2\n", std::string(ball) + line + abeam), false,
+       true},
       {"AMapAndAnIsland", with_mud(scene("[sea_surface]\nheight_m = 0\n", std::string(ball) + line + abeam)),
        false, true, patches},
       {"ReliefOnline", relief},

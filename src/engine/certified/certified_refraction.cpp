@@ -16,12 +16,13 @@
 #include "engine/certified/certified_integral.hpp"
 #include "engine/certified/refracted_bins.hpp"
 #include "engine/certified/uncertain_edges.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 using State = FacetEnclosure::State;
 

@@ -45,7 +45,6 @@ class EndOfFacet {
   /// How ranges change with their places on a patch.
   std::array<Interval, 3> change(const EndPatch& patch) const;
   const FacetCorners& lies() const { return lies_; }
-  const FacetCorners& seen() const { return seen_; }
   const glm::dvec3& seen_normal() const { return seen_normal_; }
   double facing() const { return facing_; }
   double off_m() const { return off_m_; }

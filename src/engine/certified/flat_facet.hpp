@@ -10,12 +10,11 @@
 #include <limits>
 
 #include "engine/water/ray_enclosure.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 
 // Facets in their planes, which enclosures of their images are over.
 namespace tubefoot {
 
-/// Far above the rounding of the doubles that it is laid on.
-constexpr double enclosure_slack = 1e-9;
 using FacetCorners = std::array<glm::dvec3, 3>;
 
 inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }

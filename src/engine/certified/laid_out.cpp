@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/numbers/enclosure_slack.hpp"
+
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 
 }  // namespace
 

@@ -7,11 +7,12 @@
 
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/laid_out.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 
 }  // namespace
 

@@ -15,12 +15,13 @@
 #include "engine/certified/paired_pieces.hpp"
 #include "engine/certified/uncertain_edges.hpp"
 #include "engine/sight/bistatic_history.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;

@@ -7,11 +7,12 @@
 #include <numbers>
 
 #include "engine/certified/certified_gain.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 
 /// The cosines between an axis and directions.
 Interval cosines_of(const glm::dvec3& axis, const Towards& towards) {

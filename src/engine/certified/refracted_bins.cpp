@@ -7,10 +7,12 @@
 #include <numbers>
 #include <utility>
 
+#include "geometry/numbers/enclosure_slack.hpp"
+
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double upright = std::numbers::pi / 2;
 using State = FacetEnclosure::State;

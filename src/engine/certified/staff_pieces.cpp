@@ -8,11 +8,12 @@
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/laid_out.hpp"
 #include "engine/certified/staff_integrand.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;      // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 constexpr double whatever = 1e100;  // allowed of what is not asked for
 
 /// What a sample has of pieces without factors: both parts of the product, no less and no more, and upper

@@ -6,12 +6,13 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 using Polygon = std::vector<glm::dvec3>;
 using State = FacetEnclosure::State;
 

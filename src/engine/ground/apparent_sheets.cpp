@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/ground/grazing_sine.hpp"
 #include "geometry/numbers/int128.hpp"
 
 namespace tubefoot {
@@ -12,11 +13,6 @@ namespace {
 
 /// Borders are found as closely as this, metres.
 constexpr double border_m = 1e-8;
-
-double sine_between(const glm::dvec3& normal, const glm::dvec3& along) {
-  const double length = glm::length(normal) * glm::length(along);
-  return length > 0 ? std::abs(glm::dot(normal, along)) / length : 0;
-}
 
 /// Three grid points that are not on a line.
 bool is_triangle(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
@@ -39,7 +35,7 @@ double factor_beside_caustic(const glm::dvec3 (&lies_m)[3], const glm::dvec3 (&s
   double bent = 0, straight = 0, caustic = 0;
   std::array<double, 3> width;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double there = sine_between(lies, rays[k]->returned.arrival), here = sine_between(seen, seen_m[k]),
+    const double there = grazing_sine(lies, rays[k]->returned.arrival), here = grazing_sine(seen, seen_m[k]),
                  r2 = glm::dot(seen_m[k], seen_m[k]),
                  rest = std::exp(-absorption_db_per_m * std::sqrt(r2) * std::numbers::ln10 / 5) / (r2 * r2);
     if (there > 0) bent += sigma_of(law, there) / there * here * rest;
@@ -224,7 +220,7 @@ void ApparentSheets::add_part(FacetId facet, const std::array<Corner, 3>& corner
     of.crossed = fewest[ray].crossed();
     for (std::size_t k = 0; k < 3; ++k) {
       const SeenPoint& point = corners[k].place->rays[rays[k]];
-      of.corners[k] = {sine_between(normal_of(lies), point.returned.arrival), point.gain(), point.range_m};
+      of.corners[k] = {grazing_sine(normal_of(lies), point.returned.arrival), point.gain(), point.range_m};
     }
   }
   if (fewest.size() > 1) ground_.part_material.push_back(fine_.mesh.mesh.material[facet]);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "engine/ground/grazing_sine.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -83,11 +84,6 @@ class Rays {
   const Straightening& water_;
   std::unordered_map<VertexId, Eigenray> known_;
 };
-
-double sine_between(const glm::dvec3& normal, const glm::dvec3& along) {
-  const double length = glm::length(normal) * glm::length(along);
-  return length > 0 ? std::abs(glm::dot(normal, along)) / length : 0;
-}
 
 /// What a corner returns apart from scattering and area, over what the straight law makes of it: the
 /// transmitter's energy over the area of its ray tube there, and the receiver's over that back from there.
@@ -174,8 +170,8 @@ std::vector<PairedFacet> paired_facets(const SharedFootprints& shared, const Fac
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigenray &out = sent.to(vertex[k], lies[k]), &home = heard.to(vertex[k], lies[k]);
       PairedFacet::Corner& corner = facet.corners[k];
-      corner.transmit_lies = sine_between(laid.normal, transmit.arrival_direction(lies[k], out));
-      corner.receive_lies = sine_between(laid.normal, receive.arrival_direction(lies[k], home));
+      corner.transmit_lies = grazing_sine(laid.normal, transmit.arrival_direction(lies[k], out));
+      corner.receive_lies = grazing_sine(laid.normal, receive.arrival_direction(lies[k], home));
       corner.gain *=
           spreading(receive, out, home, lies[k], laid.there_m[k], laid.back_m[k], absorption_db_per_m);
     }

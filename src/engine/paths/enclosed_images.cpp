@@ -8,13 +8,14 @@
 
 #include "engine/certified/refracted_bins.hpp"
 #include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double most_off_rad = 0.2;  // from here on all is in doubt (UncertainEdges)
 using State = FacetEnclosure::State;

@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "engine/water/ray_differences.hpp"
+#include "geometry/numbers/enclosure_slack.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double slack = 1e-9;  // far above the rounding of the doubles that it is laid on
+constexpr double slack = enclosure_slack;
 
 /// Water of one gradient on the way between two depths, in the direction of travel.
 struct Leg {
