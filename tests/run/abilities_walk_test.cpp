@@ -166,6 +166,14 @@ TEST_F(AbilitiesWalk, EveryPairOfWhatARunAsks) {
     for (std::size_t b = 0; b < a; ++b) {
       std::vector<std::string> words = of_runs[a].words;
       words.insert(words.end(), of_runs[b].words.begin() + 1, of_runs[b].words.end());
+      const std::set both{of_runs[a].feature, of_runs[b].feature};
+      if (both == std::set{Feature::rays, Feature::fast_binning}) {
+        // Nothing that could be combined: rays have no footprints to bin.
+        const Outcome outcome = tried(both, words, folder / "no_bins");
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_THAT(outcome.err, HasSubstr("--binning is a setting of the tube engine"));
+        continue;
+      }
       walk({of_runs[a].feature, of_runs[b].feature}, words);
     }
 }

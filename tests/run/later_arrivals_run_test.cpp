@@ -117,14 +117,15 @@ TEST(LaterArrivalsRun, AreCounted) {
 // A surface that is only there leaves nothing out; footprints, which are of first rays, say so.
 TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
   const ProfileFolder folder;
-  const auto file = folder.write("scene.toml", scene() + "[sea_surface]\nheight_m = 0\n");
+  const auto file = folder.write("scene.toml", scene() + "[sea_surface]\nheight_m = 40\n");
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err.find("several rays"), std::string::npos) << outcome.err;
   EXPECT_EQ(outcome.err.find("turned over"), std::string::npos) << outcome.err;
   EXPECT_EQ(nlohmann::json::parse(bytes_of(folder / "out/stats.json")).at("refraction").at("branches"),
             "every ray, out and home along any two, with 1 turning point at most");
-  const Outcome footprints = run_program({"footprints", file.string(), "-o", (folder / "f.csv").string()});
+  const Outcome footprints =
+      run_program({"footprints", file.string(), "--sensor", "beam", "-o", (folder / "f.csv").string()});
   ASSERT_EQ(footprints.exit_code, 0) << footprints.err;
   EXPECT_THAT(footprints.err, HasSubstr("footprints are of the first to arrive"));
 }

@@ -221,7 +221,7 @@ TEST(TiledTerrainFiles, TooFineABedIsRefusedBeforeItIsMade) {
   for (const char* load : {"whole", "tiles"}) {
     const std::string text =
         replaced(with_ripples(scene("", std::string(ball) + std::string(diagonal) + std::string(sidescan))),
-                 "{}", terrain("mosaic.vrt", load, "window = [60, 50, 70, 70]\n")) +
+                 "{}", terrain("mosaic.vrt", load, "window = [60, 50, 150, 140]\n")) +
         "[relief]\nmode = \"offline\"\ncell_m = 0.001\n";
     const Outcome outcome =
         run_program({"run", folder.write("scene.toml", text).string(), "-o", (folder / "out").string()});

@@ -143,6 +143,7 @@ class PairedReference {
       }
     });
     // Facets of which only the most that they return is known.
+    found.loose = bins.size();
     BinsBetween& loose = bins.emplace_back();
     std::vector<char> proven(bed_.mesh.facets.size(), 1);
     for (std::size_t number = 0; number < shared.facets.size(); ++number) {

@@ -49,6 +49,7 @@ struct PairedParts {
   /// By runs of such facets what they surely have, a list of what loose facets may have, and from
   /// first_doubt[end] on of what that end is not certain of.
   std::vector<BinsBetween> bins;
+  std::size_t loose = 0;  ///< where that list of loose facets is
   std::array<std::size_t, 2> first_doubt{};
 };
 /// By bin, in the order of the list.

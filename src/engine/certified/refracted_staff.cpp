@@ -91,8 +91,7 @@ RefractedReference certify_refracted_staff(const std::array<PairedBed, 2>& beds,
   for (std::size_t e = 0; e < 2; ++e) {
     const std::span all(parts[e].bins);
     for (const auto& [bin, part] : added_up(all)) total[e * row + bin] = {std::max(part.lo, 0.0), part.hi};
-    const std::size_t loose = parts[e].shared.facets.size();
-    take_unsure(all[loose]);
+    take_unsure(all[parts[e].loose]);
     // What the transmitter is not certain of is that of both.
     for (const BinsBetween& bins : all.subspan(parts[e].first_doubt[e == 0 ? 0 : 1])) take_unsure(bins);
   }

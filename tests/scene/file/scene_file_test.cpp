@@ -298,7 +298,10 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\ntable_grazing_deg = \ntable_db = \ntable_file = \nsediment = "
                            "\nsediment_khz = \nunbounded = "  // scattering_keys_test.cpp
                            "\nprofile_step_m = \nmunk_axis_m = \nmunk_scale_m = \nmunk_epsilon = "
-                           "\nprofile_file = \nprofile_error_m_s = ";  // water_keys_test.cpp
+                           "\nprofile_file = \nprofile_error_m_s = "  // water_keys_test.cpp
+                           "\nslope_deg = \nslope_heading_deg = \nturn_s = \ncentre_lat_lon_deg = "
+                           "\ncentre_crs = \nspacing_m = \none_way = \nup_m = \naltitude_m = "
+                           "\naltitude_step_m = \nlook_at_m = \ndisplay_gain_db = ";  // track_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&
@@ -340,7 +343,7 @@ TEST(SceneFile, LeavesTheRestAtTheDefaults) {
   EXPECT_EQ(std::get<FlatTerrain>(scene.terrains[0].kind).cell_m, 0);
   EXPECT_TRUE(scene.objects.empty());
   ASSERT_EQ(scene.sensors.size(), 1u);
-  EXPECT_EQ(scene.sensors[0].pings, 1);
+  EXPECT_FALSE(scene.sensors[0].pings);
   const auto& didson = scene.sensors[0].kind.as<DidsonDescription>();
   EXPECT_EQ(didson.beams, 96);
   EXPECT_EQ(didson.horizontal_deg, 29);
