@@ -295,10 +295,13 @@ int check_command(const CommonOptions& options) {
     const Sensor& sensor = *pings.sensor;
     const RangeSamples& samples = sensor.samples();
     tell(
-        "sensor         {}: {} pings, {} beams, {} samples from {:g} to {:g} m, {:g} kHz, absorption {:.1f} "
+        "sensor         {}: {} pings{}, {} beams, {} samples from {:g} to {:g} m, {:g} kHz, absorption "
+        "{:.1f} "
         "dB/km\n",
-        sensor.description().name, pings.times_s.size(), sensor.beams().size(), samples.count,
-        samples.first_m, samples.first_m + samples.step_m * samples.count, sensor.frequency_khz(),
+        sensor.description().name, pings.times_s.size(),
+        pings.line_starts.empty() ? "" : fmt::format(" on {} lines", pings.line_starts.size()),
+        sensor.beams().size(), samples.count, samples.first_m,
+        samples.first_m + samples.step_m * samples.count, sensor.frequency_khz(),
         1000 * absorption_db_per_m(scene, sensor));
     print_places(scene, pings, scene.trajectories[scene.sensor_trajectory[s]]);
     if (pings.water) tell("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);

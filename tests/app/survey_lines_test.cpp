@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A survey by lines through the whole program: over a slope, on a map, kept line by line.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fixtures/netcdf_reader.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/test_folder.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::string_view scene = R"([georeference]
+crs = "EPSG:32632"
+origin_crs = [400000, 5400000]
+[[materials]]
+name = "sand"
+[[terrain]]
+kind = "flat"
+width_m = 160
+length_m = 160
+cell_m = 20
+slope_deg = 6
+slope_heading_deg = 90
+centre_m = [0, 0, -20]
+[trajectory]
+kind = "survey"
+centre_crs = [400000, 5400000]
+length_m = 60
+width_m = 60
+spacing_m = 30
+altitude_m = 6
+speed_m_s = 2
+[[sensors]]
+name = "side"
+kind = "sidescan"
+range_min_m = 0
+range_max_m = 30
+samples = 60
+ping_interval_s = 5
+)";
+
+TEST(SurveyLinesRun, KeepsEveryPingAtItsAltitudeAndEveryLineByItself) {
+  const TestFolder folder;
+  const auto file = folder.write("scene.toml", scene);
+  const Outcome checked = run_program({"check", file.string()});
+  ASSERT_EQ(checked.exit_code, 0) << checked.err;
+  EXPECT_THAT(checked.out, HasSubstr("side: 21 pings on 3 lines, 2 beams"));
+  const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const NetcdfReader echoes(folder / "out/echoes.nc");
+  const auto line = echoes.values("/", "line"), at = echoes.values("/", "sensor_position"),
+             energy = echoes.values("/", "energy"), heading = echoes.values("/", "sensor_heading");
+  ASSERT_EQ(line.size(), 21u);
+  for (std::size_t ping = 0; ping < 21; ++ping) {
+    EXPECT_EQ(line[ping], 1 + ping / 7);
+    const double east = at[3 * ping], up = at[3 * ping + 2];
+    EXPECT_NEAR(east, 30.0 * double(ping / 7) - 30, 1e-9);
+    EXPECT_NEAR(up, -20 - east * 0.1051042353 + 6, 1e-5);  // tan 6 degrees
+    EXPECT_NEAR(heading[ping], ping / 7 == 1 ? 180 : 0, 1e-9);
+    // Nothing comes back before the bed, which is 6 m cos 6 degrees away; from there on it does.
+    for (std::size_t side = 0; side < 2; ++side) {
+      for (std::size_t k = 0; k < 11; ++k) EXPECT_EQ(energy[(2 * ping + side) * 60 + k], 0);
+      EXPECT_GT(energy[(2 * ping + side) * 60 + 13], 0);
+    }
+  }
+  for (const char* name :
+       {"side-line-01.xtf", "side-line-03.xtf", "side-line-02-mosaic.tif", "side-mosaic.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
+}
+
+}  // namespace
+}  // namespace tubefoot
