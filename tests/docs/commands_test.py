@@ -46,6 +46,8 @@ INSTEAD = {
         "minutes", f"{PROGRAM} chart scenes/chart/flat-bed.toml -o out/chart --repeats 1 --seconds 0.01"),
     "tubefoot chart scenes/chart/*.toml scenes/wellhead/scene.toml -o out/chart": (
         "minutes", "tubefoot chart scenes/chart/flat-bed.toml -o out/chart --repeats 1 --seconds 0.01"),
+    f"{PROGRAM} run scenes/channel/scene.toml -o out/channel": (
+        "minutes", f"{PROGRAM} check scenes/channel/scene.toml"),
     f"{PROGRAM} coverage scenes/survey/scene.toml --pings 100:299 -o out/coverage": (
         "200 pings of a scene that is shortened here",
         f"{PROGRAM} coverage scenes/survey/scene.toml --pings 0:1 -o out/coverage"),
