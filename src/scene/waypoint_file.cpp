@@ -45,42 +45,57 @@ constexpr std::array<double, column_count> largest = {1e10,  far_m, far_m, 90,  
 /// A row as it stands in the file.
 struct Waypoint {
   std::array<double, column_count> values;
-  std::array<SourcePlace, column_count> places;
+  int line_number = 0;
+  std::array<int, column_count> characters{};  ///< where its values begin in the line
   bool has(Column column) const { return !std::isnan(values[column]); }
   double operator[](Column column) const { return values[column]; }
 };
 
-/// One of some columns, or sets of them, which all rows have.
-Column only_one(const Waypoint& row, std::initializer_list<Column> some, std::string_view expected) {
-  std::optional<Column> found;
-  for (const Column column : some) {
-    if (!row.has(column)) continue;
-    if (found)
-      throw InputError(row.places[column], fmt::format("the columns {} and {} say the same: expected {}",
-                                                       names[*found], names[column], expected));
-    found = column;
-  }
-  if (!found) throw InputError(row.places[some.begin()[0]], fmt::format("expected the columns {}", expected));
-  return *found;
-}
-
-std::vector<Waypoint> rows_of(const WaypointTrajectory& waypoints) {
+/// Rows, of which all have the same columns.
+struct WaypointTable {
+  std::string file;
   std::vector<Waypoint> rows;
-  read_csv(waypoints.file, {}, names, [&](const CsvRow& row) {
-    Waypoint& point = rows.emplace_back();
-    for (std::size_t k = 0; k < column_count; ++k) {
-      if (std::abs(row.values[k]) > largest[k])
-        throw InputError(row.places[k], fmt::format("{} is {}, expected {:g} to {:g}", names[k],
-                                                    row.values[k], -largest[k], largest[k]));
-      point.values[k] = row.values[k];
-      point.places[k] = row.places[k];
+  SourcePlace header;
+
+  explicit WaypointTable(const std::filesystem::path& path) : file(path.string()) {
+    read_csv(path, {}, names, [&](const CsvRow& row) {
+      Waypoint& point = rows.emplace_back();
+      for (std::size_t k = 0; k < column_count; ++k) {
+        if (std::abs(row.values[k]) > largest[k])
+          throw InputError(row.places[k], fmt::format("{} is {}, expected {:g} to {:g}", names[k],
+                                                      row.values[k], -largest[k], largest[k]));
+        point.values[k] = row.values[k];
+        if (std::isnan(row.values[k])) {
+          header = row.places[k];
+        } else {
+          point.line_number = row.places[k].line;
+          point.characters[k] = row.places[k].column;
+        }
+      }
+    });
+    if (rows.empty())
+      throw InputError({file, 0, 0}, "has a header but no waypoint, expected at least one row");
+  }
+
+  bool has(Column column) const { return rows.front().has(column); }
+  /// Of a value, or of the header that lacks its column.
+  SourcePlace place(std::size_t row, Column column) const {
+    return has(column) ? SourcePlace{file, rows[row].line_number, rows[row].characters[column]} : header;
+  }
+  /// The one of some columns that is there.
+  Column only_one(std::initializer_list<Column> some, std::string_view expected) const {
+    std::optional<Column> found;
+    for (const Column column : some) {
+      if (!has(column)) continue;
+      if (found)
+        throw InputError(place(0, column), fmt::format("the columns {} and {} say the same: expected {}",
+                                                       names[*found], names[column], expected));
+      found = column;
     }
-  });
-  if (rows.empty())
-    throw InputError({waypoints.file.string(), 0, 0},
-                     "has a header but no waypoint, expected at least one row");
-  return rows;
-}
+    if (!found) throw InputError(header, fmt::format("expected the columns {}", expected));
+    return *found;
+  }
+};
 
 /// What is odd about a line of waypoints.
 std::vector<std::string> odd_waypoints(const std::vector<Trajectory::Sample>& samples, bool has_times,
@@ -117,29 +132,31 @@ std::vector<std::string> odd_waypoints(const std::vector<Trajectory::Sample>& sa
 class Waypoints {
  public:
   Waypoints(const WaypointTrajectory& description, const TrackSurroundings& around)
-      : description_(description), around_(around), rows_(rows_of(description)) {
+      : description_(description), around_(around), table_(description.file), rows_(table_.rows) {
     check_columns();
     place();
   }
 
   Trajectory track() const {
-    if (rows_.size() == 1) return Trajectory({{rows_[0].has(time_s) ? rows_[0][time_s] : 0, pose(0, 0, 1)}});
+    const bool timed = table_.has(time_s), divided = table_.has(line);
+    if (rows_.size() == 1) return Trajectory({{timed ? rows_[0][time_s] : 0, poses(0, 1).front()}});
     const std::vector<std::size_t> ends = ends_of_lines();
-    const bool divided = rows_[0].has(line);
     std::vector<Trajectory::Sample> samples;
     std::vector<Trajectory::Line> lines;
     SurveyLines survey(description_.turn_s);
     const std::size_t told = around_.odd == nullptr ? 0 : around_.odd->size();  // of one line will do
     for (std::size_t k = 0, begin = 0; k < ends.size(); begin = ends[k++]) {
       std::vector<Trajectory::Sample> of_line;
-      for (std::size_t i = begin; i < ends[k]; ++i)
-        of_line.push_back({time_of(i, begin, of_line), pose(i, begin, ends[k])});
+      for (const Pose& pose : poses(begin, ends[k])) {
+        const std::size_t i = begin + of_line.size();
+        of_line.push_back({timed ? rows_[i][time_s] : time_under_way(i, of_line), pose});
+      }
       if (around_.odd != nullptr && around_.odd->size() == told)
-        for (std::string& words : odd_waypoints(of_line, rows_[0].has(time_s), description_.file))
+        for (std::string& words : odd_waypoints(of_line, timed, description_.file))
           around_.odd->push_back(std::move(words));
-      if (!rows_[0].has(time_s) && divided) {
+      if (!timed && divided) {
         if (of_line.size() < 2)
-          throw InputError(rows_[begin].places[line],
+          throw InputError(table_.place(begin, line),
                            "the line has one waypoint, expected two or more where there are no times");
         survey.add(std::move(of_line));
         continue;
@@ -154,25 +171,25 @@ class Waypoints {
 
  private:
   void check_columns() {
-    const Waypoint& row = rows_.front();
     constexpr std::string_view position =
         "east_m and north_m, or latitude_deg and longitude_deg, or easting and northing (of the scene's crs)";
-    across_ = only_one(row, {east_m, latitude_deg, easting}, position);
-    along_ = only_one(row, {north_m, longitude_deg, northing}, position);
+    across_ = table_.only_one({east_m, latitude_deg, easting}, position);
+    along_ = table_.only_one({north_m, longitude_deg, northing}, position);
     if (along_ != across_ + 1)
-      throw InputError(row.places[along_], fmt::format("{} does not go with {}: expected {}", names[along_],
-                                                       names[across_], position));
-    height_ = only_one(row, {up_m, depth_m, altitude_m},
-                       "up_m, or depth_m (below the water's surface), or altitude_m (above the terrain)");
-    if (row.has(time_s) == description_.speed_m_s.has_value())
+      throw InputError(table_.place(0, along_), fmt::format("{} does not go with {}: expected {}",
+                                                            names[along_], names[across_], position));
+    height_ =
+        table_.only_one({up_m, depth_m, altitude_m},
+                        "up_m, or depth_m (below the water's surface), or altitude_m (above the terrain)");
+    if (table_.has(time_s) == description_.speed_m_s.has_value())
       throw InputError(
-          row.places[time_s],
-          row.has(time_s)
+          table_.place(0, time_s),
+          table_.has(time_s)
               ? "the column time_s and the scene's 'speed_m_s' both say when: remove one of the two"
               : "expected the column time_s, or 'speed_m_s' in the scene's trajectory");
-    for (std::size_t i = 1; row.has(time_s) && i < rows_.size(); ++i)
+    for (std::size_t i = 1; table_.has(time_s) && i < rows_.size(); ++i)
       if (!(rows_[i][time_s] > rows_[i - 1][time_s]))
-        throw InputError(rows_[i].places[time_s],
+        throw InputError(table_.place(i, time_s),
                          fmt::format("time_s is {} after {}, expected times that increase", rows_[i][time_s],
                                      rows_[i - 1][time_s]));
   }
@@ -194,7 +211,7 @@ class Waypoints {
     for (std::size_t i = 0; i < rows_.size(); ++i)
       if (!(std::abs(positions_[i].x) <= far_m && std::abs(positions_[i].y) <= far_m))
         throw InputError(
-            place_of(i),
+            table_.place(i, across_),
             fmt::format("the waypoint is {:.0f} km east and {:.0f} km north of the scene's origin, "
                         "expected {:g} km at most",
                         positions_[i].x / 1e3, positions_[i].y / 1e3, far_m / 1e3));
@@ -204,7 +221,7 @@ class Waypoints {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       if (!ground[i])
         throw InputError(
-            rows_[i].places[altitude_m],
+            table_.place(i, altitude_m),
             fmt::format("there is no terrain below this waypoint ({:.3f} m east, {:.3f} m north): "
                         "give up_m or depth_m",
                         places[i].x, places[i].y));
@@ -221,51 +238,63 @@ class Waypoints {
     return ends;
   }
 
-  double time_of(std::size_t i, std::size_t begin, std::span<const Trajectory::Sample> before) const {
-    if (rows_[i].has(time_s)) return rows_[i][time_s];
-    if (i == begin) return 0;
-    const double way_m = glm::distance(positions_[i - 1], positions_[i]);
-    if (!(way_m > 0))
-      throw InputError(rows_[i].places[across_],
+  /// Of the i-th waypoint, behind those of its line before.
+  double time_under_way(std::size_t i, std::span<const Trajectory::Sample> before) const {
+    if (before.empty()) return 0;
+    const double time =
+        before.back().time_s + glm::distance(positions_[i - 1], positions_[i]) / *description_.speed_m_s;
+    if (!(time > before.back().time_s))
+      throw InputError(table_.place(i, across_),
                        "the waypoint is where the one before is, expected a way between them");
-    return before.back().time_s + way_m / *description_.speed_m_s;
+    return time;
   }
 
-  /// Of a waypoint of the line [begin, end).
-  Pose pose(std::size_t i, std::size_t begin, std::size_t end) const {
-    const Waypoint& row = rows_[i];
-    const auto angle = [&](Column column) { return row.has(column) ? glm::radians(row[column]) : 0; };
-    const double heading = row.has(heading_deg) ? angle(heading_deg) : heading_along(i, begin, end);
-    return {positions_[i], attitude_from_angles(heading, angle(pitch_deg), angle(roll_deg))};
-  }
-
-  /// Between the ways to the waypoint and from it.
-  double heading_along(std::size_t i, std::size_t begin, std::size_t end) const {
-    const glm::dvec2 at(positions_[i]);
-    glm::dvec2 course(0);
-    const auto add = [&](glm::dvec2 way) {
-      if (glm::length(way) > 0) course += glm::normalize(way);
+  /// Of the waypoints [begin, end) of a line.
+  std::vector<Pose> poses(std::size_t begin, std::size_t end) const {
+    const auto angle = [&](std::size_t i, Column column) {
+      return table_.has(column) ? glm::radians(rows_[i][column]) : 0;
     };
-    for (std::size_t k = i; k-- > begin;)
-      if (glm::dvec2(positions_[k]) != at) {
-        add(at - glm::dvec2(positions_[k]));
-        break;
-      }
-    for (std::size_t k = i + 1; k < end; ++k)
-      if (glm::dvec2(positions_[k]) != at) {
-        add(glm::dvec2(positions_[k]) - at);
-        break;
-      }
-    constexpr double turned_back = 1e-9;
-    if (glm::length(course) <= turned_back)
-      throw InputError(place_of(i), "the track has no direction here: give the column heading_deg");
-    return std::atan2(course.x, course.y);
+    const std::vector<double> along =
+        table_.has(heading_deg) ? std::vector<double>() : headings_along(begin, end);
+    std::vector<Pose> poses;
+    for (std::size_t i = begin; i < end; ++i)
+      poses.push_back(
+          {positions_[i], attitude_from_angles(along.empty() ? angle(i, heading_deg) : along[i - begin],
+                                               angle(i, pitch_deg), angle(i, roll_deg))});
+    return poses;
   }
-  const SourcePlace& place_of(std::size_t i) const { return rows_[i].places[across_]; }
+
+  /// Half way between the way to each waypoint and that from it; a carrier that stays keeps its ways.
+  std::vector<double> headings_along(std::size_t begin, std::size_t end) const {
+    std::vector<glm::dvec2> course(end - begin, glm::dvec2(0));
+    const auto walk = [&](std::size_t from, std::size_t to, glm::dvec2& way) {
+      const glm::dvec2 step = glm::dvec2(positions_[to]) - glm::dvec2(positions_[from]);
+      if (step != glm::dvec2(0)) way = glm::normalize(step);
+    };
+    glm::dvec2 before(0), after(0);
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      walk(i - 1, i, before);
+      course[i - begin] += before;
+    }
+    for (std::size_t i = end - 1; i > begin; --i) {
+      walk(i - 1, i, after);
+      course[i - 1 - begin] += after;
+    }
+    std::vector<double> headings;
+    for (std::size_t k = 0; k < course.size(); ++k) {
+      constexpr double turned_back = 1e-9;
+      if (glm::length(course[k]) <= turned_back)
+        throw InputError(table_.place(begin + k, across_),
+                         "the track has no direction here: give the column heading_deg");
+      headings.push_back(std::atan2(course[k].x, course[k].y));
+    }
+    return headings;
+  }
 
   const WaypointTrajectory& description_;
   const TrackSurroundings& around_;
-  std::vector<Waypoint> rows_;
+  const WaypointTable table_;
+  const std::vector<Waypoint>& rows_;
   Column across_ = east_m, along_ = north_m, height_ = up_m;
   std::vector<glm::dvec3> positions_;
 };

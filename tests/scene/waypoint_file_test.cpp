@@ -111,6 +111,31 @@ TEST(Waypoints, WithoutHeadingsLookAlongTheTrack) {
   expect_near(t.at(3).attitude * kForward, {1, 0, 0});  // it only went down
 }
 
+// However long it stays: a heading is found in one pass.
+TEST(Waypoints, ACarrierThatStaysLooksWhereItCameAlong) {
+  const TestFolder folder;
+  constexpr int rows = 200000;
+  std::string text = "time_s,east_m,north_m,up_m\n-1,0,-5,0\n";
+  for (int k = 0; k < rows; ++k) text += fmt::format("{},0,0,0\n", k);
+  text += fmt::format("{},7,0,0\n", rows);
+  const Trajectory t = read(folder.write("anchored.csv", text));
+  expect_near(t.at(rows / 2).attitude * kForward, {std::sqrt(0.5), std::sqrt(0.5), 0});
+  expect_near(t.at(rows).attitude * kForward, {1, 0, 0});
+}
+
+TEST(Waypoints, AWayTooShortToTakeTimeIsRefused) {
+  const TestFolder folder;
+  const auto file =
+      folder.write("short.csv",
+                   "east_m,north_m,up_m,heading_deg\n0,0,0,0\n9e6,0,0,0\n-9e6,0,0,0\n9e6,0,0,0\n"
+                   "9000000.000000002,0,0,0\n");
+  EXPECT_THAT(
+      [&] {
+        read_waypoints({file, 0.5}, {});
+      },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("short.csv:6:1: "), HasSubstr("a way between"))));
+}
+
 TEST(Waypoints, WithoutTimesAreReachedAtTheSpeedThatIsGiven) {
   const TestFolder folder;
   const auto file = folder.write("route.csv", "east_m,north_m,up_m\n0,0,0\n30,40,0\n30,40,-10\n30,100,-10\n");
