@@ -6,6 +6,7 @@
 #   make test    install what the tests need besides, build, run the tests
 #   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
 #   make package  Debian packages into build/
+#   make wheel    the Python module with the libraries it needs, for pip, into build/
 #   make sanitize  the tests once more under address, undefined-behaviour and thread sanitizers: docs/sanitizers.md
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
 #   make fuzz    damage everything that is read, and the kernel's input, for FUZZ_SECONDS (3600) each: docs/fuzzing.md
@@ -15,11 +16,13 @@
 #   make advise-study  hold the advice on every shipped scene against what it did not see: validation/advise.md
 #   make pairs   what combinations cost beside their parts: validation/pairs.md (minutes)
 #   make rays    hold rays in layered water against published ones: validation/rays.md
+#   make engines  pictures of other engines, written anew, and what compare says of them: validation/engines.md (minutes)
 #   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
 #   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
 #   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, docs/scaling.md (a quarter of an hour)
 #   make long-run  memory of 10 000 pings of a sidescan and a multibeam: docs/figures/long-run.svg (minutes)
-#   make reference  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
+#   make reference reference-sums  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
+#   make reference-sums  checksums of the reference pack v2, as tubefoot pack writes it (a minute)
 #   make docs    build the documents as a site: build/docs/html/index.html
 #   make figures  draw the figures of docs/tutorial.md and docs/theory.md anew, from the program's output
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
@@ -27,8 +30,8 @@
 JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
-.PHONY: demo python test install package program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
-  rays scaling long-run reference docs figures format tidy clean
+.PHONY: demo python test install package wheel program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
+  rays engines scaling long-run reference reference-sums docs figures format tidy clean
 
 demo: program
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -67,6 +70,12 @@ package: whole
 	@rm -rf build/_CPack_Packages
 	@ls build/*.deb
 
+wheel: program
+	@tools/setup python wheel
+	@$(CONFIGURE_PROGRAM)
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_python
+	@/usr/bin/python3 tools/wheel build/release build
+
 # The program alone, or all that is configured with the tests, once they were: then it stays so.
 configure = cmake --preset release -Wno-dev $(1) >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
 CONFIGURE_PROGRAM = tests=$$(grep -qs TUBEFOOT_TESTS:BOOL=ON build/release/CMakeCache.txt && echo ON || echo OFF); \
@@ -94,7 +103,7 @@ build: configured
 
 configured:
 	@mkdir -p build
-	@tools/setup program python cluster packages documents figures tests
+	@tools/setup program python cluster packages wheel documents figures tests
 	@$(call configure,-DTUBEFOOT_TESTS=ON -DTUBEFOOT_BENCH=ON)
 
 sanitize: configured
@@ -160,6 +169,11 @@ rays: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_rays
 	build/release/tubefoot_rays validation/rays.md
 
+engines: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_hurried_rays
+	/usr/bin/python3 -B validation/engines/run.py $(PROGRAM) build/release/tubefoot_hurried_rays.so out/engines \
+	  --results validation/engines/results.json --page validation/engines.md
+
 SCALING_ROUNDS := 3
 
 scaling: build
@@ -173,6 +187,9 @@ long-run: build
 
 reference: build
 	tools/reference_pack $(PROGRAM) validation/reference/v1
+
+reference-sums: build
+	tools/pack_sums $(PROGRAM) validation/reference/v2/SHA256SUMS
 
 docs:
 	@tools/setup documents

@@ -30,16 +30,11 @@ echoes, pictures, footprints and the files that sidescans, multibeams and
 acoustic cameras write, and measures how far other engines are off.")
 
 # A static library asks the programs that link it for all that it is made of: what packages.txt lists for the program.
-file(STRINGS ${PROJECT_SOURCE_DIR}/packages.txt lines)
+# Under the names that this distribution has for it.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/packages.txt)
-set(needed cmake g++ pkg-config)
-foreach(line ${lines})
-  if(line MATCHES "^\\[([a-z]*)")
-    set(purpose ${CMAKE_MATCH_1})
-  elseif(purpose STREQUAL "program" AND line MATCHES "^((lib|nlohmann|zlib)[^ ]*-dev)")
-    list(APPEND needed ${CMAKE_MATCH_1})
-  endif()
-endforeach()
+execute_process(COMMAND ${PROJECT_SOURCE_DIR}/tools/setup --names program OUTPUT_VARIABLE needed)
+string(REGEX MATCHALL "(lib|nlohmann|zlib)[^\n]*-dev" needed "${needed}")
+list(PREPEND needed cmake g++ pkg-config)
 list(JOIN needed ", " needed)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtubefoot-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_FILE_NAME DEB-DEFAULT)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "validation/naive_rays.hpp"
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -9,6 +8,8 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+
+#include "engine/rays/embree.hpp"
 
 namespace tubefoot::atlas {
 namespace {
@@ -85,9 +86,7 @@ FacetId NaiveRays::first_hit(glm::dvec3 direction) const {
   ray.ray.tfar = std::numeric_limits<float>::infinity();
   ray.ray.mask = ~0u;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(state_->scene, &context, &ray);
+  tubefoot::first_hit(state_->scene, ray);
   return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? nothing_there : ray.hit.primID;
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "validation/page.hpp"
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <fstream>
 #include <stdexcept>
+
+#include "engine/rays/embree.hpp"
 
 namespace tubefoot::atlas {
 namespace {

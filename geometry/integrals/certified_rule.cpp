@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/integrals/certified_rule.hpp"
 
-#include <arb_hypgeom.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

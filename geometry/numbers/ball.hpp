@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <acb.h>
-#include <arb.h>
-
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "geometry/numbers/arb.hpp"
 
 // Real and complex balls: numbers known to lie within a radius of a midpoint. Every operation encloses all
 // values that its operands may have (F. Johansson, Arb). Heavy: include only in .cpp files and their own

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "advice/advice.hpp"
@@ -13,12 +14,14 @@
 #include "files/outlet.hpp"
 #include "geometry/steps/stop.hpp"
 #include "own_echo.hpp"
+#include "plan/scene_drawing.hpp"
 #include "result.hpp"
-#include "run/refraction.hpp"
 #include "run/run_statistics.hpp"
 #include "run/run_steps.hpp"
+#include "run/run_warnings.hpp"
 #include "run/settings.hpp"
 #include "run/simulation.hpp"
+#include "run/truth.hpp"
 #include "run_apart.hpp"
 #include "scene.hpp"
 #include "sensors/model/angles.hpp"
@@ -36,9 +39,32 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Warnings on their way to Python, which hears them from the thread that has its lock.
+class Warnings {
+ public:
+  void add(const std::string& warning, bool is_silence) {
+    const std::scoped_lock lock(mutex_);
+    waiting_.emplace_back(warning, is_silence);
+  }
+  /// Tells those that nobody was told, with the lock.
+  void tell(const py::object& listener) {
+    std::vector<std::pair<std::string, bool>> now;
+    {
+      const std::scoped_lock lock(mutex_);
+      now.swap(waiting_);
+    }
+    for (const auto& [warning, is_silence] : now) listener(warning, is_silence);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::pair<std::string, bool>> waiting_;
+};
+
 /// What `tubefoot run` does, into memory and, if asked to, into a folder.
 std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOptions& options,
-                                      const std::shared_ptr<const OwnEngine>& own, RunWatch& watch) {
+                                      const std::shared_ptr<const OwnEngine>& own, RunWatch& watch,
+                                      Warnings& told) {
   const Clock::time_point start = Clock::now();
   if (options.arithmetic) description.run.arithmetic = *options.arithmetic;
   if (options.threads) description.run.threads = *options.threads;
@@ -53,17 +79,17 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   auto result = std::make_shared<NativeResult>();
   result->survey = open_survey(description);
   const Survey& survey = *result->survey;
-  result->warnings = survey.scene.report.warnings;
+  RunWarnings warnings([&](const std::string& warning, bool is_silence) { told.add(warning, is_silence); });
+  warnings.foresee(survey, request);
   stop_if_wanted();
   const Clock::time_point simulation_start = Clock::now();
   result->store = std::make_shared<PingStore>(layout_of(survey, request));
   simulate(survey, request, *result->store, {true, &watch});
   stop_if_wanted();
-  const SimulationStats stats = totals(survey, *result->store);
-  result->recordings = recordings_of(survey, result->store);
-  for (const std::string& warning :
-       refraction_warnings(survey, request.reference_tolerance.has_value(), stats))
-    result->warnings.push_back(warning);
+  const SimulationStats stats = totals(survey, *result->store, request.selection);
+  result->recordings = recordings_of(survey, result->store, request.selection);
+  result->truths = truths_of(survey, request, result->store);
+  warnings.look_back(survey, request, stats, result->recordings);
 
   result->provenance = provenance_of(survey.scene, request);
   nlohmann::ordered_json json = statistics_json(survey, request, stats);
@@ -73,7 +99,13 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
                      {"simulation", seconds_since(simulation_start)},
                      {"visibility_of_all_pings", stats.visibility_seconds},
                      {"echo_of_all_pings", stats.echo_seconds}};
-  if (output) write_result_files(output->staging(), survey, request, result->recordings, result->warnings);
+  if (output) {
+    std::vector<std::string> left_out;
+    write_result_files(output->staging(), survey, request, result->recordings, left_out, {}, result->truths);
+    write_scene_picture(output->staging() / scene_picture_name, survey);
+    warnings.add(left_out);
+  }
+  result->warnings = warnings.all();
   json["seconds"]["total"] = seconds_since(start);
   json["peak_memory_mb"] = peak_memory_mb();
   json["warnings"] = result->warnings;
@@ -94,12 +126,14 @@ std::optional<T> option(const py::dict& options, const char* name) {
 
 std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& options,
                                   const std::optional<std::string>& own_name, const py::object& own,
-                                  const py::object& progress) {
+                                  const py::object& progress, const py::object& warned) {
   RunOptions asked;
   asked.quiet = true;
   asked.arithmetic = option<std::string>(options, "arithmetic");
   asked.threads = option<int>(options, "threads");
   asked.output = option<std::string>(options, "output").value_or("");
+  asked.selection = {option<std::string>(options, "sensor"), option<std::string>(options, "pings"),
+                     option<std::string>(options, "beams")};
   asked.engine = option<std::string>(options, "engine");
   asked.binning = option<std::string>(options, "binning");
   asked.sampling = option<std::string>(options, "sampling");
@@ -107,11 +141,15 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   asked.rays_per_beam = option<std::int64_t>(options, "rays_per_beam");
   asked.seed = option<std::uint64_t>(options, "seed");
   asked.reference = option<bool>(options, "reference").value_or(false);
+  asked.truth = option<bool>(options, "truth").value_or(false);
   asked.tolerance = option<std::string>(options, "tolerance");
   const auto engine = own_name ? own_engine(*own_name, own) : nullptr;
   RunWatch watch;
   std::shared_ptr<NativeResult> result;
-  run_apart(watch, progress, [&] { result = compute(scene.description(), asked, engine, watch); });
+  Warnings warnings;
+  run_apart(
+      watch, progress, [&] { result = compute(scene.description(), asked, engine, watch, warnings); },
+      [&] { warnings.tell(warned); });
   return result;
 }
 
@@ -125,6 +163,7 @@ py::array channel(const py::object& self, std::size_t sensor, std::size_t channe
 }
 
 py::dict arrays_of(const py::object& self, std::size_t sensor) {
+  if (self.cast<const NativeResult&>().read) return read_arrays(self, sensor);
   const Recording& r = self.cast<const NativeResult&>().recordings.at(sensor);
   py::dict arrays;
   arrays["energy"] = channel(self, sensor, 0);
@@ -160,7 +199,47 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
   return arrays;
 }
 
+/// Whose the energies of a sensor are, by the names of echoes.nc, ping first; None where nobody asked.
+py::object truth_of(const py::object& result, std::size_t sensor) {
+  const auto& self = result.cast<const NativeResult&>();
+  if (self.read) return read_truth(result, sensor);
+  if (self.truths.empty()) return py::none();
+  const Recording& r = self.recordings.at(sensor);
+  const TruthRecording& truth = self.truths.at(sensor);
+  const auto samples = py::ssize_t(r.sensor->samples().count), beams = py::ssize_t(truth.cells) / samples;
+  std::vector<double> objects, materials, unscattered, height, range;
+  std::vector<std::int16_t> object, material;
+  const auto append = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+  for (std::size_t p = 0; p < r.pings(); ++p) {
+    const TruthPing ping = truth.of(p);
+    append(objects, ping.object_share);
+    append(materials, ping.material_share);
+    append(unscattered, ping.unscattered_share);
+    append(height, ping.mean_height);
+    append(range, ping.mean_range);
+    append(object, ping.object_label);
+    append(material, ping.material_label);
+  }
+  const auto pings = py::ssize_t(r.pings());
+  const auto shares = [&](const std::vector<double>& values, std::size_t labels) {
+    return array_of(values).reshape({pings, py::ssize_t(labels), beams, samples});
+  };
+  const auto cells = [&](const auto& values) { return array_of(values).reshape({pings, beams, samples}); };
+  py::dict arrays;
+  arrays["objects"] = truth.objects;
+  arrays["materials"] = truth.materials;
+  arrays["object_share"] = shares(objects, truth.objects.size());
+  arrays["material_share"] = shares(materials, truth.materials.size());
+  if (truth.has_unscattered) arrays["unscattered_share"] = cells(unscattered);
+  arrays["mean_height"] = cells(height);
+  arrays["mean_range"] = cells(range);
+  arrays["object_label"] = cells(object);
+  arrays["material_label"] = cells(material);
+  return arrays;
+}
+
 py::dict axes_of(const NativeResult& self, std::size_t sensor) {
+  if (self.read) return {};  // among its arrays
   const Recording& r = self.recordings.at(sensor);
   py::dict axes;
   std::vector<double> azimuth, elevation, azimuth_width, elevation_width;
@@ -174,6 +253,8 @@ py::dict axes_of(const NativeResult& self, std::size_t sensor) {
   axes["beam_elevation"] = array_of(elevation);
   axes["beam_azimuth_width"] = array_of(azimuth_width);
   axes["beam_elevation_width"] = array_of(elevation_width);
+  if (!r.beam_numbers.empty())
+    axes["beam_number"] = array_of(std::vector<double>(r.beam_numbers.begin(), r.beam_numbers.end()));
   const RangeSamples& samples = r.sensor->samples();
   std::vector<double> centres, bounds, times;
   for (int k = 0; k < samples.count; ++k) {
@@ -189,6 +270,7 @@ py::dict axes_of(const NativeResult& self, std::size_t sensor) {
 }
 
 py::dict attributes_of(const NativeResult& self, std::size_t sensor) {
+  if (self.read) return read_attributes(self, sensor);
   const Recording& r = self.recordings.at(sensor);
   py::dict attributes;
   attributes["sensor_name"] = r.sensor->description().name;
@@ -202,7 +284,10 @@ py::dict attributes_of(const NativeResult& self, std::size_t sensor) {
 
 py::dict file_attributes(const NativeResult& self) {
   py::dict attributes;
-  for (const auto& [name, value] : tubefoot::attributes_of(self.provenance)) attributes[name] = value;
+  if (self.read)
+    for (const auto& [name, value] : self.read->attributes) attributes[name.c_str()] = value;
+  else
+    for (const auto& [name, value] : tubefoot::attributes_of(self.provenance)) attributes[name] = value;
   return attributes;
 }
 
@@ -213,6 +298,9 @@ void bind_run(py::module_& module) {
       .def_property_readonly("sensors",
                              [](const NativeResult& self) {
                                std::vector<std::string> names;
+                               if (self.read)
+                                 for (const SensorEchoes& s : self.read->contents.sensors)
+                                   names.push_back(s.name);
                                for (const Recording& r : self.recordings)
                                  names.push_back(r.sensor->description().name);
                                return names;
@@ -221,8 +309,10 @@ void bind_run(py::module_& module) {
       .def_readonly("warnings", &NativeResult::warnings)
       .def("arrays", &arrays_of)
       .def("axes", &axes_of)
+      .def("truth", &truth_of)
       .def("attributes", &attributes_of)
-      .def("file_attributes", &file_attributes);
+      .def("file_attributes", &file_attributes)
+      .def("dimensions", &dimensions_of);
   module.def("run", &run);
 }
 

@@ -7,6 +7,9 @@
 
 #include "bindings.hpp"
 #include "files/file_hash.hpp"
+#include "run/run_steps.hpp"
+#include "run/silence.hpp"
+#include "run/standing.hpp"
 #include "scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
@@ -75,6 +78,22 @@ std::vector<std::string> names_of(const std::vector<T>& described) {
   return names;
 }
 
+/// As `tubefoot check` has them, each with whether it is of a sensor that hears nothing.
+std::vector<std::pair<std::string, bool>> warnings_of(const Survey& survey) {
+  std::vector<std::pair<std::string, bool>> all;
+  const auto add = [&](const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings) all.emplace_back(warning, false);
+  };
+  add(survey.scene.report.warnings);
+  add(files_left_out(survey));
+  for (const Standing& standing : standings(survey))
+    if (!standing.warning.empty()) add({standing.warning});
+  add(vast_windows(survey));
+  for (const Silence& silence : foreseen_silence(survey, request_of(survey.scene.description.run)))
+    all.emplace_back(silence.warning, true);
+  return all;
+}
+
 }  // namespace
 
 std::shared_ptr<const Survey> NativeScene::survey() {
@@ -102,7 +121,7 @@ void bind_scene(py::module_& module) {
       .def("warnings",
            [](NativeScene& s) {
              const py::gil_scoped_release released;
-             return s.survey()->scene.report.warnings;
+             return warnings_of(*s.survey());
            })
       .def("pings",
            [](NativeScene& s, const std::string& sensor) {

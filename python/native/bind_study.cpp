@@ -5,6 +5,7 @@
 #include <set>
 #include <variant>
 
+#include "advice/advice_json.hpp"
 #include "advice/chart_folder.hpp"
 #include "advice/trials.hpp"
 #include "bindings.hpp"
@@ -27,49 +28,18 @@ namespace {
 /// An echo file, or a result as one would be read back.
 using Echoes = std::variant<std::shared_ptr<NativeResult>, std::string>;
 
-EchoContents contents_of(const NativeResult& result, const std::string& called) {
-  EchoContents contents{called, result.provenance, {}};
-  for (const Recording& r : result.recordings) {
-    SensorEchoes sensor;
-    sensor.name = r.sensor->description().name;
-    sensor.pings = r.pings();
-    sensor.beams = r.sensor->beams().size();
-    sensor.samples = std::size_t(r.sensor->samples().count);
-    for (std::size_t ping = 0; ping < r.pings(); ++ping) {
-      const auto energy = r.energy_of(ping);
-      sensor.energy.insert(sensor.energy.end(), energy.begin(), energy.end());
-    }
-    for (std::size_t ping = 0; ping < r.pings() && !r.energy_bound.empty(); ++ping) {
-      const auto bound = r.energy_bound.subspan(ping * r.channels() * r.cells(), r.cells());
-      sensor.energy_bound.insert(sensor.energy_bound.end(), bound.begin(), bound.end());
-    }
-    const RangeSamples& samples = r.sensor->samples();
-    for (int k = 0; k < samples.count; ++k) {
-      sensor.slant_range_m.push_back(samples.first_m + (k + 0.5) * samples.step_m);
-      sensor.slant_range_bounds_m.push_back(samples.first_m + k * samples.step_m);
-      sensor.slant_range_bounds_m.push_back(samples.first_m + (k + 1) * samples.step_m);
-    }
-    for (const BeamAxis& beam : r.sensor->beams()) {
-      sensor.beam_azimuth_deg.push_back(degrees(beam.azimuth_rad));
-      sensor.beam_elevation_deg.push_back(degrees(beam.elevation_rad));
-    }
-    sensor.ping_time_s = r.ping_time_s;
-    contents.sensors.push_back(std::move(sensor));
-  }
-  return contents;
-}
-
-EchoContents contents_of(const Echoes& echoes, const std::string& called) {
-  if (const auto* file = std::get_if<std::string>(&echoes)) return read_echo_file(*file);
+std::shared_ptr<const EchoContents> contents_of(const Echoes& echoes, const std::string& called) {
+  if (const auto* file = std::get_if<std::string>(&echoes))
+    return std::make_shared<const EchoContents>(read_echo_file(*file));
   return contents_of(*std::get<std::shared_ptr<NativeResult>>(echoes), called);
 }
 
 std::string compare(const Echoes& first, const Echoes& second, const std::optional<std::string>& sensor,
                     std::size_t worst, bool any_scene) {
-  const EchoContents reference = contents_of(first, "reference"),
-                     candidate = contents_of(second, "candidate");
-  const EchoPairs pairs = pair_echoes(reference, candidate, sensor, any_scene);
-  return text_of(comparison_json(reference, candidate, pairs, errors_of(pairs, worst)));
+  const std::shared_ptr<const EchoContents> reference = contents_of(first, "reference"),
+                                            candidate = contents_of(second, "candidate");
+  const EchoPairs pairs = pair_echoes(*reference, *candidate, sensor, any_scene);
+  return text_of(comparison_json(*reference, *candidate, pairs, errors_of(pairs, worst)));
 }
 
 struct ChartRequest {
@@ -155,11 +125,60 @@ std::vector<py::dict> chart_from_python(const py::dict& asked, const py::object&
   return rows;
 }
 
+/// What advice is given on, and how it reads, as `tubefoot advise --json`.
+std::string advise_from_python(const NativeScene& scene, const std::string& tolerance, std::size_t pings) {
+  std::string said;
+  RunWatch watch;
+  run_apart(watch, py::none(), [&] {
+    AdviceOptions options;
+    options.pings = pings;
+    options.seed = scene.description().run.seed;
+    options.quiet = true;
+    said = text_of(
+        json_of(advise(scene.description(), asked_tolerance(tolerance), options), scene.description()));
+  });
+  return said;
+}
+
 }  // namespace
+
+std::shared_ptr<const EchoContents> contents_of(const NativeResult& result, const std::string& called) {
+  if (result.read) return {result.read, &result.read->contents};
+  EchoContents contents{called, result.provenance, {}};
+  for (const Recording& r : result.recordings) {
+    SensorEchoes sensor;
+    sensor.name = r.sensor->description().name;
+    sensor.pings = r.pings();
+    sensor.beams = r.sensor->beams().size();
+    sensor.samples = std::size_t(r.sensor->samples().count);
+    for (std::size_t ping = 0; ping < r.pings(); ++ping) {
+      const auto energy = r.energy_of(ping);
+      sensor.energy.insert(sensor.energy.end(), energy.begin(), energy.end());
+    }
+    for (std::size_t ping = 0; ping < r.pings() && !r.energy_bound.empty(); ++ping) {
+      const auto bound = r.energy_bound.subspan(ping * r.channels() * r.cells(), r.cells());
+      sensor.energy_bound.insert(sensor.energy_bound.end(), bound.begin(), bound.end());
+    }
+    const RangeSamples& samples = r.sensor->samples();
+    for (int k = 0; k < samples.count; ++k) {
+      sensor.slant_range_m.push_back(samples.first_m + (k + 0.5) * samples.step_m);
+      sensor.slant_range_bounds_m.push_back(samples.first_m + k * samples.step_m);
+      sensor.slant_range_bounds_m.push_back(samples.first_m + (k + 1) * samples.step_m);
+    }
+    for (const BeamAxis& beam : r.sensor->beams()) {
+      sensor.beam_azimuth_deg.push_back(degrees(beam.azimuth_rad));
+      sensor.beam_elevation_deg.push_back(degrees(beam.elevation_rad));
+    }
+    sensor.ping_time_s = r.ping_time_s;
+    contents.sensors.push_back(std::move(sensor));
+  }
+  return std::make_shared<const EchoContents>(std::move(contents));
+}
 
 void bind_study(py::module_& module) {
   module.def("compare", &compare, py::call_guard<py::gil_scoped_release>());
   module.def("chart", &chart_from_python);
+  module.def("advise", &advise_from_python);
 }
 
 }  // namespace tubefoot::python

@@ -48,7 +48,8 @@ class Stoppable {
 
 }  // namespace
 
-void run_apart(RunWatch& watch, const py::object& progress, const std::function<void()>& work) {
+void run_apart(RunWatch& watch, const py::object& progress, const std::function<void()>& work,
+               const std::function<void()>& look) {
   constexpr std::chrono::milliseconds between_looks{50};
   std::exception_ptr failure, stopped;
   std::atomic<bool> stop = false;
@@ -61,10 +62,11 @@ void run_apart(RunWatch& watch, const py::object& progress, const std::function<
     told = watch.pings;
     progress(told, watch.total.load());
   };
-  const auto look = [&] {
+  const auto look_about = [&] {
     const py::gil_scoped_acquire held;
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      look();
       tell();
     } catch (...) {
       stopped = std::current_exception();
@@ -83,6 +85,8 @@ void run_apart(RunWatch& watch, const py::object& progress, const std::function<
       } catch (...) {
         failure = std::current_exception();
       }
+      // What HDF5 keeps of them goes with the thread otherwise, and it looks for it as the process ends.
+      H5Eclear2(H5E_DEFAULT);
       const std::scoped_lock lock(mutex);
       done = true;
       ended.notify_one();
@@ -90,13 +94,14 @@ void run_apart(RunWatch& watch, const py::object& progress, const std::function<
     std::unique_lock lock(mutex);
     while (!ended.wait_for(lock, between_looks, [&] { return done; })) {
       lock.unlock();
-      if (!stopped) look();
+      if (!stopped) look_about();
       lock.lock();
     }
     lock.unlock();
     worker.join();
   }
   if (stopped) std::rethrow_exception(stopped);
+  look();
   if (failure) std::rethrow_exception(failure);
   tell();
 }

@@ -4,7 +4,9 @@
 import copy
 import os
 import pathlib
+import struct
 import subprocess
+import zlib
 
 import numpy as np
 import pytest
@@ -105,3 +107,38 @@ def program():
 def equal_energies(a, b):
     """Bit by bit, all sensors."""
     return list(a) == list(b) and all(a[s].energy.tobytes() == b[s].energy.tobytes() for s in a)
+
+
+def said_by(*arguments):
+    """What the program says on stderr, one entry a line."""
+    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=True)
+    return done.stderr.splitlines()
+
+
+def png_pixels(data):
+    """Pixels of an RGB PNG, (height, width, 3) in its own depth, read from the specification."""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    place, packed = 8, b""
+    while place < len(data):
+        length, kind = struct.unpack(">I4s", data[place:place + 8])
+        body = data[place + 8:place + 8 + length]
+        assert struct.unpack(">I", data[place + 8 + length:place + 12 + length])[0] == zlib.crc32(kind + body)
+        if kind == b"IHDR":
+            width, height, bits, colours, *rest = struct.unpack(">IIBBBBB", body)
+            assert (colours, rest) == (2, [0, 0, 0])
+        packed += body if kind == b"IDAT" else b""
+        place += 12 + length
+    step = 3 * bits // 8
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + width * step)
+    above = np.zeros(width * step, int)
+    pixels = []
+    for how, *row in rows.astype(int).tolist():
+        for i in range(len(row)):
+            left, corner = (row[i - step], int(above[i - step])) if i >= step else (0, 0)
+            up = int(above[i])
+            guess = left + up - corner
+            by = (abs(guess - left), abs(guess - up), abs(guess - corner))
+            row[i] = (row[i] + (0, left, up, (left + up) // 2, (left, up, corner)[by.index(min(by))])[how]) & 255
+        above = np.array(row)
+        pixels.append(np.array(row, np.uint8))
+    return np.array(pixels).reshape(-1).view(">u2" if bits == 16 else np.uint8).reshape(height, width, 3)

@@ -218,11 +218,11 @@ def test_geopandas_has_the_scenes_crs(keys, folder):
 
 
 @pytest.mark.parametrize("options, text", [
-    (dict(pings="2:9"), "--pings '2:9': the sensor has pings 0 to 2"),
-    (dict(pings=7), "--pings '7': the sensor has pings 0 to 2"),
+    (dict(pings="2:9"), "pings '2:9': the sensor has pings 0 to 2"),
+    (dict(pings=7), "pings '7': the sensor has pings 0 to 2"),
     (dict(beams=[]), "beams: none of them"),
     (dict(pings=0.5), "pings: expected a whole number, not 0.5"),
-    (dict(beams=[1, 8]), "--beam '1,8': the sensor has beams 0 to 7"),
+    (dict(beams=[1, 8]), "beams '1,8': the sensor has beams 0 to 7"),
 ])
 def test_pings_and_beams_that_are_not_there(scene, options, text):
     with pytest.raises(tubefoot.UsageError) as error:

@@ -47,10 +47,11 @@ def test_everything_public_has_hints_and_says_what_it_does(name, function):
 
 
 def test_arrays_say_shape_and_unit():
-    for cls in (tubefoot.Shot, tubefoot.History, tubefoot.SensorResult, tubefoot.Footprints):
+    for cls in (tubefoot.Shot, tubefoot.History, tubefoot.SensorResult, tubefoot.Footprints, tubefoot.Coverage,
+                tubefoot.Picture):
         for member, value in vars(cls).items():
             if isinstance(value, property) and "ndarray" in value.fget.__annotations__["return"]:
-                assert re.match(r"\([\w, +]*\) (float64|uint16|uint32|uint64|complex128|text)", value.__doc__), member
+                assert re.match(r"\([\w, +]*\) (float64|int64|uint8|uint16|uint32|uint64|complex128|text)", value.__doc__), member
 
 
 def test_hints_of_the_native_module_are_complete():
@@ -66,6 +67,24 @@ def test_hints_of_the_native_module_are_complete():
             own = {m for m in vars(item) if not m.startswith("_")}
             assert own == set(re.findall(r"^    (?:def )?(\w+)", body, re.M)), name
     assert (pathlib.Path(tubefoot.__file__).parent / "py.typed").exists()
+
+
+@pytest.mark.parametrize("call, text", [
+    (lambda: tubefoot.run("x.toml", engin="ray"), "run() has no argument 'engin': did you mean 'engine'?"),
+    (lambda: tubefoot.run("x.toml", ray_per_beam=3), "run() has no argument 'ray_per_beam': did you mean 'rays_per_beam'?"),
+    (lambda: tubefoot.footprints("x.toml", "camera", beem=3), "footprints() has no argument 'beem': did you mean 'beams'?"),
+    (lambda: tubefoot.Scene.from_dict({}, bas="."), "from_dict() has no argument 'bas': did you mean 'base'?"),
+    (lambda: tubefoot.run("x.toml", wibble=3), "run() has no argument 'wibble'"),
+])
+def test_a_misspelt_argument_is_told_what_was_meant(call, text):
+    with pytest.raises(TypeError) as error:
+        call()
+    assert str(error.value) == text
+
+
+def test_signatures_are_those_of_the_functions():
+    assert str(inspect.signature(tubefoot.open)) == "(result: 'PathLike') -> 'Result'"
+    assert tubefoot.run.__module__ == "tubefoot._result" and "engine" in inspect.signature(tubefoot.run).parameters
 
 
 def test_the_version_is_the_programs():

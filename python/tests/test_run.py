@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 
 import netCDF4
 import numpy as np
@@ -14,7 +15,8 @@ import pytest
 import xarray
 
 import tubefoot
-from conftest import equal_energies
+from conftest import equal_energies, said_by
+from tubefoot._words import in_python
 
 
 def test_energies_are_those_of_the_commands_file(scene, folder, program):
@@ -32,6 +34,32 @@ def test_energies_are_those_of_the_commands_file(scene, folder, program):
             assert (result[name].poses == poses).all()
     assert result["camera"].energy.shape == (3, 8, 64)
     assert result["camera"].altitudes == pytest.approx([2, 2, 2], abs=1e-5)
+
+
+def test_whose_energies_are_is_what_the_commands_file_says(scene, folder, program):
+    program("run", folder / "scene.toml", "-o", folder / "out", "--truth")
+    result = tubefoot.run(scene, truth=True, output=folder / "module")
+    assert tubefoot.run(scene)["camera"].truth is None
+    with netCDF4.Dataset(folder / "out" / "echoes.nc") as file:
+        for name, group in file.groups.items():
+            truth = result[name].truth
+            assert truth["objects"] == list(group["object_name"][:])
+            assert truth["materials"] == list(group["material_name"][:]) == ["sand", "steel"]
+            for variable in ("object_share", "material_share", "mean_height", "mean_range"):
+                fill = np.nan if variable.startswith("mean") else 0
+                np.testing.assert_array_equal(truth[variable], group[variable][:].filled(fill))
+            assert (truth["object_label"] == group["object_label"][:].filled(-1)).all()
+            heard = result[name].energy > 0
+            assert truth["object_share"].sum(axis=1)[heard] == pytest.approx(1, abs=1e-14)
+    assert {0, 1} <= set(np.unique(result["camera"].truth["object_label"]))
+    assert (folder / "module" / "echoes.nc").read_bytes() == (folder / "out" / "echoes.nc").read_bytes()
+    read = tubefoot.open(folder / "out")["camera"].truth
+    for name, values in result["camera"].truth.items():
+        np.testing.assert_array_equal(read[name], values)
+        if not isinstance(values, list):
+            assert read[name].dtype == values.dtype
+            np.testing.assert_array_equal(tubefoot.open(folder / "out")["camera"][1:].truth[name], values[1:])
+            np.testing.assert_array_equal(result["camera"][1:].truth[name], values[1:])
 
 
 def test_an_output_folder_is_the_commands_byte_by_byte(scene, folder, program):
@@ -252,11 +280,13 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.parametrize("options, text", [
-    (dict(engine="tubes"), "engine: tubes not in {tube,ray}"),
-    (dict(threads=0), "threads: Value 0 not in range [1 - 4096]"),
+    (dict(engine="tubes"), "engine: 'tubes' is not 'tube' or 'ray': did you mean 'tube'?"),
+    (dict(engine="magic"), "engine: 'magic' is not 'tube' or 'ray'"),
+    (dict(binning="centroids"), "binning: 'centroids' is not 'exact', 'spread' or 'centroid': did you mean 'centroid'?"),
+    (dict(threads=0), "threads: 0 is not in 1 to 4096"),
     (dict(engine="ray", rays=1e6), "rays: expected a whole number, not 1000000.0"),
     (dict(threads="2"), "threads: expected a whole number, not '2'"),
-    (dict(rays=10, rays_per_beam=10), "rays excludes rays_per_beam"),
+    (dict(rays=10, rays_per_beam=10), "rays and rays_per_beam: give one of them"),
     (dict(output=""), "output: the name of a folder is empty"),
 ])
 def test_wrong_options(scene, options, text):
@@ -265,12 +295,25 @@ def test_wrong_options(scene, options, text):
     assert str(error.value) == text and isinstance(error.value, ValueError)
 
 
-def test_a_file_name_is_no_scene(folder):
-    for call in (tubefoot.run, tubefoot.reference, tubefoot.chart,
-                 lambda s: tubefoot.footprints(s, "camera"), lambda s: tubefoot.history(s, "camera"),
-                 lambda s: tubefoot.shot(s, "camera")):
-        with pytest.raises(TypeError, match="as tubefoot.load.file. makes them, not (Posix|str)"):
-            call(folder / "scene.toml" if call is not tubefoot.chart else [str(folder)])
+def test_a_file_name_is_a_scene(scene, folder):
+    file = folder / "scene.toml"
+    plain = tubefoot.run(scene)
+    assert equal_energies(tubefoot.run(file), plain) and equal_energies(tubefoot.run(str(file)), plain)
+    assert equal_energies(tubefoot.reference(file, 1e-6), tubefoot.reference(scene, 1e-6))
+    assert (tubefoot.footprints(file, "camera")["area_m2"] == tubefoot.footprints(scene, "camera")["area_m2"]).all()
+    assert (tubefoot.shot(str(file), "side", ping=1).apex_m == tubefoot.shot(scene, "side", ping=1).apex_m).all()
+    assert len(tubefoot.history(file, "camera")) == len(tubefoot.history(scene, "camera"))
+    assert tubefoot.chart([file], "tube", repeats=1)[0]["scene"] == tubefoot.chart(file, "tube", repeats=1)[0]["scene"]
+
+
+def test_what_is_neither_scene_nor_name(scene):
+    for call in (tubefoot.run, tubefoot.reference, lambda s: tubefoot.chart([s]), tubefoot.coverage,
+                 lambda s: tubefoot.advise(s, 1e-3), lambda s: tubefoot.footprints(s, "camera"),
+                 lambda s: tubefoot.history(s, "camera"), lambda s: tubefoot.shot(s, "camera")):
+        with pytest.raises(TypeError, match="expected a tubefoot.Scene or the name of a scene file, not (Result|dict)"):
+            call({} if call is not tubefoot.run else tubefoot.run(scene))
+    with pytest.raises(tubefoot.InputError, match="none.toml: there is no such scene file"):
+        tubefoot.run("none.toml")
 
 
 @pytest.mark.parametrize("arguments, call", [
@@ -279,12 +322,14 @@ def test_a_file_name_is_no_scene(folder):
     (["--tolerance", "much"], lambda s: tubefoot.run(s, tolerance="much")),
     (["--reference", "--tolerance", "0.5"], lambda s: tubefoot.reference(s, 0.5)),
     (["--reference", "--arithmetic", "double"], lambda s: tubefoot.reference(s, arithmetic="double")),
+    (["--rays-per-beam", "10"], lambda s: tubefoot.run(s, rays_per_beam=10)),
 ])
-def test_usage_errors_say_what_the_command_says(scene, folder, program, arguments, call):
+def test_usage_errors_say_what_the_command_says_in_pythons_words(scene, folder, program, arguments, call):
     said = program("run", folder / "scene.toml", "-o", folder / "out", *arguments, fails=True)
     with pytest.raises(tubefoot.UsageError) as error:
         call(scene)
-    assert said == "tubefoot: " + str(error.value)
+    assert in_python(said) == "tubefoot: " + str(error.value)
+    assert "--" in said and "--" not in str(error.value)
 
 
 def test_a_strangers_folder_is_not_overwritten(scene, folder, program):
@@ -298,8 +343,10 @@ def test_a_strangers_folder_is_not_overwritten(scene, folder, program):
 
 def test_results_name_their_sensors(scene):
     result = tubefoot.run(scene)
-    with pytest.raises(KeyError, match="no sensor 'sonar'; it has 'camera', 'side'"):
+    with pytest.raises(KeyError, match="no sensor 'sonar'; it has 'camera', 'side'\""):
         result["sonar"]
+    with pytest.raises(KeyError, match="it has 'camera', 'side': did you mean 'camera'\\?"):
+        result["camra"]
     assert len(result) == 2 and result.stats["pings"] == 5
     assert repr(result["side"]) == "<tubefoot.SensorResult 'side': 2 pings x 2 beams x 100 samples>"
 
@@ -311,6 +358,52 @@ def test_warnings_are_warnings(folder):
         result = tubefoot.run(tubefoot.load(folder / "inside.toml"))
     assert caught[0].filename == __file__
     assert result.warnings and result.warnings[0] in str(caught[0].message)
+
+
+def silent_scene(folder):
+    """One of two sensors looks up."""
+    text = (folder / "scene.toml").read_text()
+    (folder / "silent.toml").write_text(text.replace("tilt_deg = 30", "tilt_deg = -40", 1))
+    return folder / "silent.toml"
+
+
+def test_a_silent_sensor_is_a_warning_of_its_own_with_the_commands_words(folder):
+    file = silent_scene(folder)
+    with pytest.warns(tubefoot.SilenceWarning) as caught:
+        result = tubefoot.run(file)
+    silences = [w for w in caught if w.category is tubefoot.SilenceWarning]
+    assert len(silences) == 1 and silences[0].filename == __file__
+    text = str(silences[0].message)
+    assert "sensor 'camera' hears nothing" in text and "degrees up" in text
+    assert "warning: " + text in said_by("run", file, "-o", folder / "out")
+    assert "warning: " + text in said_by("check", file)
+    assert text in result.warnings and text in tubefoot.load(file).warnings()
+    assert result.stats["warnings"].count(text) == 1
+    assert (result["camera"].energy == 0).all() and result["side"].energy.any()
+
+
+def test_a_silence_that_is_an_error_ends_the_run_before_its_first_ping(folder):
+    seen, before = [], sorted(folder.iterdir())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", tubefoot.SilenceWarning)
+        with pytest.raises(tubefoot.SilenceWarning, match="hears nothing"):
+            tubefoot.run(silent_scene(folder), engine="ray", rays=2_000_000, threads=1, output=folder / "out",
+                         progress=lambda done, total: seen.append(done))
+    assert len(seen) < 5 and sorted(folder.iterdir()) == sorted([*before, folder / "silent.toml"])
+
+
+def test_a_silence_of_a_scene_in_code_names_its_key(folder, keys):
+    keys["sensors"][0]["tilt_deg"] = -40
+    scene = tubefoot.Scene.from_dict(keys, base=folder)
+    with pytest.warns(tubefoot.SilenceWarning, match=r"^sensors\[0\]: sensor 'camera' hears nothing"):
+        result = tubefoot.run(scene)
+    assert result.warnings == [w for w in scene.warnings() if "hears nothing" in w]
+
+
+def test_a_scene_that_is_heard_warns_of_nothing(scene):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert tubefoot.run(scene).warnings == []
 
 
 def test_hdf5_says_nothing_beside_another_user_of_netcdf(folder):

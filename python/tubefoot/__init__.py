@@ -2,26 +2,29 @@
 """tubefoot: a sonar simulator that measures footprints instead of sampling them.
 
 >>> import tubefoot
->>> scene = tubefoot.load("scenes/wellhead/scene.toml")
->>> result = tubefoot.run(scene)
+>>> result = tubefoot.run("scenes/wellhead/scene.toml")
 >>> result["camera"].energy  # (pings, beams, samples) in J
+>>> result["camera"].picture(0)  # as the program draws it; notebooks show it
 
 docs/python.md is a tutorial. Lengths are metres, times seconds, energies joules for a source of 1 J/sr at 1 m; other
 units are in the names.
 """
 
 from . import _native
+from ._coverage import Coverage, coverage
 from ._engines import Engine, engine, sensor
-from ._errors import InputError, SceneWarning, UsageError
+from ._errors import InputError, SceneWarning, SilenceWarning, UsageError
 from ._footprints import Footprints, footprints
 from ._history import History, Shot, history, shot
-from ._result import Result, SensorResult, reference, run
+from ._picture import Picture
+from ._result import Result, SensorResult, open, reference, run
 from ._scene import Scene, load
-from ._study import chart, compare
+from ._study import advise, chart, compare
 
 __version__: str = _native.version
 
 __all__ = [
-    "Engine", "Footprints", "History", "InputError", "Result", "Scene", "SceneWarning", "SensorResult", "Shot",
-    "UsageError", "chart", "compare", "engine", "footprints", "history", "load", "reference", "run", "sensor", "shot",
+    "Coverage", "Engine", "Footprints", "History", "InputError", "Picture", "Result", "Scene", "SceneWarning",
+    "SensorResult", "Shot", "SilenceWarning", "UsageError", "advise", "chart", "compare", "coverage", "engine",
+    "footprints", "history", "load", "open", "reference", "run", "sensor", "shot",
 ]

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What goes wrong, with the texts of the command line."""
+"""What goes wrong, with the texts of the command line in Python's words, and what may not be meant."""
 
 from __future__ import annotations
 
 import operator
+import sys
+import warnings
+
+from ._words import in_python as in_python  # the native module takes it from here, as the classes
 
 
 class InputError(ValueError):
     """A scene, or a file that it names, is wrong.
 
-    The text says where, what was expected and what to do, as ``tubefoot`` prints it. Of a scene that was built in
+    The text says where, what was expected and what to do, as ``tubefoot`` prints it, with arguments in place of
+    options. Of a scene that was built in
     code, the place is the path of a key, such as ``sensors[0].beams``.
 
     Attributes:
@@ -31,7 +36,8 @@ class InputError(ValueError):
 
 
 class UsageError(ValueError):
-    """A function is asked for something that cannot be, with the text of the command line."""
+    """A function is asked for something that cannot be, as the command line says it, with arguments in place of
+    options."""
 
 
 def whole(name: str, value: object) -> int:
@@ -44,3 +50,15 @@ def whole(name: str, value: object) -> int:
 
 class SceneWarning(UserWarning):
     """A scene loads, but something in it may not be meant."""
+
+
+class SilenceWarning(SceneWarning):
+    """A sensor hears nothing: which, where, why, and what to do."""
+
+
+def warn(message: str, is_silence: bool = False) -> None:
+    """Tells whoever called the package."""
+    level, frame = 1, sys._getframe()
+    while frame is not None and frame.f_globals.get("__name__", "").startswith("tubefoot."):
+        level, frame = level + 1, frame.f_back  # type: ignore[assignment]
+    warnings.warn(message, SilenceWarning if is_silence else SceneWarning, stacklevel=level)

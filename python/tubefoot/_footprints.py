@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Optional, Union
 
 import numpy as np
 
 from . import _native
+from ._columns import Columns
 from ._errors import UsageError, whole
 from ._result import Progress
-from ._scene import Scene, a_scene
+from ._scene import PathLike, Scene, a_scene
+from ._words import with_named_arguments
 
 if TYPE_CHECKING:
     import geopandas
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 Numbers = Union[int, str, range, Iterable[int]]
 
 
-class Footprints(Mapping[str, np.ndarray]):
+class Footprints(Columns):
     """Footprints of a sensor's pings as columns of one element a footprint: ``footprints["area_m2"]``.
 
     Names and units are those of docs/footprints.md (:attr:`units`). Arrays are read-only and share the memory of the
@@ -32,16 +34,6 @@ class Footprints(Mapping[str, np.ndarray]):
         self._columns = {name: values for name, _, _, values in columns}
         self._units = {name: units for name, units, _, _ in columns}
         self._meanings = {name: long_name for name, _, long_name, _ in columns}
-
-    def __getitem__(self, column: str) -> np.ndarray:
-        return self._columns[column]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        """Number of columns; footprints are counted by :attr:`rows`."""
-        return len(self._columns)
 
     @property
     def rows(self) -> int:
@@ -123,12 +115,13 @@ class Footprints(Mapping[str, np.ndarray]):
         return f"<tubefoot.Footprints of {self.sensor!r}: {self.rows}>"
 
 
-def footprints(scene: Scene, sensor: str, pings: Numbers = 0, beams: Optional[Numbers] = None, *,
+@with_named_arguments
+def footprints(scene: Union[Scene, PathLike], sensor: str, pings: Numbers = 0, beams: Optional[Numbers] = None, *,
                progress: Optional[Progress] = None) -> Footprints:
     """The visible polygons of pings of a sensor, with their measures and energies (docs/footprints.md).
 
     Args:
-        scene: the scene.
+        scene: the scene, or the name of its file.
         sensor: name of the sensor.
         pings: a ping, a ``range`` of step 1, or text as of the command: ``"3"``, ``"2:5"`` (both included), ``":"``.
         beams: a beam, several, or text as of the command: ``"2:5,9"``; by default all.
@@ -138,12 +131,14 @@ def footprints(scene: Scene, sensor: str, pings: Numbers = 0, beams: Optional[Nu
         InputError: the scene is wrong.
         UsageError: there is no such sensor, ping or beam.
     """
-    with a_scene(scene)._explained():
-        chosen = _text("pings", pings), "" if beams is None else _text("beams", beams)
-        return Footprints(_native.footprints(scene._native, sensor, *chosen, progress))
+    known = a_scene(scene)
+    with known._explained():
+        chosen = as_text("pings", pings), "" if beams is None else as_text("beams", beams)
+        return Footprints(_native.footprints(known._native, sensor, *chosen, progress))
 
 
-def _text(name: str, numbers: Numbers) -> str:
+def as_text(name: str, numbers: Numbers) -> str:
+    """As the command line takes them."""
     if isinstance(numbers, str):
         return numbers
     if isinstance(numbers, range) and numbers.step == 1 and len(numbers) > 0:

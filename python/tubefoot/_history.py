@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Union
 
 import numpy as np
 
 from . import _native
 from ._errors import UsageError, whole
-from ._scene import Scene, a_scene
+from ._scene import PathLike, Scene, a_scene
+from ._words import with_named_arguments
 
 
 class Shot:
@@ -315,21 +316,25 @@ class History:
         return f"<tubefoot.History of {self._shot!r}: {len(self)} footprints>"
 
 
-def shot(scene: Scene, sensor: str, ping: int = 0, shot: int = 0) -> Shot:
-    """One shot of a ping of a sensor, both counted from 0.
+@with_named_arguments
+def shot(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, shot: int = 0) -> Shot:
+    """One shot of a ping of a sensor, both counted from 0. The scene may be the name of its file.
 
     Raises:
         InputError: the scene is wrong.
         UsageError: there is no such sensor, ping or shot.
     """
-    with a_scene(scene)._explained():
-        return Shot(scene._native.shot(sensor, _counted("ping", ping), _counted("shot", shot)))
+    known = a_scene(scene)
+    with known._explained():
+        return Shot(known._native.shot(sensor, _counted("ping", ping), _counted("shot", shot)))
 
 
-def history(scene: Scene, sensor: str, ping: int = 0, shot: int = 0) -> History:
+@with_named_arguments
+def history(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, shot: int = 0) -> History:
     """The footprints of one shot, found by the exact engine; as :func:`shot`."""
-    with a_scene(scene)._explained():
-        return Shot(scene._native.shot(sensor, _counted("ping", ping), _counted("shot", shot))).history()
+    known = a_scene(scene)
+    with known._explained():
+        return Shot(known._native.shot(sensor, _counted("ping", ping), _counted("shot", shot))).history()
 
 
 def _counted(name: str, number: int) -> int:

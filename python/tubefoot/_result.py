@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs and what comes out of them."""
+"""Runs, what comes out of them, and what they wrote."""
 
 from __future__ import annotations
 
 import json
+import operator
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from . import _native
 from ._engines import Engine, own_engine
-from ._errors import UsageError, whole
-from ._scene import PathLike, Scene, a_scene, warn
+from ._errors import InputError, UsageError, warn, whole
+from ._picture import Picture, as_html, drawn, plural
+from ._scene import PathLike, Scene, a_scene
+from ._words import CHOICES, in_python, meant, one_of, with_named_arguments
 
 if TYPE_CHECKING:
     import xarray
@@ -49,6 +52,9 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
                        "north"),
     "sensor_pitch": (("ping",), "degree", "pitch of the sensor, forward axis up positive"),
     "sensor_roll": (("ping",), "degree", "roll of the sensor, starboard down positive"),
+    # Of a part of a run.
+    "ping_number": (("ping",), "1", "ping of the scene, counted from 0"),
+    "beam_number": (("beam",), "1", "beam of the sonar, counted from 0"),
     # Of a survey with lines.
     "line": (("ping",), "1", "line of the survey, counted from 1"),
     # Of a scene with a place on Earth.
@@ -58,20 +64,117 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "sensor_true_heading": (("ping",), "degree", "heading of the sensor's forward axis, clockwise from true north"),
 }
 _COORDINATES = ("ping_time", "slant_range", "slant_range_bounds", "two_way_travel_time", "beam_azimuth",
-                "beam_elevation", "beam_azimuth_width", "beam_elevation_width")
+                "beam_elevation", "beam_azimuth_width", "beam_elevation_width", "ping_number", "beam_number")
 
 
 class SensorResult:
     """The echoes of one sensor, as read-only arrays that share the run's memory.
 
-    ``P`` pings, ``B`` beams and ``K`` range samples; names and units are those of echoes.nc (docs/echo-file.md).
+    ``P`` pings, ``B`` beams and ``K`` range samples; names and units are those of echoes.nc (docs/echo-file.md). What an
+    opened file does not say is not a number.
+
+    ``echoes[2:5]``, ``echoes[-1]`` and ``echoes[[0, 7]]`` are some of its pings, counted as NumPy counts, as another
+    SensorResult, whose pings begin at 0; one ping, too, is a result with ``P = 1``.
     """
 
     def __init__(self, native: _native.Result, index: int) -> None:
         self._native = native
+        self._index = index
+        self._pings: Optional[np.ndarray] = None  # of a slice: their places in what it is a slice of
+        self._truth: Optional[dict[str, Any]] = None  # once it was asked for
         self._values: dict[str, np.ndarray] = {**native.arrays(index), **native.axes(index)}
-        self._altitude = self._values.pop("altitude")
+        self._altitude: Optional[np.ndarray] = self._values.pop("altitude", None)
         self._attributes: dict[str, Any] = native.attributes(index)
+        self._variables = {**_VARIABLES, **native.dimensions(index)}
+
+    def _value(self, name: str, *more: int) -> np.ndarray:
+        return self._values[name] if name in self._values else self._unknown(name, *more)
+
+    def _unknown(self, name: str, *more: int) -> np.ndarray:
+        lengths = dict(zip(("ping", "beam", "sample"), self.energy.shape))
+        values = np.full((lengths[_VARIABLES[name][0][0]], *more), np.nan)
+        values.flags.writeable = False
+        return values
+
+    def __len__(self) -> int:
+        """Number of pings, P."""
+        return len(self.energy)
+
+    def __iter__(self) -> Iterator[SensorResult]:
+        return (self[ping] for ping in range(len(self)))
+
+    def __getitem__(self, pings: Union[int, slice, Sequence[int], np.ndarray]) -> SensorResult:
+        chosen = self._chosen(pings)
+        part = object.__new__(SensorResult)
+        part.__dict__.update(self.__dict__)
+        part._pings = (np.arange(len(self)) if self._pings is None else self._pings)[chosen]
+        part._truth = None
+        part._values = {name: values[chosen] if self._variables[name][0][0] == "ping" else values
+                        for name, values in self._values.items()}
+        part._altitude = None if self._altitude is None else self._altitude[chosen]
+        for values in part._values.values():
+            values.flags.writeable = False
+        return part
+
+    def _chosen(self, pings: Union[int, slice, Sequence[int], np.ndarray]) -> Union[slice, np.ndarray]:
+        if isinstance(pings, slice):
+            return pings
+        if isinstance(pings, (list, tuple, range, np.ndarray)) and np.ndim(pings) == 1:
+            numbers = np.asarray(pings, dtype=None if len(pings) else np.int64)
+            if numbers.dtype != bool and not np.issubdtype(numbers.dtype, np.integer):
+                raise TypeError(f"numbers of pings are integers, not {numbers.dtype}")
+            if numbers.dtype == bool and len(numbers) != len(self):
+                raise IndexError(f"{len(numbers)} booleans for {plural(len(self), 'ping')}")
+            for ping in () if numbers.dtype == bool else numbers:
+                self._number(int(ping))
+            return numbers
+        try:
+            ping = self._number(operator.index(pings))  # type: ignore[arg-type]
+        except TypeError:
+            raise TypeError(f"expected a ping, a slice or numbers of pings, not {type(pings).__name__}") from None
+        return slice(ping, ping + 1)
+
+    def _number(self, ping: int) -> int:
+        if not -len(self) <= ping < len(self):
+            has = f"pings 0 to {len(self) - 1}" if len(self) else "no ping"
+            raise IndexError(f"ping {ping}: sensor {self.name!r} has {has}")
+        return ping % len(self)
+
+    @property
+    def pings(self) -> np.ndarray:
+        """(P,) int64: the number that each ping has in the run."""
+        if "ping_number" in self._values:
+            return self._values["ping_number"].astype(np.int64)
+        return np.arange(len(self)) if self._pings is None else self._pings
+
+    @with_named_arguments
+    def picture(self, ping: Optional[int] = None) -> Picture:
+        """What the echoes look like, as the program draws it: of a fan ahead the ping, or several side by side; of beams
+        to both sides the waterfall; of beams downwards the echogram of the steepest. Ideal, not as received.
+
+        Args:
+            ping: one ping of a fan; by default all, of a sequence 20 at most.
+
+        Raises:
+            UsageError: there is no ping, or pings of this sensor are drawn side by side only.
+            InputError: samples of an opened file are not evenly spaced.
+        """
+        if not len(self):
+            raise UsageError(f"sensor {self.name!r} has no ping to draw")
+        one = None if ping is None else self._number(whole("ping", ping))
+        title = self.name if ping is None else f"{self.name}, ping {one}"
+        return drawn(self._native, self._index, None if self._pings is None else self._pings.tolist(), one, title)
+
+    def _repr_html_(self) -> str:
+        try:
+            picture: Optional[Picture] = self.picture()
+        except (InputError, UsageError):
+            picture = None
+        pings, beams, samples = self.energy.shape
+        near, far = self.slant_range_bounds[0, 0], self.slant_range_bounds[-1, 1]
+        facts = (f"{self.kind}: {plural(pings, 'ping')}, {plural(beams, 'beam')}, {plural(samples, 'sample')} from "
+                 f"{near:.4g} to {far:.4g} m, {self.energy.sum():.4g} J")
+        return as_html(self.name, facts, picture)
 
     @property
     def name(self) -> str:
@@ -80,8 +183,9 @@ class SensorResult:
 
     @property
     def kind(self) -> str:
-        """The kind of sensor as scene files name it, such as ``didson`` or ``sidescan`` (docs/sensors.md)."""
-        return self._attributes["sensor_kind"]
+        """The kind of sensor as scene files name it, such as ``didson`` or ``sidescan`` (docs/sensors.md); empty where an
+        opened file does not say."""
+        return self._attributes.get("sensor_kind", "")
 
     @property
     def energy(self) -> np.ndarray:
@@ -108,31 +212,49 @@ class SensorResult:
         return self._values["cross_real"] + 1j * self._values["cross_imag"]
 
     @property
+    def truth(self) -> Optional[dict[str, Any]]:
+        """Whose each energy is, by the names of echoes.nc (docs/truth.md); None but for a run with ``truth=True``.
+
+        ``object_share`` (P, objects, B, K) and ``material_share`` (P, materials, B, K), ``mean_height`` and
+        ``mean_range`` (P, B, K) in m, ``object_label`` and ``material_label`` (P, B, K) int16, -1 where nothing is
+        heard; over mirrors also ``unscattered_share`` (P, B, K). ``objects`` and ``materials`` are lists of names.
+        Copies, made when this is first asked for. In names of a file that was opened blanks are underscores; what is
+        not known is NaN.
+        """
+        if self._truth is None:
+            truth = self._native.truth(self._index)
+            if truth is not None and self._pings is not None:
+                truth = {name: value if isinstance(value, list) else value[self._pings] for name, value in truth.items()}
+            self._truth = truth
+        return self._truth
+
+    @property
     def times(self) -> np.ndarray:
         """(P,) float64: times of the pings in s, on the scene's clock."""
-        return self._values["ping_time"]
+        return self._value("ping_time")
 
     @property
     def positions(self) -> np.ndarray:
         """(P, 3) float64: east, north, up of the sensor in m."""
-        return self._values["sensor_position"]
+        return self._value("sensor_position", 3)
 
     @property
     def attitudes(self) -> np.ndarray:
         """(P, 4) float64: unit quaternions w, x, y, z that turn the sensor's axes (starboard, forward, up) into the
         local frame."""
-        return self._values["sensor_attitude"]
+        return self._value("sensor_attitude", 4)
 
     @property
     def poses(self) -> np.ndarray:
         """(P, 6) float64, a copy: east, north, up in m, heading, pitch, roll in degrees."""
-        angles = [self._values["sensor_" + name] for name in ("heading", "pitch", "roll")]
+        angles = [self._value("sensor_" + name) for name in ("heading", "pitch", "roll")]
         return np.column_stack([self.positions, *angles])
 
     @property
     def altitudes(self) -> np.ndarray:
-        """(P,) float64: height of the sensor above the terrain straight below in m; not a number without one."""
-        return self._altitude
+        """(P,) float64: height of the sensor above the terrain straight below in m; not a number without one, and of an
+        opened file."""
+        return self._unknown("ping_time") if self._altitude is None else self._altitude
 
     @property
     def slant_ranges(self) -> np.ndarray:
@@ -142,7 +264,7 @@ class SensorResult:
     @property
     def slant_range_bounds(self) -> np.ndarray:
         """(K, 2) float64: where each sample begins and ends in m."""
-        return self._values["slant_range_bounds"]
+        return self._value("slant_range_bounds", 2)
 
     @property
     def beam_azimuths(self) -> np.ndarray:
@@ -152,7 +274,7 @@ class SensorResult:
     @property
     def beam_elevations(self) -> np.ndarray:
         """(B,) float64: elevation of each beam's axis in degrees, upwards."""
-        return self._values["beam_elevation"]
+        return self._value("beam_elevation")
 
     def to_xarray(self) -> xarray.Dataset:
         """A dataset laid out as echoes.nc: its dimensions, names, ``units`` and ``long_name``; ``ping_utc`` as dates.
@@ -163,12 +285,15 @@ class SensorResult:
         import xarray
 
         variables = {}
-        for name, (dimensions, units, long_name) in _VARIABLES.items():
-            if name in self._values:
+        for name, (dimensions, units, long_name) in self._variables.items():
+            if name in self._values and name != "ping_utc":
                 variables[name] = (dimensions, self._values[name], {"units": units, "long_name": long_name})
-        coordinates = {name: variables.pop(name) for name in _COORDINATES}
-        coordinates["slant_range"][2]["bounds"] = "slant_range_bounds"
+        coordinates = {name: variables.pop(name) for name in _COORDINATES if name in variables}
+        if "slant_range_bounds" in coordinates:
+            coordinates["slant_range"][2]["bounds"] = "slant_range_bounds"
         attributes = {**self._native.file_attributes(), **self._attributes}
+        if "start_utc" not in attributes or "ping_time" not in coordinates:
+            return xarray.Dataset(variables, coordinates, attributes)
         date = {"units": f"seconds since {attributes['start_utc']}", "calendar": "standard", "standard_name": "time",
                 "long_name": "date and time of the transmission"}
         dates = xarray.decode_cf(xarray.Dataset({"ping_utc": (("ping",), self._values["ping_time"], date)}))
@@ -181,17 +306,20 @@ class SensorResult:
 
 
 class Result(Mapping[str, SensorResult]):
-    """The echoes of a run, by sensor: ``result["camera"].energy``."""
+    """The echoes of a run, or of what one wrote (:func:`open`), by sensor: ``result["camera"].energy``. Notebooks show
+    their pictures."""
 
-    def __init__(self, native: _native.Result) -> None:
+    def __init__(self, native: _native.Result, warnings: list[str]) -> None:
         self._native = native
+        self._warnings = warnings
         self._sensors = {name: SensorResult(native, i) for i, name in enumerate(native.sensors)}
 
     def __getitem__(self, sensor: str) -> SensorResult:
         try:
             return self._sensors[sensor]
         except KeyError:
-            raise KeyError(f"the scene has no sensor {sensor!r}; it has {', '.join(map(repr, self))}") from None
+            has = ", ".join(map(repr, self))
+            raise KeyError(f"the result has no sensor {sensor!r}; it has {has}{meant(sensor, self)}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._sensors)
@@ -201,13 +329,16 @@ class Result(Mapping[str, SensorResult]):
 
     @property
     def stats(self) -> dict[str, Any]:
-        """What stats.json of a run says: counts, seconds, settings, warnings."""
-        return json.loads(self._native.statistics)
+        """What stats.json of a run says: counts, seconds, settings, warnings. Empty of an echo file by itself."""
+        return json.loads(self._native.statistics or "{}")
 
     @property
     def warnings(self) -> list[str]:
         """What may not be meant, and what the files leave out."""
-        return self._native.warnings
+        return list(self._warnings)
+
+    def _repr_html_(self) -> str:
+        return "".join(sensor._repr_html_() for sensor in self.values())
 
     def to_xarray(self) -> dict[str, xarray.Dataset]:
         """A dataset a sensor (:meth:`SensorResult.to_xarray`), by name."""
@@ -217,39 +348,38 @@ class Result(Mapping[str, SensorResult]):
         return f"<tubefoot.Result: {', '.join(self)}>"
 
 
-_CHOICES = {"engine": ("tube", "ray"), "arithmetic": ("fixed", "filtered", "rational", "double"),
-            "binning": ("exact", "spread", "centroid"),
-            "sampling": ("stratified", "regular", "random", "column")}
 _RANGES = {"threads": (1, 4096), "rays": (1, 10**10), "rays_per_beam": (1, 10**10), "seed": (0, 2**63 - 1)}
 
 
 def _checked(options: dict[str, Any]) -> dict[str, Any]:
-    for name, choices in _CHOICES.items():
+    for name, choices in CHOICES.items():
         if options.get(name) is not None and options[name] not in choices:
-            raise UsageError(f"{name}: {options[name]} not in {{{','.join(choices)}}}")
+            raise UsageError(f"{name}: {options[name]!r} is not {one_of(choices)}{meant(options[name], choices)}")
     for name, (least, most) in _RANGES.items():
         if options.get(name) is None:
             continue
         options[name] = whole(name, options[name])
         if not least <= options[name] <= most:
-            raise UsageError(f"{name}: Value {options[name]} not in range [{least} - {most}]")
+            raise UsageError(f"{name}: {options[name]} is not in {least} to {most}")
     if options.get("rays") is not None and options.get("rays_per_beam") is not None:
-        raise UsageError("rays excludes rays_per_beam")
+        raise UsageError("rays and rays_per_beam: give one of them")
     return options
 
 
-def run(scene: Scene, *, engine: Union[str, Engine, None] = None, tolerance: Union[float, str, None] = None,
+@with_named_arguments
+def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = None, tolerance: Union[float, str, None] = None,
         threads: Optional[int] = None, arithmetic: Optional[str] = None, binning: Optional[str] = None,
         sampling: Optional[str] = None, rays: Optional[int] = None, rays_per_beam: Optional[int] = None,
-        seed: Optional[int] = None, output: Optional[PathLike] = None,
+        seed: Optional[int] = None, sensor: Optional[str] = None, pings: Union[int, str, None] = None,
+        beams: Union[int, str, None] = None, truth: bool = False, output: Optional[PathLike] = None,
         progress: Optional[Progress] = None) -> Result:
     """Simulates all pings of a scene, as ``tubefoot run`` does, into memory.
 
     Args:
-        scene: the scene.
+        scene: the scene, or the name of its file.
         engine: ``"tube"`` (exact) or ``"ray"`` (sampling), or a function marked by :func:`engine` or :func:`sensor`;
             by default, as the scene says.
-        tolerance: error allowed, relative (``1e-3``; 1e-6 to 1) or ``"0.1dB"``: picks engine and settings.
+        tolerance: error allowed, relative (``1e-3``; 1e-6 to 0.1), ``"20%"`` or ``"0.1dB"``: picks engine and settings.
         threads: threads to use, 1 to 4096; by default as the scene says, else all cores. Runs at the same time share
             the least that any of them asks for.
         arithmetic: ``"fixed"``, ``"filtered"``, ``"rational"`` or ``"double"``.
@@ -258,17 +388,27 @@ def run(scene: Scene, *, engine: Union[str, Engine, None] = None, tolerance: Uni
         rays: ray engine: rays a ping.
         rays_per_beam: ray engine: rays a beam, instead.
         seed: ray engine: seed of the sampling.
+        sensor: only this sensor, by its name.
+        pings: only these of each sensor: one, or ``"A:B"``, both included, counted from 0. Their energies are the
+            whole run's.
+        beams: only these of each sensor, as ``pings``, or several such between commas.
+        truth: also whose each energy is, and its mean height and range (:attr:`SensorResult.truth`).
         output: folder to write as well, as ``tubefoot run -o`` does: whole or not at all.
         progress: called now and then with the pings finished and all pings; what it raises ends the run.
 
-    Other Python threads run meanwhile. Ctrl-C ends the run, pings at hand unfinished; nothing half-written is left.
+    Other Python threads run meanwhile. Ctrl-C ends the run, pings at hand unfinished; nothing half-written is left. What may
+    not be meant is a :class:`SceneWarning`, a sensor that hears nothing a :class:`SilenceWarning`, as soon as it is known:
+    with ``warnings.simplefilter("error", tubefoot.SilenceWarning)`` such a run ends before its first ping.
 
     Raises:
         InputError: the scene is wrong.
         UsageError: options contradict each other, or the output folder is somebody else's.
     """
     options = dict(threads=threads, arithmetic=arithmetic, binning=binning, sampling=sampling, rays=rays,
-                   rays_per_beam=rays_per_beam, seed=seed, output=None if output is None else os.fspath(output))
+                   rays_per_beam=rays_per_beam, seed=seed, truth=bool(truth),
+                   output=None if output is None else os.fspath(output))
+    options |= dict(sensor=sensor, pings=None if pings is None else str(pings),
+                    beams=None if beams is None else str(beams))
     if tolerance is not None:
         options["tolerance"] = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
     if output is not None and not os.fspath(output):
@@ -281,13 +421,14 @@ def run(scene: Scene, *, engine: Union[str, Engine, None] = None, tolerance: Uni
     return _run(scene, options, own, progress)
 
 
-def reference(scene: Scene, tolerance: float = 1e-9, *, arithmetic: Optional[str] = None,
+@with_named_arguments
+def reference(scene: Union[Scene, PathLike], tolerance: float = 1e-9, *, arithmetic: Optional[str] = None,
               threads: Optional[int] = None, output: Optional[PathLike] = None,
               progress: Optional[Progress] = None) -> Result:
     """Certified echoes, as ``tubefoot run --reference``: ``energy`` and ``energy_bound`` of each sensor.
 
     Args:
-        scene: the scene.
+        scene: the scene, or the name of its file.
         tolerance: relative bound asked for, 1e-12 to 0.1; :attr:`Result.stats` tells of bins that miss it.
         arithmetic, threads, output, progress: as of :func:`run`.
 
@@ -299,10 +440,32 @@ def reference(scene: Scene, tolerance: float = 1e-9, *, arithmetic: Optional[str
     return _run(scene, options, None, progress)
 
 
-def _run(scene: Scene, options: dict[str, Any], own: Optional[Engine], progress: Optional[Progress]) -> Result:
+def _run(scene: Union[Scene, PathLike], options: dict[str, Any], own: Optional[Engine],
+         progress: Optional[Progress]) -> Result:
     _checked(options)
-    with a_scene(scene)._explained():
-        native = _native.run(scene._native, options, own.name if own else None, own.checked if own else None, progress)
-    result = Result(native)
-    warn(result.warnings)
-    return result
+    known = a_scene(scene)
+    with known._explained():
+        native = _native.run(known._native, options, own.name if own else None, own.checked if own else None, progress,
+                             lambda warning, is_silence: warn(known._said(warning), is_silence))
+    return Result(native, [known._said(warning) for warning in native.warnings])
+
+
+@with_named_arguments
+def open(result: PathLike) -> Result:
+    """What a run wrote, as it returned it: ``tubefoot.open("out/wellhead")["camera"].energy``.
+
+    Args:
+        result: a folder that :func:`run` or ``tubefoot run`` wrote, or an echo file, ours or of anybody who keeps to
+            docs/echo-file.md. All of the echo file is read into memory, with variables that only it has
+            (:meth:`SensorResult.to_xarray`).
+
+    Raises:
+        InputError: there is no such file, or it is no echo file.
+    """
+    native = _native.open(os.fspath(result))
+    try:
+        warnings = [in_python(text) for text in json.loads(native.statistics or "{}").get("warnings", [])]
+    except (ValueError, AttributeError, TypeError):
+        name = os.path.join(os.fspath(result), "stats.json")
+        raise InputError(f"{name}: it is not what a run wrote: bring it back, or open echoes.nc alone", name) from None
+    return Result(native, warnings)

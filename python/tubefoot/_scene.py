@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Optional, Union
@@ -13,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import InputError, SceneWarning, UsageError
+from ._errors import InputError, UsageError
 from ._toml import Text
+from ._words import in_python, with_named_arguments
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -25,14 +25,19 @@ _HEIGHT_KEYS = {"heights", "cell_m", "origin_m"}
 class Scene:
     """What a sonar looks at, and the sonars: described, and loaded when something is computed.
 
-    Made by :func:`load` or :meth:`from_dict`. A scene does not change; results do not need it to live.
+    Made by :func:`load` or :meth:`from_dict`. A scene does not change; results do not need it to live. It can be pickled,
+    for other processes: the names of its files with it, not what they hold, which must then be the same.
     """
 
-    def __init__(self, native: _native.Scene, text: Optional[Text] = None) -> None:
+    def __init__(self, native: _native.Scene, text: Optional[Text] = None, meshes: Optional[list[tuple]] = None,
+                 confined: bool = False) -> None:
         self._native = native
         self._text = text
+        self._meshes = meshes or []
+        self._confined = confined
 
     @classmethod
+    @with_named_arguments
     def from_dict(cls, keys: Mapping[str, Any], base: PathLike = ".", name: str = "scene.dict") -> Scene:
         """A scene of the keys of a scene file (docs/scene-file.md).
 
@@ -57,7 +62,7 @@ class Scene:
         text = Text(plain)
         file = os.path.join(os.fspath(base), name)
         with _explained(text, file):
-            return cls(_native.parse_scene(str(text), file, meshes), text)
+            return cls(_native.parse_scene(str(text), file, meshes), text, meshes)
 
     @property
     def title(self) -> str:
@@ -100,9 +105,10 @@ class Scene:
             return self._native.shots(sensor)
 
     def warnings(self) -> list[str]:
-        """What may not be meant. Loads the scene."""
+        """What may not be meant, as ``tubefoot check`` tells it: sensors that will hear nothing, objects in the bed or in
+        the air, files that a run leaves out. Loads the scene and looks at a few pings."""
         with self._explained():
-            return self._native.warnings()
+            return [self._said(text) for text, _ in self._native.warnings()]
 
     def to_toml(self) -> str:
         """The text of the scene's file; of a scene with arrays, with the name of each in its place."""
@@ -114,10 +120,34 @@ class Scene:
     def __repr__(self) -> str:
         return f"<tubefoot.Scene {self.file!r}: {', '.join(self.sensors)}>"
 
+    def __copy__(self) -> Scene:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        return self
+
+    def __reduce__(self) -> tuple:
+        return _again, (self._text, self._meshes, os.path.abspath(self.file), self._confined, self.hash)
+
     def _explained(self) -> Any:
         return _explained(self._text, self.file)
 
+    def _said(self, warning: str) -> str:
+        return in_python(warning if self._text is None else self._text.placed(warning, self.file))
 
+
+def _again(text: Optional[Text], meshes: list[tuple], file: str, confined: bool, hash: str) -> Scene:
+    if text is None:
+        scene = load(file, confined=confined)
+    else:
+        with _explained(text, file):
+            scene = Scene(_native.parse_scene(str(text), file, meshes), text, meshes)
+    if scene.hash != hash:
+        raise InputError(f"{file}: the scene, or a file that it names, has changed since it was pickled", file)
+    return scene
+
+
+@with_named_arguments
 def load(file: PathLike, *, confined: bool = False) -> Scene:
     """The scene of a scene file (TOML, docs/scene-file.md).
 
@@ -128,14 +158,16 @@ def load(file: PathLike, *, confined: bool = False) -> Scene:
     Raises:
         InputError: the file is missing or wrong; ``file``, ``line`` and ``column`` say where.
     """
-    return Scene(_native.read_scene(os.fspath(file), confined))
+    return Scene(_native.read_scene(os.fspath(file), confined), confined=confined)
 
 
-def a_scene(scene: Scene) -> Scene:
-    """The scene, if it is one."""
-    if not isinstance(scene, Scene):
-        raise TypeError(f"expected a tubefoot.Scene, as tubefoot.load(file) makes them, not {type(scene).__name__}")
-    return scene
+def a_scene(scene: Union[Scene, PathLike]) -> Scene:
+    """The scene, or that of the file of this name."""
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, (str, os.PathLike)):
+        return load(scene)
+    raise TypeError(f"expected a tubefoot.Scene or the name of a scene file, not {type(scene).__name__}")
 
 
 @contextmanager
@@ -146,12 +178,6 @@ def _explained(text: Optional[Text], file: str) -> Iterator[None]:
         if text is None:
             raise
         raise text.explained(error, file) from None
-
-
-def warn(messages: list[str]) -> None:
-    """Tells the caller of a public function."""
-    for message in messages:
-        warnings.warn(message, SceneWarning, stacklevel=4)
 
 
 def _without_arrays(keys: Mapping[str, Any]) -> tuple[dict[str, Any], list[tuple]]:

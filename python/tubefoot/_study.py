@@ -11,18 +11,20 @@ from typing import Any, Optional, Union
 from . import _native
 from ._engines import Engine, own_engine
 from ._errors import UsageError, whole
-from ._result import PathLike, Progress, Result
-from ._scene import Scene, a_scene
+from ._result import Progress, Result
+from ._scene import PathLike, Scene, a_scene
+from ._words import in_python, meant, one_of, with_named_arguments
 
 Echoes = Union[Result, PathLike]
 
 
+@with_named_arguments
 def compare(reference: Echoes, candidate: Echoes, *, sensor: Optional[str] = None, worst: int = 5,
             any_scene: bool = False) -> dict[str, Any]:
     """How far a candidate's energies are from a reference's: the figures of ``tubefoot compare --json``.
 
     Args:
-        reference: what is taken for true: a result, or an echo file (docs/echo-file.md).
+        reference: what is taken for true: a result, an echo file (docs/echo-file.md) or a folder that a run wrote.
         candidate: the same pings, beams and samples from another engine.
         sensor: only this one.
         worst: number of worst bins to list.
@@ -42,17 +44,54 @@ def compare(reference: Echoes, candidate: Echoes, *, sensor: Optional[str] = Non
 
 
 def _native_echoes(echoes: Echoes) -> Union[_native.Result, str]:
-    return echoes._native if isinstance(echoes, Result) else os.fspath(echoes)
+    if isinstance(echoes, Result):
+        return echoes._native
+    file = os.fspath(echoes)
+    return os.path.join(file, "echoes.nc") if os.path.isdir(file) else file
 
 
-def chart(scenes: Union[Scene, Sequence[Scene]],
+@with_named_arguments
+def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings: int = 8) -> dict[str, Any]:
+    """Which engine and settings hold a tolerance most cheaply, measured on a few pings: the figures of
+    ``tubefoot advise --json`` (docs/advise.md).
+
+    Args:
+        scene: the scene, or the name of its file.
+        tolerance: error allowed, relative (``1e-3``; 1e-6 to 0.1), ``"20%"`` or ``"0.1dB"``.
+        pings: pings of each sensor to predict on, and as many others to measure; at least 2.
+
+    Returns:
+        ``sensors``, ``candidates``, the first of them exact, and ``cheapest``, the cheapest that holds. Of each
+        ``predicted`` and ``measured`` errors (relative, or in dB, as ``measure`` says) and seconds a ping, what it leaves out
+        and whether it ``holds``; ``options`` are the arguments that make :func:`run` compute so:
+        ``tubefoot.run(scene, **advice["cheapest"]["options"])``. Runs on one thread; Ctrl-C ends it.
+
+    Raises:
+        InputError: the scene is wrong.
+        UsageError: the tolerance is none.
+    """
+    if whole("pings", pings) < 2:
+        raise UsageError(f"pings: {pings} is not 2 or more")
+    text = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
+    known = a_scene(scene)
+    with known._explained():
+        advice = json.loads(_native.advise(known._native, text, pings))
+    for candidate in [*advice["candidates"], advice["cheapest"]]:
+        words = candidate["options"].split()
+        candidate["options"] = {in_python(option): int(value) if value.isdigit() else value
+                                for option, value in zip(words[::2], words[1::2])}
+    return advice
+
+
+@with_named_arguments
+def chart(scenes: Union[Scene, PathLike, Sequence[Union[Scene, PathLike]]],
           engines: Union[str, Engine, Sequence[Union[str, Engine]]] = ("tube", "ray"), *,
           output: Optional[PathLike] = None, pings: int = 1, repeats: int = 3, seconds: float = 4,
           progress: Optional[Progress] = None) -> list[dict[str, Any]]:
     """Runs engines on scenes and holds their errors against the time they take, as ``tubefoot chart`` does.
 
     Args:
-        scenes: a scene or several; of each, the first pings of the first sensor, on one thread.
+        scenes: a scene or several, or the names of their files; of each, the first pings of the first sensor, on one thread.
         engines: one or several: ``"tube"`` and ``"ray"``, each in all its settings, and functions marked by
             :func:`engine` or :func:`sensor`.
         output: folder for the page, the table and the diagrams: whole or not at all.
@@ -65,7 +104,8 @@ def chart(scenes: Union[Scene, Sequence[Scene]],
         One dict a trial: ``scene``, ``engine``, ``setting``, ``l1_error`` (relative), ``rms_db_error`` (dB),
         ``seconds`` (a ping), ``bound`` (of the reference, relative) and ``rays`` (a ping).
     """
-    scenes = [scenes] if isinstance(scenes, Scene) else [a_scene(s) for s in scenes]
+    several = [scenes] if isinstance(scenes, (Scene, str, os.PathLike)) else scenes
+    known = [a_scene(s) for s in several]
     builtin: list[str] = []
     own: list[tuple[str, Any]] = []
     for engine in [engines] if isinstance(engines, (str, Engine)) else engines:
@@ -75,9 +115,10 @@ def chart(scenes: Union[Scene, Sequence[Scene]],
         elif engine in ("tube", "ray"):
             builtin.append(str(engine))
         else:
-            raise UsageError(f"engines: {engine} not in {{tube,ray}}")
+            choices = ("tube", "ray")
+            raise UsageError(f"engines: {engine!r} is not {one_of(choices)}{meant(engine, choices)}")
     names = builtin + [name for name, _ in own]
-    if not scenes or not names:
+    if not known or not names:
         raise UsageError("a chart needs a scene and an engine")
     if len(set(names)) < len(names):
         raise UsageError(f"two engines have one name: {', '.join(names)}")
@@ -85,6 +126,6 @@ def chart(scenes: Union[Scene, Sequence[Scene]],
     if pings < 1 or repeats < 1 or not seconds > 0:
         raise UsageError("pings and repeats are 1 or more, seconds above 0")
     folder = "" if output is None else os.fspath(output)
-    asked = dict(scenes=[s._native for s in scenes], builtin=builtin, own=own, output=folder, pings=pings,
+    asked = dict(scenes=[s._native for s in known], builtin=builtin, own=own, output=folder, pings=pings,
                  repeats=repeats, seconds=float(seconds))
     return _native.chart(asked, progress)

@@ -94,16 +94,17 @@ class Text:
     def __str__(self) -> str:
         return "\n".join(self.lines) + "\n"
 
+    def _path_of(self, line: int) -> str:
+        return self.paths[line - 1] if 0 < line <= len(self.paths) else ""
+
+    def placed(self, message: str, file: str) -> str:
+        """A message with paths of keys in place of lines of this text."""
+        return re.sub(re.escape(file) + r":(\d+)(?::\d+)?", lambda m: self._path_of(int(m[1])) or m[0], message)
+
     def explained(self, error: InputError, file: str) -> InputError:
         """The error with paths of keys in place of lines of this text."""
-        def path_of(line: int) -> str:
-            return self.paths[line - 1] if 0 < line <= len(self.paths) else ""
-
-        def named(match: re.Match[str]) -> str:
-            return path_of(int(match[1])) or match[0]
-
-        message = re.sub(re.escape(file) + r":(\d+)(?::\d+)?", named, str(error))
+        message = self.placed(str(error), file)
         if error.file != file:
             return InputError(message, error.file, error.line, error.column)
-        key = path_of(error.line)
+        key = self._path_of(error.line)
         return InputError(message.replace(file + ": ", "", 1) if not key else message, file, 0, 0, key)

@@ -21,7 +21,7 @@ InterferometricSample received_sample(const Recording& recording, std::size_t pi
   InterferometricSample products = interferometric_sample(recording, ping, beam, sample);
   products.add_noise(noise.receiver_noise_j, noise.receiver_noise_j);
   if (!noise.phase_noise || !products.phase_rad()) return products;
-  const SampleRandom random(noise.seed, static_cast<std::uint32_t>(ping), static_cast<std::uint32_t>(beam),
+  const SampleRandom random(noise.seed, recording.number_of(ping), static_cast<std::uint32_t>(beam),
                             static_cast<std::uint32_t>(sample));
   products.cross_j *= std::polar(1.0, draw_phase_error(random, products.coherence()));
   return products;
@@ -49,9 +49,9 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
       sounding.coherence = products.coherence();
       sounding.phase_rad = *phase;
       if (noise.phase_noise)
-        sounding.phase_rad = wrapped(
-            *phase + draw_phase_error(SampleRandom(noise.seed, static_cast<std::uint32_t>(ping), beam, k),
-                                      sounding.coherence));
+        sounding.phase_rad =
+            wrapped(*phase + draw_phase_error(SampleRandom(noise.seed, recording.number_of(ping), beam, k),
+                                              sounding.coherence));
       sounding.range_m = sensor.samples().first_m + (k + 0.5) * sensor.samples().step_m;
       if (!depth_m) depth_m = sounding.range_m;
       const double expected_rad = std::asin(std::clamp(*depth_m / sounding.range_m, -1.0, 1.0));

@@ -45,6 +45,18 @@ NetcdfStream::NetcdfStream(fs::path file) : file_(std::move(file)) {
   }
 }
 
+NetcdfStream::NetcdfStream(fs::path file, Finished) : file_(std::move(file)) {
+  try {
+    space_ = std::make_unique<ReservedSpace>(file_);
+    space_->reserve(margin_bytes);
+    check(nc_open(file_.c_str(), NC_WRITE, &id_), "open the file again");
+    open_ = true;
+  } catch (...) {
+    if (space_) discard_file(file_);
+    throw;
+  }
+}
+
 NetcdfStream::~NetcdfStream() {
   if (open_) nc_close(id_);
   space_.reset();

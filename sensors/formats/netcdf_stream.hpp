@@ -23,6 +23,9 @@ class NetcdfStream {
 
   /// Throws std::runtime_error with the file's name and the reason.
   explicit NetcdfStream(std::filesystem::path file);
+  /// A file that is there, to be added to.
+  struct Finished {};
+  NetcdfStream(std::filesystem::path file, Finished);
   /// Removes what was not finished.
   ~NetcdfStream();
   NetcdfStream(const NetcdfStream&) = delete;

@@ -14,6 +14,7 @@
 #include "scene/file/toml_reader.hpp"
 #include "sensors/formats/aris_file.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/model/beam_angles.hpp"
 #include "sensors/model/lens_beams.hpp"
 #include "sensors/products/camera_files.hpp"
 #include "sensors/products/pictures.hpp"
@@ -123,7 +124,7 @@ Didson::Didson(const SensorDescription& description) : Sensor(description) {
 
 Sensor::Shot Didson::shot_of(std::size_t cycle, const Sector& sector) const {
   const auto& camera = description_.kind.as<DidsonDescription>();
-  const bool hears_all = description_.receive.pattern != "none";
+  const bool hears_all = tells_beams_apart(description_.receive, "elevation");
   const auto cycles = static_cast<std::size_t>(camera.cycles);
   Shot shot;
   for (std::size_t beam = cycle; beam < beams_.size(); beam += cycles)
@@ -219,9 +220,10 @@ void check_keys(const SensorDescription& sensor, const TomlTable& table) {
     if (order.size() != static_cast<std::size_t>(camera.cycles) || order[k] != static_cast<int>(k))
       fail("firing_order",
            fmt::format("'firing_order' must have each cycle from 0 to {} once", camera.cycles - 1));
-  if (table.has("receive_margin_deg") && sensor.receive.pattern == "none")
+  if (table.has("receive_margin_deg") && !tells_beams_apart(sensor.receive, "elevation"))
     fail("receive_margin_deg",
-         "'receive_margin_deg' needs a 'receive_pattern': without one, beams end at their borders");
+         "'receive_margin_deg' needs a 'receive_pattern' across the beams: without one, and over "
+         "\"elevation\", they end at their borders");
   if (!table.has("transmit_steering")) return;
   if (sensor.transmit.pattern == "none")
     fail("transmit_steering", "'transmit_steering' needs a 'transmit_pattern': add it, or remove the key");
@@ -323,12 +325,39 @@ class DidsonKind : public SensorKind {
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
-    const bool sequence_alone =
-        recording.sensor->description().kind.as<DidsonDescription>().pictures == "sequence";
+    using Which = PictureSettings::Which;
+    const std::string& scene_says = recording.sensor->description().kind.as<DidsonDescription>().pictures;
     std::vector<fs::path> files =
-        write_fan_pictures(folder, recording, heard_by(recording, run), sequence_alone, warnings);
+        write_fan_pictures(folder, recording, heard_by(recording, run), run.pictures,
+                           scene_says == "sequence" ? Which::sequence : Which::all, warnings);
     append(files, write_camera_files(folder, recording, run, warnings));
     return files;
+  }
+  std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
+    const auto& own = sensor.kind.as<DidsonDescription>();
+    SonarOutline outline;
+    outline.add("frequency_khz", own.frequency_khz)
+        .add("beams", own.beams)
+        .add("beam_centres", own.beam_centres);
+    if (own.beam_centres == "even") outline.add("horizontal_deg", own.horizontal_deg);
+    outline.add("vertical_deg", own.vertical_deg).add("samples", own.samples);
+    outline.add("window_start_m", own.window_start_m).add("window_length_m", own.window_length_m);
+    if (own.transmit_horizontal_deg) outline.add("transmit_horizontal_deg", *own.transmit_horizontal_deg);
+    if (own.transmit_vertical_deg) outline.add("transmit_vertical_deg", *own.transmit_vertical_deg);
+    outline.narrowly_lit = own.transmit_horizontal_deg || own.transmit_vertical_deg;
+    outline.even = own.beam_centres == "even";
+    outline.vertical_deg = own.vertical_deg;
+    return outline;
+  }
+  WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
+    using Which = PictureSettings::Which;
+    const bool sheet_alone =
+        recording.sensor->description().kind.as<DidsonDescription>().pictures == "sequence";
+    WritingCost cost = cost_of_fan_pictures(recording, heard_by(recording, run).has_value(), run.pictures,
+                                            sheet_alone ? Which::sequence : Which::all);
+    constexpr double code_s = 2e-7;
+    if (camera_files_left_out(recording, run).empty()) cost += cost_by_cells(recording, code_s, 1);
+    return cost;
   }
   std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {
     return camera_files_left_out(recording, run);

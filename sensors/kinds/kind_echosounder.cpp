@@ -95,7 +95,8 @@ void append_line(std::string& text, const Recording& recording, std::size_t ping
                  const std::optional<Detection>& bottom) {
   const double altitude_m = ping < recording.altitude_m.size() ? recording.altitude_m[ping]
                                                                : std::numeric_limits<double>::quiet_NaN();
-  fmt::format_to(std::back_inserter(text), "{},{:.9g},", ping, recording.ping_time_s[ping]);
+  fmt::format_to(std::back_inserter(text), "{},{:.9g},", recording.number_of(ping),
+                 recording.ping_time_s[ping]);
   if (bottom) {
     const glm::dvec3 place = sounding_position(recording.ping_pose[ping], {0, 0, -1}, bottom->range_m);
     fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
@@ -154,14 +155,18 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
     append_line(csv, recording, ping, bottom);
   }
 
-  const std::string& font = font_for(stem, warnings);
-  std::vector<fs::path> files{stem + ".csv", stem + ".png", stem + ".exr"};
+  std::vector<fs::path> files{stem + ".csv"};
   write_file(folder / files[0], csv);
-  draw_echogram(recording, energies, ideal_bottoms, font).write_png(folder / files[1], stem);
+  if (!run.pictures.wants(PictureSettings::Which::sequence)) return files;
+  const std::string& font = font_for(stem, warnings);
+  files.insert(files.end(), {stem + ".png", stem + ".exr"});
+  draw_echogram(recording, energies, ideal_bottoms, font)
+      .write_png(folder / files[1], stem, run.pictures.bits);
   write_exr_of(folder / files[2], recording, energies);
   if (heard) {
     files.emplace_back(stem + "-received.png");
-    draw_echogram(recording, received, bottoms, font, heard->said).write_png(folder / files.back(), stem);
+    draw_echogram(recording, received, bottoms, font, heard->said)
+        .write_png(folder / files.back(), stem, run.pictures.bits);
   }
   return files;
 }
@@ -201,6 +206,22 @@ class EchosounderKind : public SensorKind {
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
     return write_echosounder_files(folder, recording, run, warnings);
+  }
+  std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
+    const auto& own = sensor.kind.as<EchosounderDescription>();
+    SonarOutline outline;
+    outline.add("frequency_khz", own.frequency_khz).add("beam_deg", own.beam_deg);
+    if (own.sector_deg) outline.add("sector_deg", *own.sector_deg);
+    outline.add_window(own);
+    outline.looks_down = true;
+    outline.vertical_deg = own.beam_deg;
+    return outline;
+  }
+  WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
+    constexpr double received_s = 3e-7, energy_bytes = 4;
+    return run.pictures.wants(PictureSettings::Which::sequence)
+               ? cost_by_cells(recording, received_s, energy_bytes)
+               : cost_by_cells(recording, received_s, 0);
   }
 };
 

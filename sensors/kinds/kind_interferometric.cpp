@@ -74,9 +74,19 @@ class InterferometricKind : public SensorKind {
     const bool phase_noise =
         recording.sensor->description().kind.as<InterferometricDescription>().phase_noise;
     std::vector<fs::path> files =
-        write_two_sided_pictures(folder, recording, heard_by(recording, run), warnings);
+        write_two_sided_pictures(folder, recording, heard_by(recording, run), run.pictures, warnings);
     append(files, write_staff_files(folder, recording, run, phase_noise));
     return files;
+  }
+  std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
+    return sidescan_outline(sensor.kind.as<InterferometricDescription>());
+  }
+  WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
+    WritingCost cost =
+        cost_of_two_sided_pictures(recording, heard_by(recording, run).has_value(), run.pictures);
+    constexpr double sounding_s = 2e-6, sounding_bytes = 200;
+    cost += cost_by_cells(recording, sounding_s, sounding_bytes);
+    return cost;
   }
 };
 

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/model/beam_angles.hpp"
 #include "sensors/model/range_window.hpp"
 #include "sensors/products/received.hpp"
 #include "sensors/products/swath_files.hpp"
@@ -32,32 +34,41 @@ constexpr double straight_down_rad = std::numbers::pi / 2;
 
 /// Angles of the beams' axes from straight down.
 std::vector<double> across_angles_rad(const MultibeamDescription& fan) {
-  if (fan.beams == 1) return {0};
-  const double outermost_rad = radians(fan.swath_deg) / 2;
-  std::vector<double> angles;
-  for (int beam = 0; beam < fan.beams; ++beam) {
-    // An integer over an integer: exactly 0 in the middle and -1 and 1 at the ends.
-    const double place = static_cast<double>(2 * beam - (fan.beams - 1)) / (fan.beams - 1);
-    angles.push_back(fan.spacing == "distance" ? std::atan(place * std::tan(outermost_rad))
-                                               : place * outermost_rad);
-  }
-  return angles;
+  if (!fan.beam_angles_deg.empty()) return radians_of(fan.beam_angles_deg);
+  return spread_angles_rad(fan.beams, radians(fan.swath_deg) / 2, fan.spacing);
+}
+
+/// The outermost axes.
+struct Swath {
+  double from_deg = 0, to_deg = 0;
+  double outermost_deg() const { return std::max(std::abs(from_deg), std::abs(to_deg)); }
+};
+Swath swath_of(const MultibeamDescription& fan) {
+  if (!fan.beam_angles_deg.empty()) return {fan.beam_angles_deg.front(), fan.beam_angles_deg.back()};
+  if (fan.beams == 1) return {};
+  return {-fan.swath_deg / 2, fan.swath_deg / 2};
 }
 
 /// Whether each beam begins where the one before it ends: neighbours then share their rays.
 bool side_by_side(const MultibeamDescription& fan) {
-  if (fan.beams == 1) return true;
-  const double step_deg = fan.swath_deg / (fan.beams - 1);
-  return fan.spacing == "angle" && std::abs(step_deg - fan.beam_across_deg) < 1e-9 * fan.beam_across_deg;
+  const auto is_a_beam = [&](double step_deg) {
+    return std::abs(step_deg - fan.beam_across_deg) < 1e-9 * fan.beam_across_deg;
+  };
+  if (const auto& listed = fan.beam_angles_deg; !listed.empty()) {
+    for (std::size_t k = 1; k < listed.size(); ++k)
+      if (!is_a_beam(listed[k] - listed[k - 1])) return false;
+    return true;
+  }
+  return fan.beams == 1 || (fan.spacing == "angle" && is_a_beam(fan.swath_deg / (fan.beams - 1)));
 }
 
-/// With a receive pattern the transmission opens so far beyond the outermost beams, either side: three widths
-/// of those, as they are steered (beam_across_deg / cosine), up to 1 degree short of the horizontal. 0 for
-/// ideal beams, which hear nothing from there.
+/// With a receive pattern that tells beams apart the transmission opens so far beyond the outermost beams,
+/// either side: three widths of those, as they are steered (beam_across_deg / cosine), up to 1 degree short
+/// of the horizontal. 0 for ideal beams, which hear nothing from there.
 double lit_beyond_rad(const SensorDescription& description) {
   const auto& fan = description.kind.as<MultibeamDescription>();
-  if (description.receive.pattern == "none") return 0;
-  const double outermost_rad = fan.beams > 1 ? radians(fan.swath_deg) / 2 : 0,
+  if (!tells_beams_apart(description.receive, "azimuth")) return 0;
+  const double outermost_rad = radians(swath_of(fan).outermost_deg()),
                edge_rad = outermost_rad + radians(fan.beam_across_deg) / 2;
   constexpr double widths = 3, grazing_deg = 1;
   const double wanted_rad = widths * radians(fan.beam_across_deg) / std::cos(outermost_rad);
@@ -69,7 +80,9 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   require(fan.beams >= 1, description, "beams", fan.beams, "1 or more");
   require(fan.swath_deg > 0 && fan.swath_deg < 180, description, "swath_deg", fan.swath_deg,
           "above 0 and below 180");
-  require(fan.beam_across_deg > 0 && (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg <= 180,
+  require(std::ranges::adjacent_find(fan.beam_angles_deg, std::greater_equal()) == fan.beam_angles_deg.end(),
+          description, "beam_angles_deg", "unordered", "increasing");
+  require(fan.beam_across_deg > 0 && 2 * swath_of(fan).outermost_deg() + fan.beam_across_deg <= 180,
           description, "beam_across_deg", fan.beam_across_deg,
           "above 0, and no beam may reach above the horizontal");
   require(fan.along_track_deg > 0 && fan.along_track_deg < 180, description, "along_track_deg",
@@ -101,7 +114,7 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   const auto name = [&](std::uint32_t beam, int parts) {
     shot.beam_of_tube.insert(shot.beam_of_tube.end(), static_cast<std::size_t>(parts), beam);
   };
-  const bool hears_all = description.receive.pattern != "none";
+  const bool hears_all = tells_beams_apart(description.receive, "azimuth");
   const double from = angles.front() - half_across_rad, to = angles.back() + half_across_rad;
   const double margin_rad = lit_beyond_rad(description);
   const int beyond = margin_rad > 0 ? slices_for(margin_rad, description.cone_tolerance) : 0;
@@ -112,7 +125,7 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
     name(0, beyond);
   }
   if (side_by_side(fan)) {
-    cut(from, to, fan.beams * slices);
+    cut(from, to, static_cast<int>(angles.size()) * slices);
     for (std::uint32_t beam = 0; beam <= last; ++beam) name(beam, slices);
   } else if (hears_all) {
     // No beam has a tube of its own, and none is to be heard twice where beams overlap: the fan is cut midway
@@ -144,8 +157,9 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
 }
 
 bool is_like_8101(const MultibeamDescription& fan) {
-  return fan.frequency_khz == 240 && fan.beams == 101 && fan.swath_deg == 150 && fan.spacing == "angle" &&
-         fan.along_track_deg == 1.5 && fan.range_max_m < 65535;
+  return fan.frequency_khz == 240 && fan.beam_angles_deg.empty() && fan.beams == 101 &&
+         fan.swath_deg == 150 && fan.spacing == "angle" && fan.along_track_deg == 1.5 &&
+         fan.range_max_m < 65535;
 }
 
 SwathSettings settings_of(const SensorDescription& sensor) {
@@ -156,7 +170,7 @@ SwathSettings settings_of(const SensorDescription& sensor) {
   settings.grid_cell_m = fan.grid_cell_m;
   settings.receive_across_deg = fan.beam_across_deg;
   settings.along_track_deg = fan.along_track_deg;
-  settings.fan_deg = (fan.beams > 1 ? fan.swath_deg : 0) + fan.beam_across_deg;
+  settings.fan_deg = swath_of(fan).to_deg - swath_of(fan).from_deg + fan.beam_across_deg;
   settings.transmit_across_deg = settings.fan_deg + 2 * degrees(lit_beyond_rad(sensor));
   settings.range_max_m = fan.range_max_m;
   settings.is_like_8101 = is_like_8101(fan);
@@ -175,6 +189,7 @@ class MultibeamKind : public SensorKind {
          field("beams", &M::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
          field("swath_deg", &M::swath_deg, {.ranges = {sector(180, true)}}),
          field("spacing", &M::spacing, {.choices = {"angle", "distance"}}),
+         field("beam_angles_deg", &M::beam_angles_deg, {.ranges = {{.lo = -89, .hi = 89}}}),
          field("beam_across_deg", &M::beam_across_deg, {.ranges = {sector(90, false)}}),
          field("along_track_deg", &M::along_track_deg, {.ranges = {sector(90, false)}}),
          field("samples", &M::samples, {.ranges = {range_samples}}),
@@ -186,7 +201,12 @@ class MultibeamKind : public SensorKind {
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& fan = sensor.kind.as<MultibeamDescription>();
-    if (fan.beams > 1 && fan.swath_deg + fan.beam_across_deg > 180) {
+    check_beam_angles(fan.beam_angles_deg, {"beams", "swath_deg", "spacing"}, table);
+    if (2 * swath_of(fan).outermost_deg() + fan.beam_across_deg > 180 && !fan.beam_angles_deg.empty())
+      throw InputError(place_of_pair(table, "beam_angles_deg", "beam_across_deg"),
+                       fmt::format("a beam at {} degrees, of {} degrees across, reaches above the horizontal",
+                                   swath_of(fan).outermost_deg(), fan.beam_across_deg));
+    if (fan.beam_angles_deg.empty() && fan.beams > 1 && fan.swath_deg + fan.beam_across_deg > 180) {
       throw InputError(
           place_of_pair(table, "swath_deg", "beam_across_deg"),
           fmt::format("'swath_deg' ({}) and 'beam_across_deg' ({}) together must be at most 180: "
@@ -197,7 +217,9 @@ class MultibeamKind : public SensorKind {
   }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& fan = sensor.kind.as<MultibeamDescription>();
-    return range_figures(fan, fan.beams, std::min(fan.beam_across_deg, fan.along_track_deg));
+    const auto listed = static_cast<std::int64_t>(fan.beam_angles_deg.size());
+    return range_figures(fan, listed > 0 ? listed : fan.beams,
+                         std::min(fan.beam_across_deg, fan.along_track_deg));
   }
 
   std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
@@ -208,6 +230,30 @@ class MultibeamKind : public SensorKind {
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
     return write_swath_files(folder, recording, run, settings_of(recording.sensor->description()), warnings);
+  }
+  std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
+    const auto& own = sensor.kind.as<MultibeamDescription>();
+    SonarOutline outline;
+    outline.add("frequency_khz", own.frequency_khz);
+    if (own.beam_angles_deg.empty())
+      outline.add("beams", own.beams).add("swath_deg", own.swath_deg).add("spacing", own.spacing);
+    else
+      outline.add("beam_angles_deg", own.beam_angles_deg);
+    outline.add("beam_across_deg", own.beam_across_deg)
+        .add("along_track_deg", own.along_track_deg)
+        .add_window(own);
+    outline.looks_down = true;
+    outline.even = own.beam_angles_deg.empty() && own.spacing == "angle";
+    outline.vertical_deg = own.along_track_deg;
+    return outline;
+  }
+  WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
+    constexpr double sounded_s = 2e-8, format_s = 2.2e-8, format_bytes = 2;
+    WritingCost cost{0, sounded_s * static_cast<double>(recording.pings() * recording.cells()), 0};
+    if (run.frame.is_georeferenced()) cost += cost_by_cells(recording, format_s, format_bytes);
+    constexpr double sounding_bytes = 600;  // in a table and a GeoPackage
+    cost.bytes += sounding_bytes * static_cast<double>(recording.pings() * recording.sensor->beams().size());
+    return cost;
   }
   std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {
     return swath_files_left_out(recording, run);

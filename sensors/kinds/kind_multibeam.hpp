@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "scene/description/sensor_section.hpp"
 
@@ -11,8 +12,9 @@ namespace tubefoot {
 struct MultibeamDescription {
   double frequency_khz = 240;
   int beams = 101;
-  double swath_deg = 150;                               ///< between the axes of the outermost beams
-  std::string spacing = "angle";                        ///< angle | distance: what is equal from beam to beam
+  double swath_deg = 150;               ///< between the axes of the outermost beams
+  std::string spacing = "angle";        ///< angle | distance: what is equal from beam to beam
+  std::vector<double> beam_angles_deg;  ///< from port to starboard, instead of `beams` over `swath_deg`
   double beam_across_deg = 1.5, along_track_deg = 1.5;  ///< one-way widths of the ideal rectangular beam
   int samples = 2000;
   double range_min_m = 0.5, range_max_m = 100;

@@ -87,11 +87,21 @@ class SidescanKind : public SensorKind {
                                        std::vector<std::string>& warnings) const override {
     const auto& fan = recording.sensor->description().kind.as<SidescanDescription>();
     std::vector<fs::path> files =
-        write_two_sided_pictures(folder, recording, heard_by(recording, run), warnings);
+        write_two_sided_pictures(folder, recording, heard_by(recording, run), run.pictures, warnings);
     append(files, write_two_sided_files(
                       folder, recording, run,
                       {fan.along_track_deg, fan.depression_max_deg - fan.depression_min_deg}, warnings));
     return files;
+  }
+  std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
+    return sidescan_outline(sensor.kind.as<SidescanDescription>());
+  }
+  WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
+    WritingCost cost =
+        cost_of_two_sided_pictures(recording, heard_by(recording, run).has_value(), run.pictures);
+    constexpr double received_s = 3e-7, code_bytes = 4;
+    cost += cost_by_cells(recording, received_s, code_bytes);
+    return cost;
   }
   std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {
     return two_sided_files_left_out(recording, run);
@@ -99,6 +109,20 @@ class SidescanKind : public SensorKind {
 };
 
 }  // namespace
+
+SonarOutline sidescan_outline(const SidescanDescription& own) {
+  SonarOutline outline;
+  outline.kind = "sidescan";
+  outline.add("frequency_khz", own.frequency_khz).add("along_track_deg", own.along_track_deg);
+  outline.add("depression_min_deg", own.depression_min_deg).add("depression_max_deg", own.depression_max_deg);
+  outline.add_window(own);
+  outline.shape = SonarOutline::Shape::two_sides;
+  outline.looks_down = true;
+  outline.along_track_deg = own.along_track_deg;
+  outline.vertical_deg = own.depression_max_deg - own.depression_min_deg;
+  outline.depression_deg = (own.depression_min_deg + own.depression_max_deg) / 2;
+  return outline;
+}
 
 std::vector<TomlField<SidescanDescription>> sidescan_fields() {
   using S = SidescanDescription;

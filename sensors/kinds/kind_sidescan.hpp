@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sensors/model/sensor.hpp"
+#include "sensors/recordings/sonar_outline.hpp"
 
 namespace tubefoot {
 
@@ -29,6 +30,8 @@ struct SidescanDescription {
 std::vector<TomlField<SidescanDescription>> sidescan_fields();
 void check_sidescan(const SidescanDescription& fan, const TomlTable& table);
 /// @}
+/// Its form, of a kind that has no receivers above each other.
+SonarOutline sidescan_outline(const SidescanDescription& own);
 /// Its figures.
 SensorFigures sidescan_figures(const SidescanDescription& fan);
 

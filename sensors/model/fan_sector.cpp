@@ -31,4 +31,28 @@ SectorTubes even_sector(int beams, double half_width_rad, double half_lit_rad, d
   return made;
 }
 
+SectorTubes sector_between(const std::vector<double>& borders_rad, double half_height_rad,
+                           double cone_tolerance) {
+  double widest_rad = 0;  // of the slices, which all have the same height
+  for (std::size_t beam = 0; beam + 1 < borders_rad.size(); ++beam) {
+    const double width_rad = borders_rad[beam + 1] - borders_rad[beam];
+    widest_rad = std::max(widest_rad, width_rad / slices_for(width_rad, cone_tolerance));
+  }
+  const double corner_rad = height_of_corners(half_height_rad, widest_rad, cone_tolerance);
+  const int rows = half_height_rad > radians(45) ? 2 : 1;  // as above
+  SectorTubes made{{{borders_rad.front()},
+                    even_edges(-corner_rad, corner_rad, rows),
+                    glm::dmat3(forward_axis, starboard_axis, up_axis)},
+                   {}};
+  for (std::size_t beam = 0; beam + 1 < borders_rad.size(); ++beam) {
+    const int slices = slices_for(borders_rad[beam + 1] - borders_rad[beam], cone_tolerance);
+    const std::vector<double> edges = even_edges(borders_rad[beam], borders_rad[beam + 1], slices);
+    std::vector<double>& azimuths = made.grid.azimuth_edges_rad;
+    azimuths.insert(azimuths.end(), edges.begin() + 1, edges.end());
+    made.beam_of_tube.insert(made.beam_of_tube.end(), static_cast<std::size_t>(slices * rows),
+                             static_cast<std::uint32_t>(beam));
+  }
+  return made;
+}
+
 }  // namespace tubefoot

@@ -20,4 +20,8 @@ struct SectorTubes {
 SectorTubes even_sector(int beams, double half_width_rad, double half_lit_rad, double half_height_rad,
                         double cone_tolerance);
 
+/// The same of beams that lie between these borders, which increase.
+SectorTubes sector_between(const std::vector<double>& borders_rad, double half_height_rad,
+                           double cone_tolerance);
+
 }  // namespace tubefoot

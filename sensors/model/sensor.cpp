@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <span>
 
 #include "sensors/model/angles.hpp"
 #include "sensors/model/pattern_file.hpp"
@@ -22,6 +24,19 @@ std::optional<std::shared_ptr<const PatternTable>> opened(const PatternDescripti
   } catch (const InputError& error) {
     throw InputError(pattern.file_place, error.what());
   }
+}
+
+/// Whether a fan's receive patterns differ, in more than rounding, which is taken out of them. One pattern
+/// for all, such as a vertical one of a fan ahead, does not tell its beams apart (beam_angles.hpp).
+bool told_apart(std::span<Directivity> beams) {
+  constexpr double rounding = 1e-12;
+  const Directivity first = beams.front();
+  const bool differ = std::ranges::any_of(beams, [&](const Directivity& beam) {
+    return first.from_axis ? beam.axis != first.axis : std::abs(beam.centre - first.centre) > rounding;
+  });
+  for (Directivity& beam : beams)
+    if (!differ) beam.centre = first.centre;
+  return differ;
 }
 
 /// Direction of a beam's axis in the sensor's frame.
@@ -78,6 +93,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
   BeamPatterns made;
   made.receive.resize(fired.beams.size());
+  std::vector<bool> apart;  // by fan: its receivers tell its beams apart
   for (const Fan& fan : fired.fans) {
     made.transmit.emplace_back();
     if (transmit_) {
@@ -90,10 +106,13 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
         made.transmit.back().beams.push_back(
             directivity(description_.transmit, *transmit_, fan, axis, turn, sound_speed_m_s));
     }
-    if (receive_)
+    if (receive_) {
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
         made.receive[beam] = directivity(description_.receive, *receive_, fan,
                                          direction_of(beams_[fired.beams[beam]]), turn, sound_speed_m_s);
+      apart.push_back(
+          told_apart(std::span(made.receive).subspan(fan.first_beam, fan.end_beam - fan.first_beam)));
+    }
     if (has_staff())
       made.fringes.push_back({glm::normalize(turn * fan.staff), staff_.baseline_m,
                               2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
@@ -102,7 +121,7 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
   for (std::size_t tube = 0; tube < made.fan_of_tube.size(); ++tube) {
     const Fan& fan = fired.fans[made.fan_of_tube[tube]];
     const std::uint32_t own = fired.beam_of_tube[tube];
-    if (receive_)
+    if (receive_ && apart[made.fan_of_tube[tube]])
       made.beams_of_tube.emplace_back(fan.first_beam, fan.end_beam);
     else
       made.beams_of_tube.emplace_back(own, own + 1);

@@ -1,20 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sensors/pictures/camera_fan.hpp"
 #include "sensors/pictures/canvas.hpp"
+#include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/recordings/heard.hpp"
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
 
-/// Draws one ping of an acoustic camera in fan geometry: slant range from the camera at the bottom, azimuth
-/// to the sides, forward up and port left, both axes at one scale. A pixel shows the mean energy of the cells
-/// (beam, sample) at a square of points in it, nearest cell, no interpolation. Beams meet midway between
-/// their axes. `font` as for Canvas. With `heard`,
-/// what the instrument shows, on the scale of the ideal picture unless the receiver has a gain of its own.
-Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font,
-                         const Heard* heard = nullptr);
+/// How large a frame's fan is at most, in pixels, and on what scale it is; none: its own.
+struct CameraFrameLook {
+  double widest = 1400, highest = 920;
+  std::optional<DecibelScale> scale{};
+};
 
+/// Draws pings of an acoustic camera in fan geometry (CameraFan), all of one size. A pixel shows the mean
+/// energy of the cells at a square of points in it. What is the same for all pings is found once.
+class CameraFrames {
+ public:
+  /// `font` as for Canvas. The recording must outlive this.
+  CameraFrames(const Recording& recording, std::string font, const CameraFrameLook& look = {});
+
+  /// With `heard`, what the instrument shows, on the scale of the ideal picture unless the receiver has a
+  /// gain of its own. Threads may draw at once.
+  Canvas draw(std::size_t ping, const Heard* heard = nullptr) const;
+
+ private:
+  const Recording& recording_;
+  std::string font_;
+  std::optional<DecibelScale> scale_;
+  CameraFan fan_;
+  CameraPixels pixels_;
+  std::vector<CameraFan::Lines> lines_;  ///< of the same pixels
+};
+
+/// One of them.
+Canvas draw_camera_frame(const Recording& recording, std::size_t ping, const std::string& font,
+                         const Heard* heard = nullptr, const CameraFrameLook& look = {});
+
+/// At most so many of the pings, evenly spread, the first and the last among them.
+std::vector<std::size_t> spread_frames(std::size_t pings, std::size_t most);
 /// Which pings of a recording its sequence shows: at most 20, evenly spread, the first and the last among
 /// them.
 std::vector<std::size_t> sequence_frames(std::size_t pings);

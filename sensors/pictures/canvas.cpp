@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 #include <string_view>
 
@@ -13,6 +14,8 @@
 #include "sensors/pictures/image_file.hpp"
 
 namespace tubefoot {
+
+namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view degree_sign = "\u00b0";
@@ -33,6 +36,14 @@ std::string drawable(std::string_view line) {
 }
 
 int ring_width(int size) { return static_cast<int>(std::lround(0.4 * size)); }
+
+/// How the pictures' PNGs are written.
+OIIO::ImageSpec png_spec(int width, int height, const std::string& description, int bits) {
+  OIIO::ImageSpec spec(width, height, 3, bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
+  spec.attribute("png:compressionLevel", 3);  // as small as by default, in two thirds of the time
+  spec.attribute("ImageDescription", shown(description));
+  return spec;
+}
 
 }  // namespace
 
@@ -64,11 +75,31 @@ void Canvas::fill(int x0, int y0, int x1, int y1, Colour colour, double alpha) {
     for (int x = x0; x < x1; ++x) blend(x, y, colour, alpha);
 }
 
-void Canvas::text(int x, int y, const std::string& line, int size, Colour colour, Anchor anchor) {
-  if (font_.empty() || line.empty()) return;
-  const int length = text_width(line, size, font_);
+PixelBox Canvas::box_of(int x, int y, const std::string& line, int size, Anchor anchor) const {
+  const int length = text_width(line, size, font_), half = static_cast<int>(std::lround(0.55 * size));
   if (anchor == Anchor::right) x -= length;
   if (anchor == Anchor::centre) x -= length / 2;
+  return {x, y - half, x + length, y + half};
+}
+
+void Canvas::label(int x, int y, const std::string& line, int size, Colour colour, Anchor anchor) {
+  if (font_.empty() || line.empty()) return;
+  constexpr int gap = 4;  // between neighbours on one line, or they read as one
+  const PixelBox box = box_of(x, y, line, size, anchor);
+  if (box.left < 0 || box.top < 0 || box.right > width_ || box.bottom > height_) return;
+  for (const PixelBox& other : texts_)
+    if (box.left < other.right + gap && other.left < box.right + gap && box.top < other.bottom &&
+        other.top < box.bottom)
+      return;
+  text(x, y, line, size, colour, anchor);
+}
+
+void Canvas::text(int x, int y, const std::string& line, int size, Colour colour, Anchor anchor) {
+  if (font_.empty() || line.empty()) return;
+  const PixelBox box = box_of(x, y, line, size, anchor);
+  texts_.push_back(box);
+  const int length = box.right - box.left;
+  x = box.left;
   const int baseline =
       y + static_cast<int>(std::lround(0.365 * size));  // half the height of DejaVu's capitals
   const float components[] = {colour.red, colour.green, colour.blue};
@@ -84,15 +115,51 @@ void Canvas::text(int x, int y, const std::string& line, int size, Colour colour
             std::clamp(1.2 - std::abs(std::hypot(u - centre_x, v - centre_y) - radius), 0.0, 1.0));
 }
 
-void Canvas::write_png(const std::filesystem::path& file, const std::string& description) const {
-  OIIO::ImageSpec spec(width(), height(), 3, OIIO::TypeDesc::UINT16);
-  spec.attribute("ImageDescription", shown(description));
-  write_image(file, spec, components_.data());
+void Canvas::write_png(const std::filesystem::path& file, const std::string& description, int bits) const {
+  write_image(file, png_spec(width_, height_, description, bits), components_.data());
 }
 
+std::vector<unsigned char> Canvas::screen_png(const std::string& description) const {
+  return encoded_image("picture.png", png_spec(width_, height_, description, 8), components_.data());
+}
+
+namespace {
+
+/// Folders of fonts, by the XDG base directories and older habit; those that are not there are not looked at.
+std::vector<fs::path> font_folders() {
+  std::vector<fs::path> folders;
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0)
+    folders = {fs::path(home) / ".local/share/fonts", fs::path(home) / ".fonts"};
+  folders.insert(folders.end(), {"/usr/local/share/fonts", "/usr/share/fonts"});
+  return folders;
+}
+
+/// Where the font lies, by the name of its file; empty: nowhere.
+fs::path font_file(const std::string& name) {
+  constexpr int deepest = 4;
+  for (const fs::path& folder : font_folders()) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error),
+         end;
+         !error && entry != end; entry.increment(error)) {
+      if (entry.depth() >= deepest) entry.disable_recursion_pending();
+      const fs::path& file = entry->path();
+      if (file.stem() == name && (file.extension() == ".ttf" || file.extension() == ".otf")) return file;
+    }
+  }
+  return {};
+}
+
+bool draws(const std::string& font) { return OIIO::ImageBufAlgo::text_size("0", 16, font).defined(); }
+
+}  // namespace
+
+// OpenImageIO 2.5 looks into the folders themselves only, and Debian's fonts lie deeper.
 std::string find_font(const std::vector<std::string>& candidates) {
-  for (const std::string& name : candidates)
-    if (OIIO::ImageBufAlgo::text_size("0", 16, name).defined()) return name;
+  for (const std::string& name : candidates) {
+    if (draws(name)) return name;
+    if (const fs::path file = font_file(name); !file.empty() && draws(file.string())) return file.string();
+  }
   return {};
 }
 
@@ -106,6 +173,12 @@ int text_width(const std::string& line, int size, const std::string& font) {
   if (font.empty() || line.empty()) return 0;
   const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(drawable(line), size, font);
   return (box.defined() ? box.width() : 0) + (line.ends_with(degree_sign) ? ring_width(size) + 1 : 0);
+}
+
+int widest_text(const std::vector<std::string>& lines, int size, const std::string& font) {
+  int widest = 0;
+  for (const std::string& line : lines) widest = std::max(widest, text_width(line, size, font));
+  return widest;
 }
 
 double tick_step(double extent, int wanted) {

@@ -25,6 +25,10 @@ double DecibelScale::level(double energy_j) const {
   return std::clamp(1 + 10 * std::log10(energy_j / reference_j_) / range_db, 0.0, 1.0);
 }
 
+Colour DecibelScale::colour(double energy_j, double beyond) const {
+  return mix(colour(energy_j), palette.beyond, beyond);
+}
+
 Colour DecibelScale::at_level(double level) {
   static constexpr std::array<Colour, 6> stops{{{0.020f, 0.016f, 0.024f},
                                                 {0.190f, 0.105f, 0.075f},
@@ -46,7 +50,7 @@ void DecibelScale::draw_legend(Canvas& canvas, int x, int y0, int y1) const {
   for (const double decibel : ticks(-range_db, 0, 10)) {
     const int y = top + static_cast<int>(std::lround(-decibel / range_db * (bottom - top - 1)));
     canvas.fill(x + bar + 1, y, x + bar + 6, y + 1, palette.faint_ink);
-    canvas.text(x + bar + 11, y, tick_label(decibel, 10), label_size, palette.ink);
+    canvas.label(x + bar + 11, y, tick_label(decibel, 10), label_size, palette.ink);
   }
 }
 

@@ -22,6 +22,8 @@ class DecibelScale {
   /// 0 (no echo, or range_db below the reference) to 1 (the reference and above).
   double level(double energy_j) const;
   Colour colour(double energy_j) const { return at_level(level(energy_j)); }
+  /// Of a pixel of which a part lies where there is no surface (Recording::surfaces).
+  Colour colour(double energy_j, double beyond) const;
   /// Lightness grows evenly with the level, so the picture reads the same in grey.
   static Colour at_level(double level);
 
@@ -39,6 +41,7 @@ struct Palette {
   Colour ink{0.90f, 0.90f, 0.88f};
   Colour faint_ink{0.62f, 0.64f, 0.66f};
   Colour grid{0.75f, 0.85f, 0.90f};
+  Colour beyond{0.255f, 0.275f, 0.30f};  ///< where a beam has no surface any more (Recording::surfaces)
 };
 inline constexpr Palette palette;
 

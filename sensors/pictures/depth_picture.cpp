@@ -10,12 +10,12 @@
 #include <stdexcept>
 
 #include "sensors/pictures/decibel_scale.hpp"
+#include "sensors/pictures/map_axes.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, axis_width = 92,
-              legend_width = 150;
+constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, legend_width = 150;
 constexpr int longest_side = 900, shortest_side = 320;
 
 /// Shallow to deep: sand, green, blue, night; lightness falls evenly.
@@ -81,11 +81,24 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
     return std::max(1, static_cast<int>(std::lround(static_cast<double>(cells) * pixels_per_cell)));
   };
   const int width = pixels(extent.columns()), height = pixels(extent.rows());
-  const int left = margin + axis_width, top = header_height;
+  MapPlot map{0,
+              header_height,
+              width,
+              height,
+              static_cast<double>(extent.west) * cell,
+              static_cast<double>(extent.south) * cell,
+              pixels_per_cell / cell};
+  map.left = margin + map.northings_width(font);
+  const int left = map.left, top = map.top;
   const int page_width = std::max(width, shortest_side), page_height = std::max(height, shortest_side);
-  Canvas canvas(left + page_width + legend_width + margin, top + page_height + axis_height + margin,
-                palette.background, font);
   const DepthRange range = range_of(depths);
+  const std::string subtitle =
+      fmt::format("mean depth of soundings in cells of {:g} m, {:.2f} to {:.2f} m; lit from the north-west",
+                  cell, range.shallow, range.deep);
+  Canvas canvas(
+      margin + std::max({left + page_width + legend_width, margin + text_width(title, title_size, font),
+                         margin + text_width(subtitle, label_size, font)}),
+      top + page_height + axis_height + margin, palette.background, font);
 
   // Large grids: each pixel shows the cell under its middle.
   for (int y = 0; y < height; ++y)
@@ -103,24 +116,9 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
   canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);
   canvas.fill(left - 1, top, left, bottom, palette.grid, 0.55);
   canvas.fill(right, top, right + 1, bottom, palette.grid, 0.55);
-  const double west_m = static_cast<double>(extent.west) * cell,
-               east_m = static_cast<double>(extent.east) * cell;
-  const double south_m = static_cast<double>(extent.south) * cell,
-               north_m = static_cast<double>(extent.north) * cell;
-  const double pixels_per_m = pixels_per_cell / cell;
-  const double step = tick_step(longest * cell, 6);
-  for (const double east : ticks(west_m, east_m, step)) {
-    const int x = left + static_cast<int>(std::lround((east - west_m) * pixels_per_m));
-    canvas.fill(x, bottom + 1, x + 1, bottom + 7, palette.faint_ink);
-    canvas.text(x, bottom + 20, tick_label(east, step), label_size, palette.ink, Anchor::centre);
-  }
-  for (const double north : ticks(south_m, north_m, step)) {
-    const int y = bottom - static_cast<int>(std::lround((north - south_m) * pixels_per_m));
-    canvas.fill(left - 7, y, left - 1, y + 1, palette.faint_ink);
-    canvas.text(left - 12, y, tick_label(north, step), label_size, palette.ink, Anchor::right);
-  }
-  canvas.text(left + width / 2, bottom + 44, "east (m)", label_size, palette.ink, Anchor::centre);
-  canvas.text(left - 12, top - 16, "north (m)", label_size, palette.ink, Anchor::right);
+  canvas.text(margin, margin, title, title_size, palette.ink);
+  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  map.draw_axes(canvas);
 
   constexpr int bar_width = 22, bar_height = 260;
   const int bar_x = left + page_width + 34, bar_top = top + 24;
@@ -133,23 +131,17 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
        span > 0 ? ticks(range.shallow, range.deep, depth_step) : std::vector<double>{range.shallow}) {
     const int y = bar_top + static_cast<int>(std::lround(range.part(depth) * bar_height));
     canvas.fill(bar_x + bar_width, y, bar_x + bar_width + 6, y + 1, palette.faint_ink);
-    canvas.text(bar_x + bar_width + 12, y,
-                span > 0 ? tick_label(depth, depth_step) : fmt::format("{:.2f}", depth), label_size,
-                palette.ink);
+    canvas.label(bar_x + bar_width + 12, y,
+                 span > 0 ? tick_label(depth, depth_step) : fmt::format("{:.2f}", depth), label_size,
+                 palette.ink);
   }
 
   constexpr double longest_scale = 110;  // pixels
-  const double scale_m = tick_step(longest_scale / pixels_per_m, 3);
-  const int scale_pixels = static_cast<int>(std::lround(scale_m * pixels_per_m));
+  const double scale_m = tick_step(longest_scale / map.pixels_per_m, 3);
+  const int scale_pixels = static_cast<int>(std::lround(scale_m * map.pixels_per_m));
   const int scale_y = bar_top + bar_height + 34;
   canvas.fill(bar_x, scale_y, bar_x + scale_pixels, scale_y + 3, palette.ink);
   canvas.text(bar_x, scale_y + 20, fmt::format("{:g} m", scale_m), label_size, palette.ink);
-  canvas.text(margin, margin, title, title_size, palette.ink);
-  canvas.text(
-      margin, margin + 30,
-      fmt::format("mean depth of soundings in cells of {:g} m, {:.2f} to {:.2f} m; lit from the north-west",
-                  cell, range.shallow, range.deep),
-      label_size, palette.faint_ink);
   return canvas;
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -45,9 +46,22 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j
   const std::vector<double> means = pixels_of(energy_j, pings, count, width, height);
   const DecibelScale scale(means, sensor.description().signal.display_gain_db);
 
+  const std::string title = fmt::format(
+      "{}   pings {} to {}   t = {:.2f} to {:.2f} s", sensor.description().name, recording.number_of(0),
+      recording.number_of(pings - 1), recording.ping_time_s.front(), recording.ping_time_s.back());
+  const std::string subtitle = fmt::format(
+      "{:g} kHz, {} samples over {:.2f} to {:.2f} m; line: detected bottom{}{}", sensor.frequency_khz(),
+      samples.count, samples.first_m, far_m, said.empty() ? "" : "; ", said);
+  const std::string footer = scale.reference_j() > 0
+                                 ? fmt::format("0 dB: {} dB re 1 J; darkest: no echo",
+                                               tick_label(10 * std::log10(scale.reference_j()), 0.1))
+                                 : "no echo";
   const int left = margin + axis_width, top = header_height;
-  Canvas canvas(left + width + DecibelScale::legend_width + 2 * margin, top + height + axis_height + margin,
-                palette.background, font);
+  const int page_width = std::max({left + width + DecibelScale::legend_width + margin,
+                                   margin + text_width(title, title_size, font),
+                                   margin + widest_text({subtitle, footer}, label_size, font)}) +
+                         margin;
+  Canvas canvas(page_width, top + height + axis_height + margin, palette.background, font);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       canvas.blend(left + x, top + y, scale.colour(means[static_cast<std::size_t>(y * width + x)]));
@@ -60,35 +74,25 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j
     if (std::isfinite(bottom)) canvas.blend(left + x, row_of(bottom), bottom_colour);
   }
 
+  canvas.text(margin, margin, title, title_size, palette.ink);
+  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  canvas.text(margin, canvas.height() - margin + 6, footer, label_size, palette.faint_ink);
+  canvas.text(left + width / 2, top + height + 42, "ping", label_size, palette.ink, Anchor::centre);
+  canvas.text(left - 10, top - 22, "range (m)", label_size, palette.ink, Anchor::right);
+  scale.draw_legend(canvas, left + width + margin, top, top + std::min(height, 400));
   const double range_step = tick_step(far_m - samples.first_m, 8);
   for (const double range : ticks(samples.first_m, far_m, range_step)) {
     canvas.fill(left, row_of(range), left + width, row_of(range) + 1, palette.grid, 0.16);
-    canvas.text(left - 10, row_of(range), tick_label(range, range_step), label_size, palette.ink,
-                Anchor::right);
+    canvas.label(left - 10, row_of(range), tick_label(range, range_step), label_size, palette.ink,
+                 Anchor::right);
   }
   const double ping_step = std::max(1.0, tick_step(static_cast<double>(pings), 10));
-  for (const double ping : ticks(0, static_cast<double>(pings - 1), ping_step)) {
-    const int x = left + static_cast<int>((ping + 0.5) / static_cast<double>(pings) * width);
+  const double first = recording.number_of(0);
+  for (const double ping : ticks(first, first + static_cast<double>(pings - 1), ping_step)) {
+    const int x = left + static_cast<int>((ping - first + 0.5) / static_cast<double>(pings) * width);
     canvas.fill(x, top + height, x + 1, top + height + 6, palette.faint_ink);
-    canvas.text(x, top + height + 18, tick_label(ping, 1), label_size, palette.ink, Anchor::centre);
+    canvas.label(x, top + height + 18, tick_label(ping, 1), label_size, palette.ink, Anchor::centre);
   }
-  canvas.text(left + width / 2, top + height + 42, "ping", label_size, palette.ink, Anchor::centre);
-  canvas.text(left - 10, top - 16, "range (m)", label_size, palette.ink, Anchor::right);
-  canvas.text(margin, margin,
-              fmt::format("{}   pings 0 to {}   t = {:.2f} to {:.2f} s", sensor.description().name, pings - 1,
-                          recording.ping_time_s.front(), recording.ping_time_s.back()),
-              title_size, palette.ink);
-  canvas.text(margin, margin + 30,
-              fmt::format("{:g} kHz, {} samples over {:.2f} to {:.2f} m; line: detected bottom{}{}",
-                          sensor.frequency_khz(), samples.count, samples.first_m, far_m,
-                          said.empty() ? "" : "; ", said),
-              label_size, palette.faint_ink);
-  canvas.text(margin, canvas.height() - margin + 6,
-              scale.reference_j() > 0 ? fmt::format("0 dB: {} dB re 1 J; darkest: no echo",
-                                                    tick_label(10 * std::log10(scale.reference_j()), 0.1))
-                                      : "no echo",
-              label_size, palette.faint_ink);
-  scale.draw_legend(canvas, left + width + margin, top, top + std::min(height, 400));
   return canvas;
 }
 

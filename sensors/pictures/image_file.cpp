@@ -11,7 +11,8 @@ std::string reason_in_words(const std::string& said) {
   return said.empty() ? "no reason is given: memory may be short" : said + ", or memory is short";
 }
 
-void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec, const float* pixels) {
+std::vector<unsigned char> encoded_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec,
+                                         const float* pixels) {
   const auto fail = [&](const std::string& reason) {
     throw write_error(file, "cannot encode the picture: " + reason_in_words(reason));
   };
@@ -23,7 +24,11 @@ void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec,
   if (!output->open(file.filename().string(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, pixels) ||
       !output->close())
     fail(output->geterror());
-  write_file(file, bytes);
+  return bytes;
+}
+
+void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec, const float* pixels) {
+  write_file(file, encoded_image(file, spec, pixels));
 }
 
 OIIO::ImageSpec exr_spec(const OIIO::ParamValueList& attributes) {

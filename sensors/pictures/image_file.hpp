@@ -12,8 +12,12 @@ namespace tubefoot {
 /// For messages: what OpenImageIO says of what it cannot do. Where memory is short it says little or nothing.
 std::string reason_in_words(const std::string& said);
 
-/// Writes an image of float pixels as `spec` and the file's ending say. Throws std::runtime_error naming the
-/// file.
+/// The bytes of an image of float pixels, as `spec` and the ending of the file's name say; `file` itself is
+/// not touched. Throws std::runtime_error naming it.
+std::vector<unsigned char> encoded_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec,
+                                         const float* pixels);
+
+/// Writes them. Throws std::runtime_error naming the file.
 void write_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec, const float* pixels);
 
 /// How a one-channel float EXR is written: lossless, the same bytes at any time of day. `attributes` are

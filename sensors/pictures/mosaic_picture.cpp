@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "sensors/pictures/decibel_scale.hpp"
+#include "sensors/pictures/map_axes.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 24, axis_height = 62, axis_width = 84;
+constexpr int margin = 28, header_height = 2 * margin + 34, axis_height = 62;
 constexpr int smallest_side = 240, largest_side = 1400;
 
 /// Mean power of the cells [c0, c1) x [r0, r1); NaN where none has a value.
@@ -64,7 +65,15 @@ Canvas draw_mosaic(const CellMeans& amplitudes, double display_gain_db, const st
                [](double value) { return !std::isnan(value); });
   const DecibelScale scale(known, display_gain_db);
 
-  const int left = margin + axis_width, top = header_height, right = left + width, bottom = top + height;
+  MapPlot map{0,
+              header_height,
+              width,
+              height,
+              static_cast<double>(extent.west) * cell_m,
+              static_cast<double>(extent.south) * cell_m,
+              pixels_per_cell / cell_m};
+  map.left = margin + map.northings_width(font);
+  const int left = map.left, top = map.top, right = left + width, bottom = top + height;
   const int least_width = 2 * margin + text_width(title, title_size, font);
   Canvas canvas(std::max(least_width, right + 24 + DecibelScale::legend_width + margin),
                 std::max(bottom, top + smallest_side) + axis_height + margin, palette.background, font);
@@ -79,26 +88,9 @@ Canvas draw_mosaic(const CellMeans& amplitudes, double display_gain_db, const st
   canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);
   canvas.fill(left - 1, top, left, bottom, palette.grid, 0.55);
   canvas.fill(right, top, right + 1, bottom, palette.grid, 0.55);
-  const double west_m = static_cast<double>(extent.west) * cell_m,
-               south_m = static_cast<double>(extent.south) * cell_m;
-  const double east_m = static_cast<double>(extent.east) * cell_m,
-               north_m = static_cast<double>(extent.north) * cell_m;
-  const double pixels_per_m = pixels_per_cell / cell_m;
-  const double step_m = tick_step(longest * cell_m, 8);
-  for (const double east : ticks(west_m, east_m, step_m)) {
-    const int x = left + static_cast<int>(std::lround((east - west_m) * pixels_per_m));
-    canvas.fill(x, bottom + 1, x + 1, bottom + 7, palette.faint_ink);
-    canvas.text(x, bottom + 20, tick_label(east, step_m), label_size, palette.ink, Anchor::centre);
-  }
-  for (const double north : ticks(south_m, north_m, step_m)) {
-    const int y = bottom - 1 - static_cast<int>(std::lround((north - south_m) * pixels_per_m));
-    canvas.fill(left - 7, y, left - 1, y + 1, palette.faint_ink);
-    canvas.text(left - 12, y, tick_label(north, step_m), label_size, palette.ink, Anchor::right);
-  }
-  canvas.text(left, bottom + 44, "east (m)", label_size, palette.ink);
-  canvas.text(margin, top - 14, "north (m)", label_size, palette.ink);
   canvas.text(margin, margin, title, title_size, palette.ink);
   scale.draw_legend(canvas, right + 24, top, std::max(top + smallest_side, std::min(bottom, top + 400)));
+  map.draw_axes(canvas);
   return canvas;
 }
 

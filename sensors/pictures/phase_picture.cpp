@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -48,7 +49,7 @@ void draw_legend(Canvas& canvas, int x, int y0, int y1) {
   for (const int degrees : {-180, -90, 0, 90, 180}) {
     const int y = top + (180 - degrees) * (bottom - top - 1) / 360;
     canvas.fill(x + bar + 1, y, x + bar + 6, y + 1, palette.faint_ink);
-    canvas.text(x + bar + 11, y, fmt::format("{}\u00b0", degrees), label_size, palette.ink);
+    canvas.label(x + bar + 11, y, fmt::format("{}\u00b0", degrees), label_size, palette.ink);
   }
 }
 
@@ -61,8 +62,16 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   const int side = static_cast<int>(std::clamp<std::size_t>(count, 300, 600));
   const int rows = static_cast<int>(std::clamp<std::size_t>(recording.pings(), 240, 1500));
   const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
-  Canvas canvas(middle + side + DecibelScale::legend_width + 2 * margin, bottom + axis_height + margin,
-                palette.background, font);
+  const std::string title =
+      fmt::format("{}   phase of upper against lower receiver", sensor.description().name);
+  const Sensor::Staff& staff = sensor.staff();
+  const std::string subtitle =
+      fmt::format("{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
+                  sensor.frequency_khz(), staff.baseline_m, staff.tilt_deg, noise ? "; as received" : "");
+  const int page_width = margin + std::max({middle + side + DecibelScale::legend_width + margin,
+                                            margin + text_width(title, title_size, font),
+                                            margin + text_width(subtitle, label_size, font)});
+  Canvas canvas(page_width, bottom + axis_height + margin, palette.background, font);
   for (int row = 0; row < rows; ++row) {
     const PixelSpan pings = items_under(row, rows, recording.pings());
     for (int x = 0; x < side; ++x) {
@@ -73,35 +82,29 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
     for (std::size_t ping = pings.first; ping + 1 < pings.end; ++ping) recording.let_go(ping);
   }
 
+  canvas.text(margin, margin, title, title_size, palette.ink);
+  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  canvas.text(left, bottom + 42, "port", label_size, palette.ink);
+  canvas.text(middle, bottom + 42, "slant range (m)", label_size, palette.ink, Anchor::centre);
+  canvas.text(middle + side, bottom + 42, "starboard", label_size, palette.ink, Anchor::right);
+  canvas.text(left - 12, top - 22, "ping", label_size, palette.ink, Anchor::right);
+  draw_legend(canvas, middle + side + margin, top, top + std::min(rows, 400));
   const double near_m = samples.first_m, far_m = samples.first_m + samples.count * samples.step_m;
   const double step_m = tick_step(far_m - near_m, 5);
   for (const double range : ticks(near_m, far_m, step_m)) {
     const int offset = static_cast<int>(std::lround((range - near_m) / (far_m - near_m) * side));
     for (const int x : {middle - offset, middle + offset}) {
       canvas.fill(x, bottom, x + 1, bottom + 6, palette.faint_ink);
-      canvas.text(x, bottom + 18, tick_label(range, step_m), label_size, palette.ink, Anchor::centre);
+      canvas.label(x, bottom + 18, tick_label(range, step_m), label_size, palette.ink, Anchor::centre);
       if (offset == 0) break;
     }
   }
-  canvas.text(left, bottom + 42, "port", label_size, palette.ink);
-  canvas.text(middle, bottom + 42, "slant range (m)", label_size, palette.ink, Anchor::centre);
-  canvas.text(middle + side, bottom + 42, "starboard", label_size, palette.ink, Anchor::right);
-  canvas.text(left - 12, top - 16, "ping", label_size, palette.ink, Anchor::right);
   const auto pings = static_cast<double>(recording.pings());
   const double ping_step = std::max(1.0, tick_step(pings, std::max(2, rows / 60)));
-  for (const double ping : ticks(0, pings - 1, ping_step))
-    canvas.text(left - 12, bottom - 1 - static_cast<int>((ping + 0.5) / pings * rows), tick_label(ping, 1),
-                label_size, palette.ink, Anchor::right);
-  canvas.text(margin, margin,
-              fmt::format("{}   phase of upper against lower receiver", sensor.description().name),
-              title_size, palette.ink);
-  const Sensor::Staff& staff = sensor.staff();
-  canvas.text(
-      margin, margin + 30,
-      fmt::format("{:g} kHz, baseline {:g} m, staff tilted by {:g} degrees; brightness: coherence{}",
-                  sensor.frequency_khz(), staff.baseline_m, staff.tilt_deg, noise ? "; as received" : ""),
-      label_size, palette.faint_ink);
-  draw_legend(canvas, middle + side + margin, top, top + std::min(rows, 400));
+  const double first = recording.number_of(0);
+  for (const double ping : ticks(first, first + pings - 1, ping_step))
+    canvas.label(left - 12, bottom - 1 - static_cast<int>((ping - first + 0.5) / pings * rows),
+                 tick_label(ping, 1), label_size, palette.ink, Anchor::right);
   return canvas;
 }
 

@@ -57,37 +57,63 @@ std::vector<double> gain_by_sample(const Recording& recording) {
 }
 
 /// The picture's rows, the first ping's first: of each beam and sample the mean over the pings under the row,
-/// after the gain. However long the line, this is as large as the picture.
-std::vector<double> rows_of(const Recording& recording, int rows, const Heard* heard) {
+/// after the gain, and of each beam how many samples may hold a surface at any of them. However long the
+/// line, this is as large as the picture.
+struct Rows {
+  std::vector<double> energy;
+  std::vector<int> surfaces;  ///< empty: not known
+};
+
+Rows rows_of(const Recording& recording, int rows, const Heard* heard) {
   std::vector<double> gain = gain_by_sample(recording);
   if (heard && heard->has_gain) std::fill(gain.begin(), gain.end(), 1.0);
-  const std::size_t cells = recording.cells();
+  const std::size_t cells = recording.cells(), beams = recording.sensor->beams().size();
   const double rows_per_ping = rows / static_cast<double>(recording.pings());
-  std::vector<double> all(static_cast<std::size_t>(rows) * cells, 0.0);
+  Rows all;
+  all.energy.assign(static_cast<std::size_t>(rows) * cells, 0.0);
+  std::size_t asked = recording.pings();  // the ping whose surfaces are known
+  std::vector<int> surfaces;
   for (int row = 0; row < rows; ++row) {
     const CellSpan under = cells_under(row / rows_per_ping, (row + 1) / rows_per_ping, recording.pings());
-    double* mean = all.data() + static_cast<std::size_t>(row) * cells;
+    double* mean = all.energy.data() + static_cast<std::size_t>(row) * cells;
     const double weight = std::accumulate(under.weights.begin(), under.weights.end(), 0.0);
+    std::vector<int> farthest(beams, 0);
     for (std::size_t p = 0; p < under.weights.size(); ++p) {
-      const std::vector<double> received = heard ? heard->energy_of(under.first + p) : std::vector<double>();
+      const std::size_t ping = under.first + p;
+      const std::vector<double> received = heard ? heard->energy_of(ping) : std::vector<double>();
       const std::span<const double> energy =
-          heard ? std::span<const double>(received) : recording.energy_of(under.first + p);
+          heard ? std::span<const double>(received) : recording.energy_of(ping);
       for (std::size_t k = 0; k < cells; ++k)
         mean[k] += under.weights[p] / weight * energy[k] * gain[k % gain.size()];
-      if (p + 1 < under.weights.size()) recording.let_go(under.first + p);
+      if (recording.surfaces) {
+        if (asked != ping) surfaces = recording.surfaces(asked = ping);
+        for (std::size_t b = 0; b < beams; ++b) farthest[b] = std::max(farthest[b], surfaces[b]);
+      }
+      if (p + 1 < under.weights.size()) recording.let_go(ping);
     }
+    if (recording.surfaces) all.surfaces.insert(all.surfaces.end(), farthest.begin(), farthest.end());
   }
   return all;
 }
 
-/// Mean over the samples under a column.
-double mean_energy(std::span<const double> energy, const CellSpan& samples) {
-  double sum = 0, weight = 0;
+/// Mean over the samples under a column that may hold a surface, of which there are `surfaces`, and the part
+/// of them that may not.
+struct ColumnEcho {
+  double energy_j = 0, beyond = 0;
+};
+
+ColumnEcho echo_under(std::span<const double> energy, const CellSpan& samples, int surfaces) {
+  double sum = 0, weight = 0, beyond = 0;
   for (std::size_t s = 0; s < samples.weights.size(); ++s) {
-    sum += samples.weights[s] * energy[samples.first + s];
+    const std::size_t k = samples.first + s;
+    if (!(energy[k] > 0) && k >= static_cast<std::size_t>(surfaces)) {
+      beyond += samples.weights[s];
+      continue;
+    }
+    sum += samples.weights[s] * energy[k];
     weight += samples.weights[s];
   }
-  return sum / weight;
+  return {weight > 0 ? sum / weight : 0, beyond / (beyond + weight)};
 }
 
 }  // namespace
@@ -108,13 +134,13 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font, const
   const double rows_per_ping = rows / static_cast<double>(pings);
   const double stretch = rows / wanted_rows;
   const bool own_gain = heard && heard->has_gain;
-  const std::vector<double> energies = rows_of(recording, rows, heard);
-  const DecibelScale scale(heard && !own_gain ? rows_of(recording, rows, nullptr) : energies,
+  const Rows drawn = rows_of(recording, rows, heard);
+  const DecibelScale scale(heard && !own_gain ? rows_of(recording, rows, nullptr).energy : drawn.energy,
                            sensor.description().signal.display_gain_db);
 
-  const std::string title =
-      fmt::format("{}   pings 0 to {}   t = {:.2f} to {:.2f} s", sensor.description().name, pings - 1,
-                  recording.ping_time_s.front(), recording.ping_time_s.back());
+  const std::string title = fmt::format(
+      "{}   pings {} to {}   t = {:.2f} to {:.2f} s", sensor.description().name, recording.number_of(0),
+      recording.number_of(pings - 1), recording.ping_time_s.front(), recording.ping_time_s.back());
   std::string subtitle = fmt::format("{:g} kHz, {} samples over {:.2f} to {:.2f} m each side",
                                      sensor.frequency_khz(), samples.count, samples.first_m, far_m);
   if (spacing_m <= 0)
@@ -125,17 +151,23 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font, const
   else
     subtitle += ", equal scales";
   if (heard) subtitle += "; " + heard->said;
+  const bool ends_early =
+      std::ranges::any_of(drawn.surfaces, [&](int surfaces) { return surfaces < samples.count; });
   const std::string footer = scale.reference_j() > 0
-                                 ? fmt::format("{}; 0 dB: {} dB re 1 J at 1 m; darkest: no echo",
+                                 ? fmt::format("{}; 0 dB: {} dB re 1 J at 1 m; darkest: no echo{}",
                                                own_gain ? "the sonar's own time-varied gain"
                                                         : "time-varied gain 40 log R + 2 alpha R",
-                                               tick_label(10 * std::log10(scale.reference_j()), 0.1))
+                                               tick_label(10 * std::log10(scale.reference_j()), 0.1),
+                                               ends_early ? "; grey: no surface there" : "")
                                  : "no echo";
 
   const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
   const int right = middle + side;
-  Canvas canvas(right + axis_width + DecibelScale::legend_width + margin, bottom + axis_height + margin + 10,
-                palette.background, font);
+  const int page_width =
+      std::max({right + axis_width + DecibelScale::legend_width, margin + text_width(title, title_size, font),
+                margin + widest_text({subtitle, footer}, label_size, font)}) +
+      margin;
+  Canvas canvas(page_width, bottom + axis_height + margin + 10, palette.background, font);
 
   std::vector<CellSpan> columns;  // from the track outwards
   for (int x = 0; x < side; ++x)
@@ -144,15 +176,17 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font, const
                                   static_cast<std::size_t>(samples.count)));
   for (int row = 0; row < rows; ++row) {  // from the bottom: the first ping is the lowest
     const auto count = static_cast<std::size_t>(samples.count);
-    const std::span<const double> port =
-        std::span(energies).subspan(static_cast<std::size_t>(row) * 2 * count, count);
-    const std::span<const double> starboard(port.data() + count, count);
-    for (int x = 0; x < side; ++x) {
-      const CellSpan& column = columns[static_cast<std::size_t>(x)];
-      if (column.weights.empty()) continue;
-      const int y = bottom - 1 - row;
-      canvas.blend(middle - 1 - x, y, scale.colour(mean_energy(port, column)), column.covered);
-      canvas.blend(middle + x, y, scale.colour(mean_energy(starboard, column)), column.covered);
+    for (const std::size_t beam : {0, 1}) {  // port, starboard
+      const std::size_t place = static_cast<std::size_t>(row) * 2 + beam;
+      const std::span<const double> energy = std::span(drawn.energy).subspan(place * count, count);
+      const int surfaces = drawn.surfaces.empty() ? samples.count : drawn.surfaces[place];
+      for (int x = 0; x < side; ++x) {
+        const CellSpan& column = columns[static_cast<std::size_t>(x)];
+        if (column.weights.empty()) continue;
+        const ColumnEcho echo = echo_under(energy, column, surfaces);
+        canvas.blend(beam == 0 ? middle - 1 - x : middle + x, bottom - 1 - row,
+                     scale.colour(echo.energy_j, echo.beyond), column.covered);
+      }
     }
   }
 
@@ -160,44 +194,46 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font, const
   canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);
   canvas.fill(left - 1, top, left, bottom, palette.grid, 0.55);
   canvas.fill(right, top, right + 1, bottom, palette.grid, 0.55);
+  canvas.text(margin, margin, title, title_size, palette.ink);
+  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  canvas.text(margin, canvas.height() - margin + 6, footer, label_size, palette.faint_ink);
+  canvas.text(left, bottom + 44, "port", label_size, palette.ink);
+  canvas.text(middle, bottom + 44, "slant range (m)", label_size, palette.ink, Anchor::centre);
+  canvas.text(right, bottom + 44, "starboard", label_size, palette.ink, Anchor::right);
+  canvas.text(left - 12, top - 22, "ping", label_size, palette.ink, Anchor::right);
+  if (spacing_m > 0) canvas.text(right + 12, top - 22, "along track (m)", label_size, palette.ink);
+  scale.draw_legend(canvas, right + axis_width + 20, std::max(top, bottom - 400), bottom);
+
   const double range_step_m = tick_step(far_m, 5);
   for (const double range : ticks(0, far_m, range_step_m)) {
     const int offset = static_cast<int>(std::lround(range * pixels_per_m));
     for (const int x : {middle - offset, middle + offset}) {
       if (x > left && x < right) canvas.fill(x, top, x + 1, bottom, palette.grid, 0.16);
       canvas.fill(x, bottom + 1, x + 1, bottom + 7, palette.faint_ink);
-      canvas.text(x, bottom + 20, tick_label(range, range_step_m), label_size, palette.ink, Anchor::centre);
+      canvas.label(x, bottom + 20, tick_label(range, range_step_m), label_size, palette.ink, Anchor::centre);
       if (offset == 0) break;
     }
   }
-  canvas.text(left, bottom + 44, "port", label_size, palette.ink);
-  canvas.text(middle, bottom + 44, "slant range (m)", label_size, palette.ink, Anchor::centre);
-  canvas.text(right, bottom + 44, "starboard", label_size, palette.ink, Anchor::right);
-
   const int most_labels = std::max(2, rows / 60);
   const auto row_of_ping = [&](double ping) {
     return bottom - 1 - static_cast<int>(std::floor((ping + 0.5) * rows_per_ping));
   };
-  canvas.text(left - 12, top - 16, "ping", label_size, palette.ink, Anchor::right);
   const double ping_step = std::max(1.0, tick_step(static_cast<double>(pings), most_labels));
-  for (const double ping : ticks(0, static_cast<double>(pings - 1), ping_step)) {
-    canvas.fill(left - 7, row_of_ping(ping), left - 1, row_of_ping(ping) + 1, palette.faint_ink);
-    canvas.text(left - 12, row_of_ping(ping), tick_label(ping, 1), label_size, palette.ink, Anchor::right);
+  const double first = recording.number_of(0);
+  for (const double ping : ticks(first, first + static_cast<double>(pings - 1), ping_step)) {
+    const int y = row_of_ping(ping - first);
+    canvas.fill(left - 7, y, left - 1, y + 1, palette.faint_ink);
+    canvas.label(left - 12, y, tick_label(ping, 1), label_size, palette.ink, Anchor::right);
   }
   if (spacing_m > 0) {
-    canvas.text(right + 12, top - 16, "along track (m)", label_size, palette.ink);
     const double length_m = static_cast<double>(pings - 1) * spacing_m;
     const double step_m = tick_step(length_m, most_labels);
     for (const double distance : ticks(0, length_m, step_m)) {
       const int y = row_of_ping(distance / spacing_m);
       canvas.fill(right + 1, y, right + 7, y + 1, palette.faint_ink);
-      canvas.text(right + 12, y, tick_label(distance, step_m), label_size, palette.ink);
+      canvas.label(right + 12, y, tick_label(distance, step_m), label_size, palette.ink);
     }
   }
-  canvas.text(margin, margin, title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
-  canvas.text(margin, canvas.height() - margin + 6, footer, label_size, palette.faint_ink);
-  scale.draw_legend(canvas, right + axis_width + 20, std::max(top, bottom - 400), bottom);
   return canvas;
 }
 

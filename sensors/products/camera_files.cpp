@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/steps/steps.hpp"
 #include "sensors/formats/aris_file.hpp"
 #include "sensors/formats/ddf_file.hpp"
 #include "sensors/model/angles.hpp"
@@ -120,8 +121,8 @@ class Levels {
       : recording_(recording), receiver_(receiver_of(recording, run)) {}
 
   std::vector<double> of(std::size_t ping) const {
-    std::vector<double> levels = receiver_.receive(static_cast<std::uint32_t>(ping),
-                                                   recording_.energy_of(ping), recording_.sensor->samples());
+    std::vector<double> levels = receiver_.receive(recording_.number_of(ping), recording_.energy_of(ping),
+                                                   recording_.sensor->samples());
     recording_.let_go(ping);
     for (double& level : levels) level = receiver_.level_db(level);
     return levels;
@@ -132,13 +133,16 @@ class Levels {
     constexpr double range_db = 1000, per_db = 100, exceeding = 1e-3;
     std::vector<std::uint64_t> counts(static_cast<std::size_t>(2 * range_db * per_db) + 1);
     std::uint64_t echoes = 0;
-    for (std::size_t ping = 0; ping < recording_.pings(); ++ping)
+    Steps steps("pings read for a camera's scale", recording_.pings());
+    for (std::size_t ping = 0; ping < recording_.pings(); ++ping) {
+      steps.done();
       for (const double level : of(ping)) {
         if (!std::isfinite(level)) continue;  // no echo
         const double place = (std::clamp(level, -range_db, range_db) + range_db) * per_db;
         ++counts[static_cast<std::size_t>(std::lround(place))];
         ++echoes;
       }
+    }
     if (echoes == 0) return 0;
     auto above = static_cast<std::uint64_t>(std::floor(exceeding * static_cast<double>(echoes)));
     std::size_t place = counts.size() - 1;
@@ -189,7 +193,9 @@ void write_frames(CameraFile&& file, const Recording& recording, const RunContex
   Frames frames(recording, run);
   const double top_db = levels.brightest_db();
   std::vector<std::uint8_t> codes(recording.cells());
+  Steps steps("frames of a camera's file", recording.pings());
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    steps.done();
     const std::vector<double> received = levels.of(ping);
     std::transform(received.begin(), received.end(), codes.begin(),
                    [&](double level) { return amplitude(level - top_db + full_scale_db, full_scale_db); });

@@ -3,15 +3,21 @@
 #include <fmt/format.h>
 #include <netcdf.h>
 #include <netcdf_mem.h>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "files/checked_file.hpp"
+#include "files/hdf5_chunks.hpp"
 #include "files/reserved_space.hpp"
+#include "geometry/steps/steps.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/recordings/pose_angles.hpp"
 #include "sensors/recordings/recording.hpp"
@@ -22,50 +28,51 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A netCDF-4 file under construction, every call checked: in memory, if that is not too much, so that it
-/// reaches the disk whole or not at all, else on the disk, in space that is set aside for all of it before
-/// HDF5 writes anything (ReservedSpace says why).
+/// A netCDF-4 file under construction, every call checked. What defines it and small variables are written by
+/// netCDF; then values of pings, packed by all threads. In memory, if that is not too much, so that it
+/// reaches the disk whole or not at all; else on the disk, in space that is set aside for it before HDF5
+/// writes anything (ReservedSpace says why).
 class EchoFile {
  public:
-  EchoFile(fs::path path, std::size_t bytes_of_values, bool in_memory)
+  EchoFile(fs::path path, bool in_memory, std::size_t small_bytes)
       : path_(std::move(path)), in_memory_(in_memory) {
-    if (in_memory_) {
-      constexpr std::size_t first_guess_bytes = 1 << 20;
-      check(nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_),
-            "create the file");
-    } else {
-      check(nc_create(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "create the file");
-      try {
-        space_.emplace(path_);
-        // What deflate cannot shrink stays as long as it is; a chunk's entry is some ten bytes.
-        constexpr std::size_t margin_bytes = 4 << 20;
-        space_->reserve(bytes_of_values + bytes_of_values / 64 + margin_bytes);
-      } catch (...) {
-        discard();
-        throw;
-      }
+    constexpr std::size_t first_guess_bytes = 1 << 20;
+    check(in_memory_ ? nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_)
+                     : nc_create(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_),
+          "create the file");
+    defining_ = true;
+    if (in_memory_) return;
+    try {
+      space_.emplace(path_);
+      reserve(small_bytes);
+    } catch (...) {
+      discard();
+      throw;
     }
-    open_ = true;
   }
   ~EchoFile() {
-    if (open_) discard();
+    if (!finished_) discard();
   }
   EchoFile(const EchoFile&) = delete;
   EchoFile& operator=(const EchoFile&) = delete;
 
   int id() const { return id_; }
-
-  void close() {
-    open_ = false;
-    if (!in_memory_) {
-      check(nc_close(id_), "complete the file");
-      space_.reset();
-      return;
+  /// All is defined and written but the values of pings, which are of so many bytes.
+  Hdf5Chunks& chunks(std::size_t bytes_of_values) {
+    defining_ = false;
+    if (in_memory_) {
+      NC_memio memory{};
+      check(nc_close_memio(id_, &memory), "complete the file");
+      const std::unique_ptr<void, decltype(&std::free)> owned(memory.memory, &std::free);
+      return chunks_.emplace(path_, std::span(static_cast<const unsigned char*>(memory.memory), memory.size));
     }
-    NC_memio memory{};
-    check(nc_close_memio(id_, &memory), "complete the file");
-    const std::unique_ptr<void, decltype(&std::free)> owned(memory.memory, &std::free);
-    write_file(path_, {static_cast<const unsigned char*>(memory.memory), memory.size});
+    check(nc_close(id_), "complete the file");
+    reserve(bytes_of_values);  // closing gave back what was not used
+    return chunks_.emplace(path_);
+  }
+  void close() {
+    chunks_->close();
+    finished_ = true;
   }
 
   void check(int status, const std::string& task) const {
@@ -73,21 +80,27 @@ class EchoFile {
   }
 
  private:
+  void reserve(std::size_t bytes_of_values) {
+    // What deflate cannot shrink stays as long as it is; a chunk's entry is some ten bytes.
+    constexpr std::size_t margin_bytes = 4 << 20;
+    space_->reserve(bytes_of_values + bytes_of_values / 64 + margin_bytes);
+  }
   void discard() {
-    nc_abort(id_);
+    if (defining_) nc_abort(id_);
+    chunks_.reset();
     space_.reset();
-    if (in_memory_) return;
-    discard_file(path_);
+    if (!in_memory_) discard_file(path_);
   }
 
   fs::path path_;
   bool in_memory_;
-  std::optional<ReservedSpace> space_;  ///< of a file on the disk
+  std::optional<ReservedSpace> space_;
+  std::optional<Hdf5Chunks> chunks_;
   int id_ = 0;
-  bool open_ = false;
+  bool defining_ = false, finished_ = false;
 };
 
-/// One group (or the root) under construction: all variables are defined first, then written.
+/// One group (or the root) under construction: all variables are defined first, then small ones written.
 class EchoGroup {
  public:
   EchoGroup(const EchoFile& file, int id) : file_(file), id_(id) {}
@@ -134,13 +147,6 @@ class EchoGroup {
     check(nc_put_var_double(id_, variable, values), "write variable", name);
   }
 
-  /// One ping of a variable over ping, beam and sample.
-  void write_ping(int variable, const char* name, std::size_t ping, std::size_t beams, std::size_t samples,
-                  const double* values) {
-    const std::size_t start[] = {ping, 0, 0}, count[] = {1, beams, samples};
-    check(nc_put_vara_double(id_, variable, start, count, values), "write variable", name);
-  }
-
   void write() {
     for (const auto& pending : pending_) write(pending.id, pending.name, pending.values.data());
     pending_.clear();
@@ -180,7 +186,42 @@ constexpr struct {
      "mean product of the upper receiver's signal and the lower one's conjugate, imaginary part"},
 };
 
-void write_recording(EchoGroup& group, const Recording& recording, const Provenance& provenance) {
+std::string meaning_of(const std::string& name) {
+  constexpr std::string_view bound = "_bound";
+  if (name == "energy") return "echo energy per beam and range sample, for a source of 1 J/sr at 1 m";
+  if (name.ends_with(bound)) {
+    const std::string of = name.substr(0, name.size() - bound.size());
+    return "certified half-width: the true " + (of == "energy" ? "energy" : "value of " + of) +
+           " lies within " + of + " +- " + name;
+  }
+  for (const auto& staff : staff_variables)
+    if (name == staff.name) return staff.long_name;
+  throw std::invalid_argument("no variable " + name);
+}
+
+/// A variable over ping, beam and sample, whose values are written ping by ping.
+struct PingVariable {
+  std::string name;
+  std::function<std::span<const double>(std::size_t ping)> values;
+};
+
+/// Of a recording's variables over ping, beam and sample, their names in its group and what they hold.
+std::vector<PingVariable> ping_variables(const Recording& recording) {
+  std::vector<PingVariable> variables{
+      {"energy", [&recording](std::size_t ping) { return recording.energy_of(ping); }}};
+  for (std::size_t c = 1; c < recording.channels(); ++c)
+    variables.push_back({staff_variables[c - 1].name,
+                         [&recording, c](std::size_t ping) { return recording.channel_of(ping, c); }});
+  if (recording.energy_bound.empty()) return variables;
+  for (std::size_t c = 0, channels = variables.size(); c < channels; ++c)
+    variables.push_back({variables[c].name + "_bound", [&recording, c](std::size_t ping) {
+                           return recording.energy_bound.subspan(
+                               (ping * recording.channels() + c) * recording.cells(), recording.cells());
+                         }});
+  return variables;
+}
+
+void define_recording(EchoGroup& group, const Recording& recording, const Provenance& provenance) {
   const Sensor& sensor = *recording.sensor;
   const std::vector<BeamAxis>& beams = sensor.beams();
   const RangeSamples& samples = sensor.samples();
@@ -199,31 +240,12 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
   const int xyz = group.dimension("xyz", 3);
   const int wxyz = group.dimension("wxyz", 4);
 
-  const int energy = group.define("energy", {ping, beam, sample}, "J",
-                                  "echo energy per beam and range sample, for a source of 1 J/sr at 1 m");
-  group.attribute(energy, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
-  group.compress(energy, "energy", {1, beams.size(), static_cast<std::size_t>(samples.count)});
-
-  std::vector<int> staff;
-  if (recording.channels() > 1)
-    for (const auto& [name, long_name] : staff_variables) {
-      staff.push_back(group.define(name, {ping, beam, sample}, "J", long_name));
-      group.compress(staff.back(), name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
-    }
-
-  // Of a staff, by channel.
-  std::vector<std::pair<int, std::string>> bounds_of;
-  const auto define_bound = [&](const std::string& of) {
-    const std::string name = of + "_bound", long_name = "certified half-width: the true " +
-                                                        (of == "energy" ? "energy" : "value of " + of) +
-                                                        " lies within " + of + " +- " + name;
-    bounds_of.emplace_back(group.define(name.c_str(), {ping, beam, sample}, "J", long_name.c_str()), name);
-    group.compress(bounds_of.back().first, name.c_str(),
-                   {1, beams.size(), static_cast<std::size_t>(samples.count)});
-  };
-  if (!recording.energy_bound.empty()) {
-    define_bound("energy");
-    for (std::size_t c = 0; c < staff.size(); ++c) define_bound(staff_variables[c].name);
+  for (const PingVariable& of_pings : ping_variables(recording)) {
+    const std::string& name = of_pings.name;
+    const int variable = group.define(name.c_str(), {ping, beam, sample}, "J", meaning_of(name).c_str());
+    if (name == "energy")
+      group.attribute(variable, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
+    group.compress(variable, name.c_str(), {1, beams.size(), static_cast<std::size_t>(samples.count)});
   }
 
   group.variable("ping_time", {ping}, "s", "time of the transmission on the scene's clock",
@@ -264,6 +286,9 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
   group.variable("beam_elevation_width", {beam}, "degree",
                  "full one-way width of the ideal rectangular beam in elevation",
                  column(beams, [](const BeamAxis& axis) { return degrees(axis.elevation_width_rad); }));
+  if (!recording.beam_numbers.empty())
+    group.variable("beam_number", {beam}, "1", "beam of the sonar, counted from 0",
+                   {recording.beam_numbers.begin(), recording.beam_numbers.end()});
 
   std::vector<double> positions, attitudes;
   std::vector<PoseAngles> angles;
@@ -292,17 +317,29 @@ void write_recording(EchoGroup& group, const Recording& recording, const Provena
     group.variable(column.name, {ping}, column.units, column.long_name, column.values);
 
   group.write();
-  const auto count = static_cast<std::size_t>(samples.count);
-  for (std::size_t p = 0; p < recording.pings(); ++p) {
-    group.write_ping(energy, "energy", p, beams.size(), count, recording.energy_of(p).data());
-    for (std::size_t c = 0; c < staff.size(); ++c)
-      group.write_ping(staff[c], staff_variables[c].name, p, beams.size(), count,
-                       recording.channel_of(p, c + 1).data());
-    for (std::size_t c = 0; c < bounds_of.size(); ++c)
-      group.write_ping(
-          bounds_of[c].first, bounds_of[c].second.c_str(), p, beams.size(), count,
-          recording.energy_bound.subspan((p * recording.channels() + c) * recording.cells()).data());
-    recording.let_go(p);
+}
+
+/// Packed by all threads, written in order: `group` is the full name of the recording's group, with its "/".
+void write_pings(Hdf5Chunks& file, const std::string& group, const Recording& recording) {
+  const std::vector<PingVariable> variables = ping_variables(recording);
+  const std::size_t chunks = recording.pings() * variables.size();
+  constexpr std::size_t most_bytes_at_once = 64 << 20;
+  const std::size_t block =
+      std::clamp<std::size_t>(most_bytes_at_once / (recording.cells() * sizeof(double)), 1, 4096);
+  Steps steps("pings of echoes.nc", recording.pings());
+  for (std::size_t first = 0; first < chunks; first += block) {
+    std::vector<std::vector<unsigned char>> packed(std::min(block, chunks - first));
+    tbb::parallel_for(std::size_t{0}, packed.size(), [&](std::size_t k) {
+      packed[k] =
+          packed_chunk(variables[(first + k) % variables.size()].values((first + k) / variables.size()));
+    });
+    for (std::size_t k = 0; k < packed.size(); ++k) {
+      const std::size_t ping = (first + k) / variables.size(), variable = (first + k) % variables.size();
+      file.write(group + variables[variable].name, ping, packed[k]);
+      if (variable + 1 < variables.size()) continue;
+      recording.let_go(ping);
+      steps.done();
+    }
   }
 }
 
@@ -313,23 +350,30 @@ void write_echoes(const fs::path& path, const std::vector<Recording>& recordings
   if (recordings.empty()) throw std::invalid_argument("no recording to write into " + path.string());
   for (const Recording& recording : recordings) check(recording);
 
-  std::size_t bytes = 0;
-  for (const Recording& r : recordings) bytes += r.energy.size_bytes() + r.energy_bound.size_bytes();
-  EchoFile file(path, bytes, bytes <= most_bytes_in_memory);
+  std::size_t bytes = 0, small_bytes = 0;
+  for (const Recording& r : recordings) {
+    constexpr std::size_t variables = 32;  // more than there are over pings, over beams, over samples
+    bytes += r.energy.size_bytes() + r.energy_bound.size_bytes();
+    small_bytes += variables * sizeof(double) *
+                   (r.pings() + r.sensor->beams().size() + std::size_t(r.sensor->samples().count));
+  }
+  EchoFile file(path, bytes <= most_bytes_in_memory, small_bytes);
   EchoGroup root(file, file.id());
   for (const auto& [name, value] : attributes_of(provenance))
     std::visit([&](const auto& v) { root.attribute(name, v); }, value);
-  if (recordings.size() == 1) {
-    write_recording(root, recordings.front(), provenance);
-  } else {
-    for (const Recording& recording : recordings) {
+  const bool grouped = recordings.size() > 1;
+  for (const Recording& recording : recordings) {
+    int id = file.id();
+    if (grouped) {
       const std::string& name = recording.sensor->description().name;
-      int id = 0;
       file.check(nc_def_grp(file.id(), name.c_str(), &id), fmt::format("define group '{}'", name));
-      EchoGroup group(file, id);
-      write_recording(group, recording, provenance);
     }
+    EchoGroup group(file, id);
+    define_recording(group, recording, provenance);
   }
+  Hdf5Chunks& chunks = file.chunks(bytes);
+  for (const Recording& recording : recordings)
+    write_pings(chunks, grouped ? "/" + recording.sensor->description().name + "/" : "/", recording);
   file.close();
 }
 

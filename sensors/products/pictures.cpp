@@ -6,6 +6,8 @@
 
 #include <stdexcept>
 
+#include "geometry/steps/steps.hpp"
+#include "sensors/pictures/camera_animation.hpp"
 #include "sensors/pictures/camera_picture.hpp"
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/pictures/image_file.hpp"
@@ -45,7 +47,7 @@ void write_fan_exr(const fs::path& file, const Recording& recording, std::size_t
       values[sample * beams + beam] = static_cast<float>(energy[beam * samples + sample]);
   auto attributes =
       exr_attributes(recording, "range samples, the nearest first", "beams, from port to starboard");
-  attributes.attribute("ping", static_cast<int>(ping));
+  attributes.attribute("ping", static_cast<int>(recording.number_of(ping)));
   attributes.attribute("ping_time_s", OIIO::TypeDesc::DOUBLE, 1, &recording.ping_time_s[ping]);
   write_exr(file, static_cast<int>(beams), static_cast<int>(samples), values, attributes);
 }
@@ -58,7 +60,9 @@ void write_two_sided_exr(const fs::path& file, const Recording& recording) {
           exr_attributes(recording, "pings, the first on top",
                          "port samples, the farthest first, then starboard samples, the nearest first")));
   std::vector<float> row(2 * samples);
+  Steps steps("pings of a picture", recording.pings());
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    steps.done();
     const std::span<const double> energy = recording.energy_of(ping);
     for (std::size_t k = 0; k < samples; ++k) {
       row[samples - 1 - k] = static_cast<float>(energy[k]);
@@ -91,56 +95,92 @@ const std::string& font_for(const std::string& sensor, std::vector<std::string>&
 
 std::vector<fs::path> write_two_sided_pictures(const fs::path& folder, const Recording& recording,
                                                const std::optional<Heard>& heard,
+                                               const PictureSettings& settings,
                                                std::vector<std::string>& warnings) {
   check(recording);
+  if (!settings.wants(PictureSettings::Which::sequence)) return {};
   const std::string stem = stem_of(*recording.sensor);
   const std::string& font = font_for(stem, warnings);
   std::vector<fs::path> files{stem + ".png", stem + ".exr"};
-  draw_waterfall(recording, font).write_png(folder / files[0], stem);
+  draw_waterfall(recording, font).write_png(folder / files[0], stem, settings.bits);
   write_two_sided_exr(folder / files[1], recording);
   if (heard) {
     files.push_back(stem + "-received.png");
-    draw_waterfall(recording, font, &*heard).write_png(folder / files.back(), stem);
+    draw_waterfall(recording, font, &*heard).write_png(folder / files.back(), stem, settings.bits);
   }
   return files;
 }
 
 std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording& recording,
-                                         const std::optional<Heard>& heard, bool sequence_alone,
+                                         const std::optional<Heard>& heard, const PictureSettings& settings,
+                                         PictureSettings::Which otherwise,
                                          std::vector<std::string>& warnings) {
   check(recording);
+  using Which = PictureSettings::Which;
+  if (!settings.wants(Which::sequence, otherwise)) return {};
+  const bool each_ping = settings.wants(Which::all, otherwise);
   const std::string stem = stem_of(*recording.sensor);
   const std::string& font = font_for(stem, warnings);
   std::vector<fs::path> files;
-  if (recording.pings() > 1 || sequence_alone) {
-    files.push_back(stem + "-sequence.png");
-    draw_camera_sequence(recording, font).write_png(folder / files.back(), stem);
-    if (heard) {
-      files.push_back(stem + "-sequence-received.png");
-      draw_camera_sequence(recording, font, &*heard).write_png(folder / files.back(), stem);
+  const auto write_sequence = [&](const std::string& part, const Heard* as_heard) {
+    if (recording.pings() > 1 || !each_ping) {
+      files.push_back(stem + part + ".png");
+      draw_camera_sequence(recording, font, as_heard).write_png(folder / files.back(), stem, settings.bits);
     }
-  }
-  if (sequence_alone) return files;
-  const auto name = [&](std::size_t ping, const char* type) {
-    return fs::path(fmt::format("{}-{:04}.{}", stem, ping, type));
+    if (!settings.animated || recording.pings() == 1) return;
+    files.push_back(stem + part + ".gif");
+    write_camera_animation(folder / files.back(), recording, font, as_heard);
   };
-  const auto received_name = [&](std::size_t ping) {
-    return fs::path(fmt::format("{}-{:04}-received.png", stem, ping));
+  write_sequence("-sequence", nullptr);
+  if (heard) write_sequence("-sequence-received", &*heard);
+  if (!each_ping) return files;
+  const auto name = [&](std::size_t ping, const char* ending) {
+    return fs::path(fmt::format("{}-{:04}{}", stem, recording.number_of(ping), ending));
   };
+  const CameraFrames frames(recording, font);
+  Steps steps("pictures", recording.pings());
   tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
-    draw_camera_frame(recording, ping, font)
-        .write_png(folder / name(ping, "png"), fmt::format("{}, ping {}", stem, ping));
+    const std::string what = fmt::format("{}, ping {}", stem, recording.number_of(ping));
+    frames.draw(ping).write_png(folder / name(ping, ".png"), what, settings.bits);
     if (heard)
-      draw_camera_frame(recording, ping, font, &*heard)
-          .write_png(folder / received_name(ping), fmt::format("{}, ping {}, as received", stem, ping));
-    write_fan_exr(folder / name(ping, "exr"), recording, ping);
+      frames.draw(ping, &*heard)
+          .write_png(folder / name(ping, "-received.png"), what + ", as received", settings.bits);
+    write_fan_exr(folder / name(ping, ".exr"), recording, ping);
     recording.let_go(ping);
+    steps.done();
   });
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    files.insert(files.end(), {name(ping, "png"), name(ping, "exr")});
-    if (heard) files.push_back(received_name(ping));
+    files.insert(files.end(), {name(ping, ".png"), name(ping, ".exr")});
+    if (heard) files.push_back(name(ping, "-received.png"));
   }
   return files;
+}
+
+WritingCost cost_of_fan_pictures(const Recording& recording, bool heard, const PictureSettings& settings,
+                                 PictureSettings::Which otherwise) {
+  using Which = PictureSettings::Which;
+  constexpr double sheet_s = 0.5, animation_frame_s = 0.4, frame_s = 0.15, picture_bytes = 6e5,
+                   gif_bytes = 1e5;
+  const double looks = heard ? 2 : 1, pings = static_cast<double>(recording.pings());
+  WritingCost cost;
+  if (!settings.wants(Which::sequence, otherwise)) return cost;
+  cost += {looks * sheet_s, 0, looks * picture_bytes};
+  const double frames = static_cast<double>(animation_frames(recording.pings()).size());
+  if (settings.animated) cost += {looks * frames * animation_frame_s, 0, looks * frames * gif_bytes};
+  if (settings.wants(Which::all, otherwise))
+    cost += {0, looks * frame_s * pings,
+             pings * (looks * picture_bytes + 4.0 * static_cast<double>(recording.cells()))};
+  return cost;
+}
+
+WritingCost cost_of_two_sided_pictures(const Recording& recording, bool heard,
+                                       const PictureSettings& settings) {
+  constexpr double waterfall_s = 1.5, waterfall_bytes = 1e6, exr_cell_s = 3e-8;
+  if (!settings.wants(PictureSettings::Which::sequence)) return {};
+  const double looks = heard ? 2 : 1;
+  WritingCost cost = cost_by_cells(recording, exr_cell_s, 4);
+  cost += {looks * waterfall_s, 0, looks * waterfall_bytes};
+  return cost;
 }
 
 }  // namespace tubefoot

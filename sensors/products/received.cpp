@@ -31,7 +31,7 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
 
 std::vector<double> received(const Recording& recording, const RunContext& run, std::size_t ping) {
   const RangeSamples& samples = recording.sensor->samples();
-  const auto number = static_cast<std::uint32_t>(ping);
+  const std::uint32_t number = recording.number_of(ping);
   const ReceiverChain receiver = receiver_of(recording, run);
   const std::optional<double> pulse_us = recording.sensor->description().signal.pulse_length_us;
   if (!pulse_us) return receiver.receive(number, recording.energy_of(ping), samples);

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "files/streamed_file.hpp"
+#include "geometry/steps/steps.hpp"
 #include "sensors/detection/staff_soundings.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/pictures/image_file.hpp"
@@ -21,16 +22,19 @@ void write_soundings(const fs::path& path, const Recording& recording, const Int
   file.append(
       "ping,time_s,side,sample,range_m,energy_j,phase_rad,coherence,angle_deg,angle_sigma_deg,"
       "depth_m,depth_sigma_m,east_m,north_m,up_m\n");
+  Steps steps("pings of soundings", recording.pings());
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    steps.done();
     std::string lines;
     for (const InterferometricSounding& s : interferometric_soundings(recording, ping, noise))
       fmt::format_to(std::back_inserter(lines),
                      "{},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},"
                      "{:.9g}\n",
-                     ping, recording.ping_time_s[ping], s.beam == 0 ? "port" : "starboard", s.sample,
-                     s.range_m, s.energy_j, s.phase_rad, s.coherence, degrees(s.estimate.angle_rad),
-                     degrees(s.estimate.angle_sigma_rad), s.estimate.depth_m, s.estimate.depth_sigma_m,
-                     s.position_m.x, s.position_m.y, s.position_m.z);
+                     recording.number_of(ping), recording.ping_time_s[ping],
+                     s.beam == 0 ? "port" : "starboard", s.sample, s.range_m, s.energy_j, s.phase_rad,
+                     s.coherence, degrees(s.estimate.angle_rad), degrees(s.estimate.angle_sigma_rad),
+                     s.estimate.depth_m, s.estimate.depth_sigma_m, s.position_m.x, s.position_m.y,
+                     s.position_m.z);
     file.append(lines);
     recording.let_go(ping);
   }
@@ -42,7 +46,9 @@ template <typename Value>
 void write_cells_exr(const fs::path& file, const Recording& recording, const char* quantity, Value value) {
   const auto count = static_cast<std::size_t>(recording.sensor->samples().count);
   std::vector<float> cells;
+  Steps steps("pings of a picture", recording.pings());
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    steps.done();
     for (std::size_t k = count; k-- > 0;)
       cells.push_back(static_cast<float>(value(interferometric_sample(recording, ping, 0, k))));
     for (std::size_t k = 0; k < count; ++k)
@@ -64,19 +70,24 @@ std::vector<fs::path> write_staff_files(const fs::path& folder, const Recording&
                                         const RunContext& run, bool phase_noise) {
   check(recording);
   const SensorDescription& sensor = recording.sensor->description();
-  std::vector<fs::path> files{sensor.name + "-phase.png", sensor.name + "-phase.exr",
-                              sensor.name + "-coherence.exr", sensor.name + "-soundings.csv"};
-  draw_phases(recording, label_font()).write_png(folder / files[0], sensor.name + ", phase");
-  write_cells_exr(folder / files[1], recording, "phase of upper against lower receiver [rad]",
-                  [](const InterferometricSample& s) { return s.phase_rad().value_or(0); });
-  write_cells_exr(folder / files[2], recording, "coherence of the two receivers [1]",
-                  [](const InterferometricSample& s) { return s.coherence(); });
+  const bool pictures = run.pictures.wants(PictureSettings::Which::sequence);
   const InterferometricNoise noise{receiver_of(recording, run).noise_j(), phase_noise, run.seed};
-  write_soundings(folder / files[3], recording, noise);
-  if (noise.phase_noise || noise.receiver_noise_j > 0) {
+  std::vector<fs::path> files;
+  if (pictures) {
+    files = {sensor.name + "-phase.png", sensor.name + "-phase.exr", sensor.name + "-coherence.exr"};
+    draw_phases(recording, label_font())
+        .write_png(folder / files[0], sensor.name + ", phase", run.pictures.bits);
+    write_cells_exr(folder / files[1], recording, "phase of upper against lower receiver [rad]",
+                    [](const InterferometricSample& s) { return s.phase_rad().value_or(0); });
+    write_cells_exr(folder / files[2], recording, "coherence of the two receivers [1]",
+                    [](const InterferometricSample& s) { return s.coherence(); });
+  }
+  files.emplace_back(sensor.name + "-soundings.csv");
+  write_soundings(folder / files.back(), recording, noise);
+  if (pictures && (noise.phase_noise || noise.receiver_noise_j > 0)) {
     files.emplace_back(sensor.name + "-phase-received.png");
     draw_phases(recording, label_font(), &noise)
-        .write_png(folder / files.back(), sensor.name + ", phase as received");
+        .write_png(folder / files.back(), sensor.name + ", phase as received", run.pictures.bits);
   }
   return files;
 }

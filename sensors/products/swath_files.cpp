@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "geometry/steps/steps.hpp"
 #include "sensors/detection/sounding_grid.hpp"
 #include "sensors/formats/soundings_file.hpp"
 #include "sensors/model/angles.hpp"
@@ -174,10 +175,13 @@ class SwathFiles {
       });
     };
     std::future<std::vector<PlacedPing>> next = found_from(0);
+    Steps steps("pings of soundings", recording_.pings());
     for (std::size_t first = 0; first < recording_.pings(); first += size) {
       std::vector<PlacedPing> block = next.get();
       if (first + size < recording_.pings()) next = found_from(first + size);
+      const std::size_t pings = block.size();
       add(std::move(block));
+      for (std::size_t k = 0; k < pings; ++k) steps.done();
     }
     for (const auto& table : tables_) table->finish();
     for (const auto& format : formats_) format->finish();
@@ -228,11 +232,13 @@ class SwathFiles {
       return;
     }
     grid_->write_tiff(new_file("-depth", ".tif"));
+    if (!run_.pictures.wants(PictureSettings::Which::sequence)) return;
     const std::string& font = font_for(name_, warnings_);
-    draw_depths(grid_->depths(), name_, font).write_png(new_file("-depth", ".png"), name_);
+    draw_depths(grid_->depths(), name_, font)
+        .write_png(new_file("-depth", ".png"), name_, run_.pictures.bits);
     if (ideal_grid_ && !ideal_grid_->depths().empty())
       draw_depths(ideal_grid_->depths(), name_ + "   by an ideal receiver", font)
-          .write_png(new_file("-depth-ideal", ".png"), name_);
+          .write_png(new_file("-depth-ideal", ".png"), name_, run_.pictures.bits);
   }
 
   const fs::path& folder_;

@@ -232,7 +232,7 @@ class GsfFormat : public SwathFormat {
     ping.depth_corrector_m = -fix.place.lon_lat_height.z;
     if (settings_.is_like_8101) {
       ping.reson_8101 = settings_8101(recording_, settings_);
-      ping.ping_number = static_cast<std::uint32_t>(placed.ping);
+      ping.ping_number = recording_.number_of(placed.ping);
     }
     const glm::dquat attitude = recording_.ping_pose[placed.ping].attitude;
     for (std::size_t beam = 0; beam < placed.sounded.soundings.size(); ++beam) {
@@ -274,7 +274,7 @@ class XtfFormat : public SwathFormat {
     const NavigationFix& fix = placed.fix;
     XtfPlace place;
     place.unix_time_s = fix.unix_time_s;
-    place.ping_number = static_cast<std::uint32_t>(placed.ping);
+    place.ping_number = recording_.number_of(placed.ping);
     place.x = fix.place.lon_lat_height.x;
     place.y = fix.place.lon_lat_height.y;
     place.heading_deg = fix.lie.heading_deg;

@@ -56,7 +56,7 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
   const auto count = static_cast<std::size_t>(samples.count);
   SoundedPing sounded;
   const std::span<const double> energy = recording_.energy_of(ping);
-  const auto number = static_cast<std::uint32_t>(ping);
+  const std::uint32_t number = recording_.number_of(ping);
   sounded.received_j =
       pulse_extent_m_ > 0
           ? receiver_.receive(number, spread_over_pulse(energy, samples, pulse_extent_m_), samples)
@@ -72,7 +72,7 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
     if (!found) continue;
     const double angle_rad = across_angle_rad(sensor.beams()[beam]);
     Sounding sounding;
-    sounding.ping = static_cast<std::uint32_t>(ping);
+    sounding.ping = number;
     sounding.beam = static_cast<std::uint32_t>(beam);
     sounding.time_s = recording_.ping_time_s[ping];
     sounding.position_m =

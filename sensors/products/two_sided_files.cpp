@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <optional>
 #include <stdexcept>
 
+#include "geometry/steps/steps.hpp"
 #include "sensors/detection/sidescan_mosaic.hpp"
 #include "sensors/formats/xtf_file.hpp"
 #include "sensors/model/angles.hpp"
@@ -31,7 +33,9 @@ class Amplitudes {
  public:
   Amplitudes(const Recording& recording, const RunContext& run)
       : recording_(recording), run_(run), receiver_(receiver_of(recording, run)) {
+    Steps steps("pings read for the scales of codes", recording.pings());
     for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+      steps.done();
       for (const float value : of(ping)) {
         largest_ = std::max(largest_, value);
         if (value <= 0) continue;
@@ -97,7 +101,7 @@ class XtfRecord {
     file_.add_navigation({time_s, at.x, at.y, height_m});
     XtfSidescanPing record;
     record.place.unix_time_s = time_s;
-    record.place.ping_number = static_cast<std::uint32_t>(ping);
+    record.place.ping_number = recording_.number_of(ping);
     record.place.x = at.x;
     record.place.y = at.y;
     record.place.heading_deg = angles.heading_deg;
@@ -215,6 +219,49 @@ struct Map {
   }
 };
 
+/// Whether all pings of a line cover the same strip of the bed, which has no area: the sensor neither moves
+/// nor turns between them, or there is one.
+bool at_rest(const Recording& recording, const PingSpan& line) {
+  const RangeSamples& samples = recording.sensor->samples();
+  const double far_m = samples.first_m + samples.count * samples.step_m;
+  constexpr double still_m = 1e-6;
+  for (std::size_t ping = line.first + 1; ping < line.end; ++ping) {
+    const Pose &before = recording.ping_pose[ping - 1], &pose = recording.ping_pose[ping];
+    const glm::dvec3 forward(0, 1, 0);
+    if (glm::distance(before.position_m, pose.position_m) +
+            far_m * glm::distance(before.attitude * forward, pose.attitude * forward) >
+        still_m)
+      return false;
+  }
+  return true;
+}
+
+std::string no_mosaic_at_rest(const std::string& name, std::size_t pings) {
+  return fmt::format(
+      "{}-mosaic.tif is not written: {} a line on the bed and no area; a mosaic needs a sensor that moves or "
+      "turns "
+      "from ping to ping (the waterfall shows what was heard)",
+      name, pings == 1 ? "one ping covers" : "the sensor is at rest, so that its pings cover");
+}
+
+/// Why a recording makes no mosaic, as far as its poses tell.
+std::optional<std::string> why_no_mosaic(const Recording& recording) {
+  const auto rests = [&](const PingSpan& line) { return at_rest(recording, line); };
+  if (recording.ping_pose.empty() || !std::ranges::all_of(recording.lines(), rests)) return std::nullopt;
+  return no_mosaic_at_rest(recording.sensor->description().name, recording.pings());
+}
+
+/// Amplitudes as a map has them: without a value where there is no surface, which is not the same as shadow.
+std::vector<float> on_a_map(const Recording& recording, std::size_t ping, std::vector<float> amplitudes) {
+  if (!recording.surfaces) return amplitudes;
+  const std::vector<int> surfaces = recording.surfaces(ping);
+  const auto count = static_cast<std::size_t>(recording.sensor->samples().count);
+  for (std::size_t beam = 0; beam < surfaces.size(); ++beam)
+    for (auto k = static_cast<std::size_t>(surfaces[beam]); k < count; ++k)
+      if (float& amplitude = amplitudes[beam * count + k]; !(amplitude > 0)) amplitude = std::nanf("");
+  return amplitudes;
+}
+
 /// <name>-mosaic.tif and .png; nothing, and a warning, where nothing lies on the bed.
 std::vector<fs::path> write_map(const fs::path& folder, const Recording& recording, const RunContext& run,
                                 const Map& map, std::vector<std::string>& warnings) {
@@ -231,9 +278,10 @@ std::vector<fs::path> write_map(const fs::path& folder, const Recording& recordi
     return {};
   }
   map.mosaic.write_tiff(folder / file, run.frame, "uPa");
+  if (!run.pictures.wants(PictureSettings::Which::sequence)) return {file};
   draw_mosaic(cells, recording.sensor->description().signal.display_gain_db,
               fmt::format("{}   mosaic, cells of {:g} m", map.name, cells.cell_m()), label_font())
-      .write_png(folder / picture, map.name);
+      .write_png(folder / picture, map.name, run.pictures.bits);
   return {file, picture};
 }
 
@@ -249,8 +297,10 @@ double mosaic_cell_m(const Recording& recording) {
 }
 
 std::vector<std::string> two_sided_files_left_out(const Recording& recording, const RunContext& run) {
-  const std::optional<std::string> why = why_no_xtf(recording, run);
-  return why ? std::vector<std::string>{*why} : std::vector<std::string>{};
+  std::vector<std::string> left_out;
+  for (const std::optional<std::string>& why : {why_no_xtf(recording, run), why_no_mosaic(recording)})
+    if (why) left_out.push_back(*why);
+  return left_out;
 }
 
 std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Recording& recording,
@@ -262,22 +312,28 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
   const Quantiser all = Quantiser::xtf_amplitude(amplitudes.largest_upa()),
                   visible = Quantiser::xtf_amplitude(amplitudes.white_upa());
   const auto why_not = why_no_xtf(recording, run);
-  if (why_not) warnings.push_back(*why_not);
-  ScanlinePicture picture(folder / waterfall, static_cast<int>(recording.cells()),
-                          static_cast<int>(recording.pings()),
-                          waterfall_spec(recording, amplitudes.white_upa()));
+  const auto why_no_map = why_no_mosaic(recording);
+  for (const std::optional<std::string>& why : {why_not, why_no_map})
+    if (why) warnings.push_back(*why);
+  std::optional<ScanlinePicture> picture;
+  if (run.pictures.wants(PictureSettings::Which::sequence))
+    picture.emplace(folder / waterfall, static_cast<int>(recording.cells()),
+                    static_cast<int>(recording.pings()), waterfall_spec(recording, amplitudes.white_upa()));
   const double cell_m = mosaic_cell_m(recording);
   Map whole{name, SidescanMosaic(cell_m)};
   std::vector<std::uint16_t> codes(recording.cells());
   std::vector<fs::path> files, maps;
   const std::vector<PingSpan> lines = recording.lines();
+  Steps steps("pings of a sidescan's files", recording.pings());
   for (std::size_t k = 0; k < lines.size(); ++k) {
     // As surveys are kept: a file a line.
-    const std::string of_line = lines.size() == 1 ? name : fmt::format("{}-line-{:02}", name, k + 1);
+    const std::string of_line =
+        lines.size() == 1 ? name : fmt::format("{}-line-{:02}", name, recording.first_line + k + 1);
     std::optional<XtfRecord> xtf;
     if (!why_not) xtf.emplace(folder / (of_line + ".xtf"), recording, run, widths, amplitudes.largest_upa());
     Map map{of_line, SidescanMosaic(cell_m)};
     for (std::size_t ping = lines[k].first; ping < lines[k].end; ++ping) {
+      steps.done();
       const std::vector<float> heard = amplitudes.of(ping);
       const auto code = [&](const Quantiser& quantiser) {
         std::transform(heard.begin(), heard.end(), codes.begin(),
@@ -285,9 +341,12 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
         return std::span<const std::uint16_t>(codes);
       };
       if (xtf) xtf->add(ping, code(all));
-      add_waterfall_row(picture, code(visible));
-      whole.add(recording, ping, heard);
-      if (lines.size() > 1) map.add(recording, ping, heard);
+      if (picture) add_waterfall_row(*picture, code(visible));
+      if (!why_no_map) {
+        const std::vector<float> mapped = on_a_map(recording, ping, heard);
+        whole.add(recording, ping, mapped);
+        if (lines.size() > 1) map.add(recording, ping, mapped);
+      }
       recording.let_go(ping);
     }
     whole.mosaic.end_line();
@@ -295,11 +354,17 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
       xtf->finish();
       files.emplace_back(of_line + ".xtf");
     }
-    if (lines.size() > 1) append(maps, write_map(folder, recording, run, map, warnings));
+    if (lines.size() == 1 || why_no_map) continue;
+    if (at_rest(recording, lines[k]))
+      warnings.push_back(no_mosaic_at_rest(of_line, lines[k].end - lines[k].first));
+    else
+      append(maps, write_map(folder, recording, run, map, warnings));
   }
-  picture.finish();
-  files.push_back(waterfall);
-  append(files, write_map(folder, recording, run, whole, warnings));
+  if (picture) {
+    picture->finish();
+    files.push_back(waterfall);
+  }
+  if (!why_no_map) append(files, write_map(folder, recording, run, whole, warnings));
   append(files, maps);
   return files;
 }

@@ -20,6 +20,8 @@ struct SensorEchoes {
   std::vector<double> beam_azimuth_deg;
   std::vector<double> beam_elevation_deg;  ///< optional
   std::vector<double> ping_time_s;         ///< optional
+  /// Of a part of a run: what the scene calls its pings and the sonar its beams; whole, increasing. Optional
+  std::vector<double> ping_number, beam_number;
 
   double at(std::size_t ping, std::size_t beam, std::size_t sample) const {
     return energy.at((ping * beams + beam) * samples + sample);

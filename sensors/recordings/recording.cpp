@@ -78,9 +78,14 @@ std::vector<NamedAttribute> attributes_of(const Provenance& provenance) {
 
 std::vector<PingColumn> ping_columns(const Recording& recording, const Provenance& provenance) {
   std::vector<PingColumn> of_lines;
+  if (!recording.ping_numbers.empty())
+    of_lines.push_back({"ping_number",
+                        "1",
+                        "ping of the scene, counted from 0",
+                        {recording.ping_numbers.begin(), recording.ping_numbers.end()}});
   if (!recording.line_starts.empty()) {
     of_lines.push_back({"line", "1", "line of the survey, counted from 1", {}});
-    double number = 0;
+    auto number = static_cast<double>(recording.first_line);
     for (const PingSpan& line : recording.lines()) of_lines.back().values.resize(line.end, ++number);
   }
   if (!provenance.frame.is_georeferenced()) return of_lines;

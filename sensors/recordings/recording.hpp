@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,10 +36,23 @@ struct Recording {
   double absorption_db_per_km = 0;
   /// Reference runs: certified half-width of each energy [J], laid out as the energies; empty in others.
   std::span<const double> energy_bound{};
+  // Of a part of a run (docs/commands.md):
+  std::vector<std::uint32_t> ping_numbers{};   ///< as the scene counts them; empty: all, from 0
+  std::vector<std::uint32_t> beam_numbers{};   ///< as the sonar counts them; empty: all
+  std::size_t first_line = 0;                  ///< lines of the survey before the first of line_starts
+  std::shared_ptr<const Sensor> some_beams{};  ///< with beam_numbers: `sensor`, with these beams only
   /// Tells the keeper of the energies that those of a ping will not be read again soon; keeps them alive.
   std::function<void(std::size_t ping)> release{};
+  /// Of each beam of a ping, how many samples from the first on may hold a surface, seen or hidden. Beyond
+  /// them the scene has nothing in the beam, and what is dark there is no shadow: pictures show it in a
+  /// colour of its own. Thread-safe; empty where that is not known.
+  std::function<std::vector<int>(std::size_t ping)> surfaces{};
 
   std::size_t pings() const { return ping_time_s.size(); }
+  /// What a ping is called, in files and pictures, and by what draws its noise.
+  std::uint32_t number_of(std::size_t ping) const {
+    return ping_numbers.empty() ? static_cast<std::uint32_t>(ping) : ping_numbers[ping];
+  }
   /// The lines of a survey, or all pings as one.
   std::vector<PingSpan> lines() const;
   /// The one of a ping.
@@ -88,8 +103,9 @@ struct PingColumn {
 std::vector<PingColumn> ping_columns(const Recording& recording, const Provenance& provenance);
 
 /// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording: variables in the root group. Several: one
-/// group per sensor, named after it. Recordings of more than `most_bytes_in_memory` are written ping by ping,
-/// if the disk has room for all of it. Throws std::runtime_error naming the file and what failed.
+/// group per sensor, named after it. Pings are packed by all threads and written in order; equal recordings
+/// give equal bytes. Recordings of more than `most_bytes_in_memory` are written onto the disk ping by ping,
+/// if it has room for all of it. Throws std::runtime_error naming the file and what failed.
 void write_echoes(const std::filesystem::path& file, const std::vector<Recording>& recordings,
                   const Provenance& provenance, std::size_t most_bytes_in_memory = std::size_t{16} << 20);
 

@@ -2,12 +2,27 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "scene/description/water_description.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {
+
+/// Which pictures a run writes beside its files, and how.
+struct PictureSettings {
+  enum class Which {
+    none,
+    sequence,  ///< those that show several pings at once
+    all,       ///< and one of each ping, where that is what the sonar shows
+  };
+  std::optional<Which> which{};  ///< unset: as the sensor says, else all
+  int bits = 8;                  ///< of a PNG's components, 8 or 16
+  bool animated = false;         ///< sequences of pings as a GIF as well
+
+  bool wants(Which least, Which otherwise = Which::all) const { return which.value_or(otherwise) >= least; }
+};
 
 /// What the files of a recording need to know of its run.
 struct RunContext {
@@ -16,6 +31,7 @@ struct RunContext {
   std::uint64_t seed = 1;   ///< of speckle and noise
   WaterDescription water;
   std::string title;
+  PictureSettings pictures{};
 };
 
 }  // namespace tubefoot

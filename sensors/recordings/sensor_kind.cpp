@@ -9,6 +9,9 @@ SensorDescription SensorKind::in_water(SensorDescription sensor, double, std::ve
 
 std::vector<std::string> SensorKind::files_left_out(const Recording&, const RunContext&) const { return {}; }
 
+std::optional<SonarOutline> SensorKind::outline(const SensorDescription&) const { return std::nullopt; }
+WritingCost SensorKind::writing_cost(const Recording&, const RunContext&) const { return {}; }
+
 const SensorKind& kind_of(const SensorDescription& sensor) {
   return dynamic_cast<const SensorKind&>(sensor.kind.section());
 }

@@ -9,7 +9,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "compare/echo_errors.hpp"
+#include "compare/measures/echo_errors.hpp"
 #include "files/json_text.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"

@@ -8,8 +8,12 @@
 #include <limits>
 
 #include "app/commands.hpp"
+#include "files/outlet.hpp"
 #include "files/shown.hpp"
+#include "files/usage_error.hpp"
+#include "plan/scene_drawing.hpp"
 #include "run/abilities.hpp"
+#include "run/console/amounts.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
 #include "run/run_request.hpp"
@@ -31,19 +35,6 @@ std::string length_text(double metres) {
   if (metres < 1e-3) return fmt::format("{:.3g} um", metres * 1e6);
   if (metres < 1) return fmt::format("{:.3g} mm", metres * 1e3);
   return fmt::format("{:.3g} m", metres);
-}
-
-std::string duration_text(double seconds) {
-  constexpr double minute = 60, hour = 3600;
-  if (seconds < 2 * minute) return fmt::format("{:.3g} s", seconds);
-  if (seconds < 2 * hour) return fmt::format("{:.3g} minutes", seconds / minute);
-  return fmt::format("{:.3g} hours", seconds / hour);
-}
-
-std::string size_text(double bytes) {
-  if (bytes < 1e6) return fmt::format("{:.3g} kB", bytes / 1e3);
-  if (bytes < 1e9) return fmt::format("{:.3g} MB", bytes / 1e6);
-  return fmt::format("{:.4g} GB", bytes / 1e9);
 }
 
 void print_components(const Scene& scene) {
@@ -190,6 +181,7 @@ void print_cost(const Survey& survey, RunRequest request, int threads) {
   const Scene& scene = survey.scene;
   request.binning = Binning::exact;
   const Shots shots(survey, request);
+  const WritingCost writing = expected_writing(survey, request, {});
   double seconds = 0, largest_gap_m = 0;
   for (const SharedShots& group : survey.shots) {
     const std::size_t pings = survey.fleet->pings(group), probes = std::min<std::size_t>(pings, 3);
@@ -215,21 +207,26 @@ void print_cost(const Survey& survey, RunRequest request, int threads) {
   tell(
       "expected cost  {} for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
       "to 3 "
-      "pings a sensor; writing files comes on top)\n",
-      duration_text(seconds), name_of(request.visibility.arithmetic), threads);
+      "pings a sensor), then about {} for writing files\n",
+      duration_text(seconds), name_of(request.visibility.arithmetic), threads,
+      duration_text(writing.seconds_on(threads)));
   double bytes = 0;
   for (const StoreLayout::Sensor& sensor : layout_of(survey, request).sensors)
     bytes += 8.0 * static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells);
-  tell(
-      "expected disk  {} for energies while it runs, and as much at most for echoes.nc; other files come on "
-      "top\n",
-      size_text(bytes));
+  tell("expected disk  {} for energies while it runs, and at most about {} for the result\n",
+       size_text(bytes), size_text(writing.bytes));
 }
 
 }  // namespace
 
-int check_command(const CommonOptions& options) {
+int check_command(const CheckOptions& options) {
   SceneDescription description = described(options);
+  std::optional<OutputFile> picture;
+  if (options.picture) {
+    if (options.picture->extension() != ".png")
+      throw UsageError(fmt::format("'{}': a picture is written as .png", options.picture->string()));
+    picture.emplace(*options.picture, inputs_of(description));
+  }
   const ThreadLimit limit(description.run.threads);
   const auto survey = [&] {
     const Progress loading("scene", 1, options.quiet);
@@ -246,6 +243,10 @@ int check_command(const CommonOptions& options) {
   print_warnings(vast_windows(*survey), options.quiet);
   for (const Silence& silence : foreseen_silence(*survey, request))
     print_warnings({silence.warning}, options.quiet);
+  if (picture) {
+    write_scene_picture(picture->path(), *survey, standings);
+    picture->commit();
+  }
 
   tell("scene          {}\n",
        shown_line(description.title.empty() ? description.file.string() : description.title));
@@ -307,6 +308,7 @@ int check_command(const CommonOptions& options) {
     if (pings.water) tell("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);
   }
   print_cost(*survey, request, limit.threads());
+  if (picture) tell("wrote {}\n", options.picture->string());
   return 0;
 }
 

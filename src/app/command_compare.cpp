@@ -6,15 +6,24 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
+#include "compare/attribution/attribution.hpp"
+#include "compare/attribution/perfect_engine.hpp"
+#include "compare/calibration.hpp"
 #include "compare/comparison.hpp"
 #include "compare/comparison_picture.hpp"
+#include "compare/diagnosis/diagnosis_words.hpp"
 #include "compare/echo_pairs.hpp"
+#include "compare/recipe_truth.hpp"
+#include "compare/report_page.hpp"
 #include "files/checked_file.hpp"
+#include "files/file_hash.hpp"
+#include "files/inlet.hpp"
 #include "files/json_text.hpp"
 #include "files/outlet.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "run/console/say.hpp"
+#include "run/settings.hpp"
 
 namespace tubefoot {
 namespace {
@@ -44,11 +53,12 @@ void print_first_return(const FirstReturnErrors& first) {
       first.in_both, first.only_in_reference, first.only_in_candidate, first.in_neither);
 }
 
-void print_sensor(const SensorErrors& sensor) {
+void print_sensor(const SensorErrors& sensor, const SensorFit* fit) {
   const SensorEchoes& reference = *sensor.pair.reference;
   const EchoErrors& errors = sensor.errors;
   tell("\n{}: {} pings x {} beams x {} samples\n", shown_line(reference.name), reference.pings,
        reference.beams, reference.samples);
+  if (fit) tell("{}", fit_text(*fit));
   tell("  relative L1 error        {:.3g}\n", errors.l1);
   tell("  RMS error of lit bins    {:.3g} dB\n", errors.rms_db);
   tell("  total energy ratio       {:.6g} ({:+.3g} dB)\n", errors.energy_ratio,
@@ -56,6 +66,7 @@ void print_sensor(const SensorErrors& sensor) {
   tell("  empty where lit          {} of {} lit bins (above {:.3g} J)\n", errors.empty_where_lit,
        errors.lit_bins, errors.lit_threshold_j);
   tell("  lit where shadow         {} of {} shadow bins\n", errors.lit_where_shadow, errors.shadow_bins);
+  if (fit) tell("{}", unitless_text(unitless_errors(echo_pair(sensor.pair))));
   print_first_return(errors.first_return);
   if (const auto& bound = errors.within_bound)
     tell(
@@ -89,8 +100,11 @@ std::size_t worst_ping(const EchoPairs::Sensor& pair) {
   return worst;
 }
 
-void write_picture(const fs::path& file, const std::vector<SensorErrors>& sensors,
-                   const EchoContents& reference, const EchoContents& candidate) {
+Canvas picture_of(const std::vector<SensorErrors>& sensors, const EchoContents& reference,
+                  const EchoContents& candidate) {
+  if (label_font().empty())
+    say("warning: the picture has no labels: no font was found (on Debian, install "
+        "fonts-dejavu-core)\n");
   std::vector<ComparedEchoes> drawn;
   drawn.reserve(sensors.size());
   for (const auto& [pair, errors] : sensors)
@@ -98,20 +112,66 @@ void write_picture(const fs::path& file, const std::vector<SensorErrors>& sensor
   const std::vector<std::string> subtitle{
       fmt::format("reference: {}, {}", reference.file.string(), made_by(reference.provenance)),
       fmt::format("candidate: {}, {}", candidate.file.string(), made_by(candidate.provenance))};
-  const Canvas picture = draw_comparison(drawn, subtitle, label_font());
-  picture.write_png(file, "tubefoot compare");
+  return draw_comparison(drawn, subtitle, label_font());
+}
+
+/// "SHA-256  file": what a page was made of.
+std::string hash_line(const fs::path& file) { return fmt::format("{}  {}", sha256_of(file), file.string()); }
+
+/// Of a perfect engine, where one is given.
+std::optional<fs::path> ideal_file(const CompareOptions& options) {
+  if (!options.ideal || beam_sampling(*options.ideal)) return std::nullopt;
+  return *options.ideal;
+}
+
+/// The command that makes the same again.
+std::string command_of(const CompareOptions& options) {
+  std::string command =
+      fmt::format("tubefoot compare {} {}", options.reference.string(), options.candidate.string());
+  if (options.sensor) command += " --sensor " + *options.sensor;
+  if (options.any_scene) command += " --any-scene";
+  if (options.frames > 1) command += fmt::format(" --frames {}", options.frames);
+  if (options.recipe) command += " --recipe " + options.recipe->string();
+  if (!options.fit.empty()) command += " --fit " + options.fit;
+  if (options.geometry) command += " --geometry";
+  if (options.threshold) command += fmt::format(" --threshold {}", *options.threshold);
+  if (options.ideal) command += " --diagnose --ideal " + *options.ideal;
+  if (options.scene) command += " --scene " + options.scene->string();
+  return command + " --html " + options.html->string();
+}
+
+std::string page_of(const CompareOptions& options, const nlohmann::ordered_json& figures,
+                    const Canvas& picture, const std::vector<Diagnosis>& diagnoses) {
+  std::vector<std::string> files{hash_line(options.reference), hash_line(options.candidate)};
+  for (const auto& file : {ideal_file(options), options.recipe, options.scene})
+    if (file) files.push_back(hash_line(*file));
+  std::string caption =
+      "Reference, candidate and their ratio in dB: red where the candidate is stronger, blue where it is "
+      "weaker.";
+  for (const Diagnosis& diagnosis : diagnoses)
+    if (diagnosis.has("level") || diagnosis.has("range-law")) {
+      caption += " Gain and law of range are as they came: --fit gain,range shows what is left without them.";
+      break;
+    }
+  return report_page({figures, picture.screen_png("tubefoot compare"), caption, files, command_of(options)});
 }
 
 struct Outputs {
-  std::optional<OutputFile> json, png;
+  std::optional<OutputFile> json, png, html;
 
-  explicit Outputs(const CompareOptions& options) {
-    const Inputs inputs{options.reference, options.candidate};
+  Outputs(const CompareOptions& options, Inputs inputs) {
+    inputs.insert(inputs.end(), {options.reference, options.candidate});
+    for (const auto& file : {ideal_file(options), options.recipe})
+      if (file) inputs.push_back(*file);
     const bool to_file = options.json && *options.json != "-";
     if (to_file) json.emplace(*options.json, inputs);
     if (options.png) png.emplace(*options.png, inputs);
+    if (options.html) html.emplace(*options.html, inputs);
     if (to_file && options.png && same_file(*options.json, *options.png))
       throw UsageError("--json and --png name the same file");
+    if (options.html && ((to_file && same_file(*options.json, *options.html)) ||
+                         (options.png && same_file(*options.png, *options.html))))
+      throw UsageError("--html and --json or --png name the same file");
     if (options.png && options.png->extension() != ".png")
       throw UsageError(fmt::format("'{}': a picture is written as .png", options.png->string()));
   }
@@ -120,31 +180,100 @@ struct Outputs {
 }  // namespace
 
 int compare_command(const CompareOptions& options) {
-  Outputs outputs(options);
-  const EchoContents reference = read_echo_file(options.reference),
-                     candidate = read_echo_file(options.candidate);
-  const EchoPairs pairs = pair_echoes(reference, candidate, options.sensor, options.any_scene);
+  const std::optional<BeamSampling> sampling = options.ideal ? beam_sampling(*options.ideal) : std::nullopt;
+  if (sampling && !options.scene)
+    throw UsageError(
+        fmt::format("--ideal {} asks for a perfect engine's picture of the scene: name it with "
+                    "--scene",
+                    *options.ideal));
+  std::optional<SceneDescription> description;
+  if (options.scene) description = described({*options.scene, {}, {}, options.confined, options.quiet});
+  Outputs outputs(options, description ? inputs_of(*description) : Inputs{});
+  const FitTerms terms = options.fit.empty() ? FitTerms{} : fit_terms(options.fit);
+  const std::optional<Recipe> recipe =
+      options.recipe ? std::optional(read_recipe(*options.recipe)) : std::nullopt;
+  const bool diagnosed = options.diagnose || options.html;
+  EchoContents reference = read_echo_file(options.reference);
+  EchoContents candidate = read_echo_file(options.candidate);
+  EchoContents as_given;
+  if (diagnosed) as_given = candidate;
+  if (options.frames > 1) average_frames(candidate, options.frames);
+  EchoPairs pairs = pair_echoes(reference, candidate, options.sensor, options.any_scene);
+  const ThreadLimit limit(description ? description->run.threads : 0);
+  std::optional<SceneAtHand> scene;
+  if (description) scene.emplace(*description, reference, options.any_scene, pairs.notes);
+  std::optional<EchoContents> ideal;
+  std::vector<std::optional<PointsForecast>> forecasts;
+  if (sampling) {
+    ideal = perfect_echoes(*scene, reference, *sampling, options.sensor, options.quiet);
+    for (const EchoPairs::Sensor& pair : pairs.sensors)
+      forecasts.push_back(recipe ? std::nullopt : points_forecast(*scene, *pair.reference, *sampling));
+  } else if (options.ideal) {
+    ideal = read_echo_file(*options.ideal);
+    forecasts.resize(pairs.sensors.size());
+  }
+  if (recipe) apply_recipe(*recipe, reference, pairs);
+  std::vector<GeometryErrors> geometries;  // of what the candidate said, before any fit
+  for (const EchoPairs::Sensor& pair : pairs.sensors)
+    if (options.geometry) geometries.push_back(geometry_errors(echo_pair(pair), options.threshold));
+  std::vector<SensorFit> fits;
+  if (terms.any()) fits = fit_candidate(candidate, pairs, terms);
   const std::vector<SensorErrors> sensors = errors_of(pairs, options.worst);
+  std::vector<Diagnosis> diagnoses;
+  std::vector<IdealShare> shares;
+  if (ideal) {
+    if (recipe) apply_recipe(*recipe, *ideal, pair_echoes(*ideal, *ideal, options.sensor, true));
+    const EchoPairs of_ideal = pair_echoes(reference, *ideal, options.sensor, options.any_scene);
+    diagnoses = diagnose(pairs, as_given, &of_ideal);
+    const std::vector<SensorErrors> errors = errors_of(of_ideal, 0);
+    for (std::size_t k = 0; k < sensors.size(); ++k)
+      shares.push_back({sampling ? sampling->words() : "the sampling of " + *options.ideal,
+                        errors[k].errors.l1, errors[k].errors.rms_db, sensors[k].errors.l1, forecasts[k]});
+  } else if (diagnosed) {
+    diagnoses = diagnose(pairs, as_given, nullptr);
+  }
+  std::vector<Attribution> attributions;
+  if (scene && (options.attribute || options.html))
+    for (const EchoPairs::Sensor& pair : pairs.sensors)
+      attributions.push_back(
+          attribute(*scene, *pair.reference, echo_pair(pair), options.worst, options.quiet));
+  for (const SensorErrors& sensor : sensors)
+    if (const std::string hint = wild_ratio_hint(sensor.errors); !terms.gain && !hint.empty())
+      pairs.notes.push_back(fmt::format("{}: {}", sensor.pair.reference->name, hint));
   bool held = true;
   for (const auto& [pair, errors] : sensors) {
     if (options.within_l1) held = held && errors.l1 <= *options.within_l1;
     if (options.within_db) held = held && errors.rms_db <= *options.within_db;
   }
 
-  if (options.png) {
-    if (label_font().empty())
-      say("warning: the picture has no labels: no font was found (on Debian, install "
-          "fonts-dejavu-core)\n");
-    write_picture(outputs.png->path(), sensors, reference, candidate);
-    outputs.png->commit();
-  }
   std::string json;
-  if (options.json) {
+  if (options.json || options.html) {
     nlohmann::ordered_json all = comparison_json(reference, candidate, pairs, sensors);
+    if (recipe) all["recipe"] = {{"file", options.recipe->string()}, {"title", recipe->title}};
+    for (std::size_t k = 0; k < sensors.size(); ++k) {
+      auto& sensor = all["sensors"][k];
+      if (!fits.empty()) {
+        sensor["fit"] = fit_json(fits[k]);
+        sensor["unitless"] = unitless_json(unitless_errors(echo_pair(pairs.sensors[k])));
+      }
+      if (!geometries.empty()) sensor["geometry"] = geometry_json(geometries[k]);
+      if (!diagnoses.empty()) sensor["diagnosis"] = diagnosis_json(diagnoses[k]);
+      if (!shares.empty()) sensor["ideal"] = ideal_json(shares[k]);
+      if (!attributions.empty()) sensor["attribution"] = attribution_json(attributions[k]);
+    }
     if (options.within_l1) all["within"]["l1_error"] = *options.within_l1;
     if (options.within_db) all["within"]["rms_db_error"] = *options.within_db;
     if (options.within_l1 || options.within_db) all["within"]["held"] = held;
     json = text_of(all) + "\n";
+    if (options.html) {
+      write_file(outputs.html->path(),
+                 page_of(options, all, picture_of(sensors, reference, candidate), diagnoses));
+      outputs.html->commit();
+    }
+  }
+  if (options.png) {
+    picture_of(sensors, reference, candidate).write_png(outputs.png->path(), "tubefoot compare");
+    outputs.png->commit();
   }
   if (options.json == "-") {
     tell("{}", json);
@@ -157,12 +286,25 @@ int compare_command(const CompareOptions& options) {
 
   tell("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(), made_by(reference.provenance),
        candidate.file.string(), made_by(candidate.provenance));
+  if (recipe)
+    tell("recipe     {}{}\n", options.recipe->string(),
+         recipe->title.empty() ? "" : ": " + shown_line(recipe->title));
   for (const std::string& note : pairs.notes) tell("note       {}\n", shown_line(note));
-  for (const SensorErrors& sensor : sensors) print_sensor(sensor);
+  for (std::size_t k = 0; k < diagnoses.size(); ++k) {
+    tell("{}", diagnosis_text(shown_line(pairs.sensors[k].reference->name), diagnoses[k]));
+    if (!shares.empty()) tell("{}", ideal_text(shares[k]));
+  }
+  for (std::size_t k = 0; k < attributions.size(); ++k)
+    tell("{}", attribution_text(shown_line(pairs.sensors[k].reference->name), attributions[k]));
+  for (std::size_t k = 0; k < sensors.size(); ++k) {
+    print_sensor(sensors[k], fits.empty() ? nullptr : &fits[k]);
+    if (!geometries.empty()) tell("{}", geometry_text(pairs.sensors[k], geometries[k]));
+  }
   if (options.within_l1 || options.within_db)
     tell("\n{}\n", held ? "within the allowed error" : "BEYOND the allowed error");
   if (options.json) tell("wrote {}\n", *options.json);
   if (options.png) tell("wrote {}\n", options.png->string());
+  if (options.html) tell("wrote {}\n", options.html->string());
   return held ? within : beyond;
 }
 

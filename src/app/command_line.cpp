@@ -17,9 +17,11 @@
 #include <vector>
 
 #include "app/commands.hpp"
+#include "app/library_versions.hpp"
 #include "files/input_error.hpp"
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
+#include "files/words.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/console/interrupt.hpp"
 #include "run/console/say.hpp"
@@ -72,16 +74,20 @@ void hold_closed_streams() {
 /// What the command line asks for: the options of each command, and the one command that is called.
 struct Asked {
   RunOptions run;
-  CommonOptions check;
+  CheckOptions check;
   AuditOptions audit;
   FootprintOptions footprints;
   CoverageOptions coverage;
   ViewOptions view;
   RefineOptions refine;
+  ExportOptions exported;
+  ImportSceneOptions import_scene;
   CompareOptions compare;
+  ImportOptions import;
   ChartOptions chart;
   AdviseOptions advise;
   PresetsOptions presets;
+  PackOptions pack;
   std::function<int()> command;
 };
 
@@ -91,6 +97,26 @@ void add_run(CLI::App& app, Asked& asked) {
       app.add_subcommand("run", "Simulate all pings of a scene and write echoes, pictures and statistics");
   add_common(*command, run);
   command->add_option("-o,--output", run.output, "folder to write; made whole or not at all")->required();
+  command->add_option("--sensor", run.selection.sensor, "only this sensor");
+  command->add_option("--ping,--pings", run.selection.pings,
+                      "only pings A:B of each sensor, both included, counted from 0 (default: all)");
+  command->add_option(
+      "--beam,--beams", run.selection.beams,
+      "only echoes of beams A:B, both included, or several such between commas (default: all)");
+  command
+      ->add_option_function<std::string>(
+          "--pictures",
+          [&run](const std::string& word) {
+            using Which = PictureSettings::Which;
+            run.pictures.which = word == "none" ? Which::none : word == "all" ? Which::all : Which::sequence;
+          },
+          "none; sequence: those of several pings at once; all: and of each ping, where a sonar shows such "
+          "(default: as the sensor says, else all)")
+      ->check(CLI::IsMember({"none", "sequence", "all"}));
+  command->add_flag("--animate", run.pictures.animated,
+                    "also write pings of cameras and imaging sonars one after the other, as a GIF");
+  command->add_option("--picture-bits", run.pictures.bits, "bits a colour of a PNG: 8 or 16 (default: 8)")
+      ->check(CLI::IsMember({8, 16}));
   command->add_option("--engine", run.engine, "tube (exact) or ray (sampling)")
       ->check(CLI::IsMember({"tube", "ray"}));
   command
@@ -111,20 +137,27 @@ void add_run(CLI::App& app, Asked& asked) {
   command->add_option("--tolerance", run.tolerance,
                       "error allowed, 0.1dB (RMS of lit bins), 1e-3 or 0.1% (relative L1): picks engine and "
                       "settings as 'advise' does; with --reference: the bound asked for (default: 1e-9)");
+  command->add_flag("--truth", run.truth,
+                    "write beside every energy whose it is, by object and material, and its mean height and "
+                    "range (docs/truth.md)");
   command->add_flag(
       "--resume", run.resume,
       "go on with a run that was interrupted or killed, from '<output>.partial'; begin if there is "
       "none");
-  command->footer("Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead");
+  command->footer(
+      "Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead\n"
+      "  tubefoot run scenes/wellhead/scene.toml -o out/some --sensor sidescan --pings 100:120");
   command->callback([&asked] { asked.command = [&asked] { return run_command(asked.run); }; });
 }
 
 void add_check(CLI::App& app, Asked& asked) {
-  CommonOptions& check = asked.check;
+  CheckOptions& check = asked.check;
   CLI::App* command =
       app.add_subcommand("check", "Load everything a scene names and say what was understood");
   add_common(*command, check);
-  command->footer("Example:\n  tubefoot check scenes/wellhead/scene.toml");
+  command->add_option("--png", check.picture,
+                      "draw the scene: plan and side views with bed, objects, tracks and where sensors look");
+  command->footer("Example:\n  tubefoot check scenes/wellhead/scene.toml --png scene.png");
   command->callback([&asked] { asked.command = [&asked] { return check_command(asked.check); }; });
 }
 
@@ -194,6 +227,13 @@ void add_view(CLI::App& app, Asked& asked) {
   command->add_option("--pings", view.pings,
                       "pings A:B, both included, counted from 0 (default: 0; of a sidescan or an echosounder "
                       "as many as a page shows well)");
+  CLI::Option* candidate = command->add_option(
+      "--candidate", view.candidate,
+      "echo file of another engine: its picture, and how far it is from this one, beside the scene");
+  command
+      ->add_option("--reference", view.reference,
+                   "with --candidate: echo file of the picture that it is held against (default: RESULT's)")
+      ->needs(candidate);
   command->add_option("--scene", view.moved_scene, "where the scene of RESULT is, if it has moved");
   command
       ->add_option("--arithmetic", view.arithmetic,
@@ -219,27 +259,188 @@ void add_refine(CLI::App& app, Asked& asked) {
   command->callback([&asked] { asked.command = [&asked] { return refine_command(asked.refine); }; });
 }
 
+void add_export(CLI::App& app, Asked& asked) {
+  ExportOptions& exported = asked.exported;
+  CLI::App* command = app.add_subcommand(
+      "export", "Write a scene for another engine: same triangles, same pose, same sonar (docs/exchange.md)");
+  command->add_option("SCENE", exported.scene, "scene file (docs/scene-file.md)")->required();
+  command->add_option("--threads", exported.threads, "threads to use; default: all cores")
+      ->check(CLI::Range(1, 4096));
+  add_scene_flags(*command, exported);
+  command->add_option("--to", exported.to, "sdf (Gazebo), stonefish (.scn), gltf, obj or holoocean (JSON)")
+      ->required()
+      ->check(CLI::IsMember({"sdf", "stonefish", "gltf", "obj", "holoocean"}));
+  command->add_option("-o,--output", exported.output, "folder to write; made whole or not at all")
+      ->required();
+  command->add_option("--ping", exported.ping, "the ping whose pose goes out, counted from 0 (default: 0)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--sensor", exported.sensor, "only this sensor (default: all)");
+  command->footer("Example:\n  tubefoot export scenes/imaging/scene.toml --to stonefish -o out/imaging-scn");
+  command->callback([&asked] { asked.command = [&asked] { return export_command(asked.exported); }; });
+}
+
+void add_import_scene(CLI::App& app, Asked& asked) {
+  ImportSceneOptions& world = asked.import_scene;
+  CLI::App* command = app.add_subcommand(
+      "import-scene",
+      "Make a scene file of another engine's world: geometry, poses and sonars (docs/exchange.md)");
+  command->add_option("WORLD", world.world, "SDF file (.sdf, .world) or Stonefish scenario (.scn)")
+      ->required();
+  command->add_option("-o,--output", world.output, "folder to write; made whole or not at all")->required();
+  command
+      ->add_option("--model-path", world.model_path,
+                   "folder that model://NAME/... is looked for in, and that files may come from besides the "
+                   "world's own folder; may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--quiet", world.quiet, "do not say what is left out");
+  command->footer("Example:\n  tubefoot import-scene harbour.world --model-path models -o out/harbour");
+  command->callback(
+      [&asked] { asked.command = [&asked] { return import_scene_command(asked.import_scene); }; });
+}
+
 void add_compare(CLI::App& app, Asked& asked) {
   CompareOptions& compare = asked.compare;
   CLI::App* command = app.add_subcommand("compare", "Measure how far one engine's echoes are from another's");
   command->add_option("REFERENCE", compare.reference, "echo file taken for true (docs/echo-file.md)")
       ->required();
   command->add_option("CANDIDATE", compare.candidate, "echo file of the engine in question")->required();
+  command->add_option(
+      "--html", compare.html,
+      "write one page into this file: findings (--diagnose), with --scene whose the error is, pictures, "
+      "figures, how to repeat it");
+  command->add_option("--recipe", compare.recipe,
+                      "put the reference into the candidate's own measure by the steps of this file "
+                      "(docs/recipes.md)");
   command->add_option("--json", compare.json, "write all figures into this file; -: print them instead");
   command->add_option("--png", compare.png, "draw both and their difference into this file");
   command->add_option("--sensor", compare.sensor, "only this sensor");
   command->add_option("--worst", compare.worst, "number of worst bins to list (default: 5)")
       ->check(CLI::Range(0, 1000000));
   command->add_flag("--any-scene", compare.any_scene, "compare although the scene hashes differ");
+  command->add_option(
+      "--fit", compare.fit,
+      "compare after fitting gain, range (a power of it) and offset (a floor), or some of them: "
+      "gain,range,offset");
+  command->add_flag(
+      "--geometry", compare.geometry,
+      "compare what is seen and where, whatever its energy: first returns, shadows, visible area");
+  command
+      ->add_option("--threshold", compare.threshold,
+                   "with --geometry: the candidate is lit above this (default: above its noise floor)")
+      ->check(finite_number(0, false))
+      ->needs("--geometry");
+  command->add_flag(
+      "--diagnose", compare.diagnose,
+      "say what is wrong: shifts, scales, mirror, spacing, blur, law of range, shadows, noise, each "
+      "with its size and error bar");
+  command
+      ->add_option(
+          "--ideal", compare.ideal,
+          "with --diagnose: what of the error a perfect engine of this sampling would have: 1x512 (columns x "
+          "rays of each beam) or points:512 (at random), with --scene; or an echo file of one")
+      ->needs("--diagnose");
+  CLI::Option* scene =
+      command->add_option("--scene", compare.scene, "the scene that the reference was computed of");
+  command
+      ->add_flag("--attribute", compare.attribute,
+                 "say whose the error is: by object, material, kind of bin, range and beam, and which facets "
+                 "are behind the worst bins")
+      ->needs(scene);
+  command
+      ->add_option("--frames", compare.frames,
+                   "average as many of the candidate's pings, which are frames of one (default: 1)")
+      ->check(CLI::Range(1, 1000000));
   command->add_option("--within", compare.within_l1, "exit with 3 if a relative L1 error is larger")
       ->check(finite_number(0, false));
   command
       ->add_option("--within-db", compare.within_db,
                    "exit with 3 if an RMS error of lit bins, in dB, is larger")
       ->check(finite_number(0, false));
+  add_scene_flags(*command, compare);
   command->footer(
       "Example:\n  tubefoot compare out/wellhead/echoes.nc out/wellhead-rays/echoes.nc --png out/rays.png");
   command->callback([&asked] { asked.command = [&asked] { return compare_command(asked.compare); }; });
+}
+
+void add_import(CLI::App& app, Asked& asked) {
+  ImportOptions& import = asked.import;
+  CLI::App* command = app.add_subcommand(
+      "import", "Turn another engine's pictures into an echo file that 'compare' reads (docs/import.md)");
+  command
+      ->add_option(
+          "RESULT", import.results,
+          "pictures, or folders of them: .npy, .npz, .csv, .png, .tif, .exr, .nc; in the order of their "
+          "names a ping each")
+      ->required();
+  command->add_option("-o,--output", import.output, "echo file to write (.nc); originals go beside it")
+      ->required();
+  CLI::Option* like =
+      command->add_option("--like", import.like,
+                          "echo file of the reference: beams, ranges and poses, and the truth to test with");
+  CLI::Option* scene =
+      command->add_option("--scene", import.scene, "scene file instead: the reference is run for it")
+          ->excludes(like);
+  command->add_option("--sensor", import.sensor, "the reference's sensor, where it has several");
+  command
+      ->add_option("--profile", import.profile,
+                   "what an engine writes is assumed: " + one_of(profile_names(), '\''))
+      ->check(CLI::IsMember(profile_names()));
+  command->add_option(
+      "--scale", import.scale,
+      "what the numbers are: energy, amplitude, db, db:REFERENCE (the energy of 0 dB) or 8bit");
+  command
+      ->add_option(
+          "--order", import.order,
+          "range-first: a row is a range; beam-first: a row is a beam; two-sided: a row is a ping of a "
+          "sidescan, port left (default: as the shape tells)")
+      ->check(CLI::IsMember({"range-first", "beam-first", "two-sided"}));
+  // An optional flag of CLI11 is false where it is not given, which is not unset.
+  const auto add_turn = [&](const char* flag, std::optional<bool>& turned, bool value, const char* words) {
+    return command->add_flag_callback(
+        flag, [&turned, value] { turned = value; }, words);
+  };
+  CLI::Option* beams = add_turn("--flip-beams", import.flip_beams, true, "beams go from starboard to port");
+  add_turn("--no-flip-beams", import.flip_beams, false, "they do not, whatever the profile assumes")
+      ->excludes(beams);
+  CLI::Option* range = add_turn("--flip-range", import.flip_range, true, "ranges go from far to near");
+  add_turn("--no-flip-range", import.flip_range, false, "they do not, whatever the profile assumes")
+      ->excludes(range);
+  command->add_option(
+      "--azimuths", import.azimuths,
+      "where beams are: even or tangent over the reference's opening, FILE.csv (azimuth_deg), or "
+      "FIRST:LAST in degrees (default: as the file says, else the reference's)");
+  command->add_option("--ranges", import.ranges,
+                      "where samples are: FIRST:LAST in m (default: as the file says, else the reference's)");
+  command
+      ->add_option("--range-origin", import.range_origin,
+                   "whether ranges, declared or the file's, are of the samples' edges or centres")
+      ->check(CLI::IsMember({"edges", "centres"}));
+  command->add_option(
+      "--cartesian", import.cartesian,
+      "the picture is a fan in even pixels: COLUMN:ROW:METRES, its apex in pixels and metres a pixel, "
+      "or fan: it fills the picture");
+  command->add_option("--forward", import.forward, "with --cartesian: where ahead is (default: up)")
+      ->check(CLI::IsMember({"up", "down", "left", "right"}))
+      ->needs("--cartesian");
+  command->add_flag("--resample", import.resample,
+                    "bring pictures of other bins onto the reference's, by means");
+  command->add_option("--variable", import.variable,
+                      "the picture among the arrays of an NPZ or netCDF file, or the channel of an image");
+  command->add_option("--range-variable", import.range_variable, "and that of its ranges, in metres");
+  command->add_option("--azimuth-variable", import.azimuth_variable, "and that of its azimuths, in radians");
+  command->add_option("--topic", import.topic,
+                      "of a recording of ROS 2, the topic of the pictures (default: the only one with any)");
+  command->add_option("--recipe", import.recipe, "test against the truth in the engine's own measure");
+  command->add_flag("--strict", import.strict, "refuse what the truth refutes, instead of a warning");
+  command->add_flag("--confined", import.confined,
+                    "of a scene, read nothing that lies outside of its file's folder, links followed");
+  command->footer(
+      "Example:\n  tubefoot import frames/*.png --like out/reference/echoes.nc --profile stonefish -o "
+      "candidate.nc");
+  command->callback([&asked, like, scene] {
+    if (like->empty() && scene->empty()) throw CLI::RequiredError("--like REFERENCE or --scene SCENE");
+    asked.command = [&asked] { return import_command(asked.import); };
+  });
 }
 
 void add_chart(CLI::App& app, Asked& asked) {
@@ -290,6 +491,25 @@ void add_presets(CLI::App& app, Asked& asked) {
   command->callback([&asked] { asked.command = [&asked] { return presets_command(asked.presets); }; });
 }
 
+void add_pack(CLI::App& app, Asked& asked) {
+  PackOptions& pack = asked.pack;
+  CLI::App* command = app.add_subcommand(
+      "pack", "Write the reference pack: scenes that separate causes, and their answers with bounds");
+  command->add_option("-o,--output", pack.output, "folder to write; made whole or not at all")->required();
+  command->add_option("--seed", pack.seed,
+                      "a validation set of the same classes, drawn by this word (default: the debug set)");
+  command->add_option("--scenes", pack.scenes,
+                      "only these, names between commas (default: all; docs/reference-pack.md)");
+  command->add_flag("--without-answers", pack.without_answers, "scenes only, to be handed out");
+  command->add_option("--threads", pack.threads, "threads to use (default: all cores)")
+      ->check(CLI::Range(1, 4096));
+  command->add_flag("--quiet", pack.quiet, "print results and errors only");
+  command->footer(
+      "Example:\n  tubefoot pack -o out/pack\n"
+      "  tubefoot pack --seed 'what we agreed on' --without-answers -o out/to-hand-out");
+  command->callback([&asked] { asked.command = [&asked] { return pack_command(asked.pack); }; });
+}
+
 /// Says so, where the first word is no command.
 bool refused_first_word(const CLI::App& app, int argc, char** argv) {
   const auto is_named = [&](const CLI::App* sub) { return argc > 1 && sub->get_name() == argv[1]; };
@@ -332,15 +552,17 @@ void require_memory_of_libraries() { ::operator delete(::operator new (std::size
 
 int obeyed(int argc, char** argv) {
   CLI::App app{"tubefoot: a sonar simulator that measures footprints instead of sampling them.", "tubefoot"};
-  app.set_version_flag("--version", [] { return "tubefoot " TUBEFOOT_VERSION "\n" + build_in_words(); });
+  app.set_version_flag(
+      "--version", [] { return "tubefoot " TUBEFOOT_VERSION "\n" + build_in_words() + library_versions(); });
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
   app.footer(
       "Exit status:\n  0  done\n  1  the run failed\n  2  the input or the command line is wrong\n"
       "  3  a comparison found more error than was allowed");
   Asked asked;
-  for (const auto add : {add_run, add_check, add_audit, add_footprints, add_coverage, add_view, add_refine,
-                         add_compare, add_chart, add_advise, add_presets})
+  for (const auto add :
+       {add_run, add_check, add_audit, add_footprints, add_coverage, add_view, add_refine, add_export,
+        add_import_scene, add_compare, add_import, add_chart, add_advise, add_presets, add_pack})
     add(app, asked);
   if (refused_first_word(app, argc, argv)) return wrong_input;
   try {
@@ -367,7 +589,7 @@ int run_command_line(int argc, char** argv) {
     require_memory_of_libraries();
     return obeyed(argc, argv);
   });
-  errno = 0;
+  errno = tell_error;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   const std::string why = errno != 0 ? fmt::format(": {}", std::strerror(errno)) : "";
   say("tubefoot: cannot write to standard output{}\n", why);

@@ -12,17 +12,19 @@
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
+#include "plan/scene_drawing.hpp"
+#include "run/console/amounts.hpp"
 #include "run/console/say.hpp"
+#include "run/console/written.hpp"
 #include "run/partial_run.hpp"
 #include "run/ranks/run_ranks.hpp"
-#include "run/refraction.hpp"
 #include "run/run_statistics.hpp"
 #include "run/run_steps.hpp"
+#include "run/run_warnings.hpp"
 #include "run/settings.hpp"
-#include "run/silence.hpp"
 #include "run/simulation.hpp"
-#include "run/standing.hpp"
 #include "run/survey.hpp"
+#include "run/truth.hpp"
 #include "study/ping_spread.hpp"
 
 namespace tubefoot {
@@ -113,20 +115,9 @@ struct RunUnderWay {
   int threads = 0;
   std::optional<int> ranks;
   double simulation_seconds = 0, write_seconds = 0;
-  std::vector<std::string> warnings;
-  std::vector<std::size_t> silent;  ///< sensors that were told to hear nothing
-
-  void warn(const std::vector<Silence>& silences) {
-    for (const Silence& silence : silences) {
-      if (std::ranges::find(silent, silence.sensor) != silent.end()) continue;
-      silent.push_back(silence.sensor);
-      warn(std::vector{silence.warning});
-    }
-  }
-  void warn(const std::vector<std::string>& more) {
-    print_warnings(more, options.quiet);
-    warnings.insert(warnings.end(), more.begin(), more.end());
-  }
+  std::vector<TruthRecording> truths;  ///< if asked for
+  RunWarnings warnings{
+      [this](const std::string& warning, bool) { print_warnings({warning}, options.quiet); }};
 };
 
 /// Settings as the run that is gone on with had them, as the scene says, or as a tolerance picks them.
@@ -146,6 +137,33 @@ void settle(RunUnderWay& run, const SceneDescription& description, const Partial
   run.identity["run"] = json_of(run.request);
 }
 
+/// Says what writing will take where that is much, and that the disk is too small.
+void foresee_writing(RunUnderWay& run, const Survey& survey) {
+  const PictureSettings& pictures = run.options.pictures;
+  if (pictures.animated && pictures.which == PictureSettings::Which::none)
+    throw UsageError("--animate asks for pictures, and --pictures none for none: leave out one of them");
+  const WritingCost cost = expected_writing(survey, run.request, pictures);
+  double kept = 0;
+  for (const StoreLayout::Sensor& sensor : layout_of(survey, run.request).sensors)
+    kept += 8.0 * static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells);
+  if (run.request.reference_tolerance) kept *= 2;
+  constexpr double long_s = 10, large_bytes = 1e9;
+  const double seconds = cost.seconds_on(run.threads);
+  if (!run.options.quiet && (seconds > long_s || kept + cost.bytes > large_bytes))
+    say("writing will take about {}, and the disk {} for energies while it runs and at most about {} for the "
+        "result\n",
+        duration_text(seconds), size_text(kept), size_text(cost.bytes));
+  std::error_code unknown;
+  const std::filesystem::space_info disk = std::filesystem::space(
+      std::filesystem::absolute(run.options.output).lexically_normal().parent_path(), unknown);
+  if (unknown || static_cast<double>(disk.available) >= cost.bytes + kept) return;
+  run.warnings.add(
+      {fmt::format("the disk of '{}' has {}, and the run may need {}: ask for fewer pings "
+                   "(--pings, --sensor), or --pictures none",
+                   run.options.output.string(), size_text(static_cast<double>(disk.available)),
+                   size_text(cost.bytes + kept))});
+}
+
 std::vector<Recording> simulate_all(RunUnderWay& run, const Survey& survey, PartialRun& partial,
                                     std::optional<LeadRank>& lead) {
   const Clock::time_point start = Clock::now();
@@ -160,10 +178,10 @@ std::vector<Recording> simulate_all(RunUnderWay& run, const Survey& survey, Part
       simulate(survey, run.request, *store, {quiet});
     stop_if_wanted();
   });
-  run.stats = totals(survey, *store);
-  std::vector<Recording> recordings = recordings_of(survey, store);
-  run.warn(refraction_warnings(survey, run.request.reference_tolerance.has_value(), run.stats));
-  run.warn(met_silence(survey, run.request, recordings));
+  run.stats = totals(survey, *store, run.request.selection);
+  std::vector<Recording> recordings = recordings_of(survey, store, run.request.selection);
+  run.truths = truths_of(survey, run.request, store);
+  run.warnings.look_back(survey, run.request, run.stats, recordings);
   run.simulation_seconds = seconds_since(start);
   return recordings;
 }
@@ -183,7 +201,7 @@ nlohmann::ordered_json whole_statistics(const RunUnderWay& run, const Survey& su
                      {"write", write_seconds},
                      {"total", seconds_since(run.start)}};
   json["peak_memory_mb"] = peak_memory_mb();
-  json["warnings"] = run.warnings;
+  json["warnings"] = run.warnings.all();
   return json;
 }
 
@@ -194,12 +212,17 @@ std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& sur
   const Clock::time_point start = Clock::now();
   std::vector<std::string> warnings;
   std::vector<std::filesystem::path> files =
-      write_result_files(output.staging(), survey, run.request, recordings, warnings);
-  run.warnings.insert(run.warnings.end(), warnings.begin(), warnings.end());
-  std::erase_if(warnings, [&](const std::string& warning) {
-    return std::ranges::find(foreseen, warning) != foreseen.end();
-  });
-  print_warnings(warnings, run.options.quiet);
+      write_result_files(output.staging(), survey, run.request, recordings, warnings,
+                         {run.options.pictures, run.options.quiet}, run.truths);
+  if (run.options.pictures.which != PictureSettings::Which::none) {
+    write_scene_picture(output.staging() / scene_picture_name, survey);
+    files.emplace_back(scene_picture_name);
+  }
+  for (const std::string& warning : warnings)
+    if (std::ranges::find(foreseen, warning) != foreseen.end())
+      run.warnings.keep({warning});
+    else
+      run.warnings.add({warning});
   write_file(output.staging() / "stats.json",
              text_of(whole_statistics(run, survey, seconds_since(start))) + "\n");
   stop_if_wanted();
@@ -254,21 +277,17 @@ int run_command(const RunOptions& options) {
   run.threads = limit.threads();
   const auto survey = partial.unless_interrupted([&] { return open_survey(description); });
   refuse_changed_input(description);
-  run.warn(survey->scene.report.warnings);
-  run.warn(vast_windows(*survey));
-  // Where a shot's ground is made for it, one more ping takes longer than it is worth.
-  if (!survey->site->has_ground_a_shot() && !survey->site->is_tiled())
-    run.warn(foreseen_silence(*survey, run.request));
-  const std::vector<std::string> left_out = files_left_out(*survey);
+  run.warnings.foresee(*survey, run.request);
+  const std::vector<std::string> left_out = files_left_out(*survey, run.request.selection);
   print_warnings(left_out, options.quiet);
+  foresee_writing(run, *survey);
 
   const std::vector<Recording> recordings = simulate_all(run, *survey, partial, lead);
   std::vector<std::filesystem::path> files;
   partial.keep_through([&] { files = write_all(run, *survey, recordings, left_out, output); });
   partial.remove();
   tell_all(run, *survey->site);
-  const std::filesystem::path folder = options.output;
-  for (const auto& file : files) tell("wrote {}\n", (folder / file).string());
+  for (const std::string& line : written_lines(options.output, files)) tell("{}\n", line);
   return 0;
 }
 

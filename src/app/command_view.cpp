@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "app/commands.hpp"
 #include "files/checked_file.hpp"
@@ -12,6 +13,7 @@
 #include "files/input_error.hpp"
 #include "files/outlet.hpp"
 #include "files/usage_error.hpp"
+#include "plan/scene_drawing.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
 #include "run/shot.hpp"
@@ -27,6 +29,7 @@ namespace {
 struct RunRecord {
   fs::path scene;
   std::string scene_hash, engine, arithmetic, binning;
+  std::optional<std::string> sensor{}, pings{}, beams{};  ///< what it was asked for; none: all
 };
 
 RunRecord read_record(const fs::path& folder) {
@@ -38,8 +41,14 @@ RunRecord read_record(const fs::path& folder) {
   try {
     const auto json = nlohmann::json::parse(
         read_whole(file, {file.string(), 0, 0}, most_bytes, "what 'tubefoot run' writes"));
-    return {json.at("scene").get<std::string>(), json.at("scene_hash").get<std::string>(),
-            json.at("engine").get<std::string>(), json.value("arithmetic", ""), json.value("binning", "")};
+    RunRecord record{json.at("scene").get<std::string>(), json.at("scene_hash").get<std::string>(),
+                     json.at("engine").get<std::string>(), json.value("arithmetic", ""),
+                     json.value("binning", "")};
+    for (const auto& [key, asked] : {std::pair{"sensor", &record.sensor}, std::pair{"pings", &record.pings},
+                                     std::pair{"beams", &record.beams}})
+      if (const auto part = json.find("selection"); part != json.end() && part->contains(key))
+        *asked = part->at(key).get<std::string>();
+    return record;
   } catch (const nlohmann::json::exception& error) {
     throw UsageError(fmt::format("'{}' is not what 'tubefoot run' writes: {}", file.string(), error.what()));
   }
@@ -75,21 +84,96 @@ SceneDescription described_by(const RunRecord& record, const ViewOptions& option
   return description;
 }
 
+/// Of each ping that a view shows, its place in a file; fewer where the file has not all.
+std::vector<std::size_t> places_of(const ViewData& view, const SensorEchoes& echoes) {
+  std::vector<std::size_t> place;
+  for (const ViewPing& ping : view.pings) {
+    const auto own = std::ranges::lower_bound(echoes.ping_number, double(ping.number));
+    if (echoes.ping_number.empty() && ping.number < echoes.pings)
+      place.push_back(ping.number);
+    else if (own != echoes.ping_number.end() && *own == double(ping.number))
+      place.push_back(static_cast<std::size_t>(own - echoes.ping_number.begin()));
+  }
+  return place;
+}
+
+/// What an echo file has of a view's picture, by cell.
+std::vector<double> picture_in(const fs::path& file, const ViewData& view) {
+  const EchoContents contents = read_echo_file(file);
+  const std::string& hash = contents.provenance.scene_hash;
+  if (!hash.empty() && hash != view.scene_hash)
+    throw InputError({file.string()},
+                     fmt::format("scene_hash is {}, but '{}' has {}: view the scene that the file is of",
+                                 hash, view.source, view.scene_hash));
+  auto found = std::ranges::find(contents.sensors, view.sensor, &SensorEchoes::name);
+  if (found == contents.sensors.end() && contents.sensors.size() == 1) found = contents.sensors.begin();
+  if (found == contents.sensors.end())
+    throw InputError(
+        {file.string()},
+        fmt::format("has no sensor '{}', which is viewed: choose another by --sensor", view.sensor));
+  const std::vector<std::size_t> place = places_of(view, *found);
+  if (!found->beam_number.empty() || found->beams != view.beams || found->samples != view.samples ||
+      place.size() != view.pings.size())
+    throw InputError(
+        {file.string()},
+        fmt::format("has {} pings x {} beams x {} samples of sensor '{}', not pings {} to {} x {} "
+                    "x {}, which are viewed: choose pings by --pings",
+                    found->pings, found->beams, found->samples, found->name, view.pings.front().number,
+                    view.pings.back().number, view.beams, view.samples));
+  const std::size_t cells = std::size_t(view.beams) * view.samples;
+  std::vector<double> picture;
+  for (const std::size_t ping : place)
+    picture.insert(picture.end(), found->energy.begin() + std::ptrdiff_t(ping * cells),
+                   found->energy.begin() + std::ptrdiff_t((ping + 1) * cells));
+  return picture;
+}
+
+/// Puts another engine's picture beside a view's.
+void take_candidate(const ViewOptions& options, ViewData& view) {
+  view.reference_name = view.source;
+  if (options.reference) {
+    view.energy_j = picture_in(*options.reference, view);
+    view.reference_name = options.reference->string();
+    view.notes.push_back("The reference's picture is " + view.reference_name +
+                         "; footprints are the scene's.");
+  }
+  view.candidate_name = options.candidate->string();
+  view.candidate_j = picture_in(*options.candidate, view);
+  const double ours = std::reduce(view.energy_j.begin(), view.energy_j.end()),
+               theirs = std::reduce(view.candidate_j.begin(), view.candidate_j.end());
+  const double ratio = theirs / ours;
+  if (!(ratio > 0) || !std::isfinite(ratio) || (ratio <= 2 && ratio >= 0.5)) return;
+  for (double& energy : view.candidate_j) energy /= ratio;
+  view.notes.push_back(fmt::format(
+      "The candidate's energies are {:+.3g} dB off in all: they are shown at the reference's total.",
+      10 * std::log10(ratio)));
+}
+
 /// Replaces a view's picture by the one that the run recorded, and says where footprints do not explain it.
 void take_recorded(const fs::path& folder, const RunRecord& record, ViewData& view) {
   const fs::path file = folder / "echoes.nc";
   const EchoContents contents = read_echo_file(file);
   const auto found = std::find_if(contents.sensors.begin(), contents.sensors.end(),
                                   [&](const SensorEchoes& s) { return s.name == view.sensor; });
+  if (record.beams)
+    throw UsageError(
+        fmt::format("'{}' has beams {} only, which are no picture: view a run of all beams, or '{}'",
+                    folder.string(), *record.beams, record.scene.string()));
+  std::vector<std::size_t> place;  // a run may have some only
+  if (found != contents.sensors.end()) place = places_of(view, *found);
+  const bool has_all = place.size() == view.pings.size();
+  if (found != contents.sensors.end() && record.pings && !has_all)
+    throw UsageError(fmt::format("'{}' has pings {} of each sensor only: ask for some of these with --pings",
+                                 folder.string(), *record.pings));
   if (found == contents.sensors.end() || found->beams != view.beams || found->samples != view.samples ||
-      view.pings.back().number >= found->pings)
+      !has_all)
     throw UsageError(fmt::format("'{}' does not hold the pings of sensor '{}' of its scene: run it again",
                                  file.string(), view.sensor));
   const std::size_t cells = std::size_t(view.beams) * view.samples;
   double total = 0, apart = 0;
   for (std::size_t p = 0; p < view.pings.size(); ++p)
     for (std::size_t c = 0; c < cells; ++c) {
-      const double recorded = found->energy[view.pings[p].number * cells + c];
+      const double recorded = found->energy[place[p] * cells + c];
       double& shown = view.energy_j[p * cells + c];
       total += recorded;
       apart += std::abs(recorded - shown);
@@ -124,31 +208,43 @@ int view_command(const ViewOptions& options) {
   Inputs inputs = inputs_of(description);
   if (of_run)
     for (const char* name : {"stats.json", "echoes.nc", list_name}) inputs.push_back(options.scene / name);
+  for (const auto& file : {options.candidate, options.reference})
+    if (file) inputs.push_back(*file);
   OutputFile output(options.output, inputs);
   const ThreadLimit limit(description.run.threads);
   const auto survey = open_survey(description);
   print_warnings(survey->scene.report.warnings, options.quiet);
-  const std::size_t sensor = options.sensor ? survey->fleet->sensor_named(*options.sensor) : 0;
+  const std::optional<std::string> name = options.sensor || !record ? options.sensor : record->sensor;
+  const std::size_t sensor = name ? survey->fleet->sensor_named(*name) : 0;
   std::optional<PingRange> range;
-  if (options.pings) range = resolved(*options.pings, survey->sensors[sensor].times_s.size());
+  if (options.pings) {
+    range = resolved(*options.pings, survey->sensors[sensor].times_s.size());
+  } else if (record && record->pings) {  // the first that there is
+    range = resolved(*record->pings, survey->sensors[sensor].times_s.size());
+    range->last = range->first;
+  }
 
   ViewData view = gather_view(Shots(*survey, request_of(description.run)), sensor, range, options.quiet);
   view.version = TUBEFOOT_VERSION;
   view.source = options.scene.string();
+  view.drawing = scene_drawing(*survey, {});
   if (has_other_paths(survey->scene))
     view.notes.push_back(
         "Footprints are those of the ordinary echo; paths over mirrors, and what scatters "
         "twice, have none.");
   if (record) take_recorded(options.scene, *record, view);
+  if (options.candidate) take_candidate(options, view);
   const std::string page = view_page(view);
 
   write_file(output.path(), page);
   output.commit();
   if (!options.quiet)
     for (const std::string& note : view.notes) tell("note: {}\n", note);
-  tell("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB)\n", options.output.string(), view.sensor,
-       view.pings.size(), view.pings.size() == 1 ? "ping" : "pings", view.footprints.size(),
-       static_cast<double>(page.size()) / 1e6);
+  const double megabytes = static_cast<double>(page.size()) / 1e6;
+  const auto pings = static_cast<double>(view.pings.size());
+  tell("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB{})\n", options.output.string(), view.sensor,
+       view.pings.size(), view.pings.size() == 1 ? "ping" : "pings", view.footprints.size(), megabytes,
+       view.pings.size() == 1 ? std::string() : fmt::format(", {:.2g} MB a ping", megabytes / pings));
   return 0;
 }
 

@@ -6,9 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "import/import_options.hpp"
 #include "run/options.hpp"
 
 namespace tubefoot {
+
+struct CheckOptions : CommonOptions {
+  std::optional<std::filesystem::path> picture;  ///< of the scene
+};
 
 struct AuditOptions : CommonOptions {
   std::optional<std::string> sensor;
@@ -35,11 +40,27 @@ struct CoverageOptions : CommonOptions {
 struct ViewOptions : CommonOptions {
   std::optional<std::filesystem::path> moved_scene;  ///< where the scene of a result folder is now
   std::optional<std::string> sensor, pings;
+  std::optional<std::filesystem::path> candidate;  ///< echo file whose picture is held against the view's
+  std::optional<std::filesystem::path> reference;  ///< and in the place of that
   std::filesystem::path output;
 };
 
 struct RefineOptions : CommonOptions {
   std::filesystem::path output;
+};
+
+struct ExportOptions : CommonOptions {
+  std::string to;  ///< as exchange_format() reads it
+  std::optional<std::string> sensor;
+  std::int64_t ping = 0;
+  std::filesystem::path output;
+};
+
+/// `world` is an SDF file or a Stonefish scenario.
+struct ImportSceneOptions {
+  std::filesystem::path world, output;
+  std::vector<std::filesystem::path> model_path;  ///< folders of model://
+  bool quiet = false;
 };
 
 struct CompareOptions {
@@ -50,6 +71,17 @@ struct CompareOptions {
   std::size_t worst = 5;
   bool any_scene = false;
   std::optional<double> within_l1, within_db;
+  std::string fit;  ///< of gain, range and offset; empty: none
+  bool geometry = false;
+  std::optional<double> threshold;  ///< above it, the candidate is lit; for geometry
+  std::size_t frames = 1;           ///< pings of the candidate that are averaged
+  bool diagnose = false;
+  std::optional<std::string> ideal;             ///< sampling of a perfect engine, or the file of one
+  std::optional<std::filesystem::path> scene;   ///< that the reference was computed of
+  bool attribute = false;                       ///< say whose the error is
+  bool confined = false, quiet = false;         ///< as CommonOptions, of the scene
+  std::optional<std::filesystem::path> recipe;  ///< puts the truth into the candidate's measure
+  std::optional<std::filesystem::path> html;    ///< page of it all, with a diagnosis
 };
 
 struct ChartOptions {
@@ -75,20 +107,34 @@ struct PresetsOptions {
   std::optional<std::string> name;
 };
 
+/// The reference pack (docs/reference-pack.md).
+struct PackOptions {
+  std::filesystem::path output;
+  std::optional<std::string> seed;  ///< of a validation set; none: the debug set
+  std::string scenes;               ///< names between commas; empty: all
+  bool without_answers = false;
+  std::optional<int> threads;
+  bool quiet = false;
+};
+
 // Each prints to stdout and returns the exit code. They throw InputError where the input is wrong, UsageError
 // where the command line is, and std::exception where the run fails.
 int run_command(const RunOptions& options);
-int check_command(const CommonOptions& options);
+int check_command(const CheckOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
 int coverage_command(const CoverageOptions& options);
 
 int view_command(const ViewOptions& options);
 int refine_command(const RefineOptions& options);
+int export_command(const ExportOptions& options);
+int import_scene_command(const ImportSceneOptions& options);
 int presets_command(const PresetsOptions& options);
 int chart_command(const ChartOptions& options);
 int advise_command(const AdviseOptions& options);
+int pack_command(const PackOptions& options);
 /// Returns 3 where the candidate is not within the error that the options allow.
 int compare_command(const CompareOptions& options);
+int import_command(const ImportOptions& options);
 
 }  // namespace tubefoot

@@ -4,22 +4,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "compare/calibration.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-EchoErrors errors_of(const EchoPairs::Sensor& pair, std::size_t worst) {
-  const SensorEchoes &reference = *pair.reference, &candidate = *pair.candidate;
-  return echo_errors({{reference.pings, reference.beams, reference.samples},
-                      reference.energy,
-                      candidate.energy,
-                      reference.energy_bound,
-                      reference.slant_range_m},
-                     worst);
-}
 
 double decibels(double ratio) { return 10 * std::log10(ratio); }
 
@@ -90,7 +81,7 @@ std::vector<SensorErrors> errors_of(const EchoPairs& pairs, std::size_t worst) {
   std::vector<SensorErrors> sensors;
   for (const EchoPairs::Sensor& pair : pairs.sensors) {
     stop_if_wanted();
-    sensors.push_back({pair, errors_of(pair, worst)});
+    sensors.push_back({pair, echo_errors(echo_pair(pair), worst)});
   }
   return sensors;
 }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "compare/echo_errors.hpp"
 #include "compare/echo_pairs.hpp"
+#include "compare/measures/echo_errors.hpp"
 
 namespace tubefoot {
 

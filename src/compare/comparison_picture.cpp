@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "compare/echo_errors.hpp"
+#include "compare/measures/echo_errors.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 
 namespace tubefoot {
@@ -149,12 +149,12 @@ void frame(Canvas& canvas, int x, int y, int width, int height) {
 
 void tick_below(Canvas& canvas, int x, int bottom, const std::string& label) {
   canvas.fill(x, bottom + 1, x + 1, bottom + 7, palette.faint_ink);
-  canvas.text(x, bottom + 19, label, label_size, palette.ink, Anchor::centre);
+  canvas.label(x, bottom + 19, label, label_size, palette.ink, Anchor::centre);
 }
 
 void tick_left(Canvas& canvas, int left, int y, const std::string& label) {
   canvas.fill(left - 7, y, left - 1, y + 1, palette.faint_ink);
-  if (!label.empty()) canvas.text(left - 12, y, label, label_size, palette.ink, Anchor::right);
+  canvas.label(left - 12, y, label, label_size, palette.ink, Anchor::right);
 }
 
 /// A step of whole numbers.
@@ -170,6 +170,7 @@ void draw_axes(Canvas& canvas, const Drawing& drawing, int left, int top, bool l
   const auto ranges = ticks(near_m, far_m, range_step);
   const int middle = left + drawing.width() / 2;
   if (drawing.waterfall()) {
+    if (labelled) canvas.text(left - 12, top - 22, "ping", label_size, palette.ink, Anchor::right);
     for (std::size_t beam = 0; beam < echoes.beams; ++beam)
       for (const double range : ranges)
         tick_below(canvas, left + drawing.x_of_column(drawing.column_of(beam, drawing.sample_at(range))),
@@ -182,20 +183,19 @@ void draw_axes(Canvas& canvas, const Drawing& drawing, int left, int top, bool l
     const double step = whole_step(echoes.pings, 8);
     for (const double ping : ticks(0, static_cast<double>(echoes.pings - 1), step))
       tick_left(canvas, left, top + drawing.y_of_row(ping), labelled ? tick_label(ping, 1) : "");
-    if (labelled) canvas.text(left - 12, top - 17, "ping", label_size, palette.ink, Anchor::right);
     return;
   }
+  if (labelled) canvas.text(left - 12, top - 22, "range (m)", label_size, palette.ink, Anchor::right);
   const double step = whole_step(echoes.beams, 6);
   for (const double beam : ticks(0, static_cast<double>(echoes.beams - 1), step))
     tick_below(canvas, left + drawing.x_of_column(beam), bottom, tick_label(beam, 1));
-  canvas.text(middle, bottom + 42,
-              fmt::format("beam (azimuth {:.1f} to {:.1f} degrees)", echoes.beam_azimuth_deg.front(),
-                          echoes.beam_azimuth_deg.back()),
-              label_size, palette.ink, Anchor::centre);
+  canvas.label(middle, bottom + 42,
+               fmt::format("beam (azimuth {:.1f} to {:.1f} degrees)", echoes.beam_azimuth_deg.front(),
+                           echoes.beam_azimuth_deg.back()),
+               label_size, palette.ink, Anchor::centre);
   for (const double range : ranges)
     tick_left(canvas, left, top + drawing.y_of_row(drawing.sample_at(range)),
               labelled ? tick_label(range, range_step) : "");
-  if (labelled) canvas.text(left - 64, top - 17, "range (m)", label_size, palette.ink);
 }
 
 /// The ratio's bar, as DecibelScale::draw_legend.
@@ -209,7 +209,7 @@ void draw_difference_legend(Canvas& canvas, double range_db, int x, int y0, int 
     const double decibel = k * range_db / 2;
     const int y = top + static_cast<int>(std::lround((0.5 - k / 4.0) * (bottom - top - 1)));
     canvas.fill(x + bar + 1, y, x + bar + 6, y + 1, palette.faint_ink);
-    canvas.text(x + bar + 11, y, (k > 0 ? "+" : "") + fmt::format("{:g}", decibel), label_size, palette.ink);
+    canvas.label(x + bar + 11, y, (k > 0 ? "+" : "") + fmt::format("{:g}", decibel), label_size, palette.ink);
   }
 }
 
@@ -239,7 +239,10 @@ class Section {
                                        : "   (the reference has no echo)";
   }
 
-  int width() const {
+  int width(const std::string& font) const {
+    return std::max(text_width(title_, title_size, font), plots_width());
+  }
+  int plots_width() const {
     return axis_width + 3 * drawing_.width() + gap + 2 * legend_gap + 2 * DecibelScale::legend_width;
   }
   int height() const { return title_height + panel_title_height + drawing_.height() + axis_height; }
@@ -309,7 +312,7 @@ Canvas draw_comparison(const std::vector<ComparedEchoes>& sensors, const std::ve
   int width = 0, height = 2 * margin + static_cast<int>(subtitle.size()) * line_height;
   for (const std::string& line : subtitle) width = std::max(width, text_width(line, label_size, font));
   for (const Section& section : sections) {
-    width = std::max(width, section.width());
+    width = std::max(width, section.width(font));
     height += section.height() + section_gap;
   }
   Canvas canvas(width + 2 * margin, height, palette.background, font);

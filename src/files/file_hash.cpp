@@ -8,6 +8,8 @@
 #include <array>
 #include <new>
 
+#include "files/inlet.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -39,6 +41,12 @@ std::string Sha256::hex_digest() const {
   std::string text;
   for (const unsigned char byte : digest) text += fmt::format("{:02x}", byte);
   return text;
+}
+
+std::string sha256_of(const std::filesystem::path& file) {
+  Sha256 hash;
+  InputFile(file).for_each_piece([&](std::string_view piece) { hash.update(piece); });
+  return hash.hex_digest();
 }
 
 }  // namespace tubefoot

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -23,5 +24,8 @@ class Sha256 {
  private:
   evp_md_ctx_st* state_;
 };
+
+/// Of a file's bytes. Throws InputError where it cannot be read.
+std::string sha256_of(const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -84,7 +84,7 @@ void refuse_strangers(const fs::path& target) {
   const std::set<std::string> known = listed_in(target);
   for (const fs::directory_entry& entry : fs::directory_iterator(target)) {
     const std::string name = entry.path().filename().string();
-    // tubefoot makes no folder in a folder.
+    // What has folders in it (a pack) is written over nothing.
     if (!known.contains(name) || fs::is_directory(entry.symlink_status()))
       throw UsageError(
           fmt::format("'{}' holds '{}', which tubefoot did not write: choose another -o, or move it away",

@@ -151,4 +151,16 @@ fs::path final_name(const fs::path& file) {
   return file.filename() == target ? its : its / file.filename();
 }
 
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw write_error(folder, error.value());
+}
+
+void rename_file(const fs::path& file, const fs::path& name) {
+  std::error_code error;
+  fs::rename(file, name, error);
+  if (error) throw write_error(name, error.value());
+}
+
 }  // namespace tubefoot

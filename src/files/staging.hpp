@@ -36,6 +36,11 @@ class Staging {
   Descriptor list_;
 };
 
+/// A folder within one that is being written, with those above it. Throws write_error().
+void make_folder(const std::filesystem::path& folder);
+/// A file within it gets another name. Throws write_error().
+void rename_file(const std::filesystem::path& file, const std::filesystem::path& name);
+
 /// What a file that is written in a Staging will be called; any other path as it is.
 std::filesystem::path final_name(const std::filesystem::path& file);
 

@@ -43,10 +43,14 @@ AreaShare never(const FacetCoverage& coverage) {
   return first.pings == 0 ? first : AreaShare{0, 0, "0"};
 }
 
-/// What a facet's row tells, in the order of `facet_fields`.
-constexpr std::array<const char*, 8> facet_reals{"area_m2",    "seen_m2",     "never_m2",     "shadow_m2",
-                                                 "seen_share", "never_share", "shadow_share", "mean_pings"};
 constexpr std::array<const char*, 3> facet_fractions{"seen_exact", "never_exact", "shadow_exact"};
+
+std::array<std::string, facet_fractions.size()> fractions_of(const CoveredFacet& facet) {
+  return {short_enough(facet.coverage.seen.exact), short_enough(never(facet.coverage).exact),
+          short_enough(facet.coverage.shadow.exact)};
+}
+
+}  // namespace
 
 std::array<double, facet_reals.size()> reals_of(const CoveredFacet& facet) {
   const double seen = facet.coverage.seen.share, hidden = facet.coverage.shadow.share,
@@ -55,12 +59,6 @@ std::array<double, facet_reals.size()> reals_of(const CoveredFacet& facet) {
   for (const AreaShare& part : facet.coverage.by_pings) mean += part.pings * part.share;
   return {area, area * seen, area * unseen, area * hidden, seen, unseen, hidden, mean};
 }
-std::array<std::string, facet_fractions.size()> fractions_of(const CoveredFacet& facet) {
-  return {short_enough(facet.coverage.seen.exact), short_enough(never(facet.coverage).exact),
-          short_enough(facet.coverage.shadow.exact)};
-}
-
-}  // namespace
 
 std::vector<glm::dvec3> CoveredFacet::polygon_m(std::size_t cell) const {
   const CoverageCell& c = coverage.cells[cell];

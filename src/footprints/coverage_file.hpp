@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <glm/vec3.hpp>
@@ -41,6 +42,11 @@ struct CoveredFacet {
   std::vector<glm::dvec3> polygon_m(std::size_t cell) const;
   double cell_area_m2(std::size_t cell) const;
 };
+
+/// What a facet's row tells beside names and numbers, and in which order.
+inline constexpr std::array<const char*, 8> facet_reals{
+    "area_m2", "seen_m2", "never_m2", "shadow_m2", "seen_share", "never_share", "shadow_share", "mean_pings"};
+std::array<double, facet_reals.size()> reals_of(const CoveredFacet& facet);
 
 /// Fractions of more characters are left out of the tables.
 inline constexpr std::size_t longest_fraction = 4000;

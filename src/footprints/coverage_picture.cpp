@@ -15,11 +15,12 @@
 #include "run/tiles_in_view.hpp"
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
+#include "sensors/pictures/map_axes.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header = 2 * margin + 24, axis_height = 62, axis_width = 84, legend = 190;
+constexpr int margin = 28, header = 2 * margin + 34, axis_height = 62, legend = 190;
 constexpr int largest_side = 1000, smallest_side = 300;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Colour shadow_colour{0.80f, 0.13f, 0.16f}, ground_colour{0.33f, 0.34f, 0.36f};
@@ -99,7 +100,7 @@ void CoveragePicture::add(const CoveredFacet& facet) {
   }
 }
 
-void CoveragePicture::write(const std::filesystem::path& file, const std::string& title) const {
+Canvas CoveragePicture::draw(const std::string& title) const {
   if (polygons_.empty()) throw std::runtime_error("no facet lies in the sector of a ping: nothing to draw");
   const glm::dvec2 size_m = glm::max(hi_ - lo_, glm::dvec2(1e-3));
   Plan plan;
@@ -129,7 +130,9 @@ void CoveragePicture::write(const std::filesystem::path& file, const std::string
   }
 
   const std::string& font = label_font();
-  const int left = margin + axis_width, top = header, right = left + plan.width, bottom = top + plan.height;
+  MapPlot map{0, header, plan.width, plan.height, plan.origin_m.x, plan.origin_m.y, 1 / plan.pixel_m};
+  map.left = margin + map.northings_width(font);
+  const int left = map.left, top = header, right = left + plan.width, bottom = top + plan.height;
   Canvas canvas(std::max(right + 24 + legend + margin, 2 * margin + text_width(title, title_size, font)),
                 std::max(bottom, top + smallest_side) + axis_height + margin, palette.background, font);
   for (int y = 0; y < plan.height; ++y)
@@ -142,20 +145,8 @@ void CoveragePicture::write(const std::filesystem::path& file, const std::string
                    : value == in_shadow   ? shadow_colour
                                           : colour_of(value, most_));
     }
-  const double step_m = tick_step(plan.pixel_m * std::max(plan.width, plan.height), 8);
-  for (const double east : ticks(plan.origin_m.x, plan.origin_m.x + plan.width * plan.pixel_m, step_m)) {
-    const int x = left + static_cast<int>(std::lround((east - plan.origin_m.x) / plan.pixel_m));
-    canvas.fill(x, bottom + 1, x + 1, bottom + 7, palette.faint_ink);
-    canvas.text(x, bottom + 20, tick_label(east, step_m), label_size, palette.ink, Anchor::centre);
-  }
-  for (const double north : ticks(plan.origin_m.y, plan.origin_m.y + plan.height * plan.pixel_m, step_m)) {
-    const int y = bottom - 1 - static_cast<int>(std::lround((north - plan.origin_m.y) / plan.pixel_m));
-    canvas.fill(left - 7, y, left - 1, y + 1, palette.faint_ink);
-    canvas.text(left - 12, y, tick_label(north, step_m), label_size, palette.ink, Anchor::right);
-  }
-  canvas.text(left, bottom + 44, "east (m)", label_size, palette.ink);
-  canvas.text(margin, top - 14, "north (m)", label_size, palette.ink);
   canvas.text(margin, margin, title, title_size, palette.ink);
+  map.draw_axes(canvas);
 
   int y = top + label_size;
   const int x = right + 24;
@@ -180,7 +171,11 @@ void CoveragePicture::write(const std::filesystem::path& file, const std::string
     entry(colour_of(pings, most_), fmt::format("{} ping{}", pings, pings > 1 ? "s" : ""));
   entry(shadow_colour, "none: hidden");
   entry(ground_colour, "out of sector");
-  canvas.write_png(file, "tubefoot: " + title);
+  return canvas;
+}
+
+void CoveragePicture::write(const std::filesystem::path& file, const std::string& title) const {
+  draw(title).write_png(file, "tubefoot: " + title);
 }
 
 }  // namespace tubefoot

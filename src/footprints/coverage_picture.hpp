@@ -8,6 +8,7 @@
 
 #include "footprints/coverage_file.hpp"
 #include "run/survey.hpp"
+#include "sensors/pictures/canvas.hpp"
 
 namespace tubefoot {
 
@@ -18,6 +19,9 @@ class CoveragePicture {
   /// The survey outlives this: the ground about what is covered is drawn, too.
   explicit CoveragePicture(const Survey& survey) : survey_(survey) {}
   void add(const CoveredFacet& facet);
+  bool empty() const { return polygons_.empty(); }
+  /// Throws std::runtime_error if empty.
+  Canvas draw(const std::string& title) const;
   /// Throws std::runtime_error naming the file.
   void write(const std::filesystem::path& file, const std::string& title) const;
 

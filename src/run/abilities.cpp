@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "fast binning",
                                                        "rays",
                                                        "an engine of one's own",
+                                                       "--truth",
                                                        "audit",
                                                        "coverage",
                                                        "view",
@@ -66,6 +67,11 @@ constexpr auto table = std::to_array<Refusal>({
     {reference, fast_binning, {}, "that integrates footprints: it needs --binning exact"},
     {reference, rays, {}, "that measures footprints: it needs --engine tube"},
     {reference, own_engine, {}, "that measures footprints: it needs --engine tube"},
+    {truth,
+     own_engine,
+     {},
+     "a sum of energies does not tell its parts, and such an engine gives no more than the sum: ask a "
+     "built-in engine for the truth"},
 });
 
 /// A feature that is there, where the scene asks for it, and the beginning of a sentence about it.
@@ -171,6 +177,7 @@ std::vector<Feature> asked_by(const RunRequest& request) {
     if (request.binning != Binning::exact) asked.push_back(fast_binning);
   }
   if (request.reference_tolerance) asked.push_back(reference);
+  if (request.truth) asked.push_back(truth);
   return asked;
 }
 

@@ -37,6 +37,7 @@ enum class Feature : unsigned char {
   fast_binning,
   rays,
   own_engine,
+  truth,
   // commands
   audit,
   coverage,

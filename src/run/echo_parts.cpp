@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/echo_parts.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <stdexcept>
 
 #include "engine/certified/staff_reference.hpp"
@@ -13,11 +10,12 @@
 #include "engine/paths/staff_paths.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "engine/sight/crossed_ways.hpp"
-#include "run/own_engine.hpp"
+#include "run/own_engine_part.hpp"
 #include "run/paths.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
 #include "run/shot_images.hpp"
+#include "run/truth_parts.hpp"
 
 namespace tubefoot {
 namespace {
@@ -25,22 +23,6 @@ namespace {
 /// Each receiver of a staff sees for itself; else by the transmitter's history, as others do.
 bool staffs_are_apart(const RunRequest& request) {
   return request.engine == Engine::tube && request.binning == Binning::exact;
-}
-
-/// Two signals have no more in common than either has. `channels`: [4][beam][sample].
-void check_coherence(const Shot& shot, std::size_t s, std::span<const double> channels) {
-  constexpr double rounding = 1e-6;
-  const std::size_t cells = channels.size() / 4,
-                    samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
-  for (std::size_t k = 0; k < cells; ++k) {
-    const double upper = channels[k], lower = channels[cells + k],
-                 product = std::hypot(channels[2 * cells + k], channels[3 * cells + k]);
-    if (!(product <= (1 + rounding) * std::sqrt(upper) * std::sqrt(lower)))
-      throw std::domain_error(fmt::format(
-          "engine '{}': in beam {} and sample {} of {} the mean product of the two receivers' signals is "
-          "{:.6g} J, more than the root of the product of their energies, {:.6g} J and {:.6g} J",
-          shot.request().own_engine->name, k / samples, k % samples, shot.name(), product, upper, lower));
-  }
 }
 
 /// Tells pings of a survey apart.
@@ -72,17 +54,6 @@ class RayGround {
   const Site& site_;
   std::optional<RayScene> own_;
 };
-
-void add_own_engine(const Shot& shot, PingSums& sums) {
-  for (const std::size_t s : shot.group().sensors) {
-    const Sensor& sensor = shot.sensor(s);
-    std::vector<double> energy(static_cast<std::size_t>(sensor.channels() * shot.beams(s)) *
-                               static_cast<std::size_t>(sensor.samples().count));
-    shot.request().own_engine->echo(shot, s, energy);
-    if (sensor.has_staff()) check_coherence(shot, s, energy);
-    sums.add(shot, s, 1, energy);
-  }
-}
 
 /// The bed that a sensor's paths meet where it lies: in refracting water images make apparent grounds of
 /// their own.
@@ -136,10 +107,14 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   if (shot.request().engine == Engine::ray)
     settings.sampled = SampledPaths{bed.water() != nullptr ? nullptr : &*rays.emplace(shot),
                                     shot.scene().grid, rays_of(shot), sensor.beam_of_tube(shot.number())};
+  const auto trace_by = [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how,
+                            const PathWater* water) {
+    return path_echo(mesh, (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,
+                     ends.transmit, ends.receive, shot.beams_by_fans(s, fans), sensor.samples(), by, how,
+                     water);
+  };
   const auto trace = [&](const PathWater* water) {
-    return path_echo((*bed).mesh(), (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,
-                     ends.transmit, ends.receive, shot.beams_by_fans(s, fans), sensor.samples(), law.law,
-                     settings, water);
+    return trace_by((*bed).mesh(), law.law, settings, water);
   };
   const bool own_grounds = settings.reference_tolerance && bed.water() != nullptr;
   RefractedPathsShot found = as_seen_by(shot, [&] {
@@ -166,6 +141,11 @@ void add_paths_of(const Shot& shot, std::size_t s, const PathSettings& asked, Pi
   }
   sums.counts.hits += paths.hits;
   count_paths(shot, paths, sums);
+  add_truth_of_paths(shot, s, (*bed).mesh(), law.law, settings, sums,
+                     [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
+                       return wanted_orders(
+                           shot, as_seen_by(shot, [&] { return trace_by(mesh, by, how, bed.water()); }));
+                     });
 }
 
 /// The four channels of a staff: [channel][beam][sample], a beam a fan. With a reference, their bounds, too.
@@ -216,11 +196,14 @@ void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& set
     const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, receive.tubes.size());
     EchoLaw own = law.law;
     own.patterns = &patterns;
-    const StaffPathEcho paths = as_seen_by(shot, [&] {
-      return staff_path_echo((*bed).mesh(), (*bed).tree(), shot.scene().grid.unit_m(),
-                             shot.request().visibility, {transmit, receive, law.patterns.fringes[fan]},
-                             sensor.samples(), own, settings, bed.water());
-    });
+    const auto trace = [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
+      return as_seen_by(shot, [&] {
+        return staff_path_echo(mesh, (*bed).tree(), shot.scene().grid.unit_m(), shot.request().visibility,
+                               {transmit, receive, law.patterns.fringes[fan]}, sensor.samples(), by, how,
+                               bed.water());
+      });
+    };
+    const StaffPathEcho paths = trace((*bed).mesh(), own, settings);
     for (std::size_t order = 0; order < paths.by_order.size(); ++order) {
       if (!settings.reference_tolerance) {
         by_order[order].set(fan, paths.by_order[order]);
@@ -231,6 +214,10 @@ void add_staff_paths_of(const Shot& shot, std::size_t s, const PathSettings& set
       by_order[order].set(fan, certified);
     }
     count_paths(shot, paths, sums);
+    add_truth_of_paths(shot, s, (*bed).mesh(), own, settings, sums,
+                       [&](const FacetMesh& mesh, const EchoLaw& by, const PathSettings& how) {
+                         return row_of_fan(shot, s, fan, wanted_orders(shot, trace(mesh, by, how)));
+                       });
   }
   for (std::size_t order = 0; order < by_order.size(); ++order)
     if (is_order_wanted(shot.scene(), order)) by_order[order].add_to(sums, shot, s, order);
@@ -260,6 +247,7 @@ void add_refracted_pair_reference(const Shot& shot, PingSums& sums) {
   counts.pieces += found.history.shared.pieces.size();
   counts.refraction.unbounded += found.sensors.front().unbounded;
   sums.add(shot, shot.first(), found.sensors.front().certified);
+  add_truth(shot, shot.first(), ShotGround(shot.site()), found.pair.apparent.mesh, found.history, sums);
 }
 
 /// Through refracting water a reference chooses its own apparent ground.
@@ -279,6 +267,7 @@ void add_refracted_reference(const Shot& shot, PingSums& sums) {
     if (shot.sensor(shot.group().sensors[k]).has_staff()) continue;
     counts.refraction.unbounded += found.sensors[k].unbounded;
     sums.add(shot, shot.group().sensors[k], found.sensors[k].certified);
+    add_truth(shot, shot.group().sensors[k], found.ground, found.ground.mesh(), found.history, sums);
   }
 }
 
@@ -298,6 +287,7 @@ void add_refracted_staff_reference(const Shot& shot, PingSums& sums) {
       counts.pieces += 2 * found.history.shared.pieces.size();
       counts.refraction.unbounded += found.sensors.front().unbounded;
       rows.set(fan, found.sensors.front().certified);
+      add_truth_of_staff(shot, s, fan, found.apparent.bed.mesh, found.history, sums);
     }
     rows.add_to(sums, shot, s, 1);
   }
@@ -319,6 +309,7 @@ void add_both(const Shot& shot, const BistaticHistory& history, const FacetMesh&
     } else {
       sums.add(shot, s, 1, echo.energy);
     }
+    add_truth(shot, s, law.law, mesh, history, sums);
     sums.counts.tubes += history.transmit.tubes.size() + history.receive.tubes.size();
     sums.counts.footprints += history.shared.facets.size();
     sums.counts.pieces += history.shared.pieces.size();
@@ -366,6 +357,7 @@ void add_staff(const Shot& shot, std::size_t s, const SensorLaw& law, const Face
       } else {
         rows.set(fan, echo);
       }
+      add_truth_of_staff(shot, s, fan, on_mesh, mesh, history, staff, sums);
       sums.add_finer_relief(
           shot,
           BistaticHistory{history.transmit, history.upper, unit_m, history.by_upper, history.paired_upper},
@@ -422,9 +414,10 @@ template <class Add>
 void add_history(const Shot& shot, const History& history, PingSums& sums, const Add& add) {
   sums.as_echo([&] {
     for (const std::size_t s : shot.group().sensors)
-      if (!(staffs_are_apart(shot.request()) && shot.sensor(s).has_staff())) {
+      if (sums.chosen(s).pings > 0 && !(staffs_are_apart(shot.request()) && shot.sensor(s).has_staff())) {
         const SensorLaw law = shot.law(s);
         add(s, law.law, shot.echo(history, s, law.law));
+        add_truth(shot, s, law.law, shot.ground().mesh(), history, sums);
       }
     sums.add_finer_relief(shot, history, shot.ground().mesh(), shot.sample_length_m());
     sums.counts.tubes += history.tubes.tubes.size();
@@ -434,9 +427,29 @@ void add_history(const Shot& shot, const History& history, PingSums& sums, const
   });
 }
 
+/// The tubes that make the beams that are asked for; none of them said, where that is all. A beam with a
+/// pattern hears all tubes, and a reference's targets are those of all beams.
+std::vector<bool> wanted_tubes(const Shot& shot, const PingSums& sums) {
+  std::vector<bool> wanted;
+  if (shot.request().reference_tolerance) return wanted;
+  for (const std::size_t s : shot.group().sensors) {
+    const ChosenEchoes& chosen = sums.chosen(s);
+    if (chosen.pings == 0) continue;
+    const Sensor& sensor = shot.sensor(s);
+    if (chosen.all_beams || sensor.has_patterns()) return {};
+    const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot.number());
+    const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(shot.number());
+    wanted.resize(beam_of_tube.size());
+    for (std::size_t tube = 0; tube < wanted.size(); ++tube)
+      if (chosen.place_of(beams[beam_of_tube[tube]])) wanted[tube] = true;
+  }
+  return wanted;
+}
+
 History traced(const Shot& shot, PingSums& sums) {
   std::size_t candidates = 0;
-  History history = shot.trace(&candidates, shot.request().binning != Binning::exact);
+  History history =
+      shot.trace(&candidates, shot.request().binning != Binning::exact, wanted_tubes(shot, sums));
   sums.counts.candidates += candidates;
   return history;
 }
@@ -468,6 +481,7 @@ void add_crossed_ways(const Shot& shot, PingSums& sums) {
       SensorLaw law(shot, ShotGround(shot.site()), s);
       law.law.material = ground.part_material;
       sums.add(shot, s, 1, shot.echo(history, s, law.law).energy);
+      add_truth_of_crossed_ways(shot, s, law.law, ground, history, sums);
     }
     sums.counts.pieces += history.shared.pieces.size();
   };

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "files/usage_error.hpp"
+#include "files/words.hpp"
 
 namespace tubefoot {
 
@@ -17,12 +18,15 @@ const SharedShots& Fleet::shots_of(std::size_t sensor) const {
 
 std::size_t Fleet::sensor_named(const std::string& name) const {
   std::string names;
+  std::vector<std::string> known;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    const std::string& own = sensors[s].sensor->description().name;
+    const std::string& own = known.emplace_back(sensors[s].sensor->description().name);
     if (own == name) return s;
     names += (s == 0 ? "'" : ", '") + own + "'";
   }
-  throw UsageError(fmt::format("the scene has no sensor '{}'; it has {}", name, names));
+  const std::string_view meant = nearest(name, known);
+  throw UsageError(fmt::format("the scene has no sensor '{}'; it has {}{}", name, names,
+                               meant.empty() ? "" : fmt::format(": did you mean '{}'?", meant)));
 }
 
 Fleet Fleet::some_pings(std::size_t sensor, const std::vector<std::size_t>& pings) const {

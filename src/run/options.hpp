@@ -6,6 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "run/selection.hpp"
+#include "sensors/recordings/run_context.hpp"
+
 // What somebody asks of a run, on a command line or in Python.
 namespace tubefoot {
 
@@ -29,12 +32,15 @@ PingRange parse_ping_range(const std::string& text);
 
 struct RunOptions : CommonOptions {
   std::filesystem::path output;
+  Selection selection;
+  PictureSettings pictures;
   std::optional<std::string> engine;
   std::optional<std::string> binning;
   std::optional<std::string> sampling;
   std::optional<std::int64_t> rays, rays_per_beam;
   std::optional<std::uint64_t> seed;
   bool reference = false;
+  bool truth = false;
   bool resume = false;
   /// Of a reference: its relative bound, 1e-9 if unset. Else as parse_tolerance() reads it: picks the
   /// settings.

@@ -3,21 +3,59 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <numeric>
+#include <optional>
+
+#include "engine/certified/staff_reference.hpp"
+#include "run/truth.hpp"
 
 namespace tubefoot {
 namespace {
 
-/// `rows`: [channel][beam of the shot][sample]; `all`: of the sensor's beams.
+/// `rows`: [channel][beam of the shot][sample]; `all`: of the sensor's beams that are chosen.
 void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& beams, std::size_t channels,
-              std::span<double> all) {
-  const std::size_t samples = rows.size() / (beams.size() * channels),
-                    all_beams = all.size() / (channels * samples);
+              const ChosenEchoes& chosen, std::span<double> all) {
+  const std::size_t samples = rows.size() / (beams.size() * channels);
   for (std::size_t row = 0; row < beams.size() * channels; ++row) {
-    const std::size_t place = row / beams.size() * all_beams + beams[row % beams.size()];
+    const std::optional<std::size_t> beam = chosen.place_of(beams[row % beams.size()]);
+    if (!beam) continue;
+    const std::size_t place = row / beams.size() * chosen.beams.size() + *beam;
     const std::span<double> to = all.subspan(place * samples, samples);
     const std::span<const double> from = rows.subspan(row * samples, samples);
     std::transform(from.begin(), from.end(), to.begin(), to.begin(), std::plus<>());
+  }
+}
+
+/// What bounds are worth where not all of a shot's beams are chosen: of those that are, the targets being the
+/// whole shot's.
+void count_chosen(CertifiedEcho& certified, const Sensor& sensor, const std::vector<std::uint32_t>& beams,
+                  const ChosenEchoes& chosen, double tolerance) {
+  const auto samples = static_cast<std::size_t>(certified.echo.samples);
+  const auto row_of = [&](std::vector<double>& values, std::size_t row) {
+    return std::span(values).subspan(row * samples, samples);
+  };
+  if (!sensor.has_staff()) {
+    for (std::size_t beam = 0; beam < beams.size(); ++beam)
+      if (!chosen.place_of(beams[beam])) std::ranges::fill(row_of(certified.bound, beam), 0.0);
+    hold_against(certified, tolerance);
+    return;
+  }
+  certified.bins_over = 0;
+  certified.worst_ratio = 0;
+  for (std::size_t beam = 0; beam < beams.size(); ++beam) {
+    if (!chosen.place_of(beams[beam])) continue;
+    CertifiedEcho own{{sensor.channels(), certified.echo.samples, {}}, {}};
+    for (std::size_t row = beam; row < certified.bound.size() / samples; row += beams.size()) {
+      std::ranges::copy(row_of(certified.echo.energy, row), std::back_inserter(own.echo.energy));
+      std::ranges::copy(row_of(certified.bound, row), std::back_inserter(own.bound));
+    }
+    hold_staff_against(own, tolerance);
+    certified.bins_over += own.bins_over;
+    if (!(own.worst_ratio > certified.worst_ratio)) continue;
+    certified.worst_ratio = own.worst_ratio;
+    certified.worst_beam = static_cast<int>(beam);
+    certified.worst_sample = own.worst_sample;
   }
 }
 
@@ -32,32 +70,66 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
   kept.worst_sample = met.worst_sample;
 }
 
-PingSums::PingSums(const SharedShots& group, PingStore& store, std::size_t slot)
-    : store_(store), slot_(slot) {
-  for (const std::size_t s : group.sensors)
+PingSums::PingSums(const Shots& shots, const SharedShots& group, const std::vector<ChosenEchoes>& chosen,
+                   PingStore& store, std::size_t slot)
+    : chosen_(chosen), store_(store), slot_(slot) {
+  for (const std::size_t s : group.sensors) {
+    if (chosen[s].pings == 0) continue;
     for (const std::span<double> values : {store.energy(s, slot), store.bound(s, slot)})
       std::fill(values.begin(), values.end(), 0.0);
+    if (shots.truth() == nullptr) continue;
+    const std::span<double> truth = store.energy(place_of_truth(shots.survey(), s), slot);
+    std::fill(truth.begin(), truth.end(), 0.0);
+  }
+}
+
+void PingSums::add_truth(const Shot& shot, std::size_t s, std::size_t channel,
+                         std::span<const double> values) {
+  if (chosen(s).pings == 0) return;
+  const std::vector<std::uint32_t>& beams = shot.sensor(s).beams_of_shot(shot.number());
+  const auto samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
+  const std::size_t all = chosen(s).beams.size() * samples;
+  add_rows(values.first(beams.size() * samples), beams, 1, chosen(s),
+           store_.energy(place_of_truth(shot.survey(), s), slot_).subspan(channel * all, all));
 }
 
 void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span<const double> energy) {
+  if (chosen(s).pings == 0) return;
   const std::vector<std::uint32_t>& beams = shot.sensor(s).beams_of_shot(shot.number());
-  const std::size_t cells = beams.size() * static_cast<std::size_t>(shot.sensor(s).samples().count);
-  counts.energy_of_order[order] +=
-      std::accumulate(energy.begin(), energy.begin() + std::ptrdiff_t(cells), 0.0);
-  add_rows(energy, beams, energy.size() / cells, store_.energy(s, slot_));
+  const auto samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
+  const std::size_t cells = beams.size() * samples;
+  double sum = 0;
+  for (std::size_t row = 0; row < beams.size(); ++row) {
+    if (!chosen(s).place_of(beams[row])) continue;
+    const auto first = energy.begin() + std::ptrdiff_t(row * samples);
+    sum = std::accumulate(first, first + std::ptrdiff_t(samples), sum);
+  }
+  counts.energy_of_order[order] += sum;
+  add_rows(energy, beams, energy.size() / cells, chosen(s), store_.energy(s, slot_));
 }
 
 void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certified, std::size_t order) {
-  const std::vector<std::uint32_t>& beams = shot.sensor(s).beams_of_shot(shot.number());
-  const std::size_t cells = beams.size() * static_cast<std::size_t>(shot.sensor(s).samples().count);
-  add_rows(certified.bound, beams, certified.bound.size() / cells, store_.bound(s, slot_));
-  PingCounts met;
-  met.bins_over = certified.bins_over;
-  met.worst_ratio = certified.worst_ratio;
-  met.worst_sensor = static_cast<std::uint32_t>(s);
-  met.worst_beam = beams[static_cast<std::size_t>(certified.worst_beam)];
-  met.worst_sample = static_cast<std::uint32_t>(certified.worst_sample);
-  keep_worst(counts, met);
+  if (chosen(s).pings == 0) return;
+  const Sensor& sensor = shot.sensor(s);
+  const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot.number());
+  const std::size_t cells = beams.size() * static_cast<std::size_t>(sensor.samples().count);
+  add_rows(certified.bound, beams, certified.bound.size() / cells, chosen(s), store_.bound(s, slot_));
+  const auto keep = [&](const CertifiedEcho& counted) {
+    PingCounts met;
+    met.bins_over = counted.bins_over;
+    met.worst_ratio = counted.worst_ratio;
+    met.worst_sensor = static_cast<std::uint32_t>(s);
+    met.worst_beam = beams[static_cast<std::size_t>(counted.worst_beam)];
+    met.worst_sample = static_cast<std::uint32_t>(counted.worst_sample);
+    keep_worst(counts, met);
+  };
+  if (chosen(s).all_beams) {
+    keep(certified);
+  } else {
+    CertifiedEcho some = certified;
+    count_chosen(some, sensor, beams, chosen(s), *shot.request().reference_tolerance);
+    keep(some);
+  }
   add(shot, s, order, certified.echo.energy);
 }
 

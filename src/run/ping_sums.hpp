@@ -19,7 +19,9 @@ void keep_worst(PingCounts& kept, const PingCounts& met);
 class PingSums {
  public:
   /// `slot`: the ping of the store that it becomes; what is there, of a ping that was cut off, is cleared.
-  PingSums(const SharedShots& group, PingStore& store, std::size_t slot);
+  /// `chosen`, by sensor, outlives it: what is not chosen is not kept.
+  PingSums(const Shots& shots, const SharedShots& group, const std::vector<ChosenEchoes>& chosen,
+           PingStore& store, std::size_t slot);
 
   PingCounts counts;
   FinerRelief finer_relief;
@@ -29,6 +31,9 @@ class PingSums {
   void add(const Shot& shot, std::size_t sensor, std::size_t order, std::span<const double> energy);
   /// The same with their bounds.
   void add(const Shot& shot, std::size_t sensor, const CertifiedEcho& certified, std::size_t order = 1);
+  /// To a channel of the truth of what a sensor hears (Truth::channels()): [beam of the shot][sample], and
+  /// more channels, which are not read.
+  void add_truth(const Shot& shot, std::size_t sensor, std::size_t channel, std::span<const double> values);
   /// What finer relief than the facets that are seen would change of it.
   void add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh, double sample_m);
   /// Does a part of the work whose seconds are the echo's, not those of what is seen.
@@ -39,7 +44,10 @@ class PingSums {
     counts.echo_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
+  const ChosenEchoes& chosen(std::size_t sensor) const { return chosen_[sensor]; }
+
  private:
+  const std::vector<ChosenEchoes>& chosen_;
   PingStore& store_;
   std::size_t slot_;
 };

@@ -21,16 +21,17 @@ std::size_t cache_bytes(const Survey& survey) {
 RegionalSimulation::RegionalSimulation(const Survey& survey, const RunRequest& request)
     : survey_(survey),
       request_(request),
+      chosen_(chosen_of(survey, request.selection)),
       plan_(Shots(survey, request), std::min(most_facets, cache_bytes(survey) / (4 * bytes_a_region_facet))),
       cache_(cache_bytes(survey), [this](std::size_t region) { return load(region); }) {
   survey.site->terrain_use->regions = plan_.regions().size();
 }
 
 PingCounts RegionalSimulation::run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) {
-  const std::size_t number = plan_.of(group, ping);
+  const std::size_t whole = ping + first_ping(survey_.shots[group], chosen_), number = plan_.of(group, whole);
   const std::shared_ptr<const PingSimulation> region = cache_.get(number);
   // Who has a region's first ping loads the next one while others work.
-  if (plan_.regions()[number].first_ping == ping && number + 1 < plan_.regions().size() &&
+  if (plan_.regions()[number].first_ping == whole && number + 1 < plan_.regions().size() &&
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) > 1) {
     try {
       cache_.get(number + 1);

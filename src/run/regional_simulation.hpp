@@ -23,6 +23,7 @@ class RegionalSimulation {
 
   const Survey survey_;
   const RunRequest request_;
+  const std::vector<ChosenEchoes> chosen_;
   const RegionPlan plan_;
   BoundedCache<PingSimulation> cache_;
 };

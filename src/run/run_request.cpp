@@ -49,14 +49,16 @@ RunRequest request_of(const RunDescription& run) {
 
 nlohmann::ordered_json json_of(const RunRequest& request) {
   const bool by_beam = request.rays.per == RaySettings::Per::beam;
-  return {{"engine", name_of(request.engine)},
-          {"arithmetic", name_of(request.visibility.arithmetic)},
-          {"binning", name_of(request.binning)},
-          {"facets_per_split", request.visibility.facets_per_split},
-          {"zero_tolerance", request.visibility.tolerance},
-          {"sampling", name_of(request.rays.sampling)},
-          {by_beam ? "rays_per_beam" : "rays_per_ping", request.rays.rays},
-          {"seed", request.rays.seed}};
+  nlohmann::ordered_json json{{"engine", name_of(request.engine)},
+                              {"arithmetic", name_of(request.visibility.arithmetic)},
+                              {"binning", name_of(request.binning)},
+                              {"facets_per_split", request.visibility.facets_per_split},
+                              {"zero_tolerance", request.visibility.tolerance},
+                              {"sampling", name_of(request.rays.sampling)},
+                              {by_beam ? "rays_per_beam" : "rays_per_ping", request.rays.rays},
+                              {"seed", request.rays.seed}};
+  if (request.truth) json["truth"] = true;
+  return json;
 }
 
 RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwise) {
@@ -71,6 +73,7 @@ RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwi
     request.rays = {ray_sampling_from_name(settings.at("sampling").get<std::string>()),
                     settings.at(by_beam ? "rays_per_beam" : "rays_per_ping"),
                     by_beam ? RaySettings::Per::beam : RaySettings::Per::ping, settings.at("seed")};
+    request.truth = settings.value("truth", false);
     return request;
   });
 }

@@ -9,6 +9,7 @@
 #include "engine/echo/echo.hpp"
 #include "engine/rays/ray_sampling.hpp"
 #include "geometry/visibility/visibility.hpp"
+#include "run/selection.hpp"
 #include "study/tolerance.hpp"
 
 namespace tubefoot {
@@ -27,7 +28,9 @@ struct RunRequest {
   RaySettings rays{RaySampling::stratified, 100000, RaySettings::Per::ping, 1};
   std::optional<double> reference_tolerance;      ///< energies are enclosed, to this relative bound
   std::optional<Tolerance> tolerance;             ///< picks the settings above
+  Selection selection{};                          ///< what is kept of the scene's echoes
   std::shared_ptr<const OwnEngine> own_engine{};  ///< in place of a built-in one
+  bool truth = false;  ///< also whose each energy is, and where it comes from (truth.hpp)
 };
 
 /// Of the words of [run]. Throws UsageError for words that mean nothing.

@@ -32,6 +32,12 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
     json[request.rays.per == RaySettings::Per::beam ? "rays_per_beam" : "rays_per_ping"] = request.rays.rays;
     json["seed"] = request.rays.seed;
   }
+  if (const Selection& selection = request.selection; !selection.is_all()) {
+    nlohmann::ordered_json& asked = json["selection"];
+    if (selection.sensor) asked["sensor"] = *selection.sensor;
+    if (selection.pings) asked["pings"] = *selection.pings;
+    if (selection.beams) asked["beams"] = *selection.beams;
+  }
   if (request.reference_tolerance) {
     const ReferenceStats& reference = stats.reference;
     json["reference"] = {{"tolerance", *request.reference_tolerance},

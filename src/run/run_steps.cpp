@@ -12,6 +12,7 @@
 #include "files/utc.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
+#include "run/console/progress.hpp"
 #include "run/kept/build_identity.hpp"
 #include "run/own_engine.hpp"
 #include "run/settings.hpp"
@@ -58,10 +59,27 @@ void refuse_unused_settings(const RunOptions& options, Engine engine) {
         rays ? "tube" : "ray", name_of(engine), rays ? "tube" : "ray"));
 }
 
-RunContext context_of(const Scene& scene) {
+RunContext context_of(const Scene& scene, const PictureSettings& pictures) {
   const SceneDescription& description = scene.description;
-  return {scene.frame, *unix_time_s(description.run.start_utc), description.run.seed, description.water,
-          description.title};
+  return {scene.frame,          *unix_time_s(description.run.start_utc),
+          description.run.seed, description.water,
+          description.title,    pictures};
+}
+
+/// Recordings of what is asked for, without energies.
+std::vector<Recording> recordings_to_be(const Survey& survey, const Selection& selection) {
+  std::vector<Recording> recordings;
+  const std::vector<ChosenEchoes> chosen = chosen_of(survey, selection);
+  for (std::size_t s = 0; s < chosen.size(); ++s)
+    if (chosen[s].pings > 0) recordings.push_back(recording_of(survey, s, selection, chosen[s]));
+  return recordings;
+}
+
+std::string only_echoes_of(const Recording& recording) {
+  return fmt::format(
+      "'{}': only some of its beams are asked for: there are echoes of them, and no pictures "
+      "and files of its own, which are of whole pings",
+      recording.sensor->description().name);
 }
 
 }  // namespace
@@ -77,6 +95,8 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   if (options.rays_per_beam) description.run.rays_per_beam = *options.rays_per_beam;
   if (options.seed) description.run.seed = *options.seed;
   RunRequest request = request_of(description.run);
+  request.truth = options.truth;
+  request.selection = options.selection;
   if (!options.tolerance || options.reference) refuse_unused_settings(options, request.engine);
   if (options.tolerance && !options.reference) {
     refuse_what_the_tolerance_picks(options);
@@ -96,10 +116,14 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
 }
 
 nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRequest& request) {
+  const Selection& selection = request.selection;
   return {{"version", TUBEFOOT_VERSION},
           {"build", build_identity()},
           {"scene_hash", description.sha256},
           {"run", json_of(request)},
+          {"sensor", selection.sensor.value_or("all")},
+          {"pings", selection.pings.value_or("all")},
+          {"beams", selection.beams.value_or("all")},
           {"reference", request.reference_tolerance.value_or(0.0)},
           {"tolerance", request.tolerance ? to_text(*request.tolerance) : ""}};
 }
@@ -131,33 +155,62 @@ Provenance provenance_of(const Scene& scene, const RunRequest& request) {
           TUBEFOOT_VERSION,  request.reference_tolerance, description.run.start_utc, scene.frame};
 }
 
-std::vector<std::string> files_left_out(const Survey& survey) {
-  const RunContext context = context_of(survey.scene);
+std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection) {
+  const RunContext context = context_of(survey.scene, {});
   std::vector<std::string> warnings;
-  for (const SensorPings& pings : survey.sensors) {
-    Recording recording;
-    recording.sensor = pings.sensor.get();
-    recording.ping_time_s = pings.times_s;
-    recording.sound_speed_m_s = pings.sound_speed_m_s;
+  for (const Recording& recording : recordings_to_be(survey, selection)) {
+    if (!recording.beam_numbers.empty()) {
+      warnings.push_back(only_echoes_of(recording));
+      continue;
+    }
     for (std::string& warning : kind_of(recording.sensor->description()).files_left_out(recording, context))
       warnings.push_back(std::move(warning));
   }
   return warnings;
 }
 
+WritingCost expected_writing(const Survey& survey, const RunRequest& request,
+                             const PictureSettings& pictures) {
+  const RunContext context = context_of(survey.scene, pictures);
+  WritingCost all;
+  for (const Recording& recording : recordings_to_be(survey, request.selection)) {
+    all += cost_of_echoes(recording, request.reference_tolerance.has_value());
+    if (recording.beam_numbers.empty())
+      all += kind_of(recording.sensor->description()).writing_cost(recording, context);
+  }
+  return all;
+}
+
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
                                                       const Survey& survey, const RunRequest& request,
                                                       const std::vector<Recording>& recordings,
-                                                      std::vector<std::string>& warnings) {
-  const RunContext context = context_of(survey.scene);
-  write_echoes(folder / "echoes.nc", recordings, provenance_of(survey.scene, request));
+                                                      std::vector<std::string>& warnings, const Writing& how,
+                                                      std::span<const TruthRecording> truths) {
+  const RunContext context = context_of(survey.scene, how.pictures);
+  const Progress progress("writing", how.quiet);
+  const std::filesystem::path echoes = folder / "echoes.nc";
+  if (truths.empty()) {
+    write_echoes(echoes, recordings, provenance_of(survey.scene, request));
+  } else {
+    constexpr std::size_t on_the_disk = 0;  // what netCDF made in memory cannot be added to
+    write_echoes(echoes, recordings, provenance_of(survey.scene, request), on_the_disk);
+    add_truth(echoes, recordings, truths);
+  }
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {
     stop_if_wanted();
-    for (const auto& file :
-         kind_of(recording.sensor->description()).write_products(folder, recording, context, warnings))
-      files.push_back(file);
+    if (!recording.beam_numbers.empty()) {
+      warnings.push_back(only_echoes_of(recording));
+    } else {
+      for (const auto& file :
+           kind_of(recording.sensor->description()).write_products(folder, recording, context, warnings))
+        files.push_back(file);
+    }
   }
+  for (std::size_t k = 0; k < truths.size(); ++k)
+    if (recordings[k].beam_numbers.empty() && how.pictures.wants(PictureSettings::Which::sequence))
+      for (const auto& file : write_truth_pictures(folder, recordings[k], truths[k], how.pictures.bits))
+        files.push_back(file);
   return files;
 }
 

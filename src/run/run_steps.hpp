@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
 #include "sensors/recordings/recording.hpp"
+#include "sensors/recordings/run_context.hpp"
+#include "sensors/recordings/truth_recording.hpp"
+#include "sensors/recordings/writing_cost.hpp"
 #include "study/tolerance.hpp"
 
 // The steps of a run that the command and the Python module share.
@@ -33,13 +37,26 @@ std::string engine_name(const RunRequest& request);
 Provenance provenance_of(const Scene& scene, const RunRequest& request);
 
 /// Which files a run will not write, and why, as far as that can be said before it.
-std::vector<std::string> files_left_out(const Survey& survey);
+std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection = {});
 
-/// Writes everything that a result folder holds but stats.json, and returns the names. Throws
-/// std::runtime_error naming the file and what failed.
+/// What writing the files of a run will take, and how large they may become, about (docs/performance.md).
+WritingCost expected_writing(const Survey& survey, const RunRequest& request,
+                             const PictureSettings& pictures);
+
+/// How a result folder is written.
+struct Writing {
+  PictureSettings pictures{};
+  bool quiet = true;  ///< nothing of it is told on stderr
+};
+
+/// Writes everything that a result folder holds but stats.json, and returns the names. Of a sensor of which
+/// only some beams were asked for there are echoes only: other files and pictures are of whole pings.
+/// `truths`: of each recording, or none. Throws std::runtime_error naming the file and what failed.
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,
                                                       const Survey& survey, const RunRequest& request,
                                                       const std::vector<Recording>& recordings,
-                                                      std::vector<std::string>& warnings);
+                                                      std::vector<std::string>& warnings,
+                                                      const Writing& how = {},
+                                                      std::span<const TruthRecording> truths = {});
 
 }  // namespace tubefoot

@@ -17,8 +17,8 @@ SensorLaw::SensorLaw(const Shot& shot, const ShotGround& ground, std::size_t sen
       scene.grid.to_metres(scene.grid.snap(pings.shot_pose(shot.ping(), shot.number()).position_m));
   if (ground.apparent() != nullptr) {
     law.path.facet_factor = ground.apparent()->facet_factor;
-    if (std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
-                    [](const auto& texture) { return texture != nullptr; })) {
+    if (shot.truth() != nullptr || std::any_of(scene.reflectivity.begin(), scene.reflectivity.end(),
+                                               [](const auto& texture) { return texture != nullptr; })) {
       facet_maps = ground.apparent()->facet_maps(law.path.out.apex_m, scene.grid);
       law.path.out.facet_map = facet_maps;
     }

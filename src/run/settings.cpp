@@ -27,6 +27,10 @@ std::int64_t number(std::string_view text, std::int64_t otherwise) {
   return value;
 }
 
+std::string named(const std::string& sensor) {
+  return sensor.empty() ? "the sensor" : fmt::format("sensor '{}'", sensor);
+}
+
 }  // namespace
 
 PingRange parse_ping_range(const std::string& text) {
@@ -48,7 +52,7 @@ Tolerance asked_tolerance(const std::string& text) {
   }
 }
 
-PingRange resolved(const std::string& text, std::size_t pings) {
+PingRange resolved(const std::string& text, std::size_t pings, const std::string& sensor) {
   PingRange range;
   try {
     range = parse_ping_range(text);
@@ -58,11 +62,12 @@ PingRange resolved(const std::string& text, std::size_t pings) {
   const auto last = static_cast<std::int64_t>(pings) - 1;
   if (range.last < 0) range.last = last;
   if (range.first > range.last || range.last > last)
-    throw UsageError(fmt::format("--pings '{}': the sensor has pings 0 to {}", text, last));
+    throw UsageError(fmt::format("--pings '{}': {} has pings 0 to {}", text, named(sensor), last));
   return range;
 }
 
-std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t beams) {
+std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t beams,
+                                          const std::string& sensor) {
   std::vector<std::uint32_t> chosen;
   const auto last = static_cast<std::int64_t>(beams) - 1;
   for (std::size_t begin = 0; begin < text.size() || (begin > 0 && text.back() == ',');) {
@@ -77,7 +82,7 @@ std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t b
     }
     if (range.last < 0) range.last = last;
     if (range.first > range.last || range.last > last)
-      throw UsageError(fmt::format("--beam '{}': the sensor has beams 0 to {}", text, last));
+      throw UsageError(fmt::format("--beam '{}': {} has beams 0 to {}", text, named(sensor), last));
     for (std::int64_t beam = range.first; beam <= range.last; ++beam)
       chosen.push_back(static_cast<std::uint32_t>(beam));
     begin = comma + 1;

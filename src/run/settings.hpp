@@ -38,11 +38,12 @@ void print_warnings(const std::vector<std::string>& warnings, bool quiet);
 /// A tolerance of the command line; throws UsageError.
 Tolerance asked_tolerance(const std::string& text);
 
-/// Checks a ping range against a number of pings; throws UsageError.
-PingRange resolved(const std::string& text, std::size_t pings);
+/// Checks a ping range against a number of pings, of a sensor of that name; throws UsageError.
+PingRange resolved(const std::string& text, std::size_t pings, const std::string& sensor = {});
 
 /// Beams of a sensor that has so many, "3", "2:5" (both included), ":5", "2:" or several of these between
 /// commas: sorted, each once; none for an empty text. Throws UsageError.
-std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t beams);
+std::vector<std::uint32_t> resolved_beams(const std::string& text, std::size_t beams,
+                                          const std::string& sensor = {});
 
 }  // namespace tubefoot

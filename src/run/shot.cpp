@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/rays/shared_hits.hpp"
+#include "run/truth.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,7 +27,8 @@ Shots::Shots(Survey survey, RunRequest request)
     : survey_(std::move(survey)),
       request_(std::move(request)),
       whole_(*survey_.site),
-      engine_(whole_.mesh(), whole_.tree(), survey_.scene.grid.unit_m(), request_.visibility) {}
+      engine_(whole_.mesh(), whole_.tree(), survey_.scene.grid.unit_m(), request_.visibility),
+      truth_(request_.truth ? std::make_unique<const Truth>(survey_) : nullptr) {}
 Shots::~Shots() = default;
 
 Shot Shots::of(const SharedShots& group, std::size_t ping, std::size_t number) const {
@@ -90,8 +92,8 @@ const TubeEngine& Shot::engine() const {
   return own_engine_ ? *own_engine_ : shots_.engine_;
 }
 
-History Shot::trace(std::size_t* candidates, bool measured) const {
-  return trace(tubes(), candidates, measured);
+History Shot::trace(std::size_t* candidates, bool measured, const std::vector<bool>& wanted) const {
+  return engine().trace(tubes(), candidates, measured, wanted);
 }
 
 History Shot::trace(TubeSet tubes, std::size_t* candidates, bool measured) const {

@@ -21,6 +21,7 @@
 namespace tubefoot {
 
 class Shot;
+class Truth;
 
 /// The shots of a survey, as one run asks for them, and what they share. Thread-safe.
 class Shots {
@@ -32,6 +33,8 @@ class Shots {
 
   const Survey& survey() const { return survey_; }
   const RunRequest& request() const { return request_; }
+  /// Null where it is not asked for.
+  const Truth* truth() const { return truth_.get(); }
   /// Shot `number` of a ping of one of the survey's groups. This outlives it.
   Shot of(const SharedShots& group, std::size_t ping, std::size_t number) const;
   /// The one that a sensor takes part in.
@@ -43,6 +46,7 @@ class Shots {
   const RunRequest request_;
   const ShotGround whole_;   ///< the site's own facets
   const TubeEngine engine_;  ///< of these: keeps its threads' buffers from shot to shot
+  const std::unique_ptr<const Truth> truth_;
 };
 
 /// One transmission of the sensors of a group. Its ground is made when it is first asked for, by one thread,
@@ -57,6 +61,7 @@ class Shot {
   const Site& site() const { return *survey().site; }
   const Scene& scene() const { return survey().scene; }
   const RunRequest& request() const { return shots_.request_; }
+  const Truth* truth() const { return shots_.truth(); }
   const SharedShots& group() const { return group_; }
   std::size_t ping() const { return ping_; }
   std::size_t number() const { return number_; }
@@ -89,8 +94,9 @@ class Shot {
   /// How a sensor hears the ground.
   SensorLaw law(std::size_t sensor) const { return {*this, ground(), sensor}; }
 
-  /// What its tubes see, or others from the same place (TubeEngine).
-  History trace(std::size_t* candidates = nullptr, bool measured = true) const;
+  /// What its tubes see, those that are `wanted`, or others from the same place (TubeEngine).
+  History trace(std::size_t* candidates = nullptr, bool measured = true,
+                const std::vector<bool>& wanted = {}) const;
   History trace(TubeSet tubes, std::size_t* candidates = nullptr, bool measured = true) const;
   /// What transmitter and receiver, apart, both see in even water.
   BistaticHistory trace_both() const;

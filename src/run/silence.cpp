@@ -217,9 +217,11 @@ class Reason {
 };
 
 /// `when`: " at any of 9 pings", or empty.
-Silence silence(const Survey& survey, const RunRequest& request, std::size_t s, const std::string& when) {
+/// `asked`: the pings that are asked for.
+Silence silence(const Survey& survey, const RunRequest& request, std::size_t s, PingSpan asked,
+                const std::string& when) {
   const SensorPings& pings = survey.sensors[s];
-  const std::size_t ping = pings.times_s.size() / 2;
+  const std::size_t ping = asked.first + (asked.end - asked.first) / 2;
   const Reason reason(survey, request, s, ping);
   return {s, fmt::format("{}: sensor '{}' hears nothing{}: at ping {} ({}) {}",
                          to_string(pings.sensor->description().place), pings.sensor->description().name, when,
@@ -245,24 +247,28 @@ std::vector<Silence> foreseen_silence(const Survey& survey, const RunRequest& re
   if (!has_facets(survey.scene)) return found;  // which is told already
   const Shots shots(survey, request);
   ShotsAround around(shots);
+  const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
   for (const SharedShots& group : survey.shots) {
     std::vector<std::size_t> silent = group.sensors;
     std::erase_if(silent, [&](std::size_t s) {
-      return path_settings(survey.scene, survey.sensors[s].sensor->frequency_khz()).has_value();
+      return chosen[s].pings == 0 ||
+             path_settings(survey.scene, survey.sensors[s].sensor->frequency_khz()).has_value();
     });
     constexpr std::size_t most_pings = 33;
     constexpr std::chrono::seconds enough(3);
     const auto start = std::chrono::steady_clock::now();
-    const std::size_t pings = survey.fleet->pings(group);
+    if (silent.empty()) continue;
+    const std::size_t first = chosen[silent.front()].first_ping, pings = chosen[silent.front()].pings;
     std::size_t looked = 0;
-    for (const std::size_t ping : spread(pings, most_pings)) {
+    for (const std::size_t place : spread(pings, most_pings)) {
+      const std::size_t ping = first + place;
       if (silent.empty() || (looked > 0 && std::chrono::steady_clock::now() - start > enough)) break;
       ++looked;
       for (std::size_t number = 0; number < survey.fleet->shots_a_ping(group) && !silent.empty(); ++number)
         listen(around.at(group, ping).of(group, ping, number), silent);
     }
     for (const std::size_t s : silent)
-      found.push_back(silence(survey, request, s,
+      found.push_back(silence(survey, request, s, {first, first + pings},
                               pings == 1        ? std::string()
                               : looked == pings ? std::string(" at any ping")
                                                 : fmt::format(" at any of {} pings looked at", looked)));
@@ -274,10 +280,19 @@ std::vector<Silence> met_silence(const Survey& survey, const RunRequest& request
                                  const std::vector<Recording>& recordings) {
   std::vector<Silence> found;
   if (!has_facets(survey.scene)) return found;
-  for (std::size_t s = 0; s < recordings.size(); ++s)
-    if (is_silent(recordings[s]))
-      found.push_back(
-          silence(survey, request, s, recordings[s].pings() == 1 ? "" : " at any ping: all samples are 0"));
+  for (const Recording& recording : recordings) {
+    if (!is_silent(recording)) continue;
+    const SensorDescription& sensor = recording.sensor->description();
+    const std::size_t s = survey.fleet->sensor_named(sensor.name);
+    const std::size_t first = recording.number_of(0);
+    if (!recording.beam_numbers.empty())  // others may hear something: there is nothing wrong with the sensor
+      found.push_back({s, fmt::format("{}: sensor '{}' hears nothing in the beams that are asked for: all "
+                                      "samples are 0",
+                                      to_string(sensor.place), sensor.name)});
+    else
+      found.push_back(silence(survey, request, s, {first, first + recording.pings()},
+                              recording.pings() == 1 ? "" : " at any ping: all samples are 0"));
+  }
   return found;
 }
 

@@ -13,23 +13,35 @@
 #include "run/abilities.hpp"
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"
+#include "run/surfaces.hpp"
+#include "run/truth.hpp"
 
 namespace tubefoot {
 
 StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
   StoreLayout layout;
   layout.with_bounds = request.reference_tolerance.has_value();
-  for (const SensorPings& pings : survey.sensors)
+  const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
+  for (std::size_t s = 0; s < chosen.size(); ++s) {
+    const Sensor& sensor = *survey.sensors[s].sensor;
     layout.sensors.push_back(
-        {pings.times_s.size(), static_cast<std::size_t>(pings.sensor->channels()) *
-                                   pings.sensor->beams().size() *
-                                   static_cast<std::size_t>(pings.sensor->samples().count)});
-  for (const SharedShots& group : survey.shots)
-    layout.groups.push_back({group.sensors, survey.fleet->pings(group)});
+        {chosen[s].pings, static_cast<std::size_t>(sensor.channels()) * chosen[s].beams.size() *
+                              static_cast<std::size_t>(sensor.samples().count)});
+  }
+  for (const SharedShots& group : survey.shots) {
+    StoreLayout::Group& kept = layout.groups.emplace_back();
+    for (const std::size_t s : group.sensors) {
+      if (chosen[s].pings == 0) continue;
+      kept.sensors.push_back(s);
+      kept.pings = chosen[s].pings;  // the same of all, as their pings are
+    }
+  }
+  if (request.truth) add_truth(layout, survey, chosen);
   return layout;
 }
 
-PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request) : shots_(survey, request) {
+PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
+    : shots_(survey, request), chosen_(chosen_of(survey, request.selection)) {
   require_able_to_run(survey, request);
   if (survey.site->is_tiled()) {
     by_regions_ = std::make_unique<RegionalSimulation>(survey, request);
@@ -46,7 +58,8 @@ PingCounts PingSimulation::run(std::size_t group, std::size_t ping, PingStore& s
   if (by_regions_) return by_regions_->run(group, ping, store, slot);
   const auto start = std::chrono::steady_clock::now();
   const SharedShots& sensors = shots_.survey().shots[group];
-  PingSums sums(sensors, store, slot);
+  PingSums sums(shots_, sensors, chosen_, store, slot);
+  ping += first_ping(sensors, chosen_);
   for (std::size_t number = 0; number < shots_.survey().fleet->shots_a_ping(sensors); ++number) {
     const Shot shot = shots_.of(sensors, ping, number);
     for (const EchoPart& part : parts_[group]) part.add(shot, sums);
@@ -61,7 +74,8 @@ PingCounts PingSimulation::run(std::size_t group, std::size_t ping, PingStore& s
 
 void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers) {
   const PingSimulation simulation(survey, request);
-  const std::size_t left = layout_of(survey, request).units() - store.done_units();
+  const StoreLayout layout = layout_of(survey, request);
+  const std::size_t left = layout.units() - store.done_units();
   if (onlookers.watch != nullptr) onlookers.watch->total = left;
   Progress progress("pings", left, onlookers.quiet);
   const auto take = [&](std::size_t g, std::size_t ping) {
@@ -80,7 +94,7 @@ void simulate(const Survey& survey, const RunRequest& request, PingStore& store,
     if (onlookers.watch != nullptr) ++onlookers.watch->pings;
   };
   for (std::size_t g = 0; g < survey.shots.size(); ++g) {
-    const std::size_t pings = survey.fleet->pings(survey.shots[g]);
+    const std::size_t pings = layout.groups[g].pings;
     if (!survey.site->is_tiled()) {
       tbb::parallel_for(std::size_t{0}, pings, [&](std::size_t ping) { take(g, ping); });
       continue;
@@ -98,13 +112,21 @@ void simulate(const Survey& survey, const RunRequest& request, PingStore& store,
   }
 }
 
-SimulationStats totals(const Survey& survey, const PingStore& store) {
+SimulationStats totals(const Survey& survey, const PingStore& store, const Selection& selection) {
   SimulationStats stats;
   PingCounts worst;
-  for (std::size_t g = 0; g < survey.shots.size(); ++g)
-    for (std::size_t ping = 0; ping < survey.fleet->pings(survey.shots[g]); ++ping) {
+  const std::vector<ChosenEchoes> chosen = chosen_of(survey, selection);
+  for (std::size_t g = 0; g < survey.shots.size(); ++g) {
+    const std::size_t first = first_ping(survey.shots[g], chosen);
+    std::size_t sensors = 0, pings = 0;
+    for (const std::size_t s : survey.shots[g].sensors) {
+      if (chosen[s].pings == 0) continue;
+      ++sensors;
+      pings = chosen[s].pings;
+    }
+    for (std::size_t ping = 0; ping < pings; ++ping) {
       const PingCounts& counts = store.counts(g, ping);
-      stats.pings += survey.shots[g].sensors.size();
+      stats.pings += sensors;
       stats.tubes += counts.tubes;
       stats.candidates += counts.candidates;
       stats.footprints += counts.footprints;
@@ -114,16 +136,17 @@ SimulationStats totals(const Survey& survey, const PingStore& store) {
       stats.finer_relief_largest = std::max(stats.finer_relief_largest, counts.finer_relief_largest);
       stats.finer_relief_rms = std::max(stats.finer_relief_rms, counts.finer_relief_rms);
       add_counts(stats.refraction, counts.refraction);
-      stats.shadowed_pings += counts.refraction.in_shadow > 0 ? survey.shots[g].sensors.size() : 0;
+      stats.shadowed_pings += counts.refraction.in_shadow > 0 ? sensors : 0;
       stats.images += counts.images;
       stats.arrivals += counts.arrivals;
       std::transform(counts.energy_of_order.begin(), counts.energy_of_order.end(),
                      stats.energy_of_order.begin(), stats.energy_of_order.begin(), std::plus<>());
       stats.visibility_seconds += counts.visibility_seconds;
       stats.echo_seconds += counts.echo_seconds;
-      if (counts.worst_ratio > worst.worst_ratio) stats.reference.worst_ping = ping;
+      if (counts.worst_ratio > worst.worst_ratio) stats.reference.worst_ping = first + ping;
       keep_worst(worst, counts);
     }
+  }
   stats.reference.bins_over = worst.bins_over;
   stats.reference.worst_ratio = worst.worst_ratio;
   stats.reference.worst_beam = static_cast<int>(worst.worst_beam);
@@ -133,22 +156,24 @@ SimulationStats totals(const Survey& survey, const PingStore& store) {
   return stats;
 }
 
-std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store) {
+std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store,
+                                     const Selection& selection) {
   std::vector<Recording> recordings;
-  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
-    const SensorPings& pings = survey.sensors[s];
-    Recording recording;
-    recording.sensor = pings.sensor.get();
-    recording.ping_time_s = pings.times_s;
-    recording.ping_pose = pings.poses;
-    recording.line_starts = pings.line_starts;
-    recording.altitude_m = pings.altitudes_m;
+  const std::vector<ChosenEchoes> chosen = chosen_of(survey, selection);
+  for (std::size_t s = 0; s < chosen.size(); ++s) {
+    if (chosen[s].pings == 0) continue;
+    Recording& recording = recordings.emplace_back(recording_of(survey, s, selection, chosen[s]));
     recording.energy = store->energy(s);
     recording.energy_bound = store->bound(s);
     recording.release = [store, s](std::size_t ping) { store->release(s, ping); };
-    recording.sound_speed_m_s = pings.sound_speed_m_s;
-    recording.absorption_db_per_km = 1000 * absorption_db_per_m(survey.scene, *pings.sensor);
-    recordings.push_back(std::move(recording));
+    if (chosen[s].all_beams && surfaces_are_known(survey, s))
+      recording.surfaces = [survey, store, s, first = chosen[s].first_ping](std::size_t ping) {
+        const Sensor& sensor = *survey.sensors[s].sensor;
+        const std::size_t cells = sensor.beams().size() * static_cast<std::size_t>(sensor.samples().count);
+        return samples_with_surfaces(
+            survey, s, first + ping,
+            store->energy(s).subspan(ping * static_cast<std::size_t>(sensor.channels()) * cells, cells));
+      };
   }
   return recordings;
 }
@@ -158,8 +183,8 @@ std::vector<Recording> simulate(const Survey& survey, const RunRequest& request,
   const auto store = std::make_shared<PingStore>(layout_of(survey, request));
   simulate(survey, request, *store, onlookers);
   stop_if_wanted();
-  stats = totals(survey, *store);
-  return recordings_of(survey, store);
+  stats = totals(survey, *store, request.selection);
+  return recordings_of(survey, store, request.selection);
 }
 
 }  // namespace tubefoot

@@ -40,7 +40,8 @@ struct SimulationStats {
   ReferenceStats reference;
 };
 
-/// What has to be kept of a survey's pings; with bounds for a reference.
+/// What has to be kept of a survey's pings, of those that are asked for; with bounds for a reference. Throws
+/// as chosen_of().
 StoreLayout layout_of(const Survey& survey, const RunRequest& request);
 
 /// Simulates pings of a survey one by one, on any thread, as a request asks for them. With a reference
@@ -53,11 +54,13 @@ class PingSimulation {
   PingSimulation(const PingSimulation&) = delete;
   PingSimulation& operator=(const PingSimulation&) = delete;
 
-  /// Leaves the energies of a group's ping in ping `slot` of a store, for its finish().
+  /// Leaves the energies of a group's ping, counted among those that are asked for, in ping `slot` of a
+  /// store, for its finish().
   PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) const;
 
  private:
   Shots shots_;
+  std::vector<ChosenEchoes> chosen_;                ///< by sensor
   std::vector<std::vector<EchoPart>> parts_;        ///< by group
   std::unique_ptr<RegionalSimulation> by_regions_;  ///< where terrain is read by tiles; else null
 };
@@ -73,10 +76,12 @@ struct Onlookers {
 void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers);
 
 /// The sums over a store's pings, added in the order of the pings.
-SimulationStats totals(const Survey& survey, const PingStore& store);
+SimulationStats totals(const Survey& survey, const PingStore& store, const Selection& selection = {});
 
-/// One recording per sensor of the survey, of the energies in `store`, which they keep alive.
-std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store);
+/// One recording per sensor of the survey that is asked for, of the energies in `store`, which they keep
+/// alive.
+std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr<PingStore>& store,
+                                     const Selection& selection = {});
 
 /// All of it in memory. Throws Interrupted when somebody wants to stop.
 std::vector<Recording> simulate(const Survey& survey, const RunRequest& request, SimulationStats& stats,

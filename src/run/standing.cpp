@@ -12,7 +12,7 @@
 
 #include "geometry/search/vertical_line.hpp"
 #include "run/shot_ground.hpp"
-#include "run/tiles_in_view.hpp"
+#include "run/site_below.hpp"
 #include "scene/extent.hpp"
 
 namespace tubefoot {
@@ -21,13 +21,11 @@ namespace {
 /// The bed over and under one place after the other.
 class Bed {
  public:
-  explicit Bed(const Survey& survey) : survey_(survey) {
-    if (survey.site->is_tiled()) tiles_.emplace(*survey.site);
-  }
+  explicit Bed(const Site& site) : below_(site) {}
 
   /// How high a place is above the highest terrain there, less than 0 below it; nothing beside all terrain.
   std::optional<double> height_over_m(glm::dvec3 place_m) {
-    const Site& site = in_line_with(place_m);
+    const Site& site = below_.in_line_with(place_m);
     const ShotGround ground = ground_in_line_with(site, place_m);
     const GridPoint point = site.scene.grid.snap(place_m);
     std::vector<FacetId> near;
@@ -42,20 +40,7 @@ class Bed {
   }
 
  private:
-  const Site& in_line_with(glm::dvec3 place_m) {
-    if (!tiles_) return *survey_.site;
-    TileChoice choice = tiles_->below(place_m);
-    if (!part_ || choice != choice_) {
-      part_.emplace(survey_with_tiles(survey_, choice));
-      choice_ = std::move(choice);
-    }
-    return *part_->site;
-  }
-
-  const Survey& survey_;
-  std::optional<TilesInView> tiles_;
-  TileChoice choice_;
-  std::optional<Survey> part_;
+  SiteBelow below_;
 };
 
 /// Some of a component's vertices: the outermost, and others in between.
@@ -90,7 +75,7 @@ struct Heights {
 
 Standing told(const std::string& name, const Extent& object, const Extent& terrain, const Heights& heights,
               const std::string& place) {
-  Standing standing{name, {}, {}};
+  Standing standing{name, {}, {}, false};
   const auto warn = [&](const std::string& what) {
     standing.warning = fmt::format("{}: object '{}' {}", place, name, what);
   };
@@ -115,6 +100,7 @@ Standing told(const std::string& name, const Extent& object, const Extent& terra
       warn(fmt::format("lies beside the terrain, which covers {}: {}", to_text(terrain),
                        frames.empty() ? "move it there, if that is not meant" : frames));
   } else if (heights.highest_m < 0) {
+    standing.is_buried = true;
     standing.words = fmt::format("buried: its top is {:.4g} m below the bed", -heights.highest_m);
     warn(
         fmt::format("is buried: its top is {:.4g} m below the bed, and it cannot be seen; on_terrain_m = 0 "
@@ -148,7 +134,7 @@ std::vector<Standing> standings(const Survey& survey) {
   const std::size_t terrains = scene.description.terrains.size();
   // Each place of a tiled terrain, or of one with relief, is loaded or made.
   const std::size_t most = survey.site->is_tiled() ? 4 : survey.site->has_ground_a_shot() ? 30 : 300;
-  Bed bed(survey);
+  Bed bed(*survey.site);
   for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
     const ComponentReport& object = scene.report.components[i];
     Heights heights;

@@ -14,6 +14,7 @@ struct Standing {
   std::string object;
   std::string words;    ///< "in the bed: from 0.5 m below it to 0.5 m above"
   std::string warning;  ///< empty where that is nothing odd
+  bool is_buried = false;
 };
 
 /// Of each object of a scene with terrain, by some of its vertices: what lies between them may differ. Throws

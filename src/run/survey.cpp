@@ -23,7 +23,7 @@
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
 #include "run/shot_ground.hpp"
-#include "run/tiles_in_view.hpp"
+#include "run/site_below.hpp"
 #include "scene/ping_times.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
@@ -92,38 +92,6 @@ void place_shots(SensorPings& pings, const Trajectory& trajectory) {
   }
 }
 
-/// A site with some tiles, and what shots ask of its facets; no tree yet.
-std::unique_ptr<Site> loaded_with(const Site& site, const TileChoice& choice) {
-  auto part = std::make_unique<Site>(with_tiles(site.scene, choice));
-  part->relief = site.relief;
-  if (site.relief.cell_m > 0) part->ground = relief_ground(part->scene);
-  return part;
-}
-
-/// The facets above and below one place after the other.
-class Patch {
- public:
-  explicit Patch(const Site& site) : site_(site) {
-    if (site.is_tiled()) tiles_.emplace(site);
-  }
-  const Site& in_line_with(glm::dvec3 place_m) {
-    if (!tiles_) return site_;
-    TileChoice choice = tiles_->below(place_m);
-    if (!part_ || choice != choice_) {
-      choice_ = std::move(choice);
-      part_ = loaded_with(site_, choice_);
-      part_->tree = std::make_unique<SceneTree>(part_->scene.mesh, SceneTree::Sheets::ignored);
-    }
-    return *part_;
-  }
-
- private:
-  const Site& site_;
-  std::optional<TilesInView> tiles_;
-  TileChoice choice_;
-  std::unique_ptr<Site> part_;
-};
-
 /// Of narrow beams: what their energies are worth.
 void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) {
   constexpr double worth_telling = 1e-4;
@@ -184,11 +152,11 @@ void refuse_on_facet(const Scene& scene, const ShotGround& ground, std::span<con
 /// Looks straight up and down from a place of a sensor's transmitter or receiver. One under the
 /// terrain is a mistake in the scene; one inside an object may be in its own housing. Returns the altitude
 /// over the terrain, not a number where there is none.
-double check_place(Scene& scene, Patch& patch, const PingPlace& where, std::set<std::uint16_t>& inside) {
+double check_place(Scene& scene, SiteBelow& below, const PingPlace& where, std::set<std::uint16_t>& inside) {
   const auto& [pings, ping, at_m, what] = where;
   double altitude_m = std::numeric_limits<double>::quiet_NaN();
   const SourcePlace& place = pings.sensor->description().place;
-  const ShotGround ground = ground_in_line_with(patch.in_line_with(at_m), at_m);
+  const ShotGround ground = ground_in_line_with(below.in_line_with(at_m), at_m);
   const std::vector<FacetId> near = facets_above_and_below(ground, scene.grid.snap(at_m));
   refuse_on_facet(scene, ground, near, where);
   for (const VerticalCrossings& c : vertical_crossings(ground.mesh(), near, scene.grid.snap(at_m))) {
@@ -213,7 +181,7 @@ double check_place(Scene& scene, Patch& patch, const PingPlace& where, std::set<
 
 void check_places(Site& site, Fleet& fleet) {
   Scene& scene = site.scene;
-  Patch patch(site);
+  SiteBelow below(site);
   for (SensorPings& pings : fleet.sensors) {
     const Sensor& sensor = *pings.sensor;
     std::set<std::uint16_t> inside, receiver_inside;
@@ -224,15 +192,15 @@ void check_places(Site& site, Fleet& fleet) {
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
       seen.done();
       const glm::dvec3 at_m = pings.poses[ping].position_m;
-      pings.altitudes_m.push_back(check_place(scene, patch, {pings, ping, at_m, what}, inside));
+      pings.altitudes_m.push_back(check_place(scene, below, {pings, ping, at_m, what}, inside));
       if (sensor.has_receiver_apart())
-        check_place(scene, patch, {pings, ping, pings.receiver_pose(ping, 0).position_m, receiver},
+        check_place(scene, below, {pings, ping, pings.receiver_pose(ping, 0).position_m, receiver},
                     receiver_inside);
       if (sensor.has_staff())
         for (const Fringe& staff :
              sensor.patterns(pings.receiver_pose(ping, 0), pings.sound_speed_m_s, 0).fringes)
           for (const double end : {1.0, -1.0})
-            check_place(scene, patch,
+            check_place(scene, below,
                         {pings, ping,
                          pings.receiver_pose(ping, 0).position_m + end * staff.baseline_m / 2 * staff.axis,
                          fmt::format("the {} receiver of {}", end > 0 ? "upper" : "lower", what)},
@@ -241,7 +209,7 @@ void check_places(Site& site, Fleet& fleet) {
       for (std::size_t shot = 1; shot < sensor.shots(); ++shot) {
         const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
           if (now.position_m == before.position_m) return;
-          const ShotGround ground = ground_in_line_with(patch.in_line_with(now.position_m), now.position_m);
+          const ShotGround ground = ground_in_line_with(below.in_line_with(now.position_m), now.position_m);
           refuse_on_facet(scene, ground, facets_above_and_below(ground, scene.grid.snap(now.position_m)),
                           {pings, ping, now.position_m, who});
         };

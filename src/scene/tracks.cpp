@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <stdexcept>
 
 #include "files/limits.hpp"
 #include "scene/waypoint_file.hpp"
@@ -151,7 +152,11 @@ struct Maker {
 }  // namespace
 
 Trajectory make_trajectory(const TrajectoryDescription& description, const TrackSurroundings& around) {
-  return std::visit(Maker{description.place, around}, description.kind);
+  try {
+    return std::visit(Maker{description.place, around}, description.kind);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(description.place, error.what());
+  }
 }
 
 }  // namespace tubefoot

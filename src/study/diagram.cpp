@@ -71,6 +71,8 @@ std::string line(double x0, double y0, double x1, double y1, const std::string& 
 
 }  // namespace
 
+const char* series_colour(std::size_t n) { return colours[n % colours.size()]; }
+
 std::string to_svg(const Diagram& diagram) {
   Axis x, y;
   x.scale = y.scale = diagram.scale;
@@ -119,7 +121,7 @@ std::string to_svg(const Diagram& diagram) {
   double legend = top + 12;
   for (std::size_t s = 0; s < diagram.series.size(); ++s) {
     const PlotSeries& series = diagram.series[s];
-    const std::string colour = colours[s % colours.size()];
+    const std::string colour = series_colour(s);
     std::string path, dots;
     for (const auto& [px, py] : series.points) {
       const double value = raised(py);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct Diagram {
   double floor = 0;                  ///< a dashed line; points below it are drawn on it, hollow. 0: none
   std::string floor_name;            ///< what the line says
 };
+
+/// "#rrggbb" of the n-th series, for what else is drawn of the same things; few colours, then again.
+const char* series_colour(std::size_t n);
 
 /// The diagram as a self-contained SVG of 760 x 520 pixels.
 std::string to_svg(const Diagram& diagram);

@@ -32,12 +32,39 @@ function quantile(values, share) {
 }
 
 const pictureRangeDb = 50;
-/// The picture's scale, as in the PNG files: 0 is its brightest echoes but for a few glints.
-const pictureTopDb = decibels(quantile(arrays.cellEnergy.filter((e) => e > 0), 0.999) || 1);
+/// The picture's scale, as in the PNG files: its top is the brightest echoes but for a few glints, less the
+/// scene's display gain.
+const pictureTopDb = decibels(quantile(arrays.cellEnergy.filter((e) => e > 0), 0.999) || 1) - facts.displayGain;
 const pictureTable = Array.from({ length: 256 }, (_, i) => between(viridis, i / 255));
 function pictureColour(energy) {
   const level = energy > 0 ? 1 + (decibels(energy) - pictureTopDb) / pictureRangeDb : 0;
   return level > 0 ? pictureTable[Math.round(255 * Math.min(level, 1))] : null;
+}
+
+/// Blue to red about grey: a candidate's energy over the reference's.
+const ratioTable = Array.from({ length: 256 }, (_, i) => between([[33, 102, 172], [103, 169, 207], [224, 224, 224], [239, 138, 98], [178, 24, 43]], i / 255));
+const litEnergy = (() => {
+  const heard = arrays.cellEnergy.filter((e) => e > 0);
+  return heard.length ? 1e-3 * heard.reduce((sum, e) => sum + e, 0) / heard.length : 0;
+})();
+/// Clamped to 30 dB; null where neither is lit.
+function ratioDb(reference, candidate) {
+  if (reference <= litEnergy && candidate <= litEnergy) return null;
+  const db = 10 * Math.log10(candidate / reference);
+  return Math.min(Math.max(db, -30), 30);
+}
+/// The smallest that 98 % of what differs keeps within.
+const ratioRangeDb = (() => {
+  const all = [];
+  arrays.candidateEnergy.forEach((c, cell) => {
+    const db = ratioDb(arrays.cellEnergy[cell], c);
+    if (db) all.push(Math.abs(db));
+  });
+  return [1, 3, 10].find((db) => db >= quantile(all, 0.98)) || 30;
+})();
+function ratioColour(reference, candidate) {
+  const db = ratioDb(reference, candidate);
+  return db === null ? null : ratioTable[Math.round(127.5 * (1 + Math.min(Math.max(db / ratioRangeDb, -1), 1)))];
 }
 
 /// Scales of footprints: `level` is 0 to 1 by footprint, `table` 256 colours (256th parts of the level).

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Puts the parts together: what is chosen lights up in both.
 
-const byId = (id) => document.getElementById(id);
 let chosen = null;  // {cell} or {footprint}
 
 const orbit = new Orbit(byId("scene"), {
@@ -12,7 +11,23 @@ const orbit = new Orbit(byId("scene"), {
   },
 });
 const scene = new Scene(byId("scene"), orbit);
-const picture = new Picture(byId("picture"), { clicked: (cell) => choose(cell < 0 ? null : { cell }) });
+const isCompared = arrays.candidateEnergy.length > 0;
+/// The picture, and with a candidate its and the difference: what is done to one is done to all.
+const pictures = [["picture"], ...(isCompared ? [["candidate-picture", candidateColour], ["difference-picture", differenceColour, drawRatioLegend]] : [])]
+  .map(([name, colourOf, legend], k) => new Picture(byId(name), {
+    colourOf, legend,
+    clicked: (cell) => choose(cell < 0 ? null : { cell }),
+    moved(window_) {
+      for (const other of pictures.filter((_, n) => n !== k)) {
+        other.window = window_;
+        other.draw();
+      }
+    },
+  }));
+const [picture] = pictures;
+function lightPictures(cells, chosen) { for (const one of pictures) one.light(cells, chosen); }
+function drawPictures() { for (const one of pictures) one.draw(); }
+function layOut(name) { for (const one of pictures) one.layOut(name); }
 const panel = new Panel(byId("chosen"), (what) => { choose(what); reveal(); });
 
 /// The transmitter's tube, and the receiver's where that is apart.
@@ -22,33 +37,39 @@ function choose(what) {
   chosen = what;
   if (!what) {
     scene.light([]);
-    picture.light([], null);
+    lightPictures([], null);
     panel.showNothing();
   } else if (what.cell !== undefined) {
     showPing(placeOf(what.cell).ping);
     const parts = links.ofCell(what.cell);
     scene.light(parts.map((p) => p.footprint), parts.length ? tubesOf(parts[0].footprint) : []);
-    picture.light([what.cell], what.cell);
+    lightPictures([what.cell], what.cell);
     panel.showCell(what.cell, parts);
   } else {
     showPing(arrays.ping[what.footprint]);
     const parts = links.ofFootprint(what.footprint);
     scene.light([what.footprint], tubesOf(what.footprint));
-    picture.light(parts.map((p) => p.cell), null);
+    lightPictures(parts.map((p) => p.cell), null);
     panel.showFootprint(what.footprint, parts);
   }
   byId("frame-lit").disabled = !scene.lit.size;
 }
 
-/// Pictures of one ping each show that ping; the others show all at once.
-const onePingAtATime = facts.layout === "fan" && facts.pings.length > 1;
+/// Of pictures of one ping each that one; of the others one line, or all of them.
+const pings = new Pings({
+  show(ping) {
+    if (chosen && ping !== null && pingOfChosen() !== ping) choose(null);
+    for (const one of pictures) one[facts.layout === "fan" ? "ping" : "line"] = ping;
+    scene.pings = ping === null ? [0, facts.pings.length] : [ping, ping + 1];
+    drawPictures();
+    scene.draw();
+  },
+});
+const pingOfChosen = () => chosen.cell !== undefined ? placeOf(chosen.cell).ping : arrays.ping[chosen.footprint];
 function showPing(ping) {
-  if (!onePingAtATime || picture.ping === ping) return;
-  byId("ping").value = String(ping);
-  picture.ping = ping;
-  scene.pings = [ping, ping + 1];
-  picture.draw();
-  scene.draw();
+  if (pings.all || pings.now === ping) return;
+  pings.stop();
+  pings.go(ping);
 }
 
 function reveal() {
@@ -92,14 +113,15 @@ function showScale() {
   byId("legend").replaceChildren(element("div", { text: scale.title }),
     element("div", { className: "bar", style: `background:linear-gradient(to right, ${(scale.used ? hard : colours.map(rgb)).join(",")})` }),
     element("div", { className: "ticks" }, ...scale.ticks.map((text) => element("span", { text }))),
-    element("div", { className: "swatches" }, swatch(rgb(highlight), "lit"), swatch("var(--shadow)", "shadow"), swatch("var(--mesh)", "outside the tubes")));
+    element("div", { className: "swatches" }, swatch(rgb(highlight), "lit"), swatch("var(--shadow)", "shadow"), swatch("var(--mesh)", "outside the tubes"),
+      ...(arrays.surfaces.length ? [swatch("var(--beyond)", "no surface (in the picture)")] : [])));
 }
 
 byId("title").textContent = facts.title || "Footprints";
 byId("subtitle").textContent = `${facts.sensor} (${facts.kind}), ${footprintCount} footprints, ` +
   (facts.pings.length > 1 ? `pings ${facts.pings[0].number} to ${facts.pings[facts.pings.length - 1].number}` : `ping ${facts.pings[0].number}`);
 byId("notes-text").replaceChildren(...[...facts.notes,
-  `Every footprint is the part of one facet that one tube${facts.receiverApart ? " of each end" : ""} touches first. Energies are for a source of 1 J/sr at 1 m; in this page in single precision.`,
+  `Every footprint is the part of one facet that one tube${facts.receiverApart ? " of each end" : ""} touches first. Energies are for a source of 1 J/sr at 1 m; in this page to within 1e-5 of each.`,
   `Made by tubefoot ${facts.version} from ${facts.source}; scene hash ${facts.sceneHash.slice(0, 16)}.`]
   .map((text) => element("p", { text })));
 byId("notes").open = false;
@@ -111,14 +133,13 @@ byId("frame-lit").addEventListener("click", frameLit);
 byId("frame-all").addEventListener("click", frameAll);
 byId("from-above").addEventListener("click", fromAbove);
 byId("from-sonar").addEventListener("click", fromSonar);
-byId("ping-label").hidden = !onePingAtATime;
-byId("ping").replaceChildren(...facts.pings.map((p, k) => element("option", { value: String(k), text: String(p.number) })));
-byId("ping").addEventListener("change", (e) => { choose(null); showPing(Number(e.target.value)); });
+byId("stripes").textContent = facts.stripes;
+byId("stripes").hidden = !facts.stripes;
 byId("layout-label").hidden = facts.layout !== "fan";
-byId("layout").addEventListener("change", (e) => picture.layOut(e.target.value));
+byId("layout").addEventListener("change", (e) => layOut(e.target.value));
 byId("tubes-label").hidden = !arrays.tubeOwner.length;
 byId("show-tubes").checked = scene.shown.tubes = facts.pings.length === 1;
-if (onePingAtATime) scene.pings = [0, 1];
+if (facts.layout === "fan") scene.pings = [0, 1];
 
 byId("scene").addEventListener("keydown", (e) => {
   const step = { n: 1, N: 1, p: -1, P: -1 }[e.key];
@@ -139,7 +160,7 @@ byId("picture").addEventListener("keydown", (e) => {
   e.preventDefault();
 });
 function neighbour([right, up]) {
-  if (!chosen) return cellOf(picture.ping, facts.beams >> 1, facts.samples >> 1);
+  if (!chosen) return cellOf(pings.now, facts.beams >> 1, facts.samples >> 1);
   let { ping, beam, sample } = placeOf(chosen.cell ?? picture.lit[0] ?? 0);
   const within = (v, n) => Math.min(Math.max(v, 0), n - 1);
   if (facts.layout === "fan") {
@@ -158,23 +179,31 @@ function neighbour([right, up]) {
 }
 document.addEventListener("keydown", (e) => { if (e.key === "Escape") choose(null); });
 
-new ResizeObserver(() => { scene.draw(); picture.draw(); }).observe(document.querySelector("main"));
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { scene.draw(); picture.draw(); });
+new ResizeObserver(() => { scene.draw(); drawPictures(); }).observe(document.querySelector("main"));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { scene.draw(); drawPictures(); });
 
+for (const pane of document.querySelectorAll(".beside")) pane.hidden = !isCompared;
+document.querySelector("main").classList.toggle("compared", isCompared);
+byId("reference-title").hidden = !isCompared;
+byId("reference-title").textContent = `Reference: ${facts.reference}`;
+byId("candidate-title").textContent = `Candidate: ${facts.candidate}`;
 byId("no-webgl").hidden = Boolean(scene.gl);
 orbit.whole = ballOf(arrays.shapePoints).radius;
-picture.layOut(facts.layout === "fan" ? "fan" : facts.layout);
+layOut(facts.layout === "fan" ? "fan" : facts.layout);
 showScale();
 choose(null);
 fromSonar();
 
 /// For scripts that drive the page, such as its tests (docs/viewer.md).
 window.tubefootView = {
-  facts, arrays, choose, cellOf, placeOf,
+  facts, arrays, choose, cellOf, placeOf, pings, isBeyond,
+  get shownPings() { return scene.pings; },
+  get labels() { return picture.labels; },
   get lit() { return { footprints: [...scene.lit], cells: [...picture.lit] }; },
   pick: (x, y) => scene.pick(x, y),
   frameLit, frameAll, fromAbove,
   footprintOnCanvas: (f) => scene.onCanvas([...arrays.centroid.subarray(3 * f, 3 * f + 3)]),
-  cellOnCanvas: (cell) => picture.onCanvas(cell),
-  cellAt: (x, y) => picture.cellAt(x, y),
+  cellOnCanvas: (cell, number = 0) => pictures[number].onCanvas(cell),
+  cellAt: (x, y, number = 0) => pictures[number].cellAt(x, y),
+  ratioDb: (cell) => isCompared ? ratioDb(arrays.cellEnergy[cell], arrays.candidateEnergy[cell]) : null, ratioRangeDb,
 };

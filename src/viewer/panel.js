@@ -20,6 +20,20 @@ function cellText(cell) {
   return `${pingOf(ping)}beam ${beam}, sample ${sample}`;
 }
 
+/// Which of a ping's cycles a cell was heard in, where there are several.
+function cycleOf(cell) {
+  const { beam } = placeOf(cell), shots = facts.shots || [], k = shots.findIndex((shot) => shot.beams.includes(beam));
+  return k < 0 ? [] : [["cycle", `${k} of 0 to ${shots.length - 1}`], ["fired", `${(1000 * shots[k].delay).toFixed(1)} ms in`]];
+}
+
+/// What a candidate has of a cell.
+function comparedOf(cell) {
+  if (!arrays.candidateEnergy.length) return [];
+  const energy = arrays.cellEnergy[cell], candidate = arrays.candidateEnergy[cell];
+  return [["candidate", dbText(candidate)],
+    ["difference", energy > 0 && candidate > 0 ? `${(10 * Math.log10(candidate / energy)).toFixed(2)} dB` : energy > 0 ? "missing" : candidate > 0 ? "too much" : "none"]];
+}
+
 function table(heads, rows, more) {
   const body = element("table", {}, element("thead", {}, element("tr", {}, ...heads.map((text) => element("th", { text, scope: "col" })))));
   const list = element("tbody");
@@ -55,12 +69,14 @@ class Panel {
     const content = [
       element("h2", { text: `Pixel: ${cellText(cell)}` }),
       listOf([["energy", dbText(energy)], ["slant range", `${rangeOf(sample).toFixed(3)} to ${rangeOf(sample + 1).toFixed(3)} m`],
-        ["footprints", String(parts.length)], ["their sum", dbText(sum)]]),
+        ...comparedOf(cell), ["footprints", String(parts.length)], ["their sum", dbText(sum)], ...cycleOf(cell)]),
     ];
-    // Single precision leaves 1e-7 or so.
-    if (Math.abs(rest) > 1e-5 * energy)
+    // Rounding leaves 1e-5 or so.
+    if (Math.abs(rest) > 3e-5 * energy)
       content.push(element("p", { className: "faint", text: `${(100 * rest / energy).toPrecision(3)} % of the energy is not theirs (see About this page).` }));
-    if (!parts.length) content.push(element("p", { text: energy > 0 ? "No footprint is linked to it." : "No footprint reaches it: shadow, or open water." }));
+    if (!parts.length) content.push(element("p", { text: energy > 0 ? "No footprint is linked to it."
+        : isBeyond(cell) ? "No footprint reaches it, and no surface is left in this beam: open water, or ground outside of the scene."
+          : "No footprint reaches it: shadow, or water before the first surface." }));
     else
       content.push(...table(["footprint", "energy", "share", "grazing", "area, m\u00b2"], shown.map(({ footprint: f, energy: e }) => [
         this.button(`${facts.components[arrays.component[f]]} #${arrays.facet[f]}`, { footprint: f }), dbText(e),

@@ -13,7 +13,8 @@ const beamBorders = (() => {
   return [2 * a[0] - inner[0], ...inner, 2 * a[n - 1] - inner[n - 2]];
 })();
 
-/// Layouts: the box of the plane that all of it takes, which cell is at (u, v), and the outline of a cell.
+/// Layouts: the box of the plane that all of it takes, which cell is at (u, v), the outline of a cell, and, where
+/// pings lie side by side, two corners of one.
 const layouts = {
   /// u: beam, v: slant range.
   beams(ping) {
@@ -64,6 +65,7 @@ const layouts = {
     const pings = facts.pings.length;
     return {
       box: [-farRange, farRange, 0, pings],
+      line: (ping) => [[-farRange, ping], [farRange, ping + 1]],
       cell: (u, v) => inPing(Math.floor(v), u < 0 ? 0 : 1, Math.abs(u)),
       outline(cell) {
         const { ping, beam, sample } = placeOf(cell), side = beam === 0 ? -1 : 1;
@@ -77,6 +79,7 @@ const layouts = {
   echogram() {
     return {
       box: [0, facts.pings.length, -farRange, -facts.firstRange],
+      line: (ping) => [[ping, -facts.firstRange], [ping + 1, -farRange]],
       cell: (u, v) => inPing(Math.floor(u), 0, -v),
       outline(cell) {
         const { ping, sample } = placeOf(cell);
@@ -100,14 +103,18 @@ function inPing(ping, beam, range) {
 /// All of a layout, or what has echoes where that is less than half of it: the rest is open water.
 function boxOfEchoes({ box, outline }) {
   const lo = [Infinity, Infinity], hi = [-Infinity, -Infinity];
-  arrays.cellEnergy.forEach((energy, cell) => {
-    if (!(energy > 0)) return;
-    for (const corner of outline(cell))
-      for (const k of [0, 1]) {
-        lo[k] = Math.min(lo[k], corner[k]);
-        hi[k] = Math.max(hi[k], corner[k]);
-      }
-  });
+  // The nearest and the farthest echo of each beam hold all between them.
+  for (let first = 0; first < arrays.cellEnergy.length; first += facts.samples) {
+    const beam = arrays.cellEnergy.subarray(first, first + facts.samples), heard = (energy) => energy > 0;
+    const near = beam.findIndex(heard);
+    if (near < 0) continue;
+    for (const cell of [first + near, first + beam.findLastIndex(heard)])
+      for (const corner of outline(cell))
+        for (const k of [0, 1]) {
+          lo[k] = Math.min(lo[k], corner[k]);
+          hi[k] = Math.max(hi[k], corner[k]);
+        }
+  }
   const small = (hi[0] - lo[0]) * (hi[1] - lo[1]) < 0.5 * (box[1] - box[0]) * (box[3] - box[2]);
   if (!small || hi[0] < lo[0]) return box;
   const spare = [0, 1].map((k) => 0.06 * (hi[k] - lo[k]));
@@ -115,9 +122,11 @@ function boxOfEchoes({ box, outline }) {
     .map((v, k) => k % 2 ? Math.min(v, box[k]) : Math.max(v, box[k]));
 }
 
+/// `colourOf`: of a cell, null where there is none; `legend`: draws the scale; `moved`: called where what is
+/// shown has been zoomed or moved.
 class Picture {
-  constructor(canvas, { clicked }) {
-    Object.assign(this, { canvas, context: canvas.getContext("2d"), lit: [], chosen: null, ping: 0 });
+  constructor(canvas, { clicked, colourOf = echoColour, legend = drawPictureLegend, moved = () => {} }) {
+    Object.assign(this, { canvas, colourOf, legend, moved, context: canvas.getContext("2d"), lit: [], chosen: null, ping: 0, line: null, labels: [] });
     let down = null, way = 0;
     canvas.addEventListener("pointerdown", (e) => { canvas.setPointerCapture(e.pointerId); down = e; way = 0; });
     canvas.addEventListener("pointermove", (e) => {
@@ -143,14 +152,16 @@ class Picture {
     this.layout.box = boxOfEchoes(this.layout);
     this.showAll();
   }
-  showAll() {
-    this.window = null;
+  showAll() { this.show(null); }
+  show(window_) {
+    this.window = window_;
+    this.moved(window_);
     this.draw();
   }
 
   /// The plot's rectangle and the part of the plane that it shows.
   frame() {
-    const plot = { x: 58, y: 12, width: Math.max(this.canvas.clientWidth - 148, 20), height: Math.max(this.canvas.clientHeight - 54, 20) };
+    const plot = { x: 66, y: 12, width: Math.max(this.canvas.clientWidth - 148, 20), height: Math.max(this.canvas.clientHeight - 54, 20) };
     let window_ = this.window;
     if (!window_) {
       let [u0, u1, v0, v1] = this.layout.box;
@@ -188,13 +199,11 @@ class Picture {
     const next = [u, u, v, v].map((c, k) => c + (window_[k] - c) * factor);
     const share = Math.max((next[1] - next[0]) / (u1 - u0), (next[3] - next[2]) / (v1 - v0));
     if (share < 1e-4) return;
-    this.window = share > 20 ? null : next;
-    this.draw();
+    this.show(share > 20 ? null : next);
   }
   pan(dx, dy) {
     const { window_, perU, perV } = this.frame();
-    this.window = window_.map((c, k) => k < 2 ? c - dx / perU : c + dy / perV);
-    this.draw();
+    this.show(window_.map((c, k) => k < 2 ? c - dx / perU : c + dy / perV));
   }
 
   light(cells, chosen) {
@@ -215,13 +224,14 @@ class Picture {
     context.clearRect(0, 0, width, height);
     const { plot, window_, perU, perV } = this.frame();
     const columns = Math.round(plot.width * ratio), rows = Math.round(plot.height * ratio);
-    const image = context.createImageData(columns, rows), dark = cssColour("--no-echo").map((v) => 255 * v);
+    const image = context.createImageData(columns, rows);
+    const [dark, beyond] = ["--no-echo", "--beyond"].map((name) => cssColour(name).map((v) => 255 * v));
     for (let y = 0; y < rows; ++y) {
       const v = window_[3] - (y + 0.5) / ratio / perV;
       for (let x = 0; x < columns; ++x) {
         const cell = this.layout.cell(window_[0] + (x + 0.5) / ratio / perU, v);
         if (cell < 0) continue;
-        const colour = pictureColour(arrays.cellEnergy[cell]) || dark, at = 4 * (y * columns + x);
+        const colour = this.colourOf(cell) || (arrays.cellEnergy[cell] > 0 || !isBeyond(cell) ? dark : beyond), at = 4 * (y * columns + x);
         [image.data[at], image.data[at + 1], image.data[at + 2]] = colour;
         image.data[at + 3] = 255;
       }
@@ -229,12 +239,13 @@ class Picture {
     context.putImageData(image, Math.round(plot.x * ratio), Math.round(plot.y * ratio));
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.drawLit(plot);
-    const axes = this.layout.axes;
+    const axes = this.layout.axes, labels = new Labels(context, canvas.clientWidth, canvas.clientHeight);
     drawAxes(context, plot, {
       across: { ...axes.across, low: window_[0], high: window_[1], at: (u) => this.toCanvas([u, 0])[0] },
       up: { ...axes.up, low: window_[2], high: window_[3], at: (v) => this.toCanvas([0, v])[1] },
-    });
-    drawPictureLegend(context, plot.x + plot.width + 16, plot.y + 14, Math.min(plot.height - 14, 220));
+    }, labels);
+    this.legend(context, plot.x + plot.width + 16, plot.y + 20, Math.min(plot.height - 20, 220), labels);
+    this.labels = labels.boxes;
   }
 
   drawLit(plot) {
@@ -244,6 +255,11 @@ class Picture {
     context.rect(plot.x, plot.y, plot.width, plot.height);
     context.clip();
     context.fillStyle = context.strokeStyle = rgb(highlight);
+    if (this.line !== null && this.layout.line) {
+      const [[x0, y0], [x1, y1]] = this.layout.line(this.line).map((p) => this.toCanvas(p));
+      context.lineWidth = 1.5;
+      context.strokeRect(Math.min(x0, x1) - 1, Math.min(y0, y1) - 1, Math.max(Math.abs(x1 - x0), 1) + 2, Math.max(Math.abs(y1 - y0), 1) + 2);
+    }
     for (const cell of this.lit) {
       const corners = this.layout.outline(cell).map((p) => this.toCanvas(p)), xs = corners.map((c) => c[0]), ys = corners.map((c) => c[1]);
       const x0 = Math.min(...xs), x1 = Math.max(...xs), y0 = Math.min(...ys), y1 = Math.max(...ys);
@@ -270,15 +286,25 @@ class Picture {
   }
 }
 
-function drawPictureLegend(context, x, y, height) {
+const echoColour = (cell) => pictureColour(arrays.cellEnergy[cell]);
+const candidateColour = (cell) => pictureColour(arrays.candidateEnergy[cell]);
+const differenceColour = (cell) => ratioColour(arrays.cellEnergy[cell], arrays.candidateEnergy[cell]);
+
+/// A bar of 256 colours with numbers at equal steps from its top to its bottom.
+function drawBar(context, x, y, height, labels, { table, title, numbers }) {
   for (let k = 0; k < height; ++k) {
-    context.fillStyle = rgb(pictureTable[Math.round(255 * (1 - k / height))]);
+    context.fillStyle = rgb(table[Math.round(255 * (1 - k / height))]);
     context.fillRect(x, y + k, 12, 1.5);
   }
   context.fillStyle = css("--faint");
-  context.textAlign = "left";
-  context.textBaseline = "middle";
-  for (let k = 0; k <= 5; ++k)
-    context.fillText((pictureTopDb - k * pictureRangeDb / 5).toFixed(0), x + 17, y + k * height / 5);
-  context.fillText("dB re 1 J", x - 4, y - 14 + 4);
+  labels.put(title, x - 4, y - 14, { align: "left" });
+  numbers.forEach((text, k) => labels.put(text, x + 17, y + k * height / (numbers.length - 1), { align: "left" }));
+}
+function drawPictureLegend(context, x, y, height, labels) {
+  const numbers = [0, 1, 2, 3, 4, 5].map((k) => (pictureTopDb - k * pictureRangeDb / 5).toFixed(0));
+  drawBar(context, x, y, height, labels, { table: pictureTable, title: "dB re 1 J", numbers });
+}
+function drawRatioLegend(context, x, y, height, labels) {
+  const numbers = [1, 0.5, 0, -0.5, -1].map((part) => String(part * ratioRangeDb));
+  drawBar(context, x, y, height, labels, { table: ratioTable, title: "dB", numbers });
 }

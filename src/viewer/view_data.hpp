@@ -56,9 +56,16 @@ struct ViewLink {
   double energy_j = 0;
 };
 
+/// One transmission of a ping, and the beams that listen to it.
+struct ViewShot {
+  double delay_s = 0;
+  std::vector<std::uint32_t> beams;
+};
+
 /// Everything that a page of the viewer shows. Places are metres in the scene's local frame.
 struct ViewData {
   std::string title, source, scene_hash, version;
+  std::string drawing;  ///< of all of the scene (SVG); may be empty
   std::string sensor, kind;
   std::vector<std::string> notes;  ///< what the user must know of what is and is not shown
   std::vector<std::string> components, materials;
@@ -71,6 +78,14 @@ struct ViewData {
   double first_m = 0, step_m = 0;      ///< of range samples
   std::vector<double> beam_angle_deg;  ///< across the fan, to starboard; by beam
   std::vector<double> energy_j;        ///< by cell
+  /// By ping and beam: how many samples may hold a surface (samples_with_surfaces()); empty: not known.
+  std::vector<std::uint32_t> surfaces;
+  /// Another engine's, held against those; empty: none. And what both are called.
+  std::vector<double> candidate_j;
+  std::string reference_name, candidate_name;
+  double display_gain_db = 0;
+  std::vector<ViewShot> shots;  ///< of a ping; empty: one
+  std::string stripes;          ///< why neighbouring beams see the scene from apart; empty: they do not
 
   std::vector<ViewFootprint> footprints;  ///< by ping
   ViewPolygons shapes;                    ///< of footprints

@@ -7,9 +7,11 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <memory>
 #include <numbers>
+#include <span>
 
 #include "engine/echo/echo.hpp"
 #include "engine/sight/path_footprints.hpp"
@@ -18,6 +20,7 @@
 #include "run/abilities.hpp"
 #include "run/console/progress.hpp"
 #include "run/shot_ends.hpp"
+#include "run/surfaces.hpp"
 #include "run/tiles_in_view.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 #include "viewer/view_surroundings.hpp"
@@ -74,11 +77,16 @@ class Gatherer {
           ends.out().apparent == nullptr)
         own_mesh_ = *ends.out().mesh;
     }
+    if (surfaces_are_known(shots_.survey(), index_))
+      for (const int samples :
+           samples_with_surfaces(shots_.survey(), index_, ping, std::span(view.energy_j).last(cells_)))
+        view.surfaces.push_back(static_cast<std::uint32_t>(samples));
     view.pings.back().shadows = static_cast<std::uint32_t>(view.shadows.corners_of.size() - shadows_before);
   }
 
   void finish() {
     const Scene& scene = shots_.survey().scene;
+    tell_of_stripes();
     const std::size_t left_out = take_surroundings();
     if (left_out > 0)
       view.notes.push_back(
@@ -122,10 +130,45 @@ class Gatherer {
     return take_mesh(near.scene, near.scene.mesh, about, limits_.mesh_facets, view);
   }
 
+  /// Of a ping in several shots on a carrier that moves: how far, at the pings shown.
+  void tell_of_stripes() {
+    const std::size_t shots = sensor_.shots();
+    if (shots < 2) return;
+    double moves_m = 0, turns_deg = 0;
+    for (const ViewPing& ping : view.pings) {
+      const Pose &first = pings_.shot_pose(ping.number, 0), &last = pings_.shot_pose(ping.number, shots - 1);
+      moves_m = std::max(moves_m, glm::distance(first.position_m, last.position_m));
+      const double cosine =
+          std::min(1.0, std::abs(glm::dot(glm::normalize(first.attitude), glm::normalize(last.attitude))));
+      turns_deg = std::max(turns_deg, 2 * 180 / std::numbers::pi * std::acos(cosine));
+    }
+    for (std::size_t shot = 0; shot < shots; ++shot)
+      view.shots.push_back({sensor_.shot_delay_s(shot), sensor_.beams_of_shot(shot)});
+    constexpr double still_m = 1e-6, still_deg = 1e-5;
+    if (moves_m < still_m && turns_deg < still_deg) return;
+    std::string way;
+    if (moves_m >= still_m) way = fmt::format(" moves by {:.2g} cm", 100 * moves_m);
+    if (turns_deg >= still_deg)
+      way += fmt::format("{} turns by {:.2g} degrees", way.empty() ? "" : " and", turns_deg);
+    view.stripes = fmt::format(
+        "Stripes along the beams are the sonar's own: it fires its {} beams in {} cycles, one after another "
+        "within "
+        "{:.3g} ms, and{} meanwhile, so that neighbouring beams see the scene from different places.",
+        view.beams, shots, 1000 * sensor_.shot_delay_s(shots - 1), way);
+    view.notes.push_back(view.stripes);
+  }
+
   void require_room(std::size_t more) const {
     if (view.footprints.size() + more > limits_.footprints)
-      throw UsageError(fmt::format("more than {} footprints up to ping {}: ask for fewer --pings",
-                                   limits_.footprints, view.pings.back().number));
+      throw UsageError(
+          view.pings.size() > 1
+              ? fmt::format(
+                    "a page holds {} footprints, and with ping {} there are more: ask for --pings {}:{}",
+                    limits_.footprints, view.pings.back().number, view.pings.front().number,
+                    view.pings[view.pings.size() - 2].number)
+              : fmt::format(
+                    "a page holds {} footprints, and ping {} has more: let the scene's facets be larger",
+                    limits_.footprints, view.pings.back().number));
   }
 
   void shade(const Shot& shot, const ShotEnd& end, const History& history) {
@@ -297,20 +340,28 @@ ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional
   view.first_m = pings.sensor->samples().first_m;
   view.step_m = pings.sensor->samples().step_m;
   view.beam_angle_deg = beam_angles_deg(*pings.sensor);
+  view.display_gain_db = description.signal.display_gain_db;
 
-  const bool as_many_as_fit = !range && view.layout != PictureLayout::fan;
+  const bool as_many_as_fit = !range;
   const std::int64_t last_ping = static_cast<std::int64_t>(pings.times_s.size()) - 1;
-  const PingRange asked = range ? *range : PingRange{0, as_many_as_fit ? last_ping : 0};
+  const PingRange asked = range ? *range : PingRange{0, last_ping};
   const auto cells = static_cast<double>(asked.last - asked.first + 1) * view.beams * view.samples;
-  if (range && cells > 5e7)
-    throw UsageError(
-        fmt::format("a picture of {:.3g} samples is too large for a page: ask for fewer --pings", cells));
+  constexpr double most_cells = 5e7;
+  if (range && cells > most_cells)
+    throw UsageError(fmt::format(
+        "a picture of {:.3g} samples is too large for a page, which holds {:.2g}: ask for --pings {}:{}",
+        cells, most_cells, asked.first,
+        asked.first + std::max<std::int64_t>(
+                          0, static_cast<std::int64_t>(most_cells / view.beams / view.samples) - 1)));
   constexpr std::size_t most_lines = 1000;  // more are too fine to be clicked
   Progress progress("pings", static_cast<std::size_t>(asked.last - asked.first + 1), quiet);
   for (std::int64_t ping = asked.first; ping <= asked.last; ++ping) {
     stop_if_wanted();
-    if (as_many_as_fit &&
-        (view.footprints.size() >= limits.footprints_unasked || view.pings.size() == most_lines)) {
+    const bool full =
+        view.footprints.size() >= limits.footprints_unasked || view.pings.size() == most_lines ||
+        view.energy_j.size() + view.energy_j.size() / std::max<std::size_t>(view.pings.size(), 1) >
+            limits.cells_unasked;
+    if (as_many_as_fit && full && !view.pings.empty()) {
       view.notes.push_back(fmt::format("Pings {} to {} of {}: tubefoot view --pings A:B shows others.",
                                        asked.first, ping - 1, pings.times_s.size()));
       break;
@@ -318,9 +369,6 @@ ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional
     gatherer.add_ping(static_cast<std::size_t>(ping));
     progress.step();
   }
-  if (!range && !as_many_as_fit && pings.times_s.size() > 1)
-    view.notes.push_back(
-        fmt::format("Ping 0 of {}: tubefoot view --pings A:B shows others.", pings.times_s.size()));
   gatherer.finish();
   return std::move(gatherer.view);
 }

@@ -15,12 +15,13 @@ namespace tubefoot {
 struct ViewLimits {
   std::size_t footprints_unasked = 150'000;
   std::size_t footprints = 2'000'000;
+  std::size_t cells_unasked = 4'000'000;  ///< of the picture: pings, beams, samples
   std::size_t mesh_facets = 300'000;
   std::size_t shadow_polygons = 300'000;
 };
 
-/// Traces pings of a sensor and says which footprints made which samples. Unset `range`: the first ping; of
-/// sensors with one or two beams, as many from there as the limits allow. Energies are those of the ordinary
+/// Traces pings of a sensor and says which footprints made which samples. Unset `range`: from the first ping
+/// on, as many as the limits allow. Energies are those of the ordinary
 /// echo, one bounce. With a receiver apart footprints are those of both ends (path_footprints.hpp). Throws
 /// UsageError for more footprints than a page holds; Interrupted when somebody wants to stop.
 ViewData gather_view(const Shots& shots, std::size_t sensor, const std::optional<PingRange>& range,

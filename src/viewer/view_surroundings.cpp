@@ -2,30 +2,18 @@
 #include "viewer/view_surroundings.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <unordered_map>
 
 #include "geometry/steps/stop.hpp"
+#include "run/tube_pyramid.hpp"
 
 namespace tubefoot {
 namespace {
 
 constexpr double not_worth_drawing_m2 = 1e-10;
-
-/// Cuts a convex polygon by the half-space normal . p >= 0.
-void clip(std::vector<glm::dvec3>& polygon, glm::dvec3 normal, std::vector<glm::dvec3>& scratch) {
-  scratch.clear();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const glm::dvec3 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
-    const double da = glm::dot(normal, a), db = glm::dot(normal, b);
-    if (da >= 0) scratch.push_back(a);
-    if ((da > 0 && db < 0) || (da < 0 && db > 0)) scratch.push_back(a + (b - a) * (da / (da - db)));
-  }
-  polygon.swap(scratch);
-}
 
 double area_of(const std::vector<glm::dvec3>& polygon) {
   glm::dvec3 sum(0);
@@ -78,36 +66,20 @@ bool add_shadows(const Scene& scene, const ShotEnd& end, const History& history,
   const auto& footprints = history.footprints.footprints;
   std::size_t next = 0;  // they are ordered by tube
   std::vector<FacetId> facets;
-  std::vector<glm::dvec3> polygon, scratch;
+  std::vector<glm::dvec3> polygon;
   std::unordered_map<FacetId, double> seen_m2;
   for (std::uint32_t t = 0; t < tubes.tubes.size(); ++t) {
     seen_m2.clear();
     for (; next < footprints.size() && footprints[next].tube == t; ++next)
       seen_m2[footprints[next].facet] = footprints[next].area_m2;
-    std::array<glm::dvec3, 4> ray, inward;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const GridPoint& r = tubes.rays[tubes.tubes[t][k]];
-      ray[k] = glm::normalize(glm::dvec3(r.x, r.y, r.z));
-    }
-    std::array<SceneTree::HalfSpace, 4> walls;
-    for (std::size_t k = 0; k < 4; ++k) {
-      inward[k] = glm::cross(ray[k], ray[(k + 1) % 4]);
-      walls[k] = {inward[k].x, inward[k].y, inward[k].z};
-    }
+    TubePyramid pyramid(tubes, t);
     facets.clear();
-    end.tree->query(tubes.apex, walls, tubes.reach, facets);
+    end.tree->query(tubes.apex, pyramid.walls(), tubes.reach, facets);
     std::sort(facets.begin(), facets.end());
     for (const FacetId facet : facets) {
       stop_if_wanted();
-      polygon.clear();
-      for (const VertexId v : mesh.facets[facet]) {
-        const GridPoint& p = mesh.vertices[v];
-        polygon.push_back(unit * glm::dvec3(double(p.x) - tubes.apex.x, double(p.y) - tubes.apex.y,
-                                            double(p.z) - tubes.apex.z));
-      }
-      // The walls of a pyramid bound a second one behind the apex, too.
-      clip(polygon, ray[0] + ray[1] + ray[2] + ray[3], scratch);
-      for (const glm::dvec3& normal : inward) clip(polygon, normal, scratch);
+      polygon = pyramid.part_of(mesh, facet);
+      for (glm::dvec3& corner : polygon) corner *= unit;
       const double area = area_of(polygon);
       const auto seen = seen_m2.find(facet);
       if (area < not_worth_drawing_m2 || (seen != seen_m2.end() && seen->second > (1 - 1e-6) * area))

@@ -2,6 +2,12 @@
 // What the command line answers: exit code 0 for what was asked and done, 2 for what cannot be meant.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mpfr.h>
+#include <sqlite3.h>
+#include <zlib.h>
+
+#include <map>
+#include <sstream>
 
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
@@ -51,6 +57,29 @@ TEST_F(CommandLine, VersionIsPrinted) {
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out,
               testing::MatchesRegex("tubefoot [0-9]+\\.[0-9]+\\.[0-9]+\nsources: [0-9a-f]+\ncompiler: .*"));
+}
+
+TEST_F(CommandLine, VersionNamesTheBuildAndItsLibraries) {
+  // A line each, of a name and what is a version: numbers with dots, which none of them lacks.
+  std::map<std::string, std::string> said;
+  std::istringstream lines(run_program({"--version"}).out);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t colon = line.find(": ");
+    if (colon == std::string::npos) continue;
+    EXPECT_TRUE(said.emplace(line.substr(0, colon), line.substr(colon + 2)).second)
+        << line << " is told twice";
+  }
+  for (const char* of_the_build : {"compiler", "flags", "processor", "mathematics"})
+    EXPECT_THAT(said[of_the_build], testing::Not(IsEmpty())) << of_the_build;
+  for (const char* library :
+       {"embree",  "fftw", "geographiclib", "gdal",        "proj",     "assimp", "cgal",  "flint",
+        "gmp",     "mpfr", "boost",         "tbb",         "openmesh", "netcdf", "hdf5",  "sqlite",
+        "openssl", "zlib", "libzip",        "openimageio", "cairo",    "fmt",    "cli11", "nlohmann_json"})
+    EXPECT_THAT(said[library], testing::MatchesRegex("[0-9]+(\\.[0-9]+)+[-.a-z0-9]*")) << library;
+  // Those whose version their packages know, too.
+  EXPECT_EQ(said["mpfr"], MPFR_VERSION_STRING);
+  EXPECT_EQ(said["sqlite"], SQLITE_VERSION);
+  EXPECT_EQ(said["zlib"], ZLIB_VERSION);
 }
 
 TEST_F(CommandLine, NumbersThatAreNoneAreRefused) {

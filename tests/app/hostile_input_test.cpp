@@ -126,7 +126,7 @@ TEST_F(Hostile, NumbersInASceneFile) {
   expect_refused(replaced(small_scene, "beams = 4", "beams = 4096\nsamples = 65536"),
                  {"scene.toml:19:11: ", "268435456 range samples a ping, at most 67108864"});
   expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4000\ncycles = 4000\npings = 10000000\n"),
-                 {"scene.toml:20:", "40000000000 shots, at most 100000000", "fewer pings"});
+                 {"scene.toml:20:", "of 4000 shots each make 40000000000, at most 100000000", "fewer pings"});
   const std::string relief =
       "name = \"sand\"\n[[materials.relief]]\nkind = \"fbm\"\ntile_m = 1000\nresolution_m = 1e-6\nhurst = "
       "0.5\nrms_height_m = 0.1\n";

@@ -85,6 +85,7 @@ TEST_F(Outlet, NoCommandWritesOverAnInput) {
       {"footprints", s, "--sensor", "camera", "-o", at("thing.obj")},
       {"footprints", s, "--sensor", "camera", "-o", at("results/../thing.obj")},
       {"chart", s, "-o", folder.path().string()},
+      {"export", s, "--to", "obj", "-o", folder.path().string()},
       {"run", s, "-o", folder.path().string()},
       {"run", s, "-o", at("thing.obj")},
       {"view", at("results"), "-o", at("results/stats.json")},
@@ -96,6 +97,7 @@ TEST_F(Outlet, NoCommandWritesOverAnInput) {
         {"footprints", s, "--sensor", "camera", "-o", at("new.csv"), "--rationals", at(input)});
     commands.push_back({"coverage", s, "-o", at(input + ".csv")});
     commands.push_back({"coverage", s, "-o", at("new.csv"), "--picture", at(input + ".png")});
+    commands.push_back({"check", s, "--png", at(input + ".png")});
     commands.push_back({"view", s, "-o", at(input)});
     commands.push_back({"view", at("results"), "-o", at(input + ".html")});
     commands.push_back({"advise", s, "--tolerance", "1dB", "--json", at(input)});

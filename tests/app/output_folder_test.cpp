@@ -33,7 +33,7 @@ struct OutputFolders : testing::Test {
 TEST_F(OutputFolders, HoldTheResultsAndNothingElseIsLeft) {
   ASSERT_EQ(run(results).exit_code, 0);
   EXPECT_EQ(names_below(results), (std::set<std::string>{".tubefoot-files", "echoes.nc", "stats.json",
-                                                         "camera-0000.png", "camera-0000.exr"}));
+                                                         "scene.png", "camera-0000.png", "camera-0000.exr"}));
   std::set<std::string> beside;
   for (const auto& entry : fs::directory_iterator(folder.path()))
     beside.insert(entry.path().filename().string());
@@ -136,7 +136,7 @@ TEST_F(OutputFolders, FullDiskIsReportedAndLosesNothing) {
     EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
     // Where another file failed, the advice after it names the .partial.
     for (const char* file :
-         {"echoes.nc", "camera-0000.png", "camera-0000.exr", "stats.json", "results.partial"})
+         {"echoes.nc", "camera-0000.png", "camera-0000.exr", "scene.png", "stats.json", "results.partial"})
       if (outcome.err.find(file) != std::string::npos) {
         named.insert(file);
         break;

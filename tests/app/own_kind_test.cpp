@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A kind of sensor that this file alone knows, a mechanically scanning sonar: it is read from a scene file
+// A kind of sensor that this file alone knows, a sonar that a motor turns: it is read from a scene file
 // with its keys and its mistakes, runs, and writes echoes and a product of its own.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-struct ScanningKeys {
+struct TurningKeys {
   double frequency_khz = 675;
   int steps = 12;
   double sector_deg = 12, height_deg = 20;
@@ -35,10 +35,10 @@ struct ScanningKeys {
 };
 
 /// One beam that a motor turns: a shot a direction.
-class ScanningSonar : public Sensor {
+class TurningSonar : public Sensor {
  public:
-  explicit ScanningSonar(const SensorDescription& description) : Sensor(description) {
-    const auto& scan = description.kind.as<ScanningKeys>();
+  explicit TurningSonar(const SensorDescription& description) : Sensor(description) {
+    const auto& scan = description.kind.as<TurningKeys>();
     frequency_khz_ = scan.frequency_khz;
     samples_ = {scan.range_min_m, (scan.range_max_m - scan.range_min_m) / scan.samples, scan.samples};
     const double half_rad = radians(scan.sector_deg) / 2, width_rad = 2 * half_rad / scan.steps;
@@ -60,12 +60,12 @@ class ScanningSonar : public Sensor {
   }
 };
 
-class ScanningKind : public SensorKind {
+class TurningKind : public SensorKind {
  public:
-  ScanningKind() : SensorKind("scanning") {}
+  TurningKind() : SensorKind("turning") {}
 
   void add_keys(TomlSection<SensorDescription>& section) const override {
-    using S = ScanningKeys;
+    using S = TurningKeys;
     section.kind<S>("kind", name(),
                     {field("frequency_khz", &S::frequency_khz, {.ranges = {frequency}}),
                      field("steps", &S::steps, {.ranges = {{.lo = 1, .hi = 4096}}}),
@@ -77,14 +77,14 @@ class ScanningKind : public SensorKind {
                      field("range_max_m", &S::range_max_m, {.ranges = {sonar_range}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
-    const auto& scan = sensor.kind.as<ScanningKeys>();
+    const auto& scan = sensor.kind.as<TurningKeys>();
     check_ranges(scan.range_min_m, scan.range_max_m, table);
     if (scan.steps * scan.step_s > sensor.ping_interval_s)
       throw InputError(table.place_of("step_s"),
                        "a turn takes longer than 'ping_interval_s': lower 'step_s'");
   }
   SensorFigures figures(const SensorDescription& sensor) const override {
-    const auto& scan = sensor.kind.as<ScanningKeys>();
+    const auto& scan = sensor.kind.as<TurningKeys>();
     return {scan.frequency_khz,
             scan.steps,
             scan.samples,
@@ -94,7 +94,7 @@ class ScanningKind : public SensorKind {
             scan.range_max_m};
   }
   std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
-    return std::make_unique<ScanningSonar>(sensor);
+    return std::make_unique<TurningSonar>(sensor);
   }
   std::vector<std::filesystem::path> write_products(const std::filesystem::path& folder,
                                                     const Recording& recording, const RunContext&,
@@ -116,14 +116,14 @@ class ScanningKind : public SensorKind {
   }
 };
 
-const SensorSection& ScanningKeys::kind() {
-  static const ScanningKind kind;
+const SensorSection& TurningKeys::kind() {
+  static const TurningKind kind;
   return kind;
 }
 
-SensorSections with_scanning() {
+SensorSections with_turning() {
   SensorSections kinds = sensor_kinds();
-  kinds.push_back(&ScanningKeys::kind());
+  kinds.push_back(&TurningKeys::kind());
   return kinds;
 }
 
@@ -144,7 +144,7 @@ name = "sonar"
 tilt_deg = 20
 pings = 2
 )" + keys,
-                         "scene.toml", with_scanning());
+                         "scene.toml", with_turning());
 }
 
 /// What a run writes.
@@ -166,22 +166,22 @@ std::string error_of(const std::string& keys) {
 }
 
 TEST(OwnKind, IsReadWithItsKeysAndItsMistakes) {
-  const SceneDescription scene = scene_with("kind = \"scanning\"\nsteps = 7\n");
-  EXPECT_EQ(scene.sensors.front().kind.as<ScanningKeys>().steps, 7);
-  EXPECT_EQ(kind_of(scene.sensors.front()).name(), "scanning");
-  EXPECT_THAT(error_of("kind = \"scaning\"\n"), HasSubstr("scene.toml:16:8: "));
-  EXPECT_THAT(error_of("kind = \"scaning\"\n"), HasSubstr("did you mean \"scanning\"?"));
-  EXPECT_THAT(error_of("kind = \"scanning\"\nsteps = 0\n"),
+  const SceneDescription scene = scene_with("kind = \"turning\"\nsteps = 7\n");
+  EXPECT_EQ(scene.sensors.front().kind.as<TurningKeys>().steps, 7);
+  EXPECT_EQ(kind_of(scene.sensors.front()).name(), "turning");
+  EXPECT_THAT(error_of("kind = \"turing\"\n"), HasSubstr("scene.toml:16:8: "));
+  EXPECT_THAT(error_of("kind = \"turing\"\n"), HasSubstr("did you mean \"turning\"?"));
+  EXPECT_THAT(error_of("kind = \"turning\"\nsteps = 0\n"),
               HasSubstr("scene.toml:17:9: 'steps' must be 1 to 4096"));
-  EXPECT_THAT(error_of("kind = \"scanning\"\nswath_deg = 3\n"),
-              HasSubstr("'swath_deg' goes with kind = \"multibeam\" and not with kind = \"scanning\""));
-  EXPECT_THAT(error_of("kind = \"imaging\"\nsteps = 3\n"), HasSubstr("goes with kind = \"scanning\""));
-  EXPECT_THAT(error_of("kind = \"scanning\"\nstep_s = 0.5\n"),
+  EXPECT_THAT(error_of("kind = \"turning\"\nswath_deg = 3\n"),
+              HasSubstr("'swath_deg' goes with kind = \"multibeam\" and not with kind = \"turning\""));
+  EXPECT_THAT(error_of("kind = \"imaging\"\nsteps = 3\n"), HasSubstr("goes with kind = \"turning\""));
+  EXPECT_THAT(error_of("kind = \"turning\"\nstep_s = 0.5\n"),
               HasSubstr("scene.toml:17:10: a turn takes longer"));
-  EXPECT_THROW(read_scene_text("[[sensors]]\nname = \"s\"\nkind = \"scanning\"\n", "scene.toml"), InputError);
+  EXPECT_THROW(read_scene_text("[[sensors]]\nname = \"s\"\nkind = \"turning\"\n", "scene.toml"), InputError);
   std::vector<std::string> documented;
-  for (const SceneKey& key : scene_file_keys(with_scanning()))
-    if (key.kind == "kind = \"scanning\"") documented.push_back(key.name);
+  for (const SceneKey& key : scene_file_keys(with_turning()))
+    if (key.kind == "kind = \"turning\"") documented.push_back(key.name);
   EXPECT_THAT(documented, ElementsAre("frequency_khz", "steps", "sector_deg", "height_deg", "step_s",
                                       "samples", "range_min_m", "range_max_m"));
 }
@@ -189,7 +189,7 @@ TEST(OwnKind, IsReadWithItsKeysAndItsMistakes) {
 // From one place, a turn of the beam sees what a fan of such beams sees at once.
 TEST(OwnKind, RunsAndWritesWhatItSaysItWrites) {
   const TestFolder folder, of_fan;
-  const auto survey = open_survey(scene_with("kind = \"scanning\"\n"));
+  const auto survey = open_survey(scene_with("kind = \"turning\"\n"));
   EXPECT_THAT(files_left_out(*survey), ElementsAre("no scan.kml is written: add [georeference]"));
   EXPECT_THAT(run_into(folder, *survey), testing::Contains(std::filesystem::path("sonar-scan.csv")));
   run_into(of_fan, *open_survey(scene_with(R"(kind = "imaging"
@@ -214,7 +214,7 @@ range_max_m = 8
 
   const ViewData view =
       gather_view(Shots(*survey, request_of(survey->scene.description.run)), 0, PingRange{0, 0}, true);
-  EXPECT_EQ(view.kind, "scanning");
+  EXPECT_EQ(view.kind, "turning");
   EXPECT_EQ(view.layout, PictureLayout::fan);
   EXPECT_GT(view.footprints.size(), 0u);
 }

@@ -336,6 +336,86 @@ TEST_F(Compare, WhatCannotBeMeantIsRefused) {
   EXPECT_EQ(bytes_of(folder / "reference.nc"), bytes_of(folder / "candidate.nc")) << "inputs are untouched";
 }
 
+TEST_F(Compare, AWildRatioPointsToTheFit) {
+  for (double& energy : candidate.variables["energy"].values) energy *= 1.9;
+  EXPECT_THAT(figures()["notes"], IsEmpty()) << "2.8 dB";
+  for (double& energy : candidate.variables["energy"].values) energy *= 1e7;
+  EXPECT_THAT(figures()["notes"][0].get<std::string>(), HasSubstr("'--fit gain'"));
+  EXPECT_THAT(compare().out, HasSubstr("note       sensor: the energies differ by +72.8 dB"));
+  EXPECT_THAT(figures({"--fit", "gain"})["notes"], IsEmpty());
+}
+
+TEST_F(Compare, FiguresAfterAFitAreOfWhatIsLeft) {
+  for (double& energy : candidate.variables["energy"].values) energy *= 4e7;
+  const auto sensor = figures({"--fit", "gain", "--within", "1e-9"})["sensors"][0];
+  EXPECT_NEAR(sensor["fit"]["gain_db"]["value"], 76.0206, 1e-3);
+  EXPECT_LT(sensor["fit"]["gain_db"]["error"], 1e-3);
+  EXPECT_NEAR(sensor["fit"]["before"]["l1_error"], 4e7 - 1, 1);
+  EXPECT_LT(sensor["l1_error"], 1e-9);
+  EXPECT_NEAR(sensor["unitless"]["rank_correlation"], 1, 1e-12);
+  EXPECT_LT(sensor["unitless"]["row_l1"], 1e-12);
+  EXPECT_THAT(compare({"--fit", "gain"}).out,
+              AllOf(HasSubstr("fitted gain              +76.021 +- 0.000 dB\n"),
+                    HasSubstr("before the fit           L1 4e+07")));
+  EXPECT_EQ(compare({"--fit", "loss"}).exit_code, 2);
+  EXPECT_THAT(compare({"--fit", "loss"}).err, HasSubstr("'loss' is none of gain, range and offset"));
+  candidate.variables["energy"].values.assign(24, 0);
+  EXPECT_THAT(compare({"--fit", "gain"}).err, HasSubstr("too little echo"));
+}
+
+TEST_F(Compare, GeometryAloneNeedsNoUnits) {
+  for (double& energy : candidate.variables["energy"].values) energy = energy > 0 ? 200 : 0;
+  candidate.variables["energy"].values[1] = 0;  // the first return of ping 0, beam 0 moves on by a sample
+  const auto geometry = figures({"--geometry"})["sensors"][0]["geometry"];
+  EXPECT_NEAR(geometry["visible"]["iou"], 18.0 / 19, 1e-12);
+  EXPECT_NEAR(geometry["shadow"]["iou"], 4.0 / 5, 1e-12) << "bin 15 is behind its beam's last echo";
+  EXPECT_NEAR(geometry["first_return"]["mean_absolute_samples"], 1.0 / 6, 1e-12);
+  EXPECT_EQ(
+      figures({"--geometry", "--threshold", "201"})["sensors"][0]["geometry"]["visible"]["candidate_bins"],
+      0);
+  EXPECT_THAT(compare({"--geometry"}).out,
+              HasSubstr("visible area             19 samples in the reference, 18 "));
+  EXPECT_EQ(compare({"--threshold", "1"}).exit_code, 2) << "it would be silent without --geometry";
+}
+
+TEST_F(Compare, FramesAreAveraged) {
+  candidate.dimensions[0].second = 4;
+  auto& energies = candidate.variables["energy"].values;
+  const std::vector<double> pings = energies;
+  energies.clear();
+  for (std::size_t ping = 0; ping < 2; ++ping)
+    for (const double factor : {0.5, 1.5})
+      for (std::size_t k = 0; k < 12; ++k) energies.push_back(factor * pings[12 * ping + k]);
+  EXPECT_LT(figures({"--frames", "2"})["sensors"][0]["l1_error"], 1e-12);
+  EXPECT_THAT(compare({"--frames", "3"}).err, HasSubstr("4 pings, which are not frames of 3 each"));
+  expect_mismatch("'energy' of sensor 'sensor' has 4 pings");
+}
+
+TEST_F(Compare, ARecipePutsTheReferenceIntoTheCandidatesMeasure) {
+  const std::string recipe = folder.write("recipe.toml", "[[steps]]\nstep = \"amplitude\"\n").string();
+  for (double& energy : candidate.variables["energy"].values) energy = std::sqrt(energy);
+  EXPECT_EQ(figures({"--recipe", recipe})["sensors"][0]["l1_error"], 0);
+  EXPECT_EQ(figures({"--recipe", recipe})["recipe"]["file"], recipe);
+  folder.write("recipe.toml", "[[steps]]\nstep = \"mean\"\n");
+  EXPECT_THAT(compare({"--recipe", recipe}).err, HasSubstr("needs the solid angle"));
+  EXPECT_EQ(compare({"--recipe", path("absent.toml")}).exit_code, 2);
+}
+
+TEST_F(Compare, APageHasFindingsPictureFiguresAndTheCommand) {
+  const Outcome outcome = compare({"--html", path("page.html")});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string page = bytes_of(folder / "page.html");
+  const auto findings = page.find("Findings"), picture = page.find("data:image/png;base64,"),
+             figures = page.find("<h2>Figures"),
+             command = page.find("tubefoot compare " + path("reference.nc"));
+  EXPECT_LT(findings, picture);
+  EXPECT_LT(picture, figures);
+  EXPECT_LT(figures, command);
+  EXPECT_LT(command, page.size());
+  EXPECT_EQ(compare({"--html", path("reference.nc")}).exit_code, 2) << "an input";
+  EXPECT_THAT(compare({"--html", path("x"), "--json", path("x")}).err, HasSubstr("name the same file"));
+}
+
 TEST_F(Compare, HelpShowsAnExample) {
   const Outcome outcome = run_program({"compare", "--help"});
   EXPECT_EQ(outcome.exit_code, 0);

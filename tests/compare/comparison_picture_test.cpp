@@ -126,9 +126,10 @@ TEST(ComparisonPicture, RatioIsBlueWhereTheCandidateIsWeakerAndDarkWhereNothingI
     return picture.at(cell.x0 + beam * cell.width() + cell.width() / 2, cell.y0 + cell.height() / 2);
   };
   const auto expect_colour = [](Colour a, Colour b) {
-    EXPECT_NEAR(a.red, b.red, 1e-3);
-    EXPECT_NEAR(a.green, b.green, 1e-3);
-    EXPECT_NEAR(a.blue, b.blue, 1e-3);
+    constexpr double half_a_step = 0.501 / 255;  // pictures have 8 bits
+    EXPECT_NEAR(a.red, b.red, half_a_step);
+    EXPECT_NEAR(a.green, b.green, half_a_step);
+    EXPECT_NEAR(a.blue, b.blue, half_a_step);
   };
   expect_colour(colour_of(0), difference_colour(-1));
   expect_colour(colour_of(1), difference_colour(1));
@@ -163,6 +164,28 @@ TEST(ComparisonPicture, SensorsOfAnySizeAreDrawn) {
             both = draw_comparison({{&a, &a, 0, 0}, {&b, &b, 0, 0}}, {}, "").height();
   EXPECT_GT(both, one + 260);
   EXPECT_THROW(draw_comparison({}, {}, ""), std::invalid_argument);
+}
+
+TEST(ComparisonPicture, TextsStayApartWhateverIsCompared) {
+  if (label_font().empty()) GTEST_SKIP() << "no font is installed";
+  for (const auto& [pings, beams, samples] : std::vector<std::array<std::size_t, 3>>{
+           {1, 1, 1}, {1, 1, 300}, {3, 2, 5000}, {100'000, 2, 3}, {2, 512, 900}, {1, 12, 40}}) {
+    SensorEchoes echoes = even_echoes(pings, beams, samples);
+    echoes.name = "a-sonar-with-a-name-of-its-own";
+    const Canvas canvas = draw_comparison({{&echoes, &echoes, 1e-12, 0}, {&echoes, &echoes, 1e-12, 0}},
+                                          {"reference: " + std::string(90, 'r'), "candidate"}, label_font());
+    const std::vector<PixelBox>& texts = canvas.texts();
+    EXPECT_GT(texts.size(), 40u);
+    for (std::size_t a = 0; a < texts.size(); ++a) {
+      EXPECT_TRUE(texts[a].left >= 0 && texts[a].top >= 0 && texts[a].right <= canvas.width() &&
+                  texts[a].bottom <= canvas.height())
+          << pings << " x " << beams << " x " << samples << ", text " << a;
+      for (std::size_t b = 0; b < a; ++b)
+        EXPECT_FALSE(texts[a].left < texts[b].right && texts[b].left < texts[a].right &&
+                     texts[a].top < texts[b].bottom && texts[b].top < texts[a].bottom)
+            << pings << " x " << beams << " x " << samples << ": texts " << b << " and " << a;
+    }
+  }
 }
 
 }  // namespace

@@ -35,6 +35,9 @@ INSTEAD = {
     "make install": (BUILDS + "; the tests Install.* install", "make -n install"),
     "make install PREFIX=$HOME/.local": (BUILDS + "; the tests Install.* install", "make -n install PREFIX=$HOME/.local"),
     "make package": (BUILDS + "; is the test Package.IsWhole", "make -n package"),
+    "make wheel": (BUILDS + "; is the test Package.Wheel", "make -n wheel"),
+    "python3 -m venv --system-site-packages there && there/bin/pip install --no-index build/tubefoot-*.whl": (
+        "is the test Package.Wheel, into a folder", None),
     "make fuzz": ("hours, by another compiler", "make -n fuzz"),
     "make fuzz FUZZ_SECONDS=60 FUZZ_TARGETS=mesh,csv": ("minutes, by another compiler", "make -n fuzz FUZZ_SECONDS=60"),
     "sudo apt install ./build/tubefoot_0.1.0_amd64.deb": ("changes the machine; Package.IsWhole unpacks it", None),
@@ -132,7 +135,7 @@ class Help:
         return self.known[subcommand]
 
     def check(self, place, command):
-        words = re.match(r"(?:build/release/)?tubefoot +([a-z]+)(.*)", command, re.S)
+        words = re.match(r"(?:build/release/)?tubefoot +([a-z]+(?:-[a-z]+)*)(.*)", command, re.S)
         if not words:
             return
         options = self.options(words[1])
@@ -158,7 +161,7 @@ def shortened_scenes(folder):
 
 
 def outputs_of(command):
-    return re.findall(r"(?:^|\s)(?:-o|--output|--png|--json|--rationals|--picture|>>?) +([\w./-]+)", command)
+    return re.findall(r"(?:^|\s)(?:-o|--output|--png|--json|--html|--rationals|--picture|>>?) +([\w./-]+)", command)
 
 
 def comparable(text):
@@ -207,8 +210,8 @@ class Follower:
                 fail(place, f"wrote no {output}")
         words = [word for word in shlex.split(command.split("\n")[0]) if "/" in word or "." in word]
         if "tubefoot " in command and all(w.startswith(("scenes/", PROGRAM)) or w in outputs for w in words):
-            self.made[command] = (folder, done.stdout)
-        return done.stdout
+            self.made[command] = (folder, done.stdout + done.stderr)
+        return done.stdout + done.stderr
 
     def follow(self, page):
         name = str(page.relative_to(SOURCES))

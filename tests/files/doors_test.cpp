@@ -54,7 +54,7 @@ TEST(Doors, FilesAreReadThroughTheInlet) {
   EXPECT_THAT(
       outside_of_the_doors(R"(\bifstream\b|\bfstream\b|\bfopen\s*\(|\bfreopen\s*\(|H5Fopen|sqlite3_open)"),
       IsEmpty());
-  EXPECT_THAT(outside_of_the_doors(R"(\bnc_open\s*\()", {"sensors/recordings/echo_reader.cpp",
+  EXPECT_THAT(outside_of_the_doors(R"(\bnc_open\s*\()", {"sensors/recordings/netcdf_group.hpp",
                                                          "sensors/formats/netcdf_stream.cpp"}),
               IsEmpty());
   EXPECT_THAT(

@@ -34,6 +34,7 @@ struct Asked {
 const std::vector<Asked> of_runs{{Feature::reference, {"run", "--reference", "--tolerance", "1e-2"}},
                                  {Feature::double_arithmetic, {"run", "--arithmetic", "double"}},
                                  {Feature::fast_binning, {"run", "--binning", "centroid"}},
+                                 {Feature::truth, {"run", "--truth"}},
                                  {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "30000"}}};
 const std::vector<Asked> of_commands{
     {Feature::audit, {"audit"}},
@@ -63,14 +64,14 @@ struct AbilitiesWalk : testing::Test {
     for (std::string& word : words)
       if (word.find('.') != std::string::npos && !word.starts_with('-') && word != "1e-2")
         word = (folder / word).string();
-    words.insert(words.begin() + 1, folder.write("scene.toml", scene_with(features)).string());
+    words.insert(words.begin() + 1, folder.write("scene.toml", scene_with(features, size)).string());
     if (words.front() == "run") words.insert(words.end(), {"-o", output.string()});
     return run_program(words);
   }
 
   void walk(std::set<Feature> features, const std::vector<std::string>& words) {
     if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);  // paths as they are
-    SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene_with(features)));
+    SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene_with(features, size)));
     const auto output = folder / fmt::format("out{}", ++runs);
     const Outcome outcome = tried(features, words, output);
     const auto reason = reason_of_the_table(features);
@@ -117,6 +118,7 @@ struct AbilitiesWalk : testing::Test {
         const double lost = (features.contains(Feature::mirrors) ? 2e-5 : 1e-9) * largest;
         for (std::size_t k = 0; k < sure.size(); ++k) EXPECT_NEAR(here[k], sure[k], lost);
       }
+      if (features.contains(Feature::truth)) add_up(file, here);
       if (!features.contains(Feature::reference)) return;
       const std::vector<double> bound = file.values("/", "energy_bound");
       for (std::size_t k = 0; k < sure.size(); ++k) {
@@ -129,6 +131,22 @@ struct AbilitiesWalk : testing::Test {
       for (const auto& row : csv_rows(folder / "f.csv")) sum += std::stod(row.at("energy_j"));
       EXPECT_NEAR(sum, total, footprints_tolerance(features) * total);
     }
+  }
+
+  /// Shares are of something wherever something is heard, and of all of it.
+  static void add_up(const NetcdfReader& file, const std::vector<double>& energy) {
+    const std::vector<std::string> names = file.variables("/");
+    std::vector<double> whole(energy.size());
+    for (const char* name : {"object_share", "unscattered_share"}) {
+      if (std::ranges::find(names, name) == names.end()) continue;
+      const std::vector<double> shares = file.values("/", name);
+      for (std::size_t k = 0; k < shares.size(); ++k) {
+        EXPECT_TRUE(shares[k] >= 0 && shares[k] <= 1);
+        whole[k % whole.size()] += shares[k];
+      }
+    }
+    for (std::size_t k = 0; k < energy.size(); ++k)
+      EXPECT_NEAR(whole[k], energy[k] > 0 ? 1 : 0, 1e-14) << "bin " << k;
   }
 
   void walk_with(const std::vector<Asked>& asked) {
@@ -145,6 +163,7 @@ struct AbilitiesWalk : testing::Test {
   }
 
   TestFolder folder;
+  SceneSize size;
   int runs = 0;
   std::map<std::set<Feature>, std::vector<double>> energies;
 };
@@ -190,6 +209,19 @@ TEST_F(AbilitiesWalk, TwoReceiversWithWhatTheirProductsMeet) {
   walk({two_receivers, mirrors, refraction, receiver_apart}, {"run"});
   walk({two_receivers, scatterings, refraction}, {"run"});
   walk({two_receivers, scatterings, refraction, receiver_apart}, {"run"});
+}
+
+// A ping of several shots, each of one beam.
+TEST_F(AbilitiesWalk, AHeadThatTurnsWithEachFeature) {
+  size.scanning = true;
+  for (const InScene& one : of_scenes) {
+    if (one.feature == Feature::two_receivers) continue;  // of another kind
+    walk({one.feature}, {"run"});
+    for (const Asked& asked : of_runs) walk({one.feature, asked.feature}, asked.words);
+    for (const Asked& asked : of_commands)
+      if (asked.feature == Feature::view || asked.feature == Feature::footprints)
+        walk({one.feature, asked.feature}, asked.words);
+  }
 }
 
 // More than two at once: a real scene has four.

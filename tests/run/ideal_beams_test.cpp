@@ -143,6 +143,10 @@ TEST(IdealBeams, EveryKindIsWithinTheFigureOfItsReference) {
         "kind = \"multibeam\"\nbeams = 3\nswath_deg = 60\nrange_min_m = 5\nrange_max_m = 25\nsamples = 40\n",
         "kind = \"imaging\"\nbeams = 4\nhorizontal_deg = 12\ntilt_deg = 30\nrange_min_m = 5\nrange_max_m = "
         "25\nsamples = 40\n",
+        "kind = \"scanning\"\nscan_deg = 12\nstep_deg = 4\nbeam_horizontal_deg = 5\ntilt_deg = 30\n"
+        "range_min_m = 5\nrange_max_m = 25\nsamples = 40\n",
+        "kind = \"imaging\"\nbeam_angles_deg = [-9, -2, 1, 6]\ntilt_deg = 30\nrange_min_m = 5\n"
+        "range_max_m = 25\nsamples = 40\n",
         "kind = \"echosounder\"\nrange_min_m = 5\nrange_max_m = 15\nsamples = 400\nbeam_deg = 6\n"}) {
     SCOPED_TRACE(sensor);
     const Echoes plain = echoes_of(scene(sensor));

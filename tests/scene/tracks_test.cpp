@@ -58,6 +58,13 @@ TEST(SurveyTrack, GoesUpAndDownLinesAboutTheMiddleOfItsArea) {
   }
 }
 
+TEST(SurveyTrack, LinesTooShortToTakeTimeAreRefused) {
+  SurveyTrajectory survey = mown();
+  survey.length_m = 1e-15;  // at 70 s a line ends at the time at which it began
+  EXPECT_THAT([&] { track(survey); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:7"), HasSubstr("must increase"))));
+}
+
 TEST(SurveyTrack, TurnsWithItsHeadingAndGoesOneWayIfAsked) {
   SurveyTrajectory survey = mown();
   survey.heading_deg = 60;

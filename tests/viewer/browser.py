@@ -55,6 +55,9 @@ class Page:
     def js(self, script, *arguments):
         return self.driver.execute_script(script, *arguments)
 
+    def wait_until(self, holds):
+        WebDriverWait(self.driver, 60, poll_frequency=0.02).until(lambda _: holds())
+
     def settle(self):
         """Until what was asked for is drawn."""
         self.driver.execute_async_script(
@@ -72,6 +75,18 @@ class Page:
 
     def select(self, name, value):
         Select(self.element(name)).select_by_value(value)
+        self.settle()
+
+    def slide(self, ping):
+        """Moves the slider of pings, as a hand does."""
+        self.js("""const slider = document.getElementById("ping");
+            slider.value = String(arguments[0]);
+            slider.dispatchEvent(new Event("input", { bubbles: true }));""", ping)
+        self.settle()
+
+    def resize(self, width, height):
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
         self.settle()
 
     def click(self, name, x, y):

@@ -21,9 +21,12 @@
 #include "fixtures/world/echoes.hpp"
 #include "scene/description/scene_description.hpp"
 #include "sensors/kinds/scene_file.hpp"
+#include "viewer/page.hpp"
 
 namespace tubefoot {
 namespace {
+
+constexpr double most_bytes_a_footprint = 140;
 
 /// A box on a rough bed that reaches beyond the range samples on both sides.
 std::string rough_scene(const std::string& material, const std::string& sensor) {
@@ -179,13 +182,18 @@ TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
         << "cell " << cell;
 }
 
-TEST(ViewedPings, AreTheFirstOfACameraAndManyOfASidescan) {
+TEST(ViewedPings, AreAsManyAsFit) {
   const TestFolder folder;
   const auto cameras = open_survey(read_scene_file(folder.write("camera.toml", rough_scene("", camera))));
   const ViewData frame = view_of(*cameras, 0, {});
-  EXPECT_EQ(frame.pings.size(), 1u);
+  EXPECT_EQ(frame.pings.size(), 2u);
   EXPECT_EQ(frame.layout, PictureLayout::fan);
-  EXPECT_THAT(frame.notes, testing::Contains(testing::HasSubstr("Ping 0 of 2")));
+  EXPECT_TRUE(frame.notes.empty());
+  ViewLimits one_frame;
+  one_frame.cells_unasked = 2 * 12 * 100 - 1;
+  const ViewData first = view_of(*cameras, 0, {}, one_frame);
+  EXPECT_EQ(first.pings.size(), 1u);
+  EXPECT_THAT(first.notes, testing::Contains(testing::HasSubstr("Pings 0 to 0 of 2")));
   const auto lines = open_survey(read_scene_file(folder.write("sidescan.toml", rough_scene("", sidescan))));
   const ViewData line = view_of(*lines, 0, {});
   EXPECT_EQ(line.pings.size(), 5u);
@@ -198,6 +206,14 @@ TEST(ViewedPings, AreTheFirstOfACameraAndManyOfASidescan) {
   EXPECT_LT(part.pings.size(), 5u);
   EXPECT_GE(part.footprints.size(), limits.footprints_unasked);
   EXPECT_THAT(part.notes, testing::Contains(testing::HasSubstr("of 5: tubefoot view --pings A:B")));
+  // A page that would hold too much says how much it holds.
+  limits.footprints = line.footprints.size() - 1;
+  try {
+    view_of(*lines, 0, PingRange{0, 4}, limits);
+    FAIL() << "one footprint too many";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("ask for --pings 0:3"));
+  }
   limits.footprints = 10;
   EXPECT_THROW(view_of(*lines, 0, PingRange{0, 4}, limits), UsageError);
 }
@@ -304,6 +320,35 @@ TEST(ViewedShadows, AreThoseOfBothEndsWhereTheReceiverIsApart) {
     EXPECT_EQ(std::round(view.tubes.at(f.drawn_receive_tube).apex_m.x), 3);
     EXPECT_LE(f.near_m, f.far_m);
   }
+}
+
+/// What pings share is there once: the next ping costs its own footprints and samples.
+TEST(ViewedPages, GrowByTheFootprintsOfAPingOnly) {
+  const TestFolder folder;
+  const auto survey = open_survey(read_scene_file(folder.write("scene.toml", rough_scene("", camera))));
+  const ViewData one = view_of(*survey, 0, PingRange{0, 0}), two = view_of(*survey, 0, PingRange{0, 1});
+  const std::size_t first = view_page(one).size(), both = view_page(two).size();
+  const auto more = static_cast<double>(two.footprints.size() - one.footprints.size());
+  EXPECT_GT(more, 300);
+  EXPECT_LT(static_cast<double>(both - first) / more, most_bytes_a_footprint);
+  EXPECT_LT(static_cast<double>(both), 1.7 * static_cast<double>(first));
+}
+
+/// A camera in cycles on a carrier at 1 m/s.
+TEST(ViewedPings, SayWhyTheirCyclesDiffer) {
+  const TestFolder folder;
+  const std::string cycles = camera + "cycles = 3\ncycle_interval_s = 0.05\n";
+  const auto moving = open_survey(read_scene_file(folder.write("moving.toml", rough_scene("", cycles))));
+  const ViewData view = view_of(*moving, 0, PingRange{0, 0});
+  ASSERT_EQ(view.shots.size(), 3u);
+  EXPECT_THAT(view.stripes, testing::HasSubstr("12 beams in 3 cycles, one after another within 100 ms"));
+  const SensorPings& pings = moving->sensors[0];
+  const double way_m = glm::distance(pings.shot_pose(0, 0).position_m, pings.shot_pose(0, 2).position_m);
+  EXPECT_GT(way_m, 0.01);
+  EXPECT_THAT(view.stripes, testing::HasSubstr(fmt::format("moves by {:.2g} cm", 100 * way_m)));
+  EXPECT_THAT(view.notes, testing::Contains(view.stripes));
+  const auto one = open_survey(read_scene_file(folder.write("one.toml", rough_scene("", camera))));
+  EXPECT_EQ(view_of(*one, 0, PingRange{0, 0}).stripes, "");
 }
 
 TEST(ViewedMesh, IsThatAboutTheFootprints) {

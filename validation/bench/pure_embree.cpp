@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pure_embree.hpp"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <random>
 #include <vector>
+
+#include "engine/rays/embree.hpp"
 
 using namespace tubefoot;
 
@@ -72,9 +72,6 @@ long PureEmbree::trace() const {
   std::fill_n(rays.ray.org_z, 16, s.apex[2]);
   std::fill_n(rays.ray.mask, 16, ~0u);
   std::fill_n(rays.hit.instID[0], 16, RTC_INVALID_GEOMETRY_ID);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   long hits = 0;
   for (std::size_t first = 0; first < s.x.size(); first += 16) {
     std::copy_n(&s.x[first], 16, rays.ray.dir_x);
@@ -82,7 +79,7 @@ long PureEmbree::trace() const {
     std::copy_n(&s.z[first], 16, rays.ray.dir_z);
     std::fill_n(rays.ray.tfar, 16, 1e9f);
     std::fill_n(rays.hit.geomID, 16, RTC_INVALID_GEOMETRY_ID);
-    rtcIntersect16(valid, s.scene, &context, &rays);
+    first_hits(valid, s.scene, rays);
     hits += std::count_if(rays.hit.geomID, rays.hit.geomID + 16,
                           [](unsigned id) { return id != RTC_INVALID_GEOMETRY_ID; });
   }

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "compare/echo_errors.hpp"
+#include "compare/measures/echo_errors.hpp"
 #include "engine/echo/echo.hpp"
 #include "engine/sight/tube_engine.hpp"
 #include "geometry/integrals/measure.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/certified/certified_gain.hpp"
 
-#include <arb_hypgeom.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -115,6 +115,7 @@ class OneApex {
         all = false;
         continue;
       }
+      if (is_silent(bed)) continue;
       const PlaneFrame frame(facet.plane);
       const double factor = bed.mu * facet.plane.distance_m * facet.plane.distance_m;
       begin_footprint();
@@ -139,7 +140,7 @@ class OneApex {
       steps.done();
       const SeenFacet facet = sight_[number];
       const FacetBed bed = law_.bed(facet.facet);
-      if (only_textured && bed.texture == nullptr) continue;
+      if ((only_textured && bed.texture == nullptr) || is_silent(bed)) continue;
       const std::uint32_t tube = tube_of(number);
       const PlaneFrame frame(facet.plane);
       const double lambert_or_one =

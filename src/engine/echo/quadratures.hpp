@@ -6,6 +6,9 @@
 // The quadratures behind integrate() (echo.hpp), which has looked at what they are given.
 namespace tubefoot {
 
+/// Nothing comes back from there.
+inline bool is_silent(const FacetBed& bed) { return bed.scattering == nullptr && bed.mu == 0; }
+
 /// Laid out as Echo::energy. Parts whose owner is asked for go to the sink instead.
 std::vector<double> integrate_one_apex(const Sight& sight, const ReceiveBeams& beams,
                                        const RangeSamples& samples, const EchoLaw& law, const Quadrature& how,

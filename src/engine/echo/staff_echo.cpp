@@ -54,6 +54,8 @@ class StaffIntegral {
   /// Energies of one receiver.
   void add_energy(std::size_t end, const SharedFacet& facet) {
     if (!place(end, facet, end, end + 1)) return;
+    const FacetBed& bed = paths_[end].bed;
+    if (bed.scattering == nullptr && bed.mu == 0) return;
     const SharedFootprints& shared = seen_by(end);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       assign(polygon_, shared, shared.pieces[facet.first_piece + k]);

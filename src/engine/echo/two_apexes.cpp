@@ -36,6 +36,7 @@ class FacetEcho {
     const PairedFacet* paired = sight_.paired(number);
     const PlaneFrame frame(facet.plane);
     path_ = path_on(sight_, number, frame, law_);
+    if (is_silent(path_.bed)) return;
     smooth_ = {mirrors_angle_rad_};
     smooth_.take(path_.bed.scattering);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {

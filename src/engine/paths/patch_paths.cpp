@@ -166,11 +166,13 @@ class PatchPaths {
       : scene_(scene),
         heard_(heard),
         echo_(echo),
+        before_(scene.settings.before != nullptr ? *scene.settings.before : scene.law),
         least_(scene.settings.least()),
         beta_(absorption_per_m(scene.law.absorption_db_per_m)),
         workers_([&] {
           return Worker{PatchEcho(scene.law, scene.beams, scene.settings.patch_m), {}, {}};
         }) {
+    before_.material = scene.law.material;
     if (scene.bent == nullptr) return;
     const PathWater& water = scene.bent->water();
     double lowest_m = std::numeric_limits<double>::infinity();
@@ -230,10 +232,10 @@ class PatchPaths {
   double scattered_by(GridPoint from, const Patch& patch) const {
     const double range = glm::length(patch.from_apex_m), sine = patch.sine;
     if (!(sine > 0)) return 0;
-    const ScatteringLaw* scattering = scene_.law.law_of(patch.facet);
-    double gain = scattering == nullptr ? scene_.law.material_mu[scene_.law.material[patch.facet]] : 1;
+    const ScatteringLaw* scattering = before_.law_of(patch.facet);
+    double gain = scattering == nullptr ? before_.material_mu[before_.material[patch.facet]] : 1;
     gain *= scattering_lobe(scattering, sine) / sine * std::exp(-beta_ * range) * patch.absorbed;
-    if (const ReflectivityField* texture = scene_.law.texture(patch.facet))
+    if (const ReflectivityField* texture = before_.texture(patch.facet))
       gain *= texture->factor(scene_.law.path.out.apex_m + from_apex(from) + patch.lies_m);
     return gain;
   }
@@ -301,7 +303,7 @@ class PatchPaths {
     std::vector<SeenBed> beds;
     for (const Image& image : images) beds.push_back(scene_.seen_by(image, bent ? &*bent : nullptr));
     if (bent) sent.seen = bent->counts(beds);
-    const ScatteringLaw* scattering = scene_.law.law_of(source.facet);
+    const ScatteringLaw* scattering = before_.law_of(source.facet);
     for (std::size_t k = 0; k < images.size(); ++k) {
       stop_if_wanted();
       const Image& image = images[k];
@@ -378,6 +380,7 @@ class PatchPaths {
   const PathScene& scene_;
   std::span<const Listener> heard_;
   PathEcho& echo_;
+  EchoLaw before_;  // of all scatterings but the last
   double least_, beta_;
   WaterColumn column_;
   std::optional<PathWater> water_;  // as patches look through it, if it refracts

@@ -76,7 +76,7 @@ class PathTracer {
       add_scattered_paths({mesh_, unit_m_, finder_, beams_, samples_, law_, settings_, true_apex_,
                            true_receive_.reach, bent_},
                           transmit_, receive_, echo_);
-    for (const Image& image : transmit_)
+    for (const Image& image : settings_.arrivals ? transmit_ : std::span<const Image>())
       if (image.mirrors > 0 || (settings_.direct && !one_place_))
         enclosed_ ? arrive_enclosed(image) : arrive(image);
     if (enclosed_) add_unknown();

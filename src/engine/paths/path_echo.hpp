@@ -38,6 +38,8 @@ struct PathSettings {
   std::optional<double> reference_tolerance{};
   Mirrors mirrors;
   Binning binning = Binning::exact;       ///< of what two images share
+  const EchoLaw* before = nullptr;        ///< by which all scatterings but the last go; null: as that
+  bool arrivals = true;                   ///< also what comes without scattering
   std::optional<SampledPaths> sampled{};  ///< instead of that
 
   /// The part of the energy that has to be left.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/rays/ray_engine.hpp"
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -13,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/rays/embree.hpp"
 #include "geometry/numbers/int128.hpp"
 #include "geometry/steps/steps.hpp"
 
@@ -151,9 +151,6 @@ RayHit* RayScene::State::trace(GridPoint apex, double reach_m, RaySource source,
   std::fill_n(rays.ray.flags, lanes, 0u);
   std::fill_n(rays.hit.instID[0], lanes, RTC_INVALID_GEOMETRY_ID);
   std::fill_n(valid, lanes, -1);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
 
   RayPacket packet;
   packet.x = packet.y = packet.z = {};
@@ -167,7 +164,7 @@ RayHit* RayScene::State::trace(GridPoint apex, double reach_m, RaySource source,
       rays.ray.tfar[k] = float(reach_m);
       rays.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect16(valid, scene, &context, &rays);
+    first_hits(valid, scene, rays);
     for (int k = 0; k < packet.count; ++k) {
       if (rays.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
       const glm::dvec3 direction(packet.x[k], packet.y[k], packet.z[k]);
@@ -234,9 +231,7 @@ bool RayScene::State::meet_beyond(GridPoint apex, glm::dvec3 direction, double f
     ray.ray.tfar = float(reach_m);
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene, &context, &ray);
+    first_hit(scene, ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit.facet = ray.hit.primID;
   } while (!on_plane(apex, direction, double(ray.ray.tfar), hit));
@@ -262,9 +257,7 @@ bool RayScene::reaches(GridPoint apex, glm::dvec3 direction, double range_m,
     ray.ray.tfar = float(1.001 * range_m + uncertain);  // where the facet is met, even at a grazing angle
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(s.scene, &context, &ray);
+    first_hit(s.scene, ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     const double met = double(ray.ray.tfar);
     if (same(ray.hit.primID) || std::abs(met - range_m) <= uncertain) return true;

@@ -32,15 +32,21 @@ TubeEngine::TubeEngine(const FacetMesh& mesh, const SceneTree& tree, double grid
 
 TubeEngine::~TubeEngine() = default;
 
-History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured) const {
+History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured,
+                          const std::vector<bool>& wanted) const {
   std::vector<FootprintSet> per_tube(tubes.tubes.size());
   std::vector<std::size_t> looked_at(tubes.tubes.size());
   const std::vector<TubeRun> runs = runs_of(tubes);
   Steps steps("tubes", tubes.tubes.size());
+  const auto is_wanted = [&](std::uint32_t tube) { return wanted.empty() || wanted[tube]; };
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
+    bool any = false;
+    for (std::uint32_t tube = runs[run].first; tube < runs[run].end; ++tube) any = any || is_wanted(tube);
+    if (!any) return;
     auto& [visibility, sees] = scratch_->threads.local();
     const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
     see_run(mesh_, tree_, tubes, runs[run], options_, visibility, sees, [&](std::uint32_t tube) {
+      if (!is_wanted(tube)) return;
       append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_tube[tube]);
       if (measured) measure(per_tube[tube]);
       looked_at[tube] = seen.candidates;

@@ -19,8 +19,10 @@ class TubeEngine {
   ~TubeEngine();
 
   /// Footprints of one ping. `candidates`, if given, receives the number of facets looked at. Areas,
-  /// centroids and the other measures are left out if they are not wanted: exact binning does without.
-  History trace(TubeSet tubes, std::size_t* candidates = nullptr, bool measured = true) const;
+  /// centroids and the other measures are left out if they are not wanted: exact binning does without. With
+  /// `wanted`, by tube, the others have no footprints; all keep their numbers.
+  History trace(TubeSet tubes, std::size_t* candidates = nullptr, bool measured = true,
+                const std::vector<bool>& wanted = {}) const;
 
   /// The closure law for every tube of a ping; `label` tells pings apart in the hash.
   std::vector<TubeAudit> audit(const TubeSet& tubes, std::uint64_t label) const;

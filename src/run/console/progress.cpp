@@ -33,9 +33,15 @@ std::string duration(double seconds) {
 }  // namespace
 
 Progress::Progress(std::string what, std::size_t total, bool quiet)
+    : Progress(std::move(what), total, quiet || total == 0, false) {}
+
+Progress::Progress(std::string what, bool quiet) : Progress(std::move(what), 0, quiet, true) {}
+
+Progress::Progress(std::string what, std::size_t total, bool quiet, bool of_steps)
     : what_(std::move(what)),
       total_(total),
-      quiet_(quiet || total == 0),
+      quiet_(quiet),
+      of_steps_(of_steps),
       terminal_(isatty(STDERR_FILENO) != 0),
       start_(Clock::now()),
       drawn_(start_),
@@ -89,21 +95,38 @@ void Progress::look_within() {
 
 void Progress::draw(Clock::time_point now) {
   drawn_ = now;
-  const double seconds = std::chrono::duration<double>(now - start_).count(),
-               fraction = static_cast<double>(finished_) / static_cast<double>(total_);
+  const auto within = Steps::at_hand();
+  const auto since = [now](Clock::time_point start) {
+    return std::chrono::duration<double>(now - start).count();
+  };
+  if (of_steps_) {
+    if (within)
+      draw_bar(fmt::format("{}: {}", what_, within->what), within->done, within->total, since(within->since),
+               "");
+    else if (terminal_)
+      draw_on_terminal("\r\033[K{}", what_);
+    else
+      say("{}, for {}\n", what_, duration(since(start_)));
+    return;
+  }
+  std::string more;
+  if (now - stepped_ >= patience && within && now - within->since >= patience)
+    more = fmt::format("; {} {}/{}", within->what, within->done, within->total);
+  draw_bar(what_, finished_, total_, since(start_), more);
+}
+
+void Progress::draw_bar(const std::string& of, std::size_t done, std::size_t total, double seconds,
+                        const std::string& more) {
+  const double fraction = static_cast<double>(done) / static_cast<double>(total);
   std::string left;
-  if (finished_ > 0 && finished_ < total_)
-    left = ", " + duration(seconds * (1 - fraction) / fraction) + " left";
-  if (now - stepped_ >= patience)
-    if (const auto within = Steps::at_hand(); within && now - within->since >= patience)
-      left += fmt::format("; {} {}/{}", within->what, within->done, within->total);
+  if (done > 0 && done < total) left = ", " + duration(seconds * (1 - fraction) / fraction) + " left";
   if (terminal_) {
     constexpr int width = 30;
     const int full = static_cast<int>(fraction * width);
-    draw_on_terminal("\r\033[K{} [{}{}] {}/{}{}", what_, std::string(full, '#'),
-                     std::string(width - full, '.'), finished_, total_, left);
+    draw_on_terminal("\r\033[K{} [{}{}] {}/{}{}{}", of, std::string(full, '#'),
+                     std::string(width - full, '.'), done, total, left, more);
   } else {
-    say("{} {}/{}{}\n", what_, finished_, total_, left);
+    say("{} {}/{}{}{}\n", of, done, total, left, more);
   }
 }
 

@@ -22,6 +22,8 @@ struct RunWatch {
 class Progress {
  public:
   Progress(std::string what, std::size_t total, bool quiet);
+  /// Of work whose steps are told by others: of those at hand.
+  Progress(std::string what, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -30,12 +32,15 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
+  Progress(std::string what, std::size_t total, bool quiet, bool of_steps);
   void draw(Clock::time_point now);
+  void draw_bar(const std::string& of, std::size_t done, std::size_t total, double seconds,
+                const std::string& more);
   void look_within();
 
   std::string what_;
   std::size_t total_, finished_ = 0, shown_tenths_ = 0;
-  bool quiet_, terminal_, over_ = false;
+  bool quiet_, of_steps_, terminal_, over_ = false;
   Clock::time_point start_, drawn_, stepped_;
   std::mutex mutex_;
   std::condition_variable ended_;

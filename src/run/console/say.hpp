@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -21,12 +22,17 @@ void say(fmt::format_string<T...> format, T&&... parts) {
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
+/// errno of what tell() could not print; 0: it could.
+inline int tell_error = 0;
+
 /// Prints to stdout what a command was asked for. Throws std::runtime_error if it cannot.
 template <class... T>
 void tell(fmt::format_string<T...> format, T&&... parts) {
   const std::string text = harmless(fmt::format(format, std::forward<T>(parts)...));
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) {
+    tell_error = errno;
     throw std::runtime_error("cannot write to standard output");
+  }
 }
 
 /// Draws on the terminal that stderr is: `parts` are our own, control characters and all.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <regex>
 #include <system_error>
 
 #include "files/companions.hpp"
@@ -19,6 +18,7 @@
 #include "scene/file/scene_file_sections.hpp"
 #include "scene/file/scene_file_tables.hpp"
 #include "scene/file/sensor_presets.hpp"
+#include "scene/file/toml_text.hpp"
 
 namespace tubefoot {
 namespace {
@@ -32,49 +32,6 @@ std::string scene_text(const fs::path& file) {
   if (status.type() == fs::file_type::not_found) throw InputError(place, "there is no such scene file");
   if (status.type() == fs::file_type::none) throw InputError(place, "cannot look at it: " + error.message());
   return read_whole(file, place, limits::scene_file_bytes, "a scene file (TOML text)");
-}
-
-/// toml++ nests a table for every dot of a key and overflows the stack somewhere above 20000 of them; inside
-/// brackets it nests at most 256 deep. So a line's dots bound the depth. Dots in a row are text, not keys.
-void check_dots(std::string_view text, const fs::path& file) {
-  constexpr int most_dots = 64;
-  SourcePlace place{file.string(), 1, 0};
-  int dots = 0;
-  char previous = '\n';
-  for (const char c : text) {
-    ++place.column;
-    if (c == '\n') {
-      ++place.line;
-      place.column = dots = 0;
-    } else if (c == '.' && previous != '.' && ++dots > most_dots) {
-      throw InputError(place, fmt::format("more than {} dots on one line: break the line", most_dots));
-    }
-    previous = c;
-  }
-}
-
-/// What is meant by a line that TOML has no meaning for.
-std::string toml_hint(std::string_view text, std::size_t number) {
-  for (; number > 1 && text.find('\n') != text.npos; --number) text.remove_prefix(text.find('\n') + 1);
-  const std::string line(text.substr(0, std::min<std::size_t>(text.find('\n'), 1000)));
-  const auto is = [&](const char* form) { return std::regex_search(line, std::regex(form)); };
-  if (is("^\\s*[A-Za-z0-9_-]+\\s*:")) return ": write key = value, with an equals sign";
-  if (is("=\\s*[-+]?[0-9]+,[0-9]+\\s*(#.*)?$")) return ": decimals have a point";
-  if (is("=\\s*[-+]?[0-9.]+\\s*[A-Za-z%]")) return ": write the number alone, its unit is in the key's name";
-  if (is("=\\s*[A-Za-z./~]")) return ": text stands in quotes";
-  if (is("\\\\")) return ": write folders with /, as \\ has a meaning of its own";
-  return "";
-}
-
-toml::table parse(std::string_view text, const TomlSource& source) {
-  check_dots(text, source.file);
-  try {
-    return toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    const SourcePlace place = source.place(error.source());
-    throw InputError(place, fmt::format("not valid TOML: {}{}", error.description(),
-                                        toml_hint(text, static_cast<std::size_t>(place.line))));
-  }
 }
 
 /// Takes the scene hash, and notes every file that it is of: what the scene is made of, and nothing else is
@@ -174,17 +131,18 @@ void apply_preset(toml::table& sensor, const TomlSource& source) {
         replaced =
             replaced || (key.str().starts_with(side) && sensor.contains(std::string(side) + "pattern"));
       replaced = replaced || (key.str() == "samples" && sensor.contains("sampling_frequency_khz"));
+      for (const std::string_view spread : {"beams", "horizontal_deg", "swath_deg", "spacing"})
+        replaced = replaced || (key.str() == spread && sensor.contains("beam_angles_deg"));
       if (!replaced) sensor.insert(key, value);
     }
     return;
   }
-  if (name == "none" || sensor.contains("kind")) return;  // the section's reader has the same to say
+  if (name == "none") return;
   const std::vector<std::string> names = sensor_preset_names();
   const std::string_view meant = nearest(name, names);
-  throw InputError(
-      source.place(named->source()),
-      fmt::format("there is no preset \"{}\"{}: expected {}", name,
-                  meant.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", meant), one_of(names, '"')));
+  throw InputError(source.place(named->source()),
+                   fmt::format("there is no preset \"{}\"{}: `tubefoot presets` lists those there are", name,
+                               meant.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", meant)));
 }
 
 void apply_presets(toml::table& root, const TomlSource& source) {
@@ -402,7 +360,7 @@ SceneDescription read_scene_file(const fs::path& file, const SensorSections& kin
 SceneDescription read_scene_text(const std::string& text, const fs::path& file, const SensorSections& kinds,
                                  bool confined) {
   TomlSource source{file, {}};
-  toml::table root = parse(text, source);
+  toml::table root = parse_toml(text, source);
   apply_presets(root, source);
   const TomlSection<SensorDescription> sensors = sensor_section(kinds);
   SceneEntries all = read_entries(root, sensors, source);

@@ -6,7 +6,6 @@
 #include "files/words.hpp"
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/file/scene_file_sections.hpp"
-#include "scene/file/sensor_presets.hpp"
 
 namespace tubefoot {
 namespace {
@@ -74,10 +73,11 @@ void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
                     cells, limits::ping_cells));
   const std::int64_t shots = sensor.pings.value_or(1) * figures.shots;
   if (shots > limits::sensor_shots)
-    throw InputError(table.place_of("pings"),
-                     fmt::format("'pings' and 'cycles' make {} shots, at most {} are taken: ask for fewer "
-                                 "pings, in several scenes",
-                                 shots, limits::sensor_shots));
+    throw InputError(
+        table.place_of("pings"),
+        fmt::format("'pings' of {} shots each make {}, at most {} are taken: ask for fewer pings, in "
+                    "several scenes",
+                    figures.shots, shots, limits::sensor_shots));
 }
 
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
@@ -164,12 +164,10 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
 TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
   using S = SensorDescription;
   constexpr ValueRange lever_arm{.lo = -1000, .hi = 1000};
-  std::vector<std::string> presets = sensor_preset_names();
-  presets.insert(presets.begin(), "none");
   TomlSection<S> section("[[sensors]]");
   section
       .keys({field("name", &S::name, {.required = true, .longest = limits::name_bytes}),
-             field("preset", &S::preset, {.choices = presets}),
+             field("preset", &S::preset, {.longest = limits::name_bytes}),
              field("trajectory", &S::trajectory, {.default_value = "the only trajectory"}),
              field("lever_arm_m", &S::lever_arm_m, {.ranges = {lever_arm}}),
              field("receiver_arm_m", &S::receiver_arm_m,

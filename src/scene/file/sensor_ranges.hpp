@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <initializer_list>
+#include <vector>
+
 #include "scene/file/toml_reader.hpp"
 
 // Ranges of values that sensors' keys share, and what holds between two keys.
@@ -35,6 +38,22 @@ inline void check_ranges(double range_min_m, double range_max_m, const TomlTable
     throw InputError(
         place_of_pair(table, "range_min_m", "range_max_m"),
         fmt::format("'range_min_m' ({}) must be less than 'range_max_m' ({})", range_min_m, range_max_m));
+}
+
+/// Of beams' angles that are listed, which the keys `instead` would say otherwise.
+inline void check_beam_angles(const std::vector<double>& angles_deg,
+                              std::initializer_list<const char*> instead, const TomlTable& table) {
+  if (angles_deg.empty()) return;
+  for (const char* key : instead)
+    if (table.has(key))
+      throw InputError(
+          table.place_of(key),
+          fmt::format("'beam_angles_deg' says where the beams lie: remove '{}', or the list", key));
+  for (std::size_t k = 1; k < angles_deg.size(); ++k)
+    if (!(angles_deg[k] > angles_deg[k - 1]))
+      throw InputError(table.place_of("beam_angles_deg"),
+                       fmt::format("'beam_angles_deg' must increase, from port to starboard: {} follows {}",
+                                   angles_deg[k], angles_deg[k - 1]));
 }
 
 }  // namespace tubefoot

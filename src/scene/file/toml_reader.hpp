@@ -2,7 +2,6 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <toml++/impl/forward_declarations.h>
 
 #include <array>
 #include <concepts>
@@ -20,6 +19,7 @@
 #include "files/input_error.hpp"
 #include "files/limits.hpp"
 #include "scene/file/scene_file_keys.hpp"
+#include "scene/file/toml_names.hpp"
 
 // A section of a scene file as a table of keys: each key knows its struct member, its type, unit, default and
 // range, and the same table reads the file, words the messages and checks the documentation.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/rays/embree.hpp"
 #include "fixtures/geometry/small_views.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
@@ -77,9 +77,7 @@ class Rays {
     ray.ray.tfar = std::numeric_limits<float>::infinity();
     ray.ray.mask = ~0u;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_, &context, &ray);
+    first_hit(scene_, ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
     return facets_[ray.hit.primID];
   }

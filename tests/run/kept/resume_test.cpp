@@ -48,7 +48,8 @@ TEST_F(Resume, MakesTheSameBytesWhereverTheRunWasKilled) {
   for (const auto& [engine, count, kills] :
        std::vector<Case>{{{}, pings, {1, 300}},
                          {{"--engine", "ray", "--rays", "500"}, pings, {300}},
-                         {{"--reference"}, 40, {3}}}) {
+                         {{"--reference"}, 40, {3}},
+                         {{"--truth"}, 400, {3}}}) {
     const fs::path whole = folder / "whole";
     write_scene(count);
     ASSERT_EQ(run(whole, engine).exit_code, 0);

@@ -134,6 +134,14 @@ TEST_F(Ranks, Sample) {
   EXPECT_TRUE(bytes_of(whole / "echoes.nc") == bytes_of(results / "echoes.nc"));
 }
 
+TEST_F(Ranks, TellWhoseEnergiesAreAsOneProcessDoes) {
+  const fs::path whole = folder / "whole";
+  ASSERT_EQ(alone(whole, {"--truth"}).exit_code, 0);
+  const Outcome outcome = on_ranks(2, results, {"--truth"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  expect_same(whole, results);
+}
+
 // What is cheapest within a tolerance was timed, so that another run may choose otherwise.
 TEST_F(Ranks, ComputeWhatTheFirstChoseForATolerance) {
   const Outcome outcome = on_ranks(2, results, {"--tolerance", "10%"});

@@ -301,7 +301,9 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nprofile_file = \nprofile_error_m_s = "  // water_keys_test.cpp
                            "\nslope_deg = \nslope_heading_deg = \nturn_s = \ncentre_lat_lon_deg = "
                            "\ncentre_crs = \nspacing_m = \none_way = \nup_m = \naltitude_m = "
-                           "\naltitude_step_m = \nlook_at_m = \ndisplay_gain_db = ";  // track_keys_test.cpp
+                           "\naltitude_step_m = \nlook_at_m = \ndisplay_gain_db = "  // track_keys_test.cpp
+                           "\nscan_deg = \nstep_deg = \nbeam_horizontal_deg = \nbeam_vertical_deg = "
+                           "\nstep_interval_s = \nbeam_angles_deg = ";  // robot_sonar_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
     // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netcdf.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 #include <thread>
 
 #include "fixtures/netcdf_reader.hpp"
+#include "fixtures/test_folder.hpp"
 #include "fixtures/world/recordings.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/recordings/recording.hpp"
@@ -209,18 +212,33 @@ TEST(EchoFile, AFullDiskIsAnErrorAndLeavesNothing) {
   EXPECT_EQ(NetcdfReader(folder / "second.nc").values("/", "energy"), made.energies);
 }
 
+constexpr std::size_t on_the_disk = 0;
+
 // Long recordings do not pass through memory.
-TEST(EchoFile, IsTheSameWrittenPingByPingOnTheDisk) {
+TEST(EchoFile, LetsGoOfEveryPingAndKeepsNoSpaceThatWasSetAside) {
   const TestFolder folder;
   auto made = noisy_camera(20);
   std::vector<std::size_t> released;
   made.recording.release = [&](std::size_t ping) { released.push_back(ping); };
-  write_echoes(folder / "echoes.nc", {made.recording}, provenance, 0);
+  write_echoes(folder / "echoes.nc", {made.recording}, provenance, on_the_disk);
   EXPECT_EQ(NetcdfReader(folder / "echoes.nc").values("/", "energy"), made.energies);
   EXPECT_EQ(released.size(), 20u);
-  EXPECT_LT(std::filesystem::file_size(folder / "echoes.nc"), 1u << 20);  // no space set aside is left
+  EXPECT_LT(std::filesystem::file_size(folder / "echoes.nc"), 1u << 20);
   const auto absent = folder / "absent/echoes.nc";
-  samples::failure_naming(absent, [&] { write_echoes(absent, {made.recording}, provenance, 0); });
+  samples::failure_naming(absent, [&] { write_echoes(absent, {made.recording}, provenance, on_the_disk); });
+}
+
+TEST(EchoFile, IsPackedAlikeByAnyNumberOfThreads) {
+  const TestFolder folder;
+  const auto made = noisy_camera(20);
+  for (const int threads : {1, 2, 7}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
+    write_echoes(folder / fmt::format("{}.nc", threads), {made.recording}, provenance, on_the_disk);
+  }
+  EXPECT_EQ(bytes_of(folder / "2.nc"), bytes_of(folder / "1.nc"));
+  EXPECT_EQ(bytes_of(folder / "7.nc"), bytes_of(folder / "1.nc"));
+  write_echoes(folder / "memory.nc", {made.recording}, provenance);
+  EXPECT_EQ(NetcdfReader(folder / "memory.nc").values("/", "energy"), made.energies);
 }
 
 // HDF5 would crash when the program ends.
@@ -230,10 +248,10 @@ TEST(EchoFile, AFullDiskIsMetBeforeALargeFileIsWritten) {
   const auto file = folder / "echoes.nc";
   for (const rlim_t room : {rlim_t{4096}, rlim_t{100000}, rlim_t{1} << 20}) {
     const samples::FullDisk full(room);
-    samples::failure_naming(file, [&] { write_echoes(file, {made.recording}, provenance, 0); });
+    samples::failure_naming(file, [&] { write_echoes(file, {made.recording}, provenance, on_the_disk); });
     EXPECT_FALSE(std::filesystem::exists(file)) << "room for " << room << " bytes";
   }
-  write_echoes(file, {made.recording}, provenance, 0);
+  write_echoes(file, {made.recording}, provenance, on_the_disk);
   EXPECT_EQ(NetcdfReader(file).values("/", "energy"), made.energies);
 }
 
@@ -257,8 +275,9 @@ TEST(EchoFile, RefusesRecordingsThatDoNotAddUp) {
     change(made.recording);
     EXPECT_THROW(write_echoes(file, {made.recording}, provenance), std::invalid_argument);
     std::vector<std::string> warnings;
-    EXPECT_THROW(write_fan_pictures(folder.path(), made.recording, {}, false, warnings),
-                 std::invalid_argument);
+    EXPECT_THROW(
+        write_fan_pictures(folder.path(), made.recording, {}, {}, PictureSettings::Which::all, warnings),
+        std::invalid_argument);
   };
   refused([](Recording& r) { r.sensor = nullptr; });
   refused([](Recording& r) { r.energy = r.energy.first(r.energy.size() - 1); });

@@ -5,13 +5,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <random>
+#include <set>
 #include <thread>
 
 #include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_didson.hpp"
+#include "sensors/pictures/camera_animation.hpp"
 #include "sensors/pictures/camera_picture.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/waterfall_picture.hpp"
@@ -24,6 +28,7 @@ namespace {
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 struct Image {
   OIIO::ImageSpec spec;
@@ -45,7 +50,7 @@ Image read(const std::filesystem::path& file) {
 
 Image read(const Canvas& canvas) {
   const TestFolder folder;
-  canvas.write_png(folder / "picture.png", "");
+  canvas.write_png(folder / "picture.png", "", 16);
   return read(folder / "picture.png");
 }
 
@@ -85,16 +90,18 @@ Spot camera_spot(std::size_t beam, std::size_t sample, const SensorDescription& 
 
 std::vector<std::filesystem::path> camera_pictures(const std::filesystem::path& folder,
                                                    const Recording& recording,
-                                                   const std::optional<Heard>& heard) {
+                                                   const std::optional<Heard>& heard,
+                                                   const PictureSettings& settings = {}) {
   std::vector<std::string> warnings;
-  return write_fan_pictures(folder, recording, heard, false, warnings);
+  return write_fan_pictures(folder, recording, heard, settings, PictureSettings::Which::all, warnings);
 }
 
 std::vector<std::filesystem::path> sidescan_pictures(const std::filesystem::path& folder,
                                                      const Recording& recording,
-                                                     const std::optional<Heard>& heard) {
+                                                     const std::optional<Heard>& heard,
+                                                     const PictureSettings& settings = {}) {
   std::vector<std::string> warnings;
-  return write_two_sided_pictures(folder, recording, heard, warnings);
+  return write_two_sided_pictures(folder, recording, heard, settings, warnings);
 }
 
 TEST(CameraPicture, IsATrueFanWithPortLeftAndForwardUp) {
@@ -178,7 +185,7 @@ TEST(Waterfall, AveragesPingsThatShareARow) {
     EXPECT_NEAR(image.at(x, y, 1), image.at(x, image.spec.height / 2, 1), 0.02);
 }
 
-TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
+TEST(Pictures, CameraFilesHoldTheFloats) {
   const TestFolder folder;
   auto made = samples::silent(samples::camera(5, 7), 2);
   std::mt19937_64 random(3);
@@ -203,8 +210,115 @@ TEST(Pictures, CameraFilesHoldTheFloatsAndSixteenBits) {
                   std::bit_cast<std::uint32_t>(float(made.energy(ping, beam, sample))));
   }
   const Image png = read(folder / "camera-0001.png");
-  EXPECT_EQ(png.spec.format, OIIO::TypeDesc::UINT16);
+  EXPECT_EQ(png.spec.format, OIIO::TypeDesc::UINT8);
   EXPECT_EQ(png.spec.nchannels, 3);
+}
+
+TEST(Pictures, HaveSixteenBitsWhereTheyAreAskedFor) {
+  const TestFolder folder;
+  auto made = samples::silent(samples::camera(5, 40), 1);
+  for (std::size_t k = 0; k < made.energies.size(); ++k) made.energies[k] = 1e-9 * std::pow(1.07, double(k));
+  camera_pictures(folder.path(), made.recording, {}, {.bits = 16});
+  const Image fine = read(folder / "camera-0000.png");
+  EXPECT_EQ(fine.spec.format, OIIO::TypeDesc::UINT16);
+  camera_pictures(folder.path(), made.recording, {});
+  const Image coarse = read(folder / "camera-0000.png");
+  ASSERT_EQ(coarse.spec.format, OIIO::TypeDesc::UINT8);
+  ASSERT_EQ(coarse.spec.width, fine.spec.width);
+  double largest = 0;
+  for (int y = 0; y < fine.spec.height; ++y)
+    for (int x = 0; x < fine.spec.width; ++x)
+      largest = std::max(largest, double(std::abs(fine.at(x, y, 0) - coarse.at(x, y, 0))));
+  EXPECT_GT(largest, 0.2 / 255) << "16 bits tell no more than 8";
+  EXPECT_LT(largest, 0.6 / 255);
+}
+
+TEST(Pictures, AreThoseThatAreAskedFor) {
+  using Which = PictureSettings::Which;
+  const auto camera = samples::silent(samples::camera(5, 7), 3);
+  const auto sidescan = samples::silent(samples::sidescan(6), 4);
+  const auto files = [](const Recording& recording, Which which) {
+    const TestFolder folder;
+    std::vector<std::string> warnings;
+    RunContext run;
+    run.pictures.which = which;
+    std::vector<std::filesystem::path> named =
+        kind_of(recording.sensor->description()).write_products(folder.path(), recording, run, warnings);
+    std::ranges::sort(named);
+    std::vector<std::string> names;
+    for (const auto& name : named) names.push_back(name.string());
+    EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{names.begin(), names.end()}));
+    return names;
+  };
+  EXPECT_THAT(files(camera.recording, Which::none), ElementsAre());
+  EXPECT_THAT(files(camera.recording, Which::sequence), ElementsAre("camera-sequence.png"));
+  EXPECT_EQ(files(camera.recording, Which::all).size(), 7u);
+  // Files of amplitudes stay; of a line there are no pictures by ping.
+  EXPECT_THAT(files(sidescan.recording, Which::none), Not(Contains(HasSubstr(".png"))));
+  EXPECT_THAT(files(sidescan.recording, Which::none), Not(Contains(HasSubstr(".exr"))));
+  EXPECT_EQ(files(sidescan.recording, Which::sequence), files(sidescan.recording, Which::all));
+  EXPECT_THAT(files(sidescan.recording, Which::all), Contains("sidescan-waterfall.png"));
+}
+
+/// Frames of a GIF: their sizes, and how long each is shown, in hundredths of a second.
+struct Frames {
+  std::vector<OIIO::ImageSpec> specs;
+  std::vector<std::vector<float>> pixels;
+};
+
+Frames frames_of(const std::filesystem::path& file) {
+  Frames frames;
+  const auto input = OIIO::ImageInput::open(file.string());
+  if (!input) throw std::runtime_error("no GIF: " + file.string());
+  for (int k = 0; input->seek_subimage(k, 0); ++k) {
+    frames.specs.push_back(input->spec());
+    const OIIO::ImageSpec& spec = frames.specs.back();
+    frames.pixels.emplace_back(std::size_t(spec.width) * std::size_t(spec.height) *
+                               std::size_t(spec.nchannels));
+    input->read_image(k, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, frames.pixels.back().data());
+  }
+  return frames;
+}
+
+TEST(Pictures, AnAnimationShowsPingAfterPingAsFastAsTheyWere) {
+  const TestFolder folder;
+  auto made = samples::silent(samples::camera(8, 16), 4);
+  for (std::size_t ping = 0; ping < 4; ++ping) {
+    made.recording.ping_time_s[ping] = 0.25 * double(ping);
+    for (std::size_t beam = 0; beam < 8; ++beam)
+      for (std::size_t k = 0; k < 16; ++k) made.energy(ping, beam, k) = ping == 2 ? 1e-6 : 1e-10;
+  }
+  EXPECT_THAT(camera_pictures(folder.path(), made.recording, {},
+                              {.which = PictureSettings::Which::sequence, .animated = true}),
+              ElementsAre("camera-sequence.png", "camera-sequence.gif"));
+  const Frames frames = frames_of(folder / "camera-sequence.gif");
+  ASSERT_EQ(frames.specs.size(), 4u);
+  std::vector<double> bright;
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(frames.specs[k].width, frames.specs[0].width);
+    EXPECT_EQ(frames.specs[k].height, frames.specs[0].height);
+    bright.push_back(std::accumulate(frames.pixels[k].begin(), frames.pixels[k].end(), 0.0) /
+                     double(frames.pixels[k].size()));
+  }
+  // On one scale: the loud ping is bright, the others, 40 dB below it, are alike and dark.
+  EXPECT_GT(bright[2], bright[1] + 0.1);
+  EXPECT_NEAR(bright[1], bright[3], 0.02);
+  // Blocks that say how long a frame is shown: 21 F9 04, flags, hundredths of a second.
+  const std::string bytes = bytes_of(folder / "camera-sequence.gif");
+  std::vector<int> shown;
+  for (std::size_t at = 0; (at = bytes.find("\x21\xf9\x04", at)) != std::string::npos; ++at)
+    shown.push_back(static_cast<unsigned char>(bytes[at + 4]) +
+                    256 * static_cast<unsigned char>(bytes[at + 5]));
+  EXPECT_THAT(shown, ElementsAre(25, 25, 25, 25));
+  EXPECT_THAT(bytes, HasSubstr("NETSCAPE2.0")) << "it ends after its last frame";
+}
+
+TEST(Pictures, AnAnimationShowsTwoHundredPingsAtMost) {
+  EXPECT_EQ(animation_frames(150).size(), 150u);
+  const std::vector<std::size_t> many = animation_frames(1000);
+  ASSERT_EQ(many.size(), 200u);
+  EXPECT_EQ(many.front(), 0u);
+  EXPECT_EQ(many.back(), 999u);
 }
 
 TEST(Pictures, SequencesShowTwentyPingsAtMostTheFirstAndTheLastAmongThem) {
@@ -275,8 +389,8 @@ TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
       return energies;
     };
     const auto pictures_of = camera ? camera_pictures : sidescan_pictures;
-    pictures_of(plain.path(), recording, {});
-    const auto files = pictures_of(both.path(), recording, heard);
+    pictures_of(plain.path(), recording, {}, {});
+    const auto files = pictures_of(both.path(), recording, heard, {});
     const std::vector<std::pair<std::string, std::string>> pairs =
         camera ? std::vector<std::pair<std::string, std::string>>{{"camera-sequence.png",
                                                                    "camera-sequence-received.png"},
@@ -311,7 +425,7 @@ TEST(Pictures, SidescanFilesArePingByPingPortTurnedOver) {
       EXPECT_EQ(exr.at(int(6 + k), int(ping), 0), float(made.energy(ping, 1, k)));
     }
   }
-  EXPECT_EQ(read(folder / "sidescan.png").spec.format, OIIO::TypeDesc::UINT16);
+  EXPECT_EQ(read(folder / "sidescan.png").spec.format, OIIO::TypeDesc::UINT8);
 }
 
 TEST(Pictures, AreTheSameByteForByteAtAnotherTime) {
@@ -361,7 +475,7 @@ TEST(Pictures, AreLabelledWhereThereIsAFont) {
   EXPECT_EQ(find_font({"NoSuchFontAnywhere"}), "");
   const TestFolder folder;
   std::vector<std::string> warnings;
-  write_fan_pictures(folder.path(), made.recording, {}, false, warnings);
+  write_fan_pictures(folder.path(), made.recording, {}, {}, PictureSettings::Which::all, warnings);
   if (label_font().empty()) {
     EXPECT_THAT(warnings, ElementsAre(HasSubstr("fonts-dejavu-core")));
     GTEST_SKIP() << "no font is installed";
@@ -370,6 +484,75 @@ TEST(Pictures, AreLabelledWhereThereIsAFont) {
   Canvas plain(200, 40, {}, ""), labelled(200, 40, {}, label_font());
   for (Canvas* canvas : {&plain, &labelled}) canvas->text(10, 20, "Caf\u00e9 -10\u00b0", 20, {1, 1, 1});
   EXPECT_GT(difference(read(plain), read(labelled)).pixels, 100);
+}
+
+/// The colour of a picture's pixel.
+Colour colour_at(const Image& image, double x, double y) {
+  const int column = static_cast<int>(x), row = static_cast<int>(y);
+  return {image.at(column, row, 0), image.at(column, row, 1), image.at(column, row, 2)};
+}
+
+void expect_colour(Colour found, Colour wanted, const std::string& what) {
+  constexpr double sixteen_bits = 2e-4;
+  EXPECT_NEAR(found.red, wanted.red, sixteen_bits) << what;
+  EXPECT_NEAR(found.green, wanted.green, sixteen_bits) << what;
+  EXPECT_NEAR(found.blue, wanted.blue, sixteen_bits) << what;
+}
+
+/// Beyond the surfaces of a beam it is neither echo nor shadow: unless something is heard there all the same.
+TEST(Pictures, ShowWhereABeamHasNoSurfaceAnyMore) {
+  const std::size_t beams = 8, samples = 16;
+  auto made = samples::silent(samples::camera(int(beams), int(samples)), 1);
+  for (std::size_t beam = 0; beam < beams; ++beam) made.energy(0, beam, 3) = 1e-6;
+  made.energy(0, 5, 14) = 1e-6;
+  const Spot shadow = camera_spot(5, 8, samples::camera(int(beams), int(samples))),
+             beyond = camera_spot(5, 12, samples::camera(int(beams), int(samples))),
+             echo = camera_spot(5, 14, samples::camera(int(beams), int(samples)));
+  const Image before = read(draw_camera_frame(made.recording, 0, ""));
+  made.recording.surfaces = [&](std::size_t) { return std::vector<int>(beams, 10); };
+  const Image image = read(draw_camera_frame(made.recording, 0, ""));
+  const Colour dark = DecibelScale::at_level(0);
+  // Grid lines lie over the fan: the spots are beside them.
+  expect_colour(colour_at(before, beyond.x, beyond.y), dark, "nobody knows");
+  expect_colour(colour_at(image, shadow.x, shadow.y), dark, "shadow");
+  expect_colour(colour_at(image, beyond.x, beyond.y), palette.beyond, "beyond");
+  expect_colour(colour_at(image, echo.x, echo.y), DecibelScale::at_level(1), "an echo from beyond");
+  EXPECT_GT(std::abs(palette.beyond.green - dark.green), 0.2);
+
+  auto line = samples::silent(samples::sidescan(20), 40);
+  for (std::size_t ping = 0; ping < 40; ++ping) line.energy(ping, 0, 5) = line.energy(ping, 1, 5) = 1e-9;
+  // Port has surfaces up to its 15th sample, starboard all along.
+  line.recording.surfaces = [](std::size_t) { return std::vector<int>{15, 20}; };
+  const Image waterfall = read(draw_waterfall(line.recording, ""));
+  const int left = 28 + 72, middle = left + 300, y = waterfall.spec.height / 2;
+  const auto x_of = [&](double sample) { return (0.5 + sample * 49.5 / 20) / 50 * 300; };
+  expect_colour(colour_at(waterfall, middle - x_of(17.3), y), palette.beyond, "port, beyond");
+  expect_colour(colour_at(waterfall, middle - x_of(13.3), y), dark, "port, shadow");
+  expect_colour(colour_at(waterfall, middle + x_of(17.3), y), dark, "starboard, shadow");
+}
+
+/// By the decibels of the scale, whatever the picture.
+TEST(Pictures, ADisplayGainBrightensFansToo) {
+  SensorDescription description = samples::camera(8, 16);
+  const Spot spot = camera_spot(5, 8, description);
+  for (const double gain_db : {0.0, 12.0, -7.0}) {
+    description.signal.display_gain_db = gain_db;
+    auto made = samples::silent(description, 1);
+    std::ranges::fill(made.energies, 1e-9);
+    for (std::size_t beam = 0; beam < 8; ++beam) made.energy(0, beam, 8) = 1e-11;  // 20 dB below the rest
+    expect_colour(colour_at(read(draw_camera_frame(made.recording, 0, "")), spot.x, spot.y),
+                  DecibelScale::at_level(1 + (gain_db - 20) / DecibelScale::range_db),
+                  "gain " + std::to_string(gain_db));
+    const Image sheet = read(draw_camera_sequence(made.recording, ""));
+    const Colour wanted = DecibelScale::at_level(1 + (gain_db - 20) / DecibelScale::range_db);
+    int pixels = 0;
+    for (int y = 110; y < 340; ++y)
+      for (int x = 30; x < 180; ++x) {
+        const Colour found = colour_at(sheet, x, y);
+        pixels += std::abs(found.red - wanted.red) + std::abs(found.green - wanted.green) < 1e-3;
+      }
+    EXPECT_GT(pixels, 100) << "gain " << gain_db;
+  }
 }
 
 TEST(DecibelScale, IsRelativeToTheStrongestThousandthOfTheEchoes) {

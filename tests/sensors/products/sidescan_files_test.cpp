@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <OpenImageIO/imageio.h>
+#include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
 
 #include "fixtures/packet_reader.hpp"
 #include "fixtures/world/recordings.hpp"
@@ -265,6 +267,56 @@ TEST(SidescanFiles, ASurveyHasAnXtfAndAMosaicALineAndOneMosaicOfAll) {
   }
   EXPECT_NEAR(made.recording.track_length_m(), 7 * 0.5, 1e-12);
   EXPECT_NEAR(made.recording.ping_spacing_m(), 0.5, 1e-12);
+}
+
+TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndIsToldWhy) {
+  const auto written = [](const Recording& recording, std::string& said) {
+    const TestFolder folder;
+    std::vector<std::string> warnings;
+    const auto files = write_two_sided_files(folder.path(), recording, at_sea(), widths, warnings);
+    // What can be said before there are echoes is said in the same words.
+    EXPECT_EQ(two_sided_files_left_out(recording, at_sea()), warnings);
+    said = warnings.empty() ? "" : warnings.front();
+    return std::ranges::find(files, std::filesystem::path("sidescan-mosaic.tif")) != files.end() &&
+           std::ranges::find(files, std::filesystem::path("sidescan-mosaic.png")) != files.end();
+  };
+  std::string said;
+  auto moving = line();
+  EXPECT_TRUE(written(moving.recording, said));
+  auto rest = line();
+  for (Pose& pose : rest.recording.ping_pose) pose.position_m = {3, 4, -5};
+  EXPECT_FALSE(written(rest.recording, said));
+  EXPECT_THAT(said, HasSubstr("sidescan-mosaic.tif is not written: the sensor is at rest"));
+  EXPECT_THAT(said, HasSubstr("a mosaic needs a sensor that moves or turns"));
+  EXPECT_FALSE(written(line(1).recording, said));
+  EXPECT_THAT(said, HasSubstr("one ping covers a line"));
+  // One that turns on the spot sweeps a circle.
+  auto turning = line();
+  for (std::size_t k = 0; k < 9; ++k)
+    turning.recording.ping_pose[k] = {{0, 0, -5}, glm::angleAxis(0.02 * double(k), glm::dvec3(0, 0, 1))};
+  EXPECT_TRUE(written(turning.recording, said));
+  EXPECT_EQ(said, "");
+}
+
+/// Beyond all surfaces there is nothing to be mapped; in shadow there is, and it is dark.
+TEST(SidescanFiles, AMosaicHasNoValueWhereThereIsNoSurface) {
+  for (const int surfaces : {20, 14}) {
+    const TestFolder folder;
+    auto made = line();
+    for (std::size_t ping = 0; ping < 9; ++ping)
+      for (std::size_t beam : {0, 1})
+        for (std::size_t k = 12; k < 20; ++k) made.energy(ping, beam, k) = 0;
+    made.recording.surfaces = [&](std::size_t) { return std::vector<int>{surfaces, surfaces}; };
+    std::vector<std::string> warnings;
+    write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
+    GDALAllRegister();
+    const std::unique_ptr<GDALDataset> map(
+        GDALDataset::Open((folder / "sidescan-mosaic.tif").c_str(), GDAL_OF_RASTER));
+    ASSERT_TRUE(map);
+    // The middle of the last sample that may hold a surface, from 4 m above the bed.
+    const double end_m = 1 + 0.5 * surfaces, ground_m = std::sqrt((end_m - 0.25) * (end_m - 0.25) - 16);
+    EXPECT_EQ(map->GetRasterXSize(), 2 * std::ceil(ground_m / 2)) << surfaces;
+  }
 }
 
 TEST(SidescanFiles, DisplayGainBrightensPicturesAndLeavesTheXtf) {

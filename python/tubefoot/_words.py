@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Messages in Python's words, and names that were meant."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+from collections.abc import Callable, Iterable
+from typing import ParamSpec, TypeVar
+
+from . import _native
+
+CHOICES = {"engine": ("tube", "ray"), "arithmetic": ("fixed", "filtered", "rational", "double"),
+           "binning": ("exact", "spread", "centroid"), "sampling": ("stratified", "regular", "random", "column")}
+
+_FLAGS = ("any-scene", "confined")
+_ARGUMENTS = {"beam": "beams"}
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def in_python(text: str) -> str:
+    """A message of the command line, with arguments in place of its options: ``rays_per_beam`` for
+    ``--rays-per-beam``, ``engine="ray"`` for ``--engine ray``."""
+    text = re.sub(r"\b[Aa] --reference\b|'run --reference'|--reference\b", "tubefoot.reference", text)
+    for name, choices in CHOICES.items():
+        text = re.sub(rf"--{name} ({'|'.join(choices)})\b", rf'{name}="\1"', text)
+
+    def argument(match: re.Match[str]) -> str:
+        option = match[1]
+        name = _ARGUMENTS.get(option, option.replace("-", "_"))
+        return f"{name}=True" if option in _FLAGS else name
+    return re.sub(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)", argument, text)
+
+
+def meant(word: object, names: Iterable[str]) -> str:
+    """``": did you mean 'camera'?"``, or nothing where no name is near the word."""
+    near = _native.nearest(word, [str(n) for n in names]) if isinstance(word, str) else ""
+    return f": did you mean {near!r}?" if near else ""
+
+
+def one_of(names: Iterable[str]) -> str:
+    """``'a', 'b' or 'c'``."""
+    quoted = [repr(n) for n in names]
+    return " or ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
+
+
+def with_named_arguments(function: Callable[P, R]) -> Callable[P, R]:
+    """The function, whose error about an argument that it does not take names the one that was meant."""
+    names = list(inspect.signature(function).parameters)
+
+    @functools.wraps(function)
+    def called(*args: P.args, **kwargs: P.kwargs) -> R:
+        for name in kwargs:
+            if name not in names:
+                raise TypeError(f"{function.__name__}() has no argument {name!r}{meant(name, names)}")
+        return function(*args, **kwargs)
+    return called

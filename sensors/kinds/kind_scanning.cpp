@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/kinds/kind_scanning.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "files/checked_file.hpp"
+#include "scene/file/sensor_ranges.hpp"
+#include "scene/file/toml_reader.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/model/range_window.hpp"
+#include "sensors/products/pictures.hpp"
+#include "sensors/products/received.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The whole number of steps of a scan, if it is one.
+std::optional<int> steps_of(const ScanningDescription& scan) {
+  constexpr double most_steps = 4096, rounding = 1e-6;
+  const double steps = scan.scan_deg / scan.step_deg, whole = std::round(steps);
+  if (!(whole >= 1 && whole <= most_steps && std::abs(steps - whole) <= rounding * whole))
+    return std::nullopt;
+  return static_cast<int>(whole);
+}
+
+/// An echo of the last sample, there and back, and the time that a motor of this size takes for a step: a
+/// Ping360 turns 400 of them in 9 s when it looks 2 m far, and in 35 s when it looks 50 m far.
+double step_interval_s(const ScanningDescription& scan) {
+  constexpr double nominal_sound_speed_m_s = 1500, motor_s = 0.02;
+  return scan.step_interval_s.value_or(2 * scan.range_max_m / nominal_sound_speed_m_s + motor_s);
+}
+
+/// One beam about the sensor's up axis that looks to port first and turns clockwise: a shot a step, each from
+/// where the carrier is by then. Beam k is what the k-th step hears; with steps narrower than the beam
+/// neighbours overlap.
+class Scanning : public Sensor {
+ public:
+  /// Throws std::invalid_argument for a scan, a beam, ranges or counts that make no sonar.
+  explicit Scanning(const SensorDescription& description);
+};
+
+Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
+  const auto& scan = description.kind.as<ScanningDescription>();
+  require(scan.scan_deg > 0 && scan.scan_deg <= 360, description, "scan_deg", scan.scan_deg,
+          "above 0 and at most 360");
+  require(steps_of(scan).has_value(), description, "step_deg", scan.step_deg, "a whole part of scan_deg");
+  require(scan.beam_horizontal_deg > 0 && scan.beam_horizontal_deg < 180, description, "beam_horizontal_deg",
+          scan.beam_horizontal_deg, "above 0 and below 180");
+  require(scan.beam_vertical_deg > 0 && scan.beam_vertical_deg < 180, description, "beam_vertical_deg",
+          scan.beam_vertical_deg, "above 0 and below 180");
+  require(scan.step_interval_s.value_or(0) >= 0, description, "step_interval_s",
+          scan.step_interval_s.value_or(0), "0 or more");
+
+  frequency_khz_ = scan.frequency_khz;
+  samples_ = range_window(description, scan);
+  const int steps = *steps_of(scan);
+  const double half_scan_rad = radians(scan.scan_deg) / 2, step_rad = 2 * half_scan_rad / steps,
+               half_width_rad = radians(scan.beam_horizontal_deg) / 2,
+               half_height_rad = radians(scan.beam_vertical_deg) / 2;
+  const int slices = slices_for(2 * half_width_rad, description.cone_tolerance);
+  const double corner_rad =
+      height_of_corners(half_height_rad, 2 * half_width_rad / slices, description.cone_tolerance);
+  // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
+  const int rows = half_height_rad > radians(45) ? 2 : 1;
+  for (int step = 0; step < steps; ++step) {
+    const double head_rad = -half_scan_rad + (step + 0.5) * step_rad;
+    beams_.push_back({head_rad, 0, 2 * half_width_rad, 2 * half_height_rad});
+    Shot shot;
+    shot.delay_s = step * step_interval_s(scan);
+    shot.beams = {static_cast<std::uint32_t>(step)};
+    shot.sectors.push_back({even_edges(head_rad - half_width_rad, head_rad + half_width_rad, slices),
+                            even_edges(-corner_rad, corner_rad, rows),
+                            glm::dmat3(forward_axis, starboard_axis, up_axis)});
+    shot.beam_of_tube.assign(static_cast<std::size_t>(slices * rows), 0u);
+    // What the head looks along, and what lies across it.
+    const glm::dvec3 ahead(std::sin(head_rad), std::cos(head_rad), 0),
+        across(std::cos(head_rad), -std::sin(head_rad), 0);
+    shot.fans.push_back({0, 1, static_cast<std::uint32_t>(shot.beam_of_tube.size()), ahead, across, up_axis});
+    shots_.push_back(std::move(shot));
+  }
+}
+
+/// By how much a scan takes longer than the time to the next one of its line, if it does.
+std::optional<double> overlap_s(const Recording& recording) {
+  const Sensor& sensor = *recording.sensor;
+  const double scan_s = static_cast<double>(sensor.shots()) *
+                        step_interval_s(sensor.description().kind.as<ScanningDescription>());
+  for (const PingSpan& line : recording.lines())
+    for (std::size_t ping = line.first + 1; ping < line.end; ++ping)
+      if (const double after_s = recording.ping_time_s[ping] - recording.ping_time_s[ping - 1];
+          after_s < scan_s * (1 - 1e-9))
+        return scan_s - after_s;
+  return std::nullopt;
+}
+
+/// A line a step: when, where to, and at what range it heard the loudest echo.
+std::string steps_table(const Recording& recording, const std::optional<Heard>& heard) {
+  const Sensor& sensor = *recording.sensor;
+  const RangeSamples& samples = sensor.samples();
+  std::string text = "ping,step,time_s,head_deg,loudest_range_m,loudest_energy_j\n";
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    const std::span<const double> ideal = recording.energy_of(ping);
+    const std::vector<double> energy =
+        heard ? heard->energy_of(ping) : std::vector<double>(ideal.begin(), ideal.end());
+    recording.let_go(ping);
+    for (std::size_t step = 0; step < sensor.shots(); ++step) {
+      const std::span<const double> own = std::span(energy).subspan(
+          step * static_cast<std::size_t>(samples.count), static_cast<std::size_t>(samples.count));
+      const auto loudest = std::ranges::max_element(own);
+      fmt::format_to(std::back_inserter(text), "{},{},{:.9g},{:.9g},", ping, step,
+                     recording.ping_time_s[ping] + sensor.shot_delay_s(step),
+                     degrees(sensor.beams()[step].azimuth_rad));
+      if (*loudest > 0)
+        fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g}",
+                       samples.first_m + (static_cast<double>(loudest - own.begin()) + 0.5) * samples.step_m,
+                       *loudest);
+      else
+        text += ',';
+      text += '\n';
+    }
+  }
+  return text;
+}
+
+class ScanningKind : public SensorKind {
+ public:
+  ScanningKind() : SensorKind("scanning") {}
+
+  void add_keys(TomlSection<SensorDescription>& section) const override {
+    using S = ScanningDescription;
+    constexpr ValueRange scan{.lo = 0, .hi = 360, .lo_excluded = true};
+    section.kind<S>(
+        "kind", name(),
+        {field("frequency_khz", &S::frequency_khz, {.ranges = {frequency}}),
+         field("scan_deg", &S::scan_deg, {.ranges = {scan}}),
+         field("step_deg", &S::step_deg, {.ranges = {scan}}),
+         field("beam_horizontal_deg", &S::beam_horizontal_deg, {.ranges = {sector(90, false)}}),
+         field("beam_vertical_deg", &S::beam_vertical_deg, {.ranges = {sector(170, false)}}),
+         field("step_interval_s", &S::step_interval_s,
+               {.ranges = {{.lo = 0, .hi = 1000}}, .default_value = "echo of range_max_m, and 20 ms"}),
+         field("samples", &S::samples, {.ranges = {range_samples}}),
+         field("range_min_m", &S::range_min_m, {.ranges = {range_start}}),
+         field("range_max_m", &S::range_max_m, {.ranges = {sonar_range}})});
+  }
+  void check(const SensorDescription& sensor, const TomlTable& table) const override {
+    const auto& scan = sensor.kind.as<ScanningDescription>();
+    check_ranges(scan.range_min_m, scan.range_max_m, table);
+    const std::optional<int> steps = steps_of(scan);
+    if (!steps)
+      throw InputError(place_of_pair(table, "scan_deg", "step_deg"),
+                       fmt::format("'scan_deg' ({}) must be a whole number of steps of 'step_deg' ({}), at "
+                                   "most 4096: it is {:.6g}",
+                                   scan.scan_deg, scan.step_deg, scan.scan_deg / scan.step_deg));
+    const double scan_s = *steps * step_interval_s(scan);
+    if (sensor.pings.value_or(1) > 1 && scan_s > sensor.ping_interval_s * (1 + 1e-9))
+      throw InputError(
+          place_of_pair(table, "pings", "ping_interval_s"),
+          fmt::format("a ping is a scan of {} steps, which take {:.6g} s: 'ping_interval_s' must be that or "
+                      "more, not {:g}",
+                      *steps, scan_s, sensor.ping_interval_s));
+  }
+  bool looks_ahead() const override { return true; }
+  SensorFigures figures(const SensorDescription& sensor) const override {
+    const auto& scan = sensor.kind.as<ScanningDescription>();
+    const int steps = steps_of(scan).value_or(1);
+    SensorFigures figures =
+        range_figures(scan, steps, std::min(scan.beam_horizontal_deg, scan.beam_vertical_deg));
+    figures.shots = steps;
+    return figures;
+  }
+
+  std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
+    return std::make_unique<Scanning>(sensor);
+  }
+
+  std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
+                                       const RunContext& run,
+                                       std::vector<std::string>& warnings) const override {
+    if (const std::optional<double> too_soon_s = overlap_s(recording))
+      warnings.push_back(fmt::format(
+          "'{}' begins its scans {:.6g} s before the one before is over: raise 'ping_interval_s' by that",
+          recording.sensor->description().name, *too_soon_s));
+    const std::optional<Heard> heard = heard_by(recording, run);
+    std::vector<fs::path> files =
+        write_fan_pictures(folder, recording, heard, run.pictures, PictureSettings::Which::all, warnings);
+    files.emplace_back(recording.sensor->description().name + "-steps.csv");
+    write_file(folder / files.back(), steps_table(recording, heard));
+    return files;
+  }
+  std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
+    const auto& own = sensor.kind.as<ScanningDescription>();
+    SonarOutline outline;
+    outline.add("frequency_khz", own.frequency_khz)
+        .add("scan_deg", own.scan_deg)
+        .add("step_deg", own.step_deg);
+    outline.add("beam_horizontal_deg", own.beam_horizontal_deg)
+        .add("beam_vertical_deg", own.beam_vertical_deg);
+    if (own.step_interval_s) outline.add("step_interval_s", *own.step_interval_s);
+    outline.add_window(own);
+    outline.shape = SonarOutline::Shape::turning;
+    outline.scan_deg = own.scan_deg;
+    outline.step_deg = own.step_deg;
+    outline.vertical_deg = own.beam_vertical_deg;
+    return outline;
+  }
+  WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
+    return cost_of_fan_pictures(recording, heard_by(recording, run).has_value(), run.pictures,
+                                PictureSettings::Which::all);
+  }
+};
+
+}  // namespace
+
+const SensorSection& ScanningDescription::kind() {
+  static const ScanningKind kind;
+  return kind;
+}
+const SensorSection& scanning_kind() { return ScanningDescription::kind(); }
+
+}  // namespace tubefoot

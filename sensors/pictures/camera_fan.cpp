@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/pictures/camera_fan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sensors/model/lens_beams.hpp"
+
+namespace tubefoot {
+namespace {
+
+std::vector<double> borders_of(const std::vector<BeamAxis>& beams) {
+  const BeamAxis& first = beams.front();
+  if (beams.size() == 1)
+    return {first.azimuth_rad - first.azimuth_width_rad / 2, first.azimuth_rad + first.azimuth_width_rad / 2};
+  std::vector<double> centres;
+  for (const BeamAxis& beam : beams) centres.push_back(beam.azimuth_rad);
+  return borders_between(centres);
+}
+
+/// How much of a line of one pixel's width covers a pixel at this distance.
+float line_coverage(double distance_pixels) {
+  return static_cast<float>(std::clamp(1 - std::abs(distance_pixels), 0.0, 1.0));
+}
+
+}  // namespace
+
+CameraFan::CameraFan(const Sensor& sensor, double widest, double highest)
+    : borders_rad_(borders_of(sensor.beams())),
+      near_m_(sensor.samples().first_m),
+      far_m_(sensor.samples().first_m + sensor.samples().count * sensor.samples().step_m),
+      step_m_(sensor.samples().step_m),
+      samples_(sensor.samples().count) {
+  double left_m = far_m_, right_m = -far_m_, low_m = far_m_, high_m = -far_m_;
+  constexpr int steps = 720;
+  for (int k = 0; k <= steps; ++k) {
+    const double azimuth = first_azimuth_rad() + extent_rad() * k / steps;
+    for (const double range : {near_m_, far_m_}) {
+      left_m = std::min(left_m, range * std::sin(azimuth));
+      right_m = std::max(right_m, range * std::sin(azimuth));
+      low_m = std::min(low_m, range * std::cos(azimuth));
+      high_m = std::max(high_m, range * std::cos(azimuth));
+    }
+  }
+  pixels_per_m_ = std::min(widest / (right_m - left_m), highest / (high_m - low_m));
+  width_ = static_cast<int>(std::ceil((right_m - left_m) * pixels_per_m_));
+  height_ = static_cast<int>(std::ceil((high_m - low_m) * pixels_per_m_));
+  apex_x_ = -left_m * pixels_per_m_;
+  apex_y_ = high_m * pixels_per_m_;
+}
+
+double CameraFan::x(double azimuth_rad, double pixels) const {
+  return apex_x_ + pixels * std::sin(azimuth_rad);
+}
+double CameraFan::y(double azimuth_rad, double pixels) const {
+  return apex_y_ - pixels * std::cos(azimuth_rad);
+}
+
+std::int64_t CameraFan::cell_at(double x, double y) const {
+  const double across = (x - apex_x_) / pixels_per_m_, ahead = (apex_y_ - y) / pixels_per_m_;
+  const double sample = (std::hypot(across, ahead) - near_m_) / step_m_;
+  if (sample < 0 || sample >= samples_) return -1;
+  const auto border = std::ranges::upper_bound(borders_rad_, std::atan2(across, ahead));
+  if (border == borders_rad_.begin() || border == borders_rad_.end()) return -1;
+  return (border - borders_rad_.begin() - 1) * samples_ + static_cast<std::int64_t>(sample);
+}
+
+CameraFan::Lines CameraFan::lines_at(double x, double y, double range_step_m, double angle_step_rad) const {
+  const double across = x - apex_x_, ahead = apex_y_ - y;
+  const double range = std::hypot(across, ahead);  // pixels
+  const double near = near_m_ * pixels_per_m_, far = far_m_ * pixels_per_m_;
+  if (range < near - 1 || range > far + 1) return {};
+  const double azimuth = std::atan2(across, ahead), slack = 1 / std::max(range, 1.0);
+  if (azimuth < first_azimuth_rad() - slack || azimuth > last_azimuth_rad() + slack) return {};
+  Lines covered;
+  covered.outline = std::max(line_coverage(range - near), line_coverage(range - far));
+  for (const double edge : {first_azimuth_rad(), last_azimuth_rad()})
+    if (std::cos(azimuth - edge) > 0)
+      covered.outline = std::max(covered.outline, line_coverage(range * std::sin(azimuth - edge)));
+  const double arc = std::round(range / pixels_per_m_ / range_step_m) * range_step_m;
+  const double ray = std::round(azimuth / angle_step_rad) * angle_step_rad;
+  covered.grid =
+      std::max(line_coverage(range - arc * pixels_per_m_), line_coverage(range * std::sin(azimuth - ray)));
+  return covered;
+}
+
+CameraPixels::CameraPixels(const CameraFan& fan)
+    : width_(fan.width() + 2 * around),
+      points_(std::clamp(static_cast<int>(std::ceil(1 / (fan.pixels_per_m_ * fan.step_m_))), 3, 8)),
+      samples_(fan.samples()) {
+  const int height = fan.height() + 2 * around;
+  first_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height) + 1);
+  std::vector<std::uint32_t> under;
+  for (int y = -around; y < height - around; ++y)
+    for (int x = -around; x < width_ - around; ++x) {
+      under.clear();
+      for (int j = 0; j < points_; ++j)
+        for (int i = 0; i < points_; ++i)
+          if (const std::int64_t cell = fan.cell_at(x + (i + 0.5) / points_, y + (j + 0.5) / points_);
+              cell >= 0)
+            under.push_back(static_cast<std::uint32_t>(cell));
+      std::ranges::sort(under);
+      first_.push_back(static_cast<std::uint32_t>(cells_.size()));
+      for (auto cell = under.begin(); cell != under.end();) {
+        const auto end = std::find_if(cell, under.end(), [&](std::uint32_t other) { return other != *cell; });
+        cells_.push_back(*cell);
+        counts_.push_back(static_cast<std::uint8_t>(end - cell));
+        cell = end;
+      }
+    }
+  first_.push_back(static_cast<std::uint32_t>(cells_.size()));
+}
+
+PixelEcho CameraPixels::echo_at(int x, int y, const PingEchoes& echoes) const {
+  const std::size_t pixel = static_cast<std::size_t>(y + around) * static_cast<std::size_t>(width_) +
+                            static_cast<std::size_t>(x + around);
+  double sum = 0;
+  int inside = 0, beyond = 0;
+  for (std::uint32_t k = first_[pixel]; k < first_[pixel + 1]; ++k) {
+    const std::uint32_t cell = cells_[k];
+    const double energy = echoes.energy[cell];
+    const auto samples = static_cast<std::uint32_t>(samples_);
+    inside += counts_[k];
+    if (!(energy > 0) && !echoes.surfaces.empty() &&
+        static_cast<int>(cell % samples) >= echoes.surfaces[cell / samples])
+      beyond += counts_[k];
+    else
+      sum += counts_[k] * energy;
+  }
+  if (inside == 0) return {};
+  return {beyond < inside ? sum / (inside - beyond) : 0, inside / static_cast<double>(points_ * points_),
+          beyond / static_cast<double>(inside)};
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What echoes.nc has of the truth, as docs/echo-file.md describes it.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <netcdf.h>
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+#include "sensors/formats/netcdf_stream.hpp"
+#include "sensors/recordings/recording.hpp"
+#include "sensors/recordings/truth_recording.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A name as one word, as CF's lists of flags have them.
+std::string word(std::string name) {
+  std::ranges::replace(name, ' ', '_');
+  return name;
+}
+
+class TruthGroup {
+ public:
+  TruthGroup(const NetcdfStream& file, int id, const TruthRecording& truth)
+      : file_(file), id_(id), truth_(truth) {
+    for (const char* name : {"ping", "beam", "sample"}) {
+      int dimension = 0;
+      check(nc_inq_dimid(id_, name, &dimension), name);
+      along_.push_back(dimension);
+    }
+    check(nc_inq_dimlen(id_, along_[1], &beams_), "beam");
+    check(nc_inq_dimlen(id_, along_[2], &samples_), "sample");
+    const int object = names("object", truth.objects), material = names("material", truth.materials);
+    object_share_ = shares("object_share", object, "part of the energy that facets of the object return");
+    material_share_ =
+        shares("material_share", material, "part of the energy that facets of the material return");
+    if (truth.has_unscattered)
+      unscattered_ =
+          define("unscattered_share", NC_DOUBLE, "1", "part of the energy that comes without scattering");
+    height_ = define("mean_height", NC_DOUBLE, "m",
+                     "height in the local frame of what returns the energy, its mean weighed by energy");
+    range_ = define("mean_range", NC_DOUBLE, "m",
+                    "straight way from the sensor to what returns the energy, its mean weighed by energy");
+    object_label_ = labels("object_label", "object with the largest share", truth.objects);
+    material_label_ = labels("material_label", "material with the largest share", truth.materials);
+  }
+
+  void write() {
+    put_names("object_name", truth_.objects);
+    put_names("material_name", truth_.materials);
+    std::size_t pings = 0;
+    check(nc_inq_dimlen(id_, along_[0], &pings), "ping");
+    for (std::size_t p = 0; p < pings; ++p) {
+      const TruthPing ping = truth_.of(p);
+      put(object_share_, p, truth_.objects.size(), ping.object_share);
+      put(material_share_, p, truth_.materials.size(), ping.material_share);
+      if (truth_.has_unscattered) put(unscattered_, p, 0, ping.unscattered_share);
+      put(height_, p, 0, ping.mean_height);
+      put(range_, p, 0, ping.mean_range);
+      put(object_label_, p, ping.object_label);
+      put(material_label_, p, ping.material_label);
+    }
+  }
+
+ private:
+  void check(int status, const std::string& of) const {
+    if (status != NC_NOERR) file_.check(status, fmt::format("write '{}'", of));
+  }
+  void attribute(int variable, const char* name, const std::string& text) const {
+    check(nc_put_att_text(id_, variable, name, text.size(), text.c_str()), name);
+  }
+
+  int names(const char* what, const std::vector<std::string>& all) {
+    int dimension = 0, variable = 0;
+    check(nc_def_dim(id_, what, all.size(), &dimension), what);
+    check(nc_def_var(id_, fmt::format("{}_name", what).c_str(), NC_STRING, 1, &dimension, &variable), what);
+    attribute(variable, "long_name", fmt::format("name of the {} in the scene", what));
+    return dimension;
+  }
+  void put_names(const char* name, const std::vector<std::string>& all) const {
+    int variable = 0;
+    check(nc_inq_varid(id_, name, &variable), name);
+    std::vector<const char*> texts;
+    for (const std::string& one : all) texts.push_back(one.c_str());
+    check(nc_put_var_string(id_, variable, texts.data()), name);
+  }
+
+  int define(const std::string& name, int type, const char* units, const char* long_name,
+             std::optional<int> label = {}) {
+    std::vector<int> dimensions = along_;
+    std::vector<std::size_t> chunk{1, beams_, samples_};
+    if (label) {
+      dimensions.insert(dimensions.begin() + 1, *label);
+      chunk.insert(chunk.begin() + 1, 1);
+    }
+    int variable = 0;
+    check(nc_def_var(id_, name.c_str(), type, int(dimensions.size()), dimensions.data(), &variable), name);
+    attribute(variable, "units", units);
+    attribute(variable, "long_name", long_name);
+    attribute(variable, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
+    check(nc_def_var_chunking(id_, variable, NC_CHUNKED, chunk.data()), name);
+    constexpr int shuffle = 1, deflate = 1, level = 4;
+    check(nc_def_var_deflate(id_, variable, shuffle, deflate, level), name);
+    return variable;
+  }
+  int shares(const char* name, int label, const char* long_name) {
+    return define(name, NC_DOUBLE, "1", long_name, label);
+  }
+  int labels(const char* name, const char* long_name, const std::vector<std::string>& all) {
+    const int variable = define(name, NC_SHORT, "1", long_name);
+    std::vector<short> values(all.size());
+    std::iota(values.begin(), values.end(), short{0});
+    std::vector<std::string> words;
+    for (const std::string& one : all) words.push_back(word(one));
+    check(nc_put_att_short(id_, variable, "flag_values", NC_SHORT, values.size(), values.data()), name);
+    attribute(variable, "flag_meanings", fmt::format("{}", fmt::join(words, " ")));
+    const short none = TruthRecording::no_label;
+    check(nc_def_var_fill(id_, variable, NC_FILL, &none), name);
+    return variable;
+  }
+
+  /// `labels`: shares of so many; 0: one value a sample.
+  void put(int variable, std::size_t ping, std::size_t labels, const std::vector<double>& values) const {
+    std::vector<std::size_t> start{ping, 0, 0}, count{1, beams_, samples_};
+    if (labels > 0) {
+      start.push_back(0);
+      count.insert(count.begin() + 1, labels);
+    }
+    check(nc_put_vara_double(id_, variable, start.data(), count.data(), values.data()), "truth");
+  }
+  void put(int variable, std::size_t ping, const std::vector<std::int16_t>& values) const {
+    const std::size_t start[] = {ping, 0, 0}, count[] = {1, beams_, samples_};
+    check(nc_put_vara_short(id_, variable, start, count, values.data()), "labels");
+  }
+
+  const NetcdfStream& file_;
+  int id_;
+  const TruthRecording& truth_;
+  std::vector<int> along_;
+  std::size_t beams_ = 0, samples_ = 0;
+  int object_share_ = 0, material_share_ = 0, unscattered_ = 0, height_ = 0, range_ = 0, object_label_ = 0,
+      material_label_ = 0;
+};
+
+}  // namespace
+
+void add_truth(const fs::path& path, std::span<const Recording> recordings,
+               std::span<const TruthRecording> truths) {
+  if (truths.empty()) return;
+  std::size_t bytes = 0;
+  for (std::size_t k = 0; k < truths.size(); ++k) {
+    const TruthRecording& truth = truths[k];
+    bytes +=
+        recordings[k].pings() * truth.cells *
+        ((truth.objects.size() + truth.materials.size() + 3) * sizeof(double) + 2 * sizeof(std::int16_t));
+  }
+  NetcdfStream file(path, NetcdfStream::Finished{});
+  file.reserve(bytes + bytes / 64);  // what deflate cannot shrink stays as long as it is
+  for (std::size_t k = 0; k < truths.size(); ++k) {
+    const int group =
+        truths.size() > 1 ? file.group("/" + recordings[k].sensor->description().name) : file.id();
+    TruthGroup(file, group, truths[k]).write();
+  }
+  file.finish();
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/recordings/truth_recording.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// `shares`: [label][cell].
+std::vector<std::int16_t> labels_of(std::span<const double> shares, std::size_t cells) {
+  std::vector<std::int16_t> labels(cells, TruthRecording::no_label);
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    double largest = 0;
+    for (std::size_t k = 0; k * cells < shares.size(); ++k)
+      if (shares[k * cells + cell] > largest) {
+        largest = shares[k * cells + cell];
+        labels[cell] = static_cast<std::int16_t>(k);
+      }
+  }
+  return labels;
+}
+
+}  // namespace
+
+TruthPing TruthRecording::of(std::size_t ping) const {
+  stop_if_wanted();
+  const std::span<const double> all = values.subspan(ping * channels() * cells, channels() * cells);
+  const auto channel = [&](std::size_t k) { return all.subspan(k * cells, cells); };
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  TruthPing truth;
+  truth.object_share.assign(objects.size() * cells, 0);
+  truth.material_share.assign(materials.size() * cells, 0);
+  if (has_unscattered) truth.unscattered_share.assign(cells, 0);
+  truth.mean_height.assign(cells, none);
+  truth.mean_range.assign(cells, none);
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    // Patterns are read from polynomials: next to their zeros an energy may come out below 0 by a rounding.
+    const auto energy = [&](std::size_t k) { return std::max(channel(k)[cell], 0.0); };
+    double scattered = 0;
+    for (std::size_t k = 0; k < owners.size(); ++k) scattered += energy(k);
+    const double straight = has_unscattered ? energy(owners.size() + 2) : 0, whole = scattered + straight;
+    if (!(whole > 0)) continue;
+    for (std::size_t k = 0; k < owners.size(); ++k) {
+      truth.object_share[owners[k].object * cells + cell] += energy(k) / whole;
+      truth.material_share[owners[k].material * cells + cell] += energy(k) / whole;
+    }
+    if (has_unscattered) truth.unscattered_share[cell] = straight / whole;
+    if (!(scattered > 0)) continue;
+    truth.mean_height[cell] = channel(owners.size())[cell] / scattered;
+    truth.mean_range[cell] = channel(owners.size() + 1)[cell] / scattered;
+  }
+  truth.object_label = labels_of(truth.object_share, cells);
+  truth.material_label = labels_of(truth.material_share, cells);
+  if (release) release(ping);
+  return truth;
+}
+
+}  // namespace tubefoot

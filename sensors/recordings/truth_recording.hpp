@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tubefoot {
+
+struct Recording;
+
+/// Of one ping, beside its energies: [beam][sample] each, [object or material][beam][sample] the shares.
+struct TruthPing {
+  /// Parts of a sample's energy: with `unscattered_share` they add up to 1. 0 where nothing is heard.
+  std::vector<double> object_share, material_share;
+  std::vector<double> unscattered_share;  ///< empty where all paths are scattered
+  /// Means over what is scattered, weighed by energy, in the local frame [m]: of the height (z), and of the
+  /// way from the sonar (half of the way there and back, where its ends are apart). Not a number without it.
+  std::vector<double> mean_height, mean_range;
+  /// The one with the largest share, of equals the first; `no_label` where nothing is heard.
+  std::vector<std::int16_t> object_label, material_label;
+};
+
+/// Whose the energies of a recording are, and where they come from: what `run --truth` keeps.
+struct TruthRecording {
+  static constexpr std::int16_t no_label = -1;
+  struct Owner {
+    std::uint16_t object = 0, material = 0;
+  };
+
+  std::vector<std::string> objects, materials;
+  /// What energies are told apart by.
+  std::vector<Owner> owners{};
+  bool has_unscattered = false;
+  std::size_t cells = 0;  ///< of a ping: beams times samples
+  /// [ping][channel][beam][sample]: the energy of each owner [J], then energy times height and energy times
+  /// range [J m], then the energy that comes without scattering.
+  std::span<const double> values{};
+  std::function<void(std::size_t ping)> release{};
+
+  std::size_t channels() const { return owners.size() + 2 + (has_unscattered ? 1 : 0); }
+  /// Throws Interrupted if somebody wants to stop.
+  TruthPing of(std::size_t ping) const;
+};
+
+/// Adds to an echoes.nc that write_echoes() wrote of these recordings whose the energies are; nothing without
+/// truths. Throws std::runtime_error naming the file and what failed; it is then to be thrown away.
+void add_truth(const std::filesystem::path& echoes, std::span<const Recording> recordings,
+               std::span<const TruthRecording> truths);
+
+/// PNG of `bits` a component of whose the energies are, and how high: <sensor>-truth-<ping>.png of five pings
+/// at most, evenly spread, or of one or two beams <sensor>-truth.png of all pings. Returns their names.
+/// Throws as add_truth().
+std::vector<std::filesystem::path> write_truth_pictures(const std::filesystem::path& folder,
+                                                        const Recording& recording,
+                                                        const TruthRecording& truth, int bits = 8);
+
+}  // namespace tubefoot

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "advice/advice.hpp"
+#include "scene/description/scene_description.hpp"
+
+namespace tubefoot {
+
+/// What `tubefoot advise --json` says of a scene (docs/advise.md).
+nlohmann::ordered_json json_of(const Advice& advice, const SceneDescription& scene);
+
+}  // namespace tubefoot

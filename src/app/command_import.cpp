@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <optional>
+
+#include "app/commands.hpp"
+#include "compare/echo_pairs.hpp"
+#include "compare/recipe_truth.hpp"
+#include "files/outlet.hpp"
+#include "files/staging.hpp"
+#include "files/usage_error.hpp"
+#include "import/foreign_file.hpp"
+#include "import/imported.hpp"
+#include "import/originals.hpp"
+#include "import/scene_truth.hpp"
+#include "run/console/say.hpp"
+#include "run/settings.hpp"
+#include "sensors/kinds/scene_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Longest list of originals that the file's attributes have; longer ones are in the folder alone.
+constexpr std::size_t longest_list = 1 << 14;
+
+std::string list_of(const std::vector<Original>& originals) {
+  std::string list;
+  for (const auto& [name, hash] : originals) list += fmt::format("{}  {}\n", hash, name);
+  return list.size() <= longest_list ? list : fmt::format("{} files: list.txt has them\n", originals.size());
+}
+
+}  // namespace
+
+int import_command(const ImportOptions& options) {
+  if (options.output.extension() != ".nc")
+    throw UsageError(fmt::format("'{}': an echo file is written as .nc", options.output.string()));
+  const std::vector<std::filesystem::path> files = files_in_order(options.results);
+  std::optional<std::filesystem::path> azimuths;
+  if (options.azimuths.ends_with(".csv")) azimuths = options.azimuths;
+  std::optional<SceneDescription> scene;
+  Inputs inputs = files;
+  if (azimuths) inputs.push_back(*azimuths);
+  if (options.scene) {
+    scene = read_scene_file(*options.scene, options.confined);
+    if (!options.sensor && scene->sensors.size() > 1)
+      throw UsageError(fmt::format("{} has {} sensors: say with --sensor of which the pictures are",
+                                   options.scene->string(), scene->sensors.size()));
+    const Inputs of_scene = inputs_of(*scene);
+    inputs.insert(inputs.end(), of_scene.begin(), of_scene.end());
+  } else {
+    inputs.push_back(*options.like);
+  }
+  std::optional<Recipe> recipe;
+  if (options.recipe) {
+    recipe = read_recipe(*options.recipe);
+    inputs.push_back(*options.recipe);
+    if (recipe->solid_angles) inputs.push_back(*recipe->solid_angles);
+  }
+  OutputFile output(options.output, inputs);
+  OriginalsFolder originals(options.output, inputs);
+  std::optional<ImportReference> reference;
+  const auto reference_of = [&](std::size_t pings) -> const ImportReference& {
+    if (!scene) {
+      reference.emplace(ImportReference{read_whole_echo_file(*options.like), 0});
+    } else {
+      const Staging staging(std::filesystem::absolute(options.output), 0700);
+      reference.emplace(ImportReference{truth_of_scene(*scene, options.sensor, pings, staging.path()), 0});
+    }
+    reference->sensor = sensor_of(reference->file, options.sensor);
+    if (recipe) {
+      EchoContents& truth = reference->file.contents;
+      apply_recipe(*recipe, truth, pair_echoes(truth, truth, truth.sensors.at(reference->sensor).name, true));
+    }
+    return *reference;
+  };
+  Imported result = imported(options, files, reference_of);
+  result.candidate.attributes.emplace_back("import_originals", list_of(originals.keep(files, azimuths)));
+  write_candidate(output.path(), result.candidate, reference->file, reference->sensor);
+  originals.commit();
+  output.commit();
+  for (const std::string& words : result.warnings) say("warning: {}\n", words);
+  if (options.recipe) tell("tested in the measure of {}\n", options.recipe->string());
+  for (const std::string& words : result.told) tell("read      {}\n", words);
+  for (const std::string& words : result.found) tell("found     {}\n", words);
+  const Candidate& candidate = result.candidate;
+  tell("wrote {}: {} pings x {} beams x {} samples; originals in {}\n", options.output.string(),
+       candidate.pings, candidate.axes.beams.count(), candidate.axes.samples.count(),
+       originals.path().string());
+  return 0;
+}
+
+}  // namespace tubefoot

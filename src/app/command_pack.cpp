@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "exchange/writers/scene_writers.hpp"
+#include "files/limits.hpp"
+#include "files/outlet.hpp"
+#include "files/staging.hpp"
+#include "files/usage_error.hpp"
+#include "pack/write_pack.hpp"
+#include "run/console/say.hpp"
+#include "run/settings.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The scene as other engines read it, in forms/sdf and the like of its folder.
+void write_forms(const Survey& survey, const fs::path& folder) {
+  const ExchangedScene scene = exchanged_scene(survey, {}, 0);
+  for (const EngineAxes& form : engine_axes()) {
+    const fs::path place = folder / "forms" / form.engine;
+    make_folder(place);
+    write_scene(exchange_format(form.engine), scene, place);
+  }
+}
+
+}  // namespace
+
+int pack_command(const PackOptions& options) {
+  PackRequest request{options.seed, aspects_named(options.scenes), !options.without_answers, options.quiet};
+  if (options.seed && (options.seed->empty() || options.seed->size() > limits::name_bytes))
+    throw UsageError(
+        fmt::format("--seed is a word of 1 to {} characters, not of {}: any that nobody knew before",
+                    limits::name_bytes, options.seed->size()));
+  std::error_code ignored;
+  if (fs::exists(options.output, ignored) && !fs::is_empty(options.output, ignored))
+    throw UsageError(
+        fmt::format("'{}' is there already: a pack is written into a folder of its own, name another with -o",
+                    options.output.string()));
+  OutputFolder output(options.output, {});
+  const ThreadLimit limit(options.threads.value_or(0));
+  const std::vector<PackedScene> scenes = write_pack(output.staging(), request, write_forms);
+  output.commit();
+  for (const PackedScene& scene : scenes) {
+    if (options.quiet) break;
+    const std::string answer = options.without_answers
+                                   ? std::string()
+                                   : fmt::format(", {:.4g} J in {:.1f} s", scene.energy_j, scene.seconds);
+    const std::string wider = scene.bins_over > 0
+                                  ? fmt::format(", {} bins with wider bounds than asked", scene.bins_over)
+                                  : std::string();
+    tell("{:<17} {} facets{}{}\n", scene.aspect->name, scene.facets, answer, wider);
+  }
+  tell("wrote {}: {} of {} scenes\n", options.output.string(),
+       options.seed ? "a validation set" : "the debug set", scenes.size());
+  return 0;
+}
+
+}  // namespace tubefoot

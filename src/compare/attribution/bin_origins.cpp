@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "compare/attribution/bin_origins.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <tuple>
+
+#include "engine/echo/echo.hpp"
+#include "run/shot_ends.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double least_share_with_patterns = 1e-3;
+
+class Origins {
+ public:
+  Origins(std::size_t sensor, const Sensor& kind)
+      : index_(sensor), sensor_(kind), samples_(static_cast<std::size_t>(kind.samples().count)) {
+    found_.kind.assign(sensor_.beams().size() * samples_, BinKind::interior);
+  }
+
+  void add(const Shot& shot) {
+    const ShotEnds ends(shot, index_);
+    if (ends.are_two())
+      add_two_ends(shot, ends);
+    else
+      add_one_end(shot);
+  }
+
+  BinOrigins finish() {
+    std::vector<BinPart>& parts = found_.parts;
+    std::ranges::sort(parts, {}, [](const BinPart& p) { return std::tuple(p.bin, p.facet); });
+    std::size_t count = 0;
+    for (const BinPart& part : parts) {
+      BinPart* last = count > 0 ? &parts[count - 1] : nullptr;
+      if (last != nullptr && last->bin == part.bin && last->facet == part.facet &&
+          last->object == part.object && last->material == part.material)
+        last->energy_j += part.energy_j;
+      else
+        parts[count++] = part;
+    }
+    parts.resize(count);
+    std::ranges::sort(parts, {}, [](const BinPart& p) { return std::tuple(p.bin, -p.energy_j, p.facet); });
+    std::ranges::stable_sort(found_.casters, {}, &BinPart::bin);
+    mark_dark();
+    return std::move(found_);
+  }
+
+ private:
+  void add_one_end(const Shot& shot) {
+    const History history = shot.trace();
+    const ShotGround& ground = shot.ground();
+    SensorLaw law = shot.law(index_);
+    law.patterns.fringes.clear();  // what the transmitter sees
+    add_parts(
+        shot, history, {shot.beams(index_), sensor_.beam_of_tube(shot.number())},
+        shot.echo(history, index_, law.law), law.law, ground.mesh(),
+        [&](std::size_t number) { return history.footprints.footprints[number].facet; },
+        [&](FacetId facet) { return ground.base_facet(facet); });
+    add_edges(shot, history, ground.mesh(), glm::dvec3(0),
+              [&](FacetId facet) { return ground.base_facet(facet); });
+  }
+
+  void add_two_ends(const Shot& shot, const ShotEnds& ends) {
+    const ShotEnds::Seen all = ends.seen();
+    const std::unique_ptr<SensorLaw> law = ends.law(index_);
+    law->patterns.fringes.clear();
+    const std::vector<std::uint32_t> fans = sensor_.fan_of_tube(shot.number());
+    add_parts(
+        shot, all.together.history, shot.beams_by_fans(index_, fans),
+        shot.echo(all.together.history, index_, law->law), law->law, ends.shared_mesh(),
+        [&](std::size_t number) { return all.together.footprints.footprints[number].facet; },
+        [&](FacetId facet) { return ends.base_facet(facet); });
+    const WorldGrid& grid = shot.scene().grid;
+    add_edges(shot, all.alone.back(), *ends.home().mesh,
+              grid.to_metres(ends.out().tubes.apex) - grid.to_metres(ends.home().tubes.apex),
+              [&](FacetId facet) { return ends.base_facet(ends.home().name_of(facet)); });
+  }
+
+  template <class FacetOf, class BaseOf>
+  void add_parts(const Shot& shot, const Sight& sight, const ReceiveBeams& hearing, const Echo& echo,
+                 const EchoLaw& law, const FacetMesh& mesh, const FacetOf& facet_of, const BaseOf& base_of) {
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
+    const double least = law.patterns != nullptr ? least_share_with_patterns : 0;
+    for (const Contribution& c :
+         contributions(sight, hearing, sensor_.samples(), law, shot.request().binning, echo, least)) {
+      const FacetId facet = facet_of(c.footprint);
+      found_.parts.push_back({static_cast<std::uint32_t>(beams[c.beam] * samples_ + c.sample), base_of(facet),
+                              mesh.component[facet], mesh.material[facet], c.energy_j});
+    }
+  }
+
+  template <class BaseOf>
+  void add_edges(const Shot& shot, const History& history, const FacetMesh& mesh, glm::dvec3 other_end_m,
+                 const BaseOf& base_of) {
+    const std::vector<std::uint32_t>& beams = sensor_.beams_of_shot(shot.number());
+    const BinEdges edges =
+        edges_of_bins({history, mesh.component, sensor_.beam_of_tube(shot.number()), beams.size(),
+                       sensor_.samples(), other_end_m, !sensor_.is_across_track()});
+    for (std::size_t b = 0; b < beams.size(); ++b)
+      for (std::size_t k = 0; k < samples_; ++k) {
+        const std::size_t bin = beams[b] * samples_ + k;
+        found_.kind[bin] = std::max(found_.kind[bin], edges.kind[b * samples_ + k]);
+        const FacetId facet = edges.caster[b * samples_ + k];
+        if (facet != BinEdges::no_caster)
+          found_.casters.push_back({static_cast<std::uint32_t>(bin), base_of(facet), mesh.component[facet],
+                                    mesh.material[facet], 0});
+      }
+  }
+
+  /// Of bins without parts.
+  void mark_dark() {
+    std::vector<bool> lit(found_.kind.size(), false);
+    for (const BinPart& part : found_.parts) lit[part.bin] = true;
+    for (std::size_t row = 0; row < found_.kind.size(); row += samples_) {
+      bool before = false;
+      for (std::size_t k = 0; k < samples_; ++k) {
+        before = before || lit[row + k];
+        if (!lit[row + k]) found_.kind[row + k] = before ? BinKind::shadow : BinKind::open_water;
+      }
+    }
+  }
+
+  std::size_t index_;
+  const Sensor& sensor_;
+  std::size_t samples_;
+  BinOrigins found_;
+};
+
+}  // namespace
+
+BinOrigins bin_origins(const Shots& shots, ShotsAround& around, std::size_t sensor, std::size_t ping) {
+  const Survey& survey = shots.survey();
+  const Sensor& kind = *survey.sensors[sensor].sensor;
+  const Shots& near = around.at(survey.fleet->shots_of(sensor), ping);
+  Origins origins(sensor, kind);
+  for (std::size_t number = 0; number < kind.shots(); ++number)
+    origins.add(near.heard_by(sensor, ping, number));
+  return origins.finish();
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "compare/attribution/perfect_engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+#include "compare/attribution/cut_tubes.hpp"
+#include "engine/rays/ray_engine.hpp"
+#include "files/usage_error.hpp"
+#include "geometry/steps/stop.hpp"
+#include "run/paths.hpp"
+#include "run/simulation.hpp"
+#include "run/tiles_in_view.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr std::int64_t most_columns = 1000, most_rays = 100'000'000;
+
+RunRequest request_for(const BeamSampling& sampling) {
+  RunRequest request;
+  request.engine = Engine::ray;
+  request.rays = {sampling.columns > 0 ? RaySampling::column : RaySampling::random, sampling.rays,
+                  RaySettings::Per::beam, 1};
+  return request;
+}
+
+/// Whether rays of its own tubes are all that a sensor hears.
+bool is_plain(const Survey& survey, std::size_t s) {
+  const Sensor& sensor = *survey.sensors[s].sensor;
+  return !sensor.has_receiver_apart() && !sensor.has_staff() &&
+         !path_settings(survey.scene, sensor.frequency_khz());
+}
+
+/// A sensor's energies into the place of the reference's.
+class Copier {
+ public:
+  Copier(SensorEchoes& to, const SensorPlace& place) : to_(to), place_(place) {}
+  /// `energy`: [beam of the sonar][sample].
+  void copy(std::size_t ping, std::span<const double> energy) {
+    for (std::size_t b = 0; b < to_.beams; ++b)
+      std::ranges::copy(
+          energy.subspan(place_.beams[b] * to_.samples, to_.samples),
+          to_.energy.begin() + static_cast<std::ptrdiff_t>((ping * to_.beams + b) * to_.samples));
+  }
+
+ private:
+  SensorEchoes& to_;
+  const SensorPlace& place_;
+};
+
+/// Whatever the scene has: as a run of the engine of rays.
+void run_rays(const Survey& survey, const SensorPlace& place, const BeamSampling& sampling, SensorEchoes& to,
+              bool quiet) {
+  RunRequest request = request_for(sampling);
+  const auto [first, last] = std::ranges::minmax(place.pings);
+  request.selection = {survey.sensors[place.sensor].sensor->description().name,
+                       fmt::format("{}:{}", first, last), std::nullopt};
+  SimulationStats stats;
+  const std::vector<Recording> recordings = simulate(survey, request, stats, {quiet, nullptr});
+  Copier copier(to, place);
+  for (std::size_t ping = 0; ping < place.pings.size(); ++ping)
+    copier.copy(ping, recordings.front().energy_of(place.pings[ping] - first));
+}
+
+/// The facets of a shot, for rays.
+class ShotRays {
+ public:
+  explicit ShotRays(const Shot& shot) : shot_(shot) {
+    if (shot.ground().is_own()) own_.emplace(shot.ground().mesh(), shot.scene().grid);
+  }
+  const RayScene& operator*() const { return own_ ? *own_ : shot_.site().rays(); }
+
+ private:
+  const Shot& shot_;
+  std::optional<RayScene> own_;
+};
+
+void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampling& sampling,
+                 SensorEchoes& to, bool quiet) {
+  const Sensor& sensor = *survey.sensors[place.sensor].sensor;
+  const Shots shots(survey, RunRequest{});
+  ShotsAround around(shots);
+  Progress progress("pings", place.pings.size(), quiet);
+  Copier copier(to, place);
+  for (std::size_t p = 0; p < place.pings.size(); ++p) {
+    stop_if_wanted();
+    const Shots& near = around.at(survey.fleet->shots_of(place.sensor), place.pings[p]);
+    std::vector<double> energy(sensor.beams().size() * to.samples);
+    for (std::size_t number = 0; number < sensor.shots(); ++number) {
+      const Shot shot = near.heard_by(place.sensor, place.pings[p], number);
+      const ShotRays rays(shot);
+      const SensorLaw law = shot.law(place.sensor);
+      const TubeSet whole = shot.tubes();
+      const CutTubes cut = [&] {
+        try {
+          return cut_into_columns(whole, sensor.beam_of_tube(number),
+                                  static_cast<std::size_t>(sampling.columns));
+        } catch (const std::invalid_argument& error) {
+          throw UsageError(fmt::format("--ideal {}x{}: of sensor '{}' {}", sampling.columns, sampling.rays,
+                                       sensor.description().name, error.what()));
+        }
+      }();
+      History parts{cut.set, shot.scene().grid.unit_m(), {}, {}};
+      trace_rays(*rays, parts, {RaySampling::column, sampling.rays, RaySettings::Per::beam, 1}, cut.column,
+                 [&] {
+                   History history{whole, parts.grid_unit_m, {}, parts.hits};
+                   for (RayHit& hit : history.hits) hit.tube = cut.whole[hit.tube];
+                   const Echo echo = shot.echo(history, place.sensor, law.law);
+                   const auto& beams = sensor.beams_of_shot(number);
+                   for (std::size_t b = 0; b < beams.size(); ++b)
+                     for (std::size_t k = 0; k < to.samples; ++k)
+                       energy[beams[b] * to.samples + k] += echo.energy[b * to.samples + k];
+                 });
+    }
+    copier.copy(p, energy);
+    progress.step();
+  }
+}
+
+/// What each hit returns by itself, as a beam of its own.
+std::vector<double> energies_of_hits(const Shot& shot, std::size_t s, const EchoLaw& law,
+                                     const History& history) {
+  const RangeSamples& samples = shot.sensor(s).samples();
+  History alone{{}, history.grid_unit_m, {}, history.hits};
+  std::vector<std::uint32_t> beams(alone.hits.size());
+  std::iota(beams.begin(), beams.end(), 0U);
+  for (std::size_t k = 0; k < beams.size(); ++k) alone.hits[k].tube = beams[k];
+  const RangeSamples as_one{samples.first_m, samples.step_m * samples.count, 1};
+  return integrate_echo(alone, {static_cast<int>(beams.size()), beams}, as_one, law).energy;
+}
+
+/// For each of a ping's bins the sum over rays of energy^2 over solid angle, and by beam the solid angle.
+struct SecondMoments {
+  std::vector<double> of_bin, solid_angle_sr;
+};
+
+SecondMoments second_moments(const Shots& near, std::size_t s, std::size_t ping) {
+  const Sensor& sensor = *near.survey().sensors[s].sensor;
+  const RangeSamples& samples = sensor.samples();
+  const auto count = static_cast<std::size_t>(samples.count);
+  SecondMoments moments{std::vector<double>(sensor.beams().size() * count),
+                        std::vector<double>(sensor.beams().size())};
+  for (std::size_t number = 0; number < sensor.shots(); ++number) {
+    const Shot shot = near.heard_by(s, ping, number);
+    const ShotRays rays(shot);
+    const SensorLaw law = shot.law(s);
+    History history{shot.tubes(), shot.scene().grid.unit_m(), {}, {}};
+    const auto& beam_of_tube = sensor.beam_of_tube(number);
+    const auto& beams = sensor.beams_of_shot(number);
+    for (std::size_t t = 0; t < history.tubes.tubes.size(); ++t)
+      moments.solid_angle_sr[beams[beam_of_tube[t]]] +=
+          RayPatch(history.tubes, history.tubes.tubes[t]).solid_angle(0, 1, 0, 1);
+    const std::int64_t rays_a_beam = std::max<std::int64_t>(100 * samples.count, 20'000);
+    trace_rays(*rays, history, {RaySampling::stratified, rays_a_beam, RaySettings::Per::beam, 1},
+               beam_of_tube, [&] {
+                 const std::vector<double> energy = energies_of_hits(shot, s, law.law, history);
+                 for (std::size_t k = 0; k < energy.size(); ++k) {
+                   const RayHit& hit = history.hits[k];
+                   const double place = std::floor((hit.slant_range_m - samples.first_m) / samples.step_m);
+                   if (!(place >= 0 && place < samples.count && hit.solid_angle_sr > 0)) continue;
+                   moments.of_bin[beams[beam_of_tube[hit.tube]] * count + static_cast<std::size_t>(place)] +=
+                       energy[k] * energy[k] / hit.solid_angle_sr;
+                 }
+               });
+  }
+  return moments;
+}
+
+}  // namespace
+
+std::string BeamSampling::words() const {
+  return columns > 0 ? fmt::format("{} x {} rays a beam", columns, rays)
+                     : fmt::format("{} random points a beam", rays);
+}
+
+std::optional<BeamSampling> beam_sampling(const std::string& words) {
+  const auto number = [](std::string_view text) -> std::optional<std::int64_t> {
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size() || text.front() == '-')
+      return std::nullopt;
+    return value;
+  };
+  BeamSampling sampling;
+  constexpr std::string_view points = "points:";
+  if (words.starts_with(points)) {
+    const auto rays = number(std::string_view(words).substr(points.size()));
+    if (!rays)
+      throw UsageError(fmt::format("--ideal {}: give a number of points a beam, as points:512", words));
+    sampling.rays = *rays;
+  } else {
+    const std::size_t by = words.find('x');
+    if (by == std::string::npos) return std::nullopt;
+    const auto columns = number(std::string_view(words).substr(0, by)),
+               rays = number(std::string_view(words).substr(by + 1));
+    if (!columns || !rays) return std::nullopt;
+    if (*columns < 1 || *columns > most_columns)
+      throw UsageError(fmt::format("--ideal {}: a beam has 1 to {} columns of rays", words, most_columns));
+    sampling = {*columns, *rays};
+  }
+  if (sampling.rays < 1 || sampling.rays > most_rays)
+    throw UsageError(fmt::format("--ideal {}: a beam has 1 to {} rays", words, most_rays));
+  return sampling;
+}
+
+EchoContents perfect_echoes(const SceneAtHand& scene, const EchoContents& reference,
+                            const BeamSampling& sampling, const std::optional<std::string>& only,
+                            bool quiet) {
+  EchoContents ideal = reference;
+  if (only) std::erase_if(ideal.sensors, [&](const SensorEchoes& s) { return s.name != *only; });
+  for (SensorEchoes& sensor : ideal.sensors) {
+    stop_if_wanted();
+    const SensorPlace place = scene.place_of(sensor);
+    sensor.energy_bound.clear();
+    if (sampling.columns > 1) {
+      if (!is_plain(scene.survey(), place.sensor))
+        throw UsageError(
+            fmt::format("--ideal {}x{}: the paths of sensor '{}' are not all its own rays there "
+                        "and back: ask for 1x{}, or points:N",
+                        sampling.columns, sampling.rays, sensor.name, sampling.rays));
+      run_columns(scene.survey(), place, sampling, sensor, quiet);
+    } else {
+      run_rays(scene.survey(), place, sampling, sensor, quiet);
+    }
+  }
+  return ideal;
+}
+
+double IdealShare::explained() const {
+  const double perfect = forecast ? forecast->l1 : l1;
+  return yours_l1 > perfect ? perfect / yours_l1 : 1;
+}
+
+std::string ideal_text(const IdealShare& share) {
+  const auto& forecast = share.forecast;
+  return fmt::format(
+      "  a perfect engine of {} would have L1 {:.3g}{} (RMS {:.3g} dB); yours has {:.3g}: sampling explains "
+      "{}\n",
+      share.sampling, forecast ? forecast->l1 : share.l1,
+      forecast ? fmt::format(" +- {:.2g}", forecast->l1_deviation) : "",
+      forecast ? forecast->rms_db : share.rms_db, share.yours_l1,
+      share.explained() == 1 ? "all of it"
+                             : fmt::format("{:.0f} %, the rest is a mistake", 100 * share.explained()));
+}
+
+nlohmann::ordered_json ideal_json(const IdealShare& share) {
+  nlohmann::ordered_json json{{"sampling", share.sampling},
+                              {"l1_error", share.l1},
+                              {"rms_db_error", share.rms_db},
+                              {"explains", share.explained()},
+                              {"forecast", nullptr}};
+  if (const auto& forecast = share.forecast)
+    json["forecast"] = {{"l1_error", forecast->l1},
+                        {"l1_deviation", forecast->l1_deviation},
+                        {"rms_db_error", forecast->rms_db},
+                        {"empty_where_lit", forecast->empty_where_lit}};
+  return json;
+}
+
+double poisson_mean_deviation(double mean) {
+  if (!(mean > 0)) return 0;
+  // E|X - m| = 2 m^(k + 1) exp(-m) / k!, k the whole part of m.
+  const double whole = std::floor(mean);
+  return 2 * std::exp(whole * std::log(mean) - mean - std::lgamma(whole + 1));
+}
+
+double poisson_square_db(double mean) {
+  if (!(mean > 0)) return 0;
+  constexpr double large = 1000;
+  const double db = 10 / std::numbers::ln10;
+  if (mean > large) return db * db / mean;
+  double sum = 0;
+  const double last = mean + 12 * std::sqrt(mean) + 20;
+  for (double k = 0; k <= last; ++k) {
+    const double chance = std::exp(k * std::log(mean) - mean - std::lgamma(k + 1)),
+                 error = decibel_error(mean, k);
+    sum += chance * error * error;
+  }
+  return sum;
+}
+
+std::optional<PointsForecast> points_forecast(const SceneAtHand& scene, const SensorEchoes& reference,
+                                              const BeamSampling& sampling) {
+  const SensorPlace place = scene.place_of(reference);
+  const Survey& survey = scene.survey();
+  if (sampling.columns > 0 || !is_plain(survey, place.sensor) ||
+      survey.sensors[place.sensor].sensor->has_patterns())
+    return std::nullopt;
+  const Shots shots(survey, RunRequest{});
+  ShotsAround around(shots);
+  const double threshold = lit_threshold(reference.energy);
+  double error = 0, square_error = 0, square_db = 0, empty = 0, total = 0, lit = 0;
+  for (std::size_t p = 0; p < place.pings.size(); ++p) {
+    stop_if_wanted();
+    const SecondMoments moments = second_moments(
+        around.at(survey.fleet->shots_of(place.sensor), place.pings[p]), place.sensor, place.pings[p]);
+    for (std::size_t b = 0; b < reference.beams; ++b)
+      for (std::size_t k = 0; k < reference.samples; ++k) {
+        const double energy = reference.at(p, b, k);
+        if (!(energy > 0)) continue;
+        total += energy;
+        const std::size_t beam = place.beams[b];
+        const double integral = moments.of_bin[beam * reference.samples + k] * moments.solid_angle_sr[beam];
+        // What no ray of many found is of less than one of few.
+        const double variance =
+            (std::max(integral, energy * energy) - energy * energy) / double(sampling.rays);
+        if (integral == 0) {
+          error += 2 * energy;
+          square_db += energy > threshold ? largest_error_db * largest_error_db : 0;
+          empty += energy > threshold;
+          lit += energy > threshold;
+          continue;
+        }
+        if (variance == 0) {
+          lit += energy > threshold;
+          continue;
+        }
+        const double points = energy * energy / variance;
+        const double mean = energy * poisson_mean_deviation(points);
+        error += mean;
+        square_error += variance - mean * mean;
+        if (energy <= threshold) continue;
+        ++lit;
+        square_db += poisson_square_db(points);
+        empty += std::exp(-points);
+      }
+  }
+  return PointsForecast{total > 0 ? error / total : 0, total > 0 ? std::sqrt(square_error) / total : 0,
+                        lit > 0 ? std::sqrt(square_db / lit) : 0, empty};
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "compare/calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "compare/measures/noise_floor.hpp"
+#include "files/input_error.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Estimate& estimate) { return {{"value", estimate.value}, {"error", estimate.error}}; }
+
+Json json_of(const Overlap& overlap) {
+  return {{"reference_bins", overlap.reference},
+          {"candidate_bins", overlap.candidate},
+          {"both_bins", overlap.both},
+          {"iou", overlap.iou()}};
+}
+
+std::string overlap_line(const char* name, const Overlap& overlap) {
+  return fmt::format(
+      "  {:<24} {} samples in the reference, {} in the candidate ({:+.3g} %), overlap (IoU) {:.4f}\n", name,
+      overlap.reference, overlap.candidate,
+      overlap.reference > 0
+          ? 100 * (static_cast<double>(overlap.candidate) / static_cast<double>(overlap.reference) - 1)
+          : 0.0,
+      overlap.iou());
+}
+
+}  // namespace
+
+EchoPair echo_pair(const EchoPairs::Sensor& pair) {
+  const SensorEchoes& reference = *pair.reference;
+  return {{reference.pings, reference.beams, reference.samples},
+          reference.energy,
+          pair.candidate->energy,
+          reference.energy_bound,
+          reference.slant_range_m};
+}
+
+void average_frames(EchoContents& contents, std::size_t frames) {
+  for (SensorEchoes& sensor : contents.sensors) {
+    if (frames == 0 || sensor.pings % frames != 0)
+      throw InputError(
+          {contents.file.string()},
+          fmt::format("sensor '{}' has {} pings, which are not frames of {} each: give --frames a "
+                      "number that divides them",
+                      sensor.name, sensor.pings, frames));
+    sensor.energy = mean_of_frames({sensor.pings, sensor.beams, sensor.samples}, sensor.energy, frames);
+    sensor.energy_bound.clear();
+    sensor.pings /= frames;
+    if (frames > 1) sensor.ping_time_s.clear();
+  }
+}
+
+std::vector<SensorFit> fit_candidate(EchoContents& candidate, const EchoPairs& pairs, FitTerms terms) {
+  std::vector<SensorFit> fits;
+  for (const EchoPairs::Sensor& pair : pairs.sensors) {
+    stop_if_wanted();
+    const EchoPair arrays = echo_pair(pair);
+    const std::optional<EnergyFit> fit = fit_energies(arrays, terms);
+    if (!fit)
+      throw InputError({candidate.file.string()},
+                       fmt::format("sensor '{}' has too little echo where the reference has some for --fit: "
+                                   "compare without it, or look at both with --png",
+                                   pair.candidate->name));
+    fits.push_back({pair.reference->name, *fit, echo_errors(arrays)});
+    std::vector<double> fitted = fit->fitted(arrays);
+    const auto sensor =
+        std::ranges::find_if(candidate.sensors, [&](const SensorEchoes& s) { return &s == pair.candidate; });
+    sensor->energy = std::move(fitted);
+  }
+  return fits;
+}
+
+std::vector<Diagnosis> diagnose(const EchoPairs& pairs, const EchoContents& as_given,
+                                const EchoPairs* ideal) {
+  std::vector<Diagnosis> diagnoses;
+  for (std::size_t k = 0; k < pairs.sensors.size(); ++k) {
+    const EchoPairs::Sensor& pair = pairs.sensors[k];
+    const auto given = std::ranges::find(as_given.sensors, pair.candidate->name, &SensorEchoes::name);
+    diagnoses.push_back(diagnose(
+        {echo_pair(pair), pair.reference->beam_azimuth_deg, given->energy,
+         ideal ? std::span<const double>(ideal->sensors[k].candidate->energy) : std::span<const double>()}));
+  }
+  return diagnoses;
+}
+
+std::string fit_text(const SensorFit& sensor) {
+  const auto& [name, fit, before] = sensor;
+  std::string text;
+  if (fit.terms.gain)
+    text += fmt::format("  fitted gain              {:+.3f} +- {:.3f} dB{}\n", fit.gain_db.value,
+                        fit.gain_db.error,
+                        fit.terms.range ? fmt::format(" at {:.4g} m", fit.middle_range_m) : "");
+  if (fit.terms.range)
+    text += fmt::format("  fitted law of range      r^{:.4f} +- {:.4f} more than the reference's\n",
+                        fit.exponent.value, fit.exponent.error);
+  if (fit.terms.offset)
+    text += fmt::format("  fitted offset            {:.4g} +- {:.2g} on every bin\n", fit.offset_j.value,
+                        fit.offset_j.error);
+  text += fmt::format("  before the fit           L1 {:.3g}, RMS {:.3g} dB, energy ratio {:+.3g} dB\n",
+                      before.l1, before.rms_db, 10 * std::log10(before.energy_ratio));
+  return text;
+}
+
+std::string unitless_text(const UnitlessErrors& errors) {
+  return fmt::format(
+      "  L1 of rows of sum 1      {:.3g} over {} rows ({} have echo on one side only)\n"
+      "  correlation of ranks     {:.4f}\n",
+      errors.row_l1, errors.rows, errors.rows_of_one_side, errors.rank_correlation);
+}
+
+std::string geometry_text(const EchoPairs::Sensor& pair, const GeometryErrors& errors) {
+  std::string text = fmt::format("\n{}: geometry alone\n", pair.reference->name);
+  text += fmt::format("  lit above                {:.3g} in the reference, {:.3g} in the candidate\n",
+                      errors.reference_threshold_j, errors.candidate_threshold_j);
+  text += fmt::format(
+      "  noise floor              {:.3g} +- {:.2g}, deviation {:.3g}, {:.3g} % above 0, in {} bins of deep "
+      "shadow\n",
+      errors.floor.mean_j, errors.floor.mean_error_j, errors.floor.deviation_j,
+      100 * errors.floor.share_positive, errors.floor.bins);
+  const FirstReturnErrors& first = errors.first_return;
+  if (first.in_both > 0)
+    text += fmt::format(
+        "  first return             {:+.3g} m on average, {:.3g} m ({:.3g} samples) without sign, at worst "
+        "{:+} samples at ping {}, beam {}\n",
+        first.mean_m, first.mean_absolute_m, first.mean_absolute_samples, first.largest_samples,
+        first.largest_at.ping, first.largest_at.beam);
+  text += fmt::format(
+      "  beams with a return      {} on both sides, {} only in the reference, {} only in the candidate, {} "
+      "on "
+      "neither\n",
+      first.in_both, first.only_in_reference, first.only_in_candidate, first.in_neither);
+  return text + overlap_line("shadow", errors.shadow) + overlap_line("visible area", errors.visible);
+}
+
+Json fit_json(const SensorFit& sensor) {
+  const auto& [name, fit, before] = sensor;
+  Json json{{"sensor", name}, {"patches", fit.cells}, {"middle_range_m", fit.middle_range_m}};
+  if (fit.terms.gain) json["gain_db"] = json_of(fit.gain_db);
+  if (fit.terms.range) json["range_exponent"] = json_of(fit.exponent);
+  if (fit.terms.offset) json["offset"] = json_of(fit.offset_j);
+  json["before"] = {{"l1_error", before.l1},
+                    {"rms_db_error", before.rms_db},
+                    {"energy_ratio", before.energy_ratio},
+                    {"energy_ratio_db", 10 * std::log10(before.energy_ratio)}};
+  return json;
+}
+
+Json unitless_json(const UnitlessErrors& errors) {
+  return {{"row_l1", errors.row_l1},
+          {"rows", errors.rows},
+          {"rows_of_one_side", errors.rows_of_one_side},
+          {"rank_correlation", errors.rank_correlation}};
+}
+
+Json geometry_json(const GeometryErrors& errors) {
+  const FirstReturnErrors& first = errors.first_return;
+  return {{"reference_threshold", errors.reference_threshold_j},
+          {"candidate_threshold", errors.candidate_threshold_j},
+          {"noise_floor",
+           {{"bins", errors.floor.bins},
+            {"mean", json_of(Estimate{errors.floor.mean_j, errors.floor.mean_error_j})},
+            {"deviation", errors.floor.deviation_j},
+            {"share_positive", errors.floor.share_positive}}},
+          {"first_return",
+           {{"in_both", first.in_both},
+            {"only_in_reference", first.only_in_reference},
+            {"only_in_candidate", first.only_in_candidate},
+            {"in_neither", first.in_neither},
+            {"mean_m", first.mean_m},
+            {"mean_absolute_m", first.mean_absolute_m},
+            {"mean_absolute_samples", first.mean_absolute_samples},
+            {"largest_m", first.largest_m},
+            {"largest_samples", first.largest_samples}}},
+          {"shadow", json_of(errors.shadow)},
+          {"visible", json_of(errors.visible)}};
+}
+
+std::string wild_ratio_hint(const EchoErrors& errors) {
+  const double ratio = errors.energy_ratio, db = 10 * std::log10(ratio);
+  if (!std::isfinite(db) || (ratio <= 2 && ratio >= 0.5)) return {};
+  return fmt::format(
+      "the energies differ by {:+.3g} dB in all: if the candidate's numbers are no joules, '--fit "
+      "gain' or '--fit gain,range,offset' compares what is left after a fit",
+      db);
+}
+
+}  // namespace tubefoot

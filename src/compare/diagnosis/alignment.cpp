@@ -1,0 +1,455 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "compare/diagnosis/alignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "compare/diagnosis/coarse_search.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Picture = std::vector<double>;
+
+constexpr std::size_t patch_columns = 16, patch_rows = 8, patches = patch_columns * patch_rows;
+constexpr double fine_blur = 1, least_error_bars = 5;
+constexpr std::size_t border = 3;  // where blur and shifts meet what is outside of the picture
+
+bool is_blur(WarpTerm term) { return term == WarpTerm::beam_blur || term == WarpTerm::sample_blur; }
+
+/// One thing to fit: gain and exponent of the law come first.
+struct Parameter {
+  std::optional<WarpTerm> term;  ///< nothing: gain or exponent
+  bool is_gain = false;
+  double step = 0;     ///< for derivatives
+  double largest = 0;  ///< step of one iteration
+  double visible = 0;  ///< what is less has no effect that matters
+};
+using Parameters = std::vector<Parameter>;
+
+/// The inverse of a positive definite matrix of n rows, by Gauss and Jordan.
+std::vector<double> inverted(std::vector<double> a, std::size_t n) {
+  std::vector<double> scale(n), result(n * n);
+  for (std::size_t i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(a[i * n + i]);
+  for (std::size_t i = 0; i < n; ++i) {
+    result[i * n + i] = 1;
+    for (std::size_t j = 0; j < n; ++j) a[i * n + j] *= scale[i] * scale[j];
+    a[i * n + i] += 1e-6;  // terms that say nearly the same share it
+  }
+  for (std::size_t c = 0; c < n; ++c) {
+    const double pivot = 1 / a[c * n + c];
+    for (std::size_t j = 0; j < n; ++j) {
+      a[c * n + j] *= pivot;
+      result[c * n + j] *= pivot;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == c) continue;
+      const double factor = a[i * n + c];
+      for (std::size_t j = 0; j < n; ++j) {
+        a[i * n + j] -= factor * a[c * n + j];
+        result[i * n + j] -= factor * result[c * n + j];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) result[i * n + j] *= scale[i] * scale[j];
+  return result;
+}
+
+/// Gauss and Newton over all terms.
+class FineSearch {
+ public:
+  FineSearch(const Pictures& pictures, const Warp& start)
+      : pictures_(pictures), fan_(pictures.fan), shape_(fan_.shape()), warp_(start) {
+    const double wide = fan_.has_width() ? fine_blur : 0;
+    smooth_reference_ = fan_.blurred(pictures.reference_j, wide, fine_blur);
+    used_.assign(shape_.bins(), true);
+    calibrate();
+    levels_ = row_levels(shape_, scaled(predicted_j_));
+    for (std::size_t k = 0; k < used_.size(); ++k) used_[k] = says_something(k);
+    calibrate();
+    levels_ = row_levels(shape_, scaled(predicted_j_));
+    candidate_ = masked(as_seen(shape_, fan_.blurred(pictures.candidate_j, wide, fine_blur), levels_));
+  }
+
+  double misfit() const { return misfit_of(masked(predicted(warp_, 0, 0)), candidate_); }
+
+  LocalEstimate shift() {
+    Parameters parameters;
+    for (const Parameter& p : all_parameters())
+      if (!p.term || p.term == WarpTerm::beams || p.term == WarpTerm::samples) parameters.push_back(p);
+    iterate(parameters);
+    LocalEstimate local;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      if (parameters[i].term == WarpTerm::beams) local.beams = {warp_.beams, errors_[i]};
+      if (parameters[i].term == WarpTerm::samples) local.samples = {warp_.samples, errors_[i]};
+    }
+    return local;
+  }
+
+  Alignment found() {
+    Parameters parameters = all_parameters();
+    settle(parameters);
+    if (fan_.range_m(0) > 0) simplify(parameters);
+    if (warp_.azimuth_scale != 0 && warp_.tangent == 0) try_tangent(parameters);
+    Alignment alignment;
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      if (parameters[i].term) alignment.errors[static_cast<std::size_t>(*parameters[i].term)] = errors_[i];
+    alignment.warp = warp_;
+    alignment.fit = fit_;
+    alignment.predicted_j = scaled(predicted_j_);
+    alignment.misfit = misfit();
+    return alignment;
+  }
+
+ private:
+  bool says_something(std::size_t bin) const {
+    const std::size_t s = bin % shape_.samples, beam = bin / shape_.samples % shape_.beams;
+    const bool inside = !fan_.has_width() || (beam >= border && beam + border < shape_.beams);
+    return inside && s >= std::max(border, pictures_.first_row) && s + border < shape_.samples &&
+           levels_[s] > pictures_.faintest_j;
+  }
+  Picture masked(Picture picture) const {
+    for (std::size_t k = 0; k < picture.size(); ++k)
+      if (!used_[k]) picture[k] = 0;
+    return picture;
+  }
+  Picture scaled(Picture energy) const {
+    for (std::size_t k = 0; k < energy.size(); ++k) energy[k] *= factors_[k % shape_.samples];
+    return energy;
+  }
+
+  /// Gain and law by patches (energy_fit.hpp), of the rows that count.
+  void calibrate() {
+    predicted_j_ = fan_.warped(pictures_.reference_j, warp_);
+    const Picture reference = masked(predicted_j_), candidate = masked(pictures_.candidate_j);
+    const std::vector<double>& ranges = fan_.ranges_m();
+    fit_ = fit_energies({shape_, reference, candidate, {}, ranges}, {true, ranges.front() > 0, false})
+               .value_or(EnergyFit{});
+    factors_.assign(shape_.samples, std::pow(10, fit_.gain_db.value / 10));
+    for (std::size_t s = 0; s < shape_.samples; ++s)
+      if (fit_.exponent.value != 0)
+        factors_[s] *= std::pow(ranges[s] / fit_.middle_range_m, fit_.exponent.value);
+  }
+
+  Picture predicted(const Warp& warp, double gain, double exponent) const {
+    Picture energy = fan_.warped(smooth_reference_, warp);
+    std::vector<double> factors = factors_;
+    for (std::size_t s = 0; s < factors.size(); ++s) {
+      factors[s] *= std::exp(gain);
+      if (exponent != 0) factors[s] *= std::pow(fan_.range_m(s) / fit_.middle_range_m, exponent);
+    }
+    for (std::size_t k = 0; k < energy.size(); ++k) energy[k] *= factors[k % shape_.samples];
+    return as_seen(shape_, energy, levels_);
+  }
+
+  Parameters all_parameters() const {
+    const double far = fan_.range_m(shape_.samples - 1) / fan_.sample_m(),
+                 edge = static_cast<double>(shape_.beams) / 2;
+    Parameters all{{{}, true, 0.02, 0.5, 0}};
+    if (fan_.range_m(0) > 0) all.push_back({{}, false, 0.02, 0.5, 0});
+    all.push_back({WarpTerm::samples, false, 0.2, 1, 0.1});
+    all.push_back({WarpTerm::range_scale, false, 0.2 / far, 1 / far, 0.2 / far});
+    all.push_back({WarpTerm::sample_blur, false, 0.1, 0.5, 0.15});
+    if (!fan_.has_width()) return all;
+    all.push_back({WarpTerm::beams, false, 0.2, 1, 0.06});
+    all.push_back({WarpTerm::azimuth_scale, false, 0.2 / edge, 1 / edge, 0.12 / edge});
+    all.push_back({WarpTerm::beam_blur, false, 0.1, 0.5, 0.15});
+    if (warp_.tangent != 0) all.push_back(tangent(warp_.views));
+    return all;
+  }
+  Parameter tangent(int views) const {
+    const double most = fan_.largest_of_tangent(views);
+    return {WarpTerm::tangent, false, 0.2 / most, 1 / most, 0.08 / most};
+  }
+
+  void iterate(const Parameters& parameters) {
+    for (int round = 0; round < 12; ++round) {
+      const std::vector<double> steps = solve(parameters);
+      double largest = 0;
+      for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const Parameter& p = parameters[i];
+        if (!p.term) continue;
+        const double step = std::clamp(steps[i], -p.largest, p.largest);
+        double& value = value_of(warp_, *p.term);
+        value += step;
+        if (is_blur(*p.term)) value = std::clamp(value, -0.2, 9.0);
+        largest = std::max(largest, std::abs(step) / p.step);
+      }
+      calibrate();
+      if (largest < 0.05) break;
+    }
+    solve(parameters);  // the errors here
+    stop_if_wanted();
+  }
+
+  /// Fits, and drops what is not significant, the weakest first.
+  void settle(Parameters& parameters) {
+    bool tangent_tried = warp_.tangent != 0 || !fan_.has_width();
+    while (true) {
+      iterate(parameters);
+      if (const auto weakest = weakest_of(parameters); weakest != parameters.end()) {
+        value_of(warp_, *weakest->term) = 0;
+        parameters.erase(weakest);
+      } else if (tangent_tried || !add_tangent(parameters)) {
+        break;
+      } else {
+        tangent_tried = true;
+      }
+    }
+  }
+
+  /// A shift and a scale of ranges do nearly the same where all echoes lie in a narrow band of range: each of
+  /// them alone is tried, and kept if it explains about as much as what was found; the shift first.
+  void simplify(Parameters& parameters) {
+    const bool scaled = warp_.range_scale != 0;
+    if (!scaled && warp_.samples == 0) return;
+    const double found = misfit();
+    for (const WarpTerm alone : {WarpTerm::samples, WarpTerm::range_scale}) {
+      if (!scaled && alone == WarpTerm::samples) continue;  // is it already
+      const bool simpler = scaled && (warp_.samples != 0 || alone == WarpTerm::samples);
+      if (scaled && !simpler) continue;
+      const FineSearch was = *this;
+      const WarpTerm other = alone == WarpTerm::samples ? WarpTerm::range_scale : WarpTerm::samples;
+      Parameters fewer;
+      for (const Parameter& p : all_parameters())
+        if (p.term != other) fewer.push_back(p);
+      warp_.samples = warp_.range_scale = 0;
+      settle(fewer);
+      if (misfit() < (simpler ? 1.02 : 0.98) * found) {
+        parameters = fewer;
+        return;
+      }
+      warp_ = was.warp_;
+      errors_ = was.errors_;
+      calibrate();
+    }
+  }
+
+  /// One view's tangent displaces most of the fan as another opening angle does.
+  void try_tangent(Parameters& parameters) {
+    if (fan_.largest_of_tangent(1) < 0.08) return;
+    const double found = misfit();
+    const FineSearch was = *this;
+    warp_.azimuth_scale = 0;
+    warp_.tangent = warp_.views = 1;
+    Parameters other = all_parameters();
+    settle(other);
+    if (misfit() < found) {
+      parameters = other;
+      return;
+    }
+    warp_ = was.warp_;
+    errors_ = was.errors_;
+    calibrate();
+  }
+
+  std::size_t patch_of(std::size_t bin) const {
+    const std::size_t s = bin % shape_.samples, column = bin / shape_.samples;
+    return column * patch_columns / (shape_.pings * shape_.beams) * patch_rows +
+           s * patch_rows / shape_.samples;
+  }
+
+  std::vector<Picture> slopes_of(const Parameters& parameters) const {
+    std::vector<Picture> slopes;
+    for (const Parameter& p : parameters) {
+      Warp up = warp_, down = warp_;
+      double gain = 0, exponent = 0;
+      if (p.term) {
+        value_of(up, *p.term) += p.step;
+        value_of(down, *p.term) -= p.step;
+      } else {
+        (p.is_gain ? gain : exponent) = p.step;
+      }
+      Picture slope = predicted(up, gain, exponent);
+      const Picture other = predicted(down, -gain, -exponent);
+      for (std::size_t k = 0; k < slope.size(); ++k) slope[k] = (slope[k] - other[k]) / (2 * p.step);
+      slopes.push_back(std::move(slope));
+    }
+    return slopes;
+  }
+
+  /// What is further off than this counts less.
+  double huber_limit(const Picture& at) const {
+    std::vector<double> sizes;
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (used_[k] && at[k] + candidate_[k] > 0.05) sizes.push_back(std::abs(candidate_[k] - at[k]));
+    if (sizes.empty()) return 1;
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    return std::max(3 * *middle, 0.02);
+  }
+
+  /// One step, and errors_ of all.
+  std::vector<double> solve(const Parameters& parameters) {
+    const std::size_t n = parameters.size();
+    const Picture at = predicted(warp_, 0, 0);
+    const std::vector<Picture> slopes = slopes_of(parameters);
+    const double limit = huber_limit(at);
+    std::vector<double> normal(n * n), right(n), of_normal(patches * n * n), of_right(patches * n);
+    std::vector<bool> counts(patches);
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      if (!used_[k] || (at[k] == 0 && candidate_[k] == 0)) continue;
+      const double off = candidate_[k] - at[k],
+                   weight = std::min(1.0, limit / std::max(std::abs(off), 1e-300));
+      const std::size_t patch = patch_of(k);
+      counts[patch] = true;
+      for (std::size_t i = 0; i < n; ++i) {
+        const double a = weight * slopes[i][k];
+        if (a == 0) continue;
+        of_right[patch * n + i] += a * off;
+        for (std::size_t j = 0; j < n; ++j) of_normal[(patch * n + i) * n + j] += a * slopes[j][k];
+      }
+    }
+    for (std::size_t k = 0; k < of_right.size(); ++k) right[k % n] += of_right[k];
+    for (std::size_t k = 0; k < of_normal.size(); ++k) normal[k % (n * n)] += of_normal[k];
+    for (std::size_t i = 0; i < n; ++i) normal[i * n + i] += 1e-12;
+    const std::vector<double> inverse = inverted(normal, n);
+    std::vector<double> steps(n);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) steps[i] += inverse[i * n + j] * right[j];
+    // What each patch wants beyond the whole's step: the spread of their votes.
+    errors_.assign(n, 0);
+    double voters = 0;
+    for (std::size_t patch = 0; patch < patches; ++patch) {
+      if (!counts[patch]) continue;
+      ++voters;
+      std::vector<double> vote(n);
+      for (std::size_t i = 0; i < n; ++i) {
+        vote[i] = of_right[patch * n + i];
+        for (std::size_t j = 0; j < n; ++j) vote[i] -= of_normal[(patch * n + i) * n + j] * steps[j];
+      }
+      for (std::size_t i = 0; i < n; ++i) {
+        double moved = 0;
+        for (std::size_t j = 0; j < n; ++j) moved += inverse[i * n + j] * vote[j];
+        errors_[i] += moved * moved;
+      }
+    }
+    const auto terms = static_cast<double>(n);
+    const double few = voters > terms + 1 ? voters / (voters - terms) : 100;
+    for (double& error : errors_) error = std::sqrt(few * error);
+    return steps;
+  }
+
+  /// The term to be dropped next, if one is to be.
+  Parameters::iterator weakest_of(Parameters& parameters) {
+    auto weakest = parameters.end();
+    double least = 1;
+    for (auto p = parameters.begin(); p != parameters.end(); ++p) {
+      if (!p->term) continue;
+      const double value = value_of(warp_, *p->term),
+                   error = errors_[static_cast<std::size_t>(p - parameters.begin())];
+      const double strength = is_blur(*p->term) && value < 0
+                                  ? 0
+                                  : std::abs(value) / std::max(least_error_bars * error, p->visible);
+      if (strength >= least) continue;
+      least = strength;
+      weakest = p;
+    }
+    return weakest;
+  }
+
+  /// Adds the number of views whose tangent explains most of what is left, if one does.
+  bool add_tangent(Parameters& parameters) {
+    double strongest = least_error_bars;
+    int best = 0;
+    for (const int views : {1, 2, 3, 4, 6}) {
+      if (fan_.largest_of_tangent(views) < 0.08) continue;
+      Parameters more = parameters;
+      more.push_back(tangent(views));
+      warp_.views = views;
+      const double step = std::abs(solve(more).back()), bars = step / (errors_.back() + 1e-300);
+      if (bars <= strongest || step <= more.back().visible) continue;
+      strongest = bars;
+      best = views;
+    }
+    warp_.views = std::max(best, 1);
+    if (best > 0) parameters.push_back(tangent(best));
+    solve(parameters);
+    return best > 0;
+  }
+
+  const Pictures& pictures_;
+  const Fan& fan_;
+  EchoShape shape_;
+  Warp warp_;
+  std::vector<double> levels_, factors_, errors_;
+  std::vector<bool> used_;
+  Picture smooth_reference_, candidate_, predicted_j_;
+  EnergyFit fit_;
+};
+
+}  // namespace
+
+double& value_of(Warp& warp, WarpTerm term) {
+  switch (term) {
+    case WarpTerm::beams:
+      return warp.beams;
+    case WarpTerm::samples:
+      return warp.samples;
+    case WarpTerm::azimuth_scale:
+      return warp.azimuth_scale;
+    case WarpTerm::range_scale:
+      return warp.range_scale;
+    case WarpTerm::tangent:
+      return warp.tangent;
+    case WarpTerm::beam_blur:
+      return warp.beam_blur;
+    case WarpTerm::sample_blur:
+      break;
+  }
+  return warp.sample_blur;
+}
+
+double value_of(const Warp& warp, WarpTerm term) {
+  Warp copy = warp;
+  return value_of(copy, term);
+}
+
+std::vector<double> row_levels(const EchoShape& shape, const std::vector<double>& energy_j) {
+  const double threshold_j = lit_threshold(energy_j);
+  std::vector<double> sums(shape.samples + 1), counts(shape.samples + 1), result(shape.samples, 1.0);
+  for (std::size_t k = 0; k < energy_j.size(); ++k) {
+    if (!(energy_j[k] > threshold_j)) continue;
+    sums[k % shape.samples + 1] += energy_j[k];
+    ++counts[k % shape.samples + 1];
+  }
+  for (std::size_t s = 0; s < shape.samples; ++s) {
+    sums[s + 1] += sums[s];
+    counts[s + 1] += counts[s];
+  }
+  if (counts.back() == 0) return result;
+  const std::size_t reach = std::max<std::size_t>(4, shape.samples / 40);
+  for (std::size_t s = 0; s < shape.samples; ++s) {
+    std::size_t first = s > reach ? s - reach : 0, last = std::min(shape.samples, s + reach + 1);
+    while (counts[last] == counts[first]) {
+      first = first > 0 ? first - 1 : 0;
+      last = std::min(shape.samples, last + 1);
+    }
+    result[s] = (sums[last] - sums[first]) / (counts[last] - counts[first]);
+  }
+  return result;
+}
+
+LocalEstimate local_shift(const Pictures& pictures) { return FineSearch(pictures, {}).shift(); }
+
+double misfit_under(const Pictures& pictures, const Warp& warp) {
+  return FineSearch(pictures, warp).misfit();
+}
+
+std::size_t Alignment::terms() const {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < warp_terms; ++k) count += value_of(warp, static_cast<WarpTerm>(k)) != 0;
+  return count;
+}
+
+Alignment align(const Pictures& pictures, const Warp& start) {
+  const double before = FineSearch(pictures, {}).misfit();
+  Alignment alignment = FineSearch(pictures, start).found();
+  alignment.misfit_before = before;
+  return alignment;
+}
+
+}  // namespace tubefoot

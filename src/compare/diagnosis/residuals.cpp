@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "compare/diagnosis/residuals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace tubefoot {
+namespace {
+
+/// Means, deviations and medians of single edges or beams.
+double mean_of(const std::vector<double>& values) {
+  return values.empty()
+             ? 0
+             : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+double deviation_of(const std::vector<double>& values) {
+  const double mean = mean_of(values);
+  double squares = 0;
+  for (const double v : values) squares += (v - mean) * (v - mean);
+  return values.size() > 1 ? std::sqrt(squares / static_cast<double>(values.size() - 1)) : 0;
+}
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Walks along an axis of the picture and gathers, at each border between `plateau` lit bins and as many dark
+/// ones, how many bins' worth of energy the candidate lacks: its shadow is larger by so much.
+class EdgeWalk {
+ public:
+  explicit EdgeWalk(const Residual& residual) : residual_(residual) {}
+
+  void along(std::size_t first, std::size_t stride, std::size_t length) {
+    // Between the line's first echo and its last: the fan's own ends are no shadow's.
+    const auto is_lit = [&](std::size_t k) { return residual_.predicted_j[first + k * stride] > 0; };
+    std::size_t begin = 0, end = length;
+    while (begin < end && !is_lit(begin)) ++begin;
+    while (end > begin && !is_lit(end - 1)) --end;
+    for (std::size_t k = begin + plateau; k + plateau <= end; ++k) {
+      if (const auto lack = at(first, stride, k, 1)) offsets_.push_back(*lack);
+      if (const auto lack = at(first, stride, k, -1)) offsets_.push_back(*lack);
+    }
+  }
+  EdgeOffsets result() const {
+    EdgeOffsets offsets;
+    offsets.edges = offsets_.size();
+    offsets.spread = deviation_of(offsets_);
+    offsets.mean.value = mean_of(offsets_);
+    // Edges beside each other are of one object: count them as a third.
+    if (!offsets_.empty())
+      offsets.mean.error = offsets.spread * std::sqrt(3 / static_cast<double>(offsets_.size()));
+    return offsets;
+  }
+
+ private:
+  static constexpr std::size_t plateau = 4;
+
+  /// The border before place k; `way` 1: dark from k on, -1: dark before k.
+  std::optional<double> at(std::size_t first, std::size_t stride, std::size_t k, int way) const {
+    double lit = 0, lack = 0;
+    for (std::size_t i = 0; i < plateau; ++i) {
+      const std::size_t in_light = first + stride * (way > 0 ? k - 1 - i : k + i),
+                        in_dark = first + stride * (way > 0 ? k + i : k - 1 - i);
+      const std::size_t row = in_light % residual_.fan.shape().samples;
+      if (!residual_.row_counts[row]) return std::nullopt;
+      const double level = residual_.levels_j[row];
+      const double p = residual_.predicted_j[in_light], q = residual_.predicted_j[in_dark];
+      // The border's own two bins may be half lit.
+      if (i > 0 && (!(p > 0.4 * level) || !(p < 1.8 * level) || q > 0.02 * level)) return std::nullopt;
+      if (i == 0 && (!(p > 0.5 * level) || q > 0.5 * level)) return std::nullopt;
+      if (i > 0) lit += p / (plateau - 1);
+      lack += p - residual_.candidate_j[in_light] + q - residual_.candidate_j[in_dark];
+    }
+    return std::clamp(lack / lit, -4.0, 4.0);
+  }
+
+  const Residual& residual_;
+  std::vector<double> offsets_;
+};
+
+/// Whether something brighter than the rows stands within some samples before a bin of its beam.
+bool bright_before(const Residual& r, std::size_t bin) {
+  constexpr std::size_t reach = 20;
+  const std::size_t s = bin % r.fan.shape().samples;
+  for (std::size_t k = 1; k <= std::min(reach, s); ++k)
+    if (r.predicted_j[bin - k] > 1.7 * r.levels_j[s - k]) return true;
+  return false;
+}
+
+}  // namespace
+
+WronglyLit wrongly_lit(const Residual& r) {
+  const EchoShape& shape = r.fan.shape();
+  WronglyLit lit;
+  lit.bins.resize(shape.bins());
+  std::vector<bool> visited(shape.bins());
+  const auto is_shadow = [&](std::size_t bin) { return r.dark[bin] && r.row_counts[bin % shape.samples]; };
+  std::vector<std::size_t> shadow;
+  for (std::size_t start = 0; start < shape.bins(); ++start) {
+    if (visited[start] || !is_shadow(start)) continue;
+    shadow.assign(1, start);
+    visited[start] = true;
+    std::size_t wrong = 0, beginnings = 0, bright = 0;
+    for (std::size_t next = 0; next < shadow.size(); ++next) {
+      const std::size_t bin = shadow[next], s = bin % shape.samples, beam = bin / shape.samples % shape.beams;
+      const auto reach = [&](std::size_t neighbour) {
+        if (visited[neighbour] || !is_shadow(neighbour)) return;
+        visited[neighbour] = true;
+        shadow.push_back(neighbour);
+      };
+      if (s > 0) reach(bin - 1);
+      if (s + 1 < shape.samples) reach(bin + 1);
+      if (beam > 0) reach(bin - shape.samples);
+      if (beam + 1 < shape.beams) reach(bin + shape.samples);
+      lit.bins[bin] = r.candidate_j[bin] > std::max(r.noise_j, 0.15 * r.levels_j[s]);
+      wrong += lit.bins[bin];
+      if (s > 0 && r.dark[bin - 1]) continue;
+      ++beginnings;
+      bright += bright_before(r, bin);
+    }
+    const bool seen = 4 * bright >= beginnings;
+    (seen ? lit.behind_seen : lit.behind_unseen) += wrong;
+    (seen ? lit.shadows_of_seen : lit.shadows_of_unseen) += shadow.size();
+  }
+  return lit;
+}
+
+std::optional<double> near_returns_missing_to(const Residual& r) {
+  const EchoShape& shape = r.fan.shape();
+  std::size_t lost = 0, rows = 0;
+  for (std::size_t s = 0; s < shape.samples; ++s) {
+    std::size_t should = 0, has = 0;
+    for (std::size_t column = 0; column < shape.pings * shape.beams; ++column) {
+      const std::size_t bin = column * shape.samples + s;
+      if (!(r.predicted_j[bin] > 0.2 * r.levels_j[s])) continue;
+      ++should;
+      has += r.candidate_j[bin] > std::max(r.noise_j, 0.02 * r.levels_j[s]);
+    }
+    if (should == 0) continue;
+    if (10 * has > should) {
+      // A cut: what is lost before it is lost whole, and what is behind it is there.
+      if (rows < 3 || lost < 30 || 2 * has < should) return std::nullopt;
+      return r.fan.range_m(s) - r.fan.sample_m() / 2;
+    }
+    lost += should;
+    ++rows;
+  }
+  return std::nullopt;
+}
+
+Scallops scallops(const Residual& r) {
+  const EchoShape& shape = r.fan.shape();
+  Scallops result;
+  constexpr std::size_t reach = 5, least_beams = 16;
+  std::vector<double> offsets;
+  double pairs = 0, products = 0, squares = 0;
+  for (std::size_t ping = 0; ping < shape.pings; ++ping) {
+    std::vector<double> of_ping;
+    for (std::size_t beam = 0; beam < shape.beams; ++beam) {
+      const std::size_t from = (ping * shape.beams + beam) * shape.samples;
+      std::size_t s = 0;
+      while (s < shape.samples && !(r.predicted_j[from + s] > 0.3 * r.levels_j[s])) ++s;
+      if (s < reach || s + 2 * reach >= shape.samples || !r.row_counts[s + 1]) continue;
+      double plateau = 0, lack = 0;
+      for (std::size_t k = s + 1; k <= s + reach; ++k) plateau += r.predicted_j[from + k] / reach;
+      for (std::size_t k = s - reach; k <= s + reach; ++k)
+        lack += r.predicted_j[from + k] - r.candidate_j[from + k];
+      // The edge is off, and not all that is behind it: that would be a shadow's side.
+      double should = 0, has = 0;
+      for (std::size_t k = s + reach + 1; k <= s + 2 * reach; ++k) {
+        should += r.predicted_j[from + k];
+        has += r.candidate_j[from + k];
+      }
+      if (has < 0.6 * should || has > 1.6 * should) continue;
+      if (plateau > 0.3 * r.levels_j[s]) of_ping.push_back(std::clamp(lack / plateau, -4.0, 4.0));
+    }
+    if (of_ping.size() < least_beams) continue;
+    const double middle = median_of(of_ping);
+    for (double& offset : of_ping) offset -= middle;
+    for (std::size_t k = 0; k < of_ping.size(); ++k) {
+      squares += of_ping[k] * of_ping[k];
+      if (k == 0) continue;
+      products += of_ping[k] * of_ping[k - 1];
+      ++pairs;
+    }
+    std::vector<double> means;
+    for (std::size_t k = 2; k + 2 < of_ping.size(); ++k)
+      means.push_back((of_ping[k - 2] + of_ping[k - 1] + of_ping[k] + of_ping[k + 1] + of_ping[k + 2]) / 5);
+    const auto [low, high] = std::minmax_element(means.begin(), means.end());
+    result.peak_to_peak = std::max(result.peak_to_peak, *high - *low);
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < of_ping.size(); ++k) steps.push_back(of_ping[k] - of_ping[k - 1]);
+    result.error = std::max(result.error, deviation_of(steps) / std::sqrt(5.0));
+  }
+  if (pairs > 0 && squares > 0) result.alikeness = products / squares * std::sqrt(pairs);
+  return result;
+}
+
+EdgeOffsets shadow_sides(const Residual& r) {
+  EdgeWalk walk(r);
+  const EchoShape& shape = r.fan.shape();
+  for (std::size_t ping = 0; ping < shape.pings && r.fan.has_width(); ++ping)
+    for (std::size_t s = 0; s < shape.samples; ++s)
+      walk.along(ping * shape.beams * shape.samples + s, shape.samples, shape.beams);
+  return walk.result();
+}
+
+EdgeOffsets shadow_ends(const Residual& r) {
+  EdgeWalk walk(r);
+  const EchoShape& shape = r.fan.shape();
+  for (std::size_t column = 0; column < shape.pings * shape.beams; ++column)
+    walk.along(column * shape.samples, 1, shape.samples);
+  return walk.result();
+}
+
+double scatter(const Residual& r) {
+  const EchoShape& shape = r.fan.shape();
+  double squares = 0, count = 0;
+  for (std::size_t bin = 0; bin < r.predicted_j.size(); ++bin) {
+    const std::size_t s = bin % shape.samples;
+    if (s < 2 || s + 2 >= shape.samples || !r.row_counts[s]) continue;
+    const double p = r.predicted_j[bin];
+    bool even = p > 0.2 * r.levels_j[s] && p < 3 * r.levels_j[s];
+    for (const std::size_t near : {bin - 2, bin - 1, bin + 1, bin + 2})
+      even = even && std::abs(r.predicted_j[near] - p) < 0.15 * p;
+    if (!even) continue;
+    const double off = std::min(r.candidate_j[bin] / p, 4.0) - 1;
+    squares += off * off;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+Steps steps_of(std::span<const double> values) {
+  Steps steps;
+  constexpr std::size_t most = 1024, least_share = 4;
+  std::set<double> different;
+  std::size_t lit = 0;
+  double top = 0;
+  for (const double v : values) {
+    lit += v > 0;
+    top = std::max(top, v);
+    if (v > 0 && different.size() <= most) different.insert(v);
+  }
+  if (lit == 0) return steps;
+  steps.share_at_top =
+      static_cast<double>(std::count(values.begin(), values.end(), top)) / static_cast<double>(lit);
+  steps.smallest = different.size() <= most ? *different.begin() : 0;
+  if (different.size() > most || different.size() * least_share > lit || different.size() < 2) return steps;
+  steps.levels = different.size();
+  // Even steps of a scale: all values are whole multiples of the smallest gap.
+  const auto even = [&](auto of) {
+    double gap = INFINITY, before = NAN;
+    for (const double v : different) {
+      if (!std::isnan(before)) gap = std::min(gap, of(v) - before);
+      before = of(v);
+    }
+    const double first = of(*different.begin());
+    return std::all_of(different.begin(), different.end(), [&](double v) {
+      const double places = (of(v) - first) / gap;
+      return std::abs(places - std::round(places)) < 0.02 && places < 70000;
+    });
+  };
+  if (even([](double v) { return v; }))
+    steps.scale = "energy";
+  else if (even([](double v) { return std::sqrt(v); }))
+    steps.scale = "amplitude";
+  else if (even([](double v) { return 10 * std::log10(v); }))
+    steps.scale = "dB";
+  return steps;
+}
+
+}  // namespace tubefoot

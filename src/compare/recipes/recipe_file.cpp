@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "compare/recipes/recipe_file.hpp"
+
+#include <toml++/toml.h>
+
+#include "files/inlet.hpp"
+#include "files/limits.hpp"
+#include "scene/file/toml_reader.hpp"
+#include "scene/file/toml_text.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr ValueRange positive{.lo = 0, .lo_excluded = true}, any_db{.lo = -400, .hi = 400};
+
+void check_step(const RecipeStep& step, const TomlTable& table) {
+  if (const auto* clamp = std::get_if<ClampStep>(&step.kind); clamp && !(clamp->low < clamp->high))
+    throw InputError(table.place_of("high"), "'high' must be above 'low'");
+  if (const auto* level = std::get_if<DecibelStep>(&step.kind); level && !(level->low_db < level->high_db))
+    throw InputError(table.place_of("high_db"), "'high_db' must be above 'low_db'");
+  if (const auto* blur = std::get_if<BlurStep>(&step.kind); blur && blur->size % 2 == 0)
+    throw InputError(table.place_of("size"), "'size' must be odd, so that the kernel has a middle");
+}
+
+const TomlSection<RecipeStep>& step_section() {
+  static const auto section =
+      TomlSection<RecipeStep>("[[steps]]")
+          .kind<MeanStep>("step", "mean",
+                          {field("least_share", &MeanStep::least_share, {.ranges = {{.lo = 0, .hi = 1}}})})
+          .kind<CountStep>("step", "count",
+                           {field("points_per_sr", &CountStep::points_per_sr, {.ranges = {positive}})})
+          .kind<RangeLawStep>(
+              "step", "range-law",
+              {field("exponent", &RangeLawStep::exponent, {.ranges = {{.lo = -10, .hi = 10}}}),
+               field("absorption_db_per_km", &RangeLawStep::absorption_db_per_km,
+                     {.ranges = {{.lo = -100000, .hi = 100000}}})})
+          .kind<AmplitudeStep>("step", "amplitude", {})
+          .kind<DecibelStep>("step", "decibel",
+                             {field("low_db", &DecibelStep::low_db, {.ranges = {any_db}}),
+                              field("high_db", &DecibelStep::high_db, {.ranges = {any_db}})})
+          .kind<BlurStep>("step", "blur",
+                          {field("beams", &BlurStep::beams, {.ranges = {{.lo = 0, .hi = 100}}}),
+                           field("samples", &BlurStep::samples, {.ranges = {{.lo = 0, .hi = 100}}}),
+                           field("size", &BlurStep::size, {.ranges = {{.lo = 1, .hi = 501}}})})
+          .kind<NormaliseStep>("step", "normalise",
+                               {field("by", &NormaliseStep::by, {.choices = {"largest", "sum"}}),
+                                field("over", &NormaliseStep::over, {.choices = {"image", "row", "beam"}})})
+          .kind<ClampStep>("step", "clamp",
+                           {field("low", &ClampStep::low, {.ranges = {{.lo = 0}}}),
+                            field("high", &ClampStep::high, {.ranges = {positive}})})
+          .kind<QuantiseStep>("step", "quantise",
+                              {field("bits", &QuantiseStep::bits, {.ranges = {{.lo = 1, .hi = 24}}}),
+                               field("full", &QuantiseStep::full, {.ranges = {positive}})})
+          .kind<GainStep>("step", "gain", {field("factor", &GainStep::factor, {.ranges = {positive}})})
+          .check(check_step);
+  return section;
+}
+
+const TomlSection<Recipe>& recipe_section() {
+  static const auto section =
+      TomlSection<Recipe>("")
+          .keys({field("title", &Recipe::title), field("solid_angles", &Recipe::solid_angles),
+                 field("solid_angle_strength_db", &Recipe::solid_angle_strength_db,
+                       {.ranges = {{.lo = -120, .hi = 40}}})})
+          .tables("steps", &Recipe::steps, step_section());
+  return section;
+}
+
+}  // namespace
+
+Recipe read_recipe(const std::filesystem::path& file) {
+  const SourcePlace place{file.string()};
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw InputError(place, "there is no such recipe file");
+  const std::string text = read_whole(file, place, limits::scene_file_bytes, "a recipe file (TOML text)");
+  TomlSource source{file, {}};
+  const toml::table root = parse_toml(text, source);
+  Recipe recipe = recipe_section().read({&root, place, &source}, source);
+  if (recipe.steps.empty())
+    throw InputError(place, "the recipe has no [[steps]]: add one, or compare without it");
+  return recipe;
+}
+
+std::vector<SceneKey> recipe_keys() {
+  std::vector<SceneKey> keys;
+  for (const TomlKey& key : recipe_section().all_keys()) keys.push_back(key);
+  for (const TomlKey& key : step_section().all_keys()) keys.push_back(key);
+  return keys;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "exchange/obj_mesh.hpp"
+#include "exchange/readers/scene_readers.hpp"
+#include "files/checked_file.hpp"
+#include "files/shown.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/recordings/pose_angles.hpp"
+
+namespace tubefoot {
+namespace {
+
+std::string toml_quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) < ' ' || c == 127)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+/// Twelve decimals of a degree: what people write comes back as they wrote it, and no more is lost than a
+/// picometre in 50 m.
+double told_deg(double degrees) { return std::round(degrees * 1e12) / 1e12 + 0.0; }
+
+std::string place_keys(const Placement& placed) {
+  const PoseAngles angles = angles_of(glm::quat_cast(placed.turn));
+  std::string text = fmt::format("position_m = [{}, {}, {}]\n", placed.position_m.x, placed.position_m.y,
+                                 placed.position_m.z);
+  for (const auto& [key, value] :
+       {std::pair("heading_deg", angles.heading_deg), std::pair("pitch_deg", angles.pitch_deg),
+        std::pair("roll_deg", angles.roll_deg)})
+    if (told_deg(value) != 0) text += fmt::format("{} = {}\n", key, told_deg(value));
+  return text;
+}
+
+}  // namespace
+
+std::string scene_text(const ImportedScene& scene) {
+  std::string text = "# Made by 'tubefoot import-scene'. Axes: x east, y north, z up; docs/exchange.md\n";
+  if (!scene.title.empty()) text += fmt::format("title = {}\n", toml_quoted(scene.title));
+  if (scene.sound_speed_m_s || scene.absorption_db_per_km) text += "\n[water]\n";
+  if (scene.sound_speed_m_s) text += fmt::format("sound_speed_m_s = {}\n", *scene.sound_speed_m_s);
+  if (scene.absorption_db_per_km)
+    text += fmt::format("absorption_db_per_km = {}\n", *scene.absorption_db_per_km);
+  for (const ExchangedMaterial& material : scene.materials)
+    text += fmt::format("\n[[materials]]\nname = {}\nlambert_db = {}\n", toml_quoted(material.name),
+                        material.lambert_db);
+  for (const ImportedObject& object : scene.objects) {
+    text += fmt::format("\n[[objects]]\nname = {}\nshape = \"{}\"\nmaterial = {}\n", toml_quoted(object.name),
+                        object.shape, toml_quoted(object.material));
+    if (object.mesh)
+      text += fmt::format("file = {}\n", toml_quoted(scene.meshes[*object.mesh].file.string()));
+    for (const auto& [key, value] : object.keys) text += fmt::format("{} = {}\n", key, value);
+    text += place_keys(object.placed);
+    if (object.scale != std::array<double, 3>{1, 1, 1})
+      text += fmt::format("scale = [{}, {}, {}]\n", object.scale[0], object.scale[1], object.scale[2]);
+  }
+  std::vector<ImportedSensor> sensors = scene.sensors;
+  if (sensors.empty()) sensors.push_back({"example", {{"kind", "\"imaging\""}}, {}});
+  for (std::size_t k = 0; k < sensors.size(); ++k) {
+    text += fmt::format("\n[[trajectories]]\nname = \"of sonar {}\"\nkind = \"fixed\"\n{}", k,
+                        place_keys(sensors[k].own));
+    text += fmt::format("\n[[sensors]]\nname = {}\ntrajectory = \"of sonar {}\"\n",
+                        toml_quoted(sensors[k].name), k);
+    for (const auto& [key, value] : sensors[k].keys) text += fmt::format("{} = {}\n", key, value);
+  }
+  return text;
+}
+
+void write_imported_scene(const ImportedScene& scene, const std::filesystem::path& folder) {
+  for (const ImportedMesh& mesh : scene.meshes) {
+    ObjMesh obj(folder / mesh.file,
+                "Made by 'tubefoot import-scene': in metres, in the axes that the world's own mesh has.");
+    obj.object(mesh.file.stem().string(), {}, mesh.mesh.points_m, mesh.mesh.triangles);
+    obj.close();
+  }
+  const std::string text = scene_text(scene);
+  write_file(folder / "scene.toml", std::string_view(text));
+  try {
+    read_scene_file(folder / "scene.toml");
+  } catch (const InputError& error) {
+    // The folder goes; its name would say nothing.
+    std::string why = error.what();
+    if (const std::size_t name = why.find("scene.toml"); name != std::string::npos) why = why.substr(name);
+    throw InputError({scene.world.string(), 0, 0}, "what can be read of the world makes no scene: " + why);
+  }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exchange/readers/world_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "exchange/sonar_keys.hpp"
+#include "files/companions.hpp"
+#include "files/shown.hpp"
+#include "scene/meshes/mesh_file.hpp"
+#include "sensors/kinds/scene_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double assumed_db = -27;
+
+/// Whether a primitive's lengths are all above 0.
+bool has_size(const ImportedObject& object) {
+  return std::ranges::none_of(object.keys, [](const auto& key) {
+    const char* at = key.second.data() + (key.second.starts_with('[') ? 1 : 0);
+    for (char* end = nullptr;; at = end + 1) {
+      const double length = std::strtod(at, &end);
+      if (end == at || !(length > 0)) return true;
+      if (*end != ',') return false;
+    }
+  });
+}
+
+std::string unique_in(std::map<std::string, int>& taken, const std::string& name) {
+  std::string unique = name;
+  int& next = taken[name];
+  while (next > 0 && taken.contains(unique)) unique = fmt::format("{}_{}", name, ++next);
+  if (unique == name)
+    next = 1;
+  else
+    taken[unique] = 1;
+  return unique;
+}
+
+}  // namespace
+
+WorldParts::WorldParts(const XmlInput& xml, const fs::path& world, ExchangeFormat format,
+                       const std::vector<fs::path>& model_path)
+    : xml_(xml),
+      axes_(axes_of(format)),
+      world_(world),
+      folder_(fs::absolute(world).parent_path()),
+      model_path_(model_path) {
+  scene_.world = world;
+}
+
+void WorldParts::notice(pugi::xml_node node, const std::string& what) {
+  constexpr std::size_t most = 1000;
+  if (scene_.noticed.size() < most)
+    scene_.noticed.push_back(fmt::format("{}: {}", to_string(xml_.place_of(node)), what));
+  else
+    ++not_told_;
+}
+
+std::optional<fs::path> WorldParts::found(pugi::xml_node node, const std::string& uri) {
+  std::string name = uri;
+  const auto strip = [&](const char* scheme) {
+    const bool is = name.starts_with(scheme);
+    if (is) name.erase(0, std::string_view(scheme).size());
+    return is;
+  };
+  const bool of_models = strip("model://") || strip("package://");
+  if (!of_models) strip("file://");
+  if (name.empty() || name.find("://") != std::string::npos || name.find('\0') != std::string::npos) {
+    notice(node, fmt::format("'{}' is nothing to read a mesh from: left out", shown_line(uri)));
+    return {};
+  }
+  std::vector<fs::path> folders{folder_};
+  if (of_models) {
+    folders = model_path_;
+    if (folders.empty()) {
+      notice(node, fmt::format("'{}' left out: say with --model-path where models are", shown_line(uri)));
+      return {};
+    }
+  }
+  std::vector<fs::path> allowed = model_path_;
+  allowed.push_back(folder_);
+  bool outside = false;
+  for (const fs::path& folder : folders) {
+    const fs::path file =
+        fs::path(name).is_absolute() && !of_models ? fs::path(name) : folder / fs::path(name).relative_path();
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) continue;
+    if (std::ranges::any_of(allowed,
+                            [&](const fs::path& one) { return !place_outside(fs::absolute(one), file); }))
+      return file;
+    outside = true;
+  }
+  notice(node, outside
+                   ? fmt::format("'{}' left out: it lies outside of the world's folder; give its folder with "
+                                 "--model-path",
+                                 shown_line(uri))
+                   : fmt::format("'{}' left out: there is no such file", shown_line(uri)));
+  return {};
+}
+
+std::optional<std::size_t> WorldParts::mesh(pugi::xml_node node, const std::string& uri) {
+  const std::optional<fs::path> file = found(node, uri);
+  if (!file) return {};
+  const fs::path key = fs::weakly_canonical(*file);
+  if (const auto known = read_.find(key); known != read_.end()) return known->second;
+  std::optional<std::size_t> number;
+  try {
+    NamedMesh read = read_mesh_file(*file);
+    for (const std::string& warning : read.warnings)
+      notice(node, fmt::format("'{}': {}", shown_line(uri), shown_line(warning)));
+    scene_.inputs.push_back(key);
+    number = mesh(key.stem().string(), std::move(read));
+  } catch (const InputError& error) {
+    notice(node, fmt::format("'{}' left out: {}", shown_line(uri), error.what()));
+  }
+  read_[key] = number;
+  return number;
+}
+
+std::size_t WorldParts::mesh(const std::string& stem, ComponentMesh mesh) {
+  scene_.meshes.push_back({unique_in(stems_, plain_stem(stem, "unnamed")) + ".obj", std::move(mesh)});
+  return scene_.meshes.size() - 1;
+}
+
+void WorldParts::read_own_scene(pugi::xml_node parent) {
+  const pugi::xml_node own = parent.child("tubefoot:scene");
+  if (!own) return;
+  scene_.title = shown_line(own.attribute("title").value());
+  if (own.attribute("sound_speed_m_s"))
+    scene_.sound_speed_m_s = xml_.attribute_number(own, "sound_speed_m_s", 0);
+  if (own.attribute("absorption_db_per_km"))
+    scene_.absorption_db_per_km = xml_.attribute_number(own, "absorption_db_per_km", 0);
+  for (const pugi::xml_node node : own.children("tubefoot:material")) {
+    const std::string name = shown_line(node.attribute("name").value());
+    if (name.empty()) xml_.fail(node, "a material without a name");
+    if (!materials_.insert(name).second) xml_.fail(node, fmt::format("a second material '{}'", name));
+    scene_.materials.push_back({name, xml_.attribute_number(node, "lambert_db", assumed_db)});
+  }
+}
+
+std::string WorldParts::material(const std::string& name) {
+  const std::string known = name.empty() ? "unknown" : shown_line(name);
+  if (materials_.insert(known).second) {
+    constexpr std::size_t most = 60'000;  // of a scene
+    if (scene_.materials.size() >= most) xml_.fail(xml_.root(), "has more materials than a scene can");
+    scene_.materials.push_back({known, assumed_db});
+    assumed_.insert(known);
+  }
+  return known;
+}
+
+std::string WorldParts::unique(const std::string& name) {
+  return unique_in(names_, name.empty() ? "object" : shown_line(name));
+}
+
+std::size_t WorldParts::mirrored(std::size_t of, glm::dvec3 sign) {
+  const auto key = std::pair(of, std::array{sign.x < 0, sign.y < 0, sign.z < 0});
+  if (const auto known = mirrored_.find(key); known != mirrored_.end()) return known->second;
+  ImportedMesh copy = scene_.meshes[of];
+  for (glm::dvec3& p : copy.mesh.points_m) p *= sign;
+  if (sign.x * sign.y * sign.z < 0)
+    for (auto& triangle : copy.mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mirrored_[key] = mesh(copy.file.stem().string() + "_mirrored", std::move(copy.mesh));
+}
+
+void WorldParts::add_object(pugi::xml_node node, ImportedObject object, const Placement& placed) {
+  object.name = unique(object.name);
+  if (object.shape != "mesh" && !has_size(object))
+    return notice(node, fmt::format("'{}' left out: not all of its lengths are above 0", object.name));
+  object.placed = {axes_.world.to_ours(placed.position_m),
+                   glm::transpose(axes_.world.matrix()) * placed.turn};
+  glm::dvec3 sign(1);
+  for (int k = 0; k < 3; ++k) {
+    double& scale = object.scale[static_cast<std::size_t>(k)];
+    if (scale == 0) return notice(node, fmt::format("'{}' left out: its scale is 0", object.name));
+    if (scale < 0) sign[k] = -1;
+    scale = std::abs(scale);
+  }
+  if (object.mesh && sign != glm::dvec3(1)) object.mesh = mirrored(*object.mesh, sign);
+  scene_.objects.push_back(std::move(object));
+}
+
+bool WorldParts::add_own_sonar(pugi::xml_node sensor, const Placement& frame, const Axes& of_frame) {
+  if (sensor.child("tubefoot:part_of")) return true;
+  const pugi::xml_node own = sensor.child("tubefoot:sonar");
+  if (!own) return false;
+  const std::vector<double> pose =
+      xml_.numbers(own, own.attribute("pose").value(), 6, "pose of <tubefoot:sonar>");
+  ImportedSensor read;
+  read.name = shown_line(own.attribute("name").value());
+  for (const pugi::xml_attribute attribute : own.attributes()) {
+    const std::string_view key = attribute.name();
+    if (key == "pose" || key == "name") continue;
+    const std::string value = toml_value(attribute.value());
+    if (!is_key(key) || value.empty())
+      xml_.fail(
+          own, fmt::format("{}=\"{}\" is no key of a sonar with a number, numbers or a word", shown_line(key),
+                           shown_line(std::string_view(attribute.value()).substr(0, 100))));
+    read.keys.emplace_back(key, value);
+  }
+  const Placement theirs =
+      frame * Placement{{pose[0], pose[1], pose[2]}, turn_of({pose[3], pose[4], pose[5]})};
+  read.own = to_ours(theirs, axes_.world, of_frame);
+  keep(own, std::move(read));
+  return true;
+}
+
+void WorldParts::add_sensor(pugi::xml_node node, ImportedSensor sensor, const Placement& placed,
+                            bool looks_down) {
+  sensor.own = to_ours(placed, axes_.world, axes_.sonar);
+  if (looks_down) sensor.own.turn = sensor.own.turn * glm::transpose(looking_down);
+  keep(node, std::move(sensor));
+}
+
+void WorldParts::keep(pugi::xml_node node, ImportedSensor sensor) {
+  constexpr std::size_t most = 1000;
+  if (scene_.sensors.size() >= most)
+    return notice(node, fmt::format("left out: a sonar beyond the {}th", most));
+  // It becomes the name of files.
+  const std::string plain = plain_stem(sensor.name, "unnamed");
+  if (plain != sensor.name) notice(node, fmt::format("sonar '{}' is called '{}' here", sensor.name, plain));
+  sensor.name = unique_in(sensor_names_, plain);
+  ImportedScene alone;
+  alone.materials.push_back({"any", assumed_db});
+  alone.sensors.push_back(sensor);
+  try {
+    read_scene_text(scene_text(alone) + "\n[[terrain]]\nkind = \"flat\"\nwidth_m = 1\nlength_m = 1\n",
+                    world_);
+  } catch (const InputError& error) {
+    std::string why = error.what();
+    if (const std::size_t place = why.find(": "); place != std::string::npos) why = why.substr(place + 2);
+    return notice(node, fmt::format("sonar '{}' left out: {}", sensor.name, why));
+  }
+  scene_.sensors.push_back(std::move(sensor));
+}
+
+ImportedScene WorldParts::finish() {
+  if (scene_.objects.empty())
+    throw InputError({world_.string(), 0, 0},
+                     scene_.noticed.empty() ? "has no geometry: no mesh, box, sphere, cylinder, cone or plane"
+                                            : "has no geometry that is read; the first that was left out: " +
+                                                  scene_.noticed.front());
+  if (not_told_ > 0) scene_.noticed.push_back(fmt::format("and {} things more", not_told_));
+  for (const std::string& name : assumed_)
+    scene_.noticed.push_back(
+        fmt::format("material '{}': nothing says how it scatters sound; lambert_db = {} is "
+                    "assumed: change it in scene.toml",
+                    name, assumed_db));
+  for (const auto& [name, count] : passed_over_)
+    scene_.noticed.push_back(fmt::format("left out: {} x <{}>", count, name));
+  if (scene_.sensors.empty())
+    scene_.noticed.push_back("no sonar was found: scene.toml has an example of one, ahead, at the origin");
+  if (!scene_.sound_speed_m_s)
+    scene_.noticed.push_back("nothing says what the water is like: scene.toml has defaults");
+  return std::move(scene_);
+}
+
+ComponentMesh plane_mesh(double width, double length) {
+  ComponentMesh mesh;
+  for (const double y : {-0.5, 0.5})
+    for (const double x : {-0.5, 0.5}) mesh.points_m.emplace_back(x * width, y * length, 0);
+  mesh.triangles = {{0, 1, 3}, {0, 3, 2}};
+  return mesh;
+}
+
+ImportedScene read_world(const fs::path& world, const std::vector<fs::path>& model_path) {
+  const XmlInput xml(world);
+  const std::string root = xml.root().name();
+  if (root != "sdf" && root != "scenario")
+    throw InputError(xml.place_of(xml.root()),
+                     fmt::format("begins with <{}>: expected <sdf> (Gazebo) or <scenario> (Stonefish)",
+                                 name_in(xml.root())));
+  const bool stonefish = root == "scenario";
+  WorldParts parts(xml, world, stonefish ? ExchangeFormat::stonefish : ExchangeFormat::sdf, model_path);
+  (stonefish ? read_stonefish : read_sdf)(parts);
+  return parts.finish();
+}
+
+}  // namespace tubefoot

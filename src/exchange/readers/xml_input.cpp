@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exchange/readers/xml_input.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+
+#include "files/inlet.hpp"
+#include "files/shown.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr std::string_view blanks = " \t\r\n";
+
+}  // namespace
+
+XmlInput::XmlInput(const std::filesystem::path& file) : file_(file) {
+  text_ = read_whole(file, {file.string(), 0, 0}, most_bytes, "an SDF world or a Stonefish scenario (XML)");
+  lines_.push_back(0);
+  for (std::size_t at = 0; at < text_.size(); ++at)
+    if (text_[at] == '\n') lines_.push_back(at + 1);
+  const pugi::xml_parse_result parsed = document_.load_buffer(
+      text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
+  if (!parsed)
+    throw InputError(place_at(parsed.offset), fmt::format("is no XML: {}", harmless(parsed.description())));
+  for (const pugi::xml_node node : document_.children())
+    if (node.type() == pugi::node_doctype)
+      fail(node, "has a document type, which worlds have not: remove <!DOCTYPE ...>");
+  // Step by step: the stack does not grow with what a stranger nests.
+  int depth = 0;
+  for (pugi::xml_node node = root(); node;) {
+    if (depth > most_nesting)
+      fail(node, fmt::format("is nested deeper than {} elements, as no world is", most_nesting));
+    if (const pugi::xml_node inner = node.first_child()) {
+      node = inner;
+      ++depth;
+      continue;
+    }
+    while (node && !node.next_sibling() && depth > 0) {
+      node = node.parent();
+      --depth;
+    }
+    node = depth > 0 ? node.next_sibling() : pugi::xml_node();
+  }
+}
+
+SourcePlace XmlInput::place_at(std::ptrdiff_t offset) const {
+  if (offset < 0 || static_cast<std::size_t>(offset) > text_.size()) return {file_.string(), 0, 0};
+  const auto at = static_cast<std::size_t>(offset);
+  const auto after = std::ranges::upper_bound(lines_, at);
+  return {file_.string(), static_cast<int>(after - lines_.begin()),
+          static_cast<int>(at - *std::prev(after)) + 1};
+}
+
+SourcePlace XmlInput::place_of(pugi::xml_node node) const {
+  // pugixml counts from an element's name.
+  const std::ptrdiff_t offset = node.offset_debug();
+  return place_at(offset > 0 && node.type() == pugi::node_element ? offset - 1 : offset);
+}
+
+void XmlInput::fail(pugi::xml_node node, const std::string& what) const {
+  throw InputError(place_of(node), what);
+}
+
+std::vector<double> XmlInput::numbers(pugi::xml_node node, std::string_view text, std::size_t count,
+                                      std::string_view what) const {
+  constexpr double largest = 1e9;
+  std::vector<double> values;
+  const auto wrong = [&](const std::string& why) {
+    fail(node, fmt::format("{} is '{}': {}, expected {}", what, shown_line(text.substr(0, 100)), why,
+                           count == 1 ? "a number" : fmt::format("{} numbers between spaces", count)));
+  };
+  std::string_view rest = text;
+  while (true) {
+    rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size()));
+    if (rest.empty()) break;
+    std::string_view word = rest.substr(0, rest.find_first_of(blanks));
+    rest.remove_prefix(word.size());
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double value = 0;
+    const char* end = word.data() + word.size();
+    const auto read = std::from_chars(word.data(), end, value);
+    if (read.ec != std::errc() || read.ptr != end || !std::isfinite(value))
+      wrong(fmt::format("'{}' is no number", shown_line(word.substr(0, 40))));
+    if (std::abs(value) > largest) wrong(fmt::format("{} is beyond {:g}", value, largest));
+    if (values.size() == count) wrong("too many");
+    values.push_back(value);
+  }
+  if (values.size() != count) wrong(fmt::format("{} numbers", values.size()));
+  return values;
+}
+
+double XmlInput::child_number(pugi::xml_node node, const char* child, double otherwise) const {
+  const pugi::xml_node found = node.child(child);
+  return found ? number(found, found.child_value(), fmt::format("<{}>", child)) : otherwise;
+}
+
+double XmlInput::attribute_number(pugi::xml_node node, const char* attribute, double otherwise) const {
+  const pugi::xml_attribute found = node.attribute(attribute);
+  return found ? number(node, found.value(), fmt::format("{} of <{}>", attribute, name_in(node))) : otherwise;
+}
+
+std::string name_in(pugi::xml_node node) { return shown_line(std::string_view(node.name()).substr(0, 80)); }
+
+}  // namespace tubefoot

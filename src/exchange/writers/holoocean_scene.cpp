@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "exchange/writers/scene_writers.hpp"
+#include "files/checked_file.hpp"
+#include "files/json_text.hpp"
+#include "sensors/model/angles.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Shape = ExchangedSonar::Shape;
+
+const EngineAxes& holo_axes() { return axes_of(ExchangeFormat::holoocean); }
+
+void set_place(Json& of, const Placement& theirs) {
+  const glm::dvec3 p = theirs.position_m, rpy = roll_pitch_yaw(theirs.turn);
+  of["location"] = {p.x, p.y, p.z};
+  of["rotation"] = {degrees(rpy.x) + 0.0, degrees(rpy.y) + 0.0, degrees(rpy.z) + 0.0};
+}
+
+std::string type_of(const ExchangedSonar& sonar) {
+  if (sonar.shape == Shape::two_sides) return "SidescanSonar";
+  if (sonar.looks_down) return sonar.azimuth_deg.size() == 1 ? "SinglebeamSonar" : "ProfilingSonar";
+  return "ImagingSonar";
+}
+
+Json sensor_of(const ExchangedSonar& sonar) {
+  const std::string type = type_of(sonar);
+  Json configuration{{"RangeMin", sonar.range_min_m}, {"RangeMax", sonar.range_max_m}};
+  const bool sides = sonar.shape == Shape::two_sides;
+  configuration["RangeBins"] = sides ? 2 * sonar.samples : sonar.samples;
+  if (type == "SinglebeamSonar") {
+    configuration["OpeningAngle"] = sonar.vertical_deg;
+  } else {
+    const double shallowest = sonar.depression_deg - sonar.vertical_deg / 2;
+    configuration["Azimuth"] = sides                           ? 2 * (90 - shallowest)
+                               : sonar.shape == Shape::turning ? sonar.scan_deg
+                                                               : sonar.horizontal_deg;
+    configuration["Elevation"] = sides ? sonar.along_track_deg : sonar.vertical_deg;
+    if (!sides) configuration["AzimuthBins"] = sonar.azimuth_deg.size();
+  }
+  configuration["InitOctreeRange"] = sonar.range_max_m;
+  for (const char* noise : {"AddSigma", "MultSigma", "RangeSigma"}) configuration[noise] = 0;
+  if (type == "ImagingSonar" || type == "ProfilingSonar") configuration["MultiPath"] = false;
+  configuration["WaterSpeedSound"] = sonar.sound_speed_m_s;
+  Json sensor{{"sensor_type", type}, {"sensor_name", sonar.name}};
+  const Placement& ours = sides ? sonar.own : sonar.placement;
+  set_place(sensor, to_theirs(inverse(sonar.carrier) * ours, holo_axes().body, holo_axes().sonar));
+  sensor["Hz"] = 1;
+  sensor["configuration"] = configuration;
+  return sensor;
+}
+
+std::vector<std::string> notes_on(const ExchangedScene& scene) {
+  std::vector<std::string> notes{
+      "its worlds are made in the Unreal editor: import scene.gltf there (metres), look whether north is its "
+      "y and "
+      "up its z and turn it if not, package it, and put its name in place of YOUR_WORLD in scenario.json",
+      "in its worlds x is our east, y our north, z up. Its pages say right-handed, and of pitch that it is "
+      "about the "
+      "'right (y)' axis, while y is left: rotations here are right-handed about x, y, z. Look at one tilted "
+      "sonar "
+      "first",
+      "it makes echoes of cells of an octree (octree_min in scenario.json), and materials by density and "
+      "speed of "
+      "sound in its materials.csv: the levels of ours have no place there",
+      "its pages do not say on which side azimuths grow: look at one object on one side first"};
+  for (const ExchangedSonar& sonar : scene.sonars) {
+    if (sonar.shape == Shape::two_sides)
+      notes.push_back(
+          fmt::format("sonar '{}': RangeBins holds both sides; Azimuth reaches to the shallowest edge of "
+                      "both and closes over what lies between the steepest; its frame is the sonar's own "
+                      "body, x forward",
+                      sonar.name));
+    else if (sonar.shape == Shape::turning)
+      notes.push_back(fmt::format("sonar '{}' is a fan that stands still: no motor turns it", sonar.name));
+    else if (!sonar.even)
+      notes.push_back(
+          fmt::format("sonar '{}': its beams are not even in angle, AzimuthBins are", sonar.name));
+    if (sonar.shape == Shape::fan && sonar.looks_down)
+      notes.push_back(fmt::format("sonar '{}' looks ahead there, and is turned down", sonar.name));
+  }
+  return notes;
+}
+
+}  // namespace
+
+WrittenScene write_holoocean_scene(const ExchangedScene& scene, const std::filesystem::path& folder) {
+  const WrittenScene meshes = write_gltf_scene(scene, folder);
+  Json agents = Json::array();
+  for (std::size_t k = 0; k < scene.sonars.size(); ++k) {
+    Json agent{{"agent_name", fmt::format("auv{}", k)}, {"agent_type", "HoveringAUV"}};
+    agent["sensors"] = Json::array({sensor_of(scene.sonars[k])});
+    agent["control_scheme"] = 0;
+    set_place(agent, to_theirs(scene.sonars[k].carrier, holo_axes().world, holo_axes().body));
+    agents.push_back(agent);
+  }
+  Json root{{"_comment", axes_words(ExchangeFormat::holoocean)},
+            {"name", scene.title.empty() ? "scene" : scene.title},
+            {"package_name", "Ocean"},
+            {"world", "YOUR_WORLD"},
+            {"main_agent", "auv0"},
+            {"ticks_per_sec", 1},
+            {"frames_per_sec", false},
+            {"octree_min", 0.02},
+            {"octree_max", 5.0},
+            {"agents", agents}};
+  write_file(folder / "scenario.json", std::string_view(text_of(root) + "\n"));
+  WrittenScene written{{"scenario.json"}, notes_on(scene)};
+  written.files.insert(written.files.end(), meshes.files.begin(), meshes.files.end());
+  written.notes.push_back(meshes.notes.front());
+  return written;
+}
+
+}  // namespace tubefoot

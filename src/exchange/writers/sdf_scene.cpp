@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "exchange/obj_mesh.hpp"
+#include "exchange/writers/scene_writers.hpp"
+#include "exchange/writers/xml_words.hpp"
+#include "sensors/model/angles.hpp"
+
+namespace tubefoot {
+namespace {
+
+const EngineAxes& sdf_axes() { return axes_of(ExchangeFormat::sdf); }
+
+std::string pose_text(const Placement& theirs) {
+  return fmt::format("{} {}", numbers_text(theirs.position_m), rpy_text(theirs));
+}
+
+void add_geometry(pugi::xml_node parent, const std::string& mesh) {
+  add(add(add(parent, "geometry"), "mesh"), "uri", mesh);
+}
+
+void add_piece(pugi::xml_node world, const ExchangedScene& scene, const ExchangedPiece& piece,
+               const std::string& mesh) {
+  const ExchangedMaterial& material = scene.materials[piece.material];
+  const pugi::xml_node model = set(add(world, "model"), "name", piece.file_stem);
+  add(model, "static", "true");
+  const pugi::xml_node link = set(add(model, "link"), "name", std::string("link"));
+  add_geometry(set(add(link, "collision"), "name", std::string("collision")), mesh);
+  const pugi::xml_node visual = set(add(link, "visual"), "name", std::string("visual"));
+  add_geometry(visual, mesh);
+  const pugi::xml_node look = add(visual, "material");
+  const double grey = grey_of(material);
+  for (const char* light : {"ambient", "diffuse"}) add(look, light, fmt::format("{0} {0} {0} 1", grey));
+  add(look, "specular", "0 0 0 1");
+  set(add(visual, "tubefoot:material"), "name", material.name);
+}
+
+/// A fan of beams about the sensor's x, as the multibeam sonar of DAVE for Gazebo reads it. Its angles grow
+/// to port, as rotations about z do.
+struct Fan {
+  std::string name;
+  Placement placed;  ///< in the link, SDF's axes
+  std::size_t beams = 1;
+  double lowest_rad = 0, highest_rad = 0, half_height_rad = 0;
+};
+
+void add_fan(pugi::xml_node link, const ExchangedSonar& sonar, const Fan& fan, bool first,
+             const Placement& own) {
+  const pugi::xml_node sensor = set(add(link, "sensor"), "name", fan.name);
+  set(sensor, "type", std::string("custom"));
+  set(sensor, "gz:type", std::string("multibeam_sonar"));
+  add(sensor, "pose", pose_text(fan.placed));
+  add(sensor, "always_on", "true");
+  add(sensor, "update_rate", 1.0);
+  add(sensor, "topic", "/" + fan.name);
+  const pugi::xml_node block = add(sensor, "gz:multibeam_sonar");
+  const pugi::xml_node ray = set(add(block, "ray"), "degrees", std::string("false"));
+  const pugi::xml_node scan = add(ray, "scan");
+  const pugi::xml_node across = add(scan, "horizontal");
+  add(across, "beams", static_cast<double>(fan.beams));
+  add(across, "min_angle", fan.lowest_rad);
+  add(across, "max_angle", fan.highest_rad);
+  // As fine as the beams are wide; ours are solid, and have no number of rays.
+  const double step_rad = (fan.highest_rad - fan.lowest_rad) / static_cast<double>(fan.beams);
+  constexpr double most_rays = 1000, least_rays = 10;
+  const pugi::xml_node up = add(scan, "vertical");
+  add(up, "rays", std::round(std::clamp(2 * fan.half_height_rad / step_rad, least_rays, most_rays)));
+  add(up, "min_angle", -fan.half_height_rad);
+  add(up, "max_angle", fan.half_height_rad);
+  const pugi::xml_node range = add(ray, "range");
+  add(range, "min", sonar.range_min_m);
+  add(range, "max", sonar.range_max_m);
+  const pugi::xml_node spec = add(block, "spec");
+  add(spec, "sonarFreq", 1000 * sonar.frequency_khz);
+  // A bandwidth resolves c / (2 B): one of our samples.
+  const double sample_m = (sonar.range_max_m - sonar.range_min_m) / sonar.samples;
+  add(spec, "bandwidth", sonar.sound_speed_m_s / (2 * sample_m));
+  add(spec, "soundSpeed", sonar.sound_speed_m_s);
+  add(spec, "maxDistance", sonar.range_max_m);
+  if (first)
+    add_own_sonar(sensor, sonar, own);
+  else
+    set(add(sensor, "tubefoot:part_of"), "name", sonar.name);
+}
+
+void add_sonar(pugi::xml_node world, const ExchangedSonar& sonar, std::size_t number) {
+  const Axes& body = sdf_axes().body;
+  const pugi::xml_node model = set(add(world, "model"), "name", fmt::format("carrier_of_sonar_{}", number));
+  add(model, "static", "true");
+  add(model, "pose", pose_text(to_theirs(sonar.carrier, sdf_axes().world, body)));
+  const pugi::xml_node link = set(add(model, "link"), "name", std::string("link"));
+  // Relative to the carrier, both in the axes of bodies.
+  const auto placed = [&](const Placement& ours) {
+    return to_theirs(inverse(sonar.carrier) * ours, body, sdf_axes().sonar);
+  };
+  const Placement own = placed(sonar.own);
+  Fan fan{sonar.name, placed(sonar.placement), sonar.azimuth_deg.size()};
+  if (sonar.shape == ExchangedSonar::Shape::two_sides) {
+    fan.beams = 1;
+    fan.highest_rad = radians(sonar.along_track_deg) / 2;
+    fan.lowest_rad = -fan.highest_rad;
+    fan.half_height_rad = radians(sonar.vertical_deg) / 2;
+    for (const bool port : {true, false}) {
+      // In the axes of bodies, x forward: yaw to the side, then pitch down.
+      const glm::dmat3 turn = turn_of({0, radians(sonar.depression_deg), radians(port ? 90 : -90)});
+      fan.name = sonar.name + (port ? "_port" : "_starboard");
+      fan.placed = {own.position_m, own.turn * turn};
+      add_fan(link, sonar, fan, port, own);
+    }
+    return;
+  }
+  const bool turning = sonar.shape == ExchangedSonar::Shape::turning;
+  fan.highest_rad = radians(turning ? sonar.scan_deg : sonar.horizontal_deg) / 2;
+  fan.lowest_rad = -fan.highest_rad;
+  if (!sonar.even) {
+    const double left = -sonar.azimuth_deg.front(), right = sonar.azimuth_deg.back();
+    const double spare = sonar.horizontal_deg - (left + right);
+    fan.lowest_rad = -radians(right + spare / 2);
+    fan.highest_rad = radians(left + spare / 2);
+  }
+  fan.half_height_rad = radians(sonar.vertical_deg) / 2;
+  add_fan(link, sonar, fan, true, own);
+}
+
+std::vector<std::string> notes_on(const ExchangedScene& scene) {
+  std::vector<std::string> notes{
+      "sonars are sensors of type \"custom\", gz:type=\"multibeam_sonar\": DAVE's plugin for Gazebo reads "
+      "them, and "
+      "others pass over them; elements tubefoot:... say the same exactly, for 'tubefoot import-scene'",
+      "that plugin's angles grow to port; its image has the beams in the other order than its list of "
+      "directions, so "
+      "look at one object on one side first",
+      "it takes rays for beams: 'rays' up and down is as fine as the beams are wide, and the bandwidth is "
+      "the "
+      "one that resolves a range sample"};
+  for (const ExchangedSonar& sonar : scene.sonars) {
+    if (sonar.shape == ExchangedSonar::Shape::two_sides)
+      notes.push_back(fmt::format("sonar '{}' is two sensors of one beam each, '{}_port' and '{}_starboard'",
+                                  sonar.name, sonar.name, sonar.name));
+    else if (sonar.shape == ExchangedSonar::Shape::turning)
+      notes.push_back(fmt::format("sonar '{}' is a fan that stands still: no motor turns it", sonar.name));
+    else if (!sonar.even)
+      notes.push_back(fmt::format("sonar '{}': its beams are not even in angle, SDF's are", sonar.name));
+  }
+  return notes;
+}
+
+}  // namespace
+
+WrittenScene write_sdf_scene(const ExchangedScene& scene, const std::filesystem::path& folder) {
+  const std::vector<std::string> meshes = write_piece_meshes(ExchangeFormat::sdf, scene, folder);
+  pugi::xml_document document;
+  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
+  set(declaration, "version", std::string("1.0"));
+  add_comment(document, axes_words(ExchangeFormat::sdf));
+  const pugi::xml_node sdf = set(add(document, "sdf"), "version", std::string("1.7"));
+  set(sdf, "xmlns:tubefoot", std::string(own_namespace));
+  set(sdf, "xmlns:gz", std::string("http://gazebosim.org/schema"));
+  const pugi::xml_node world = set(add(sdf, "world"), "name", std::string("scene"));
+  add_own_scene(world, scene);
+  const pugi::xml_node sun = set(add(world, "light"), "name", std::string("sun"));
+  set(sun, "type", std::string("directional"));
+  add(sun, "direction", "-0.5 0.1 -0.9");
+  for (std::size_t k = 0; k < scene.pieces.size(); ++k) add_piece(world, scene, scene.pieces[k], meshes[k]);
+  for (std::size_t k = 0; k < scene.sonars.size(); ++k) add_sonar(world, scene.sonars[k], k);
+  write_xml(document, folder / "scene.sdf");
+  WrittenScene written{{"scene.sdf"}, notes_on(scene)};
+  written.files.insert(written.files.end(), meshes.begin(), meshes.end());
+  return written;
+}
+
+}  // namespace tubefoot

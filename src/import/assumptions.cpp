@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "import/assumptions.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "compare/diagnosis/coarse_search.hpp"
+#include "compare/diagnosis/diagnosis.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+// Another way of reading must explain this much of what the assumed one leaves, and be better by as much.
+constexpr double clearly_less = 0.8, clearly_more = 0.03, hardly_alike = 0.3;
+constexpr std::size_t most_others = 4;
+
+double pearson(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto n = static_cast<double>(a.size());
+  const double mean_a = std::accumulate(a.begin(), a.end(), 0.0) / n,
+               mean_b = std::accumulate(b.begin(), b.end(), 0.0) / n;
+  double ab = 0, aa = 0, bb = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    ab += (a[k] - mean_a) * (b[k] - mean_b);
+    aa += (a[k] - mean_a) * (a[k] - mean_a);
+    bb += (b[k] - mean_b) * (b[k] - mean_b);
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+/// Whether a correlation is so much better than another that this is refuted.
+bool better(double than, double other) {
+  return 1 - than < clearly_less * (1 - other) && than > other + clearly_more && than > hardly_alike;
+}
+
+bool silent(const std::vector<double>& energies) {
+  return std::ranges::none_of(energies, [](double e) { return e > 0; });
+}
+
+/// What displacements mean for who declares axes.
+void add_displacements(const Diagnosis& diagnosis, const BinAxes& declared, Verdict& verdict) {
+  const Bins& samples = declared.samples;
+  const double step_m = (samples.edges.back() - samples.edges.front()) / static_cast<double>(samples.count());
+  for (const Finding& finding : diagnosis.findings) {
+    std::string remedy;
+    if (finding.fault == "half-sample" || finding.fault == "sample-shift")
+      remedy = fmt::format("; --ranges {:.8g}:{:.8g} (edges) puts it there",
+                           samples.edges.front() - finding.size * step_m,
+                           samples.edges.back() - finding.size * step_m);
+    else if (finding.fault == "tangent-spacing")
+      remedy = finding.size > 0 ? "; --azimuths tangent says so" : "; --azimuths even says so";
+    else if (finding.fault != "beam-shift" && finding.fault != "azimuth-scale" &&
+             finding.fault != "range-scale" && finding.fault != "swapped-ports")
+      continue;
+    verdict.refuted.push_back(finding.words + remedy);
+  }
+}
+
+}  // namespace
+
+double correlation(const EchoShape& shape, const BinAxes& axes, const std::vector<double>& truth_j,
+                   const std::vector<double>& candidate_j) {
+  const Fan fan(shape, axes.beams.centres, axes.samples.centres);
+  const auto seen = [&](const std::vector<double>& energies) {
+    constexpr double variance = 1;
+    return fan.blurred(as_seen(shape, energies, row_levels(shape, energies)), fan.has_width() ? variance : 0,
+                       variance);
+  };
+  return pearson(seen(truth_j), seen(candidate_j));
+}
+
+Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<double>& truth_j,
+               const std::vector<Hypothesis>& hypotheses, const BinAxes& declared) {
+  Verdict verdict;
+  if (silent(truth_j)) {
+    verdict.found.emplace_back("nothing was tested: the truth is silent on these pings");
+    return verdict;
+  }
+  struct Tried {
+    const Hypothesis* of;
+    std::vector<double> energies;
+    double correlation;
+  };
+  std::vector<Tried> tried;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    stop_if_wanted();
+    std::vector<double> energies = hypothesis.energies_of();
+    if (energies.empty()) continue;
+    const double alike = correlation(shape, axes, truth_j, energies);
+    tried.push_back({&hypothesis, std::move(energies), alike});
+  }
+  if (tried.empty() || silent(tried.front().energies)) {
+    verdict.refuted.emplace_back("the pictures are silent where the truth has echoes");
+    return verdict;
+  }
+  const Tried &assumed = tried.front(), &best = *std::ranges::max_element(tried, {}, &Tried::correlation);
+  const bool refuted = better(best.correlation, assumed.correlation);
+  const Tried& taken = refuted ? best : assumed;
+  if (refuted)
+    verdict.refuted.push_back(fmt::format("{}: corr {:.2f} against {:.2f} as assumed; use {}", best.of->name,
+                                          best.correlation, assumed.correlation, best.of->remedy));
+  else
+    verdict.found.push_back(fmt::format("{}{}: corr {:.2f}", assumed.of->name,
+                                        assumed.correlation > hardly_alike ? " holds" : "",
+                                        assumed.correlation));
+  std::vector<std::string> others;
+  for (const Tried& other : tried)
+    if (&other != &best && &other != &assumed && others.size() < most_others)
+      others.push_back(fmt::format("{} {:.2f}", other.of->name, other.correlation));
+  if (!others.empty()) verdict.found.push_back(fmt::format("corr otherwise: {}", fmt::join(others, ", ")));
+  std::vector<double> otherwise;
+  bool scale_doubted = false;
+  if (!taken.of->other_scale.empty()) otherwise = taken.of->energies_of_other_scale();
+  if (!otherwise.empty()) {
+    const double alike = correlation(shape, axes, truth_j, otherwise);
+    scale_doubted = better(alike, taken.correlation);
+    if (scale_doubted)
+      verdict.doubted.push_back(fmt::format(
+          "as --scale {} has it, it looks more like the truth: corr {:.2f} against {:.2f}. So do means per "
+          "bin beside sums: if the numbers are means, leave the scale and compare with a recipe (--recipe)",
+          taken.of->other_scale, alike, taken.correlation));
+    else
+      verdict.found.push_back(fmt::format("corr as --scale {}: {:.2f}", taken.of->other_scale, alike));
+  }
+  if (best.correlation < hardly_alike) {
+    verdict.refuted.push_back(
+        fmt::format("no way of reading the pictures looks like the truth (corr {:.2f} at best): "
+                    "is it the same scene, sensor, pose and ping?",
+                    best.correlation));
+    return verdict;
+  }
+  // Where contrasts are another scale's, displacements are told from the picture that looks like the truth.
+  const std::vector<double>& looked_at = scale_doubted ? otherwise : taken.energies;
+  add_displacements(
+      diagnose({{shape, truth_j, looked_at, {}, axes.samples.centres}, axes.beams.centres, looked_at, {}}),
+      declared, verdict);
+  return verdict;
+}
+
+}  // namespace tubefoot

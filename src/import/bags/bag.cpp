@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "import/bags/bag.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <tuple>
+
+#include "files/inlet.hpp"
+#include "files/memory_at_hand.hpp"
+#include "files/shown.hpp"
+#include "files/usage_error.hpp"
+#include "geometry/steps/steps.hpp"
+#include "import/bags/bag_limits.hpp"
+#include "import/bags/bag_metadata.hpp"
+#include "import/bags/cdr.hpp"
+#include "import/bags/definitions.hpp"
+#include "import/bags/mcap_store.hpp"
+#include "import/bags/message_error.hpp"
+#include "import/bags/message_frames.hpp"
+#include "import/bags/sqlite_store.hpp"
+#include "import/bags/text_messages.hpp"
+#include "import/bags/unpacking.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view sqlite_magic{"SQLite format 3\0", 16};
+constexpr std::array text_endings{".yaml", ".yml"};
+constexpr std::array bag_endings{".db3", ".mcap", ".db3.zstd", ".mcap.zstd", ".cdr", ".yaml", ".yml"};
+
+bool ends_in(const fs::path& path, std::string_view ending) {
+  return path.filename().string().ends_with(ending);
+}
+
+/// Frames as they come, with the memory that they take.
+class Gathered {
+ public:
+  explicit Gathered(const fs::path& path) : place_{path.string(), 0, 0} {}
+
+  /// Throws MessageError for a message without a picture.
+  void add(const ros::Message& message, std::optional<double> recorded_s) {
+    ForeignFrame frame = frame_of(message, notices_);
+    if (!frame.time_s) frame.time_s = recorded_s;
+    constexpr double look_every = 64 << 20;
+    bytes_ += static_cast<double>(frame.values.size() * sizeof(double));
+    if (bytes_ - looked_ > look_every) {
+      require_memory(bytes_, place_, "its pictures", "cut the recording with ros2 bag convert");
+      looked_ = bytes_;
+    }
+    if (!data_.frames.empty() &&
+        (data_.frames.front().rows != frame.rows || data_.frames.front().columns != frame.columns))
+      notices_.add("sizes", fmt::format("pictures differ in size: the first has {} x {}, another {} x {}",
+                                        data_.frames.front().rows, data_.frames.front().columns, frame.rows,
+                                        frame.columns));
+    data_.frames.push_back(std::move(frame));
+  }
+
+  void note(const std::string& what) { data_.noticed.push_back(what); }
+
+  ForeignData done() {
+    if (data_.frames.empty()) throw InputError(place_, "has no message");
+    for (std::string& each : notices_.told(data_.frames.size())) data_.noticed.push_back(std::move(each));
+    return std::move(data_);
+  }
+
+ private:
+  SourcePlace place_;
+  Notices notices_;
+  ForeignData data_;
+  double bytes_ = 0, looked_ = 0;
+};
+
+std::unique_ptr<MessageStore> open_store(const fs::path& file) {
+  const SourcePlace place{file.string(), 0, 0};
+  InputFile input(file);
+  const std::string head = input.head(sqlite_magic.size());
+  const auto bytes = [](const std::string& text) {
+    return std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  };
+  const auto begins = [](std::span<const std::uint8_t> with, std::string_view magic) {
+    return with.size() >= magic.size() &&
+           std::equal(magic.begin(), magic.end(), with.begin(),
+                      [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+  };
+  if (begins(bytes(head), sqlite_magic)) return open_sqlite_store(file);
+  if (begins(bytes(head), mcap_magic)) return open_mcap_store(ByteSource(file));
+  if (is_zstd(bytes(head))) {
+    require_memory(static_cast<double>(input.size()), place, "the recording", "unpack it with zstd -d");
+    std::vector<std::uint8_t> packed(input.size());
+    ByteSource(file).read(0, packed);
+    std::vector<std::uint8_t> unpacked = unpack_zstd(packed, limits::unpacked_bytes, place, "the recording");
+    packed = {};
+    if (begins(unpacked, sqlite_magic)) return open_sqlite_store(file, std::move(unpacked));
+    if (begins(unpacked, mcap_magic)) return open_mcap_store(ByteSource(file, std::move(unpacked)));
+  }
+  throw InputError(
+      place,
+      "is no recording of ROS 2: expected SQLite (.db3) or MCAP (.mcap), or one of them packed by zstd");
+}
+
+/// A topic of all files of a recording.
+struct WholeTopic {
+  BagTopic topic;
+  std::vector<std::pair<std::size_t, std::size_t>> parts;  ///< store, number in it
+};
+
+std::vector<WholeTopic> all_topics(const std::vector<std::unique_ptr<MessageStore>>& stores) {
+  std::vector<WholeTopic> all;
+  for (std::size_t store = 0; store < stores.size(); ++store)
+    for (std::size_t k = 0; k < stores[store]->topics().size(); ++k) {
+      const BagTopic& topic = stores[store]->topics()[k];
+      auto same = std::ranges::find_if(all, [&](const WholeTopic& each) {
+        return std::tie(each.topic.name, each.topic.type, each.topic.format) ==
+               std::tie(topic.name, topic.type, topic.format);
+      });
+      if (same == all.end()) {
+        all.push_back({topic, {}});
+        same = all.end() - 1;
+      } else {
+        same->topic.messages += topic.messages;
+      }
+      same->parts.emplace_back(store, k);
+    }
+  return all;
+}
+
+std::string list_of(const std::vector<WholeTopic>& topics) {
+  constexpr std::size_t most = 50;
+  std::string list;
+  for (std::size_t k = 0; k < std::min(most, topics.size()); ++k)
+    list += fmt::format("\n  {}  {}  {} messages", shown_line(topics[k].topic.name),
+                        shown_line(topics[k].topic.type), topics[k].topic.messages);
+  if (topics.size() > most) list += fmt::format("\n  and {} more", topics.size() - most);
+  return list;
+}
+
+const WholeTopic& chosen(const std::vector<WholeTopic>& topics, const std::optional<std::string>& name,
+                         const fs::path& path) {
+  const std::string here = shown_line(path.string());
+  std::vector<const WholeTopic*> fitting;
+  for (const WholeTopic& each : topics)
+    if (name ? each.topic.name == *name : ros::is_known_type(each.topic.type) && each.topic.messages > 0)
+      fitting.push_back(&each);
+  const auto has_no_picture = [](const WholeTopic* each) {
+    return ros::is_type(each->topic.type, ros::ImagingSonar::name);
+  };
+  if (!name && !std::ranges::all_of(fitting, has_no_picture)) std::erase_if(fitting, has_no_picture);
+  const bool one_name = std::ranges::all_of(
+      fitting, [&](const WholeTopic* each) { return each->topic.name == fitting.front()->topic.name; });
+  if (fitting.size() > 1 && one_name) {  // of two types, one of which may be read
+    std::erase_if(fitting, [](const WholeTopic* each) { return !ros::is_known_type(each->topic.type); });
+    if (fitting.size() > 1)
+      throw InputError({path.string(), 0, 0},
+                       fmt::format("topic '{}' has messages of more than one kind:{}",
+                                   shown_line(fitting.front()->topic.name), list_of(topics)));
+  }
+  if (fitting.empty() && name)
+    throw UsageError(fmt::format("{}: has no topic '{}'; it has{}", here, shown_line(*name),
+                                 topics.empty() ? " none" : ":" + list_of(topics)));
+  if (fitting.empty())
+    throw InputError({path.string(), 0, 0},
+                     fmt::format("has no topic with pictures of a sonar ({}); it has{}",
+                                 fmt::join(std::span(ros::known_types).first(3), ", "),
+                                 topics.empty() ? " none" : ":" + list_of(topics)));
+  if (fitting.size() > 1)
+    throw UsageError(fmt::format("{}: several topics have pictures: choose one with --topic; it has:{}", here,
+                                 list_of(topics)));
+  const BagTopic& topic = fitting.front()->topic;
+  if (!ros::is_known_type(topic.type))
+    throw InputError(
+        {path.string(), 0, 0},
+        fmt::format("topic '{}' is of type {}, which is not read: expected {}", shown_line(topic.name),
+                    shown_line(topic.type), fmt::join(std::span(ros::known_types).first(3), ", ")));
+  if (topic.format != "cdr")
+    throw InputError({path.string(), 0, 0},
+                     fmt::format("topic '{}' is serialized as '{}', which is not read: expected cdr",
+                                 shown_line(topic.name), shown_line(topic.format)));
+  if (const std::string difference =
+          topic.definition.empty() ? "" : difference_of_definition(topic.type, topic.definition);
+      !difference.empty())
+    throw InputError({path.string(), 0, 0},
+                     fmt::format("topic '{}': the recording has another definition of {}: {}",
+                                 shown_line(topic.name), shown_line(topic.type), difference));
+  return *fitting.front();
+}
+
+ForeignData read_recording(const fs::path& path, const std::vector<fs::path>& files,
+                           std::optional<std::uint64_t> said, const std::optional<std::string>& name) {
+  std::vector<std::unique_ptr<MessageStore>> stores;
+  for (const fs::path& file : files) stores.push_back(open_store(file));
+  const std::vector<WholeTopic> topics = all_topics(stores);
+  Gathered gathered(path);
+  std::uint64_t found = 0;
+  for (const WholeTopic& each : topics) found += each.topic.messages;
+  if (said && *said != found)
+    gathered.note(fmt::format("metadata.yaml tells of {} messages, its files have {}", *said, found));
+  const WholeTopic& whole = chosen(topics, name, path);
+  if (topics.size() > 1 || name)
+    gathered.note(fmt::format("topic {} ({})", shown_line(whole.topic.name), shown_line(whole.topic.type)));
+
+  struct Message {
+    MessagePlace place;
+    std::size_t store;
+  };
+  std::vector<Message> messages;
+  for (const auto& [store, number] : whole.parts)
+    for (const MessagePlace& place : stores[store]->messages(number)) messages.push_back({place, store});
+  std::ranges::stable_sort(messages, {}, [](const Message& message) { return message.place.time_ns; });
+
+  Steps steps("messages read", messages.size());
+  for (std::size_t k = 0; k < messages.size(); ++k) {
+    steps.done();
+    const auto& [message, store] = messages[k];
+    const SourcePlace place{files[store].string(), 0, 0};
+    const std::string what = fmt::format("message {} of '{}' ({})", k + 1, shown_line(whole.topic.name),
+                                         shown_line(whole.topic.type));
+    std::span<const std::uint8_t> bytes = stores[store]->read(message);
+    std::vector<std::uint8_t> unpacked;
+    if (is_zstd(bytes)) bytes = unpacked = unpack_zstd(bytes, limits::message_bytes, place, what);
+    try {
+      gathered.add(read_cdr(whole.topic.type, bytes), 1e-9 * static_cast<double>(message.time_ns));
+    } catch (const MessageError& error) {
+      throw InputError(place, fmt::format("{}: {}", what, error.what()));
+    }
+  }
+  return gathered.done();
+}
+
+/// Of a type that was named, or the only one as which the bytes make sense.
+ForeignData read_saved_message(const fs::path& path, const std::optional<std::string>& type) {
+  const SourcePlace place{path.string(), 0, 0};
+  const std::string text = read_whole(path, place, limits::message_bytes, "one serialized message");
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  Gathered gathered(path);
+  std::vector<std::pair<std::string_view, ros::Message>> fitting;
+  std::string reasons;
+  for (const std::string_view known : ros::known_types) {
+    if (type && !ros::is_type(*type, known)) continue;
+    try {
+      ros::Message message = read_cdr(known, bytes);
+      Notices none;
+      if (known != ros::ImagingSonar::name) frame_of(message, none);
+      fitting.emplace_back(known, std::move(message));
+    } catch (const MessageError& error) {
+      reasons += fmt::format("\n  {}: {}", known, error.what());
+    }
+  }
+  if (fitting.empty()) throw InputError(place, "is no message that is read:" + reasons);
+  if (fitting.size() > 1) {
+    std::string types;
+    for (const auto& [known, message] : fitting) types += fmt::format("\n  {}", known);
+    throw UsageError(fmt::format("{}: may be a message of several types: choose one with --topic:{}",
+                                 shown_line(path.string()), types));
+  }
+  if (!type) gathered.note(fmt::format("read as {}, the only type that fits", fitting.front().first));
+  try {
+    gathered.add(fitting.front().second, std::nullopt);
+  } catch (const MessageError& error) {
+    throw InputError(place, error.what());
+  }
+  return gathered.done();
+}
+
+}  // namespace
+
+bool is_bag(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return fs::exists(fs::symlink_status(path / "metadata.yaml", error));
+  return std::ranges::any_of(bag_endings, [&](std::string_view ending) { return ends_in(path, ending); });
+}
+
+ForeignData read_bag(const fs::path& path, const std::optional<std::string>& topic) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    if (!fs::exists(fs::symlink_status(path / "metadata.yaml", error)))
+      throw InputError(
+          {path.string(), 0, 0},
+          "is a folder without metadata.yaml: name the .db3 or .mcap file in it, or run ros2 bag reindex");
+    const BagMetadata metadata = read_bag_metadata(path);
+    return read_recording(path, metadata.files, metadata.messages, topic);
+  }
+  const bool is_text =
+      std::ranges::any_of(text_endings, [&](std::string_view ending) { return ends_in(path, ending); });
+  const bool is_saved = ends_in(path, ".cdr");
+  if ((is_text || is_saved) && topic && !ros::is_known_type(*topic))
+    throw UsageError(fmt::format("{}: of a message by itself the topic is its type, one of {}; '{}' is none",
+                                 shown_line(path.string()), fmt::join(ros::known_types, ", "),
+                                 shown_line(*topic)));
+  if (is_saved) return read_saved_message(path, topic);
+  if (!is_text) return read_recording(path, {path}, std::nullopt, topic);
+  Gathered gathered(path);
+  read_message_text(path, topic, [&](const ros::Message& message) { gathered.add(message, std::nullopt); });
+  return gathered.done();
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "files/inlet.hpp"
+
+namespace tubefoot {
+
+/// Bytes that are read here and there: of a file, or of memory into which one was unpacked.
+class ByteSource {
+ public:
+  explicit ByteSource(const std::filesystem::path& file);
+  /// `file` is where they come from.
+  ByteSource(const std::filesystem::path& file, std::vector<std::uint8_t> bytes);
+
+  const SourcePlace& place() const { return place_; }
+  std::uint64_t size() const { return file_ ? file_->size() : memory_.size(); }
+  /// Fills `bytes` from `at` on. Throws InputError where the file has fewer, or cannot be read.
+  void read(std::uint64_t at, std::span<std::uint8_t> bytes);
+  std::vector<std::uint8_t> read(std::uint64_t at, std::uint64_t count);
+
+ private:
+  SourcePlace place_;
+  std::unique_ptr<InputFile> file_;
+  std::vector<std::uint8_t> memory_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "import/candidate_file.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <stdexcept>
+
+#include "geometry/steps/stop.hpp"
+#include "sensors/formats/netcdf_stream.hpp"
+
+namespace tubefoot {
+namespace {
+
+class CandidateFile {
+ public:
+  CandidateFile(const std::filesystem::path& file, const Candidate& candidate, const WholeEchoFile& reference,
+                std::size_t sensor)
+      : file_(file),
+        group_(file_, file_.id()),
+        candidate_(candidate),
+        echoes_(reference.contents.sensors.at(sensor)),
+        more_(reference.more.at(sensor)),
+        provenance_(reference.contents.provenance) {
+    file_.reserve(candidate.energy.size() * sizeof(double) * 66 / 64);
+  }
+
+  void write() {
+    attributes();
+    const BinAxes& axes = candidate_.axes;
+    const std::size_t beams = axes.beams.count(), samples = axes.samples.count();
+    if (candidate_.energy.size() != candidate_.pings * beams * samples)
+      throw std::logic_error(fmt::format("{} energies for {} pings of {} beams x {} samples",
+                                         candidate_.energy.size(), candidate_.pings, beams, samples));
+    lengths_ = {{"ping", candidate_.pings},
+                {"beam", beams},
+                {"sample", samples},
+                {"bound", 2},
+                {"xyz", 3},
+                {"wxyz", 4}};
+    for (const char* name : {"ping", "beam", "sample", "bound", "xyz", "wxyz"})
+      along_[name] = group_.dimension(name, lengths_.at(name));
+    put("slant_range", {"sample"}, "m", "slant range of the sample's centre", axes.samples.centres);
+    std::vector<double> bounds;
+    for (std::size_t k = 0; k < samples; ++k)
+      bounds.insert(bounds.end(), {axes.samples.edges[k], axes.samples.edges[k + 1]});
+    put("slant_range_bounds", {"sample", "bound"}, "m",
+        "slant ranges between which the sample gathers energy, the nearer included", bounds);
+    put("beam_azimuth", {"beam"}, "degree",
+        "azimuth of the beam's axis in the sensor's frame, clockwise from forward, starboard positive",
+        axes.beams.centres);
+    if (beams == echoes_.beams && !echoes_.beam_elevation_deg.empty())
+      put("beam_elevation", {"beam"}, "degree",
+          "elevation of the beam's axis above the sensor's horizontal plane", echoes_.beam_elevation_deg);
+    if (!echoes_.ping_time_s.empty())
+      put("ping_time", {"ping"}, "s", "time of the transmission on the scene's clock",
+          of_pings(echoes_.ping_time_s, 1));
+    for (const EchoVariable& variable : more_.variables) copy(variable, beams);
+    energies(beams, samples);
+    file_.finish();
+  }
+
+ private:
+  void attributes() {
+    const auto text = [&](const char* name, const std::string& value) {
+      if (!value.empty()) group_.attribute(name, value);
+    };
+    text("title", provenance_.title);
+    text("Conventions", "tubefoot-echoes-1.0");
+    text("scene_hash", provenance_.scene_hash);
+    for (const auto& [name, value] : candidate_.attributes) text(name.c_str(), value);
+    text("sensor_name", echoes_.name);
+    for (const EchoAttribute& attribute : more_.attributes) {
+      if (attribute.name == "sensor_name") continue;
+      if (const auto* words = std::get_if<std::string>(&attribute.value))
+        text(attribute.name.c_str(), *words);
+      else
+        group_.attribute(NC_GLOBAL, attribute.name.c_str(), NC_DOUBLE, {std::get<double>(attribute.value)});
+    }
+  }
+
+  void put(const std::string& name, const std::vector<std::string>& dimensions, const std::string& units,
+           const std::string& long_name, const std::vector<double>& values) {
+    std::size_t count = 1;
+    for (const std::string& dimension : dimensions) count *= lengths_.at(dimension);
+    if (values.size() != count)
+      throw std::logic_error(fmt::format("{} values of '{}' for {}", values.size(), name, count));
+    const int variable = define(name, dimensions, units, long_name);
+    file_.check(nc_put_var_double(group_.id(), variable, values.data()), fmt::format("write '{}'", name));
+  }
+
+  int define(const std::string& name, const std::vector<std::string>& dimensions, const std::string& units,
+             const std::string& long_name) {
+    std::vector<int> ids;
+    for (const std::string& dimension : dimensions) ids.push_back(along_.at(dimension));
+    return group_.define({name.c_str(), NC_DOUBLE, ids, units.empty() ? nullptr : units.c_str(), long_name});
+  }
+
+  /// Values of the reference's pings, `each` of them, for those of the candidate.
+  std::vector<double> of_pings(const std::vector<double>& values, std::size_t each) const {
+    std::vector<double> result;
+    for (const std::size_t ping : candidate_.ping_of_reference)
+      for (std::size_t k = 0; k < each; ++k) result.push_back(values.at(ping * each + k));
+    return result;
+  }
+
+  /// Where the sensor is and how wide its beams are; not what the reference knows of its echoes, nor what
+  /// lies along a dimension that has another length there.
+  void copy(const EchoVariable& variable, std::size_t beams) {
+    const std::vector<std::string>& along = variable.dimensions;
+    const bool of_sensor = variable.name.starts_with("sensor_") || variable.name == "ping_number";
+    const auto as_long = [&](std::size_t k) {
+      return lengths_.contains(along[k]) && lengths_.at(along[k]) == variable.shape[k];
+    };
+    if (of_sensor && along.size() <= 2 && along[0] == "ping" && variable.shape[0] == echoes_.pings &&
+        (along.size() == 1 || (along[1] != "ping" && as_long(1))) &&
+        (variable.name != "ping_number" || candidate_.pings == echoes_.pings))
+      put(variable.name, along, variable.units, variable.long_name,
+          of_pings(variable.values, along.size() == 2 ? variable.shape[1] : 1));
+    else if (variable.along({"beam"}) && beams == echoes_.beams && as_long(0))
+      put(variable.name, along, variable.units, variable.long_name, variable.values);
+  }
+
+  void energies(std::size_t beams, std::size_t samples) {
+    const int energy = define("energy", {"ping", "beam", "sample"}, "J",
+                              "imported: see the attributes import_*; J only if import_unit is J");
+    const std::size_t chunk[] = {1, beams, samples};
+    constexpr int shuffle = 1, deflate = 1, level = 4;
+    file_.check(nc_def_var_chunking(group_.id(), energy, NC_CHUNKED, chunk), "chunk 'energy'");
+    file_.check(nc_def_var_deflate(group_.id(), energy, shuffle, deflate, level), "compress 'energy'");
+    for (std::size_t ping = 0; ping < candidate_.pings; ++ping) {
+      stop_if_wanted();
+      const std::size_t start[] = {ping, 0, 0};
+      file_.check(
+          nc_put_vara_double(group_.id(), energy, start, chunk, &candidate_.energy[ping * beams * samples]),
+          "write 'energy'");
+    }
+  }
+
+  NetcdfStream file_;
+  NetcdfGroup group_;
+  const Candidate& candidate_;
+  const SensorEchoes& echoes_;
+  const WholeEchoFile::More& more_;
+  const Provenance& provenance_;
+  std::map<std::string, std::size_t> lengths_;
+  std::map<std::string, int> along_;
+};
+
+}  // namespace
+
+void write_candidate(const std::filesystem::path& file, const Candidate& candidate,
+                     const WholeEchoFile& reference, std::size_t sensor) {
+  CandidateFile(file, candidate, reference, sensor).write();
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pack/draw.hpp"
+#include "pack/solids.hpp"
+
+namespace tubefoot {
+
+/// A measure of compare.py by which an engine has, or has not, a scene's aspect.
+struct Decider {
+  std::string measure;
+  double limit = 0;
+};
+
+/// A scene of the reference pack, before it is written.
+struct PackScene {
+  std::string title;
+  std::vector<Solid> solids;  ///< as the scene file names them
+  std::string text;           ///< the scene file
+  std::vector<Decider> deciders;
+  /// Bound that is proven of every energy (docs/reference.md); none where no reference is possible.
+  std::optional<double> certified = 1e-9;
+  double tolerance_l1 = 0;               ///< without: how far the sum of all may be off, relative
+  std::optional<double> later_from_m{};  ///< what arrives from here on went over two bounces
+  std::optional<int> main_lobe_beams{};  ///< half the main lobe, in beams
+};
+
+/// What one scene of the pack separates from all else.
+struct Aspect {
+  std::string_view name, tests;
+  PackScene (*scene)(Draw& draw);
+};
+
+/// All, as the pack's README lists them.
+std::span<const Aspect> aspects();
+
+// By what they are of; each has one file.
+PackScene range_law_scene(Draw& draw);
+PackScene absorption_scene(Draw& draw);
+PackScene grazing_scene(Draw& draw);
+PackScene even_angles_scene(Draw& draw);
+PackScene even_tangents_scene(Draw& draw);
+PackScene listed_angles_scene(Draw& draw);
+PackScene side_lobes_scene(Draw& draw);
+PackScene near_plane_scene(Draw& draw);
+PackScene thin_wall_scene(Draw& draw);
+PackScene silhouettes_scene(Draw& draw);
+PackScene occlusion_order_scene(Draw& draw);
+PackScene large_flat_scene(Draw& draw);
+PackScene many_small_scene(Draw& draw);
+PackScene terrain_scene(Draw& draw);
+PackScene moving_sonar_scene(Draw& draw);
+PackScene layered_water_scene(Draw& draw);
+PackScene surface_multiple_scene(Draw& draw);
+PackScene two_scatterings_scene(Draw& draw);
+PackScene receivers_apart_scene(Draw& draw);
+
+}  // namespace tubefoot

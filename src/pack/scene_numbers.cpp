@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pack/scene_numbers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+
+namespace tubefoot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double degrees(double angle_rad) { return angle_rad * 180 / std::numbers::pi; }
+
+Json array(glm::dvec3 v) { return {v.x, v.y, v.z}; }
+
+Json water_of(const Survey& survey) {
+  const WaterDescription& water = survey.scene.description.water;
+  const SensorPings& pings = survey.sensors.front();
+  Json json{{"sound_speed_m_s", pings.sound_speed_m_s},
+            {"absorption_db_per_km", 1000 * absorption_db_per_m(survey.scene, *pings.sensor)}};
+  if (water.gradient_per_s)
+    json["gradient"] = {{"surface_height_m", water.surface_height_m.value_or(0)},
+                        {"surface_speed_m_s", water.sound_speed_m_s.value()},
+                        {"per_s", *water.gradient_per_s},
+                        {"constant_below_depth_m", water.profile_bottom_m.value()}};
+  return json;
+}
+
+/// The beams' borders: mid-way between axes; the outermost reach as far out as in.
+Json borders_of(const std::vector<BeamAxis>& beams) {
+  Json borders = Json::array();
+  for (std::size_t k = 0; k + 1 < beams.size(); ++k) {
+    const double a = beams[k].azimuth_rad, b = beams[k + 1].azimuth_rad;
+    if (k == 0) borders.push_back(degrees(a - (b - a) / 2));
+    borders.push_back(degrees((a + b) / 2));
+    if (k + 2 == beams.size()) borders.push_back(degrees(b + (b - a) / 2));
+  }
+  return borders;
+}
+
+Json beams_of(const Sensor& sensor) {
+  Json axes = Json::array();
+  for (const BeamAxis& beam : sensor.beams()) axes.push_back(degrees(beam.azimuth_rad));
+  const double half_height_deg = degrees(sensor.beams().front().elevation_width_rad) / 2;
+  Json json{{"axes_deg", axes},
+            {"borders_deg", borders_of(sensor.beams())},
+            {"lower_deg", -half_height_deg},
+            {"upper_deg", half_height_deg}};
+  if (const PatternDescription& receive = sensor.description().receive; receive.pattern != "none")
+    json["receive"] = {{"pattern", receive.pattern},
+                       {"aperture_m", receive.aperture_m.value()},
+                       {"frequency_khz", sensor.frequency_khz()}};
+  return json;
+}
+
+Json pings_of(const SensorPings& sensor) {
+  Json pings = Json::array();
+  for (std::size_t p = 0; p < sensor.poses.size(); ++p) {
+    const Pose& pose = sensor.poses[p];
+    Json ping{{"time_s", sensor.times_s[p]},
+              {"position_m", array(pose.position_m)},
+              {"starboard", array(pose.attitude * glm::dvec3{1, 0, 0})},
+              {"forward", array(pose.attitude * glm::dvec3{0, 1, 0})},
+              {"up", array(pose.attitude * glm::dvec3{0, 0, 1})}};
+    if (!sensor.receiver_poses.empty()) ping["receiver_m"] = array(sensor.receiver_pose(p, 0).position_m);
+    pings.push_back(ping);
+  }
+  return pings;
+}
+
+}  // namespace
+
+Json scene_numbers(const Aspect& aspect, const PackScene& scene, const Survey& survey) {
+  const SceneDescription& description = survey.scene.description;
+  const SensorPings& sensor = survey.sensors.front();
+  const RangeSamples& samples = sensor.sensor->samples();
+  Json surfaces = Json::array();
+  for (const Solid& solid : scene.solids) {
+    const auto material =
+        std::ranges::find(description.materials, solid.material, &MaterialDescription::name);
+    const auto number = static_cast<std::size_t>(material - description.materials.begin());
+    surfaces.push_back({{"name", solid.name},
+                        {"obj", solid.name + ".obj"},
+                        {"stl", solid.name + ".stl"},
+                        {"facets", solid.facets.size()},
+                        {"mu", survey.scene.material_mu.at(number)}});
+  }
+  Json judged = Json::array();
+  for (const Decider& decider : scene.deciders)
+    judged.push_back({{"measure", decider.measure}, {"limit", decider.limit}});
+  Json json{{"scene", aspect.name},
+            {"tests", aspect.tests},
+            {"title", scene.title},
+            {"surfaces", surfaces},
+            {"water", water_of(survey)}};
+  if (description.sea_surface)
+    json["sea_surface"] = {{"height_m", description.sea_surface->height_m},
+                           {"loss_db", description.sea_surface->loss_db}};
+  json["bounces"] = {{"most", description.paths.order}, {"scatterings", description.paths.scatterings}};
+  json["beams"] = beams_of(*sensor.sensor);
+  json["samples"] = {{"first_m", samples.first_m}, {"step_m", samples.step_m}, {"count", samples.count}};
+  json["pings"] = pings_of(sensor);
+  json["shape"] = {sensor.poses.size(), sensor.sensor->beams().size(), samples.count};
+  json["judged_by"] = judged;
+  if (scene.later_from_m) json["later_from_m"] = *scene.later_from_m;
+  if (scene.main_lobe_beams) json["main_lobe_beams"] = *scene.main_lobe_beams;
+  return json;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "pack/pack_scene.hpp"
+#include "run/survey.hpp"
+
+namespace tubefoot {
+
+/// All that an engine has to know of a scene, in numbers: scene.json of the pack (its README lists the keys).
+nlohmann::ordered_json scene_numbers(const Aspect& aspect, const PackScene& scene, const Survey& survey);
+
+}  // namespace tubefoot

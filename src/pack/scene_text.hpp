@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "pack/pack_scene.hpp"
+
+namespace tubefoot {
+
+/// The sonar of the pack: a fan of ideal beams that looks north.
+struct Fan {
+  int beams = 32;
+  double horizontal_deg = 32, vertical_deg = 20, tilt_deg = 20;
+  std::string spacing = "angle";
+  std::vector<double>
+      angles_deg{};  ///< of the beams' axes, instead of `beams`, `horizontal_deg` and `spacing`
+  int samples = 128;
+  double from_m = 4, to_m = 12;
+  std::string more{};  ///< further lines of its section
+};
+
+/// What scenes of the pack are said by; sections in the words of a scene file.
+struct SceneText {
+  std::string water = "sound_speed_m_s = 1500\nabsorption_db_per_km = 0\n";
+  glm::dvec3 sonar_m{0, -8, 3};
+  std::string trajectory{};  ///< instead of one place
+  Fan fan;
+  std::string more{};  ///< further sections
+};
+
+/// Snaps the solids, and writes the scene file.
+void finish(PackScene& scene, const SceneText& text);
+
+/// A place at a range, azimuth and elevation from the sonar.
+glm::dvec3 place_at(glm::dvec3 sonar_m, double range_m, double azimuth_deg, double elevation_deg);
+
+/// A sonar over a level bed of 32 m at z = 0, as drawn.
+SceneText over_bed(Draw& draw, PackScene& scene);
+
+}  // namespace tubefoot

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pack/write_pack.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "files/checked_file.hpp"
+#include "files/durable.hpp"
+#include "files/file_hash.hpp"
+#include "files/inlet.hpp"
+#include "files/json_text.hpp"
+#include "files/staging.hpp"
+#include "files/usage_error.hpp"
+#include "files/words.hpp"
+#include "geometry/steps/stop.hpp"
+#include "pack/npy.hpp"
+#include "pack/scene_numbers.hpp"
+#include "pack/texts.hpp"
+#include "run/console/progress.hpp"
+#include "run/run_steps.hpp"
+#include "run/simulation.hpp"
+#include "sensors/kinds/scene_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view version = "2.0", sums_name = "SHA256SUMS", answers_name = "answers";
+
+void write_json(const fs::path& file, const Json& json) { write_file(file, text_of(json) + "\n"); }
+
+double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+/// Scene file and meshes, as far as they are there before the scene is loaded.
+void write_inputs(const fs::path& folder, const PackScene& scene) {
+  make_folder(folder);
+  for (const Solid& solid : scene.solids) {
+    write_file(folder / (solid.name + ".obj"), obj_text(solid));
+    write_file(folder / (solid.name + ".stl"), stl_bytes(solid));
+  }
+  write_file(folder / "scene.toml", scene.text);
+}
+
+void write_answer(const fs::path& folder, const PackScene& scene, const Survey& survey, PackedScene& packed) {
+  RunRequest request = request_of(survey.scene.description.run);
+  request.reference_tolerance = scene.certified;
+  SimulationStats stats;
+  const std::vector<Recording> recordings = simulate(survey, request, stats);
+  const Recording& recording = recordings.front();
+  const std::array<std::size_t, 3> shape{recording.pings(), recording.sensor->beams().size(),
+                                         static_cast<std::size_t>(recording.sensor->samples().count)};
+  packed.energy_j = sum(recording.energy);
+  packed.bins_over = stats.reference.bins_over;
+  make_folder(folder);
+  write_npy(folder / "energy.npy", shape, recording.energy);
+  Json json{{"scene", packed.aspect->name},
+            {"scene_hash", survey.scene.description.sha256},
+            {"units", "J for a source of 1 J/sr at 1 m"},
+            {"shape", shape},
+            {"energy_j", packed.energy_j},
+            {"strongest_j", *std::ranges::max_element(recording.energy)}};
+  if (scene.certified) {
+    write_npy(folder / "bound.npy", shape, recording.energy_bound);
+    json["certified"] = true;
+    json["bound_asked"] = *scene.certified;
+    json["bins_with_wider_bounds"] = stats.reference.bins_over;
+    json["bound_l1"] = sum(recording.energy_bound) / packed.energy_j;
+  } else {
+    json["certified"] = false;
+    json["tolerance_l1"] = scene.tolerance_l1;
+  }
+  write_json(folder / "answer.json", json);
+  write_echoes(folder / "echoes.nc", recordings, provenance_of(survey.scene, request));
+}
+
+/// Of all files below, but those in `left_out`, as sha256sum writes and reads it.
+void write_sums(const fs::path& folder, const fs::path& left_out) {
+  std::map<std::string, std::string> digests;
+  for (fs::recursive_directory_iterator entry(folder), end; entry != end; ++entry) {
+    stop_if_wanted();
+    if (entry->path() == left_out) entry.disable_recursion_pending();
+    if (!entry->is_regular_file() || entry->path().filename() == list_name) continue;
+    digests[entry->path().lexically_relative(folder).generic_string()] = sha256_of(entry->path());
+  }
+  std::string text;
+  for (const auto& [name, digest] : digests) text += fmt::format("{}  {}\n", digest, name);
+  write_file(folder / sums_name, text);
+}
+
+/// What a folder's list and its own files are brought to the disk by is the outlet's business; what lies
+/// deeper is ours.
+void sync_below(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.is_directory()) {
+      sync_below(entry.path());
+      sync_files_in(entry.path());
+    }
+}
+
+void write_frame(const fs::path& folder, const PackRequest& request) {
+  write_file(folder / "README.md", readme);
+  write_file(folder / "ERRATA.md", errata);
+  write_file(folder / "compare.py", checker);
+  write_file(folder / "LICENSE", licence);
+  Json names = Json::array();
+  for (const Aspect* aspect : request.scenes) names.push_back(aspect->name);
+  Json json{{"pack", "tubefoot reference pack"},
+            {"version", version},
+            {"set", request.seed ? "validation" : "debug"}};
+  if (request.seed) json["seed"] = *request.seed;
+  json["scenes"] = names;
+  json["made_by"] = "tubefoot " TUBEFOOT_VERSION;
+  json["licence"] = "GPL-3.0-or-later";
+  write_json(folder / "pack.json", json);
+}
+
+}  // namespace
+
+std::vector<const Aspect*> aspects_named(const std::string& names) {
+  std::vector<std::string> known, asked;
+  for (const Aspect& aspect : aspects()) known.emplace_back(aspect.name);
+  for (std::size_t begin = 0; begin < names.size() + 1 && !names.empty();) {
+    const std::size_t end = std::min(names.find(',', begin), names.size());
+    asked.push_back(names.substr(begin, end - begin));
+    begin = end + 1;
+    if (std::ranges::find(known, asked.back()) != known.end()) continue;
+    const std::string_view meant = nearest(asked.back(), known);
+    throw UsageError(fmt::format("the pack has no scene '{}': {}", asked.back(),
+                                 meant.empty() ? "it has " + fmt::format("{}", one_of(known, '\''))
+                                               : fmt::format("did you mean '{}'?", meant)));
+  }
+  std::vector<const Aspect*> found;
+  for (const Aspect& aspect : aspects())
+    if (names.empty() || std::ranges::find(asked, aspect.name) != asked.end()) found.push_back(&aspect);
+  return found;
+}
+
+std::vector<PackedScene> write_pack(const fs::path& folder, const PackRequest& request,
+                                    const OtherForms& other_forms) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<PackedScene> all;
+  write_frame(folder, request);
+  const fs::path answers = folder / answers_name;
+  Progress progress("packing", request.scenes.size(), request.quiet);
+  for (const Aspect* aspect : request.scenes) {
+    const Clock::time_point start = Clock::now();
+    Draw draw(request.seed, aspect->name);
+    const PackScene scene = aspect->scene(draw);
+    const fs::path place = folder / "scenes" / aspect->name;
+    write_inputs(place, scene);
+    const std::unique_ptr<const Survey> survey = open_survey(read_scene_file(place / "scene.toml"));
+    write_json(place / "scene.json", scene_numbers(*aspect, scene, *survey));
+    if (other_forms) other_forms(*survey, place);
+    PackedScene packed{aspect, survey->scene.mesh.facets.size()};
+    if (request.answers) write_answer(answers / aspect->name, scene, *survey, packed);
+    packed.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    all.push_back(packed);
+    progress.step();
+  }
+  if (request.answers) write_sums(answers, {});
+  write_sums(folder, answers);
+  sync_below(folder);
+  return all;
+}
+
+}  // namespace tubefoot

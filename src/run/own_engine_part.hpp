@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "run/ping_sums.hpp"
+#include "run/shot.hpp"
+
+namespace tubefoot {
+
+/// Adds what an engine of one's own (own_engine.hpp) says that a shot returns. Throws std::domain_error where
+/// two receivers would have more in common than either hears.
+void add_own_engine(const Shot& shot, PingSums& sums);
+
+}  // namespace tubefoot

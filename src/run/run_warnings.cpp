@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/run_warnings.hpp"
+
+#include <algorithm>
+
+#include "run/refraction.hpp"
+#include "run/standing.hpp"
+
+namespace tubefoot {
+
+void RunWarnings::foresee(const Survey& survey, const RunRequest& request) {
+  add(survey.scene.report.warnings);
+  add(vast_windows(survey));
+  if (!survey.site->has_ground_a_shot() && !survey.site->is_tiled()) add(foreseen_silence(survey, request));
+}
+
+void RunWarnings::look_back(const Survey& survey, const RunRequest& request, const SimulationStats& stats,
+                            const std::vector<Recording>& recordings) {
+  add(refraction_warnings(survey, request.reference_tolerance.has_value(), stats));
+  add(met_silence(survey, request, recordings));
+}
+
+void RunWarnings::add(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) tell_(warning, false);
+  keep(warnings);
+}
+
+void RunWarnings::add(const std::vector<Silence>& silences) {
+  for (const Silence& silence : silences) {
+    if (std::ranges::find(silent_, silence.sensor) != silent_.end()) continue;
+    silent_.push_back(silence.sensor);
+    tell_(silence.warning, true);
+    keep({silence.warning});
+  }
+}
+
+void RunWarnings::keep(const std::vector<std::string>& warnings) {
+  all_.insert(all_.end(), warnings.begin(), warnings.end());
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/selection.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "files/usage_error.hpp"
+#include "run/settings.hpp"
+#include "run/survey.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// A sensor of which some beams are kept: for files of echoes, which know axes and samples only.
+class SomeBeams : public Sensor {
+ public:
+  SomeBeams(const Sensor& whole, const std::vector<std::uint32_t>& kept) : Sensor(whole) {
+    std::vector<BeamAxis> some;
+    for (const std::uint32_t beam : kept) some.push_back(beams_[beam]);
+    beams_ = std::move(some);
+  }
+};
+
+template <class Value>
+std::vector<Value> part_of(const std::vector<Value>& all, const ChosenEchoes& chosen) {
+  if (all.empty()) return {};
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(chosen.first_ping);
+  return {first, first + static_cast<std::ptrdiff_t>(chosen.pings)};
+}
+
+}  // namespace
+
+std::optional<std::size_t> ChosenEchoes::place_of(std::uint32_t beam) const {
+  if (all_beams) return beam;
+  const auto found = std::ranges::lower_bound(beams, beam);
+  if (found == beams.end() || *found != beam) return std::nullopt;
+  return static_cast<std::size_t>(found - beams.begin());
+}
+
+std::vector<ChosenEchoes> chosen_of(const Survey& survey, const Selection& selection) {
+  if (selection.beams && selection.beams->empty())
+    throw UsageError("--beams names no beam: leave it out for all of them");
+  const std::size_t only = selection.sensor ? survey.fleet->sensor_named(*selection.sensor) : 0;
+  std::vector<ChosenEchoes> chosen(survey.sensors.size());
+  for (std::size_t s = 0; s < chosen.size(); ++s) {
+    if (selection.sensor && s != only) continue;
+    const SensorPings& pings = survey.sensors[s];
+    const std::string& name = pings.sensor->description().name;
+    const std::size_t beams = pings.sensor->beams().size();
+    chosen[s].pings = pings.times_s.size();
+    if (selection.pings) {
+      const PingRange range = resolved(*selection.pings, pings.times_s.size(), name);
+      chosen[s].first_ping = static_cast<std::size_t>(range.first);
+      chosen[s].pings = static_cast<std::size_t>(range.last - range.first + 1);
+    }
+    chosen[s].beams.resize(beams);
+    std::iota(chosen[s].beams.begin(), chosen[s].beams.end(), 0u);
+    if (selection.beams) chosen[s].beams = resolved_beams(*selection.beams, beams, name);
+    chosen[s].all_beams = chosen[s].beams.size() == beams;
+  }
+  return chosen;
+}
+
+std::size_t first_ping(const SharedShots& group, const std::vector<ChosenEchoes>& chosen) {
+  for (const std::size_t s : group.sensors)
+    if (chosen[s].pings > 0) return chosen[s].first_ping;
+  return 0;
+}
+
+Recording recording_of(const Survey& survey, std::size_t s, const Selection& selection,
+                       const ChosenEchoes& chosen) {
+  const SensorPings& pings = survey.sensors[s];
+  Recording recording;
+  recording.sensor = pings.sensor.get();
+  recording.ping_time_s = part_of(pings.times_s, chosen);
+  recording.ping_pose = part_of(pings.poses, chosen);
+  recording.altitude_m = part_of(pings.altitudes_m, chosen);
+  for (const std::size_t start : pings.line_starts) {
+    const std::size_t end = chosen.first_ping + chosen.pings;
+    if (start >= end) break;
+    if (start <= chosen.first_ping) {
+      recording.line_starts = {0};
+      recording.first_line = static_cast<std::size_t>(
+          std::ranges::upper_bound(pings.line_starts, chosen.first_ping) - pings.line_starts.begin() - 1);
+    } else {
+      recording.line_starts.push_back(start - chosen.first_ping);
+    }
+  }
+  recording.sound_speed_m_s = pings.sound_speed_m_s;
+  recording.absorption_db_per_km = 1000 * absorption_db_per_m(survey.scene, *pings.sensor);
+  if (selection.pings) {
+    recording.ping_numbers.resize(chosen.pings);
+    std::iota(recording.ping_numbers.begin(), recording.ping_numbers.end(),
+              static_cast<std::uint32_t>(chosen.first_ping));
+  }
+  if (chosen.all_beams) return recording;
+  recording.beam_numbers = chosen.beams;
+  recording.some_beams = std::make_shared<const SomeBeams>(*pings.sensor, chosen.beams);
+  recording.sensor = recording.some_beams.get();
+  return recording;
+}
+
+}  // namespace tubefoot

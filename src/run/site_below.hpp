@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+
+#include "run/site.hpp"
+#include "run/tiles_in_view.hpp"
+
+namespace tubefoot {
+
+/// A site with some tiles, and what shots ask of its facets; no tree yet.
+std::unique_ptr<Site> loaded_with(const Site& site, const TileChoice& choice);
+
+/// The facets above and below one place after the other: of a tiled site with the tiles that lie there.
+/// ground_in_line_with() then has the relief.
+class SiteBelow {
+ public:
+  explicit SiteBelow(const Site& site);
+  /// Until the next call. Not cut at the sea surface where tiles were loaded for it.
+  const Site& in_line_with(glm::dvec3 place_m);
+
+ private:
+  const Site& site_;
+  std::optional<TilesInView> tiles_;
+  TileChoice choice_;
+  std::unique_ptr<Site> part_;
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/truth.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/law/layered_reflectivity.hpp"
+#include "run/paths.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// A factor that is a function of place, as smooth as a range is. All have the same complex growth, so that
+/// quadratures take the same nodes for each and means of them are means.
+class Weight : public ReflectivityField {
+ public:
+  explicit Weight(double scale_m) : scale_m_(scale_m) {}
+  double factor(glm::dvec3) const override { return 1; }
+  double largest() const override { return 1; }
+  double finest_m() const override { return std::numeric_limits<double>::infinity(); }
+  std::span<const CellPlanes> cells() const override { return {}; }
+  double change(double away_m) const override { return away_m / scale_m_; }
+
+ protected:
+  const double scale_m_;
+};
+
+class HeightWeight : public Weight {
+ public:
+  HeightWeight(double lowest_m, double scale_m) : Weight(scale_m), lowest_m_(lowest_m) {}
+  double factor(glm::dvec3 place_m) const override { return (place_m.z - lowest_m_) / (2 * scale_m_); }
+
+ private:
+  const double lowest_m_;
+};
+
+/// The mean of the ranges from both ends.
+class RangeWeight : public Weight {
+ public:
+  RangeWeight(glm::dvec3 out_m, glm::dvec3 home_m, double scale_m)
+      : Weight(scale_m), out_m_(out_m), home_m_(home_m) {}
+  double factor(glm::dvec3 place_m) const override {
+    return (glm::distance(place_m, out_m_) + glm::distance(place_m, home_m_)) / (2 * scale_m_);
+  }
+
+ private:
+  const glm::dvec3 out_m_, home_m_;
+};
+
+const Scene& whole_scene(const Survey& survey) {
+  return survey.site->whole ? survey.site->whole->scene : survey.scene;
+}
+
+}  // namespace
+
+Truth::Truth(const Survey& survey) : site_mesh_(&survey.scene.mesh) {
+  const Scene& scene = whole_scene(survey);
+  const std::size_t materials = scene.description.materials.size();
+  number_.assign(scene.report.components.size(), std::vector<std::int32_t>(materials, -1));
+  const FacetMesh& mesh = scene.mesh;
+  for (FacetId f = 0; f < mesh.facets.size(); ++f) number_.at(mesh.component[f]).at(mesh.material[f]) = 0;
+  for (std::size_t k = 0; k < scene.tiled.size(); ++k) {  // tiles are not there yet
+    const TiledTerrain& terrain = scene.tiled[k];
+    if (!terrain.tiles) continue;
+    if (terrain.map) std::ranges::fill(number_.at(k), 0);
+    number_.at(k).at(terrain.material) = 0;
+  }
+  for (std::size_t object = 0; object < number_.size(); ++object)
+    for (std::size_t material = 0; material < materials; ++material) {
+      if (number_[object][material] < 0) continue;
+      number_[object][material] = static_cast<std::int32_t>(owners_.size());
+      owners_.push_back({static_cast<std::uint16_t>(object), static_cast<std::uint16_t>(material)});
+    }
+  has_unscattered_ = std::ranges::any_of(survey.sensors, [&](const SensorPings& pings) {
+    return path_settings(survey.scene, pings.sensor->frequency_khz()).has_value();
+  });
+}
+
+std::uint16_t Truth::owner(std::uint16_t object, std::uint16_t material) const {
+  const std::int32_t number = number_.at(object).at(material);
+  if (number < 0)
+    throw std::logic_error(
+        fmt::format("no facet of the scene is of object {} and material {}", object, material));
+  return static_cast<std::uint16_t>(number);
+}
+
+std::vector<std::uint16_t> Truth::owners_of(const FacetMesh& mesh) const {
+  std::vector<std::uint16_t> owners(mesh.facets.size());
+  for (FacetId f = 0; f < mesh.facets.size(); ++f) owners[f] = owner(mesh.component[f], mesh.material[f]);
+  return owners;
+}
+
+std::span<const std::uint16_t> Truth::owners_of_site() const {
+  std::call_once(site_owned_, [&] { owners_of_site_ = owners_of(*site_mesh_); });
+  return owners_of_site_;
+}
+
+const FacetMesh& Truth::owned_site_mesh() const {
+  std::call_once(mesh_owned_, [&] {
+    owned_ = *site_mesh_;
+    const std::span<const std::uint16_t> owners = owners_of_site();
+    owned_.material.assign(owners.begin(), owners.end());
+  });
+  return owned_;
+}
+
+TruthLaws::TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh)
+    : shot_(shot), truth_(*shot.truth()), sensor_(sensor), law_(law) {
+  if (&mesh == &truth_.site_mesh()) {
+    owners_ = truth_.owners_of_site();
+  } else {
+    own_ = truth_.owners_of(mesh);
+    owners_ = own_;
+  }
+  make_tables();
+}
+
+TruthLaws::TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law,
+                     std::vector<std::uint16_t> owners)
+    : shot_(shot), truth_(*shot.truth()), sensor_(sensor), law_(law), own_(std::move(owners)), owners_(own_) {
+  make_tables();
+}
+
+void TruthLaws::make_tables() {
+  const RangeSamples& samples = shot_.sensor(sensor_).samples();
+  const glm::dvec3 out_m = law_.path.out.apex_m;
+  // No place of a path is farther from either of its ends than the path is long.
+  scale_m_ = 2 * (samples.first_m + samples.count * samples.step_m);
+  lowest_m_ = out_m.z - scale_m_;
+  glm::dvec3 home_m = out_m;
+  if (shot_.has_receiver_apart()) {
+    const WorldGrid& grid = shot_.scene().grid;
+    home_m = grid.to_metres(grid.snap(shot_.receiver_pose().position_m));
+  }
+  for (const Truth::Owner& owner : truth_.owners()) {
+    mu_.push_back(law_.material_mu[owner.material]);
+    if (!law_.scattering.empty()) scattering_.push_back(law_.scattering[owner.material]);
+    plain_.push_back(law_.reflectivity.empty() ? nullptr : law_.reflectivity[owner.material]);
+  }
+  no_mu_.assign(mu_.size(), 0);
+  no_scattering_.assign(scattering_.size(), nullptr);
+  level_ = weighed_by(std::make_shared<Weight>(scale_m_));
+  height_ = weighed_by(std::make_shared<HeightWeight>(lowest_m_, scale_m_));
+  range_ = weighed_by(std::make_shared<RangeWeight>(out_m, home_m, scale_m_));
+}
+
+TruthLaws::Textures TruthLaws::weighed_by(const std::shared_ptr<const ReflectivityField>& weight) const {
+  Textures textures;
+  for (const auto& texture : plain_)
+    textures.push_back(
+        texture == nullptr ? weight : std::make_shared<const LayeredReflectivity>(Textures{texture, weight}));
+  return textures;
+}
+
+EchoLaw TruthLaws::whole() const {
+  EchoLaw law = law_;
+  law.material = owners_;
+  law.material_mu = mu_;
+  law.scattering = scattering_;
+  law.reflectivity = plain_;
+  return law;
+}
+
+EchoLaw TruthLaws::silent() const {
+  EchoLaw law = whole();
+  law.material_mu = no_mu_;
+  law.scattering = no_scattering_;
+  return law;
+}
+
+void TruthLaws::add(PingSums& sums, const EchoBy& echo_by) const {
+  EchoLaw law = silent();
+  law.reflectivity = level_;
+  std::vector<double> mu = no_mu_, all;
+  auto scattering = no_scattering_;
+  law.material_mu = mu;
+  law.scattering = scattering;
+  const auto show = [&](std::size_t owner, bool seen) {
+    mu[owner] = seen ? mu_[owner] : 0;
+    if (!scattering.empty()) scattering[owner] = seen ? scattering_[owner] : nullptr;
+  };
+  for (std::size_t owner = 0; owner < mu_.size(); ++owner) {
+    show(owner, true);
+    const std::vector<double> energy = echo_by(law);
+    show(owner, false);
+    all.resize(energy.size(), 0);
+    std::ranges::transform(all, energy, all.begin(), std::plus<>());
+    sums.add_truth(shot_, sensor_, owner, energy);
+  }
+  law.material_mu = mu_;
+  law.scattering = scattering_;
+  law.reflectivity = height_;
+  std::vector<double> heights = echo_by(law);
+  for (std::size_t k = 0; k < heights.size(); ++k)
+    heights[k] = 2 * scale_m_ * heights[k] + lowest_m_ * all[k];
+  sums.add_truth(shot_, sensor_, truth_.height(), heights);
+  law.reflectivity = range_;
+  std::vector<double> ranges = echo_by(law);
+  for (double& range : ranges) range *= scale_m_;
+  sums.add_truth(shot_, sensor_, truth_.range(), ranges);
+}
+
+OwnedBed::OwnedBed(const Shot& shot, const FacetMesh& mesh) {
+  const Truth& truth = *shot.truth();
+  if (&mesh == &truth.site_mesh()) {
+    site = &truth.owned_site_mesh();
+  } else {
+    own.emplace(mesh);
+    own->material = truth.owners_of(mesh);
+  }
+  const std::vector<double>& by_material = shot.scene().material_reflection;
+  for (const Truth::Owner& owner : truth.owners())
+    reflection.push_back(owner.material < by_material.size() ? by_material[owner.material] : 0);
+}
+
+std::size_t place_of_truth(const Survey& survey, std::size_t sensor) {
+  return survey.sensors.size() + sensor;
+}
+
+void add_truth(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen) {
+  const std::size_t channels = Truth(survey).channels();
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    const Sensor& sensor = *survey.sensors[s].sensor;
+    layout.sensors.push_back({chosen[s].pings, channels * chosen[s].beams.size() *
+                                                   static_cast<std::size_t>(sensor.samples().count)});
+  }
+  for (StoreLayout::Group& group : layout.groups) {
+    const std::vector<std::size_t> sensors = group.sensors;
+    for (const std::size_t s : sensors) group.sensors.push_back(place_of_truth(survey, s));
+  }
+}
+
+std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& request,
+                                      const std::shared_ptr<PingStore>& store) {
+  std::vector<TruthRecording> truths;
+  if (!request.truth) return truths;
+  const Truth truth(survey);
+  const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    if (chosen[s].pings == 0) continue;
+    const Sensor& sensor = *survey.sensors[s].sensor;
+    TruthRecording& one = truths.emplace_back();
+    for (const ComponentReport& component : survey.scene.report.components)
+      one.objects.push_back(component.name);
+    for (const MaterialDescription& material : survey.scene.description.materials)
+      one.materials.push_back(material.name);
+    one.owners = truth.owners();
+    one.has_unscattered = truth.has_unscattered();
+    one.cells = chosen[s].beams.size() * static_cast<std::size_t>(sensor.samples().count);
+    const std::size_t place = place_of_truth(survey, s);
+    one.values = store->energy(place);
+    one.release = [store, place](std::size_t ping) { store->release(place, ping); };
+  }
+  return truths;
+}
+
+}  // namespace tubefoot

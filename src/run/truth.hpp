@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "run/ping_sums.hpp"
+#include "run/shot.hpp"
+#include "sensors/recordings/truth_recording.hpp"
+
+// Whose each energy is, and where it comes from (docs/truth.md). A share is the same integral over fewer
+// facets, and a mean height the same with the height as one more factor of the density, as micro-texture is:
+// whatever the engine integrates, it integrates once more for each channel, by another law.
+namespace tubefoot {
+
+/// What is told apart in a survey.
+class Truth {
+ public:
+  explicit Truth(const Survey& survey);
+
+  using Owner = TruthRecording::Owner;
+  /// The pairs of an object and a material that facets may have.
+  const std::vector<Owner>& owners() const { return owners_; }
+  /// As in TruthRecording::values: channel k is owner k's; then these.
+  std::size_t height() const { return owners_.size(); }
+  std::size_t range() const { return owners_.size() + 1; }
+  std::size_t unscattered() const { return owners_.size() + 2; }
+  bool has_unscattered() const { return has_unscattered_; }
+  std::size_t channels() const { return owners_.size() + 2 + (has_unscattered_ ? 1 : 0); }
+
+  std::uint16_t owner(std::uint16_t object, std::uint16_t material) const;
+  /// By facet.
+  std::vector<std::uint16_t> owners_of(const FacetMesh& mesh) const;
+  /// The same of the mesh of the survey's site, kept.
+  const FacetMesh& site_mesh() const { return *site_mesh_; }
+  /// The mesh of the survey's site with owners for materials, made when it is first asked for. Thread-safe.
+  const FacetMesh& owned_site_mesh() const;
+  std::span<const std::uint16_t> owners_of_site() const;
+
+ private:
+  const FacetMesh* site_mesh_;
+  std::vector<Owner> owners_;
+  std::vector<std::vector<std::int32_t>> number_;  ///< by object and material; below 0: no facet is of these
+  bool has_unscattered_ = false;
+  mutable std::once_flag site_owned_, mesh_owned_;
+  mutable std::vector<std::uint16_t> owners_of_site_;
+  mutable FacetMesh owned_;
+};
+
+/// The laws of a shot's channels, as a sensor hears it.
+class TruthLaws {
+ public:
+  /// `law`: as for the energies, of `mesh`. All outlive this.
+  TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law, const FacetMesh& mesh);
+  /// `owners`: by what `law.material` is by.
+  TruthLaws(const Shot& shot, std::size_t sensor, const EchoLaw& law, std::vector<std::uint16_t> owners);
+  TruthLaws(const TruthLaws&) = delete;
+  TruthLaws& operator=(const TruthLaws&) = delete;
+
+  /// An echo by a law: [beam of the shot][sample], and more channels, which are not read.
+  using EchoBy = std::function<std::vector<double>(const EchoLaw&)>;
+  /// Adds what is scattered.
+  void add(PingSums& sums, const EchoBy& echo_by) const;
+  /// The law itself, with owners for materials, and that of a bed that scatters nothing.
+  EchoLaw whole() const;
+  EchoLaw silent() const;
+
+ private:
+  using Textures = std::vector<std::shared_ptr<const ReflectivityField>>;
+  Textures weighed_by(const std::shared_ptr<const ReflectivityField>& weight) const;
+  void make_tables();
+
+  const Shot& shot_;
+  const Truth& truth_;
+  std::size_t sensor_;
+  const EchoLaw& law_;
+  std::vector<std::uint16_t> own_;
+  std::span<const std::uint16_t> owners_;  ///< by facet
+  double scale_m_ = 1, lowest_m_ = 0;      ///< of the weights, which are about 0 to 1
+  std::vector<double> mu_, no_mu_;         ///< by owner, as all below
+  std::vector<std::shared_ptr<const ScatteringLaw>> scattering_, no_scattering_;
+  Textures plain_, level_, height_, range_;
+};
+
+/// A mesh with owners for materials, and what of the scene is by material, by owner: for paths, that make
+/// meshes of their own of it.
+struct OwnedBed {
+  OwnedBed(const Shot& shot, const FacetMesh& mesh);
+  OwnedBed(const OwnedBed&) = delete;
+  OwnedBed& operator=(const OwnedBed&) = delete;
+  const FacetMesh& mesh() const { return own ? *own : *site; }
+
+  std::vector<double> reflection;
+
+ private:
+  const FacetMesh* site = nullptr;
+  std::optional<FacetMesh> own;
+};
+
+/// Where a ping store keeps the truth of a sensor: as one more sensor, that fires with it.
+std::size_t place_of_truth(const Survey& survey, std::size_t sensor);
+void add_truth(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen);
+
+/// Of each sensor that is kept, if the run was asked for it. They keep the store alive.
+std::vector<TruthRecording> truths_of(const Survey& survey, const RunRequest& request,
+                                      const std::shared_ptr<PingStore>& store);
+
+}  // namespace tubefoot

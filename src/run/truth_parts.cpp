@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/truth_parts.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "run/shot_images.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// By part of a ground that several rays show.
+std::vector<std::uint16_t> owners_of_parts(const Truth& truth, const ApparentGround& ground) {
+  std::vector<std::uint16_t> owners(ground.part_material.size());
+  for (const RayOfPart& ray : ground.several)
+    owners[ray.part] = truth.owner(ground.refined.mesh.component[ray.seen], ground.part_material[ray.part]);
+  return owners;
+}
+
+void add(const std::vector<double>& more, std::vector<double>& all) {
+  all.resize(more.size(), 0);
+  std::ranges::transform(all, more, all.begin(), std::plus<>());
+}
+
+}  // namespace
+
+void add_truth(const Shot& shot, std::size_t s, const EchoLaw& law, const FacetMesh& mesh, const Sight& sight,
+               PingSums& sums) {
+  if (shot.truth() == nullptr) return;
+  TruthLaws(shot, s, law, mesh).add(sums, [&](const EchoLaw& one) {
+    return shot.echo(sight, s, one).energy;
+  });
+}
+
+void add_truth(const Shot& shot, std::size_t s, const ShotGround& ground, const FacetMesh& mesh,
+               const Sight& sight, PingSums& sums) {
+  if (shot.truth() == nullptr) return;
+  const SensorLaw law(shot, ground, s);
+  add_truth(shot, s, law.law, mesh, sight, sums);
+}
+
+void add_truth_of_crossed_ways(const Shot& shot, std::size_t s, const EchoLaw& law,
+                               const ApparentGround& ground, const Sight& sight, PingSums& sums) {
+  if (shot.truth() == nullptr) return;
+  TruthLaws(shot, s, law, owners_of_parts(*shot.truth(), ground)).add(sums, [&](const EchoLaw& one) {
+    return shot.echo(sight, s, one).energy;
+  });
+}
+
+void add_truth_of_staff(const Shot& shot, std::size_t s, std::uint32_t fan, const EchoLaw& law,
+                        const FacetMesh& mesh, const StaffHistory& history, const Fringe& staff,
+                        PingSums& sums) {
+  if (shot.truth() == nullptr) return;
+  const StaffHistory upper{history.transmit,
+                           history.upper,
+                           history.lower,
+                           history.by_upper,
+                           {},
+                           history.middle_m,
+                           history.paired_upper,
+                           {}};
+  TruthLaws(shot, s, law, mesh).add(sums, [&](const EchoLaw& one) {
+    return row_of_fan(shot, s, fan,
+                      integrate_staff_echo(upper, staff, fan, fan, shot.sensor(s).samples(), one).upper_j);
+  });
+}
+
+void add_truth_of_staff(const Shot& shot, std::size_t s, std::uint32_t fan, const FacetMesh& mesh,
+                        const BistaticHistory& history, PingSums& sums) {
+  if (shot.truth() == nullptr) return;
+  const SensorLaw law(shot, ShotGround(shot.site()), s);
+  const std::size_t tubes = history.receive.tubes.size();
+  const BeamPatterns patterns = patterns_of_fan(law.patterns, fan, tubes);
+  EchoLaw own = law.law;
+  own.patterns = &patterns;
+  const std::vector<std::uint32_t> only_beam(tubes, 0);
+  TruthLaws(shot, s, own, mesh).add(sums, [&](const EchoLaw& one) {
+    return row_of_fan(shot, s, fan,
+                      integrate_echo(history, {1, only_beam}, shot.sensor(s).samples(), one).energy);
+  });
+}
+
+void add_truth_of_paths(const Shot& shot, std::size_t s, const FacetMesh& mesh, const EchoLaw& law,
+                        PathSettings settings, PingSums& sums, const PathRows& rows_of) {
+  if (shot.truth() == nullptr) return;
+  const OwnedBed bed(shot, mesh);
+  const TruthLaws laws(shot, s, law, mesh);
+  const EchoLaw whole = laws.whole();
+  settings.reference_tolerance.reset();
+  settings.mirrors.reflection = bed.reflection;
+  settings.before = &whole;
+  settings.arrivals = false;
+  laws.add(sums, [&](const EchoLaw& one) { return rows_of(bed.mesh(), one, settings); });
+  settings.arrivals = true;
+  settings.scatterings = 1;
+  sums.add_truth(shot, s, shot.truth()->unscattered(), rows_of(bed.mesh(), laws.silent(), settings));
+}
+
+std::vector<double> wanted_orders(const Shot& shot, const PathEcho& paths) {
+  std::vector<double> all(paths.by_order.front().energy.size());
+  for (std::size_t order = 0; order < paths.by_order.size(); ++order)
+    if (is_order_wanted(shot.scene(), order)) add(paths.by_order[order].energy, all);
+  return all;
+}
+
+std::vector<double> wanted_orders(const Shot& shot, const StaffPathEcho& paths) {
+  std::vector<double> all(paths.by_order.front().upper_j.size());
+  for (std::size_t order = 0; order < paths.by_order.size(); ++order)
+    if (is_order_wanted(shot.scene(), order)) add(paths.by_order[order].upper_j, all);
+  return all;
+}
+
+std::vector<double> row_of_fan(const Shot& shot, std::size_t s, std::uint32_t fan,
+                               const std::vector<double>& samples) {
+  std::vector<double> rows(std::size_t(shot.beams(s)) * samples.size());
+  std::ranges::copy(samples, rows.begin() + std::ptrdiff_t(fan * samples.size()));
+  return rows;
+}
+
+}  // namespace tubefoot

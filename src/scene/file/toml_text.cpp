@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/file/toml_text.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <regex>
+
+namespace tubefoot {
+namespace {
+
+/// toml++ nests a table for every dot of a key and overflows the stack somewhere above 20000 of them; inside
+/// brackets it nests at most 256 deep. So a line's dots bound the depth. Dots in a row are text, not keys.
+void check_dots(std::string_view text, const std::filesystem::path& file) {
+  constexpr int most_dots = 64;
+  SourcePlace place{file.string(), 1, 0};
+  int dots = 0;
+  char previous = '\n';
+  for (const char c : text) {
+    ++place.column;
+    if (c == '\n') {
+      ++place.line;
+      place.column = dots = 0;
+    } else if (c == '.' && previous != '.' && ++dots > most_dots) {
+      throw InputError(place, fmt::format("more than {} dots on one line: break the line", most_dots));
+    }
+    previous = c;
+  }
+}
+
+/// What is meant by a line that TOML has no meaning for.
+std::string toml_hint(std::string_view text, std::size_t number) {
+  for (; number > 1 && text.find('\n') != text.npos; --number) text.remove_prefix(text.find('\n') + 1);
+  const std::string line(text.substr(0, std::min<std::size_t>(text.find('\n'), 1000)));
+  const auto is = [&](const char* form) { return std::regex_search(line, std::regex(form)); };
+  if (is("^\\s*[A-Za-z0-9_-]+\\s*:")) return ": write key = value, with an equals sign";
+  if (is("=\\s*[-+]?[0-9]+,[0-9]+\\s*(#.*)?$")) return ": decimals have a point";
+  if (is("=\\s*[-+]?[0-9.]+\\s*[A-Za-z%]")) return ": write the number alone, its unit is in the key's name";
+  if (is("=\\s*[A-Za-z./~]")) return ": text stands in quotes";
+  if (is("\\\\")) return ": write folders with /, as \\ has a meaning of its own";
+  return "";
+}
+
+}  // namespace
+
+toml::table parse_toml(std::string_view text, const TomlSource& source) {
+  check_dots(text, source.file);
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    const SourcePlace place = source.place(error.source());
+    throw InputError(place, fmt::format("not valid TOML: {}{}", error.description(),
+                                        toml_hint(text, static_cast<std::size_t>(place.line))));
+  }
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "compare/measures/echo_errors.hpp"
+
+// A sonar over a plane with two spheres and a wall in closed form, by rays, with any mistake planted in it.
+namespace tubefoot {
+
+/// What is wrong with an engine. Angles in degrees.
+struct Mistakes {
+  double beam_shift = 0, sample_shift = 0;  ///< towards larger numbers
+  bool mirror = false, halves_swapped = false;
+  double azimuth_scale = 0, range_scale = 0;  ///< how much too large
+  int tangent_views = 0;
+  double scallop_samples = 0;  ///< depth of the near edge's three arcs
+  bool near_clipping = false;  ///< what is nearer than the window casts no shadow
+  double cut_m = 0;            ///< nothing nearer than this
+  double law = 0, gain = 1;    ///< energies times r^law and gain
+  bool no_shadow = false;      ///< the bed is seen through the objects
+  double noise = 0;            ///< deviation over the mean echo, clipped at 0
+  double speckle = 0;          ///< relative deviation of single bins
+  double blur = 0;             ///< variance, bins^2
+  int bits = 0;                ///< of amplitude
+};
+
+/// The fan: 72 beams of 0.75 degrees, 200 samples of 8 cm from 4 m on.
+class PlantedFan {
+ public:
+  static constexpr std::size_t beams = 72, samples = 200;
+  static constexpr double beam_deg = 0.75, first_m = 4, sample_m = 0.08;
+
+  PlantedFan() {
+    for (std::size_t b = 0; b < beams; ++b)
+      azimuths_deg.push_back((static_cast<double>(b) - (beams - 1) / 2.0) * beam_deg);
+    for (std::size_t s = 0; s < samples; ++s)
+      ranges_m.push_back(first_m + (static_cast<double>(s) + 0.5) * sample_m);
+    truth = picture({}, 12, 3000, 1);
+  }
+
+  EchoShape shape() const { return {1, beams, samples}; }
+
+  /// By rays in columns and rows of each beam, stratified.
+  std::vector<double> picture(const Mistakes& mistakes, int columns, int rows, unsigned seed) const {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> within(0, 1);
+    std::vector<double> energy(beams * samples);
+    for (std::size_t b = 0; b < beams; ++b)
+      for (int c = 0; c < columns; ++c)
+        for (int r = 0; r < rows; ++r) {
+          const double place = static_cast<double>(b) + (c + within(random)) / columns - beams / 2.0;
+          cast(mistakes, b, azimuth_of(mistakes, place * beam_deg), (r + within(random)) / rows,
+               1.0 / columns / rows, energy);
+        }
+    return received(mistakes, std::move(energy), random);
+  }
+
+  std::vector<double> azimuths_deg, ranges_m, truth;
+
+ private:
+  static constexpr double radians = M_PI / 180, height_m = 3, low_deg = -32, high_deg = -8;
+
+  /// The direction that an engine looks into for what it shows at a nominal azimuth.
+  static double azimuth_of(const Mistakes& m, double nominal_deg) {
+    double azimuth = nominal_deg;
+    const double half = beams * beam_deg / 2;
+    if (m.tangent_views > 0) {
+      const double view = half / m.tangent_views;
+      const double number = std::clamp(std::floor((azimuth + half) / (2 * view)), 0.0, m.tangent_views - 1.0);
+      const double middle = -half + (2 * number + 1) * view;
+      azimuth = middle + std::atan((azimuth - middle) / view * std::tan(view * radians)) / radians;
+    }
+    azimuth -= m.beam_shift * beam_deg;
+    azimuth /= 1 + m.azimuth_scale;
+    if (m.mirror) azimuth = -azimuth;
+    if (m.halves_swapped) azimuth += azimuth < 0 ? half : -half;
+    return azimuth;
+  }
+
+  struct Hit {
+    double range_m = INFINITY, strength = 0;  ///< mu times the sine of the grazing angle
+  };
+
+  static Hit sphere(const std::array<double, 3>& d, const std::array<double, 3>& centre, double radius,
+                    double mu) {
+    const double along = d[0] * centre[0] + d[1] * centre[1] + d[2] * (centre[2] - height_m);
+    const double squared = centre[0] * centre[0] + centre[1] * centre[1] +
+                           (centre[2] - height_m) * (centre[2] - height_m) - along * along;
+    if (squared > radius * radius || along < 0) return {};
+    const double half = std::sqrt(radius * radius - squared);
+    return {along - half, mu * half / radius};
+  }
+
+  static Hit wall(const std::array<double, 3>& d) {  // from (2, 11, 0) to (4, 12, 1.2)
+    const std::array<double, 2> from{2, 11}, way{2, 1}, normal{-1 / std::sqrt(5.0), 2 / std::sqrt(5.0)};
+    const double speed = d[0] * normal[0] + d[1] * normal[1];
+    const double r = (from[0] * normal[0] + from[1] * normal[1]) / speed;
+    const double u = ((r * d[0] - from[0]) * way[0] + (r * d[1] - from[1]) * way[1]) / 5,
+                 z = height_m + r * d[2];
+    if (!(r > 0) || u < 0 || u > 1 || z < 0 || z > 1.2) return {};
+    return {r, 0.6 * std::abs(speed)};
+  }
+
+  void cast(const Mistakes& m, std::size_t beam, double azimuth_deg, double share, double weight,
+            std::vector<double>& energy) const {
+    double low = low_deg;
+    if (m.scallop_samples != 0) {  // arcs of three views: deepest in their middles
+      const double view = static_cast<double>(beam) / beams * 3, off = 2 * (view - std::floor(view)) - 1;
+      const double metres = m.scallop_samples * sample_m * (1 - off * off),
+                   near = height_m / std::sin(-low_deg * radians);
+      low = -std::asin(height_m / (near + metres)) / radians;
+    }
+    const double elevation = (low + share * (high_deg - low)) * radians, azimuth = azimuth_deg * radians;
+    weight *= (high_deg - low) / (high_deg - low_deg) * std::cos(elevation);
+    const std::array<double, 3> d{std::sin(azimuth) * std::cos(elevation),
+                                  std::cos(azimuth) * std::cos(elevation), std::sin(elevation)};
+    const double bed_m = height_m / -d[2], x = bed_m * d[0], y = bed_m * d[1];
+    const Hit bed{bed_m,
+                  (0.2 + 0.06 * std::sin(1.9 * x + 0.7 * y) + 0.05 * std::sin(1.1 * x - 2.3 * y)) * -d[2]};
+    Hit object = std::min({sphere(d, {-2.2, 7, 0.6}, 0.6, 1), sphere(d, {1.0, 8.6, 0.5}, 0.45, 0.8), wall(d)},
+                          [](const Hit& a, const Hit& b) { return a.range_m < b.range_m; });
+    // A rod's end before the window: it is never seen, but its shadow is.
+    const bool behind_rod = std::isfinite(sphere(d, {0.75, 2.4, 1.95}, 0.2, 1).range_m);
+    if (behind_rod && !m.near_clipping) return;
+    if (object.range_m < bed.range_m) {
+      put(m, beam, object, weight, energy);
+      if (!m.no_shadow) return;
+    }
+    put(m, beam, bed, weight, energy);
+  }
+
+  static void put(const Mistakes& m, std::size_t beam, const Hit& hit, double weight,
+                  std::vector<double>& energy) {
+    const double shown = hit.range_m * (1 + m.range_scale) + m.sample_shift * sample_m;
+    const double place = (shown - first_m) / sample_m;
+    if (place < 0 || place >= samples || hit.range_m < m.cut_m) return;
+    const double r = hit.range_m;
+    energy[beam * samples + static_cast<std::size_t>(place)] +=
+        weight * hit.strength / (r * r) * (m.law == 0 ? 1 : std::pow(r, m.law)) * m.gain;
+  }
+
+  /// What comes after the rays: speckle, blur, noise, bits.
+  static std::vector<double> received(const Mistakes& m, std::vector<double> energy, std::mt19937& random) {
+    std::normal_distribution<double> normal(0, 1);
+    if (m.speckle > 0)
+      for (double& e : energy) e *= std::max(0.0, 1 + m.speckle * normal(random));
+    if (m.blur > 0) {  // a kernel of 5 x 5
+      std::array<double, 5> kernel{};
+      double sum = 0;
+      for (int k = -2; k <= 2; ++k)
+        sum += kernel[static_cast<std::size_t>(k + 2)] = std::exp(-k * k / (2 * m.blur));
+      for (double& k : kernel) k /= sum;
+      const std::vector<double> sharp = energy;
+      for (int b = 0; b < int(beams); ++b)
+        for (int s = 0; s < int(samples); ++s) {
+          double total = 0;
+          for (int i = -2; i <= 2; ++i)
+            for (int j = -2; j <= 2; ++j)
+              if (b + i >= 0 && b + i < int(beams) && s + j >= 0 && s + j < int(samples))
+                total += kernel[static_cast<std::size_t>(i + 2)] * kernel[static_cast<std::size_t>(j + 2)] *
+                         sharp[static_cast<std::size_t>((b + i) * int(samples) + s + j)];
+          energy[static_cast<std::size_t>(b * int(samples) + s)] = total;
+        }
+    }
+    double mean = 0, lit = 0, top = 0;
+    for (const double e : energy) mean += e, lit += e > 0, top = std::max(top, e);
+    mean /= lit;
+    if (m.noise > 0)
+      for (double& e : energy) e = std::max(0.0, e + m.noise * mean * normal(random));
+    if (m.bits > 0) {
+      const double levels = std::ldexp(1, m.bits) - 1;
+      for (double& e : energy) e = std::pow(std::round(std::sqrt(e / top) * levels) / levels, 2) * top;
+    }
+    return energy;
+  }
+};
+
+}  // namespace tubefoot

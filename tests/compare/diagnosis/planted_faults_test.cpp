@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Mistakes planted in an engine of rays are named, alone and two together, with their sizes; a clean engine
+// is left in peace. docs/compare.md has the table of what is planted here.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <thread>
+
+#include "compare/diagnosis/diagnosis.hpp"
+#include "planted.hpp"
+
+namespace tubefoot {
+namespace {
+
+// Of the pairs, how many may hide one of the two, and how many may have a finding too many.
+constexpr std::size_t allowed_missed = 0, allowed_more = 3;
+
+const PlantedFan& fan() {
+  static const PlantedFan made;
+  return made;
+}
+
+struct Planted {
+  const char* fault;
+  std::function<void(Mistakes&)> plant;
+  double size, within;  ///< 0: only the name is expected
+};
+
+std::ostream& operator<<(std::ostream& out, const Planted& p) { return out << p.fault; }
+
+const std::vector<Planted>& planted() {
+  static const std::vector<Planted> all{
+      {"beam-shift", [](Mistakes& m) { m.beam_shift = 0.6; }, 0.6, 0.03},
+      {"half-sample", [](Mistakes& m) { m.sample_shift = 0.5; }, 0.5, 0.03},
+      {"sample-shift", [](Mistakes& m) { m.sample_shift = -1.3; }, -1.3, 0.04},
+      {"mirror", [](Mistakes& m) { m.mirror = true; }, 0, 0},
+      {"swapped-ports", [](Mistakes& m) { m.halves_swapped = true; }, 0, 0},
+      {"azimuth-scale", [](Mistakes& m) { m.azimuth_scale = 0.03; }, 0.03, 0.003},
+      {"range-scale", [](Mistakes& m) { m.range_scale = 0.015; }, 0.015, 0.0006},
+      {"tangent-spacing", [](Mistakes& m) { m.tangent_views = 1; }, 1.08, 0.08},
+      {"tangent-spacing", [](Mistakes& m) { m.tangent_views = 2; }, 0.128, 0.03},
+      {"scalloped-edge", [](Mistakes& m) { m.scallop_samples = 1.3; }, 1.3, 0.25},
+      {"near-clipping", [](Mistakes& m) { m.near_clipping = true; }, 190, 50},
+      {"near-returns-missing", [](Mistakes& m) { m.cut_m = 6.3; }, 6.3, 0.1},
+      {"range-law", [](Mistakes& m) { m.law = 0.5; }, 0.5, 0.02},
+      {"level", [](Mistakes& m) { m.gain = 2; }, 3.0103, 0.05},
+      {"missing-shadow", [](Mistakes& m) { m.no_shadow = true; }, 1150, 150},
+      {"noise", [](Mistakes& m) { m.noise = 0.1; }, -14, 1.5},
+      {"blur", [](Mistakes& m) { m.blur = 1; }, 0.97, 0.08},
+      {"8-bits", [](Mistakes& m) { m.bits = 8; }, 0, 0}};
+  return all;
+}
+
+Diagnosis diagnosis_of(const std::vector<double>& candidate, const std::vector<double>& ideal = {}) {
+  const PlantedFan& of = fan();
+  return diagnose({{of.shape(), of.truth, candidate, {}, of.ranges_m}, of.azimuths_deg, candidate, ideal});
+}
+
+std::vector<std::string> names(const Diagnosis& diagnosis) {
+  std::vector<std::string> found;
+  for (const Finding& finding : diagnosis.findings) found.push_back(finding.fault);
+  return found;
+}
+
+struct Alone : testing::TestWithParam<Planted> {};
+
+TEST_P(Alone, IsNamedWithItsSizeAndNothingElseIs) {
+  Mistakes mistakes;
+  GetParam().plant(mistakes);
+  const Diagnosis diagnosis = diagnosis_of(fan().picture(mistakes, 4, 600, 7));
+  std::vector<std::string> others;
+  for (const Finding& finding : diagnosis.findings) {
+    RecordProperty(finding.fault, finding.words);
+    // Another law of range is another level, too, at the middle range.
+    if (finding.fault != GetParam().fault && !(finding.fault == "level" && mistakes.law != 0))
+      others.push_back(finding.fault);
+    if (finding.fault != GetParam().fault || GetParam().within == 0) continue;
+    EXPECT_NEAR(finding.size, GetParam().size, GetParam().within) << finding.words;
+    EXPECT_GT(finding.error, 0) << finding.words;
+    EXPECT_LT(finding.error, GetParam().within) << finding.words;
+  }
+  EXPECT_THAT(names(diagnosis), testing::Contains(GetParam().fault));
+  EXPECT_THAT(others, testing::IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, Alone, testing::ValuesIn(planted()));
+
+TEST(Pairs, AreNamedBoth) {
+  struct Pair {
+    const Planted *a, *b;
+  };
+  std::vector<Pair> pairs;
+  for (const Planted& a : planted())
+    for (const Planted& b : planted()) {
+      Mistakes of_a, of_b;
+      a.plant(of_a);
+      b.plant(of_b);
+      const std::string one = a.fault, other = b.fault;
+      // Of each kind one, but a cut takes the scalloped edge away.
+      const auto is_another = [](const std::string& fault, const Mistakes& m) {
+        return fault == "sample-shift" || fault == "level" || m.tangent_views == 2;
+      };
+      const bool left_out = is_another(one, of_a) || is_another(other, of_b) ||
+                            (one == "scalloped-edge" && other == "near-returns-missing");
+      if (&a < &b && !left_out) pairs.push_back({&a, &b});
+    }
+  std::vector<std::string> wrong(pairs.size());
+  std::atomic<std::size_t> next = 0, extra = 0;
+  fan();
+  const auto work = [&] {
+    for (std::size_t k = next++; k < pairs.size(); k = next++) {
+      const auto& [a, b] = pairs[k];
+      Mistakes mistakes;
+      a->plant(mistakes);
+      b->plant(mistakes);
+      const Diagnosis diagnosis =
+          diagnosis_of(fan().picture(mistakes, 4, 600, static_cast<unsigned>(100 + k)));
+      bool more = false;
+      for (const Finding& finding : diagnosis.findings)
+        more = more || (finding.fault != a->fault && finding.fault != b->fault && finding.fault != "level");
+      extra += more;
+      if (!diagnosis.has(a->fault) || !diagnosis.has(b->fault) || more)
+        wrong[k] = std::string(more ? "more: " : "missed: ") + a->fault + " and " + b->fault + ": found " +
+                   testing::PrintToString(names(diagnosis)) + "\n";
+    }
+  };
+  std::thread helper(work);
+  work();
+  helper.join();
+  std::string all;
+  std::size_t missed = 0;
+  for (const std::string& words : wrong) {
+    all += words;
+    missed += words.starts_with("missed");
+  }
+  RecordProperty("pairs", static_cast<int>(pairs.size()));
+  RecordProperty("missed", static_cast<int>(missed));
+  RecordProperty("with_more", static_cast<int>(extra));
+  EXPECT_LE(missed, allowed_missed) << all;
+  EXPECT_LE(extra, allowed_more) << all;
+}
+
+TEST(CleanEngine, IsLeftInPeaceWhateverItsSampling) {
+  for (const auto& [columns, rows] :
+       std::vector<std::pair<int, int>>{{4, 600}, {1, 500}, {1, 200}, {1, 3000}, {8, 100}})
+    for (unsigned seed = 1; seed <= 3; ++seed)
+      EXPECT_THAT(names(diagnosis_of(fan().picture({}, columns, rows, seed))), testing::IsEmpty())
+          << columns << " x " << rows << ", seed " << seed;
+  EXPECT_THAT(names(diagnosis_of(fan().truth)), testing::IsEmpty());
+}
+
+TEST(CleanEngine, WhatIsLeftIsItsSampling) {
+  const std::vector<double> ideal = fan().picture({}, 1, 500, 2);
+  const Diagnosis clean = diagnosis_of(fan().picture({}, 1, 500, 1), ideal);
+  EXPECT_NEAR(clean.l1_left, *clean.ideal_l1, 0.1 * *clean.ideal_l1);
+  Mistakes mistakes;
+  mistakes.range_scale = 0.015;
+  mistakes.law = 1;
+  const Diagnosis wrong = diagnosis_of(fan().picture(mistakes, 1, 500, 1), ideal);
+  EXPECT_GT(wrong.l1, 10 * *wrong.ideal_l1);
+  EXPECT_LT(wrong.l1_left, 2.5 * *wrong.ideal_l1);
+}
+
+TEST(CleanEngine, SpeckleIsToldFromSamplingByAnIdeal) {
+  Mistakes mistakes;
+  mistakes.speckle = 0.5;
+  const std::vector<double> ideal = fan().picture({}, 4, 600, 2);
+  EXPECT_TRUE(diagnosis_of(fan().picture(mistakes, 4, 600, 1), ideal).has("speckle"));
+  EXPECT_FALSE(diagnosis_of(fan().picture({}, 4, 600, 1), ideal).has("speckle"));
+}
+
+/// As a renderer has it: rows even, what is faint left out, what is bright clamped, 8 bits. The faintest
+/// value is then many steps, and an even bed is equal to the last bit.
+std::vector<double> rendered(std::vector<double> energy_j, double bits) {
+  std::vector<double> lit;
+  for (std::size_t k = 0; k < energy_j.size(); ++k) {
+    energy_j[k] *= std::pow(fan().ranges_m[k % PlantedFan::samples], 5);
+    if (energy_j[k] > 0) lit.push_back(energy_j[k]);
+  }
+  std::nth_element(lit.begin(), lit.begin() + static_cast<std::ptrdiff_t>(lit.size() / 2), lit.end());
+  const double bed = lit[lit.size() / 2], steps = std::exp2(bits) - 1;
+  for (double& e : energy_j)
+    e = e < 0.5 * bed ? 0
+        : bits > 0    ? std::round(steps * std::min(1.0, e / (4 * bed))) / steps
+                      : std::min(1.0, e / (4 * bed));
+  return energy_j;
+}
+
+TEST(Diagnosis, APictureWhoseFaintestValueIsManyStepsSaysAsMuch) {
+  Mistakes mistakes;
+  mistakes.sample_shift = -1.3;
+  const std::vector<double> truth = rendered(fan().truth, 0),
+                            candidate = rendered(fan().picture(mistakes, 4, 2000, 7), 8);
+  const Diagnosis diagnosis =
+      diagnose({{fan().shape(), truth, candidate, {}, fan().ranges_m}, fan().azimuths_deg, candidate, {}});
+  EXPECT_TRUE(diagnosis.has("8-bits"));
+  EXPECT_NEAR(diagnosis.alignment.warp.samples, -1.3, 0.1);
+}
+
+TEST(Diagnosis, MirroredBeamsEvenInTheTangentUnderSpeckleAreNotAnotherOpening) {
+  Mistakes mistakes;
+  mistakes.mirror = true;
+  mistakes.tangent_views = 1;
+  mistakes.speckle = 0.6;
+  const Diagnosis diagnosis = diagnosis_of(fan().picture(mistakes, 1, 600, 7));
+  EXPECT_TRUE(diagnosis.has("mirror"));
+  EXPECT_TRUE(diagnosis.has("tangent-spacing")) << testing::PrintToString(names(diagnosis));
+  EXPECT_FALSE(diagnosis.has("azimuth-scale")) << testing::PrintToString(names(diagnosis));
+}
+
+TEST(Diagnosis, ASilentCandidateOrReferenceIsNoProblem) {
+  const std::vector<double> silent(fan().truth.size());
+  EXPECT_THAT(names(diagnosis_of(silent)), testing::ElementsAre("silent"));
+  const DiagnosisInput none{
+      {fan().shape(), silent, fan().truth, {}, fan().ranges_m}, fan().azimuths_deg, silent, {}};
+  EXPECT_THAT(names(diagnose(none)), testing::IsEmpty());
+}
+
+TEST(Diagnosis, TwoBeamsAreSwapped) {
+  // A sidescan: pings of two beams, each a profile of its own that changes along the track.
+  constexpr std::size_t pings = 40, samples = 120;
+  std::vector<double> truth, swapped;
+  std::vector<double> ranges;
+  for (std::size_t s = 0; s < samples; ++s) ranges.push_back(5 + 0.1 * double(s));
+  const auto profile = [&](std::size_t ping, int side) {
+    std::vector<double> energy(samples);
+    for (std::size_t s = 20; s < samples; ++s)
+      energy[s] = (1.2 + std::sin(0.3 * double(s) + side * 2 + 0.2 * double(ping))) / ranges[s];
+    return energy;
+  };
+  for (std::size_t ping = 0; ping < pings; ++ping)
+    for (const int side : {0, 1}) {
+      const auto right = profile(ping, side), wrong = profile(ping, 1 - side);
+      truth.insert(truth.end(), right.begin(), right.end());
+      swapped.insert(swapped.end(), wrong.begin(), wrong.end());
+    }
+  const std::vector<double> azimuths{-90, 90};
+  EXPECT_THAT(names(diagnose({{{pings, 2, samples}, truth, swapped, {}, ranges}, azimuths, swapped, {}})),
+              testing::ElementsAre("swapped-ports"));
+  EXPECT_THAT(names(diagnose({{{pings, 2, samples}, truth, truth, {}, ranges}, azimuths, truth, {}})),
+              testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace tubefoot

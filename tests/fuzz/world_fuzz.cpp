@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A world of another engine, SDF or Stonefish, beside a mesh: refused, or objects and sonars at finite
+// places.
+#include <cmath>
+
+#include "exchange/readers/scene_readers.hpp"
+#include "files/shown.hpp"
+#include "fuzz.hpp"
+
+namespace tubefoot::fuzz {
+namespace {
+
+void check(const Placement& placed) {
+  for (int c = 0; c < 3; ++c)
+    if (!std::isfinite(placed.position_m[c]) || !(std::abs(glm::length(placed.turn[c]) - 1) < 1e-6))
+      finding("a place that is none");
+}
+
+}  // namespace
+}  // namespace tubefoot::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  tubefoot::fuzz::scratch_file("rock.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  return 0;
+}
+
+/// The text of the world.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tubefoot;
+  const fuzz::TimeLimit limit;
+  const auto file = fuzz::scratch_file("world.sdf", fuzz::Bytes(data, size).rest());
+  fuzz::may_refuse([&] {
+    const ImportedScene scene = read_world(file, {});
+    for (const ImportedObject& object : scene.objects) fuzz::check(object.placed);
+    for (const ImportedSensor& sensor : scene.sensors) fuzz::check(sensor.own);
+    for (const std::string& line : scene.noticed) fuzz::check_message(shown(line));
+    scene_text(scene);
+  });
+  return 0;
+}

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The answers of the reference pack against closed forms and integrals of the test's own, and against rays.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "pack/packed.hpp"
+#include "sensors/recordings/echo_reader.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double degree = std::numbers::pi / 180;
+
+/// A scene of a pack, with its answer.
+struct Scene {
+  Scene(const fs::path& pack, const std::string& name)
+      : folder(pack / "scenes" / name),
+        json(json_in(folder / "scene.json")),
+        energy(array_in(pack / "answers" / name / "energy.npy")) {
+    if (fs::exists(pack / "answers" / name / "bound.npy"))
+      bound = array_in(pack / "answers" / name / "bound.npy");
+  }
+  fs::path folder;
+  Json json;
+  Array energy, bound;
+  double first_m() const { return json["samples"]["first_m"]; }
+  double step_m() const { return json["samples"]["step_m"]; }
+  double border_deg(std::size_t k) const { return json["beams"]["borders_deg"][k]; }
+  glm::dvec3 sonar() const {
+    const auto at = json["pings"][0]["position_m"].get<std::array<double, 3>>();
+    return {at[0], at[1], at[2]};
+  }
+};
+
+/// Triangles of a surface of a scene: corners.
+std::vector<std::array<glm::dvec3, 3>> triangles_of(const Scene& scene, const std::string& obj) {
+  const Mesh mesh = mesh_in(scene.folder / obj);
+  std::vector<std::array<glm::dvec3, 3>> all;
+  for (const auto& facet : mesh.facets) {
+    auto& triangle = all.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& v = mesh.vertices[facet[k]];
+      triangle[k] = {v[0], v[1], v[2]};
+    }
+  }
+  return all;
+}
+
+/// Integral of f(place, normal) over triangles, by the middles of n x n equal parts.
+double over(const std::vector<std::array<glm::dvec3, 3>>& triangles, int n,
+            const std::function<double(glm::dvec3, glm::dvec3)>& f) {
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles) {
+    const glm::dvec3 doubled = glm::cross(b - a, c - a);
+    const double part = glm::length(doubled) / 2 / (n * n);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j)
+        for (const double third : {1.0 / 3, 2.0 / 3}) {
+          if (third > 0.5 && i + j == n - 1) continue;
+          sum += part *
+                 f(a + (b - a) * ((i + third) / n) + (c - a) * ((j + third) / n), glm::normalize(doubled));
+        }
+  }
+  return sum;
+}
+
+/// mu sin(g1) sin(g2) r1^-2 r2^-2.
+double scattered(double mu, glm::dvec3 from, glm::dvec3 to, glm::dvec3 at, glm::dvec3 normal) {
+  const glm::dvec3 out = at - from, home = at - to;
+  const double r1 = glm::length(out), r2 = glm::length(home);
+  return mu * std::abs(glm::dot(out, normal) / r1 * glm::dot(home, normal) / r2) / (r1 * r1 * r2 * r2);
+}
+
+// README.md: E = mu H^2 w (r0^-4 - r1^-4) / 4; w between the rounded corner rays.
+TEST(PackAnswers, FlatBedsHoldTheirClosedForm) {
+  const TestFolder folder;
+  for (const std::vector<std::string>& set : {std::vector<std::string>{}, {"--seed", "flat"}}) {
+    std::vector<std::string> options{"--scenes", "grazing,large-flat"};
+    options.insert(options.end(), set.begin(), set.end());
+    const fs::path pack = packed(folder, set.empty() ? "debug" : "drawn", options);
+    for (const std::string name : {"grazing", "large-flat"}) {
+      const Scene scene(pack, name);
+      const double mu = scene.json["surfaces"][0]["mu"], height = scene.sonar().z;
+      const double across = std::cos(scene.json["beams"]["upper_deg"].get<double>() * degree),
+                   scale = std::ldexp(1.0, 30) - 1;
+      const auto edge = [&](std::size_t k) {
+        const double azimuth = scene.border_deg(k) * degree;
+        return std::atan2(std::round(std::sin(azimuth) * across * scale),
+                          std::round(std::cos(azimuth) * across * scale));
+      };
+      EXPECT_NEAR(mu, 0.01, 1e-15);
+      for (std::size_t beam = 0; beam < scene.energy.beams; ++beam)
+        for (std::size_t k = 0; k < scene.energy.samples; ++k) {
+          const double r0 = scene.first_m() + static_cast<double>(k) * scene.step_m(),
+                       r1 = r0 + scene.step_m();
+          const double truth = mu * height * height * (edge(beam + 1) - edge(beam)) *
+                               (std::pow(r0, -4) - std::pow(r1, -4)) / 4;
+          ASSERT_LE(std::abs(scene.energy.at(0, beam, k) - truth), scene.bound.at(0, beam, k) + 1e-13 * truth)
+              << name << ", beam " << beam << ", sample " << k;
+        }
+    }
+  }
+}
+
+TEST(PackAnswers, PlatesFallAsSolidAnglesAndAbsorptionDo) {
+  const TestFolder folder;
+  const fs::path pack = packed(folder, "a", {"--scenes", "range-law,absorption"});
+  for (const std::string name : {"range-law", "absorption"}) {
+    const Scene scene(pack, name);
+    const double a = scene.json["water"]["absorption_db_per_km"];
+    EXPECT_EQ(a, name == std::string("absorption") ? 400 : 0);
+    double all = 0;
+    std::vector<double> filled;
+    for (int plate = 0; plate < 5; ++plate) {
+      const auto triangles = triangles_of(scene, "plate-" + std::to_string(plate) + ".obj");
+      const double upper = std::tan(scene.json["beams"]["upper_deg"].get<double>() * degree);
+      double range = 0, area = 0;
+      // Of each place, whether it is in the fan: the sonar looks level, north.
+      all += over(triangles, 200, [&](glm::dvec3 at, glm::dvec3 normal) {
+        const glm::dvec3 way = at - scene.sonar();
+        const double r = glm::length(way);
+        range += r, area += 1;
+        // The upper side of a beam is a plane through two of its corners, which lie on the cone.
+        return std::abs(way.z) > upper * std::hypot(way.x, way.y)
+                   ? 0
+                   : scattered(0.1, scene.sonar(), scene.sonar(), at, normal) *
+                         std::pow(10, -2 * a * r / 10000);
+      });
+      filled.push_back(range / area);
+    }
+    EXPECT_NEAR(scene.energy.sum() / all, 1, 2e-3) << name;
+    // mu w h / d^2, in a beam before the middle of each plate.
+    const double height = 2 * scene.json["beams"]["upper_deg"].get<double>() * degree;
+    for (std::size_t plate = 0; plate < 5; ++plate) {
+      const double azimuth = 7.2 * (static_cast<double>(plate) - 2);
+      std::size_t beam = 0;
+      while (scene.border_deg(beam + 1) < azimuth) ++beam;
+      const double mean = filled[plate];
+      EXPECT_NEAR(scene.energy.of_beam(beam) /
+                      (0.1 * degree * height / (mean * mean) * std::pow(10, -2 * a * mean / 10000)),
+                  1, 0.01)
+          << name << ", plate " << plate;
+    }
+  }
+}
+
+TEST(PackAnswers, BeamsAreAsSceneJsonSaysAndPostsInThem) {
+  const TestFolder folder;
+  const fs::path pack = packed(folder, "a", {"--scenes", "even-angles,even-tangents,listed-angles"});
+  for (const std::string name : {"even-angles", "even-tangents", "listed-angles"}) {
+    const Scene scene(pack, name);
+    const std::vector<double> axes = scene.json["beams"]["axes_deg"],
+                              borders = scene.json["beams"]["borders_deg"];
+    ASSERT_EQ(axes.size(), 64u);
+    ASSERT_EQ(borders.size(), 65u);
+    double least = 1e9, most = 0;
+    for (std::size_t k = 0; k + 1 < axes.size(); ++k) {
+      EXPECT_NEAR(borders[k + 1], (axes[k] + axes[k + 1]) / 2, 1e-12);
+      const double step = name == std::string("even-tangents")
+                              ? std::tan(axes[k + 1] * degree) - std::tan(axes[k] * degree)
+                              : axes[k + 1] - axes[k];
+      least = std::min(least, step), most = std::max(most, step);
+    }
+    if (name == std::string("listed-angles"))
+      EXPECT_GT(most / least, 1.9);
+    else
+      EXPECT_NEAR(most / least, 1, 1e-9) << name;
+    // Energy of each post in beams, against how much of it lies between their borders.
+    std::vector<double> expected(axes.size());
+    constexpr int parts = 300;
+    for (int post = 0; post < 13; ++post)
+      for (const auto& triangle : triangles_of(scene, "post-" + std::to_string(post) + ".obj")) {
+        const double area = glm::length(glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0])) /
+                            (2 * parts * parts);
+        over({triangle}, parts, [&](glm::dvec3 at, glm::dvec3 normal) {
+          const glm::dvec3 way = at - scene.sonar();
+          const double azimuth = std::atan2(way.x, way.y) / degree;
+          const auto beam =
+              static_cast<std::size_t>(std::ranges::upper_bound(borders, azimuth) - borders.begin() - 1);
+          if (beam < expected.size() && std::abs(std::atan2(way.z, std::hypot(way.x, way.y))) < 4 * degree)
+            expected[beam] += area * scattered(0.1, scene.sonar(), scene.sonar(), at, normal);
+          return 0.0;
+        });
+      }
+    double found = 0, all = 0, moved = 0;
+    for (std::size_t k = 0; k < axes.size(); ++k) found += scene.energy.of_beam(k), all += expected[k];
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      moved += std::abs(scene.energy.of_beam(k) / found - expected[k] / all);
+    EXPECT_LT(moved, 0.02)
+        << name;  // the sums of each post are of as many parts, whatever its area: all are of one angle
+  }
+}
+
+// README.md: images, and losses once and twice.
+TEST(PackAnswers, SurfaceMultiplesAreThoseOfImages) {
+  const TestFolder folder;
+  for (const std::string seed : {"", "s"}) {
+    std::vector<std::string> options{"--scenes", "surface-multiple"};
+    if (!seed.empty()) options.insert(options.end(), {"--seed", seed});
+    const Scene scene(packed(folder, "a" + seed, options), "surface-multiple");
+    const auto plate = triangles_of(scene, "plate.obj");
+    const glm::dvec3 sonar = scene.sonar(), image{sonar.x, sonar.y, -sonar.z};
+    const double kept = std::pow(10, -scene.json["sea_surface"]["loss_db"].get<double>() / 10);
+    const auto from = [&](glm::dvec3 a, glm::dvec3 b) {
+      return over(plate, 40,
+                  [&](glm::dvec3 at, glm::dvec3 normal) { return scattered(0.1, a, b, at, normal); });
+    };
+    const double direct = from(sonar, sonar),
+                 later = 2 * kept * from(sonar, image) + kept * kept * from(image, image);
+    const auto begins = static_cast<std::size_t>(
+        (scene.json["later_from_m"].get<double>() - scene.first_m()) / scene.step_m());
+    EXPECT_NEAR(scene.energy.sum(begins) / later, 1, 1e-4) << seed;
+    EXPECT_NEAR(scene.energy.sum() / (direct + later), 1, 1e-4) << seed;
+  }
+}
+
+TEST(PackAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
+  const TestFolder folder;
+  const fs::path pack = packed(folder, "a", {"--scenes", "two-scatterings"});
+  const Scene scene(pack, "two-scatterings");
+  const auto port = triangles_of(scene, "port.obj"), starboard = triangles_of(scene, "starboard.obj");
+  const glm::dvec3 sonar = scene.sonar();
+  const double mu = std::pow(10, -0.6);
+  const double later = 2 * over(port, 6, [&](glm::dvec3 p, glm::dvec3 n) {
+                         return over(starboard, 6, [&](glm::dvec3 q, glm::dvec3 m) {
+                           const double out = glm::length(p - sonar), home = glm::length(q - sonar),
+                                        s = glm::length(q - p);
+                           return mu * mu *
+                                  std::abs(glm::dot(p - sonar, n) / out * glm::dot(q - p, n) / s *
+                                           glm::dot(q - p, m) / s * glm::dot(q - sonar, m) / home) /
+                                  (out * out * s * s * home * home);
+                         });
+                       });
+  const auto begins =
+      static_cast<std::size_t>((scene.json["later_from_m"].get<double>() - scene.first_m()) / scene.step_m());
+  EXPECT_NEAR(scene.energy.sum(begins) / later, 1, 0.01);
+  // Half as long patches change less than is told.
+  std::string finer = bytes_of(scene.folder / "scene.toml");
+  finer.replace(finer.find("patch_m = 0.09375"), 17, "patch_m = 0.03125");
+  fs::create_directory(folder / "finer");
+  folder.write("finer/scene.toml", finer);
+  for (const std::string obj : {"port.obj", "starboard.obj"})
+    folder.write("finer/" + obj, bytes_of(scene.folder / obj));
+  const Outcome outcome = run_program({"run", (folder / "finer/scene.toml").string(), "-o",
+                                       (folder / "out").string(), "--quiet", "--pictures", "none"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const SensorEchoes now = read_echo_file(folder / "out/echoes.nc").sensors.at(0);
+  double off = 0, off_later = 0;
+  for (std::size_t b = 0; b < now.beams; ++b)
+    for (std::size_t k = 0; k < now.samples; ++k) {
+      const double difference = std::abs(now.at(0, b, k) - scene.energy.at(0, b, k));
+      off += difference;
+      if (k >= begins) off_later += difference;
+    }
+  const double told = json_in(pack / "answers/two-scatterings/answer.json")["tolerance_l1"];
+  EXPECT_LT(off, told * scene.energy.sum());
+  EXPECT_LT(off_later, 0.1 * later);
+}
+
+// sinc^2 of the README, at the middle of the target.
+TEST(PackAnswers, SideLobesAreThoseOfALine) {
+  const TestFolder folder;
+  const Scene scene(packed(folder, "a", {"--scenes", "side-lobes"}), "side-lobes");
+  const double wavelengths = scene.json["beams"]["receive"]["aperture_m"].get<double>() *
+                             scene.json["beams"]["receive"]["frequency_khz"].get<double>() * 1000 / 1500;
+  const auto target = triangles_of(scene, "target.obj");
+  std::vector<double> expected(scene.energy.beams);
+  for (std::size_t beam = 0; beam < expected.size(); ++beam) {
+    const double axis = std::sin(scene.json["beams"]["axes_deg"][beam].get<double>() * degree);
+    expected[beam] = over(target, 12, [&](glm::dvec3 at, glm::dvec3 normal) {
+      const glm::dvec3 way = glm::normalize(at - scene.sonar());
+      if (glm::dot(way, normal) > 0) return 0.0;  // the far side of a box hides
+      const double x = std::numbers::pi * wavelengths * (way.x - axis);
+      return scattered(0.1, scene.sonar(), scene.sonar(), at, normal) *
+             (x == 0 ? 1 : std::pow(std::sin(x) / x, 2));
+    });
+  }
+  double all = 0, beside = 0, found = 0, off = 0;
+  std::size_t peak = 0;
+  for (std::size_t b = 0; b < expected.size(); ++b) {
+    if (scene.energy.of_beam(b) > scene.energy.of_beam(peak)) peak = b;
+    off += std::abs(expected[b] - scene.energy.of_beam(b));
+    all += expected[b], found += scene.energy.of_beam(b);
+  }
+  for (std::size_t b = 0; b < expected.size(); ++b)
+    if (std::abs(static_cast<double>(b) - static_cast<double>(peak)) >
+        scene.json["main_lobe_beams"].get<double>())
+      beside += scene.energy.of_beam(b);
+  EXPECT_LT(off, 0.01 * all);
+  EXPECT_GT(beside, 0.03 * found);
+}
+
+TEST(PackAnswers, AgreeWithRays) {
+  const TestFolder folder;
+  const fs::path pack = packed(folder, "a", {"--scenes", "occlusion-order,near-plane"});
+  for (const std::string name : {"occlusion-order", "near-plane"}) {
+    const Scene scene(pack, name);
+    const Outcome outcome =
+        run_program({"run", (scene.folder / "scene.toml").string(), "-o", (folder / name).string(),
+                     "--engine", "ray", "--rays-per-beam", "100000", "--quiet", "--pictures", "none"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const SensorEchoes rays = read_echo_file(folder / name / "echoes.nc").sensors.at(0);
+    double off = 0;
+    std::size_t lit_in_shadow = 0;
+    for (std::size_t k = 0; k < rays.energy.size(); ++k) {
+      off += std::abs(rays.energy[k] - scene.energy.values[k]);
+      lit_in_shadow += scene.energy.values[k] + scene.bound.values[k] == 0 && rays.energy[k] > 0;
+    }
+    EXPECT_LT(off, 0.02 * scene.energy.sum()) << name;
+    EXPECT_EQ(lit_in_shadow, 0u) << name;
+  }
+}
+
+}  // namespace
+}  // namespace tubefoot

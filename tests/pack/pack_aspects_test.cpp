@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// That every scene of the pack has its aspect, and that its checker names what is wrong, and only that: a
+// fault is planted in one class at a time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "pack/npy.hpp"
+#include "pack/packed.hpp"
+#include "sensors/recordings/echo_reader.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What an engine that lacks the aspect would compute: the same of an edited scene file. Objects by their
+/// names are left out.
+struct Plant {
+  std::string scene, pattern, instead;
+};
+
+std::string without(const std::string& object) {
+  return "\\[\\[objects\\]\\]\nname = \"" + object + "\"\n([^\n]+\n)*\n";
+}
+
+const std::vector<Plant>& plants() {
+  static const std::vector<Plant> all{
+      {"absorption", "absorption_db_per_km = [0-9]+", "absorption_db_per_km = 0"},
+      {"even-angles", "vertical_deg", "spacing = \"distance\"\nvertical_deg"},
+      {"even-tangents", "spacing = \"distance\"\n", ""},
+      {"listed-angles", "beam_angles_deg = [^\n]*", "beams = 64\nhorizontal_deg = 72"},
+      {"side-lobes", "receive_[^\n]*\n", ""},
+      {"near-plane", without("near-box"), ""},
+      {"thin-wall", without("wall"), ""},
+      {"silhouettes", without("sphere"), ""},
+      {"occlusion-order", without("front"), ""},
+      {"large-flat", "(position_m = \\[[^,]+, [^,]+), [^\\]]+", "$1, 2"},  // heights to the metre
+      {"many-small", without("stones"), ""},
+      {"moving-sonar", "\nspeed_m_s = [0-9.]+", "\nspeed_m_s = 0.001"},
+      {"layered-water", "(profile|gradient|surface_height)[^\n]*\n", ""},
+      {"surface-multiple", "order = 3", "order = 1"},
+      {"two-scatterings", "order = 2\nscatterings = 2\npatch_m = [0-9.]+", "order = 1"},
+      {"receivers-apart", "receiver_arm_m[^\n]*\n", ""},
+  };
+  return all;
+}
+
+/// A pack, and results that are its own answers until something is planted.
+struct Results {
+  explicit Results(const fs::path& of_pack) : pack(of_pack) {
+    fs::create_directories(results);
+    for (const fs::directory_entry& answer : fs::directory_iterator(pack / "answers"))
+      if (answer.is_directory())
+        fs::copy(answer.path() / "energy.npy", results / (answer.path().filename().string() + ".npy"));
+  }
+  /// Changes energies by a factor of sample centre and ping.
+  void change(const std::string& scene, const std::function<double(double range_m)>& factor) const {
+    Array array = array_in(pack / "answers" / scene / "energy.npy");
+    const Json samples = json_in(pack / "scenes" / scene / "scene.json")["samples"];
+    for (std::size_t k = 0; k < array.values.size(); ++k)
+      array.values[k] *=
+          factor(samples["first_m"].get<double>() +
+                 (static_cast<double>(k % array.samples) + 0.5) * samples["step_m"].get<double>());
+    write_npy(results / (scene + ".npy"), {array.pings, array.beams, array.samples}, array.values);
+  }
+  void plant(const Plant& plant) const {
+    const TestFolder edited;
+    for (const fs::directory_entry& file : fs::directory_iterator(pack / "scenes" / plant.scene))
+      fs::copy(file.path(), edited.path() / file.path().filename());
+    const std::string text = bytes_of(edited / "scene.toml"),
+                      other = std::regex_replace(text, std::regex(plant.pattern), plant.instead);
+    ASSERT_NE(text, other) << plant.scene;
+    edited.write("scene.toml", other);
+    const Outcome outcome = run_program({"run", (edited / "scene.toml").string(), "-o",
+                                         (edited / "out").string(), "--quiet", "--pictures", "none"});
+    ASSERT_EQ(outcome.exit_code, 0) << plant.scene << ": " << outcome.err;
+    const SensorEchoes echoes = read_echo_file(edited / "out" / "echoes.nc").sensors.at(0);
+    write_npy(results / (plant.scene + ".npy"), {echoes.pings, echoes.beams, echoes.samples}, echoes.energy);
+  }
+  void heal(const std::string& scene) const {
+    fs::copy(pack / "answers" / scene / "energy.npy", results / (scene + ".npy"),
+             fs::copy_options::overwrite_existing);
+  }
+  /// The checker that the pack came with.
+  int check(const std::string& options = {}) const {
+    return shell(python + " '" + (pack / "compare.py").string() + "' '" + pack.string() + "' '" +
+                     results.string() + "' --json " + options,
+                 folder / "said");
+  }
+  std::string said() const { return bytes_of(folder / "said"); }
+  std::vector<std::string> wrong() const {
+    std::vector<std::string> names;
+    const Json report = Json::parse(said());
+    for (const Json& entry : report["scenes"])
+      if (!entry["agrees"].get<bool>()) names.push_back(entry["scene"]);
+    return names;
+  }
+
+  TestFolder folder;
+  fs::path pack, results = folder / "results";
+  std::string python = python_with_netcdf4();
+};
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+void expect_every_plant_named(const fs::path& pack) {
+  const Results results(pack);
+  if (results.python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
+  ASSERT_EQ(results.check(), 0) << results.said();
+  EXPECT_THAT(results.wrong(), IsEmpty());
+  EXPECT_EQ(Json::parse(results.said())["scenes"].size(), 19u);
+  for (const Plant& plant : plants()) {
+    results.plant(plant);
+    ASSERT_EQ(results.check(), 3) << plant.scene << results.said();
+    EXPECT_THAT(results.wrong(), ElementsAre(plant.scene));
+    results.heal(plant.scene);
+  }
+}
+
+/// The checksums in the source are those of what the program writes. Of the whole debug set, a minute of
+/// work, so all else that needs all of it is here, too.
+TEST(PackAspects, OfTheDebugSetAreWhatItsPublishedSumsSay) {
+  const TestFolder folder;
+  const fs::path pack = packed(folder, "debug", {});
+  std::map<std::string, std::string> made;
+  for (const std::string list : {"SHA256SUMS", "answers/SHA256SUMS"}) {
+    std::istringstream sums(bytes_of(pack / list));
+    for (std::string digest, name; sums >> digest >> name;)
+      made[(list.starts_with("a") ? "answers/" : "") + name] = digest;
+  }
+  std::size_t published = 0;
+  std::istringstream sums(bytes_of(reference_folder() / "v2" / "SHA256SUMS"));
+  for (std::string digest, name; sums >> digest >> name; ++published) EXPECT_EQ(made[name], digest) << name;
+  for (const auto& [name, digest] : made)
+    published += name.ends_with("echoes.nc") || name == "pack.json" || name.find('/') == std::string::npos ||
+                 name.find("/forms/") != std::string::npos;
+  EXPECT_EQ(published, made.size());
+  expect_every_plant_named(pack);
+}
+
+TEST(PackAspects, OfAValidationSetAreNamedAsWell) {
+  const TestFolder folder;
+  expect_every_plant_named(packed(folder, "drawn", {"--seed", "a word of the day"}));
+}
+
+TEST(PackAspects, ALawOfRangeIsNamedOnceAndTakenOffTheOthers) {
+  const TestFolder folder;
+  const Results results(
+      packed(folder, "a", {"--scenes", "range-law,absorption,grazing,even-angles,near-plane,large-flat"}));
+  if (results.python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
+  const auto everywhere = [&](const std::function<double(double)>& factor) {
+    for (const std::string scene :
+         {"range-law", "absorption", "grazing", "even-angles", "near-plane", "large-flat"})
+      results.change(scene, factor);
+  };
+  everywhere([](double r) { return 2 * r; });
+  ASSERT_EQ(results.check(), 3);
+  EXPECT_THAT(results.wrong(), ElementsAre("range-law"));
+  Json taken = Json::parse(results.said())["taken_off"];
+  EXPECT_NEAR(taken["range_exponent"], 1, 0.01);
+  EXPECT_NEAR(taken["gain_db"], 10 * std::log10(2.0), 0.1);
+  everywhere([](double) { return 3.0; });
+  ASSERT_EQ(results.check(), 3);
+  EXPECT_THAT(results.wrong(), ElementsAre("range-law"));
+  ASSERT_EQ(results.check("--relative"), 0) << results.said();
+  // Another law of grazing: sin instead of sin^2 is one power of range on a flat bed, and nothing on plates
+  // square to the sonar.
+  everywhere([](double) { return 1.0; });
+  for (const std::string scene : {"grazing", "large-flat"}) results.change(scene, [](double r) { return r; });
+  ASSERT_EQ(results.check(), 3);
+  EXPECT_THAT(results.wrong(), ElementsAre("grazing", "large-flat"));
+  EXPECT_TRUE(Json::parse(results.said())["taken_off"].is_null());
+}
+
+TEST(PackAspects, ResultsThatCannotBeComparedAreNamed) {
+  const TestFolder folder;
+  const fs::path pack = packed(folder, "a", {"--scenes", "range-law,grazing"});
+  const Results results(pack);
+  if (results.python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
+  const std::string whole = bytes_of(results.results / "grazing.npy");
+  for (const std::size_t length :
+       {std::size_t{0}, std::size_t{7}, std::size_t{60}, std::size_t{128}, whole.size() - 1}) {
+    results.folder.write("results/grazing.npy", whole.substr(0, length));
+    ASSERT_EQ(results.check(), 3) << results.said();
+    EXPECT_THAT(results.wrong(), ElementsAre("grazing")) << length;
+  }
+  std::string minus = whole;
+  minus.back() = static_cast<char>(minus.back() | 0x80);
+  minus[minus.size() - 2] = '\x7f';
+  results.folder.write("results/grazing.npy", minus);
+  ASSERT_EQ(results.check(), 3);
+  EXPECT_THAT(results.said(), HasSubstr("negative or not finite"));
+  write_npy(results.results / "grazing.npy", {1, 2, 2}, std::vector<double>{1, 2, 3, 4});
+  ASSERT_EQ(results.check(), 3);
+  EXPECT_THAT(results.said(), HasSubstr("compute the same"));
+  const std::vector<double> silence(32 * 128);
+  write_npy(results.results / "grazing.npy", {1, 32, 128}, silence);
+  ASSERT_EQ(results.check(), 3) << results.said();
+  EXPECT_THAT(results.wrong(), ElementsAre("grazing"));
+  fs::remove(results.results / "grazing.npy");
+  ASSERT_EQ(results.check(), 0);
+  EXPECT_THAT(Json::parse(results.said())["missing"], ElementsAre("grazing"));
+  fs::remove(results.results / "range-law.npy");
+  EXPECT_EQ(results.check(), 2);
+  EXPECT_THAT(results.said(), HasSubstr("has no result of any scene"));
+  // Pack v1: figures, no verdicts.
+  const std::string v1 = (reference_folder() / "v1").string();
+  EXPECT_EQ(
+      shell(results.python + " '" + (pack / "compare.py").string() + "' " + v1 + " " + v1, folder / "said"),
+      0)
+      << bytes_of(folder / "said");
+  EXPECT_THAT(bytes_of(folder / "said"), HasSubstr("box-and-wall"));
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whose each energy is (docs/truth.md): shares that are the energies', whatever makes them, and means that
+// are closed forms.
+#include "run/truth.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "fixtures/every_feature.hpp"
+#include "fixtures/netcdf_reader.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "run/simulation.hpp"
+#include "run/survey.hpp"
+#include "sensors/kinds/scene_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::HasSubstr;
+
+/// Of energies that are integrated with other factors, relative.
+constexpr double quadrature = 1e-5;
+
+/// All of one sensor's run.
+struct Told {
+  std::shared_ptr<PingStore> store;
+  TruthRecording truth;
+  std::vector<double> energy;  ///< [ping][channel of the sensor][beam][sample]
+  std::size_t samples = 0, pings = 0, sensor_channels = 1;
+  RangeSamples window;
+
+  std::size_t object(const std::string& name) const { return number(truth.objects, name); }
+  std::size_t material(const std::string& name) const { return number(truth.materials, name); }
+  /// Of the channels, whatever they share is taken of.
+  double raw(std::size_t ping, std::size_t channel, std::size_t cell) const {
+    return truth.values[(ping * truth.channels() + channel) * truth.cells + cell];
+  }
+  double heard(std::size_t ping, std::size_t cell) const {
+    return energy[ping * sensor_channels * truth.cells + cell];
+  }
+
+ private:
+  static std::size_t number(const std::vector<std::string>& names, const std::string& name) {
+    return std::size_t(std::ranges::find(names, name) - names.begin());
+  }
+};
+
+struct TruthOf : testing::Test {
+  TestFolder folder;
+
+  Told told(const std::string& scene, const std::function<void(RunRequest&)>& ask = {}, bool truth = true) {
+    const SceneDescription description = read_scene_file(folder.write("scene.toml", scene));
+    const auto survey = open_survey(description);
+    RunRequest request = request_of(description.run);
+    request.truth = truth;
+    if (ask) ask(request);
+    Told told;
+    told.store = std::make_shared<PingStore>(layout_of(*survey, request));
+    simulate(*survey, request, *told.store, {});
+    const auto values = told.store->energy(0);
+    told.energy.assign(values.begin(), values.end());
+    const Sensor& sensor = *survey->sensors[0].sensor;
+    told.window = sensor.samples();
+    told.samples = std::size_t(told.window.count);
+    told.pings = survey->sensors[0].times_s.size();
+    told.sensor_channels = std::size_t(sensor.channels());
+    if (truth) told.truth = truths_of(*survey, request, told.store).at(0);
+    return told;
+  }
+
+  /// Owners' energies, and those without scattering, are the energies; shares add up to 1.
+  static void expect_whole(const Told& told, double tolerance) {
+    const TruthRecording& truth = told.truth;
+    double largest = 0;
+    for (std::size_t p = 0; p < told.pings; ++p)
+      for (std::size_t cell = 0; cell < truth.cells; ++cell) largest = std::max(largest, told.heard(p, cell));
+    ASSERT_GT(largest, 0);
+    for (std::size_t p = 0; p < told.pings; ++p) {
+      const TruthPing ping = truth.of(p);
+      for (std::size_t cell = 0; cell < truth.cells; ++cell) {
+        double sum = 0;
+        for (std::size_t k = 0; k < truth.owners.size(); ++k) sum += told.raw(p, k, cell);
+        if (truth.has_unscattered) sum += told.raw(p, truth.owners.size() + 2, cell);
+        const double energy = told.heard(p, cell);
+        EXPECT_NEAR(sum, energy, tolerance * std::max(energy, 1e-3 * largest))
+            << "ping " << p << " beam " << cell / told.samples << " sample " << cell % told.samples;
+        if (!(sum > 0)) continue;
+        for (const auto* shares : {&ping.object_share, &ping.material_share}) {
+          double whole = truth.has_unscattered ? ping.unscattered_share[cell] : 0;
+          for (std::size_t k = cell; k < shares->size(); k += truth.cells) whole += (*shares)[k];
+          EXPECT_NEAR(whole, 1, 1e-14);
+        }
+      }
+    }
+  }
+};
+
+/// A ball and a box on a bed before a camera, in three materials.
+const std::string still_life =
+    still_water() + lambert_material("sand", -27) + lambert_material("steel", -15) +
+    lambert_material("rubber", -20) + flat_terrain(20, 20, "name = \"bed\"\nmaterial = \"sand\"\n") +
+    replaced(replaced(ball_and_box(), "radius_m = 0.5\n", "radius_m = 0.5\nmaterial = \"rubber\"\n"),
+             "size_m = [0.6, 0.2, 0.5]\n", "size_m = [0.6, 0.2, 0.5]\nmaterial = \"steel\"\n") +
+    fixed_at(0, 0, 2) +
+    "[[sensors]]\nname = \"camera\"\nkind = \"imaging\"\nbeams = 12\n"
+    "horizontal_deg = 24\nvertical_deg = 20\ntilt_deg = 25\nrange_min_m = 3\n"
+    "range_max_m = 7\nsamples = 40\n";
+
+TEST_F(TruthOf, AStillLifeNamesItsThings) {
+  const Told t = told(still_life);
+  expect_whole(t, quadrature);
+  const TruthPing ping = t.truth.of(0);
+  const std::size_t bed = t.object("bed"), ball = t.object("ball"), box = t.object("box");
+  std::set<int> labels;
+  for (std::size_t cell = 0; cell < t.truth.cells; ++cell) {
+    const double energy = t.heard(0, cell);
+    labels.insert(ping.object_label[cell]);
+    if (!(energy > 0)) {
+      EXPECT_EQ(ping.object_label[cell], TruthRecording::no_label);
+      EXPECT_TRUE(std::isnan(ping.mean_height[cell]));
+      continue;
+    }
+    // Each thing has a material of its own.
+    EXPECT_EQ(ping.object_share[ball * t.truth.cells + cell],
+              ping.material_share[t.material("rubber") * t.truth.cells + cell]);
+    // Straight there and back: the range is the sample's.
+    const double near = t.window.first_m + double(cell % t.samples) * t.window.step_m;
+    EXPECT_GE(ping.mean_range[cell], near - 1e-6);
+    EXPECT_LE(ping.mean_range[cell], near + t.window.step_m + 1e-6);
+    EXPECT_GE(ping.mean_height[cell], -1e-6);
+    EXPECT_LE(ping.mean_height[cell], 0.9 + 1e-6);  // the ball's top
+    if (ping.object_share[bed * t.truth.cells + cell] > 1 - 1e-12) {
+      EXPECT_NEAR(ping.mean_height[cell], 0, 2e-6);
+    }
+  }
+  EXPECT_EQ(labels, (std::set<int>{-1, int(bed), int(ball), int(box)}));
+}
+
+TEST_F(TruthOf, TheEnergiesAreTheSameToTheBit) {
+  EXPECT_EQ(told(still_life).energy, told(still_life, {}, false).energy);
+}
+
+TEST_F(TruthOf, NoResultDependsOnTheThreads) {
+  const auto with = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const Told t = told(still_life);
+    return std::vector<double>(t.truth.values.begin(), t.truth.values.end());
+  };
+  EXPECT_EQ(with(1), with(3));
+}
+
+// Nothing of what nobody sees: a wall before the box, and the bed below it.
+TEST_F(TruthOf, WhatIsHiddenHasNoShare) {
+  const Told t = told(still_life +
+                      "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [6, 0.2, 6]\n"
+                      "position_m = [0, 3.6, 1]\nmaterial = \"steel\"\n");
+  expect_whole(t, quadrature);
+  const TruthPing ping = t.truth.of(0);
+  for (const char* hidden : {"box", "ball"})
+    for (std::size_t cell = 0; cell < t.truth.cells; ++cell)
+      EXPECT_EQ(ping.object_share[t.object(hidden) * t.truth.cells + cell], 0) << hidden;
+}
+
+TEST_F(TruthOf, RaysAgreeWithTubes) {
+  const Told exact = told(still_life),
+             sampled = told(still_life, [](RunRequest&request) {
+               request.engine = Engine::ray;
+               request.rays = {RaySampling::stratified, 100000, RaySettings::Per::beam, 1};
+             });
+  expect_whole(sampled, 1e-12);
+  const TruthPing a = exact.truth.of(0), b = sampled.truth.of(0);
+  double all = 0, apart = 0, lower = 0;
+  for (std::size_t cell = 0; cell < exact.truth.cells; ++cell) {
+    const double energy = exact.heard(0, cell);
+    if (!(energy > 0) || std::isnan(b.mean_height[cell])) continue;
+    all += energy;
+    lower += energy * std::abs(a.mean_height[cell] - b.mean_height[cell]);
+    for (std::size_t k = 0; k < exact.truth.objects.size(); ++k)
+      apart += energy * std::abs(a.object_share[k * exact.truth.cells + cell] -
+                                 b.object_share[k * exact.truth.cells + cell]);
+  }
+  EXPECT_LT(apart, 0.02 * all);
+  EXPECT_LT(lower, 0.02 * 0.9 * all);
+}
+
+/// Two triangles.
+std::string sheet(double west, double east, double rise) {
+  return fmt::format("v {0} -40 {2}\nv {1} -40 {2}\nv {1} 40 {3}\nv {0} 40 {3}\nf 1 2 3\nf 1 3 4\n", west,
+                     east, -40 * rise, 40 * rise);
+}
+std::string of_sheet(const char* name, const char* material) {
+  return fmt::format(
+      "[[objects]]\nname = \"{0}\"\nshape = \"mesh\"\nfile = \"{0}.obj\"\nmaterial = \"{1}\"\n", name,
+      material);
+}
+
+// A beam of 4 degrees over the straight border below the sonar, one to port and three to starboard: on level
+// ground the azimuths are as the areas.
+TEST_F(TruthOf, ABeamOverTwoFacetsHasSharesAsTheirAzimuths) {
+  folder.write("west.obj", sheet(-50, 0, 0));
+  folder.write("east.obj", sheet(0, 50, 0));
+  const Told t = told(still_water() + lambert_material("dull", -30) + lambert_material("bright", -20) +
+                      of_sheet("west", "dull") + of_sheet("east", "bright") +
+                      fixed_at(0, 0, 10, "heading_deg = 1\n") + downward_fan(1, 4, 100));
+  expect_whole(t, quadrature);
+  const TruthPing ping = t.truth.of(0);
+  const double east = 3 * 0.01 / (3 * 0.01 + 1 * 0.001);
+  int compared = 0;
+  for (std::size_t k = 0; k < t.samples; ++k) {
+    if (t.window.first_m + double(k) * t.window.step_m < 10.05) continue;
+    EXPECT_NEAR(ping.object_share[t.object("east") * t.truth.cells + k], east, 1e-6);
+    EXPECT_NEAR(ping.material_share[t.material("dull") * t.truth.cells + k], 1 - east, 1e-6);
+    EXPECT_EQ(ping.object_label[k], int(t.object("east")));
+    EXPECT_NEAR(ping.mean_height[k], 0, 5e-5);
+    ++compared;
+  }
+  EXPECT_GT(compared, 80);
+}
+
+// On a slope the density is known in polar coordinates about the sonar's foot: distance rho, azimuth psi.
+TEST_F(TruthOf, HeightsAndRangesOnASlopeAreThoseOfTheClosedForm) {
+  constexpr double rise = 0.25, height = 10, half_rad = 2 * std::numbers::pi / 180;
+  folder.write("slope.obj", sheet(-50, 50, rise));
+  const Told t = told(still_water() + lambert_material("rock", -20) + of_sheet("slope", "rock") +
+                      fixed_at(0, 0, height) + downward_fan(1, 4, 40));
+  expect_whole(t, quadrature);
+  const TruthPing ping = t.truth.of(0);
+  int compared = 0;
+  for (std::size_t k = 0; k < t.samples; ++k) {
+    const double near = t.window.first_m + double(k) * t.window.step_m, far = near + t.window.step_m;
+    if (near < 10.1 || far > 35) continue;
+    double all = 0, heights = 0, ranges = 0;
+    constexpr int n = 400;
+    for (int i = 0; i < n; ++i) {
+      const double ahead = std::cos(((i + 0.5) / n * 2 - 1) * half_rad), a = 1 + std::pow(rise * ahead, 2),
+                   b = height * rise * ahead;
+      const auto rho_at = [&](double r) {  // a rho^2 - 2 b rho + height^2 = r^2
+        return (b + std::sqrt(b * b - a * (height * height - r * r))) / a;
+      };
+      const double first = rho_at(near), step = (rho_at(far) - first) / n;
+      for (int j = 0; j < n; ++j) {
+        const double rho = first + (j + 0.5) * step, z = rise * rho * ahead, r = std::hypot(rho, height - z),
+                     weight = rho * step * std::pow(r, -6);
+        all += weight;
+        heights += weight * z;
+        ranges += weight * r;
+      }
+    }
+    EXPECT_NEAR(ping.mean_height[k], heights / all, 5e-5) << near;
+    EXPECT_NEAR(ping.mean_range[k], ranges / all, 5e-5) << near;
+    ++compared;
+  }
+  EXPECT_GT(compared, 20);
+}
+
+// Whatever a scene has, and any two things together: the owners' energies are the energies.
+TEST_F(TruthOf, EveryFeatureOfASceneKeepsTheWhole) {
+  folder.write("bed.asc", bed_of_steps());
+  for (std::size_t a = 0; a < of_scenes.size(); ++a)
+    for (std::size_t b = 0; b <= a; ++b) {
+      std::set<Feature> features{of_scenes[a].feature, of_scenes[b].feature};
+      if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);
+      SCOPED_TRACE(scene_with(features));
+      const Told t = told(scene_with(features) +
+                          "[[objects]]\nname = \"box\"\nshape = \"box\"\nmaterial = \"rock\"\n"
+                          "size_m = [0.5, 0.5, 0.5]\nposition_m = [0.1, 5, 0.2]\n");
+      expect_whole(t, quadrature);
+      const TruthPing ping = t.truth.of(0);
+      for (std::size_t cell = 0; cell < t.truth.cells; ++cell)
+        if (!std::isnan(ping.mean_height[cell])) {
+          EXPECT_GE(ping.mean_height[cell], -0.35);
+          EXPECT_LE(ping.mean_height[cell], 0.6);
+        }
+    }
+}
+
+TEST_F(TruthOf, OtherEnginesKeepTheWholeToo) {
+  for (const Binning binning : {Binning::spread, Binning::centroid})
+    expect_whole(told(still_life, [&](RunRequest& request) { request.binning = binning; }), 1e-12);
+  expect_whole(told(still_life, [](RunRequest& request) { request.reference_tolerance = 1e-6; }), quadrature);
+}
+
+TEST_F(TruthOf, TheFileHasItAndTheFolderPictures) {
+  const auto scene = folder.write("scene.toml", still_life), out = folder / "out", plain = folder / "plain";
+  const Outcome outcome = run_program({"run", scene.string(), "-o", out.string(), "--truth"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("camera-truth-0000.png"));
+  EXPECT_TRUE(names_below(out).contains("camera-truth-0000.png"));
+  const NetcdfReader file(out / "echoes.nc");
+  EXPECT_EQ(file.dimensions("/", "object_share"), "ping,object,beam,sample");
+  EXPECT_EQ(file.dimensions("/", "material_share"), "ping,material,beam,sample");
+  EXPECT_EQ(file.dimensions("/", "mean_height"), "ping,beam,sample");
+  EXPECT_EQ(file.text("/", "flag_meanings", "object_label"), "bed ball box");
+  EXPECT_EQ(file.text("/", "units", "mean_range"), "m");
+  const Told t = told(still_life);
+  EXPECT_EQ(file.values("/", "object_share"), t.truth.of(0).object_share);
+  EXPECT_EQ(file.values("/", "material_share"), t.truth.of(0).material_share);
+  EXPECT_EQ(file.values("/", "energy"), t.energy);
+  // Without being asked a run writes what it wrote before.
+  ASSERT_EQ(run_program({"run", scene.string(), "-o", plain.string()}).exit_code, 0);
+  const std::vector<std::string> before = NetcdfReader(plain / "echoes.nc").variables("/");
+  EXPECT_THAT(before, testing::Not(testing::Contains("object_share")));
+  EXPECT_FALSE(names_below(plain).contains("camera-truth-0000.png"));
+}
+
+// Several sensors, of few beams and many, each in its group.
+TEST_F(TruthOf, EverySensorHasItsOwn) {
+  const std::string two =
+      still_life + "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\nrange_max_m = 10\nsamples = 30\n" +
+      "[[sensors]]\nname = \"below\"\nkind = \"echosounder\"\nrange_max_m = 5\nsamples = 20\n";
+  const auto out = folder / "out";
+  const Outcome outcome =
+      run_program({"run", folder.write("scene.toml", two).string(), "-o", out.string(), "--truth"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const NetcdfReader file(out / "echoes.nc");
+  for (const char* group : {"/camera", "/side", "/below"}) {
+    const std::vector<double> energy = file.values(group, "energy"),
+                              share = file.values(group, "object_share");
+    for (std::size_t cell = 0; cell < energy.size(); ++cell) {
+      double sum = 0;
+      for (std::size_t k = cell; k < share.size(); k += energy.size()) sum += share[k];
+      EXPECT_NEAR(sum, energy[cell] > 0 ? 1 : 0, 1e-14) << group << cell;
+    }
+  }
+  for (const char* picture : {"camera-truth-0000.png", "side-truth.png", "below-truth.png"})
+    EXPECT_TRUE(names_below(out).contains(picture)) << picture;
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The page of what was found in each engine, held against what is known to be wrong in it."""
+import importlib
+import math
+import shutil
+
+VERDICTS = ("found", "found, size off", "missed", "nothing to find", "found all the same")
+
+
+def verdict(known, finding):
+    """One of VERDICTS."""
+    if finding is None:
+        return "nothing to find" if known["may"] or known["size"] == 0 else "missed"
+    if known["size"] == 0:
+        return "found all the same"
+    if known["size"] is None:
+        return "found"
+    off = abs(finding["size"] - known["size"])
+    return "found" if off <= max(known["within"] * abs(known["size"]), 3 * finding["error"]) else "found, size off"
+
+
+# One mistake may bear either name.
+ALIKE = {"sample-shift": {"half-sample"}, "half-sample": {"sample-shift"}}
+
+
+def matched(result):
+    """(known, its finding or None) of each, and findings that nothing known explains."""
+    findings = list(result["own"]["findings"])
+    pairs = []
+    for known in result["known"]:
+        names = {known["fault"]} | ALIKE.get(known["fault"], set())
+        finding = next((f for f in findings if f["fault"] in names), None)
+        if finding:
+            findings.remove(finding)
+        pairs.append((known, finding))
+    return pairs, findings
+
+
+def number(value):
+    if value is None:
+        return "-"
+    return f"{value:.0f}" if abs(value) >= 100 or value == int(value) else f"{value:+.2g}" if abs(value) < 0.1 else f"{value:+.2f}"
+
+
+def said(finding):
+    if finding is None:
+        return "-"
+    error = f" +- {finding['error']:.2g}" if finding["error"] else ""
+    return f"`{finding['fault']}` {number(finding['size'])}{error}" if finding["unit"] else f"`{finding['fault']}`"
+
+
+def count(results):
+    """How many known faults got each verdict, and how many findings nothing explains."""
+    counts, unexplained = dict.fromkeys(VERDICTS, 0), 0
+    for scenes in results.values():
+        for result in scenes.values():
+            pairs, others = matched(result)
+            unexplained += len(others)
+            for known, finding in pairs:
+                counts[verdict(known, finding)] += 1
+    return counts, unexplained
+
+
+def decibel(value):
+    return f"{value:+.1f} dB" if value is not None and math.isfinite(value) else "-"
+
+
+def section(name, scenes, shown):
+    engine = importlib.import_module(name)
+    about = engine.__doc__.strip().split("\n\n", 1)
+    lines = [f"## {engine.TITLE}", "", about[0].replace("\n", " "), "", about[1].replace("\n", " ") if len(about) > 1 else "", "",
+             "```text", f"validation/engines/run.py build/release/tubefoot build/release/tubefoot_hurried_rays.so out/engines --engine {name}",
+             "```", ""]
+    lines += ["| scene | L1 | RMS | empty where lit | lit where shadow | overlap of shadows | L1 as joules | law as joules |",
+              "|---|---|---|---|---|---|---|---|"]
+    for scene, result in scenes.items():
+        own, joules = result["own"], result.get("joules")
+        lines.append(f"| {scene} | {own['l1_error']:.3g} | {own['rms_db_error']:.2f} dB | {own['empty_where_lit']} of {own['lit_bins']} | "
+                     f"{own['lit_where_shadow']} of {own['shadow_bins']} | {own['shadow_overlap']:.3f} | "
+                     + (f"{joules['l1_error']:.3g} | r^{joules['fit']['range_exponent']:+.2f} |" if joules else "- | - |"))
+    lines += ["", f"Imported with `{next(iter(scenes.values()))['import']['options']}`. What import itself says against that, beside the truth in this measure:", "",
+              "| scene | said |", "|---|---|"]
+    lines += [f"| {scene} | {'; '.join(result['import']['said']) or 'nothing'} |" for scene, result in scenes.items()]
+    lines += ["", "| scene | known by construction | its size | said | |", "|---|---|---|---|---|"]
+    for scene, result in scenes.items():
+        pairs, others = matched(result)
+        for known, finding in pairs:
+            if finding is None and known["may"]:
+                continue
+            why = f": {known['why']}" if known["why"] else ""
+            lines.append(f"| {scene} | `{known['fault']}`{why} | {number(known['size'])} {known['unit'] if known['size'] is not None else ''} | "
+                         f"{said(finding)} | {verdict(known, finding)} |")
+        for finding in others:
+            lines.append(f"| {scene} | nothing | | {said(finding)}: {finding['words']} | **not explained** |")
+    if shown in scenes:
+        lines += ["", f"![truth in its measure, its picture, and their ratio](pictures/engine-{name.replace('_', '-')}.png)"]
+    return lines + [""]
+
+
+def write_page(page, results, folder, shown):
+    template = (page.parent / "engines" / "page.md").read_text()
+    counts, unexplained = count(results)
+    table = ["| verdict | known faults |", "|---|---|"] + [f"| {name} | {counts[name]} |" for name in VERDICTS]
+    table += [f"| said, and nothing known explains it | {unexplained} |", ""]
+    body = []
+    for name, scenes in results.items():
+        body += section(name, scenes, shown)
+        picture = folder / shown / name / "own.png"
+        if picture.exists():
+            shutil.copy(picture, page.parent / "pictures" / f"engine-{name.replace('_', '-')}.png")
+    page.write_text(template.replace("@VERDICTS@", "\n".join(table)).replace("@ENGINES@", "\n".join(body).rstrip()))
