@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -265,11 +266,21 @@ nlohmann::ordered_json ideal_json(const IdealShare& share) {
   return json;
 }
 
+namespace {
+
+/// ln k!: the C library's lgamma is one of those whose last bit depends on the processor.
+double log_factorial(double k) {
+  using Doubles = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+  return boost::math::lgamma(k + 1, Doubles());
+}
+
+}  // namespace
+
 double poisson_mean_deviation(double mean) {
   if (!(mean > 0)) return 0;
   // E|X - m| = 2 m^(k + 1) exp(-m) / k!, k the whole part of m.
   const double whole = std::floor(mean);
-  return 2 * std::exp(whole * std::log(mean) - mean - std::lgamma(whole + 1));
+  return 2 * std::exp(whole * std::log(mean) - mean - log_factorial(whole));
 }
 
 double poisson_square_db(double mean) {
@@ -280,7 +291,7 @@ double poisson_square_db(double mean) {
   double sum = 0;
   const double last = mean + 12 * std::sqrt(mean) + 20;
   for (double k = 0; k <= last; ++k) {
-    const double chance = std::exp(k * std::log(mean) - mean - std::lgamma(k + 1)),
+    const double chance = std::exp(k * std::log(mean) - mean - log_factorial(k)),
                  error = decibel_error(mean, k);
     sum += chance * error * error;
   }
