@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <gmp.h>
 #include <hdf5.h>
+#include <libdeflate.h>
+#include <lz4.h>
 #include <mpfr.h>
 #include <netcdf.h>
 #include <openssl/crypto.h>
@@ -16,10 +18,12 @@
 #include <tbb/version.h>
 #include <zip.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include <CLI/Version.hpp>
 #include <boost/version.hpp>
 #include <nlohmann/json.hpp>
+#include <pugixml.hpp>
 
 namespace tubefoot {
 namespace {
@@ -58,10 +62,14 @@ std::string library_versions() {
       {"sqlite", sqlite3_libversion()},
       {"openssl", OpenSSL_version(OPENSSL_VERSION_STRING)},
       {"zlib", zlibVersion()},
+      {"libdeflate", LIBDEFLATE_VERSION_STRING},
+      {"lz4", LZ4_versionString()},
+      {"zstd", ZSTD_versionString()},
       {"libzip", zip_libzip_version()},
       {"openimageio", by_hundreds(OIIO::openimageio_version())},
       {"cairo", cairo_version_string()},
       // text
+      {"pugixml", fmt::format("{}.{}", PUGIXML_VERSION / 1000, PUGIXML_VERSION % 1000 / 10)},
       {"fmt", by_hundreds(fmt_version)},
       {"cli11", CLI11_VERSION},
       {"nlohmann_json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,

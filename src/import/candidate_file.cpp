@@ -4,26 +4,29 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "geometry/steps/stop.hpp"
-#include "sensors/formats/netcdf_stream.hpp"
+#include "sensors/formats/echo_netcdf.hpp"
 
 namespace tubefoot {
 namespace {
+
+/// Files that are made in memory, as those of a run: what a disk refuses is then told and nothing of it left.
+constexpr std::size_t most_bytes_in_memory = std::size_t{16} << 20;
 
 class CandidateFile {
  public:
   CandidateFile(const std::filesystem::path& file, const Candidate& candidate, const WholeEchoFile& reference,
                 std::size_t sensor)
-      : file_(file),
-        group_(file_, file_.id()),
+      : file_(file, bytes_of(candidate) <= most_bytes_in_memory, small_bytes(candidate, reference, sensor)),
+        group_(file_.root()),
         candidate_(candidate),
         echoes_(reference.contents.sensors.at(sensor)),
         more_(reference.more.at(sensor)),
-        provenance_(reference.contents.provenance) {
-    file_.reserve(candidate.energy.size() * sizeof(double) * 66 / 64);
-  }
+        provenance_(reference.contents.provenance) {}
 
   void write() {
     attributes();
@@ -56,44 +59,60 @@ class CandidateFile {
       put("ping_time", {"ping"}, "s", "time of the transmission on the scene's clock",
           of_pings(echoes_.ping_time_s, 1));
     for (const EchoVariable& variable : more_.variables) copy(variable, beams);
-    energies(beams, samples);
-    file_.finish();
+    const int energy = group_.define("energy", along({"ping", "beam", "sample"}), "J",
+                                     "imported: see the attributes import_*; J only if import_unit is J");
+    group_.chunk(energy, "energy", {1, beams, samples});
+    group_.write();
+    const auto of_ping = [&](std::size_t ping) {
+      return std::span(candidate_.energy).subspan(ping * beams * samples, beams * samples);
+    };
+    write_pings(file_.chunks(bytes_of(candidate_)), "/", {{"energy", of_ping}}, candidate_.pings,
+                beams * samples, [](std::size_t) { stop_if_wanted(); });
+    file_.close();
   }
 
  private:
+  static std::size_t bytes_of(const Candidate& candidate) { return candidate.energy.size() * sizeof(double); }
+  /// Generously: of every variable of the reference's, as if all were copied, and of the axes.
+  static std::size_t small_bytes(const Candidate& candidate, const WholeEchoFile& reference,
+                                 std::size_t sensor) {
+    constexpr std::size_t longest_row = 4, of_axes = 8;  // a quaternion a ping
+    const std::size_t values =
+        candidate.pings + candidate.axes.beams.count() + candidate.axes.samples.count();
+    return (reference.more.at(sensor).variables.size() + of_axes) * longest_row * values * sizeof(double);
+  }
+
   void attributes() {
-    const auto text = [&](const char* name, const std::string& value) {
+    const auto text = [&](const std::string& name, const std::string& value) {
       if (!value.empty()) group_.attribute(name, value);
     };
     text("title", provenance_.title);
     text("Conventions", "tubefoot-echoes-1.0");
     text("scene_hash", provenance_.scene_hash);
-    for (const auto& [name, value] : candidate_.attributes) text(name.c_str(), value);
+    for (const auto& [name, value] : candidate_.attributes) text(name, value);
     text("sensor_name", echoes_.name);
     for (const EchoAttribute& attribute : more_.attributes) {
       if (attribute.name == "sensor_name") continue;
       if (const auto* words = std::get_if<std::string>(&attribute.value))
-        text(attribute.name.c_str(), *words);
+        text(attribute.name, *words);
       else
-        group_.attribute(NC_GLOBAL, attribute.name.c_str(), NC_DOUBLE, {std::get<double>(attribute.value)});
+        group_.attribute(attribute.name, std::get<double>(attribute.value));
     }
   }
 
   void put(const std::string& name, const std::vector<std::string>& dimensions, const std::string& units,
-           const std::string& long_name, const std::vector<double>& values) {
+           const std::string& long_name, std::vector<double> values) {
     std::size_t count = 1;
     for (const std::string& dimension : dimensions) count *= lengths_.at(dimension);
     if (values.size() != count)
       throw std::logic_error(fmt::format("{} values of '{}' for {}", values.size(), name, count));
-    const int variable = define(name, dimensions, units, long_name);
-    file_.check(nc_put_var_double(group_.id(), variable, values.data()), fmt::format("write '{}'", name));
+    group_.variable(name, along(dimensions), units, long_name, std::move(values));
   }
 
-  int define(const std::string& name, const std::vector<std::string>& dimensions, const std::string& units,
-             const std::string& long_name) {
+  std::vector<int> along(const std::vector<std::string>& dimensions) const {
     std::vector<int> ids;
     for (const std::string& dimension : dimensions) ids.push_back(along_.at(dimension));
-    return group_.define({name.c_str(), NC_DOUBLE, ids, units.empty() ? nullptr : units.c_str(), long_name});
+    return ids;
   }
 
   /// Values of the reference's pings, `each` of them, for those of the candidate.
@@ -121,24 +140,8 @@ class CandidateFile {
       put(variable.name, along, variable.units, variable.long_name, variable.values);
   }
 
-  void energies(std::size_t beams, std::size_t samples) {
-    const int energy = define("energy", {"ping", "beam", "sample"}, "J",
-                              "imported: see the attributes import_*; J only if import_unit is J");
-    const std::size_t chunk[] = {1, beams, samples};
-    constexpr int shuffle = 1, deflate = 1, level = 4;
-    file_.check(nc_def_var_chunking(group_.id(), energy, NC_CHUNKED, chunk), "chunk 'energy'");
-    file_.check(nc_def_var_deflate(group_.id(), energy, shuffle, deflate, level), "compress 'energy'");
-    for (std::size_t ping = 0; ping < candidate_.pings; ++ping) {
-      stop_if_wanted();
-      const std::size_t start[] = {ping, 0, 0};
-      file_.check(
-          nc_put_vara_double(group_.id(), energy, start, chunk, &candidate_.energy[ping * beams * samples]),
-          "write 'energy'");
-    }
-  }
-
-  NetcdfStream file_;
-  NetcdfGroup group_;
+  EchoNetcdf file_;
+  EchoGroup group_;
   const Candidate& candidate_;
   const SensorEchoes& echoes_;
   const WholeEchoFile::More& more_;

@@ -303,6 +303,8 @@ std::vector<Frame> frames_of_files(const ImportOptions& options,
     ForeignData data = read_foreign_file(file, how);
     for (const std::string& words : data.noticed)
       if (std::ranges::find(told, words) == told.end()) told.push_back(words);
+    if (data.frames.empty())
+      throw InputError({file.string()}, "holds no picture: there is nothing to import");
     for (ForeignFrame& frame : data.frames) {
       bytes += 3.0 * sizeof(double) * static_cast<double>(frame.values.size());
       frames.push_back({std::move(frame), {file.string()}});

@@ -117,6 +117,25 @@ TEST_F(ImportRefusals, OptionsWithoutAnObjectAreRefused) {
   EXPECT_EQ(import({at, at}, {"--profile", "oceansim", "--order", "beam-first"}).exit_code, 0);
 }
 
+TEST_F(ImportRefusals, AFullDiskLeavesWhatWasThere) {
+  const std::string at = folder.write("a.npy", picture()).string();
+  ASSERT_EQ(import({at, at}).exit_code, 0);
+  const std::string earlier = bytes_of(out);
+  const auto before = names_below(folder.path());
+  Surroundings full_disk;
+  full_disk.largest_file_bytes = 1000;  // more than a picture's, less than an echo file's
+  const Outcome outcome =
+      run_program({"import", at, at, "--like", like, "-o", out, "--scale", "energy"}, full_disk);
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("candidate"));
+  EXPECT_EQ(bytes_of(out), earlier);
+  EXPECT_EQ(names_below(folder.path()), before);
+}
+
+TEST_F(ImportRefusals, AFileWithoutAPictureIsNoPing) {
+  refusal_of({folder.write("none.npz", npz_bytes({})).string()});
+}
+
 TEST_F(ImportRefusals, PointsHaveTheirOwnAxes) {
   const std::string npz = npz_bytes({{"map", npy_bytes("<f8", {2, 2, 3}, std::vector<double>(12, 1))},
                                      {"ranges", npy_bytes("<f8", {2}, {1, 2})}});

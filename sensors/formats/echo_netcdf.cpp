@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/formats/echo_netcdf.hpp"
+
+#include <fmt/format.h>
+#include <netcdf.h>
+#include <netcdf_mem.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "files/checked_file.hpp"
+
+namespace tubefoot {
+
+namespace fs = std::filesystem;
+
+EchoNetcdf::EchoNetcdf(fs::path path, bool in_memory, std::size_t small_bytes)
+    : path_(std::move(path)), in_memory_(in_memory) {
+  constexpr std::size_t first_guess_bytes = 1 << 20;
+  check(in_memory_ ? nc_create_mem(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, first_guess_bytes, &id_)
+                   : nc_create(path_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_),
+        "create the file");
+  defining_ = true;
+  if (in_memory_) return;
+  try {
+    space_.emplace(path_);
+    reserve(small_bytes);
+  } catch (...) {
+    discard();
+    throw;
+  }
+}
+
+EchoNetcdf::~EchoNetcdf() {
+  if (!finished_) discard();
+}
+
+EchoGroup EchoNetcdf::root() { return {*this, id_}; }
+
+Hdf5Chunks& EchoNetcdf::chunks(std::size_t bytes_of_values) {
+  defining_ = false;
+  if (in_memory_) {
+    NC_memio memory{};
+    check(nc_close_memio(id_, &memory), "complete the file");
+    const std::unique_ptr<void, decltype(&std::free)> owned(memory.memory, &std::free);
+    return chunks_.emplace(path_, std::span(static_cast<const unsigned char*>(memory.memory), memory.size));
+  }
+  check(nc_close(id_), "complete the file");
+  reserve(bytes_of_values);  // closing gave back what was not used
+  return chunks_.emplace(path_);
+}
+
+void EchoNetcdf::close() {
+  chunks_->close();
+  finished_ = true;
+}
+
+void EchoNetcdf::check(int status, const std::string& task) const {
+  if (status != NC_NOERR) throw write_error(path_, fmt::format("cannot {}: {}", task, nc_strerror(status)));
+}
+
+void EchoNetcdf::reserve(std::size_t bytes_of_values) {
+  // What deflate cannot shrink stays as long as it is; a chunk's entry is some ten bytes.
+  constexpr std::size_t margin_bytes = 4 << 20;
+  space_->reserve(bytes_of_values + bytes_of_values / 64 + margin_bytes);
+}
+
+void EchoNetcdf::discard() {
+  if (defining_) nc_abort(id_);
+  chunks_.reset();
+  space_.reset();
+  if (!in_memory_) discard_file(path_);
+}
+
+EchoGroup EchoGroup::group(const std::string& name) {
+  int id = 0;
+  check(nc_def_grp(id_, name.c_str(), &id), "define group", name);
+  return {*file_, id};
+}
+
+int EchoGroup::dimension(const std::string& name, std::size_t length) {
+  int dimension = 0;
+  check(nc_def_dim(id_, name.c_str(), length, &dimension), "define dimension", name);
+  return dimension;
+}
+
+void EchoGroup::attribute(const std::string& name, const std::string& text) {
+  attribute(NC_GLOBAL, name.c_str(), text);
+}
+
+void EchoGroup::attribute(const std::string& name, double value) {
+  check(nc_put_att_double(id_, NC_GLOBAL, name.c_str(), NC_DOUBLE, 1, &value), "write attribute", name);
+}
+
+void EchoGroup::attribute(int variable, const char* name, const std::string& text) {
+  check(nc_put_att_text(id_, variable, name, text.size(), text.c_str()), "write attribute", name);
+}
+
+int EchoGroup::define(const std::string& name, const std::vector<int>& dimensions, const std::string& units,
+                      const std::string& long_name) {
+  int variable = 0;
+  check(nc_def_var(id_, name.c_str(), NC_DOUBLE, static_cast<int>(dimensions.size()), dimensions.data(),
+                   &variable),
+        "define variable", name);
+  if (!units.empty()) attribute(variable, "units", units);
+  attribute(variable, "long_name", long_name);
+  return variable;
+}
+
+int EchoGroup::variable(const std::string& name, const std::vector<int>& dimensions, const std::string& units,
+                        const std::string& long_name, std::vector<double> values) {
+  const int variable = define(name, dimensions, units, long_name);
+  pending_.push_back({name, variable, std::move(values)});
+  return variable;
+}
+
+void EchoGroup::chunk(int variable, const std::string& name, const std::vector<std::size_t>& lengths) {
+  check(nc_def_var_chunking(id_, variable, NC_CHUNKED, lengths.data()), "chunk variable", name);
+  constexpr int shuffle = 1, deflate = 1, level = 4;
+  check(nc_def_var_deflate(id_, variable, shuffle, deflate, level), "compress variable", name);
+}
+
+void EchoGroup::write() {
+  for (const Pending& pending : pending_)
+    check(nc_put_var_double(id_, pending.id, pending.values.data()), "write variable", pending.name);
+  pending_.clear();
+}
+
+void EchoGroup::check(int status, const char* task, const std::string& name) const {
+  if (status != NC_NOERR) file_->check(status, fmt::format("{} '{}'", task, name));
+}
+
+void write_pings(Hdf5Chunks& file, const std::string& group, const std::vector<PingVariable>& variables,
+                 std::size_t pings, std::size_t cells, const std::function<void(std::size_t)>& done) {
+  const std::size_t chunks = pings * variables.size();
+  constexpr std::size_t most_bytes_at_once = 64 << 20;
+  const std::size_t block = std::clamp<std::size_t>(most_bytes_at_once / (cells * sizeof(double)), 1, 4096);
+  for (std::size_t first = 0; first < chunks; first += block) {
+    std::vector<std::vector<unsigned char>> packed(std::min(block, chunks - first));
+    tbb::parallel_for(std::size_t{0}, packed.size(), [&](std::size_t k) {
+      packed[k] =
+          packed_chunk(variables[(first + k) % variables.size()].values((first + k) / variables.size()));
+    });
+    for (std::size_t k = 0; k < packed.size(); ++k) {
+      const std::size_t ping = (first + k) / variables.size(), variable = (first + k) % variables.size();
+      file.write(group + variables[variable].name, ping, packed[k]);
+      if (variable + 1 == variables.size()) done(ping);
+    }
+  }
+}
+
+}  // namespace tubefoot
