@@ -17,7 +17,7 @@ double slack_of(double largest_coordinate) { return GnomonicFrame::margin * (1 +
 
 /// True only if an edge of `a` has all of `b`, whose bounds meet those of `a`, on its far side. `extent`: of
 /// both together, so that no corner of one is farther from a corner of the other.
-bool edge_parts(const SeenFacet& a, const SeenFacet& b, double slack, double extent) {
+bool edge_parts(const FramedFacet& a, const FramedFacet& b, double slack, double extent) {
   if (a.turn == 0) return false;
   const auto shared = [&](VertexId v) {
     return static_cast<unsigned>(v == a.cone.vertex[0]) | static_cast<unsigned>(v == a.cone.vertex[1]) << 1 |
@@ -90,7 +90,7 @@ void RangedFacet::measure_ranges() {
   farthest = std::sqrt(high) * (1 + 1e-12);
 }
 
-void SeenFacet::place(const GnomonicFrame& frame) {
+void FramedFacet::place(const GnomonicFrame& frame) {
   bounds = Bounds::nothing();
   bool finite = true;
   for (int k = 0; k < 3; ++k) {
@@ -112,7 +112,7 @@ void SeenFacet::place(const GnomonicFrame& frame) {
   }
 }
 
-int where(const SeenFacet& facet, glm::dvec2 p) {
+int where(const FramedFacet& facet, glm::dvec2 p) {
   if (p.x < facet.bounds.x0 || p.x > facet.bounds.x1 || p.y < facet.bounds.y0 || p.y > facet.bounds.y1)
     return -1;
   if (facet.turn == 0) return 0;
@@ -125,7 +125,7 @@ int where(const SeenFacet& facet, glm::dvec2 p) {
   return inside ? 1 : 0;
 }
 
-bool surely_apart(const SeenFacet& a, const SeenFacet& b) {
+bool surely_apart(const FramedFacet& a, const FramedFacet& b) {
   if (!a.bounds.is_finite() || !b.bounds.is_finite()) return false;
   const double slack = std::max(a.slack, b.slack);
   const double extent = (a.bounds.x1 - a.bounds.x0) + (a.bounds.y1 - a.bounds.y0) +
@@ -133,7 +133,7 @@ bool surely_apart(const SeenFacet& a, const SeenFacet& b) {
   return edge_parts(a, b, slack, extent) || edge_parts(b, a, slack, extent);
 }
 
-bool surely_covers(const SeenFacet& outer, const SeenFacet& inner) {
+bool surely_covers(const FramedFacet& outer, const FramedFacet& inner) {
   if (!outer.bounds.is_finite() || !inner.bounds.is_finite() || outer.turn == 0) return false;
   const double slack = std::max(outer.slack, inner.slack);
   for (int v = 0; v < 3; ++v) {

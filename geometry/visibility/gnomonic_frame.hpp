@@ -86,7 +86,7 @@ struct RangedFacet {
 };
 
 /// A facet that subtends something within a tube.
-struct SeenFacet : RangedFacet {
+struct FramedFacet : RangedFacet {
   Bounds bounds = Bounds::everything();
   std::array<glm::dvec2, 3> corner{};  ///< of its vertices; meaningless where bounds are infinite
   double slack = 0;                    ///< bound on the error of a coordinate of a corner
@@ -94,8 +94,8 @@ struct SeenFacet : RangedFacet {
   /// Edge k in the plane: x line.x + y line.y - line.z is positive on the facet's side. If turn is not 0.
   std::array<glm::dvec3, 3> line{};
 
-  SeenFacet() = default;
-  explicit SeenFacet(const RangedFacet& facet) : RangedFacet(facet) {}
+  FramedFacet() = default;
+  explicit FramedFacet(const RangedFacet& facet) : RangedFacet(facet) {}
 
   /// Everything in the frame's plane, from the cone and its ranges.
   void place(const GnomonicFrame& frame);
@@ -103,15 +103,15 @@ struct SeenFacet : RangedFacet {
 
 /// Whether p is inside (1), outside (-1) or too near the border of a finite facet's triangle to tell (0).
 /// Law K1 (place): what is told to be inside is, and what is told to be outside.
-int where(const SeenFacet& facet, glm::dvec2 p);
+int where(const FramedFacet& facet, glm::dvec2 p);
 
 /// Law K2 (apart): true only if the facets' cones have no interior direction in common: an edge of one has
 /// the other on its far side. Shared vertices are on the edge by name; the others must be there beyond
 /// rounding.
-bool surely_apart(const SeenFacet& a, const SeenFacet& b);
+bool surely_apart(const FramedFacet& a, const FramedFacet& b);
 
 /// Law K3 (cover): true only if each direction in the cone of `inner` is in that of `outer`: both have finite
 /// bounds.
-bool surely_covers(const SeenFacet& outer, const SeenFacet& inner);
+bool surely_covers(const FramedFacet& outer, const FramedFacet& inner);
 
 }  // namespace tubefoot

@@ -37,7 +37,7 @@ float below(double x) {
 LayerGrid::RoundedBounds::RoundedBounds(const Bounds& b)
     : x0(below(b.x0)), x1(-below(-b.x1)), y0(below(b.y0)), y1(-below(-b.y1)) {}
 
-void LayerGrid::build(const GnomonicFrame& frame, const std::vector<SeenFacet>& facets,
+void LayerGrid::build(const GnomonicFrame& frame, const std::vector<FramedFacet>& facets,
                       const std::vector<Neighbours>& neighbours) {
   frame_ = &frame;
   facets_ = &facets;
@@ -69,7 +69,7 @@ void LayerGrid::choose_size() {
       cell_width_ = width / columns_;
       cell_height_ = height / rows_;
       double entries = 0;
-      for (const SeenFacet& facet : *facets_) {
+      for (const FramedFacet& facet : *facets_) {
         const Cells c = cells_of(facet.bounds);
         entries += static_cast<double>(c.x1 - c.x0 + 1) * (c.y1 - c.y0 + 1);
       }
@@ -125,7 +125,7 @@ void LayerGrid::fill() {
 }
 
 bool LayerGrid::has_silhouette_in(std::uint32_t f, const Bounds& cell) const {
-  const SeenFacet& facet = (*facets_)[f];
+  const FramedFacet& facet = (*facets_)[f];
   for (int k = 0; k < 3; ++k) {
     const std::int32_t n = (*neighbours_)[f][k];
     if (n == outside_tube || (n >= 0 && (*facets_)[n].bounds.is_finite())) continue;
@@ -237,7 +237,7 @@ void LayerGrid::drop_hidden() {
 
 void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
   found_.clear();
-  const SeenFacet& receiver = (*facets_)[facet];
+  const FramedFacet& receiver = (*facets_)[facet];
   const RoundedBounds bounds = rounded_[facet];
   const double farthest = receiver.farthest;
   ++stamp_now_;

@@ -28,7 +28,7 @@ using Neighbours = std::array<std::int32_t, 3>;
 class LayerGrid {
  public:
   /// Facets and neighbours are indexed alike and must outlive the grid's use.
-  void build(const GnomonicFrame& frame, const std::vector<SeenFacet>& facets,
+  void build(const GnomonicFrame& frame, const std::vector<FramedFacet>& facets,
              const std::vector<Neighbours>& neighbours);
 
   /// Law L1 (hidden): true only if no part of the facet is seen; then it hides nothing that others do not.
@@ -79,7 +79,7 @@ class LayerGrid {
   void drop_hidden();
 
   const GnomonicFrame* frame_ = nullptr;
-  const std::vector<SeenFacet>* facets_ = nullptr;
+  const std::vector<FramedFacet>* facets_ = nullptr;
   const std::vector<Neighbours>* neighbours_ = nullptr;
   int columns_ = 1, rows_ = 1;
   double cell_width_ = 1, cell_height_ = 1;

@@ -461,7 +461,7 @@ class VisibilitySolver {
   }
 
   /// Replaces pieces_ by what is left of them outside of the cone of the halves; true if anything was taken.
-  bool take_away(const SeenFacet& facet, const Half<A>* halves, int half_count) {
+  bool take_away(const FramedFacet& facet, const Half<A>* halves, int half_count) {
     bool taken = false;
     kept_.clear();
     for (const PieceRange& piece : pieces_) taken |= take_away(piece, facet, halves, half_count);
@@ -469,7 +469,7 @@ class VisibilitySolver {
     return taken;
   }
 
-  bool take_away(PieceRange piece, const SeenFacet& facet, const Half<A>* halves, int half_count) {
+  bool take_away(PieceRange piece, const FramedFacet& facet, const Half<A>* halves, int half_count) {
     std::array<Half<A>, 4> cutting;
     int cuts = 0;
     for (int h = 0; h < half_count; ++h) {
@@ -513,7 +513,7 @@ class VisibilitySolver {
     return true;
   }
 
-  bool any_vertex_inside(const SeenFacet& facet, Half<A> half) const {
+  bool any_vertex_inside(const FramedFacet& facet, Half<A> half) const {
     for (int k = 0; k < 3; ++k) {
       if constexpr (A::uses_names)
         if (half.plane->name.contains(facet.cone.vertex[k])) continue;
@@ -550,7 +550,7 @@ class VisibilitySolver {
   GnomonicFrame frame_;
   PieceRange tube_;
   std::uint32_t receiver_ = nobody;  ///< facet at hand; nobody: open water
-  std::vector<SeenFacet> facets_;
+  std::vector<FramedFacet> facets_;
   std::vector<WallSides> sides_of_walls_;  ///< by facet
   std::vector<std::uint32_t> gathered_;    ///< by facet: its index in the gathering (not for hidden ones)
   std::deque<FacetPlanes> planes_;         ///< by facet; a deque, because halves point into it

@@ -77,7 +77,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   const ThreadLimit limit(description.run.threads);
 
   auto result = std::make_shared<NativeResult>();
-  result->survey = open_survey(description);
+  result->survey = open_survey(description, facets_for(request));
   const Survey& survey = *result->survey;
   RunWarnings warnings([&](const std::string& warning, bool is_silence) { told.add(warning, is_silence); });
   warnings.foresee(survey, request);

@@ -116,7 +116,7 @@ TrialScene::Choice first_pings(std::size_t count) {
 TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
                        std::optional<double> reference_tolerance)
     : name_(scene_name(scene.file)) {
-  const std::unique_ptr<const Survey> survey = open_survey(scene);
+  const std::unique_ptr<const Survey> survey = open_survey(scene, Facets::merged);
   RunRequest request;
   request.reference_tolerance = reference_tolerance;
   double all = 0;

@@ -83,7 +83,7 @@ int import_command(const ImportOptions& options) {
   if (options.recipe) tell("tested in the measure of {}\n", options.recipe->string());
   for (const std::string& words : result.told) tell("read      {}\n", words);
   for (const std::string& words : result.found) tell("found     {}\n", words);
-  const Candidate& candidate = result.candidate;
+  const CandidateEchoes& candidate = result.candidate;
   tell("wrote {}: {} pings x {} beams x {} samples; originals in {}\n", options.output.string(),
        candidate.pings, candidate.axes.beams.count(), candidate.axes.samples.count(),
        originals.path().string());

@@ -63,7 +63,7 @@ void take_axes(PolarPicture& picture, const ForeignFrame& frame, const SourcePla
 
 }  // namespace
 
-Scale::Scale(const std::string& words) {
+ValueScale::ValueScale(const std::string& words) {
   if (words == "energy") return;
   if (words == "amplitude") {
     kind_ = Kind::amplitude;
@@ -85,7 +85,7 @@ Scale::Scale(const std::string& words) {
   }
 }
 
-std::vector<double> Scale::energies(const ForeignFrame& frame, const SourcePlace& place) const {
+std::vector<double> ValueScale::energies(const ForeignFrame& frame, const SourcePlace& place) const {
   std::vector<double> energies = frame.values;
   const auto refuse = [&](std::size_t k, const char* expected) {
     throw InputError(place, fmt::format("has {} at row {}, column {}; expected {}", frame.values[k],
@@ -125,7 +125,7 @@ std::string order_of(const ForeignFrame& frame, const std::string& declared, con
 }
 
 std::vector<PolarPicture> arranged(const ForeignFrame& frame, const std::string& order, bool flip_beams,
-                                   bool flip_range, const Scale& scale, const SourcePlace& place) {
+                                   bool flip_range, const ValueScale& scale, const SourcePlace& place) {
   std::vector<double> energies = scale.energies(frame, place);
   std::vector<PolarPicture> pictures;
   if (order == "beam-first") {

@@ -18,10 +18,10 @@ struct PolarPicture {
 };
 
 /// What a number of a picture stands for.
-class Scale {
+class ValueScale {
  public:
   /// energy, amplitude, db, db:REFERENCE (the energy of 0 dB) or 8bit. Throws UsageError.
-  explicit Scale(const std::string& words);
+  explicit ValueScale(const std::string& words);
   /// Throws InputError at `place` for numbers that are none of that scale.
   std::vector<double> energies(const ForeignFrame& frame, const SourcePlace& place) const;
 
@@ -36,6 +36,6 @@ std::string order_of(const ForeignFrame& frame, const std::string& declared, con
 
 /// The pictures of a frame: one, or of a two-sided waterfall one a row.
 std::vector<PolarPicture> arranged(const ForeignFrame& frame, const std::string& order, bool flip_beams,
-                                   bool flip_range, const Scale& scale, const SourcePlace& place);
+                                   bool flip_range, const ValueScale& scale, const SourcePlace& place);
 
 }  // namespace tubefoot

@@ -19,8 +19,8 @@ constexpr std::size_t most_bytes_in_memory = std::size_t{16} << 20;
 
 class CandidateFile {
  public:
-  CandidateFile(const std::filesystem::path& file, const Candidate& candidate, const WholeEchoFile& reference,
-                std::size_t sensor)
+  CandidateFile(const std::filesystem::path& file, const CandidateEchoes& candidate,
+                const WholeEchoFile& reference, std::size_t sensor)
       : file_(file, bytes_of(candidate) <= most_bytes_in_memory, small_bytes(candidate, reference, sensor)),
         group_(file_.root()),
         candidate_(candidate),
@@ -72,9 +72,11 @@ class CandidateFile {
   }
 
  private:
-  static std::size_t bytes_of(const Candidate& candidate) { return candidate.energy.size() * sizeof(double); }
+  static std::size_t bytes_of(const CandidateEchoes& candidate) {
+    return candidate.energy.size() * sizeof(double);
+  }
   /// Generously: of every variable of the reference's, as if all were copied, and of the axes.
-  static std::size_t small_bytes(const Candidate& candidate, const WholeEchoFile& reference,
+  static std::size_t small_bytes(const CandidateEchoes& candidate, const WholeEchoFile& reference,
                                  std::size_t sensor) {
     constexpr std::size_t longest_row = 4, of_axes = 8;  // a quaternion a ping
     const std::size_t values =
@@ -142,7 +144,7 @@ class CandidateFile {
 
   EchoNetcdf file_;
   EchoGroup group_;
-  const Candidate& candidate_;
+  const CandidateEchoes& candidate_;
   const SensorEchoes& echoes_;
   const WholeEchoFile::More& more_;
   const Provenance& provenance_;
@@ -152,7 +154,7 @@ class CandidateFile {
 
 }  // namespace
 
-void write_candidate(const std::filesystem::path& file, const Candidate& candidate,
+void write_candidate(const std::filesystem::path& file, const CandidateEchoes& candidate,
                      const WholeEchoFile& reference, std::size_t sensor) {
   CandidateFile(file, candidate, reference, sensor).write();
 }

@@ -11,7 +11,7 @@
 namespace tubefoot {
 
 /// Energies of imported pictures, [ping][beam][sample], and where their bins are.
-struct Candidate {
+struct CandidateEchoes {
   BinAxes axes;
   std::size_t pings = 0;
   std::vector<double> energy;
@@ -22,7 +22,7 @@ struct Candidate {
 
 /// Writes an echo file (docs/echo-file.md) with times, poses and what else there is of the reference's
 /// sensor. Throws std::runtime_error naming the file.
-void write_candidate(const std::filesystem::path& file, const Candidate& candidate,
+void write_candidate(const std::filesystem::path& file, const CandidateEchoes& candidate,
                      const WholeEchoFile& reference, std::size_t sensor);
 
 }  // namespace tubefoot

@@ -50,7 +50,7 @@ class Importer {
     assumed_ = {options_.order, options_.forward.empty() ? "up" : options_.forward, options_.scale,
                 options_.flip_beams.value_or(false), options_.flip_range.value_or(false)};
     if (!is_cartesian()) assumed_.order = order_of(frames_.front().picture, options_.order, axes_);
-    Candidate& candidate = result_.candidate;
+    CandidateEchoes& candidate = result_.candidate;
     candidate.pings = pings();
     require_pings(candidate.pings);
     std::size_t outside = 0;
@@ -123,10 +123,10 @@ class Importer {
                                         std::size_t* outside) const {
     if (!is_cartesian())
       return arranged(frame.picture, reading.order, reading.flip_beams, reading.flip_range,
-                      Scale(reading.scale), frame.place);
+                      ValueScale(reading.scale), frame.place);
     const ForeignFrame turned = turned_up(frame.picture, reading.forward);
     PolarPicture fan =
-        resampled_fan(Scale(reading.scale).energies(turned, frame.place), turned.rows, turned.columns,
+        resampled_fan(ValueScale(reading.scale).energies(turned, frame.place), turned.rows, turned.columns,
                       fan_place(options_.cartesian, turned.rows, turned.columns, axes_), axes_, outside);
     if (reading.flip_beams) {
       PolarPicture mirrored = fan;

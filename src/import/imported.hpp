@@ -13,7 +13,7 @@
 namespace tubefoot {
 
 struct Imported {
-  Candidate candidate;
+  CandidateEchoes candidate;
   std::vector<std::string> told;      ///< how the pictures were read
   std::vector<std::string> found;     ///< what the truth says of that
   std::vector<std::string> warnings;  ///< what it refutes, and what `compare` will not like

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<std::pair<std::string_view, int>, 4> materials{
     {{"bed", -20}, {"target", -10}, {"middling", -15}, {"hard", -6}}};
 
-std::string sensor_text(const Fan& fan) {
+std::string sensor_text(const PackFan& fan) {
   std::string beams = fan.angles_deg.empty()
                           ? fmt::format("beams = {}\nhorizontal_deg = {}\n", fan.beams, fan.horizontal_deg)
                           : fmt::format("beam_angles_deg = [{}]\n", fmt::join(fan.angles_deg, ", "));

@@ -10,7 +10,7 @@
 namespace tubefoot {
 
 /// The sonar of the pack: a fan of ideal beams that looks north.
-struct Fan {
+struct PackFan {
   int beams = 32;
   double horizontal_deg = 32, vertical_deg = 20, tilt_deg = 20;
   std::string spacing = "angle";
@@ -26,7 +26,7 @@ struct SceneText {
   std::string water = "sound_speed_m_s = 1500\nabsorption_db_per_km = 0\n";
   glm::dvec3 sonar_m{0, -8, 3};
   std::string trajectory{};  ///< instead of one place
-  Fan fan;
+  PackFan fan;
   std::string more{};  ///< further sections
 };
 

@@ -8,7 +8,7 @@ namespace tubefoot {
 namespace {
 
 /// Upright plates of about two beams' width, side by side over the fan, with dark beams between.
-PackScene posts(Draw& draw, const std::string& title, const Fan& fan, double half_fan_deg) {
+PackScene posts(Draw& draw, const std::string& title, const PackFan& fan, double half_fan_deg) {
   constexpr int count = 13;
   PackScene scene;
   scene.title = title;
@@ -28,7 +28,7 @@ PackScene posts(Draw& draw, const std::string& title, const Fan& fan, double hal
   return scene;
 }
 
-Fan wide_fan() {
+PackFan wide_fan() {
   return {.beams = 64,
           .horizontal_deg = 80,
           .vertical_deg = 8,
@@ -45,13 +45,13 @@ PackScene even_angles_scene(Draw& draw) {
 }
 
 PackScene even_tangents_scene(Draw& draw) {
-  Fan fan = wide_fan();
+  PackFan fan = wide_fan();
   fan.spacing = "distance";
   return posts(draw, "Posts before beams that are even in tangent", fan, 38);
 }
 
 PackScene listed_angles_scene(Draw& draw) {
-  Fan fan = wide_fan();
+  PackFan fan = wide_fan();
   constexpr int steps = 63,
                 alike = 9;  // so many neighbours are equally far apart: lists drift from what is even
   std::vector<double> step_deg;

@@ -98,7 +98,7 @@ bool each_terrain_facet(const Survey& survey, const Window& window, const TakeFa
   return coarse;
 }
 
-HeightMap::HeightMap(const Window& window, int most)
+PlanHeights::PlanHeights(const Window& window, int most)
     : window_(window), lowest_m_(infinity), highest_m_(-infinity) {
   const glm::dvec2 size = window.hi_m - window.lo_m;
   cell_m_ = std::max(size.x, size.y) / most;
@@ -107,7 +107,7 @@ HeightMap::HeightMap(const Window& window, int most)
   up_m_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), none);
 }
 
-void HeightMap::add(const std::array<glm::dvec3, 3>& facet) {
+void PlanHeights::add(const std::array<glm::dvec3, 3>& facet) {
   std::array<glm::dvec3, 3> p;  // east and north in cells, from the first one's middle
   for (std::size_t k = 0; k < 3; ++k)
     p[k] = {(facet[k].x - window_.lo_m.x) / cell_m_ - 0.5, (facet[k].y - window_.lo_m.y) / cell_m_ - 0.5,
@@ -143,7 +143,7 @@ void HeightMap::add(const std::array<glm::dvec3, 3>& facet) {
   }
 }
 
-std::optional<double> HeightMap::at(glm::dvec2 place_m) const {
+std::optional<double> PlanHeights::at(glm::dvec2 place_m) const {
   const glm::dvec2 cells = (place_m - window_.lo_m) / cell_m_ - 0.5;
   if (!(cells.x >= -0.5 && cells.y >= -0.5 && cells.x <= columns_ - 0.5 && cells.y <= rows_ - 0.5))
     return std::nullopt;
@@ -161,7 +161,7 @@ std::optional<double> HeightMap::at(glm::dvec2 place_m) const {
   return sum / weights;
 }
 
-std::optional<double> HeightMap::distance_m(glm::dvec3 from_m, glm::dvec3 direction, double most_m) const {
+std::optional<double> PlanHeights::distance_m(glm::dvec3 from_m, glm::dvec3 direction, double most_m) const {
   if (empty()) return std::nullopt;
   // Only where there may be terrain.
   double first = 0, last = most_m;
@@ -232,7 +232,7 @@ std::string bed_colour(double share_of_height) {
   return fmt::format("#{:02x}{:02x}{:02x}", byte_of(c[0]), byte_of(c[1]), byte_of(c[2]));
 }
 
-std::string shaded(const HeightMap& heights, double low_m, double high_m) {
+std::string shaded(const PlanHeights& heights, double low_m, double high_m) {
   const int columns = heights.columns(), rows = heights.rows();
   // Slope towards the north-west, where there are neighbours.
   const auto slope = [&](int column, int row) {

@@ -25,10 +25,10 @@ bool each_terrain_facet(const Survey& survey, const Window& window,
                         const std::function<void(const std::array<glm::dvec3, 3>&)>& take);
 
 /// How high the terrain is at the middles of cells, seen from above.
-class HeightMap {
+class PlanHeights {
  public:
   /// Over a window, in square cells, as many as `most` along its longer side.
-  HeightMap(const Window& window, int most);
+  PlanHeights(const Window& window, int most);
 
   void add(const std::array<glm::dvec3, 3>& facet);
   int columns() const { return columns_; }
@@ -58,7 +58,7 @@ class HeightMap {
 
 /// Heights as a picture (PNG), light from the north-west: from `low` to `high` metres; clear where no terrain
 /// is.
-std::string shaded(const HeightMap& heights, double low_m, double high_m);
+std::string shaded(const PlanHeights& heights, double low_m, double high_m);
 /// "#rrggbb" of a height on that picture, without light.
 std::string bed_colour(double share_of_height);
 

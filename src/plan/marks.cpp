@@ -127,7 +127,7 @@ SceneMarks marks_of(const Survey& survey, std::span<const Standing> standings) {
   return marks;
 }
 
-void look_for_bed(SectorMark& sector, const HeightMap& bed, std::optional<double> surface_m) {
+void look_for_bed(SectorMark& sector, const PlanHeights& bed, std::optional<double> surface_m) {
   for (SectorCell& cell : sector.cells)
     for (std::size_t k = 0; k < 4; ++k) {
       double& end_m = cell.heard_to_m[k];

@@ -70,7 +70,7 @@ struct SceneMarks {
 SceneMarks marks_of(const Survey& survey, std::span<const Standing> standings);
 
 /// Looks along each direction of a sector, where it meets the bed or the sea surface.
-void look_for_bed(SectorMark& sector, const HeightMap& bed, std::optional<double> surface_m);
+void look_for_bed(SectorMark& sector, const PlanHeights& bed, std::optional<double> surface_m);
 
 /// The horizontal direction in which a section through a sector shows most of it: where it looks; of one that
 /// looks down, along its wider side, to starboard, or ahead where it has none.

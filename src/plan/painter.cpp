@@ -126,8 +126,8 @@ void Painter::draw_bed(const Panel& panel) {
   if (marks_.terrain.empty()) return;
   constexpr double pixels_a_cell = 1.25;
   const Window& window = panel.window();
-  HeightMap map(window,
-                static_cast<int>(std::max(panel.box().width(), panel.box().height()) / pixels_a_cell));
+  PlanHeights map(window,
+                  static_cast<int>(std::max(panel.box().width(), panel.box().height()) / pixels_a_cell));
   if (each_terrain_facet(survey_, window, [&](const auto& facet) { map.add(facet); })) coarse_ = true;
   if (map.empty()) return;
   const glm::dvec2 low = panel.at(window.lo_m),

@@ -83,14 +83,14 @@ void look_for_bed(const Survey& survey, SceneMarks& marks) {
   const auto map_of = [&](const Window& window) {
     // With a border, so that what looks along its edge looks at it.
     const glm::dvec2 size = window.hi_m - window.lo_m, border(0.02 * std::max(size.x, size.y));
-    HeightMap map({window.lo_m - border, window.hi_m + border}, cells);
+    PlanHeights map({window.lo_m - border, window.hi_m + border}, cells);
     each_terrain_facet(survey, map.window(), [&](const auto& facet) { map.add(facet); });
     return map;
   };
-  std::optional<HeightMap> coarse;
+  std::optional<PlanHeights> coarse;
   for (SectorMark& sector : marks.sectors) {
     if (marks.terrain.empty()) {
-      look_for_bed(sector, HeightMap({{0, 0}, {1, 1}}, 1), surface_m);
+      look_for_bed(sector, PlanHeights({{0, 0}, {1, 1}}, 1), surface_m);
       continue;
     }
     Extent reach;

@@ -76,6 +76,7 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
                                 {"most_held_mb", static_cast<double>(use.most_bytes) / 1e6}};
   } else {
     json["facets"] = scene.mesh.facets.size();
+    if (site.facets_given > 0) json["facets_before_planes_were_merged"] = site.facets_given;
   }
   json["pings"] = stats.pings;
   json["tubes"] = stats.tubes;

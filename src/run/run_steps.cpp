@@ -141,6 +141,10 @@ void refuse_changed_input(const SceneDescription& description) {
       description.file.string(), why));
 }
 
+Facets facets_for(const RunRequest& request) {
+  return request.own_engine || request.reference_tolerance ? Facets::as_given : Facets::merged;
+}
+
 std::string engine_name(const RunRequest& request) {
   return request.own_engine ? request.own_engine->name : std::string(name_of(request.engine));
 }

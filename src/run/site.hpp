@@ -49,8 +49,9 @@ struct Site {
   SiteRelief relief;
   std::unique_ptr<const Ground> ground;  ///< relief online: what shots refine, each for itself
   std::unique_ptr<const SceneTree> tree;
-  bool is_cut = false;  ///< by the sea surface, above which no facet is
-  double lowest_m = 0;  ///< of the scene, where water refracts: rays do not turn below
+  bool is_cut = false;           ///< by the sea surface, above which no facet is
+  std::size_t facets_given = 0;  ///< before planes were merged; 0: they were not
+  double lowest_m = 0;           ///< of the scene, where water refracts: rays do not turn below
   double load_seconds = 0, tree_seconds = 0;
   std::shared_ptr<TerrainUse> terrain_use;  ///< null without tiles
   // Of what survey_with_tiles() makes:

@@ -17,6 +17,7 @@
 
 #include "engine/ground/ground.hpp"
 #include "files/memory_at_hand.hpp"
+#include "geometry/mesh/merged_planes.hpp"
 #include "geometry/search/vertical_line.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/mirror.hpp"
@@ -242,6 +243,17 @@ void cut_at_surface(Site& site) {
     site.tree = std::make_unique<SceneTree>(site.scene.mesh);
 }
 
+/// Not where facets are to be told apart later, or their size matters: relief has parents of them, tiles
+/// numbers, water bends within them, and sound that scatters again comes from them as from points.
+void merge_planes(Site& site) {
+  if (site.is_tiled() || site.relief.cell_m > 0 || site.scene.water->refracts() ||
+      site.scene.description.paths.scatterings > 1)
+    return;
+  const std::size_t given = site.scene.mesh.facets.size();
+  site.scene.mesh = with_planes_merged(site.scene.mesh);
+  if (site.scene.mesh.facets.size() < given) site.facets_given = given;
+}
+
 SensorPings pings_of(Site& site, const SensorDescription& description, const Trajectory& trajectory) {
   SensorPings pings;
   pings.sound_speed_m_s = sound_speed_at(site.scene, description, trajectory);
@@ -263,13 +275,14 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
 
 }  // namespace
 
-std::unique_ptr<const Survey> open_survey(const SceneDescription& description) {
+std::unique_ptr<const Survey> open_survey(const SceneDescription& description, Facets facets) {
   const auto load_start = std::chrono::steady_clock::now();
   const auto site = std::make_shared<Site>(load_scene(description));
   if (site->is_tiled()) site->terrain_use = std::make_shared<TerrainUse>();
   site->load_seconds = seconds_since(load_start);
   lay_relief(*site);
   const auto tree_start = std::chrono::steady_clock::now();
+  if (facets == Facets::merged) merge_planes(*site);
   site->tree = std::make_unique<SceneTree>(site->scene.mesh);
   site->tree_seconds = seconds_since(tree_start);
   const auto fleet = std::make_shared<Fleet>();

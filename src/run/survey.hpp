@@ -20,10 +20,19 @@ struct Survey {
   const std::vector<SharedShots>& shots = fleet->shots;
 };
 
+/// Which facets pings meet.
+enum class Facets {
+  as_given,
+  /// With planes merged (geometry/mesh/merged_planes.hpp): for who wants energies and names no facet. Only
+  /// where facets stay as they are loaded: without relief, refraction and tiles.
+  merged
+};
+
 /// Loads the scene, builds the tree, lays out the pings. `arithmetic` and `threads` are the caller's
 /// business. Throws InputError: also where a sensor lies below the seabed. Adds warnings to the scene's
 /// report.
-std::unique_ptr<const Survey> open_survey(const SceneDescription& description);
+std::unique_ptr<const Survey> open_survey(const SceneDescription& description,
+                                          Facets facets = Facets::as_given);
 
 /// The same pings on a site whose mesh has some tiles, too. Throws InputError for a raster that can no longer
 /// be read.

@@ -120,7 +120,7 @@ class Gatherer {
  private:
   std::size_t take_surroundings() {
     const Survey& survey = shots_.survey();
-    const Surroundings about = surroundings(view);
+    const ViewSurroundings about = surroundings(view);
     if (!own_mesh_.facets.empty())
       return take_mesh(survey.scene, own_mesh_, about, limits_.mesh_facets, view);
     if (!survey.site->is_tiled())

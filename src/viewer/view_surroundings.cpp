@@ -95,7 +95,7 @@ bool add_shadows(const Scene& scene, const ShotEnd& end, const History& history,
   return true;
 }
 
-Surroundings surroundings(const ViewData& view) {
+ViewSurroundings surroundings(const ViewData& view) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   glm::dvec3 lo(infinity), hi(-infinity);
   for (const auto* points : {&view.shapes.corners_m, &view.shadows.corners_m})
@@ -112,8 +112,8 @@ Surroundings surroundings(const ViewData& view) {
   return {lo - margin, hi + margin};
 }
 
-std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, const Surroundings& about, std::size_t most,
-                      ViewData& view) {
+std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, const ViewSurroundings& about,
+                      std::size_t most, ViewData& view) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto& [lo, hi] = about;
   const Nearness nearness(view, lo, hi);

@@ -16,14 +16,14 @@ bool add_shadows(const Scene& scene, const ShotEnd& end, const History& history,
                  ViewPolygons& shadows);
 
 /// The box of footprints and shadows, or of the sensor's places, made larger by a quarter of its diagonal.
-struct Surroundings {
+struct ViewSurroundings {
   glm::dvec3 lo_m, hi_m;
 };
-Surroundings surroundings(const ViewData& view);
+ViewSurroundings surroundings(const ViewData& view);
 
 /// Takes the facets of a mesh that meet the surroundings; of more than `most`, those nearest to footprints
 /// and shadows in plan. Returns how many were left out.
-std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, const Surroundings& about, std::size_t most,
-                      ViewData& view);
+std::size_t take_mesh(const Scene& scene, const FacetMesh& mesh, const ViewSurroundings& about,
+                      std::size_t most, ViewData& view);
 
 }  // namespace tubefoot

@@ -30,7 +30,7 @@ struct InletManuals : Inlet {
 };
 
 TEST_F(InletManuals, OverviewsOnAHostAreNotAskedFor) {
-  const Listener host;
+  const CalledHost host;
   const std::vector<std::string> names{"NETCDF:\"" + host.address() + "/a.nc\":z",
                                        "vrt://NETCDF:" + host.address() + "/a.nc", host.address() + "/a.nc"};
   for (const std::string& name : names)

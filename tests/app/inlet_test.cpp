@@ -34,7 +34,7 @@ void write_external(const fs::path& file, const fs::path& storage) {
 // network
 
 TEST_F(Inlet, NothingInAVirtualRasterCallsAHost) {
-  const Listener host;
+  const CalledHost host;
   const std::string address = host.address();
   folder.write("grid.asc", grid);
   const std::string web = "/vsicurl/" + address + "/a.tif";
@@ -94,7 +94,7 @@ TEST_F(Inlet, ARefusedElementIsNamedWithItsLine) {
 }
 
 TEST_F(Inlet, FoldersNamedLikeAddressesAreFolders) {
-  const Listener host;
+  const CalledHost host;
   const std::string name = "NETCDF:\"" + host.address();
   fs::create_directories(folder / name);
   folder.write(name + "/grid.asc", grid);
@@ -106,7 +106,7 @@ TEST_F(Inlet, FoldersNamedLikeAddressesAreFolders) {
 }
 
 TEST_F(Inlet, ALinkedCrsOfAMapIsNotFetched) {
-  const Listener host;
+  const CalledHost host;
   folder.write(
       "map.geojson",
       "{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"link\",\"properties\":{\"href\":\"" +

@@ -38,7 +38,7 @@ TEST(GnomonicFilters, WhatIsSureIsSo) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       Random random(seed);
       const GnomonicFrame frame(rays_of(scene.tubes, 0));
-      std::vector<SeenFacet> facets;
+      std::vector<FramedFacet> facets;
       std::vector<SeenFrom> exact;
       for (FacetId f = 0; f < scene.mesh.facets.size() && facets.size() < 40; ++f) {
         RangedFacet facet;

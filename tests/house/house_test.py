@@ -8,6 +8,7 @@ docs/house.md has the only table of rooms and of who may include whom. Fails for
 - a room that may include one below it in the table (upwards), and a permission that nobody uses;
 - a source file longer than 600 lines, and a test longer than 750;
 - tests in a folder that mirrors no room;
+- two types of one name in one namespace: the linker would mix up what the compiler makes of them
 - source that a document names and that is not there, and a walk of a ping of more than 25 files.
 With --teeth it holds itself against little trees that break one of these each.
 """
@@ -59,6 +60,21 @@ class House:
         if pattern.endswith("/*"):
             return [room for room in self.rooms if room.startswith(pattern[:-1])]
         return [pattern] if pattern in self.rooms else []
+
+
+DEFINED = re.compile(r"(?:struct|class|enum class|enum|union) (\w+)(?: final)?(?: :(?!:)[^;]*)?(?: \{.*)?$")
+
+
+def types_in(file):
+    """Full names of the types that a file defines outside of unnamed namespaces, with their lines."""
+    spaces = []
+    for number, line in enumerate(file.read_text().splitlines(), 1):
+        if opened := re.match(r"(?:inline )?namespace\s*([\w:]*)\s*\{", line):
+            spaces.append(opened[1])
+        elif line.startswith("}  // namespace"):
+            del spaces[-1:]
+        elif "" not in spaces and (defined := DEFINED.match(line)):
+            yield "::".join([*spaces, defined[1]]), number
 
 
 def wrongs(root):
@@ -121,6 +137,14 @@ def wrongs(root):
         if folder not in NO_MIRRORS and not {mirrored, "src/" + mirrored} & areas:
             found.append(f"{name}:1: {folder} mirrors no room of {page}: put the test where what it tests lies")
 
+    types = {}
+    for file in [file for area in [*AREAS, "tests", "validation", "python/native"] for file in code_in(root / area)]:
+        for name, number in types_in(file):
+            first = types.setdefault(name, file)
+            if first != file:
+                found.append(f"{file.relative_to(root)}:{number}: {name} is another type in {first.relative_to(root)}: give "
+                             "one of them another name, or put it into an unnamed namespace")
+
     for document in [root / "README.md", *sorted((root / "docs").glob("*.md"))]:
         lines = document.read_text().splitlines() if document.exists() else []
         for number, line in enumerate(lines, 1):
@@ -137,6 +161,9 @@ ROWS = "| `geometry` | |\n| `src/low` | |\n| `src/high` | `src/low` |\n"
 TEETH = {
     "src/low/a.hpp:2: src/low includes \"high/b.hpp\" of src/high (upwards)":
         {"src/low/a.hpp": '#pragma once\n#include "high/b.hpp"\n'},
+    "src/low/e.hpp:3: tubefoot::Thing is another type in src/high/b.hpp":
+        {"src/high/b.hpp": "#pragma once\nnamespace tubefoot {\nstruct Thing {\n};\n}  // namespace tubefoot\n",
+         "src/low/e.hpp": "#pragma once\nnamespace tubefoot {\nclass Thing : Other {\n};\n}  // namespace tubefoot\n"},
     "src/high/c.cpp:1: src/high includes \"geometry/d.hpp\" of geometry (not in its row)":
         {"src/high/c.cpp": '#include "geometry/d.hpp"\n'},
     "src/attic/e.cpp:1: src/attic is no room": {"src/attic/e.cpp": "\n"},

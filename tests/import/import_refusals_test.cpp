@@ -147,7 +147,7 @@ TEST_F(ImportRefusals, PointsHaveTheirOwnAxes) {
 
 TEST_F(ImportRefusals, NoMoreEnergiesAreWrittenThanThereAre) {
   const WholeEchoFile reference = read_whole_echo_file(like);
-  Candidate candidate;
+  CandidateEchoes candidate;
   candidate.axes = axes_of(reference, 0);
   candidate.pings = 2;
   candidate.ping_of_reference = {0, 1};

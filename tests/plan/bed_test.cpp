@@ -28,14 +28,14 @@ void square(const Take& take) {
   take({on_plane(-10, -10), on_plane(10, 10), on_plane(-10, 10)});
 }
 
-HeightMap square_map(const Window& window, int cells = 100) {
-  HeightMap map(window, cells);
+PlanHeights square_map(const Window& window, int cells = 100) {
+  PlanHeights map(window, cells);
   square([&](const std::array<glm::dvec3, 3>& facet) { map.add(facet); });
   return map;
 }
 
-TEST(HeightMap, HoldsAPlaneAndNothingBesideIt) {
-  const HeightMap map = square_map({{-20, -15}, {20, 15}});
+TEST(PlanHeights, HoldsAPlaneAndNothingBesideIt) {
+  const PlanHeights map = square_map({{-20, -15}, {20, 15}});
   EXPECT_EQ(map.columns(), 100);
   EXPECT_EQ(map.rows(), 75);
   int covered = 0;
@@ -55,16 +55,16 @@ TEST(HeightMap, HoldsAPlaneAndNothingBesideIt) {
   EXPECT_FALSE(map.at({1e9, std::nan("")}).has_value());
 }
 
-TEST(HeightMap, KeepsTheHighestAndTakesNoUprightFacet) {
-  HeightMap map = square_map({{-10, -10}, {10, 10}});
+TEST(PlanHeights, KeepsTheHighestAndTakesNoUprightFacet) {
+  PlanHeights map = square_map({{-10, -10}, {10, 10}});
   map.add({glm::dvec3(-1, -1, 5), {1, -1, 5}, {0, 1, 5}});
   map.add({glm::dvec3(-10, 0, 90), {10, 0, 90}, {0, 0, 99}});
   EXPECT_NEAR(*map.at({0.1, 0.1}), 5, 1e-9);
   EXPECT_EQ(map.highest_m(), 5);
 }
 
-TEST(HeightMap, FindsTheDistanceToAPlane) {
-  const HeightMap map = square_map({{-10, -10}, {10, 10}}, 300);
+TEST(PlanHeights, FindsTheDistanceToAPlane) {
+  const PlanHeights map = square_map({{-10, -10}, {10, 10}}, 300);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(-6, 6), aside(-0.4, 0.4), height(0.5, 4);
   const glm::dvec3 normal(-0.1, 0.25, 1);
@@ -84,8 +84,8 @@ TEST(HeightMap, FindsTheDistanceToAPlane) {
   EXPECT_FALSE(map.distance_m({0, 0, 0}, {std::nan(""), 0, 0}, 1e7).has_value());
 }
 
-TEST(HeightMap, OfNothingIsEmpty) {
-  const HeightMap map({{0, 0}, {1, 1}}, 10);
+TEST(PlanHeights, OfNothingIsEmpty) {
+  const PlanHeights map({{0, 0}, {1, 1}}, 10);
   EXPECT_TRUE(map.empty());
   EXPECT_FALSE(map.distance_m({0, 0, 0}, {0, 0, -1}, 100).has_value());
 }
@@ -134,7 +134,7 @@ TEST(TerrainFacets, ManyTilesAreDrawnByTheirExtentsAndFewAreRead) {
   const auto survey = open_survey(read_scene_file(scene));
   const auto up = [](double x) { return x / 4 - 0.5; };
   const auto largest_error = [&](const Window& window, bool coarse) {
-    HeightMap map(window, 90);
+    PlanHeights map(window, 90);
     EXPECT_EQ(each_terrain_facet(*survey, window, [&](const auto& facet) { map.add(facet); }), coarse);
     double error = 0;
     for (int r = 0; r < map.rows(); ++r)

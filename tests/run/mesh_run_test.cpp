@@ -63,7 +63,7 @@ TEST(MeshRun, CheckCountsWhatIsLeftOutAndListsNames) {
 
 TEST(MeshRun, OfAModelItsBuffersAreOpenedAndNothingElse) {
   const TestFolder folder;
-  const Listener host;
+  const CalledHost host;
   folder.write("numbers.bin", gltf_numbers());
   folder.write("skin.png", "no picture");
   folder.write("m.gltf", gltf_model(R"(,"uri":"numbers.bin")",

@@ -407,7 +407,7 @@ class Doctor {
   const DiagnosisInput& input_;
   Excerpt excerpt_;
   Fan fan_;
-  Steps steps_;
+  EvenSteps steps_;
   WronglyLit lit_;
   Diagnosis result_;
 };

@@ -235,8 +235,8 @@ double scatter(const Residual& r) {
   return count > 0 ? std::sqrt(squares / count) : 0;
 }
 
-Steps steps_of(std::span<const double> values) {
-  Steps steps;
+EvenSteps steps_of(std::span<const double> values) {
+  EvenSteps steps;
   constexpr std::size_t most = 1024, least_share = 4;
   std::set<double> different;
   std::size_t lit = 0;

@@ -46,12 +46,12 @@ EdgeOffsets shadow_ends(const Residual& residual);
 double scatter(const Residual& residual);
 
 /// Steps of numbers: 8 bits and the like.
-struct Steps {
+struct EvenSteps {
   std::size_t levels = 0;   ///< different values above 0; 0 where there are too many to be steps
   double smallest = 0;      ///< value above 0
   double share_at_top = 0;  ///< of the lit bins, that have the largest value exactly
   const char* scale = "";   ///< of even steps: "energy", "amplitude", "dB"; empty for none
 };
-Steps steps_of(std::span<const double> values);
+EvenSteps steps_of(std::span<const double> values);
 
 }  // namespace tubefoot

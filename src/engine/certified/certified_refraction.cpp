@@ -167,7 +167,7 @@ RefractedReference certify_refracted_echo(const StraightenedBed& bed, const RayE
         each_bin(facet.nearest_m, facet.farthest_m, [&](Between& bin) { bin.hi += facet.most; });
     }
 
-    std::vector<SeenPiece> pieces;
+    std::vector<DoubtedPiece> pieces;
     for (const NamedPiece& piece : seen.pieces) {
       stop_if_wanted();
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);

@@ -232,7 +232,7 @@ class PairedReference {
       steps.done();
       const TubeVisibility& seen = look.seen[tube];
       const NameContext context{mesh, look.tubes.apex, seen.rays};
-      std::vector<SeenPiece> pieces;
+      std::vector<DoubtedPiece> pieces;
       for (const NamedPiece& piece : seen.pieces) {
         stop_if_wanted();
         pieces.push_back(seen_piece(piece, certified_polygon(context, seen.corners, piece, unit_m_)));

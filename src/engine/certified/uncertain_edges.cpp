@@ -83,8 +83,8 @@ double beyond_rad(const FacetEnclosure& facet) { return facet.gap_m / facet.near
 
 }  // namespace
 
-SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon) {
-  SeenPiece seen{piece.facet, {}};
+DoubtedPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon) {
+  DoubtedPiece seen{piece.facet, {}};
   const auto vector = [](const std::array<Ball, 3>& v) {
     return glm::dvec3(v[0].middle(), v[1].middle(), v[2].middle());
   };
@@ -229,7 +229,7 @@ void UncertainEdges::strip(const glm::dvec3& from, const glm::dvec3& to, double 
   }
 }
 
-void UncertainEdges::clash(const SeenPiece& piece, FacetId other, const DoubtSink& sink) const {
+void UncertainEdges::clash(const DoubtedPiece& piece, FacetId other, const DoubtSink& sink) const {
   const FacetEnclosure &one = enclosures_.facets[piece.facet], &two = enclosures_.facets[other];
   const double off = one.shift_m + two.shift_m;
   Polygon part = piece.corners_m;
@@ -272,13 +272,13 @@ void UncertainEdges::add_walls(std::span<const Wall> walls, double off_rad, std:
 }
 
 void UncertainEdges::add_doubts(const NameContext& context, const TubeVisibility& seen,
-                                std::span<const SeenPiece> pieces, std::span<const FacetId> nearby,
+                                std::span<const DoubtedPiece> pieces, std::span<const FacetId> nearby,
                                 const DoubtSink& sink) const {
   const Nearby near = nearby_of(nearby);
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     stop_if_wanted();
     const NamedPiece& named = seen.pieces[p];
-    const SeenPiece& piece = pieces[p];
+    const DoubtedPiece& piece = pieces[p];
     // What bounds the piece: of the planes that two neighbouring corners share, those through mesh edges.
     for (std::uint32_t k = 0; k < named.count; ++k) {
       const CornerName &c = seen.corners[named.first + k],

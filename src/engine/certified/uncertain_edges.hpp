@@ -30,11 +30,11 @@ struct Cone {
 };
 
 /// A visible piece as doubts need it.
-struct SeenPiece {
+struct DoubtedPiece {
   FacetId facet = 0;
   std::vector<glm::dvec3> corners_m;
 };
-SeenPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon);
+DoubtedPiece seen_piece(const NamedPiece& piece, const CertifiedPolygon& polygon);
 
 /// What a direction decides, or a place: pieces of one apex are what is seen in a direction, met exactly by
 /// the walls of tubes, and at every edge between base facets another of them may be seen in it. Of pieces
@@ -49,8 +49,9 @@ class UncertainEdges {
                  const ApparentEnclosures& enclosures, DoubtsOf of = DoubtsOf::directions);
 
   /// Of the pieces of one tube; `nearby`: all facets that may be in it.
-  void add_doubts(const NameContext& context, const TubeVisibility& seen, std::span<const SeenPiece> pieces,
-                  std::span<const FacetId> nearby, const DoubtSink& sink) const;
+  void add_doubts(const NameContext& context, const TubeVisibility& seen,
+                  std::span<const DoubtedPiece> pieces, std::span<const FacetId> nearby,
+                  const DoubtSink& sink) const;
 
   using Wall = std::pair<glm::dvec3, glm::dvec3>;
   /// Of places, on whichever facets: next to walls, each between two directions and off by that at most.
@@ -79,7 +80,7 @@ class UncertainEdges {
   double half_width(VertexId a, VertexId b) const;
   void strip(const glm::dvec3& from, const glm::dvec3& to, double half_width_rad, const Nearby& nearby,
              const DoubtSink& sink, const EdgeOf* edge = nullptr) const;
-  void clash(const SeenPiece& piece, FacetId other, const DoubtSink& sink) const;
+  void clash(const DoubtedPiece& piece, FacetId other, const DoubtSink& sink) const;
 
   const FacetMesh& mesh_;
   std::span<const FacetId> parent_;

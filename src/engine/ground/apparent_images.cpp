@@ -46,12 +46,12 @@ Images::Images(const Straightening& straightening, double reference_absorption_d
       outlook_(outlook),
       bend_per_m_(straightening.water().profile.largest_bend_per_m()) {}
 
-Image Images::make(const glm::dvec3& point_m) const {
+ApparentImage Images::make(const glm::dvec3& point_m) const {
   std::vector<ApparentPoint> several;
   const std::optional<ApparentPoint> found =
       straightening_.apparent(point_m, settings_.later_arrivals ? &several : nullptr);
   if (!found) return {};
-  Image image{seen_point(point_m, *found), found->eigenrays, {}};
+  ApparentImage image{seen_point(point_m, *found), found->eigenrays, {}};
   if (settings_.later_arrivals && found->eigenrays > 1) {
     for (const ApparentPoint& each : several) image.several.push_back(seen_point(point_m, each));
     return image;
@@ -89,11 +89,12 @@ SeenPoint Images::seen_point(const glm::dvec3& point_m, const ApparentPoint& fou
 
 // Rays that come or go between the ends do so at a border that is found along the edge; here it is made to
 // lie between short edges.
-bool Images::cuts_by_any_ray(double length, const Image& from, const Image& to, const Image& middle) const {
+bool Images::cuts_by_any_ray(double length, const ApparentImage& from, const ApparentImage& to,
+                             const ApparentImage& middle) const {
   // Images of facets next to a caustic are wrong in direction, by no more than they are wide, long after they
   // are right in range.
   constexpr double sideways = 16, beside_caustics = 5;
-  const auto rays_to = [](const Image& image) {
+  const auto rays_to = [](const ApparentImage& image) {
     return image.several.empty() && image.seen() ? std::vector<SeenPoint>{image} : image.several;
   };
   const std::vector<SeenPoint> a = rays_to(from), b = rays_to(to), m = rays_to(middle);

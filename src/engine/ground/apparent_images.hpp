@@ -37,7 +37,7 @@ struct SeenPoint {
 };
 
 /// By the first ray to arrive; without eigenray: not seen.
-struct Image : SeenPoint {
+struct ApparentImage : SeenPoint {
   int eigenrays = 0;
   /// By each of several rays, by their launch angles: if StraighteningSettings asks for them.
   std::vector<SeenPoint> several{};
@@ -59,12 +59,12 @@ class Images {
   Images(const Straightening& straightening, double reference_absorption_db_per_m,
          const StraighteningSettings& settings, const Outlook* outlook);
 
-  Image make(const glm::dvec3& point_m) const;
+  ApparentImage make(const glm::dvec3& point_m) const;
 
   /// The gap of an edge, metres. Straight lines are seen curved about as much as rays are, at most g / c per
   /// metre, where rays spread about as in even water: of a short edge there, twice that is as good.
-  double gap_m(const glm::dvec3& a, const glm::dvec3& b, const Image& from, const Image& to,
-               const Image* middle = nullptr) const {
+  double gap_m(const glm::dvec3& a, const glm::dvec3& b, const ApparentImage& from, const ApparentImage& to,
+               const ApparentImage* middle = nullptr) const {
     if (middle != nullptr) return edge_gap_m(from.at_m, to.at_m, middle->at_m);
     const glm::dvec3 edge = b - a;
     return from.regular() && to.regular() ? bend_per_m_ * glm::dot(edge, edge) / 4
@@ -72,12 +72,13 @@ class Images {
   }
 
   /// Short beside its range: the ends say how things change along it.
-  static bool is_short(double length, const Image& from, const Image& to) {
+  static bool is_short(double length, const ApparentImage& from, const ApparentImage& to) {
     return 4 * length < std::min(from.range_m, to.range_m);
   }
 
   /// Whether the bound of gap_m() will do, and the images of the ends are enough.
-  bool surely_whole(const glm::dvec3& a, const glm::dvec3& b, const Image& from, const Image& to) const {
+  bool surely_whole(const glm::dvec3& a, const glm::dvec3& b, const ApparentImage& from,
+                    const ApparentImage& to) const {
     const double length = glm::distance(a, b);
     return is_short(length, from, to) && is_fine(length, gap_m(a, b, from, to), from, to, to);
   }
@@ -94,9 +95,9 @@ class Images {
   template <class ImageOf>
   bool cuts(const glm::dvec3& a, const glm::dvec3& b, const ImageOf& image_of) const {
     const double length = glm::distance(a, b);
-    const Image &from = image_of(a), &to = image_of(b);
+    const ApparentImage &from = image_of(a), &to = image_of(b);
     if (from.seen() && to.seen() && surely_whole(a, b, from, to)) return false;
-    const Image& middle = image_of((a + b) / 2.0);
+    const ApparentImage& middle = image_of((a + b) / 2.0);
     if (!from.several.empty() || !to.several.empty() || !middle.several.empty())
       return cuts_by_any_ray(length, from, to, middle);
     // Shadows and caustics are cut evenly, in and beside them: a border narrowed down between long edges
@@ -133,7 +134,8 @@ class Images {
     return gap <= settings_.gap_m &&
            db_per_relative * 4 * gap / length + (most - least) / 2 <= settings_.tolerance_db;
   }
-  bool cuts_by_any_ray(double length, const Image& from, const Image& to, const Image& middle) const;
+  bool cuts_by_any_ray(double length, const ApparentImage& from, const ApparentImage& to,
+                       const ApparentImage& middle) const;
 
   /// Decibels of a small relative change.
   static constexpr double db_per_relative = 4.3429448190325183;
@@ -149,7 +151,7 @@ class Images {
 struct FineFacets {
   RefinedMesh mesh;
   std::vector<glm::dvec3> at_m;
-  std::vector<Image> image;
+  std::vector<ApparentImage> image;
 };
 
 inline glm::dvec3 normal_of(const glm::dvec3 (&c)[3]) { return glm::cross(c[1] - c[0], c[2] - c[0]); }

@@ -79,7 +79,7 @@ const ApparentSheets::Place& ApparentSheets::place_of(VertexId vertex) {
   const auto [entry, is_new] = places_.try_emplace(vertex);
   Place& place = entry->second;
   if (!is_new) return place;
-  const Image& image = fine_.image[vertex];
+  const ApparentImage& image = fine_.image[vertex];
   place.at_m = fine_.at_m[vertex];
   place.rays = image.several;
   for (const SeenPoint& ray : place.rays) place.vertices.push_back(add_vertex(ray, place.at_m));
@@ -109,7 +109,7 @@ std::optional<ApparentSheets::Border> ApparentSheets::find_border(VertexId riche
   const double length = glm::distance(from.at_m, to.at_m);
   while ((hi - lo) * length > border_m && hi - lo > 1e-15) {
     const double middle = (lo + hi) / 2;
-    const Image image = images_.make(from.at_m + middle * (to.at_m - from.at_m));
+    const ApparentImage image = images_.make(from.at_m + middle * (to.at_m - from.at_m));
     std::vector<SeenPoint> rays = image.several;
     if (rays.empty() && image.seen()) rays.push_back(image);
     const bool is_inside = are_alike(rays, inside);
@@ -203,7 +203,7 @@ void ApparentSheets::add_part(FacetId facet, const std::array<Corner, 3>& corner
     same[k] = same_rays(corners[k].place->rays, fewest);
     if (same[k].empty()) return leave_out();
   }
-  const Image middle = images_.make((lies[0] + lies[1] + lies[2]) / 3.0);
+  const ApparentImage middle = images_.make((lies[0] + lies[1] + lies[2]) / 3.0);
   std::vector<SeenPoint> centre = middle.several;
   if (centre.empty() && middle.seen()) centre.push_back(middle);
   const bool is_known = are_alike(centre, fewest);

@@ -50,9 +50,10 @@ class GapRule final : public EdgeRule {
     bool inside = true;  // not on an edge of the base, where two facets have to agree
     for (std::size_t k = 0; k < 3; ++k) inside = inside && (a.weight[k] != 0 || b.weight[k] != 0);
     if (!images_.concerns(a.at_m, b.at_m, base_, a.facet, grid_, inside)) return false;
-    return images_.cuts(a.at_m, b.at_m, [this](const glm::dvec3& p) -> const Image& { return of(p); });
+    return images_.cuts(a.at_m, b.at_m,
+                        [this](const glm::dvec3& p) -> const ApparentImage& { return of(p); });
   }
-  const Image& of(const glm::dvec3& point_m) const {
+  const ApparentImage& of(const glm::dvec3& point_m) const {
     const auto known = known_.find(point_m);
     if (known != known_.end()) return known->second;
     return known_.emplace(point_m, images_.make(point_m)).first->second;
@@ -62,7 +63,7 @@ class GapRule final : public EdgeRule {
   const Images& images_;
   const FacetMesh& base_;
   const WorldGrid& grid_;
-  mutable tbb::concurrent_unordered_map<glm::dvec3, Image, PlaceHash> known_;
+  mutable tbb::concurrent_unordered_map<glm::dvec3, ApparentImage, PlaceHash> known_;
 };
 
 /// The facets as they are, and whether an edge of one may have to be cut.
@@ -140,7 +141,7 @@ FineFacets refined(const FacetMesh& base, std::span<const FacetId> facets, const
   return all;
 }
 
-UnclearPlace unclear_place(FacetId facet, const glm::dvec3& at_m, const Image& image,
+UnclearPlace unclear_place(FacetId facet, const glm::dvec3& at_m, const ApparentImage& image,
                            const glm::dvec3& apex_m) {
   const glm::dvec3 towards = (image.seen() ? image.at_m : at_m) - apex_m;
   return {facet, at_m, image.eigenrays, towards / std::max(glm::length(towards), 1e-300)};
@@ -182,7 +183,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
     CornerReturn returns[3];
     bool kept = true, several = false, regular = true;
     std::optional<UnclearPlace> unclear;
-    const auto note = [&](const glm::dvec3& at_m, const Image& image) {
+    const auto note = [&](const glm::dvec3& at_m, const ApparentImage& image) {
       kept = kept && image.seen();
       several = several || image.eigenrays > 1;
       regular = regular && image.regular();
@@ -204,7 +205,7 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
       note(corners[i], fine.image[v]);
     }
     const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-    std::optional<Image> middle;
+    std::optional<ApparentImage> middle;
     if (kept && (!regular || !images.is_small(corners, seen))) middle = images.make(centre);
     if (kept && !regular) note(centre, *middle);
     if (unclear) ground.unclear.push_back(*unclear);
@@ -216,10 +217,10 @@ ApparentGround seen_of(FineFacets fine, const Images& images, const WorldGrid& g
     }
     for (int i = 0; i < 3; ++i) {
       const int k = (i + 1) % 3;
-      const Image &a = fine.image[from.facets[f][i]], &b = fine.image[from.facets[f][k]];
+      const ApparentImage &a = fine.image[from.facets[f][i]], &b = fine.image[from.facets[f][k]];
       double gap = images.gap_m(corners[i], corners[k], a, b);
       if (!(gap <= settings.gap_m) || !regular) {
-        const Image between = images.make((corners[i] + corners[k]) / 2.0);
+        const ApparentImage between = images.make((corners[i] + corners[k]) / 2.0);
         if (between.seen()) gap = images.gap_m(corners[i], corners[k], a, b, &between);
       }
       if (std::isfinite(gap)) ground.largest_gap_m = std::max(ground.largest_gap_m, gap);

@@ -21,7 +21,7 @@ using namespace test;
 /// The facets of one tube as the grid gets them, with neighbours found by their definition.
 struct InTube {
   GnomonicFrame frame;
-  std::vector<SeenFacet> facets;
+  std::vector<FramedFacet> facets;
   std::vector<Neighbours> neighbours;
   LayerGrid grid;
 };
@@ -36,7 +36,7 @@ InTube in_tube(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube) 
   InTube result;
   result.frame = GnomonicFrame(ray);
   for (FacetId f = 0; f < mesh.facets.size(); ++f) {
-    SeenFacet facet;
+    FramedFacet facet;
     if (!FacetCone::make(mesh, f, tubes.apex, facet.cone)) continue;
     const auto& p = facet.cone.point;
     if (std::any_of(wall.begin(), wall.end(), [&](const Vec64& w) {
@@ -100,7 +100,7 @@ class BruteForce {
  public:
   BruteForce(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube, const InTube& seen)
       : mesh_(mesh), walls_(walls_of(cone_of(tubes, tube))), facets_(seen.facets) {
-    for (const SeenFacet& facet : facets_)
+    for (const FramedFacet& facet : facets_)
       from_.push_back(seen_from(mesh, facet.cone.id, tubes.apex).value());
     for (std::size_t f = 0; f < facets_.size(); ++f) {
       std::vector<std::uint32_t> others(facets_.size());
@@ -161,7 +161,7 @@ class BruteForce {
 
   const FacetMesh& mesh_;
   std::vector<V3> walls_;
-  const std::vector<SeenFacet>& facets_;
+  const std::vector<FramedFacet>& facets_;
   std::vector<SeenFrom> from_;
   std::vector<std::vector<Cone>> visible_;
 };
@@ -253,7 +253,7 @@ TEST(LayerGrid, AClosedSheetHidesWhatIsBehindItAndNeedsFewPairs) {
       seen.grid.occluder_candidates(f, candidates);
       pairs += candidates.size();
       met += static_cast<std::size_t>(
-          std::count_if(seen.facets.begin(), seen.facets.end(), [&](const SeenFacet& other) {
+          std::count_if(seen.facets.begin(), seen.facets.end(), [&](const FramedFacet& other) {
             return other.cone.id < sheet && other.bounds.meets(seen.facets[f].bounds);
           }));
     }
@@ -303,7 +303,7 @@ TEST(LayerGrid, ALayerThatCoversACellTwiceIsComparedWithItself) {
     const Scene scene = winding_ramp(random, turns);
     const InTube seen = in_tube(scene.mesh, scene.tubes, 0);
     ASSERT_EQ(seen.facets.size(), scene.mesh.facets.size()) << "a step is cut off: the ramp is not connected";
-    for (const SeenFacet& facet : seen.facets) ASSERT_TRUE(facet.bounds.is_finite());
+    for (const FramedFacet& facet : seen.facets) ASSERT_TRUE(facet.bounds.is_finite());
     for (const Neighbours& n : seen.neighbours)
       ASSERT_EQ(std::count(n.begin(), n.end(), silhouette), 0) << "the ramp ends in the tube";
     Tally tally;

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a run makes of planes of many facets: the energies of each facet by itself, to rounding and
+// quadrature.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "run/simulation.hpp"
+#include "run/survey.hpp"
+#include "sensors/kinds/scene_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// A bed of 0.25 m cells, half of it of another material where there is a hole in it, and a box upon it.
+std::string fine_bed(const std::string& sensor, const std::string& more = {},
+                     const std::string& law = "lambert_db = -20\n") {
+  return "[[materials]]\nname = \"sand\"\n" + law + more +
+         "[[terrain]]\nname = \"bed\"\nkind = \"flat\"\nwidth_m = 30\nlength_m = 30\ncell_m = 0.25\n"
+         "[[objects]]\nname = \"crate\"\nshape = \"box\"\nsize_m = [1, 1, 1]\nposition_m = [0.3, 5, 0.5]\n"
+         "[trajectory]\nkind = \"fixed\"\nposition_m = [0.2, 0.1, 4]\n"
+         "[[sensors]]\nname = \"sonar\"\n" +
+         sensor;
+}
+
+struct MergedPlanesRun : testing::Test {
+  TestFolder folder;
+
+  std::vector<double> energies(const std::string& scene, Facets facets, std::size_t& met,
+                               const std::string& engine = "tube") {
+    SceneDescription description = read_scene_file(folder.write("scene.toml", scene));
+    description.run.engine = engine;
+    const auto survey = open_survey(description, facets);
+    met = survey->scene.mesh.facets.size();
+    SimulationStats stats;
+    std::vector<double> all;
+    const std::vector<Recording> recordings = simulate(*survey, request_of(description.run), stats);
+    for (const Recording& recording : recordings)
+      all.insert(all.end(), recording.energy.begin(), recording.energy.end());
+    return all;
+  }
+
+  /// Of a bin's energy, or of the mean bin's where it has less.
+  void expect_alike(const std::string& scene, double relative) {
+    SCOPED_TRACE(scene);
+    std::size_t given = 0, merged = 0;
+    const std::vector<double> truth = energies(scene, Facets::as_given, given),
+                              energy = energies(scene, Facets::merged, merged);
+    EXPECT_GT(given, 28'000u);
+    EXPECT_LT(merged, 100u);
+    ASSERT_EQ(truth.size(), energy.size());
+    const double mean = std::accumulate(truth.begin(), truth.end(), 0.0) / double(truth.size());
+    ASSERT_GT(mean, 0);
+    for (std::size_t k = 0; k < truth.size(); ++k)
+      EXPECT_NEAR(energy[k], truth[k], relative * std::max(truth[k], mean)) << "bin " << k;
+  }
+};
+
+constexpr const char* camera =
+    "kind = \"didson\"\nbeams = 6\ntilt_deg = 40\nwindow_start_m = 4\nwindow_length_m = 5\n";
+constexpr const char* sidescan =
+    "kind = \"sidescan\"\nrange_max_m = 14\nsamples = 50\nping_interval_s = 1\npings = 1\n";
+
+TEST_F(MergedPlanesRun, OfLambertsLawToRounding) {
+  expect_alike(fine_bed(camera), 1e-11);
+  expect_alike(fine_bed(sidescan), 1e-11);
+}
+
+TEST_F(MergedPlanesRun, WithALawToQuadrature) {
+  expect_alike(fine_bed(camera, {},
+                        "law = \"gsab\"\nspecular_db = -5\nspecular_width_deg = 8\noblique_db = -20\n"
+                        "oblique_exponent = 1.5\n"),
+               1e-4);
+}
+
+TEST_F(MergedPlanesRun, WithMicroTexture) {
+  expect_alike(fine_bed(camera,
+                        "[[materials.reflectivity]]\nkind = \"perlin\"\nwavelength_m = 1\noctaves = 1\n"
+                        "depth = 0.5\nseed = 1\n"),
+               1e-4);
+}
+
+TEST_F(MergedPlanesRun, UnderAMirror) {
+  expect_alike(fine_bed(camera, "[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\n"), 1e-9);
+}
+
+TEST_F(MergedPlanesRun, RaysHitTheSamePlaces) {
+  const std::string scene = fine_bed(camera) + "[run]\nrays_per_ping = 20000\n";
+  std::size_t given = 0, merged = 0;
+  const std::vector<double> truth = energies(scene, Facets::as_given, given, "ray"),
+                            energy = energies(scene, Facets::merged, merged, "ray");
+  EXPECT_LT(100 * merged, given);
+  const double all = std::accumulate(truth.begin(), truth.end(), 0.0);
+  double apart = 0;
+  for (std::size_t k = 0; k < truth.size(); ++k) apart += std::abs(truth[k] - energy[k]);
+  EXPECT_LT(apart, 0.01 * all);  // a ray at an edge of a bin may be of the next
+}
+
+TEST_F(MergedPlanesRun, IsToldInTheStatistics) {
+  const std::string scene = folder.write("scene.toml", fine_bed(camera)).string(),
+                    out = (folder / "out").string();
+  const auto facets_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"run", scene, "-o", out, "--quiet", "--pictures", "none"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run_program(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(bytes_of(folder / "out" / "stats.json"));
+  };
+  const nlohmann::json merged = facets_of({});
+  EXPECT_LT(merged.at("facets"), 100);
+  EXPECT_EQ(merged.at("facets_before_planes_were_merged"), 28'800 + 12);
+  const nlohmann::json reference = facets_of({"--reference", "--tolerance", "1e-3", "--beams", "0"});
+  EXPECT_EQ(reference.at("facets"), 28'800 + 12);
+  EXPECT_FALSE(reference.contains("facets_before_planes_were_merged"));
+}
+
+TEST_F(MergedPlanesRun, IsOfNothingWhoseFacetsMatter) {
+  const std::string ripples =
+      "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\nseed = 7\n"
+      "wavelength_m = 1.25\ndirection_deg = 20\nrms_height_m = 0.02\n";
+  for (const std::string& more :
+       {"[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\n"
+        "profile_bottom_m = 40\nsurface_height_m = 6.5\n" +
+            std::string(),
+        std::string("[sea_surface]\nheight_m = 6.5\n[paths]\norder = 2\nscatterings = 2\npatch_m = 1\n"),
+        ripples + "[relief]\nmode = \"online\"\ncell_m = 0.5\ntolerance = 0.5\n"}) {
+    SCOPED_TRACE(more);
+    const auto survey =
+        open_survey(read_scene_file(folder.write("scene.toml", fine_bed(camera, more))), Facets::merged);
+    EXPECT_EQ(survey->scene.mesh.facets.size(), 28'800u + 12u);
+    EXPECT_EQ(survey->site->facets_given, 0u);
+  }
+}
+
+}  // namespace
+}  // namespace tubefoot
