@@ -18,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-/// A bed of 0.25 m cells, half of it of another material where there is a hole in it, and a box upon it.
+/// A bed of cells of 0.25 m, and a box upon it.
 std::string fine_bed(const std::string& sensor, const std::string& more = {},
                      const std::string& law = "lambert_db = -20\n") {
   return "[[materials]]\nname = \"sand\"\n" + law + more +

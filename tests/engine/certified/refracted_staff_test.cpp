@@ -135,7 +135,7 @@ std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 fr
               const auto product = [&](double x) {
                 const glm::dvec3 place = GradientPath::place(x, y);
                 const double phase = scene.staff.wavenumber_rad_m * 1500 *
-                                     (Ray(g, upper.home, place).time_s - Ray(g, lower.home, place).time_s);
+                                     (BentPath(g, upper.home, place).time_s - BentPath(g, lower.home, place).time_s);
                 return std::polar(std::sqrt(upper.density(x, y) * lower.density(x, y)), phase);
               };
               rows[2 * row + sample] +=
