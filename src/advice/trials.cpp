@@ -13,6 +13,7 @@
 #include "files/json_text.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
+#include "run/run_steps.hpp"
 #include "run/simulation.hpp"
 
 namespace tubefoot {
@@ -117,14 +118,17 @@ TrialScene::TrialScene(const SceneDescription& scene, const Choice& choice,
                        std::optional<double> reference_tolerance)
     : name_(scene_name(scene.file)) {
   const std::unique_ptr<const Survey> survey = open_survey(scene, Facets::merged);
+  const std::shared_ptr<const Site> given =
+      survey->site->facets_given > 0 ? open_survey(scene)->site : nullptr;
   RunRequest request;
   request.reference_tolerance = reference_tolerance;
   double all = 0;
   for (const TrialPings& chosen : choice(*survey)) {
     weight_.push_back(static_cast<double>(survey->sensors[chosen.sensor].times_s.size()));
     all += weight_.back();
-    surveys_.push_back({survey->site, std::make_shared<const Fleet>(
-                                          survey->fleet->some_pings(chosen.sensor, chosen.pings))});
+    const auto pings = std::make_shared<const Fleet>(survey->fleet->some_pings(chosen.sensor, chosen.pings));
+    surveys_.push_back({survey->site, pings});
+    if (given) as_given_.push_back({given, pings});
   }
   for (double& w : weight_) w /= all;
   double ignored = 0;
@@ -155,13 +159,18 @@ std::string TrialScene::refusal_of(const EngineSetting& setting) const {
   return "";
 }
 
+const std::vector<Survey>& TrialScene::surveys_of(const RunRequest& request) const {
+  return facets_for(request) == Facets::as_given && !as_given_.empty() ? as_given_ : surveys_;
+}
+
 std::vector<Recording> TrialScene::record(const RunRequest& request, double& seconds_a_ping) const {
   // One sensor at a time, so that each one's seconds are known.
   std::vector<Recording> recordings;
   seconds_a_ping = 0;
-  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+  const std::vector<Survey>& surveys = surveys_of(request);
+  for (std::size_t s = 0; s < surveys.size(); ++s) {
     SimulationStats stats;
-    recordings.push_back(std::move(simulate(surveys_[s], request, stats).front()));
+    recordings.push_back(std::move(simulate(surveys[s], request, stats).front()));
     seconds_a_ping +=
         weight_[s] * (stats.visibility_seconds + stats.echo_seconds) / static_cast<double>(stats.pings);
   }

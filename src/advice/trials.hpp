@@ -68,10 +68,12 @@ class TrialScene {
 
  private:
   std::vector<Recording> record(const RunRequest& request, double& seconds_a_ping) const;
+  const std::vector<Survey>& surveys_of(const RunRequest& request) const;
 
   std::string name_;
-  std::vector<Survey> surveys_;  ///< of each chosen sensor's pings, on one site
-  std::vector<double> weight_;   ///< by sensor: its share of the scene's pings
+  std::vector<Survey> surveys_;   ///< of each chosen sensor's pings, on one site
+  std::vector<Survey> as_given_;  ///< where that one's planes are merged: the same on one where they are not
+  std::vector<double> weight_;    ///< by sensor: its share of the scene's pings
   std::vector<Recording> reference_;
   double bound_ = 0;
 };

@@ -142,7 +142,8 @@ void refuse_changed_input(const SceneDescription& description) {
 }
 
 Facets facets_for(const RunRequest& request) {
-  return request.own_engine || request.reference_tolerance ? Facets::as_given : Facets::merged;
+  const bool by_facets = request.engine == Engine::tube && request.binning != Binning::exact;
+  return request.own_engine || request.reference_tolerance || by_facets ? Facets::as_given : Facets::merged;
 }
 
 std::string engine_name(const RunRequest& request) {

@@ -30,7 +30,8 @@ nlohmann::ordered_json asked_of(const SceneDescription& description, const RunRe
 /// hash has changed, or it cannot be read.
 void refuse_changed_input(const SceneDescription& description);
 
-/// Of one's own engine and a reference pings meet the facets that the scene has.
+/// Pings of one's own engine, a reference and binnings that know of a footprint's centroid alone meet the
+/// facets that the scene has.
 Facets facets_for(const RunRequest& request);
 
 /// What computed the energies: the name of an engine of one's own, or of a built-in one.

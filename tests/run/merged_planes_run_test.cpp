@@ -115,9 +115,15 @@ TEST_F(MergedPlanesRun, IsToldInTheStatistics) {
   const nlohmann::json merged = facets_of({});
   EXPECT_LT(merged.at("facets"), 100);
   EXPECT_EQ(merged.at("facets_before_planes_were_merged"), 28'800 + 12);
-  const nlohmann::json reference = facets_of({"--reference", "--tolerance", "1e-3", "--beams", "0"});
-  EXPECT_EQ(reference.at("facets"), 28'800 + 12);
-  EXPECT_FALSE(reference.contains("facets_before_planes_were_merged"));
+  using Words = std::vector<std::string>;
+  for (const Words& by_facets :
+       {Words{"--reference", "--tolerance", "1e-3"}, {"--binning", "centroid"}, {"--binning", "spread"}}) {
+    Words one_beam = by_facets;
+    one_beam.insert(one_beam.end(), {"--beams", "0"});
+    const nlohmann::json given = facets_of(one_beam);
+    EXPECT_EQ(given.at("facets"), 28'800 + 12);
+    EXPECT_FALSE(given.contains("facets_before_planes_were_merged"));
+  }
 }
 
 TEST_F(MergedPlanesRun, IsOfNothingWhoseFacetsMatter) {
