@@ -243,15 +243,18 @@ void cut_at_surface(Site& site) {
     site.tree = std::make_unique<SceneTree>(site.scene.mesh);
 }
 
-/// Not where facets are to be told apart later, or their size matters: relief has parents of them, tiles
-/// numbers, water bends within them, and sound that scatters again comes from them as from points.
+/// After check_places(), which names what a sensor lies on. Not where facets are to be told apart later, or
+/// their size matters: relief has parents of them, tiles numbers, water bends within them, and sound that
+/// scatters again comes from them as from points.
 void merge_planes(Site& site) {
   if (site.is_tiled() || site.relief.cell_m > 0 || site.scene.water->refracts() ||
       site.scene.description.paths.scatterings > 1)
     return;
-  const std::size_t given = site.scene.mesh.facets.size();
-  site.scene.mesh = with_planes_merged(site.scene.mesh);
-  if (site.scene.mesh.facets.size() < given) site.facets_given = given;
+  FacetMesh merged = with_planes_merged(site.scene.mesh);
+  if (merged.facets.size() == site.scene.mesh.facets.size()) return;
+  site.facets_given = site.scene.mesh.facets.size();
+  site.scene.mesh = std::move(merged);
+  site.tree = std::make_unique<SceneTree>(site.scene.mesh);
 }
 
 SensorPings pings_of(Site& site, const SensorDescription& description, const Trajectory& trajectory) {
@@ -282,7 +285,6 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
   site->load_seconds = seconds_since(load_start);
   lay_relief(*site);
   const auto tree_start = std::chrono::steady_clock::now();
-  if (facets == Facets::merged) merge_planes(*site);
   site->tree = std::make_unique<SceneTree>(site->scene.mesh);
   site->tree_seconds = seconds_since(tree_start);
   const auto fleet = std::make_shared<Fleet>();
@@ -290,6 +292,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
     fleet->sensors.push_back(
         pings_of(*site, description.sensors[s], site->scene.trajectories[site->scene.sensor_trajectory[s]]));
   check_places(*site, *fleet);
+  if (facets == Facets::merged) merge_planes(*site);
   cut_at_surface(*site);
   put_into_water(*site, *fleet);
   check_paths(site->scene, *fleet);
