@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/integrals/interval_polygon.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "geometry/arithmetic/wide_direction.hpp"
+
+namespace tubefoot {
+namespace {
+
+using FineVector = std::array<FineInterval, 3>;
+
+FineVector fine(const Vec64& v) {
+  return {FineInterval::of(v.x), FineInterval::of(v.y), FineInterval::of(v.z)};
+}
+
+FineInterval dot(const FineVector& a, const FineVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+FineVector scaled(const FineVector& a, const FineInterval& factor) {
+  return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
+FineVector cross(const FineVector& a, const FineVector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// In two parts: the head is within two units in its last place (law W3), the rest exact but for its own.
+FineInterval fine(const WideInt& x) {
+  const auto head = x.convert_to<double>();
+  const auto rest = WideInt(x - WideInt(head)).convert_to<double>();
+  return FineInterval(head) + FineInterval(rest) * outwards(1 - 0x1p-50L, 1 + 0x1p-50L);
+}
+
+/// Direction of a corner's ray up to its sign, and what it is along the facet's normal: nothing cancels in
+/// that.
+std::pair<FineVector, FineInterval> ray_of(const NameContext& context, const CornerName& corner,
+                                           const Vec64& normal) {
+  if (corner.point != no_point) {
+    const GridPoint d = context.point(corner.point);
+    return {FineVector{FineInterval(double(d.x)), FineInterval(double(d.y)), FineInterval(double(d.z))},
+            FineInterval::of(tubefoot::dot(normal, d))};
+  }
+  if (!corner.p.depth && !corner.q.depth) {
+    const Vec64 a = tubefoot::cross(context.point(corner.p.a), context.point(corner.p.b)),
+                b = tubefoot::cross(context.point(corner.q.a), context.point(corner.q.b));
+    const Int128 x = Int128(a.y) * b.z - Int128(a.z) * b.y, y = Int128(a.z) * b.x - Int128(a.x) * b.z,
+                 z = Int128(a.x) * b.y - Int128(a.y) * b.x;
+    Int192 along = multiply(x, normal.x);
+    along += multiply(y, normal.y);
+    along += multiply(z, normal.z);
+    return {FineVector{FineInterval::of(x), FineInterval::of(y), FineInterval::of(z)},
+            FineInterval::of(along)};
+  }
+  const WideVec d = wide_direction(context, corner);
+  return {FineVector{fine(d[0]), fine(d[1]), fine(d[2])}, fine(tubefoot::dot(d, widen(normal)))};
+}
+
+RangeEnclosure enclosure(const FineInterval& x) { return {x.lo, x.hi}; }
+
+int sign(const FineInterval& x) { return x.surely_positive() ? 1 : x.surely_negative() ? -1 : 0; }
+
+/// Edges and ranges from the points.
+bool finish(IntervalPolygon& polygon) {
+  const std::vector<IntervalPolygon::Point>& points = polygon.points;
+  const std::size_t n = points.size();
+  const FineInterval distance2 = squared(polygon.distance);
+  polygon.edges.clear();
+  polygon.ranges.clear();
+  polygon.foot.reset();
+  polygon.perimeter = FineInterval();
+  bool maybe_inside = true;
+  polygon.foot_inside = true;
+  const auto range_of = [&](const IntervalPolygon::Point& p) {
+    return enclosure(root(distance2 + squared(p.x) + squared(p.y)));
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t next = i + 1 == n ? 0 : i + 1;
+    const FineInterval x = points[next].x - points[i].x, y = points[next].y - points[i].y;
+    const FineInterval length = root(squared(x) + squared(y));
+    if (!length.surely_positive()) return false;
+    polygon.perimeter += length;
+    const FineInterval per_length = FineInterval(1.0) / length, ax = x * per_length, ay = y * per_length;
+    const FineInterval height = points[i].x * ay - points[i].y * ax;
+    const FineInterval nearest2 = distance2 + squared(height);
+    polygon.edges.push_back({angle_of(ax.in_doubles(), ay.in_doubles()), height.in_doubles(), nearest2});
+    polygon.ranges.push_back({i == 0 ? range_of(points[i]) : polygon.ranges.back().to,
+                              next == 0 ? polygon.ranges.front().from : range_of(points[next]),
+                              enclosure(root(nearest2)), sign(points[i].x * ax + points[i].y * ay),
+                              sign(points[next].x * ax + points[next].y * ay)});
+    polygon.foot_inside = polygon.foot_inside && height.surely_positive();
+    maybe_inside = maybe_inside && !height.surely_negative();
+  }
+  if (maybe_inside) polygon.foot = enclosure(polygon.distance);
+  return true;
+}
+
+}  // namespace
+
+Interval angle_of(const Interval& x, const Interval& y) {
+  const double px = x.middle(), py = y.middle();
+  // No place of the box is farther from its middle; doubles with a margin far beyond their rounding.
+  const double off = (std::max(x.hi - px, px - x.lo) + std::max(y.hi - py, py - y.lo)) * (1 + 1e-12);
+  const double away = std::max(std::abs(px), std::abs(py));
+  const double angle = std::atan2(py, px);
+  // asin(z) <= pi / 2 z.
+  const double turned = off < away ? 1.58 * off / away : std::numbers::pi * (1 + 1e-12);
+  const double error = turned + library_units * 0x1p-52 * std::abs(angle);
+  return outwards(angle - error, angle + error);
+}
+
+bool enclose_in_intervals(const NameContext& context, const std::vector<CornerName>& corners,
+                          const NamedPiece& piece, double unit_m, IntervalPolygon& polygon) {
+  FacetCone facet;
+  FacetCone::make(context.mesh, piece.facet, context.apex, facet);
+  const FineVector normal = fine(facet.normal);
+  const GridPoint side = facet.point[1] - facet.point[0];
+  const FineVector along{FineInterval(double(side.x)), FineInterval(double(side.y)),
+                         FineInterval(double(side.z))};
+  const FineInterval per_normal = FineInterval(1.0) / root(dot(normal, normal)),
+                     per_along = FineInterval(1.0) / root(dot(along, along));
+  const FineVector u = scaled(along, per_along), v = scaled(cross(normal, along), per_normal * per_along);
+  const FineInterval offset = FineInterval::of(facet.offset) * FineInterval(unit_m);
+  polygon.distance = offset * per_normal;
+  polygon.points.clear();
+  for (std::size_t i = 0; i < piece.count; ++i) {
+    const auto [d, along_normal] = ray_of(context, corners[piece.first + i], facet.normal);
+    const FineInterval stretch = offset / along_normal;
+    polygon.points.push_back({dot(d, u) * stretch, dot(d, v) * stretch});
+  }
+  return finish(polygon);
+}
+
+}  // namespace tubefoot
