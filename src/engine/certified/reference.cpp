@@ -12,11 +12,19 @@
 
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/certified_integral.hpp"
+#include "engine/certified/interval_integral.hpp"
 #include "engine/certified/reference_parts.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {
+
+/// Up to this tolerance all is done in balls. Doubles keep finer ones, too, but energies that were published
+/// at this one are to come out the same to the last bit.
+constexpr double finest_in_balls = 1e-9;
+
+/// As Bins.
+using IntervalBins = std::map<std::size_t, Interval>;
 
 std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t tube,
                                                  std::span<const std::uint32_t> beam_of_tube,
@@ -56,21 +64,47 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   const auto row = std::size_t(samples.count);
   const TubeSet& tubes = history.tubes;
   std::vector<Bins> by_tube(tubes.tubes.size());
+  std::vector<IntervalBins> by_tube_in_doubles(tubes.tubes.size());
+  const bool doubles_first = law.patterns == nullptr && tolerance > finest_in_balls;
   std::atomic<bool> any_coarse = false;
   struct Buffers {
     VisibilityScratch visibility;
     TubeVisibility seen;
+    IntervalPolygon polygon;
+    std::vector<IntervalIntegrator::SamplePart> parts;
   };
   tbb::enumerable_thread_specific<Buffers> threads;
   Steps steps("tubes", tubes.tubes.size());
   tbb::parallel_for(std::uint32_t{0}, std::uint32_t(tubes.tubes.size()), [&](std::uint32_t tube) {
     steps.done();
-    auto& [visibility, seen] = threads.local();
+    auto& [visibility, seen, in_doubles, parts] = threads.local();
     see(mesh, tree, tubes, tube, options, visibility, seen);
     const NameContext context{mesh, tubes.apex, seen.rays};
     CertifiedIntegrator integrator(borders, beta);
+    IntervalIntegrator interval_integrator(borders, {beta.lo(), beta.hi()});
+    // Whether a piece is enclosed by doubles alone.
+    const auto add_in_doubles = [&](const NamedPiece& piece) {
+      if (!enclose_in_intervals(context, seen.corners, piece, history.grid_unit_m, in_doubles)) return false;
+      const ScatteringLaw* scattering = law.law_of(piece.facet);
+      interval_integrator.take_law(scattering);
+      Interval factor = scattering != nullptr ? Interval(1)
+                                              : law.material_mu[law.material[piece.facet]] *
+                                                    squared(in_doubles.distance.in_doubles());
+      if (!law.path.facet_factor.empty()) factor = factor * law.path.facet_factor[piece.facet];
+      const IntervalIntegrator::Allowance allowance{
+          working / 3, [&](std::uint32_t beam, std::uint32_t sample) {
+            const std::size_t bin = beam * row + sample;
+            return std::max(target[bin] / 3 / std::max(slabs[bin], 1.0) / factor.hi, least_allowed);
+          }};
+      const std::uint32_t beam = beam_of_tube[tube];
+      if (!interval_integrator.enclose(in_doubles, beam, allowance, parts)) return false;
+      for (const auto& part : parts)
+        by_tube_in_doubles[tube][beam * row + part.sample] += factor * part.value;
+      return true;
+    };
     for (const NamedPiece& piece : seen.pieces) {
       stop_if_wanted();
+      if (doubles_first && textures[law.material[piece.facet]] == nullptr && add_in_doubles(piece)) continue;
       const CertifiedPolygon polygon = certified_polygon(context, seen.corners, piece, history.grid_unit_m);
       const ScatteringLaw* scattering = law.law_of(piece.facet);
       integrator.take_law(scattering);
@@ -123,6 +157,8 @@ CertifiedEcho enclose_echo(const FacetMesh& mesh, const SceneTree& tree, const H
   std::vector<Ball> total(ordinary.energy.size());
   for (const Bins& bins : by_tube)  // in order, so that the result does not depend on the threads
     for (const auto& [bin, part] : bins) total[bin] += part;
+  for (const IntervalBins& bins : by_tube_in_doubles)
+    for (const auto& [bin, part] : bins) total[bin] += Ball::between(part.lo, part.hi);
 
   return enclosed_echo(ordinary, total, tolerance);
 }

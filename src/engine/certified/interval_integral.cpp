@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/certified/interval_integral.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "engine/certified/certified_scattering.hpp"
+#include "engine/law/density.hpp"
+#include "geometry/integrals/certified_rule.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr std::size_t most_halvings = 60;  // of a slab; balls have more patience
+constexpr double infinite = std::numeric_limits<double>::infinity();
+/// For bounds that are told in doubles, of sums and products of what is not negative: far beyond rounding.
+constexpr double more = 1 + 1e-9, less = 1 - 1e-9;
+
+const Interval pi = outwards(std::numbers::pi, std::numbers::pi), two_pi = 2.0 * pi;
+
+/// No zero of s^2 = t^2 + b is nearer to a real t.
+double from_zeros(double t, const Interval& b) {
+  return b.lo >= 0 ? std::sqrt(t * t + b.lo) * less : t * less - std::sqrt(-b.lo) * more;
+}
+
+}  // namespace
+
+bool IntervalIntegrator::enclose(const IntervalPolygon& polygon, std::uint32_t beam,
+                                 const Allowance& allowance, std::vector<SamplePart>& parts) {
+  parts.clear();
+  polygon_ = &polygon;
+  distance_ = polygon.distance.in_doubles();
+  if (!(distance_.lo > 0) || !(beta_.lo >= 0)) return false;
+  slabs_.cut(polygon.ranges, polygon.foot, polygon.foot_inside, borders_);
+  corners_.clear();
+  prepared_.reset();
+  for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
+    stop_if_wanted();
+    const Allowed allowed{allowance.relative, allowance.absolute(beam, slab.sample)};
+    sum_ = Interval();
+    if (!prepare(slab) || !add_slab(slab, allowed)) return false;
+    sum_.lo = std::max(sum_.lo, 0.0);  // as all parts are
+    // A quarter more than what the rule may err by, for what is rounded.
+    if (!(sum_.width() / 2 <= 1.25 * (allowed.relative * sum_.lo + allowed.absolute))) return false;
+    parts.push_back({slab.sample, sum_});
+  }
+  const auto enclose_gap = [&](const PolarSlabs::Gap& gap) {
+    // The density times the area between the two circles, as CertifiedIntegrator has it.
+    const double area = double(gap.hi - gap.lo) * double(gap.hi) * most_turn(gap.lo),
+                 most = area * most_density(FineInterval(gap.lo, gap.hi).in_doubles()) * more;
+    for (std::uint32_t sample = gap.first_sample; sample < gap.end_sample; ++sample) {
+      if (!(most <= allowance.absolute(beam, sample))) return false;
+      parts.push_back({sample, {0, most}});
+    }
+    return true;
+  };
+  return std::all_of(slabs_.gaps().begin(), slabs_.gaps().end(), enclose_gap) &&
+         std::all_of(corners_.begin(), corners_.end(), enclose_gap);
+}
+
+/// As CertifiedIntegrator::integrate_slab().
+bool IntervalIntegrator::add_slab(const PolarSlabs::Slab& slab, const Allowed& allowed) {
+  law_piece_ = nullptr;
+  if (law_ == nullptr) return add_ranges(slab.lo, slab.hi, allowed);
+  const auto& pieces = law_->pieces();
+  const Allowed each{allowed.relative, allowed.absolute / double(pieces.size())};
+  long double from = slab.lo;
+  for (const ScatteringLaw::Piece& piece : pieces) {
+    law_piece_ = &piece;
+    if (&piece == &pieces.back()) return add_ranges(from, slab.hi, each);
+    const double cosine = std::cos(piece.to);
+    const Interval corner = distance_ / outwards(cosine, cosine, library_units);
+    const long double lo = corner.lo, hi = corner.hi;
+    if (!(hi > from)) continue;
+    if (!add_ranges(from, std::min(lo, slab.hi), each)) return false;
+    if (!(lo < slab.hi)) return true;
+    from = std::max(from, lo);
+    corners_.push_back({from, std::min(hi, slab.hi), slab.sample, slab.sample + 1});
+    if (!(hi < slab.hi)) return true;
+    from = hi;
+  }
+  return true;
+}
+
+/// Between the two values of t that are doubles and surely within, the rest from nothing to all. Enclosures
+/// of t itself would be far wider than those of the area next to q, where t is the root of next to nothing.
+bool IntervalIntegrator::add_ranges(long double lo, long double hi, const Allowed& allowed) {
+  if (!(hi > lo)) return true;
+  const FineInterval t2_from = squared(FineInterval(lo)) - q2_, t2_to = squared(FineInterval(hi)) - q2_;
+  const double from = root(t2_from).in_doubles().hi, to = root(t2_to).in_doubles().lo;
+  const bool within = to > from;
+  const FineInterval outside =
+      within ? squared(FineInterval(from)) - t2_from + t2_to - squared(FineInterval(to)) : t2_to - t2_from;
+  const double area = static_cast<double>(std::max(outside.hi, 0.0L)) / 2 * most_turn(lo),
+               most = area * most_density(FineInterval(lo, hi).in_doubles()) * more;
+  sum_ += Interval(0, most);
+  return !within || integrate(from, to, allowed);
+}
+
+/// No less than what all arcs at any range from this one on take together: as the arcs of a circle in a
+/// convex polygon, which are no longer than its perimeter.
+double IntervalIntegrator::most_turn(long double range) const {
+  const FineInterval rho = root(squared(FineInterval(range)) - squared(polygon_->distance));
+  const double least = std::max(rho.in_doubles().lo, 0.0),  // rounded outwards, to below nothing
+      by_perimeter = polygon_->perimeter.in_doubles().hi / least * more;
+  return by_perimeter < two_pi.hi ? by_perimeter : two_pi.hi;
+}
+
+/// No less than the density at any range of an interval.
+double IntervalIntegrator::most_density(const Interval& range) const {
+  const auto nearest = Way<Interval>::of(Interval(range.lo));
+  if (law_ == nullptr) return lambert_density(nearest, beta_).hi;
+  const Interval rho = root(squared(range) - squared(distance_));
+  const Interval sigma = cross_section_over(*law_, angle_of(distance_, rho), distance_ / range);
+  return density(Interval(sigma.hi), nearest, beta_).hi;
+}
+
+double IntervalIntegrator::most_in(const Stretch& stretch) const {
+  const Interval range = root(range_q2_ + squared(Interval(stretch.from, stretch.to)));
+  const double area = (stretch.to - stretch.from) * stretch.to * most_turn(range.lo);
+  return area * most_density(range) * more;
+}
+
+/// Chooses q and pairs the arcs; false if that is not certain.
+bool IntervalIntegrator::prepare(const PolarSlabs::Slab& slab) {
+  if (prepared_ == std::pair(slab.first, slab.count)) return true;
+  prepared_ = {slab.first, slab.count};
+  const std::span<const Crossing> crossings = slabs_.crossings(slab);
+  const auto& edges = polygon_->edges;
+  full_circle_ = crossings.empty();
+  arcs_.clear();
+  q_edge_ = std::uint32_t(edges.size());
+  q2_ = squared(polygon_->distance);
+  rho_q2_ = Interval();
+  if (!full_circle_) {
+    q_edge_ = crossings.front().edge;
+    for (const Crossing& c : crossings)
+      if (edges[c.edge].nearest2.middle() > edges[q_edge_].nearest2.middle()) q_edge_ = c.edge;
+    q2_ = edges[q_edge_].nearest2;
+    rho_q2_ = squared(edges[q_edge_].height);
+    beyond2_.resize(edges.size());
+    for (const Crossing& c : crossings) beyond2_[c.edge] = (q2_ - edges[c.edge].nearest2).in_doubles();
+  }
+  range_q2_ = q2_.in_doubles();
+  const FineInterval middle(slab.lo + (slab.hi - slab.lo) / 2);
+  return full_circle_ || find_arcs(crossings, root(squared(middle) - q2_).in_doubles());
+}
+
+/// atan(height / s), s >= 0.
+Interval IntervalIntegrator::turn(std::uint32_t edge, const Interval& t, const Interval& t2) const {
+  return angle_of(edge == q_edge_ ? t : root(t2 + beyond2_[edge]), polygon_->edges[edge].height);
+}
+
+Interval IntervalIntegrator::angle_at(const Crossing& c, const Interval& t, const Interval& t2) const {
+  const Interval direction = polygon_->edges[c.edge].angle, turned = turn(c.edge, t, t2);
+  return c.rising ? direction - turned : direction + pi + turned;
+}
+
+/// As CertifiedIntegrator::find_arcs().
+bool IntervalIntegrator::find_arcs(std::span<const Crossing> crossings, const Interval& t) {
+  const Interval t2 = squared(t);
+  const auto turns_in = [](double angle) { return std::floor(angle / (2 * std::numbers::pi)); };
+  sorted_.clear();
+  std::size_t rising = 0;
+  for (const Crossing& c : crossings) {
+    const Interval angle = angle_at(c, t, t2);
+    if (!(angle.width() < 0.5)) return false;
+    sorted_.emplace_back(angle - two_pi * turns_in(angle.middle()), c);
+    rising += c.rising;
+  }
+  if (2 * rising != sorted_.size()) return false;
+  std::sort(sorted_.begin(), sorted_.end(),
+            [](const auto& a, const auto& b) { return a.first.middle() < b.first.middle(); });
+  if (sorted_.size() > 2) {
+    for (std::size_t k = 0; k + 1 < sorted_.size(); ++k)
+      if (!(sorted_[k + 1].first - sorted_[k].first).surely_positive() ||
+          sorted_[k].second.rising == sorted_[k + 1].second.rising)
+        return false;
+    if (!(sorted_.front().first + two_pi - sorted_.back().first).surely_positive()) return false;
+  }
+  for (std::size_t i = 0; i < sorted_.size(); ++i) {
+    if (!sorted_[i].second.rising) continue;
+    const Crossing begin = sorted_[i].second, end = sorted_[(i + 1) % sorted_.size()].second;
+    const Interval length = angle_at(end, t, t2) - angle_at(begin, t, t2);
+    const double least = polygon_->foot_inside ? 0 : -1.5;
+    const Interval turns = two_pi * -turns_in(length.middle() - least), arc = length + turns;
+    if (polygon_->foot_inside && !(arc.surely_positive() && (two_pi - arc).surely_positive())) return false;
+    const auto& edges = polygon_->edges;
+    arcs_.push_back({begin, end, edges[end.edge].angle - edges[begin.edge].angle + pi + turns});
+  }
+  return true;
+}
+
+Interval IntervalIntegrator::arcs_length(const Interval& t, const Interval& t2) const {
+  if (full_circle_) return two_pi;
+  Interval sum;
+  for (const Arc& arc : arcs_) sum += arc.base + (turn(arc.begin.edge, t, t2) + turn(arc.end.edge, t, t2));
+  return sum;
+}
+
+Interval IntervalIntegrator::rho_at(const Interval& t, const Interval& t2) const {
+  return full_circle_ ? t : root(rho_q2_ + t2);
+}
+
+/// t times the density, so that its integral over t is that of the density times r over r.
+Interval IntervalIntegrator::radial(const Interval& t, const Interval& t2) const {
+  const Interval r2 = range_q2_ + t2, r = root(r2);
+  const Way<Interval> way{r2, r + r};
+  if (law_piece_ == nullptr) return t * lambert_density(way, beta_);
+  const Interval incidence = angle_of(distance_, rho_at(t, t2));
+  return t * density(cross_section_in(*law_piece_, incidence, distance_ / r), way, beta_);
+}
+
+bool IntervalIntegrator::integrate(double from, double to, const Allowed& allowed) {
+  const double whole = to - from;
+  work_.assign(1, {from, to});
+  std::size_t halved = 0;
+  for (std::size_t next = 0; next < work_.size(); ++next) {
+    const Stretch stretch = work_[next];
+    const double share = std::min((stretch.to - stretch.from) / whole, 1.0);
+    if (try_rule(stretch, allowed, share)) continue;
+    if (const double most = most_in(stretch); most <= allowed.absolute * share) {
+      sum_ += Interval(0, most);
+      continue;
+    }
+    const double middle = stretch.from + (stretch.to - stretch.from) / 2;
+    if (++halved > most_halvings || !(middle > stretch.from && middle < stretch.to)) return false;
+    work_.push_back({stretch.from, middle});
+    work_.push_back({middle, stretch.to});
+  }
+  return true;
+}
+
+IntervalIntegrator::Place IntervalIntegrator::place_at(double t, const Interval& arcs) {
+  Place place;
+  place.t = t;
+  place.arcs = arcs.largest();
+  const Interval t2 = squared(Interval(t));
+  place.range = root(range_q2_ + t2);
+  place.range_zeros = from_zeros(t, range_q2_);
+  place.nearest_zeros = place.range_zeros;
+  ends_.clear();
+  if (law_piece_ != nullptr) place.incidence = angle_of(distance_, rho_at(Interval(t), t2));
+  if (full_circle_) return place;
+  place.rho_zeros = from_zeros(t, rho_q2_);
+  place.nearest_zeros = std::min(place.nearest_zeros, place.rho_zeros);
+  for (const Arc& arc : arcs_)
+    for (const std::uint32_t e : {arc.begin.edge, arc.end.edge}) {
+      const double height = polygon_->edges[e].height.largest();
+      if (e == q_edge_) {
+        ends_.push_back({height, 0, true});
+      } else {
+        ends_.push_back({height, from_zeros(t, beyond2_[e]), false});
+        place.nearest_zeros = std::min(place.nearest_zeros, ends_.back().from_zeros);
+      }
+    }
+  return place;
+}
+
+/// No less than the modulus of the integrand anywhere in the disk, which holds none of the zeros. A root s of
+/// t^2 + b has a modulus between its zeros' distance less the radius and as much more, and a positive real
+/// part. The angle at an edge has the slope -height t / (s rho^2), s = t on the one that q is of.
+double IntervalIntegrator::most_within(const Place& place, double radius) const {
+  const double top = place.t + radius, range = (place.range_zeros - radius) * less,
+               rho = (place.rho_zeros - radius) * less;
+  double arcs = place.arcs;
+  for (const End& end : ends_) {
+    const double slope = end.height / (rho * rho);
+    arcs += radius * (end.of_q ? slope : slope * top / ((end.from_zeros - radius) * less));
+  }
+  // |r - r0| = |t - t0| |t + t0| / |r + r0|
+  const double off = radius * (place.t + top) / place.range_zeros * more,
+               nearest = std::max(place.range.lo * less - off, 0.0);
+  const double absorbed = std::exp(-2 * beta_.lo * nearest), range2 = range * range, range4 = range2 * range2;
+  const double scattered = law_piece_ == nullptr ? 1 / range2 : most_scattered(place, radius);
+  const double most = top * absorbed * scattered / range4 * arcs * more;
+  return most >= 0 ? most : infinite;  // also where it is not a number
+}
+
+/// The same of the law's piece.
+double IntervalIntegrator::most_scattered(const Place& place, double radius) const {
+  const double range = (place.range_zeros - radius) * less;
+  // The angle of incidence has the slope distance t / (r^2 rho).
+  double off = radius * distance_.hi / (range * range) * more;
+  if (!full_circle_) off *= (place.t + radius) / ((place.rho_zeros - radius) * less);
+  const Interval sine(distance_.lo / (place.range.hi + radius) * less, distance_.hi / range * more);
+  const Interval incidence(place.incidence.lo - off, place.incidence.hi + off);
+  const Interval real_square = squared(incidence) - Interval(0, off * off * more);
+  double sum = 0;
+  for (const ScatteringLaw::Term& t : law_piece_->terms)
+    sum += t.level * power_of(sine, t.power).hi *
+           exp(t.slope * (incidence - law_piece_->from) - t.curvature * real_square).hi;
+  return sum * more;
+}
+
+bool IntervalIntegrator::try_rule(const Stretch& stretch, const Allowed& allowed, double share) {
+  const Interval half = (Interval(stretch.to) - stretch.from) * 0.5, middle = stretch.from + half;
+  // The true middle is nearer to this one than `reach` is longer than half the stretch.
+  const double t = stretch.from + (stretch.to - stretch.from) / 2,
+               reach = std::max(stretch.to - t, t - stretch.from) * more;
+  const Interval t2 = squared(Interval(t)), arcs = arcs_length(t, t2);
+  const Place place = place_at(t, arcs);
+  const double typical = (radial(t, t2) * arcs).middle() * 2 * reach;
+  const double error_allowed = allowed.relative * std::abs(typical) + allowed.absolute * share;
+
+  int nodes = most_certified_nodes + 1;
+  double rho = 0, most = 0;
+  for (const double part : {0.5, 0.75, 0.3}) {
+    const double radius = part * place.nearest_zeros, axis = radius / reach * less;
+    if (!(axis > 1.05)) continue;
+    const double own_rho = (axis + std::sqrt(axis * axis - 1)) * less, own_most = most_within(place, radius);
+    if (!(own_most < infinite)) continue;
+    const int n = nodes_for(own_rho, std::log(own_most) + std::log(reach), error_allowed);
+    if (n < nodes) nodes = n, rho = own_rho, most = own_most;
+    if (nodes <= 3) break;
+  }
+  if (nodes > most_certified_nodes) return false;
+  const CertifiedRule& rule = certified_rule(nodes);
+  Interval sum;
+  for (int i = 0; i < nodes; ++i) {
+    const Interval at = middle + half * rule.node_in_doubles[i], at2 = squared(at);
+    sum += rule.weight_in_doubles[i] * (radial(at, at2) * arcs_length(at, at2));
+  }
+  sum = sum * half;
+  const double error = most * reach * std::exp(log_error(rho, nodes)) * more;
+  sum = outwards(sum.lo - error, sum.hi + error);
+  if (!sum.is_finite()) return false;
+  sum_ += sum;
+  return true;
+}
+
+}  // namespace tubefoot
