@@ -98,8 +98,7 @@ std::vector<EngineSetting> tube_settings() {
 
 std::vector<EngineSetting> ray_settings(std::size_t beams) {
   std::vector<EngineSetting> all;
-  for (const RaySampling sampling :
-       {RaySampling::stratified, RaySampling::regular, RaySampling::random, RaySampling::column})
+  for (const RaySampling sampling : all_samplings)
     for (const std::int64_t rays : {1, 11, 23, 114, 400, 1500, 5000, 17000, 60000, 200000, 700000})
       all.push_back(ray_setting(sampling, rays, beams));
   return all;

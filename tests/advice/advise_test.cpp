@@ -250,9 +250,9 @@ TEST_F(AdviseProgram, PrintsATableAndNamesTheCheapest) {
   const Outcome outcome = run_program({"advise", scene, "--tolerance", "1e-5", "--quiet"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, IsEmpty());
-  for (const char* words :
-       {"tubes, exact cuts, fixed", "tubes, spread", "tubes, centroid", "rays, stratified", "rays, regular",
-        "rays, one column a beam", "options        --engine tube --arithmetic fixed --binning exact\n"})
+  for (const char* words : {"tubes, exact cuts, fixed", "tubes, spread", "tubes, centroid",
+                            "rays, stratified", "rays, sobol", "rays, regular", "rays, one column a beam",
+                            "options        --engine tube --arithmetic fixed --binning exact\n"})
     EXPECT_THAT(outcome.out, HasSubstr(words));
 }
 

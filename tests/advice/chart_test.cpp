@@ -118,11 +118,12 @@ TEST_F(Chart, WritesEveryEngineInARowASetting) {
   EXPECT_EQ(header, "scene,engine,setting,l1_error,rms_db_error,seconds,bound");
   std::map<std::string, std::size_t> settings;
   for (const auto& [engine, own] : rows) settings[engine] = own.size();
-  EXPECT_THAT(settings, UnorderedElementsAre(
-                            std::pair{"tubes, exact cuts", 4u}, std::pair{"tubes, double", 2u},
-                            std::pair{"tubes, spread", 1u}, std::pair{"tubes, centroid", 1u},
-                            std::pair{"rays, stratified", 11u}, std::pair{"rays, regular", 11u},
-                            std::pair{"rays, random", 11u}, std::pair{"rays, one column a beam", 11u}));
+  EXPECT_THAT(settings,
+              UnorderedElementsAre(std::pair{"tubes, exact cuts", 4u}, std::pair{"tubes, double", 2u},
+                                   std::pair{"tubes, spread", 1u}, std::pair{"tubes, centroid", 1u},
+                                   std::pair{"rays, stratified", 11u}, std::pair{"rays, sobol", 11u},
+                                   std::pair{"rays, regular", 11u}, std::pair{"rays, random", 11u},
+                                   std::pair{"rays, one column a beam", 11u}));
   // What existing simulators use is among the rungs.
   std::set<std::string> rungs;
   for (const Row& row : rows["rays, random"]) rungs.insert(row.setting);
@@ -161,6 +162,11 @@ TEST_F(Chart, StratifiedRaysConvergeFaster) {
   EXPECT_LT(slope, order(rows["rays, random"], 100) - 0.1);
   EXPECT_GT(slope, -1.05);  // a boundary through cells of side N^-1/2 allows no more than N^-3/4 on average
   EXPECT_LT(rows["rays, stratified"].back().l1, rows["rays, random"].back().l1 / 3);
+}
+
+TEST_F(Chart, SobolRaysConvergeAtLeastAsFast) {
+  EXPECT_LT(order(rows["rays, sobol"], 100), order(rows["rays, random"], 100) - 0.1);
+  EXPECT_LT(rows["rays, sobol"].back().l1, rows["rays, stratified"].back().l1);
 }
 
 TEST_F(Chart, WritesPageAndPictures) {

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "engine/echo/hit_lanes.hpp"
 #include "engine/echo/pattern_integral.hpp"
 #include "engine/echo/quadratures.hpp"
 #include "engine/echo/sample_finder.hpp"
@@ -19,6 +21,8 @@
 
 namespace tubefoot {
 namespace {
+
+constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
 /// Beams that hear what is in their own tubes, all of it alike.
 BeamPatterns ideal_beams(const ReceiveBeams& beams) {
@@ -197,9 +201,27 @@ class OneApex {
   /// A hit stands for the area solid_angle r^2 / sin(grazing).
   void hits() {
     const bool staffs = law_.patterns != nullptr && !law_.patterns->fringes.empty();
+    const std::vector<double> even_mu = mu_of_even_materials();
+    LambertHits even;
+    std::uint32_t tube = nowhere, beam = 0;
     for (const RayHit& hit : sight_.hits()) {
       const double r = hit.slant_range_m, sine = hit.sine_grazing;
-      beam_of(hit.tube);  // refuses a tube that has no beam
+      if (hit.tube != tube) {
+        beam = beam_of(hit.tube);  // refuses a tube that has no beam
+        tube = hit.tube;
+      }
+      if (const std::size_t material = hit.facet < law_.material.size() ? law_.material[hit.facet] : nowhere;
+          material < even_mu.size() && even_mu[material] >= 0) {
+        if (!(r > 0 && sine > 0 && finder_.holds(r))) continue;
+        even.range_m[even.count] = r;
+        even.sine[even.count] = sine;
+        even.solid_angle_sr[even.count] = hit.solid_angle_sr;
+        even.mu[even.count] = even_mu[material];
+        even.row[even.count] = beam * std::size_t(samples_.count);
+        if (++even.count == LambertHits::size) add(even);
+        continue;
+      }
+      add(even);  // energies are added in the order of the hits
       const FacetBed bed = law_.bed(hit.facet);
       if (!(r > 0 && sine > 0 && (staffs || finder_.holds(r)))) continue;
       const double cosine = std::sqrt(std::max((1 - sine) * (1 + sine), 0.0));
@@ -209,6 +231,25 @@ class OneApex {
                             (hit.solid_angle_sr * (r * r) / sine);
       share(hit.tube, energy, r, r, r, direction);
     }
+    add(even);
+  }
+  /// By material: Lambert's parameter where nothing else is to be known of a hit; negative for others.
+  std::vector<double> mu_of_even_materials() const {
+    if (law_.patterns != nullptr || !law_.path.facet_factor.empty() || !law_.path.out.facet_map.empty())
+      return {};
+    std::vector<double> mu(law_.material_mu.begin(), law_.material_mu.end());
+    for (std::size_t m = 0; m < mu.size(); ++m)
+      if ((!law_.scattering.empty() && law_.scattering[m] != nullptr) ||
+          (!law_.reflectivity.empty() && law_.reflectivity[m] != nullptr))
+        mu[m] = -1;
+    return mu;
+  }
+  void add(LambertHits& hits) {
+    if (hits.count == 0) return;
+    const LambertEchoes echoes = echoes_of(hits, beta_, finder_);
+    for (std::size_t k = 0; k < hits.count; ++k)
+      energy_[hits.row[k] + finder_.from(std::size_t(echoes.sample[k]), hits.range_m[k])] += echoes.energy[k];
+    hits.count = 0;
   }
 
   /// Puts energy that comes from one direction, evenly from slant ranges near to far (or all from one), into

@@ -18,11 +18,16 @@ class SampleFinder {
       : borders_(sample_borders_m(samples)),
         samples_per_m_(samples.count / (borders_.back() - borders_.front())) {}
   const std::vector<double>& borders() const { return borders_; }
+  double samples_per_m() const { return samples_per_m_; }
   bool holds(double range_m) const { return range_m >= borders_.front() && range_m < borders_.back(); }
   /// Of a range that the samples hold. The borders decide, not the division: footprints are cut at the same
   /// numbers.
   std::size_t at(double range_m) const {
-    auto k = std::min(std::size_t((range_m - borders_.front()) * samples_per_m_), borders_.size() - 2);
+    return from(std::min(std::size_t((range_m - borders_.front()) * samples_per_m_), borders_.size() - 2),
+                range_m);
+  }
+  /// The same, where a sample close by is known.
+  std::size_t from(std::size_t k, double range_m) const {
     while (range_m < borders_[k]) --k;
     while (range_m >= borders_[k + 1]) ++k;
     return k;

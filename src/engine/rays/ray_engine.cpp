@@ -9,40 +9,16 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 
 #include "engine/rays/embree.hpp"
-#include "geometry/numbers/int128.hpp"
+#include "engine/rays/ray_planes.hpp"
 #include "geometry/steps/steps.hpp"
 
 namespace tubefoot {
 namespace {
-
-/// A facet's plane: normal . x = distance, metres from the grid's origin; the normal has unit length, or is 0
-/// for a facet of no area. Rounded from the exact integers.
-struct RayPlane {
-  glm::dvec3 normal;
-  double distance_m;
-};
-
-RayPlane plane_of(const FacetMesh& mesh, FacetId facet, double unit_m) {
-  const auto& [a, b, c] = mesh.facets[facet];
-  const GridPoint &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
-  const Int128 qx = Int128(q.x) - p.x, qy = Int128(q.y) - p.y, qz = Int128(q.z) - p.z;
-  const Int128 rx = Int128(r.x) - p.x, ry = Int128(r.y) - p.y, rz = Int128(r.z) - p.z;
-  const Int128 nx = qy * rz - qz * ry, ny = qz * rx - qx * rz, nz = qx * ry - qy * rx;
-  if (nx == 0 && ny == 0 && nz == 0) return {glm::dvec3(0), 0};
-  const glm::dvec3 normal{double(nx), double(ny), double(nz)};
-  const double length = glm::length(normal);
-  return {normal / length, double(nx * p.x + ny * p.y + nz * p.z) / length * unit_m};
-}
-
-/// Whether the apex lies exactly in the plane of a facet, corners relative to the apex in grid units.
-bool plane_holds_apex(const std::array<std::array<std::int64_t, 3>, 3>& p) {
-  const auto minor = [&](int i, int j) { return Int128(p[1][i]) * p[2][j] - Int128(p[1][j]) * p[2][i]; };
-  return p[0][0] * minor(1, 2) + p[0][1] * minor(2, 0) + p[0][2] * minor(0, 1) == 0;
-}
 
 void report(void* message, RTCError, const char* text) {
   if (text != nullptr) *static_cast<std::string*>(message) = text;
@@ -56,7 +32,7 @@ struct RayScene::State {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::string message;
-  std::vector<RayPlane> planes;
+  RayPlanes planes;
 
   State(const FacetMesh& facet_mesh, const WorldGrid& grid) : mesh(facet_mesh), unit_m(grid.unit_m()) {}
   ~State() {
@@ -89,8 +65,7 @@ struct RayScene::State {
   }
 
   void add_facets() {
-    planes.resize(mesh.facets.size());
-    for (FacetId facet = 0; facet < planes.size(); ++facet) planes[facet] = plane_of(mesh, facet, unit_m);
+    planes = RayPlanes(mesh, unit_m);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
@@ -113,7 +88,8 @@ struct RayScene::State {
   /// Traces the rays of a source and appends their hits to `hits`; returns the end.
   RayHit* trace(GridPoint apex, double reach_m, RaySource source, RayHit* hits,
                 const RaysOnwards* onwards) const;
-  bool on_plane(GridPoint apex, glm::dvec3 direction, double embree_range_m, RayHit& hit) const;
+  RayHit* append_hits(GridPoint apex, double reach_m, const RayPacket& packet, const RTCRayHit16& rays,
+                      RayHit* hits) const;
   bool meet_beyond(GridPoint apex, glm::dvec3 direction, double from_m, double reach_m, RayHit& hit) const;
 };
 
@@ -154,8 +130,13 @@ RayHit* RayScene::State::trace(GridPoint apex, double reach_m, RaySource source,
 
   RayPacket packet;
   packet.x = packet.y = packet.z = {};
+  int last_count = lanes;
   while (source.next(packet)) {
-    if (packet.count < lanes) std::fill_n(valid + packet.count, lanes - packet.count, 0);
+    if (packet.count != last_count) {
+      std::fill_n(valid, lanes, 0);
+      std::fill_n(valid, packet.count, -1);
+      last_count = packet.count;
+    }
     if (onwards != nullptr) send_onwards(*onwards, packet, valid);
     for (int k = 0; k < lanes; ++k) {
       rays.ray.dir_x[k] = float(packet.x[k]);
@@ -165,53 +146,41 @@ RayHit* RayScene::State::trace(GridPoint apex, double reach_m, RaySource source,
       rays.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
     }
     first_hits(valid, scene, rays);
-    for (int k = 0; k < packet.count; ++k) {
-      if (rays.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-      const glm::dvec3 direction(packet.x[k], packet.y[k], packet.z[k]);
-      hits->facet = rays.hit.primID[k];
-      if (!on_plane(apex, direction, double(rays.ray.tfar[k]), *hits) &&
-          !meet_beyond(apex, direction, double(rays.ray.tfar[k]), reach_m, *hits))
-        continue;
-      hits->tube = packet.tube[k];
-      hits->solid_angle_sr = packet.weight[k];
-      hits->direction = glm::vec3(direction);
-      ++hits;
-    }
+    hits = append_hits(apex, reach_m, packet, rays, hits);
   }
   return hits;
 }
 
-/// Range and grazing angle from the facet's plane in double; false if the plane contains the apex.
-bool RayScene::State::on_plane(GridPoint apex, glm::dvec3 direction, double embree_range_m,
-                               RayHit& hit) const {
-  const RayPlane& plane = planes[hit.facet];
-  const glm::dvec3 place = unit_m * glm::dvec3(apex.x, apex.y, apex.z);
-  const double across = glm::dot(plane.normal, place), offset = plane.distance_m - across;
-  const double descent = glm::dot(plane.normal, direction), range = offset / descent;
-  hit.slant_range_m = range;
-  hit.sine_grazing = std::abs(descent);
-  const auto corners = [&] {
-    std::array<std::array<std::int64_t, 3>, 3> p{};
-    for (int k = 0; k < 3; ++k) {
-      const GridPoint& vertex = mesh.vertices[mesh.facets[hit.facet][k]];
-      p[k] = {std::int64_t(vertex.x) - apex.x, std::int64_t(vertex.y) - apex.y,
-              std::int64_t(vertex.z) - apex.z};
-    }
-    return p;
-  };
-  // A hundred times what rounding can do to the offset; beyond, the exact sign is not in doubt.
-  if (std::abs(offset) <= 1e-13 * (std::abs(plane.distance_m) + glm::length(place)) &&
-      plane_holds_apex(corners()))
-    return false;
-  // At grazing incidence the ray may meet the plane away from the facet, where Embree's float saw a hit.
-  if (hit.sine_grazing < 0.01 || !(std::abs(range - embree_range_m) <= 1e-6 * embree_range_m)) {
-    double farthest = 0;
-    for (const auto& p : corners())
-      farthest = std::max(farthest, unit_m * glm::length(glm::dvec3(p[0], p[1], p[2])));
-    hit.slant_range_m =
-        range > 0 ? std::clamp(range, std::min(std::abs(offset), farthest), farthest) : embree_range_m;
+RayHit* RayScene::State::append_hits(GridPoint apex, double reach_m, const RayPacket& packet,
+                                     const RTCRayHit16& rays, RayHit* hits) const {
+  constexpr int lanes = RayPacket::size;
+  std::array<FacetId, lanes> facet{};
+  bool some = false;
+  for (int k = 0; k < packet.count; ++k) {
+    if (rays.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    facet[k] = rays.hit.primID[k];
+    some = true;
   }
-  return true;
+  if (!some) return hits;
+  const MetPlanes met = planes.meet(apex, packet, facet, rays.ray.tfar);
+  for (int k = 0; k < packet.count; ++k) {
+    if (rays.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    hits->facet = facet[k];
+    hits->slant_range_m = met.range_m[k];
+    hits->sine_grazing = met.sine_grazing[k];
+    if (met.doubtful[k] != 0) {
+      const glm::dvec3 direction(packet.x[k], packet.y[k], packet.z[k]);
+      const auto embree_range = double(rays.ray.tfar[k]);
+      if (!planes.meet(apex, direction, embree_range, *hits) &&
+          !meet_beyond(apex, direction, embree_range, reach_m, *hits))
+        continue;
+    }
+    hits->tube = packet.tube[k];
+    hits->solid_angle_sr = packet.weight[k];
+    hits->direction = {rays.ray.dir_x[k], rays.ray.dir_y[k], rays.ray.dir_z[k]};
+    ++hits;
+  }
+  return hits;
 }
 
 /// The first facet beyond one whose plane contains the apex.
@@ -234,7 +203,7 @@ bool RayScene::State::meet_beyond(GridPoint apex, glm::dvec3 direction, double f
     first_hit(scene, ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit.facet = ray.hit.primID;
-  } while (!on_plane(apex, direction, double(ray.ray.tfar), hit));
+  } while (!planes.meet(apex, direction, double(ray.ray.tfar), hit));
   return true;
 }
 
@@ -264,7 +233,7 @@ bool RayScene::reaches(GridPoint apex, glm::dvec3 direction, double range_m,
     if (met > range_m) return false;
     RayHit hit;
     hit.facet = ray.hit.primID;
-    if (s.on_plane(apex, direction, met, hit)) return false;
+    if (s.planes.meet(apex, direction, met, hit)) return false;
     ray.ray.tnear = std::nextafter(ray.ray.tfar, std::numeric_limits<float>::infinity());
   }
 }
@@ -277,6 +246,42 @@ RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
+namespace {
+
+/// Hits of chunks of rays, one behind the other in one array. A chunk that begins when those before it are
+/// all done writes where its hits belong; others write where they belong if nothing misses, and are moved as
+/// soon as those before them are done, while a cache still has them.
+class HitsInOrder {
+ public:
+  HitsInOrder(RayHit* hits, std::int64_t chunk, std::int64_t chunks)
+      : hits_(hits), last_(hits), chunk_(chunk), parts_(std::size_t(chunks)) {}
+
+  RayHit* begin(std::int64_t c) {
+    const std::lock_guard lock(mutex_);
+    return parts_[c].begin = c == next_ ? last_ : hits_ + c * chunk_;
+  }
+  void end(std::int64_t c, RayHit* end) {
+    const std::lock_guard lock(mutex_);
+    parts_[c].end = end;
+    for (; next_ < std::int64_t(parts_.size()) && parts_[next_].end != nullptr; ++next_) {
+      const Part& part = parts_[next_];
+      last_ = part.begin == last_ ? part.end : std::move(part.begin, part.end, last_);
+    }
+  }
+  std::size_t count() const { return std::size_t(last_ - hits_); }
+
+ private:
+  struct Part {
+    RayHit *begin = nullptr, *end = nullptr;
+  };
+  RayHit *hits_, *last_;
+  std::int64_t chunk_, next_ = 0;  // the first that is not done
+  std::vector<Part> parts_;
+  std::mutex mutex_;
+};
+
+}  // namespace
+
 void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, std::int64_t end,
                 History& history, const RaysOnwards* onwards) {
   const std::int64_t chunk = plan.rays_at_a_time();  // a task
@@ -284,21 +289,16 @@ void trace_rays(const RayScene& scene, const RayPlan& plan, std::int64_t first, 
   const double reach_m = tubes.reach * history.grid_unit_m;
   const std::int64_t rays = end - first, chunks = (rays + chunk - 1) / chunk;
   history.hits.resize(std::size_t(rays));
-  RayHit* const hits = history.hits.data();
-  std::vector<RayHit*> ends(static_cast<std::size_t>(chunks));
+  HitsInOrder in_order(history.hits.data(), chunk, chunks);
   tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t c) {
     stop_if_wanted();
     const std::int64_t begin = c * chunk;
-    ends[c] = scene.state_->trace(onwards != nullptr ? onwards->apex : tubes.apex, reach_m,
-                                  RaySource(plan, first + begin, first + std::min(begin + chunk, rays)),
-                                  hits + begin, onwards);
+    RayHit* const hits = in_order.begin(c);
+    in_order.end(c, scene.state_->trace(onwards != nullptr ? onwards->apex : tubes.apex, reach_m,
+                                        RaySource(plan, first + begin, first + std::min(begin + chunk, rays)),
+                                        hits, onwards));
   });
-  RayHit* last = hits;
-  for (std::int64_t c = 0; c < chunks; ++c) {
-    RayHit* const begin = hits + c * chunk;
-    last = last == begin ? ends[c] : std::move(begin, ends[c], last);
-  }
-  history.hits.resize(std::size_t(last - hits));
+  history.hits.resize(in_order.count());
 }
 
 void trace_rays(const RayScene& scene, History& history, const RaySettings& settings,

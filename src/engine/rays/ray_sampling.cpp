@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <boost/random/binomial_distribution.hpp>
 #include <boost/random/mersenne_twister.hpp>
 #include <cmath>
@@ -18,34 +19,21 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::uint64_t golden = 0x9e3779b97f4a7c15u;
+using namespace splitmix;
 
-std::uint64_t mixed(std::uint64_t x) {  // the finalizer of SplitMix64
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
-double upper_uniform(std::uint64_t bits) { return (double(bits >> 32) + 0.5) * 0x1p-32; }
-double lower_uniform(std::uint64_t bits) { return (double(std::uint32_t(bits)) + 0.5) * 0x1p-32; }
+/// Twice the mean lengths of a patch's sides.
+struct Sides {
+  double width, height;
+  explicit Sides(const RayPatch& patch) {
+    const auto& c = patch.corners();
+    width = glm::length(c[1] - c[0]) + glm::length(c[2] - c[3]);
+    height = glm::length(c[3] - c[0]) + glm::length(c[2] - c[1]);
+  }
+};
 
 /// First ray of a row when `rays` are dealt to `rows`.
 std::int64_t row_begin(std::int64_t row, std::int64_t rays, std::int64_t rows) {
   return std::int64_t(Int128(row) * rays / rows);
-}
-
-/// Directions and densities of solid angle for lanes [lane, lane + count); inlined with a constant count it
-/// becomes vector code.
-inline void evaluate(const RayPatch& patch, const double* u, const double* v, const double* weight, double* x,
-                     double* y, double* z, double* out, int count) {
-  for (int k = 0; k < count; ++k) {
-    const glm::dvec3 p = patch.at(u[k], v[k]);
-    const double inverse = 1 / std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    x[k] = p.x * inverse;
-    y[k] = p.y * inverse;
-    z[k] = p.z * inverse;
-    out[k] = patch.triple(u[k], v[k]) * (inverse * inverse * inverse) * weight[k];
-  }
 }
 
 std::vector<std::vector<std::uint32_t>> tubes_of_beams(std::span<const std::uint32_t> beam_of_tube) {
@@ -85,14 +73,19 @@ std::vector<std::int64_t> drawn(const std::vector<double>& parts, std::int64_t r
   return counts;
 }
 
+/// Directions and weights of some lanes.
+void take(const RayPacket& from, int first, RayPacket& to, int lane, int count) {
+  for (const auto numbers : {&RayPacket::x, &RayPacket::y, &RayPacket::z, &RayPacket::weight})
+    std::copy_n((from.*numbers).begin() + first, count, (to.*numbers).begin() + lane);
+}
+
 }  // namespace
 
 RaySampling ray_sampling_from_name(std::string_view name) {
-  for (const RaySampling sampling :
-       {RaySampling::stratified, RaySampling::regular, RaySampling::random, RaySampling::column})
+  for (const RaySampling sampling : all_samplings)
     if (name_of(sampling) == name) return sampling;
   throw std::invalid_argument(
-      fmt::format("there is no sampling '{}': stratified, regular, random or column", name));
+      fmt::format("there is no sampling '{}': stratified, sobol, regular, random or column", name));
 }
 
 std::string_view name_of(RaySampling sampling) {
@@ -103,6 +96,8 @@ std::string_view name_of(RaySampling sampling) {
       return "random";
     case RaySampling::column:
       return "column";
+    case RaySampling::sobol:
+      return "sobol";
     case RaySampling::stratified:
       break;
   }
@@ -168,10 +163,8 @@ void RayPlan::share_out(std::span<const double> solid_angles, std::span<const st
     Share& share = shares_[t];
     share.first = rays_;
     rays_ += share.rays;
-    const auto& c = patches_[t].corners();
-    const double width = glm::length(c[1] - c[0]) + glm::length(c[2] - c[3]);
-    const double height = glm::length(c[3] - c[0]) + glm::length(c[2] - c[1]);
-    const double rows = std::round(std::sqrt(double(share.rays) * height / width));
+    const Sides sides(patches_[t]);
+    const double rows = std::round(std::sqrt(double(share.rays) * sides.height / sides.width));
     share.rows = std::int64_t(std::clamp(rows, 1.0, std::max(double(share.rays), 1.0)));
   }
 }
@@ -181,14 +174,20 @@ RaySource::RaySource(const RayPlan& plan, std::int64_t first, std::int64_t end)
 
 bool RaySource::next(RayPacket& packet) {
   int lane = 0;
+  const bool net = plan_.settings_.sampling == RaySampling::sobol;
   while (lane < RayPacket::size && next_ < end_) {
     if (run_next_ == run_end_) start_run();
-    const int count = int(std::min<std::int64_t>(RayPacket::size - lane, run_end_ - run_next_));
-    if (!plan_.columns_.empty())
+    int count = int(std::min<std::int64_t>(RayPacket::size - lane, run_end_ - run_next_));
+    if (net) {  // blocks of cells are packets, and stay together
+      const auto in_block = (run_next_ - net_first_) % RayPacket::size;
+      if (lane > 0 && (in_block > 0 || run_end_ - run_next_ >= RayPacket::size)) break;
+      count = int(std::min<std::int64_t>(count, RayPacket::size - in_block));
+      next_of_net(packet, lane, count);
+    } else if (!plan_.columns_.empty())
       next_of_column(packet, lane, count);
     else if (plan_.settings_.sampling == RaySampling::random)
       next_random(packet, lane, count);
-    else
+    else if (count < RayPacket::size || !next_block(packet))
       next_cells(packet, lane, count);
     lane += count;
     next_ += count;
@@ -211,8 +210,44 @@ void RaySource::start_run() {
     cursor_ = plan_.columns_[run_].start(run_next_, share.rays);
   else if (plan_.settings_.sampling == RaySampling::random)
     draw_run();
+  else if (plan_.settings_.sampling == RaySampling::sobol)
+    start_net();
   else
     start_band(std::int64_t((Int128(run_next_ + 1) * share.rows - 1) / share.rays));
+}
+
+/// As many rays of a tube as there are are told in powers of two, the largest first: each a net.
+void RaySource::start_net() {
+  const RayPlan::Share& share = plan_.shares_[run_];
+  constexpr std::int64_t sequence = std::int64_t{1} << RayNet::most_bits;
+  const std::int64_t number = run_next_ / sequence, rays = std::min(share.rays - number * sequence, sequence);
+  std::int64_t first = 0, size = std::int64_t(std::bit_floor(std::uint64_t(rays)));
+  for (; run_next_ - number * sequence >= first + size;
+       size = std::int64_t(std::bit_floor(std::uint64_t(rays - first))))
+    first += size;
+  net_first_ = number * sequence + first;
+  run_end_ = std::min(run_end_, net_first_ + size);
+  const int bits = int(std::bit_width(std::uint64_t(size))) - 1;
+  const Sides sides(plan_.patches_[run_]);
+  const int row_bits =
+      int(std::clamp(std::round((bits + std::log2(sides.height / sides.width)) / 2), 0.0, double(bits)));
+  net_ = RayNet(mixed(key_ + std::uint64_t(number)), std::uint32_t(first), bits - row_bits, row_bits);
+}
+
+void RaySource::next_of_net(RayPacket& packet, int lane, int count) {
+  const auto t = std::uint32_t(run_next_ - net_first_), at = t % RayPacket::size;
+  const NetBlock points = net_.block(t - at);
+  const RayPatch& patch = plan_.patches_[run_];
+  const double weight = 1 / double(plan_.shares_[run_].rays);
+  if (count == RayPacket::size) {
+    aim_at_net(patch, points, weight, packet);
+  } else {
+    RayPacket whole;
+    aim_at_net(patch, points, weight, whole);
+    take(whole, int(at), packet, lane, count);
+  }
+  std::fill_n(packet.tube.begin() + lane, count, std::uint32_t(run_));
+  run_next_ += count;
 }
 
 void RaySource::next_of_column(RayPacket& packet, int lane, int count) {
@@ -242,6 +277,7 @@ void RaySource::start_band(std::int64_t row) {
   const std::int64_t walked = run_next_ - row_[0].begin, full = full_columns_ * band_height_;
   column_ = std::min(walked / band_height_, full_columns_);
   row_in_band_ = walked < full ? int(walked % band_height_) : 0;
+  block_row_ = -1;
   if (walked < full) return;
   for (std::int64_t skip = walked - full;; ++row_in_band_)
     if (row_[row_in_band_].count > full_columns_ && skip-- == 0) break;
@@ -265,11 +301,37 @@ double RaySource::row_factor(const Row& row) const {
          (sum / double(share.rays));
 }
 
+/// Sixteen jittered cells inside a band, at once; false where the band has no more.
+bool RaySource::next_block(RayPacket& packet) {
+  constexpr int columns = RayPacket::size / band_rows;
+  if (plan_.settings_.sampling != RaySampling::stratified || band_height_ != band_rows ||
+      column_ + columns >= full_columns_)
+    return false;
+  if (block_row_ != row_in_band_) {  // which row each lane lies in
+    block_row_ = row_in_band_;
+    block_.share = 1 / double(plan_.shares_[run_].rays);
+    for (int k = 0; k < RayPacket::size; ++k) {
+      const Row& row = row_[(row_in_band_ + k) % band_rows];
+      block_.u_step[k] = row.u_step;
+      block_.begin[k] = double(row.begin);
+      block_.count[k] = double(row.count);
+      block_.weight[k] = block_.share;
+    }
+  }
+  for (int k = 0; k < RayPacket::size; ++k)
+    block_.column[k] = double(column_ + (row_in_band_ + k) / band_rows);
+  aim_into(plan_.patches_[run_], block_, key_, std::uint64_t(run_next_ + 1), packet);
+  packet.tube.fill(std::uint32_t(run_));
+  column_ += columns;
+  run_next_ += RayPacket::size;
+  return true;
+}
+
 void RaySource::next_cells(RayPacket& packet, int lane, int count) {
   const RayPlan::Share& share = plan_.shares_[run_];
   const bool jitter = plan_.settings_.sampling == RaySampling::stratified;
   const double cell = 1 / double(share.rays);
-  std::array<double, RayPacket::size> u{}, v{}, weight{};
+  RayPacket::Numbers u{}, v{}, weight{};
   for (int k = 0; k < count; ++k, ++run_next_) {
     while (column_ == full_columns_ && (row_in_band_ < band_height_) &&
            row_[row_in_band_].count == full_columns_)
@@ -294,7 +356,7 @@ void RaySource::next_cells(RayPacket& packet, int lane, int count) {
       ++column_;
     }
   }
-  place(packet, lane, count, u.data(), v.data(), weight.data());
+  place(packet, lane, count, u, v, weight);
 }
 
 void RaySource::draw_run() {
@@ -337,25 +399,25 @@ void RaySource::draw_run() {
 }
 
 void RaySource::next_random(RayPacket& packet, int lane, int count) {
-  std::array<double, RayPacket::size> u{}, v{}, weight{};
+  RayPacket::Numbers u{}, v{}, weight{};
   for (int k = 0; k < count; ++k, ++run_next_) {
     const auto& place = sorted_[std::size_t(run_next_ - sorted_begin_)];
     u[k] = place[0];
     v[k] = place[1];
   }
-  place(packet, lane, count, u.data(), v.data(), weight.data());
+  place(packet, lane, count, u, v, weight);
   std::fill_n(packet.weight.begin() + lane, count, plan_.shares_[run_].weight);
 }
 
-void RaySource::place(RayPacket& packet, int lane, int count, const double* u, const double* v,
-                      const double* weight) const {
-  const RayPatch& patch = plan_.patches_[run_];
-  double *x = packet.x.data() + lane, *y = packet.y.data() + lane, *z = packet.z.data() + lane,
-         *out = packet.weight.data() + lane;
-  if (count == RayPacket::size)
-    evaluate(patch, u, v, weight, x, y, z, out, RayPacket::size);
-  else
-    evaluate(patch, u, v, weight, x, y, z, out, count);
+void RaySource::place(RayPacket& packet, int lane, int count, const RayPacket::Numbers& u,
+                      const RayPacket::Numbers& v, const RayPacket::Numbers& weight) const {
+  if (count == RayPacket::size) {
+    aim(plan_.patches_[run_], u, v, weight, packet);
+  } else {  // lanes of other runs stand beside them
+    RayPacket some;
+    aim(plan_.patches_[run_], u, v, weight, some);
+    take(some, 0, packet, lane, count);
+  }
   std::fill_n(packet.tube.begin() + lane, count, std::uint32_t(run_));
 }
 

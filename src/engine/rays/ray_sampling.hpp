@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "engine/rays/ray_columns.hpp"
+#include "engine/rays/ray_lanes.hpp"
+#include "engine/rays/ray_net.hpp"
 #include "engine/rays/ray_patch.hpp"
 #include "geometry/tubes/tube.hpp"
 
@@ -23,9 +25,16 @@ namespace tubefoot {
 /// - random: independent and uniform in solid angle over the sector (rays per ping) or the beam (rays per
 ///   beam), all of one weight. Unbiased; the weights sum to the sector's or beam's solid angle exactly, to
 ///   the tube's in expectation.
+/// - sobol: a tube's rays are points of a scrambled Sobol' sequence in (u, v) (ray_net.hpp), each weighing
+/// its
+///   share of the patch times density of solid angle there. Unbiased; where their number is a power of two,
+///   each of all grids of as many cells has one in each cell, however long and narrow the cells are.
 /// - column: one column of rays at the middle of each beam, at equal angles along its longer side, each with
 ///   its share of the beam's solid angle; they sum to it exactly. What existing simulators do.
-enum class RaySampling { stratified, regular, random, column };
+enum class RaySampling { stratified, regular, random, column, sobol };
+
+inline constexpr std::array all_samplings{RaySampling::stratified, RaySampling::sobol, RaySampling::regular,
+                                          RaySampling::random, RaySampling::column};
 
 /// The sampling of that name; throws std::invalid_argument.
 RaySampling ray_sampling_from_name(std::string_view name);
@@ -39,14 +48,6 @@ struct RaySettings {
   std::int64_t rays = 0;
   Per per = Per::ping;
   std::uint64_t seed = 1;
-};
-
-/// Sixteen rays that lie side by side: what Embree traces at once.
-struct RayPacket {
-  static constexpr int size = 16;
-  int count = 0;                                         ///< lanes in use, from 0
-  alignas(64) std::array<double, size> x, y, z, weight;  ///< unit direction; solid angle [sr]
-  std::array<std::uint32_t, size> tube;
 };
 
 /// All rays of one ping, numbered from 0 in the order of their tubes, none of them computed yet.
@@ -103,11 +104,14 @@ class RaySource {
   void start_band(std::int64_t row);
   double row_factor(const Row& row) const;
   void draw_run();
+  void start_net();
+  bool next_block(RayPacket& packet);
   void next_cells(RayPacket& packet, int lane, int count);
+  void next_of_net(RayPacket& packet, int lane, int count);
   void next_random(RayPacket& packet, int lane, int count);
   void next_of_column(RayPacket& packet, int lane, int count);
-  void place(RayPacket& packet, int lane, int count, const double* u, const double* v,
-             const double* weight) const;
+  void place(RayPacket& packet, int lane, int count, const RayPacket::Numbers& u, const RayPacket::Numbers& v,
+             const RayPacket::Numbers& weight) const;
 
   const RayPlan& plan_;
   std::int64_t next_, end_;
@@ -117,6 +121,10 @@ class RaySource {
   std::array<Row, band_rows> row_;
   std::int64_t full_columns_ = 0, column_ = 0;
   int band_height_ = 0, row_in_band_ = 0;
+  RayCells block_;      // what does not change from block to block of a band,
+  int block_row_ = -1;  // where these begin in this row
+  RayNet net_;
+  std::int64_t net_first_ = 0;  // the net's first ray in the tube
   std::vector<std::array<double, 2>> drawn_, sorted_;
   std::vector<std::uint32_t> bin_, bin_begin_;
   std::int64_t sorted_begin_ = 0;

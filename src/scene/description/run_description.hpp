@@ -18,7 +18,7 @@ struct RunDescription {
   std::string binning = "exact";              ///< exact | spread | centroid: footprints into range samples
   std::int64_t facets_per_split = 64;         ///< VisibilityOptions::facets_per_split
   double zero_tolerance = 0;                  ///< VisibilityOptions::tolerance, for double
-  std::string sampling = "stratified";        ///< ray engine: stratified | regular | random | column
+  std::string sampling = "stratified";        ///< ray engine: stratified | sobol | regular | random | column
   std::int64_t rays_per_ping = 100000;        ///< ray engine
   std::optional<std::int64_t> rays_per_beam;  ///< ray engine: instead of rays_per_ping
   std::uint64_t seed = 1;

@@ -108,6 +108,8 @@ TEST(RayConvergence, TheMeanOverSeedsIsTheExactEnergy) {
   ASSERT_GT(ping.total(), 0);
   for (const RaySettings& settings : {RaySettings{RaySampling::stratified, 400, Per::ping},
                                       {RaySampling::stratified, 23, Per::beam},
+                                      {RaySampling::sobol, 400, Per::ping},
+                                      {RaySampling::sobol, 23, Per::beam},
                                       {RaySampling::random, 400, Per::ping},
                                       {RaySampling::random, 23, Per::beam}}) {
     std::vector<Statistics> statistics(ping.exact.energy.size());
@@ -145,6 +147,22 @@ TEST(RayConvergence, OrdersOnAFlatBed) {
   EXPECT_NEAR(stratified, -0.75, 0.06);    // range samples' borders are jumps of the integrand
   EXPECT_NEAR(stratified_whole, -1, 0.1);  // without: smooth
   EXPECT_NEAR(regular, -0.75, 0.2);        // no chance in it: the order wavers
+}
+
+TEST(RayConvergence, SobolRaysMeetStraightBordersMoreEvenly) {
+  const Ping binned(rough_bed(0), 8, 1, {5, 0.1, 300}), whole(rough_bed(0), 1, 1, {1, 99, 1}),
+      rough(rough_bed(0.15), 8, 1, {5, 0.1, 300});
+  const auto ratio = [](const Ping& ping, std::int64_t rays) {
+    return ping.error({RaySampling::sobol, rays, Per::beam}, 8) /
+           ping.error({RaySampling::stratified, rays, Per::beam}, 8);
+  };
+  EXPECT_LT(ratio(binned, 1024), 0.6);
+  EXPECT_LT(ratio(binned, 4096), 0.6);
+  EXPECT_LT(ratio(rough, 1024), 0.95);  // borders at every angle
+  // A smooth integrand: N^-3/2 by Owen's theorem, against N^-1 of one ray a cell.
+  const double few = whole.error({RaySampling::sobol, 64, Per::beam}, 60),
+               many = whole.error({RaySampling::sobol, 4096, Per::beam}, 60);
+  EXPECT_NEAR(std::log(many / few) / std::log(64.0), -1.5, 0.25);
 }
 
 TEST(RayConvergence, OrdersOnATerrain) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bit>
 #include <map>
 #include <numeric>
 #include <set>
@@ -89,20 +90,20 @@ TEST(RaySampling, WeightsSumToSolidAnglesWhateverTheCount) {
     }
 }
 
-TEST(RaySampling, StratifiedWeightsSumToSolidAnglesOnAverage) {
+TEST(RaySampling, DrawnWeightsSumToSolidAnglesOnAverage) {
   const TubeSet wide = pyramid({0, 0, 0}, {0, 0, -1}, 50 * degree, 40 * degree);
   const double exact = corner_solid_angle(wide, wide.tubes[0]);
-  for (const std::int64_t count : ladder) {
-    Statistics statistics;
-    for (std::uint64_t seed = 0; seed < (count < 200 ? 2000u : 60u); ++seed) {
-      double sum = 0;
-      for (const Ray& ray : rays_of(wide, {RaySampling::stratified, count, Per::ping, seed}))
-        sum += ray.weight;
-      statistics.add(sum);
+  for (const std::int64_t count : ladder)
+    for (const auto sampling : {RaySampling::stratified, RaySampling::sobol}) {
+      Statistics statistics;
+      for (std::uint64_t seed = 0; seed < (count < 200 ? 2000u : 60u); ++seed) {
+        double sum = 0;
+        for (const Ray& ray : rays_of(wide, {sampling, count, Per::ping, seed})) sum += ray.weight;
+        statistics.add(sum);
+      }
+      EXPECT_NEAR(statistics.mean(), exact, 4.5 * statistics.sigma_of_mean()) << count;
+      EXPECT_LT(statistics.sigma_of_mean(), 0.02 * exact) << count;
     }
-    EXPECT_NEAR(statistics.mean(), exact, 4.5 * statistics.sigma_of_mean()) << count;
-    EXPECT_LT(statistics.sigma_of_mean(), 0.02 * exact) << count;
-  }
 }
 
 /// (u, v) of a direction in a pyramid of half angles (w, h): its corner rays have equal lengths, so that its
@@ -152,10 +153,55 @@ TEST(RaySampling, EveryCellHasOneStratifiedRay) {
   }
 }
 
+TEST(RaySampling, EveryElementaryIntervalHasOneSobolRay) {
+  // Places in the tube's (u, v) whose patch is a rectangle; a sequence's parts are nets as well: the first 64
+  // of 100 rays, and the next 32.
+  const double w = 20 * degree, h = 7 * degree;
+  const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, w, h);
+  for (const int count : {1, 2, 16, 64, 100, 1024})
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const std::vector<Ray> rays = rays_of(tubes, {RaySampling::sobol, count, Per::ping, seed});
+      for (int first = 0; first < count;) {
+        const int size = int(std::bit_floor(unsigned(count - first)));
+        for (int columns = 1; columns <= size; columns *= 2) {
+          std::set<std::pair<int, int>> cells;
+          for (int k = first; k < first + size; ++k) {
+            const auto [u, v] = place(rays[k].direction, h, w);
+            cells.insert({int(u * columns), int(v * (size / columns))});
+          }
+          EXPECT_EQ(int(cells.size()), size)
+              << count << " rays, from " << first << ", " << columns << " columns";
+        }
+        first += size;
+      }
+      // And all of them are the first points of one sequence: none has a column twice before each has it
+      // once.
+      for (const int side : {0, 1})
+        for (int columns = 1; columns <= count; columns *= 2) {
+          std::vector<int> in_column(columns);
+          for (const Ray& ray : rays) ++in_column[int(place(ray.direction, h, w)[side] * columns)];
+          for (const int number : in_column) {
+            EXPECT_GE(number, count / columns);
+            EXPECT_LE(number, (count + columns - 1) / columns);
+          }
+        }
+    }
+}
+
+TEST(RaySampling, SobolRaysOfTubesAndSeedsDiffer) {
+  const Fan fan(2, 1, 1, 4, 4);
+  std::set<std::pair<float, float>> places;
+  for (const std::uint64_t seed : {1, 2})
+    for (const Ray& ray : rays_of(fan.tubes, {RaySampling::sobol, 64, Per::beam, seed}, fan.beam_of_tube)) {
+      const double azimuth = std::atan2(ray.direction.y, ray.direction.x) + (ray.tube == 0 ? 0 : -4 * degree);
+      places.insert({float(azimuth), float(ray.direction.z)});
+    }
+  EXPECT_EQ(places.size(), 256u);
+}
+
 TEST(RaySampling, RaysAreTheSameHoweverThePlanIsCut) {
   const Fan fan(5, 1, 2, 1.5, 40);
-  for (const auto sampling :
-       {RaySampling::stratified, RaySampling::regular, RaySampling::random, RaySampling::column})
+  for (const auto sampling : all_samplings)
     for (const std::int64_t count : {7, 300, 20000}) {
       const RayPlan plan(fan.tubes, {sampling, count, Per::ping, 9}, fan.beam_of_tube);
       std::vector<Ray> whole = rays_of(plan, 0, plan.rays()), cut;
@@ -266,8 +312,9 @@ TEST(RaySampling, BadSettingsAreRefused) {
   EXPECT_TRUE(has(refused({RaySampling::column, 5}, {0, 0, 1}), "4 tubes, not for 3"));
   EXPECT_TRUE(has(refused({RaySampling::column, 5}, {0, 1, 1, 0}), "grids of tubes"));
   EXPECT_TRUE(has(refused({RaySampling::column, 5}, fan.beam_of_tube), "not refused"));
-  EXPECT_THROW(ray_sampling_from_name("sobol"), std::invalid_argument);
-  EXPECT_EQ(ray_sampling_from_name("column"), RaySampling::column);
+  EXPECT_THROW(ray_sampling_from_name("halton"), std::invalid_argument);
+  for (const RaySampling sampling : all_samplings)
+    EXPECT_EQ(ray_sampling_from_name(name_of(sampling)), sampling);
 }
 
 }  // namespace

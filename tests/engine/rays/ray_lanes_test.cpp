@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sixteen rays at once have the digits of one after the other.
+#include "engine/rays/ray_lanes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "engine/echo/echo.hpp"
+#include "engine/rays/ray_planes.hpp"
+#include "fixtures/world/ray_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using namespace splitmix;
+
+TEST(RayLanes, DirectionsAndWeightsAreThoseOfOneRay) {
+  const TubeSet tubes = pyramid({0, 0, 0}, {1, 0.2, -0.7}, 25 * degree, 40 * degree);
+  const RayPatch patch(tubes, tubes.tubes[0]);
+  RayCells cells;
+  for (int k = 0; k < RayPacket::size; ++k) {
+    cells.column[k] = k % 4;
+    cells.u_step[k] = 0.25;
+    cells.begin[k] = 4.0 * (k / 4);
+    cells.count[k] = 4;
+    cells.weight[k] = 1 / 16.0;
+  }
+  cells.share = 1 / 16.0;
+  constexpr std::uint64_t key = 77, first = 5;
+  RayPacket packet;
+  aim_into(patch, cells, key, first, packet);
+  for (int k = 0; k < RayPacket::size; ++k) {
+    const std::uint64_t bits = mixed(key + golden * (first + std::uint64_t(k)));
+    const double u = (cells.column[k] + upper_uniform(bits)) * cells.u_step[k];
+    const double v = (cells.begin[k] + lower_uniform(bits) * cells.count[k]) * cells.share;
+    const glm::dvec3 p = patch.at(u, v);
+    const double inverse = 1 / std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    EXPECT_EQ(packet.x[k], p.x * inverse) << k;
+    EXPECT_EQ(packet.y[k], p.y * inverse) << k;
+    EXPECT_EQ(packet.z[k], p.z * inverse) << k;
+    EXPECT_EQ(packet.weight[k], patch.triple(u, v) * (inverse * inverse * inverse) * cells.weight[k]) << k;
+  }
+}
+
+TEST(RayLanes, PlanesAreMetAsByOneRay) {
+  FacetMesh mesh = flat_bed(10);
+  add_rectangle(mesh, {-1, -1, -5}, {2, 0.3, 0.1}, {0, 2, 0.4});
+  add_rectangle(mesh, {0, 0, -1}, {0, 0, -2}, {1, 0.5, 0});  // the apex lies in its plane
+  const RayPlanes planes(mesh, grid.unit_m());
+  const GridPoint apex = grid.snap({0, 0, 0});
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> gauss;
+  int sure = 0, doubtful = 0;
+  for (int round = 0; round < 200; ++round) {
+    RayPacket rays;
+    std::array<FacetId, RayPacket::size> facet{};
+    std::array<float, RayPacket::size> embree{};
+    for (int k = 0; k < RayPacket::size; ++k) {
+      const glm::dvec3 d = glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random)));
+      rays.x[k] = d.x;
+      rays.y[k] = d.y;
+      rays.z[k] = d.z;
+      facet[k] = FacetId((round + k) % int(mesh.facets.size()));
+      RayHit hit;
+      hit.facet = facet[k];
+      planes.meet(apex, d, 1, hit);
+      embree[k] = k % 5 == 0 ? 3.0f : float(hit.slant_range_m);  // a fifth tell something else
+    }
+    const MetPlanes met = planes.meet(apex, rays, facet, embree.data());
+    for (int k = 0; k < RayPacket::size; ++k) {
+      RayHit hit;
+      hit.facet = facet[k];
+      const bool is_met = planes.meet(apex, {rays.x[k], rays.y[k], rays.z[k]}, double(embree[k]), hit);
+      if (met.doubtful[k] != 0) {
+        ++doubtful;
+        continue;
+      }
+      ++sure;
+      ASSERT_TRUE(is_met);
+      ASSERT_EQ(met.range_m[k], hit.slant_range_m);
+      ASSERT_EQ(met.sine_grazing[k], hit.sine_grazing);
+    }
+  }
+  EXPECT_GT(sure, 200);
+  EXPECT_GT(doubtful, 200);
+}
+
+TEST(RayLanes, EchoesOfHitsTogetherAreThoseOfHitsAlone) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform;
+  const std::vector<std::uint16_t> material{0, 1, 2, 0};
+  const std::vector<double> mu{0.002, 0.5, 0.003};
+  const std::vector<std::uint32_t> beam_of_tube{0, 1, 0};
+  const RangeSamples samples{2, 0.7, 9};
+  for (const double absorption : {0.0, 0.3}) {
+    const EchoLaw law{mu, material, absorption};
+    for (const int count : {0, 1, 15, 16, 17, 100}) {
+      History history;
+      history.tubes.tubes.resize(3);
+      std::vector<double> expected(18);
+      for (int k = 0; k < count; ++k) {
+        RayHit hit;
+        hit.facet = FacetId(random() % 4);
+        hit.tube = std::uint32_t(random() % 3);
+        hit.slant_range_m = 10 * uniform(random);  // some before the first sample, some behind the last
+        hit.sine_grazing = k % 11 == 7 ? 0 : uniform(random);
+        hit.solid_angle_sr = 1e-4 * uniform(random);
+        hit.direction = {0, 0, -1};
+        history.hits.push_back(hit);
+        const double r = hit.slant_range_m, sine = hit.sine_grazing;
+        const double beta = absorption * std::log(10.0) / 10;
+        const auto sample = int(std::floor((r - 2) / 0.7));
+        if (sine > 0 && sample >= 0 && sample < 9)
+          expected[beam_of_tube[hit.tube] * 9 + std::size_t(sample)] +=
+              mu[material[hit.facet]] * sine * std::exp(-2 * beta * r) / (r * r) * hit.solid_angle_sr;
+      }
+      const Echo echo = integrate_echo(history, {2, beam_of_tube}, samples, law);
+      std::vector<double> alone(18);
+      for (const RayHit& hit : history.hits) {
+        History one;
+        one.tubes = history.tubes;
+        one.hits = {hit};
+        const Echo own = integrate_echo(one, {2, beam_of_tube}, samples, law);
+        for (std::size_t k = 0; k < 18; ++k) alone[k] += own.energy[k];
+      }
+      for (std::size_t k = 0; k < 18; ++k) {
+        EXPECT_EQ(echo.energy[k], alone[k]) << count << " hits, bin " << k;
+        EXPECT_NEAR(echo.energy[k], expected[k], 1e-14 * expected[k]) << count << " hits, bin " << k;
+      }
+    }
+  }
+}
+
+TEST(RayLanes, MaterialsOfOtherLawsStandAmongEvenOnes) {
+  const std::vector<std::uint16_t> material{0, 1};
+  const std::vector<double> mu{0.002, 0.5};
+  const std::vector<std::shared_ptr<const ScatteringLaw>> laws{
+      nullptr,
+      std::make_shared<const ScatteringLaw>(ScatteringLaw::gsab({.oblique = 1e-3, .oblique_exponent = 1}))};
+  const std::vector<std::uint32_t> beam_of_tube{0};
+  EchoLaw law{mu, material, 0.1};
+  law.scattering = laws;
+  History history;
+  history.tubes.tubes.resize(1);
+  double expected = 0;
+  for (int k = 0; k < 40; ++k) {
+    RayHit hit;
+    hit.facet = FacetId(k % 3 == 0);
+    hit.slant_range_m = 3 + 0.1 * k;
+    hit.sine_grazing = 0.02 * (k + 1);
+    hit.solid_angle_sr = 1e-5;
+    history.hits.push_back(hit);
+    const double sigma =
+        hit.facet == 1 ? 1e-3 * hit.sine_grazing : 0.002 * hit.sine_grazing * hit.sine_grazing;
+    expected += sigma * std::exp(-2 * 0.01 * std::log(10.0) * hit.slant_range_m) * 1e-5 /
+                (hit.sine_grazing * hit.slant_range_m * hit.slant_range_m);
+  }
+  const Echo echo = integrate_echo(history, {1, beam_of_tube}, {1, 19, 1}, law);
+  EXPECT_NEAR(echo.energy[0] / expected, 1, 1e-13);
+}
+
+TEST(RayLanes, HitsOfNoBeamOrNoMaterialAreRefused) {
+  const std::vector<std::uint16_t> material{0};
+  const std::vector<double> mu{0.002};
+  const std::vector<std::uint32_t> beam_of_tube{0};
+  History history;
+  history.tubes.tubes.resize(1);
+  history.hits.resize(2);
+  for (RayHit& hit : history.hits) hit.slant_range_m = hit.sine_grazing = 0.5;
+  const auto echo = [&] { return integrate_echo(history, {1, beam_of_tube}, {0, 1, 1}, {mu, material, 0}); };
+  EXPECT_NO_THROW(echo());
+  history.hits[1].tube = 1;
+  EXPECT_THROW(echo(), std::invalid_argument);
+  history.hits[1].tube = 0;
+  history.hits[1].facet = 1;
+  EXPECT_THROW(echo(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tubefoot
