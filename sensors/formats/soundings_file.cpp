@@ -26,8 +26,9 @@ class SoundingsFile::Writer {
     if (!finished_) discard_file(file_);
   }
 
-  void add(std::span<const Sounding> soundings) {
+  void add(std::span<const Sounding> soundings, std::span<const glm::dvec3> on_earth) {
     waiting_.insert(waiting_.end(), soundings.begin(), soundings.end());
+    on_earth_.insert(on_earth_.end(), on_earth.begin(), on_earth.end());
     constexpr std::size_t batch = 8192;
     if (waiting_.size() >= batch) write_waiting();
   }
@@ -46,16 +47,17 @@ class SoundingsFile::Writer {
  private:
   void write_waiting() {
     if (waiting_.empty()) return;
-    std::vector<glm::dvec3> on_earth;
-    if (frame_.is_georeferenced()) {
-      for (const Sounding& sounding : waiting_) on_earth.push_back(sounding.position_m);
-      frame_.to_lon_lat(on_earth, {file_.string()});
+    if (frame_.is_georeferenced() && on_earth_.empty()) {
+      for (const Sounding& sounding : waiting_) on_earth_.push_back(sounding.position_m);
+      frame_.to_lon_lat(on_earth_, {file_.string()});
     }
-    write(waiting_, on_earth);
+    write(waiting_, on_earth_);
     waiting_.clear();
+    on_earth_.clear();
   }
 
   std::vector<Sounding> waiting_;
+  std::vector<glm::dvec3> on_earth_;
   bool finished_ = false;
 };
 
@@ -207,7 +209,9 @@ SoundingsFile::SoundingsFile(const fs::path& file, const LocalFrame& frame)
 
 SoundingsFile::~SoundingsFile() = default;
 
-void SoundingsFile::add(std::span<const Sounding> soundings) { writer_->add(soundings); }
+void SoundingsFile::add(std::span<const Sounding> soundings, std::span<const glm::dvec3> on_earth) {
+  writer_->add(soundings, on_earth);
+}
 
 void SoundingsFile::finish() { writer_->finish(); }
 

@@ -20,9 +20,10 @@ class SoundingsFile {
   SoundingsFile(const std::filesystem::path& file, const LocalFrame& frame);
   ~SoundingsFile();
 
-  /// Best many at a time: all beams of a ping. Throws std::runtime_error where writing fails, InputError for
-  /// a sounding that has no place on Earth.
-  void add(std::span<const Sounding> soundings);
+  /// Best many at a time: all beams of a ping. `on_earth`: longitude, latitude and height of each, from who
+  /// has them already: of all that are added, or of none. Throws std::runtime_error where writing fails,
+  /// InputError for a sounding that has no place on Earth.
+  void add(std::span<const Sounding> soundings, std::span<const glm::dvec3> on_earth = {});
   /// Completes the file; throws std::runtime_error where that fails.
   void finish();
 

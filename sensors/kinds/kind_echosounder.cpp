@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "files/checked_file.hpp"
+#include "geometry/steps/in_order.hpp"
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "sensors/detection/bottom_detection.hpp"
@@ -122,6 +123,13 @@ void write_exr_of(const fs::path& file, const Recording& recording, const std::v
   write_exr(file, samples.count, static_cast<int>(recording.pings()), energies, attributes);
 }
 
+/// What its files have of a ping.
+struct HeardPing {
+  std::vector<float> energies, received;
+  double ideal_m = 0, range_m = 0;  ///< to the bottom; not numbers where there is none
+  std::string line;
+};
+
 /// Writes what an echosounder makes: <name>.csv, the bottom that each ping detects; <name>.png, an echogram
 /// of what is received; <name>.exr, the energies (pings x samples, unscaled). Returns
 /// the files' names.
@@ -138,22 +146,31 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
   std::string csv =
       "ping,time_s,range_m,range_sigma_m,energy_j,quality,bottom_east_m,bottom_north_m,bottom_up_m,"
       "sensor_east_m,sensor_north_m,sensor_up_m,true_altitude_m,status\n";
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+  const auto sounded = [&](std::size_t ping) {
     const std::span<const double> energy = recording.energy_of(ping);
-    energies.insert(energies.end(), energy.begin(), energy.end());
-    const std::optional<Detection> ideal = detect_bottom(energy, sensor.samples(), rule);
-    ideal_bottoms.push_back(range_of(ideal));
-    const std::vector<double> own =
+    HeardPing made;
+    made.energies.assign(energy.begin(), energy.end());
+    made.ideal_m = range_of(detect_bottom(energy, sensor.samples(), rule));
+    std::vector<double> own =
         heard ? heard->energy_of(ping) : std::vector<double>(energy.begin(), energy.end());
-    received.insert(received.end(), own.begin(), own.end());
     recording.let_go(ping);
-    std::vector<double> standing_out = own;
+    made.received.assign(own.begin(), own.end());
     for (std::size_t k = 0; k < own.size(); ++k)
-      if (own[k] < floor_j[k]) standing_out[k] = 0;
-    const std::optional<Detection> bottom = detect_bottom(standing_out, sensor.samples(), rule);
-    bottoms.push_back(range_of(bottom));
-    append_line(csv, recording, ping, bottom);
-  }
+      if (own[k] < floor_j[k]) own[k] = 0;
+    const std::optional<Detection> bottom = detect_bottom(own, sensor.samples(), rule);
+    made.range_m = range_of(bottom);
+    append_line(made.line, recording, ping, bottom);
+    return made;
+  };
+  Steps steps("pings of an echosounder's files", recording.pings());
+  in_order(steps, 0, recording.pings(), 2 * sizeof(float) * recording.cells(), sounded,
+           [&](std::size_t, const HeardPing& made) {
+             energies.insert(energies.end(), made.energies.begin(), made.energies.end());
+             received.insert(received.end(), made.received.begin(), made.received.end());
+             ideal_bottoms.push_back(made.ideal_m);
+             bottoms.push_back(made.range_m);
+             csv += made.line;
+           });
 
   std::vector<fs::path> files{stem + ".csv"};
   write_file(folder / files[0], csv);

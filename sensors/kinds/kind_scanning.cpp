@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "files/checked_file.hpp"
+#include "geometry/steps/in_order.hpp"
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "sensors/model/angles.hpp"
@@ -106,27 +107,32 @@ std::string steps_table(const Recording& recording, const std::optional<Heard>& 
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
   std::string text = "ping,step,time_s,head_deg,loudest_range_m,loudest_energy_j\n";
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+  const auto lines_of = [&](std::size_t ping) {
     const std::span<const double> ideal = recording.energy_of(ping);
     const std::vector<double> energy =
         heard ? heard->energy_of(ping) : std::vector<double>(ideal.begin(), ideal.end());
     recording.let_go(ping);
+    std::string lines;
     for (std::size_t step = 0; step < sensor.shots(); ++step) {
       const std::span<const double> own = std::span(energy).subspan(
           step * static_cast<std::size_t>(samples.count), static_cast<std::size_t>(samples.count));
       const auto loudest = std::ranges::max_element(own);
-      fmt::format_to(std::back_inserter(text), "{},{},{:.9g},{:.9g},", ping, step,
+      fmt::format_to(std::back_inserter(lines), "{},{},{:.9g},{:.9g},", ping, step,
                      recording.ping_time_s[ping] + sensor.shot_delay_s(step),
                      degrees(sensor.beams()[step].azimuth_rad));
       if (*loudest > 0)
-        fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g}",
+        fmt::format_to(std::back_inserter(lines), "{:.9g},{:.9g}",
                        samples.first_m + (static_cast<double>(loudest - own.begin()) + 0.5) * samples.step_m,
                        *loudest);
       else
-        text += ',';
-      text += '\n';
+        lines += ',';
+      lines += '\n';
     }
-  }
+    return lines;
+  };
+  Steps steps("scans of a table", recording.pings());
+  in_order(steps, 0, recording.pings(), sizeof(double) * recording.cells(), lines_of,
+           [&](std::size_t, const std::string& lines) { text += lines; });
   return text;
 }
 

@@ -2,6 +2,7 @@
 #include "sensors/pictures/phase_picture.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,7 +73,7 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
                                             margin + text_width(title, title_size, font),
                                             margin + text_width(subtitle, label_size, font)});
   Canvas canvas(page_width, bottom + axis_height + margin, palette.background, font);
-  for (int row = 0; row < rows; ++row) {
+  tbb::parallel_for(0, rows, [&](int row) {
     const PixelSpan pings = items_under(row, rows, recording.pings());
     for (int x = 0; x < side; ++x) {
       const PixelSpan under = items_under(x, side, count);
@@ -80,7 +81,7 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
       canvas.blend(middle + x, bottom - 1 - row, colour_under(recording, pings, under, 1, noise));
     }
     for (std::size_t ping = pings.first; ping + 1 < pings.end; ++ping) recording.let_go(ping);
-  }
+  });
 
   canvas.text(margin, margin, title, title_size, palette.ink);
   canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);

@@ -2,6 +2,8 @@
 #include "sensors/pictures/waterfall_picture.hpp"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -71,28 +73,36 @@ Rows rows_of(const Recording& recording, int rows, const Heard* heard) {
   const double rows_per_ping = rows / static_cast<double>(recording.pings());
   Rows all;
   all.energy.assign(static_cast<std::size_t>(rows) * cells, 0.0);
-  std::size_t asked = recording.pings();  // the ping whose surfaces are known
-  std::vector<int> surfaces;
-  for (int row = 0; row < rows; ++row) {
-    const CellSpan under = cells_under(row / rows_per_ping, (row + 1) / rows_per_ping, recording.pings());
-    double* mean = all.energy.data() + static_cast<std::size_t>(row) * cells;
-    const double weight = std::accumulate(under.weights.begin(), under.weights.end(), 0.0);
-    std::vector<int> farthest(beams, 0);
-    for (std::size_t p = 0; p < under.weights.size(); ++p) {
-      const std::size_t ping = under.first + p;
-      const std::vector<double> received = heard ? heard->energy_of(ping) : std::vector<double>();
-      const std::span<const double> energy =
-          heard ? std::span<const double>(received) : recording.energy_of(ping);
-      for (std::size_t k = 0; k < cells; ++k)
-        mean[k] += under.weights[p] / weight * energy[k] * gain[k % gain.size()];
-      if (recording.surfaces) {
-        if (asked != ping) surfaces = recording.surfaces(asked = ping);
-        for (std::size_t b = 0; b < beams; ++b) farthest[b] = std::max(farthest[b], surfaces[b]);
+  if (recording.surfaces) all.surfaces.assign(static_cast<std::size_t>(rows) * beams, 0);
+  // Rows in a row share pings: a thread takes some together, and asks for each ping once.
+  constexpr int rows_at_least = 16;
+  tbb::parallel_for(tbb::blocked_range<int>(0, rows, rows_at_least), [&](const auto& some) {
+    std::size_t asked = recording.pings();  // the ping that is known
+    std::vector<double> received;
+    std::vector<int> surfaces;
+    for (int row = some.begin(); row < some.end(); ++row) {
+      const CellSpan under = cells_under(row / rows_per_ping, (row + 1) / rows_per_ping, recording.pings());
+      double* mean = all.energy.data() + static_cast<std::size_t>(row) * cells;
+      const double weight = std::accumulate(under.weights.begin(), under.weights.end(), 0.0);
+      for (std::size_t p = 0; p < under.weights.size(); ++p) {
+        const std::size_t ping = under.first + p;
+        if (asked != ping) {
+          if (heard) received = heard->energy_of(ping);
+          if (recording.surfaces) surfaces = recording.surfaces(ping);
+          asked = ping;
+        }
+        const std::span<const double> energy =
+            heard ? std::span<const double>(received) : recording.energy_of(ping);
+        for (std::size_t k = 0; k < cells; ++k)
+          mean[k] += under.weights[p] / weight * energy[k] * gain[k % gain.size()];
+        for (std::size_t b = 0; b < surfaces.size(); ++b) {
+          int& farthest = all.surfaces[static_cast<std::size_t>(row) * beams + b];
+          farthest = std::max(farthest, surfaces[b]);
+        }
+        if (p + 1 < under.weights.size()) recording.let_go(ping);
       }
-      if (p + 1 < under.weights.size()) recording.let_go(ping);
     }
-    if (recording.surfaces) all.surfaces.insert(all.surfaces.end(), farthest.begin(), farthest.end());
-  }
+  });
   return all;
 }
 
@@ -174,7 +184,7 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font, const
     columns.push_back(cells_under((x / pixels_per_m - samples.first_m) / samples.step_m,
                                   ((x + 1) / pixels_per_m - samples.first_m) / samples.step_m,
                                   static_cast<std::size_t>(samples.count)));
-  for (int row = 0; row < rows; ++row) {  // from the bottom: the first ping is the lowest
+  tbb::parallel_for(0, rows, [&](int row) {  // from the bottom: the first ping is the lowest
     const auto count = static_cast<std::size_t>(samples.count);
     for (const std::size_t beam : {0, 1}) {  // port, starboard
       const std::size_t place = static_cast<std::size_t>(row) * 2 + beam;
@@ -188,7 +198,7 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font, const
                      scale.colour(echo.energy_j, echo.beyond), column.covered);
       }
     }
-  }
+  });
 
   canvas.fill(left - 1, top - 1, right + 1, top, palette.grid, 0.55);
   canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "geometry/steps/steps.hpp"
+#include "geometry/steps/in_order.hpp"
 #include "sensors/formats/aris_file.hpp"
 #include "sensors/formats/ddf_file.hpp"
 #include "sensors/model/angles.hpp"
@@ -133,16 +133,21 @@ class Levels {
     constexpr double range_db = 1000, per_db = 100, exceeding = 1e-3;
     std::vector<std::uint64_t> counts(static_cast<std::size_t>(2 * range_db * per_db) + 1);
     std::uint64_t echoes = 0;
-    Steps steps("pings read for a camera's scale", recording_.pings());
-    for (std::size_t ping = 0; ping < recording_.pings(); ++ping) {
-      steps.done();
+    const auto places_of = [&](std::size_t ping) {
+      std::vector<std::uint32_t> places;
       for (const double level : of(ping)) {
         if (!std::isfinite(level)) continue;  // no echo
         const double place = (std::clamp(level, -range_db, range_db) + range_db) * per_db;
-        ++counts[static_cast<std::size_t>(std::lround(place))];
-        ++echoes;
+        places.push_back(static_cast<std::uint32_t>(std::lround(place)));
       }
-    }
+      return places;
+    };
+    Steps steps("pings read for a camera's scale", recording_.pings());
+    in_order(steps, 0, recording_.pings(), (sizeof(double) + sizeof(std::uint32_t)) * recording_.cells(),
+             places_of, [&](std::size_t, const std::vector<std::uint32_t>& places) {
+               for (const std::uint32_t place : places) ++counts[place];
+               echoes += places.size();
+             });
     if (echoes == 0) return 0;
     auto above = static_cast<std::uint64_t>(std::floor(exceeding * static_cast<double>(echoes)));
     std::size_t place = counts.size() - 1;
@@ -192,17 +197,21 @@ void write_frames(CameraFile&& file, const Recording& recording, const RunContex
   const Levels levels(recording, run);
   Frames frames(recording, run);
   const double top_db = levels.brightest_db();
-  std::vector<std::uint8_t> codes(recording.cells());
-  Steps steps("frames of a camera's file", recording.pings());
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    steps.done();
+  const auto codes_of = [&](std::size_t ping) {
     const std::vector<double> received = levels.of(ping);
-    std::transform(received.begin(), received.end(), codes.begin(),
-                   [&](double level) { return amplitude(level - top_db + full_scale_db, full_scale_db); });
-    CameraFrame frame = frames.of(ping);
-    frame.amplitudes = codes;
-    file.add(frame);
-  }
+    std::vector<std::uint8_t> codes(received.size());
+    std::ranges::transform(received, codes.begin(), [&](double level) {
+      return amplitude(level - top_db + full_scale_db, full_scale_db);
+    });
+    return codes;
+  };
+  Steps steps("frames of a camera's file", recording.pings());
+  in_order(steps, 0, recording.pings(), (sizeof(double) + 1) * recording.cells(), codes_of,
+           [&](std::size_t ping, const std::vector<std::uint8_t>& codes) {
+             CameraFrame frame = frames.of(ping);
+             frame.amplitudes = codes;
+             file.add(frame);
+           });
   file.finish();
 }
 

@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-#include "geometry/steps/steps.hpp"
+#include "geometry/steps/in_order.hpp"
 #include "sensors/pictures/camera_animation.hpp"
 #include "sensors/pictures/camera_picture.hpp"
 #include "sensors/pictures/canvas.hpp"
@@ -59,18 +59,19 @@ void write_two_sided_exr(const fs::path& file, const Recording& recording) {
       exr_spec(
           exr_attributes(recording, "pings, the first on top",
                          "port samples, the farthest first, then starboard samples, the nearest first")));
-  std::vector<float> row(2 * samples);
-  Steps steps("pings of a picture", recording.pings());
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    steps.done();
+  const auto row_of = [&](std::size_t ping) {
     const std::span<const double> energy = recording.energy_of(ping);
+    std::vector<float> row(2 * samples);
     for (std::size_t k = 0; k < samples; ++k) {
       row[samples - 1 - k] = static_cast<float>(energy[k]);
       row[samples + k] = static_cast<float>(energy[samples + k]);
     }
-    picture.add_row(row.data());
     recording.let_go(ping);
-  }
+    return row;
+  };
+  Steps steps("pings of a picture", recording.pings());
+  in_order(steps, 0, recording.pings(), sizeof(float) * recording.cells(), row_of,
+           [&](std::size_t, const std::vector<float>& row) { picture.add_row(row.data()); });
   picture.finish();
 }
 
@@ -159,7 +160,7 @@ std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording
 WritingCost cost_of_fan_pictures(const Recording& recording, bool heard, const PictureSettings& settings,
                                  PictureSettings::Which otherwise) {
   using Which = PictureSettings::Which;
-  constexpr double sheet_s = 0.5, animation_frame_s = 0.4, frame_s = 0.15, picture_bytes = 6e5,
+  constexpr double sheet_s = 0.5, animation_frame_s = 0.4, frame_s = 0.08, picture_bytes = 6e5,
                    gif_bytes = 1e5;
   const double looks = heard ? 2 : 1, pings = static_cast<double>(recording.pings());
   WritingCost cost;

@@ -2,11 +2,12 @@
 #include "sensors/products/staff_files.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <iterator>
 
 #include "files/streamed_file.hpp"
-#include "geometry/steps/steps.hpp"
+#include "geometry/steps/in_order.hpp"
 #include "sensors/detection/staff_soundings.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/pictures/image_file.hpp"
@@ -22,9 +23,7 @@ void write_soundings(const fs::path& path, const Recording& recording, const Int
   file.append(
       "ping,time_s,side,sample,range_m,energy_j,phase_rad,coherence,angle_deg,angle_sigma_deg,"
       "depth_m,depth_sigma_m,east_m,north_m,up_m\n");
-  Steps steps("pings of soundings", recording.pings());
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    steps.done();
+  const auto lines_of = [&](std::size_t ping) {
     std::string lines;
     for (const InterferometricSounding& s : interferometric_soundings(recording, ping, noise))
       fmt::format_to(std::back_inserter(lines),
@@ -35,9 +34,13 @@ void write_soundings(const fs::path& path, const Recording& recording, const Int
                      s.coherence, degrees(s.estimate.angle_rad), degrees(s.estimate.angle_sigma_rad),
                      s.estimate.depth_m, s.estimate.depth_sigma_m, s.position_m.x, s.position_m.y,
                      s.position_m.z);
-    file.append(lines);
     recording.let_go(ping);
-  }
+    return lines;
+  };
+  constexpr std::size_t bytes_a_line = 200;
+  Steps steps("pings of soundings", recording.pings());
+  in_order(steps, 0, recording.pings(), bytes_a_line * recording.cells(), lines_of,
+           [&](std::size_t, const std::string& lines) { file.append(lines); });
   file.close();
 }
 
@@ -45,16 +48,17 @@ void write_soundings(const fs::path& path, const Recording& recording, const Int
 template <typename Value>
 void write_cells_exr(const fs::path& file, const Recording& recording, const char* quantity, Value value) {
   const auto count = static_cast<std::size_t>(recording.sensor->samples().count);
-  std::vector<float> cells;
+  std::vector<float> cells(2 * count * recording.pings());
   Steps steps("pings of a picture", recording.pings());
-  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    steps.done();
-    for (std::size_t k = count; k-- > 0;)
-      cells.push_back(static_cast<float>(value(interferometric_sample(recording, ping, 0, k))));
-    for (std::size_t k = 0; k < count; ++k)
-      cells.push_back(static_cast<float>(value(interferometric_sample(recording, ping, 1, k))));
+  tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
+    float* port = cells.data() + 2 * count * ping;
+    for (std::size_t k = 0; k < count; ++k) {
+      port[count - 1 - k] = static_cast<float>(value(interferometric_sample(recording, ping, 0, k)));
+      port[count + k] = static_cast<float>(value(interferometric_sample(recording, ping, 1, k)));
+    }
     recording.let_go(ping);
-  }
+    steps.done();
+  });
   OIIO::ParamValueList attributes;
   attributes.attribute("sensor", recording.sensor->description().name);
   attributes.attribute("quantity", quantity);

@@ -6,11 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <mutex>
 
-#include "geometry/steps/steps.hpp"
+#include "geometry/steps/in_order.hpp"
 #include "sensors/detection/sounding_grid.hpp"
 #include "sensors/formats/soundings_file.hpp"
 #include "sensors/model/angles.hpp"
@@ -23,29 +24,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Pings that are looked at together: shared out among threads, their places found at once.
+/// Pings among which the depth grid's cell is chosen.
 std::size_t pings_a_block(const Recording& recording) {
   constexpr std::size_t block_bytes = std::size_t{48} << 20, bytes_per_sample = 12, most = 64;
   return std::clamp<std::size_t>(block_bytes / (bytes_per_sample * recording.cells()), 1, most);
 }
 
-std::vector<PlacedPing> sounded_block(const Recording& recording, const BottomFinder& finder,
-                                      const BottomFinder* ideal, std::size_t first, std::size_t count) {
-  std::vector<PlacedPing> block(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-    PlacedPing& placed = block[k];
-    const std::size_t ping = first + k;
-    placed.ping = ping;
-    placed.position_m = recording.ping_pose[ping].position_m;
-    placed.sounded = finder.sound(ping);
-    if (ideal) placed.ideal = ideal->sound(ping).soundings;
-    recording.let_go(ping);
-  });
-  return block;
+/// Pings that are placed on Earth and go through the files together.
+struct Portion {
+  std::vector<PlacedPing> pings;
+  std::vector<std::vector<Sounding>> found;                ///< of each
+  std::vector<std::vector<glm::dvec3>> found_on_earth;     ///< their longitudes, latitudes and heights
+  std::vector<std::vector<std::function<void()>>> adding;  ///< of each and each format
+};
+
+std::size_t pings_a_portion(const Recording& recording) {
+  constexpr std::size_t portion_bytes = std::size_t{24} << 20, bytes_per_sample = 12, most = 32;
+  return std::clamp<std::size_t>(portion_bytes / (bytes_per_sample * recording.cells()), 1, most);
 }
 
-/// A transformation to longitude and latitude takes long to set up: one for the block's pings, and one for
-/// its soundings.
+/// A transformation to longitude and latitude takes long to set up: one for the portion's pings, and one for
+/// their soundings.
 void place_on_earth(std::vector<PlacedPing>& block, const Recording& recording, const RunContext& run,
                     const fs::path& file) {
   const std::vector<NavigationFix> fixes = navigation(recording, run, block.front().ping, block.size());
@@ -166,23 +165,36 @@ class SwathFiles {
   }
 
   std::vector<fs::path> write() {
-    // Soundings of the next block are found while this one is written.
-    const std::size_t size = pings_a_block(recording_);
-    const auto found_from = [this, size](std::size_t first) {
-      return std::async(std::launch::async, [this, size, first] {
-        return sounded_block(recording_, finder_, ideal_finder_ ? &*ideal_finder_ : nullptr, first,
-                             std::min(size, recording_.pings() - first));
-      });
+    const std::size_t pings = recording_.pings(), size = pings_a_portion(recording_);
+    Steps steps("pings of soundings", pings);
+    const auto add_to_table = [this](std::size_t table, const Portion& portion) {
+      for (std::size_t k = 0; k < portion.found.size(); ++k)
+        tables_[table]->add(portion.found[k], portion.found_on_earth[k]);
     };
-    std::future<std::vector<PlacedPing>> next = found_from(0);
-    Steps steps("pings of soundings", recording_.pings());
-    for (std::size_t first = 0; first < recording_.pings(); first += size) {
-      std::vector<PlacedPing> block = next.get();
-      if (first + size < recording_.pings()) next = found_from(first + size);
-      const std::size_t pings = block.size();
-      add(std::move(block));
-      for (std::size_t k = 0; k < pings; ++k) steps.done();
-    }
+    const auto add_to_format = [](std::size_t format, const Portion& portion) {
+      for (const auto& adding : portion.adding)
+        if (format < adding.size()) adding[format]();
+    };
+    in_order(
+        0, (pings + size - 1) / size, size * recording_.cells() * (sizeof(double) + sizeof(float)),
+        [&](std::size_t k) { return portion_of(k * size, std::min(size, pings - k * size)); },
+        [&](std::size_t, const Portion& portion) {
+          const std::lock_guard lock(libraries_);
+          add_to_format(0, portion);
+        },
+        [&](std::size_t, const Portion& portion) {
+          const std::lock_guard lock(libraries_);
+          add_to_table(1, portion);
+        },
+        [&](std::size_t, const Portion& portion) { add_to_table(0, portion); },
+        [&](std::size_t, const Portion& portion) { add_to_format(1, portion); },
+        [&](std::size_t, const Portion& portion) { add_to_format(2, portion); },
+        [&](std::size_t, Portion& portion) {
+          for (PlacedPing& placed : portion.pings) {
+            add_to_grids(std::move(placed));
+            steps.done();
+          }
+        });
     for (const auto& table : tables_) table->finish();
     for (const auto& format : formats_) format->finish();
     write_grid();
@@ -205,24 +217,56 @@ class SwathFiles {
     if (kept.gsf) formats_.push_back(make_gsf(new_file("", ".gsf"), recording_, run_, settings_));
   }
 
-  void add(std::vector<PlacedPing> block) {
-    if (run_.frame.is_georeferenced()) place_on_earth(block, recording_, run_, folder_ / name_);
-    if (!grid_ && has_depths(block)) {
+  /// All that is found of pings without regard to others, on any thread.
+  Portion portion_of(std::size_t first, std::size_t count) const {
+    Portion portion;
+    portion.pings.resize(count);
+    portion.found.resize(count);
+    portion.found_on_earth.resize(count);
+    portion.adding.resize(count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      PlacedPing& placed = portion.pings[k];
+      placed.ping = first + k;
+      placed.position_m = recording_.ping_pose[placed.ping].position_m;
+      placed.sounded = finder_.sound(placed.ping);
+      if (ideal_finder_) placed.ideal = ideal_finder_->sound(placed.ping).soundings;
+      recording_.let_go(placed.ping);
+      for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
+        if (sounding) portion.found[k].push_back(*sounding);
+    });
+    if (run_.frame.is_georeferenced()) {
+      const std::lock_guard lock(libraries_);
+      place_on_earth(portion.pings, recording_, run_, folder_ / name_);
+    }
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      for (std::size_t beam = 0; beam < portion.pings[k].soundings_lon_lat.size(); ++beam)
+        if (portion.pings[k].sounded.soundings[beam])
+          portion.found_on_earth[k].push_back(portion.pings[k].soundings_lon_lat[beam]);
+      for (const auto& format : formats_) portion.adding[k].push_back(format->adding(portion.pings[k]));
+      portion.pings[k].sounded.received_j = {};  // most of a ping, and needed no more
+    });
+    return portion;
+  }
+
+  /// The grids begin with the first pings_a_block() that have depths.
+  void add_to_grids(PlacedPing placed) {
+    if (grid_) return add_to_begun_grids(std::move(placed));
+    const bool last = placed.ping + 1 == recording_.pings();
+    waiting_.push_back(std::move(placed));
+    if (waiting_.size() < pings_a_block(recording_) && !last) return;
+    if (has_depths(waiting_)) {
       const double asked_m = settings_.grid_cell_m;
-      grid_.emplace(run_.frame, asked_m > 0 ? asked_m : chosen_cell_m(recording_, block));
+      grid_.emplace(run_.frame, asked_m > 0 ? asked_m : chosen_cell_m(recording_, waiting_));
       if (ideal_finder_) ideal_grid_.emplace(run_.frame, grid_->depths().cell_m());
     }
-    for (PlacedPing& placed : block) {
-      std::vector<Sounding> found;
-      for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
-        if (sounding) found.push_back(*sounding);
-      for (const auto& table : tables_) table->add(found);
-      for (const auto& format : formats_) format->add(placed);
-      const PlacedPing* before = last_ ? &*last_ : nullptr;
-      if (grid_) add_to_grid(*grid_, placed, before, received_of);
-      if (ideal_grid_) add_to_grid(*ideal_grid_, placed, before, ideal_of);
-      last_ = std::move(placed);
-    }
+    for (PlacedPing& waited : waiting_) add_to_begun_grids(std::move(waited));
+    waiting_.clear();
+  }
+  void add_to_begun_grids(PlacedPing placed) {
+    const PlacedPing* before = last_ ? &*last_ : nullptr;
+    if (grid_) add_to_grid(*grid_, placed, before, received_of);
+    if (ideal_grid_) add_to_grid(*ideal_grid_, placed, before, ideal_of);
+    last_ = std::move(placed);
   }
 
   void write_grid() {
@@ -252,7 +296,11 @@ class SwathFiles {
   std::vector<std::unique_ptr<SoundingsFile>> tables_;
   std::vector<std::unique_ptr<SwathFormat>> formats_;
   std::optional<SoundingGrid> grid_, ideal_grid_;
-  std::optional<PlacedPing> last_;  ///< the ping before
+  /// GDAL is told before each use to keep HDF5 silent, which others must not be in then. Held by who uses
+  /// either, and never while other work of this crew is waited for.
+  mutable std::mutex libraries_;
+  std::vector<PlacedPing> waiting_;  ///< for the grids to begin
+  std::optional<PlacedPing> last_;   ///< the ping before
   std::vector<fs::path> files_;
 };
 

@@ -49,7 +49,7 @@ class SonarNetcdfFormat : public SwathFormat {
         angles_deg_(across_angles_deg(*recording.sensor)),
         file_(file, header(recording, run, settings)) {}
 
-  void add(const PlacedPing& placed) override {
+  std::function<void()> adding(const PlacedPing& placed) override {
     const RangeSamples& samples = recording_.sensor->samples();
     const double c = recording_.sound_speed_m_s;
     const NavigationFix& fix = placed.fix;
@@ -72,7 +72,7 @@ class SonarNetcdfFormat : public SwathFormat {
       ping.backscatter_db.push_back(levels_db(placed.sounded, beam));
       ping.detections.push_back(detection(placed, beam));
     }
-    file_.add(ping);
+    return [this, ping = std::move(ping)] { file_.add(ping); };
   }
   void finish() override { file_.finish(); }
 
@@ -216,9 +216,8 @@ class GsfFormat : public SwathFormat {
             const SwathSettings& settings)
       : recording_(recording), settings_(settings), file_(file, gsf_options(recording, run)) {}
 
-  void add(const PlacedPing& placed) override {
+  std::function<void()> adding(const PlacedPing& placed) override {
     const NavigationFix& fix = placed.fix;
-    if (placed.ping == 0) file_.add_processing_parameters(fix.unix_time_s, gsf_parameters());
     GsfPing ping;
     ping.unix_time_s = fix.unix_time_s;
     ping.longitude_deg = fix.place.lon_lat_height.x;
@@ -250,7 +249,10 @@ class GsfFormat : public SwathFormat {
       ping.two_way_time_s.push_back(sounding ? sounding->two_way_travel_time_s : 0);
       ping.mean_amplitude_db.push_back(sounding ? level_db(*sounding) : 0);
     }
-    file_.add_ping(ping);
+    return [this, first = placed.ping == 0, ping = std::move(ping)] {
+      if (first) file_.add_processing_parameters(ping.unix_time_s, gsf_parameters());
+      file_.add_ping(ping);
+    };
   }
   void finish() override { file_.finish(); }
 
@@ -270,7 +272,7 @@ class XtfFormat : public SwathFormat {
         depth_m_(middle_depth_m(recording, run)),
         file_(file, header(recording, settings, depth_m_)) {}
 
-  void add(const PlacedPing& placed) override {
+  std::function<void()> adding(const PlacedPing& placed) override {
     const NavigationFix& fix = placed.fix;
     XtfPlace place;
     place.unix_time_s = fix.unix_time_s;
@@ -285,13 +287,15 @@ class XtfFormat : public SwathFormat {
     if (placed.ping < recording_.altitude_m.size() && recording_.altitude_m[placed.ping] > 0)
       place.altitude_m = recording_.altitude_m[placed.ping];
     place.speed_m_s = fix.speed_m_s;
-    file_.add_attitude(
-        {place.unix_time_s, place.heading_deg, place.pitch_deg, place.roll_deg, place.heave_m});
-    file_.add_navigation({place.unix_time_s, place.x, place.y, fix.place.lon_lat_height.z});
     if (settings_.is_like_8101)
-      add_8101(place, placed.sounded);
-    else
-      add_generic(place, placed.sounded);
+      return [this, place, height_m = fix.place.lon_lat_height.z, beams = beams_of_8101(placed.sounded)] {
+        add_motion(place, height_m);
+        file_.add_reson_8101_ping(place, settings_8101(recording_, settings_), beams);
+      };
+    return [this, place, height_m = fix.place.lon_lat_height.z, soundings = generic_of(placed.sounded)] {
+      add_motion(place, height_m);
+      file_.add_soundings(place, soundings);
+    };
   }
   void finish() override { file_.finish(); }
 
@@ -329,7 +333,13 @@ class XtfFormat : public SwathFormat {
     return header;
   }
 
-  void add_8101(const XtfPlace& place, const SoundedPing& sounded) {
+  void add_motion(const XtfPlace& place, double height_m) {
+    file_.add_attitude(
+        {place.unix_time_s, place.heading_deg, place.pitch_deg, place.roll_deg, place.heave_m});
+    file_.add_navigation({place.unix_time_s, place.x, place.y, height_m});
+  }
+
+  static std::vector<Reson8101Beam> beams_of_8101(const SoundedPing& sounded) {
     std::vector<Reson8101Beam> beams;
     for (const std::optional<Sounding>& sounding : sounded.soundings) {
       beams.emplace_back();
@@ -341,10 +351,10 @@ class XtfFormat : public SwathFormat {
       beams.back().intensity = static_cast<std::uint16_t>(
           std::clamp(std::round(codes_per_db * level_db(*sounding)), 0.0, largest));
     }
-    file_.add_reson_8101_ping(place, settings_8101(recording_, settings_), beams);
+    return beams;
   }
 
-  void add_generic(const XtfPlace& place, const SoundedPing& sounded) {
+  std::vector<XtfSounding> generic_of(const SoundedPing& sounded) const {
     std::vector<XtfSounding> soundings;
     for (std::size_t beam = 0; beam < sounded.soundings.size(); ++beam) {
       const std::optional<Sounding>& sounding = sounded.soundings[beam];
@@ -356,7 +366,7 @@ class XtfFormat : public SwathFormat {
                            : is_one_of_several(*sounding) ? of_several
                                                           : good});
     }
-    file_.add_soundings(place, soundings);
+    return soundings;
   }
 
   const Recording& recording_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -41,7 +42,9 @@ struct PlacedPing {
 class SwathFormat {
  public:
   virtual ~SwathFormat() = default;
-  virtual void add(const PlacedPing& ping) = 0;
+  /// What the file has of a ping, found on any thread; calling what it returns writes it, ping by ping in
+  /// order. It does not look at `ping` again.
+  virtual std::function<void()> adding(const PlacedPing& ping) = 0;
   /// Completes the file; without it there is none.
   virtual void finish() = 0;
 };

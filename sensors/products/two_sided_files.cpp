@@ -9,7 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "geometry/steps/steps.hpp"
+#include "geometry/steps/in_order.hpp"
 #include "sensors/detection/sidescan_mosaic.hpp"
 #include "sensors/formats/xtf_file.hpp"
 #include "sensors/model/angles.hpp"
@@ -34,16 +34,21 @@ class Amplitudes {
   Amplitudes(const Recording& recording, const RunContext& run)
       : recording_(recording), run_(run), receiver_(receiver_of(recording, run)) {
     Steps steps("pings read for the scales of codes", recording.pings());
-    for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-      steps.done();
+    const auto read = [&](std::size_t ping) {
+      PingScale scale;
       for (const float value : of(ping)) {
-        largest_ = std::max(largest_, value);
-        if (value <= 0) continue;
-        sum_of_logarithms_ += std::log(value);
-        ++echoes_;
+        scale.largest = std::max(scale.largest, value);
+        if (!(value <= 0)) scale.logarithms.push_back(std::log(value));
       }
       recording.let_go(ping);
-    }
+      return scale;
+    };
+    in_order(steps, 0, recording.pings(), sizeof(float) * recording.cells(), read,
+             [&](std::size_t, const PingScale& scale) {
+               largest_ = std::max(largest_, scale.largest);
+               for (const float logarithm : scale.logarithms) sum_of_logarithms_ += logarithm;
+               echoes_ += scale.logarithms.size();
+             });
   }
 
   /// [port, starboard][sample], uPa.
@@ -66,6 +71,11 @@ class Amplitudes {
   }
 
  private:
+  struct PingScale {
+    float largest = 0;
+    std::vector<float> logarithms;  ///< of what is above zero
+  };
+
   const Recording& recording_;
   const RunContext& run_;
   ReceiverChain receiver_;
@@ -176,12 +186,18 @@ std::optional<std::string> why_no_xtf(const Recording& recording, const RunConte
   return std::nullopt;
 }
 
-/// One row a ping, from the far end of port to the far end of starboard.
-void add_waterfall_row(ScanlinePicture& picture, std::span<const std::uint16_t> codes) {
-  const std::size_t count = codes.size() / 2;
-  std::vector<std::uint16_t> row(codes.rend() - static_cast<std::ptrdiff_t>(count), codes.rend());
-  row.insert(row.end(), codes.begin() + static_cast<std::ptrdiff_t>(count), codes.end());
-  picture.add_row(row.data());
+/// A ping as the files have it.
+struct CodedPing {
+  std::vector<std::uint16_t> xtf;  ///< [port, starboard][sample]
+  std::vector<std::uint16_t> row;  ///< from the far end of port to the far end of starboard
+  std::vector<float> mapped;
+};
+
+std::vector<std::uint16_t> codes_of(std::span<const float> amplitudes, const Quantiser& quantiser) {
+  std::vector<std::uint16_t> codes(amplitudes.size());
+  std::ranges::transform(amplitudes, codes.begin(),
+                         [&](float amplitude) { return quantiser.code(amplitude); });
+  return codes;
 }
 
 OIIO::ImageSpec waterfall_spec(const Recording& recording, double white_upa) {
@@ -321,7 +337,6 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
                     static_cast<int>(recording.pings()), waterfall_spec(recording, amplitudes.white_upa()));
   const double cell_m = mosaic_cell_m(recording);
   Map whole{name, SidescanMosaic(cell_m)};
-  std::vector<std::uint16_t> codes(recording.cells());
   std::vector<fs::path> files, maps;
   const std::vector<PingSpan> lines = recording.lines();
   Steps steps("pings of a sidescan's files", recording.pings());
@@ -332,23 +347,34 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
     std::optional<XtfRecord> xtf;
     if (!why_not) xtf.emplace(folder / (of_line + ".xtf"), recording, run, widths, amplitudes.largest_upa());
     Map map{of_line, SidescanMosaic(cell_m)};
-    for (std::size_t ping = lines[k].first; ping < lines[k].end; ++ping) {
-      steps.done();
-      const std::vector<float> heard = amplitudes.of(ping);
-      const auto code = [&](const Quantiser& quantiser) {
-        std::transform(heard.begin(), heard.end(), codes.begin(),
-                       [&](float amplitude) { return quantiser.code(amplitude); });
-        return std::span<const std::uint16_t>(codes);
-      };
-      if (xtf) xtf->add(ping, code(all));
-      if (picture) add_waterfall_row(*picture, code(visible));
-      if (!why_no_map) {
-        const std::vector<float> mapped = on_a_map(recording, ping, heard);
-        whole.add(recording, ping, mapped);
-        if (lines.size() > 1) map.add(recording, ping, mapped);
+    const auto coded = [&](std::size_t ping) {
+      std::vector<float> heard = amplitudes.of(ping);
+      CodedPing made;
+      if (xtf) made.xtf = codes_of(heard, all);
+      if (picture) {
+        made.row = codes_of(heard, visible);
+        std::ranges::reverse(made.row.begin(),
+                             made.row.begin() + static_cast<std::ptrdiff_t>(heard.size() / 2));
       }
+      if (!why_no_map) made.mapped = on_a_map(recording, ping, std::move(heard));
       recording.let_go(ping);
-    }
+      return made;
+    };
+    constexpr std::size_t bytes_a_cell = 2 * sizeof(std::uint16_t) + sizeof(float);
+    in_order(
+        steps, lines[k].first, lines[k].end, bytes_a_cell * recording.cells(), coded,
+        [&](std::size_t ping, const CodedPing& made) {
+          if (xtf) xtf->add(ping, made.xtf);
+        },
+        [&](std::size_t, const CodedPing& made) {
+          if (picture) picture->add_row(made.row.data());
+        },
+        [&](std::size_t ping, const CodedPing& made) {
+          if (!why_no_map) whole.add(recording, ping, made.mapped);
+        },
+        [&](std::size_t ping, const CodedPing& made) {
+          if (!why_no_map && lines.size() > 1) map.add(recording, ping, made.mapped);
+        });
     whole.mosaic.end_line();
     if (xtf) {
       xtf->finish();
