@@ -111,9 +111,15 @@ CameraPixels::CameraPixels(const CameraFan& fan)
   first_.push_back(static_cast<std::uint32_t>(cells_.size()));
 }
 
+std::int64_t CameraPixels::only_cell_at(int x, int y) const {
+  const std::size_t pixel = pixel_at(x, y);
+  const std::uint32_t share = first_[pixel];
+  if (first_[pixel + 1] != share + 1 || counts_[share] != points_ * points_) return -1;
+  return cells_[share];
+}
+
 PixelEcho CameraPixels::echo_at(int x, int y, const PingEchoes& echoes) const {
-  const std::size_t pixel = static_cast<std::size_t>(y + around) * static_cast<std::size_t>(width_) +
-                            static_cast<std::size_t>(x + around);
+  const std::size_t pixel = pixel_at(x, y);
   double sum = 0;
   int inside = 0, beyond = 0;
   for (std::uint32_t k = first_[pixel]; k < first_[pixel + 1]; ++k) {

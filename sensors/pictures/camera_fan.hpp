@@ -74,8 +74,15 @@ class CameraPixels {
   static constexpr int around = 2;
 
   PixelEcho echo_at(int x, int y, const PingEchoes& echoes) const;
+  /// The cell that a pixel shows alone and without a margin, or -1: most do, and all of a cell's alike.
+  std::int64_t only_cell_at(int x, int y) const;
 
  private:
+  std::size_t pixel_at(int x, int y) const {
+    return static_cast<std::size_t>(y + around) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(x + around);
+  }
+
   int width_, points_, samples_;
   std::vector<std::uint32_t> first_;  ///< of each pixel, row by row, its first share; one more at the end
   std::vector<std::uint32_t> cells_;  ///< of each share, its cell

@@ -2,9 +2,11 @@
 #include "sensors/pictures/camera_picture.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "sensors/model/angles.hpp"
@@ -23,6 +25,38 @@ std::vector<int> surfaces_of(const Recording& recording, std::size_t ping) {
 bool ends_early(const CameraFan& fan, const PingEchoes& echoes) {
   return std::ranges::any_of(echoes.surfaces, [&](int samples) { return samples < fan.samples(); });
 }
+
+/// What the pixels of a ping look like. A cell that fills many of them is looked up on the scale once.
+class FanColours {
+ public:
+  FanColours(const CameraPixels& pixels, const PingEchoes& echoes, const DecibelScale& scale)
+      : pixels_(pixels), echoes_(echoes), scale_(scale), of_cells_(echoes.energy.size()) {}
+
+  /// The colour, and which part of the pixel has it.
+  struct Pixel {
+    Colour colour;
+    double coverage = 0;
+  };
+  Pixel at(int x, int y) {
+    const std::int64_t cell = pixels_.only_cell_at(x, y);
+    if (cell < 0) return found(x, y);
+    std::optional<Colour>& colour = of_cells_[static_cast<std::size_t>(cell)];
+    if (!colour) colour = found(x, y).colour;
+    return {*colour, 1};
+  }
+
+ private:
+  Pixel found(int x, int y) const {
+    const PixelEcho echo = pixels_.echo_at(x, y, echoes_);
+    if (!(echo.coverage > 0)) return {};
+    return {scale_.colour(echo.energy_j, echo.beyond), echo.coverage};
+  }
+
+  const CameraPixels& pixels_;
+  const PingEchoes& echoes_;
+  const DecibelScale& scale_;
+  std::vector<std::optional<Colour>> of_cells_;
+};
 
 /// Distance of the angle lines: what divides a circle well, at most eight parts, labels 50 pixels apart or
 /// more.
@@ -117,14 +151,15 @@ Canvas CameraFrames::draw(std::size_t ping, const Heard* heard) const {
   Canvas canvas(width, header_height + drawing_height + footer_height + margin, palette.background, font);
 
   constexpr int around = CameraPixels::around;
+  FanColours colours(pixels_, echoes, scale);
   auto lines = lines_.begin();
   for (int y = -around; y < fan.height() + around; ++y)
     for (int x = -around; x < fan.width() + around; ++x, ++lines) {
-      const PixelEcho echo = pixels_.echo_at(x, y, echoes);
+      const FanColours::Pixel pixel = colours.at(x, y);
       const int column = fan_left + x, row = header_height + y;
-      if (echo.coverage > 0) {
-        canvas.blend(column, row, scale.colour(echo.energy_j, echo.beyond), echo.coverage);
-        if (lines->grid > 0) canvas.blend(column, row, palette.grid, 0.28 * lines->grid * echo.coverage);
+      if (pixel.coverage > 0) {
+        canvas.blend(column, row, pixel.colour, pixel.coverage);
+        if (lines->grid > 0) canvas.blend(column, row, palette.grid, 0.28 * lines->grid * pixel.coverage);
       }
       if (lines->outline > 0) canvas.blend(column, row, palette.grid, 0.55 * lines->outline);
     }
@@ -159,16 +194,14 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
   const CameraFan fan(sensor, 340, 260);
   const CameraPixels pixels(fan);
   const std::vector<std::size_t> frames = sequence_frames(recording.pings());
-  std::vector<double> ideal, received;  // one scale for all of them
-  for (const std::size_t ping : frames) {
-    const std::span<const double> energy = recording.energy_of(ping);
-    ideal.insert(ideal.end(), energy.begin(), energy.end());
-    if (heard) {
-      const std::vector<double> own = heard->energy_of(ping);
-      received.insert(received.end(), own.begin(), own.end());
-    }
-    recording.let_go(ping);
-  }
+  // One scale for all of them.
+  std::vector<double> ideal(frames.size() * recording.cells()), received(heard ? ideal.size() : 0);
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
+    const auto place = static_cast<std::ptrdiff_t>(k * recording.cells());
+    std::ranges::copy(recording.energy_of(frames[k]), ideal.begin() + place);
+    if (heard) std::ranges::copy(heard->energy_of(frames[k]), received.begin() + place);
+    recording.let_go(frames[k]);
+  });
   const std::vector<double>& all = heard ? received : ideal;
   const DecibelScale scale(heard && heard->has_gain ? received : ideal,
                            recording.sensor->description().signal.display_gain_db);
@@ -191,19 +224,24 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
                 palette.background, font);
   canvas.text(margin, margin, title, title_size, palette.ink);
   canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    const int left =
-                  margin + static_cast<int>(k) % columns * cell_width + (cell_width - gap - fan.width()) / 2,
-              top = header_height + static_cast<int>(k) / columns * cell_height;
+  const auto left_of = [&](std::size_t k) {
+    return margin + static_cast<int>(k) % columns * cell_width + (cell_width - gap - fan.width()) / 2;
+  };
+  const auto top_of = [&](std::size_t k) {
+    return header_height + static_cast<int>(k) / columns * cell_height;
+  };
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
     const PingEchoes echoes{std::span<const double>(all).subspan(k * recording.cells(), recording.cells()),
                             surfaces_of(recording, frames[k])};
+    FanColours colours(pixels, echoes, scale);
     for (int y = 0; y < fan.height(); ++y)
       for (int x = 0; x < fan.width(); ++x)
-        if (const PixelEcho echo = pixels.echo_at(x, y, echoes); echo.coverage > 0)
-          canvas.blend(left + x, top + y, scale.colour(echo.energy_j, echo.beyond), echo.coverage);
-    canvas.label(left + fan.width() / 2, top + fan.height() + caption_height / 2, captions[k], label_size,
-                 palette.faint_ink, Anchor::centre);
-  }
+        if (const FanColours::Pixel pixel = colours.at(x, y); pixel.coverage > 0)
+          canvas.blend(left_of(k) + x, top_of(k) + y, pixel.colour, pixel.coverage);
+  });
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    canvas.label(left_of(k) + fan.width() / 2, top_of(k) + fan.height() + caption_height / 2, captions[k],
+                 label_size, palette.faint_ink, Anchor::centre);
   const int legend_bottom = canvas.height() - margin;
   scale.draw_legend(canvas, canvas.width() - margin - DecibelScale::legend_width + 20,
                     std::max(header_height, legend_bottom - 400), legend_bottom);

@@ -50,11 +50,28 @@ class Canvas {
   /// The bytes of an 8-bit RGB PNG, for a screen. Throws std::runtime_error.
   std::vector<unsigned char> screen_png(const std::string& description) const;
   /// Red, green and blue of each pixel, 0 to 1, row by row from the top.
-  std::span<const float> components() const { return components_; }
+  std::span<const float> components() const { return components_.values(); }
 
  private:
+  /// Red, green, blue of each pixel, row by row, in memory of a canvas before it, where there was one.
+  class Components {
+   public:
+    explicit Components(std::size_t count);
+    ~Components();
+    Components(const Components&) = default;
+    Components(Components&&) = default;
+    Components& operator=(const Components&) = default;
+    Components& operator=(Components&&) = default;
+    float& operator[](std::size_t k) { return values_[k]; }
+    std::span<float> values() { return values_; }
+    std::span<const float> values() const { return values_; }
+
+   private:
+    std::vector<float> values_;
+  };
+
   int width_, height_;
-  std::vector<float> components_;  ///< red, green, blue of each pixel, row by row
+  Components components_;
   std::string font_;
   std::vector<PixelBox> texts_;
 
