@@ -51,7 +51,13 @@ GainPanels::GainPanels(std::size_t functions, Evaluate evaluate, double width, d
 }
 
 std::uint32_t GainPanels::find(double cosine) {
-  const auto k = std::size_t(std::clamp((cosine + 1) * per_width_, 0.0, double(bases_.size()) - 1));
+  auto k = std::size_t(std::clamp((cosine + 1) * per_width_, 0.0, double(bases_.size()) - 1));
+  // Where rounding took a border for the other side of it.
+  const auto border = [&](std::size_t at) { return -1 + double(at) / per_width_; };
+  if (k + 1 < bases_.size() && cosine >= border(k + 1))
+    ++k;
+  else if (k > 0 && cosine < border(k))
+    --k;
   Base& base = bases_[k];
   if (base.count == 0) {
     base.first = std::uint32_t(panels_.size());
@@ -143,38 +149,44 @@ void DirectionMoments::select(double cosine) {
   hi_ = panel.hi;
   middle_ = panel.middle;
   per_half_ = panel.per_half;
+  row_ = row_of(k);
+}
+
+double* DirectionMoments::row_of(std::uint32_t k) {
+  const std::uint32_t block = sample_ / samples_of_block;
+  const auto row_in = [&](std::uint32_t number) {
+    return this->block(number) + sample_ % samples_of_block * terms;
+  };
   Recent& recent = recent_[k % recent_.size()];
-  if (recent.panel == k && recent.sample == sample_) {
-    row_ = moments_.data() + std::size_t(recent.row) * terms;
-    return;
-  }
-  if (2 * (rows_.size() + 1) > slots_.size()) grow();
-  std::size_t slot = hash(k, sample_) & (slots_.size() - 1);
+  if (recent.panel == k && recent.block == block) return row_in(recent.number);
+  if (2 * (blocks_.size() + 1) > slots_.size()) grow();
+  std::size_t slot = hash(k, block) & (slots_.size() - 1);
   while (slots_[slot] != 0 &&
-         (rows_[slots_[slot] - 1].panel != k || rows_[slots_[slot] - 1].sample != sample_))
+         (blocks_[slots_[slot] - 1].panel != k || blocks_[slots_[slot] - 1].block != block))
     slot = (slot + 1) & (slots_.size() - 1);
   if (slots_[slot] == 0) {
-    rows_.push_back({k, sample_});
-    moments_.resize(rows_.size() * terms, 0);
-    slots_[slot] = std::uint32_t(rows_.size());
+    blocks_.push_back({k, block});
+    if (blocks_.size() > moments_.size() * blocks_of_chunk)
+      moments_.push_back(std::make_unique<double[]>(blocks_of_chunk * samples_of_block * terms));
+    slots_[slot] = std::uint32_t(blocks_.size());
   }
-  recent = {k, sample_, slots_[slot] - 1};
-  row_ = moments_.data() + std::size_t(recent.row) * terms;
+  recent = {k, block, slots_[slot] - 1};
+  return row_in(recent.number);
 }
 
 void DirectionMoments::grow() {
   slots_.assign(std::max<std::size_t>(2 * slots_.size(), 4096), 0);
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    std::size_t slot = hash(rows_[k].panel, rows_[k].sample) & (slots_.size() - 1);
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    std::size_t slot = hash(blocks_[k].panel, blocks_[k].block) & (slots_.size() - 1);
     while (slots_[slot] != 0) slot = (slot + 1) & (slots_.size() - 1);
     slots_[slot] = std::uint32_t(k + 1);
   }
 }
 
 void DirectionMoments::clear() {
-  if (rows_.empty()) return;
-  rows_.clear();
-  moments_.clear();
+  if (blocks_.empty()) return;
+  for (std::size_t k = 0; k < blocks_.size(); ++k) std::fill_n(block(k), samples_of_block * terms, 0.0);
+  blocks_.clear();
   std::fill(slots_.begin(), slots_.end(), 0u);
   recent_.fill({});
   sample_ = std::numeric_limits<std::uint32_t>::max();
@@ -182,16 +194,17 @@ void DirectionMoments::clear() {
 }
 
 void DirectionMoments::finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const {
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    const double* moment = moments_.data() + k * terms;
+  for (std::size_t k = 0; k < blocks_.size() * samples_of_block; ++k) {
+    const double* moment = block(k / samples_of_block) + k % samples_of_block * terms;
+    // Nothing came from there; of the last block not even the sample need be one.
+    if (std::all_of(moment, moment + terms, [](double m) { return m == 0; })) continue;
+    const Block& block = blocks_[k / samples_of_block];
+    const std::size_t sample = block.block * std::size_t(samples_of_block) + k % samples_of_block;
     for (std::size_t f = 0; f < gains_->functions(); ++f) {
-      const double* c = gains_->coefficients(rows_[k].panel, f);
-      double even = 0, odd = 0;
-      for (int i = 0; i < terms; i += 2) {
-        even += c[i] * moment[i];
-        odd += c[i + 1] * moment[i + 1];
-      }
-      energy[(first_beam + f) * samples + rows_[k].sample] += even + odd;
+      const double* c = gains_->coefficients(block.panel, f);
+      Pair sum{};  // of even and of odd powers
+      for (int i = 0; i < terms; i += 2) sum += Pair{c[i], c[i + 1]} * Pair{moment[i], moment[i + 1]};
+      energy[(first_beam + f) * samples + sample] += sum[0] + sum[1];
     }
   }
 }

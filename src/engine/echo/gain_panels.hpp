@@ -56,6 +56,12 @@ class GainPanels {
   std::uint32_t last_ = 0;
 };
 
+/// A stretch of directions: what comes from each is a quadratic of its cosine.
+struct CosineSpan {
+  double begin, end;            ///< cosines, the end may be the smaller one
+  std::array<double, 3> level;  ///< weight per cosine = sum of level[k] (cosine - origin)^k
+};
+
 /// What a receiver's beams hear as functions of one cosine, summed up before any beam is looked at: for each
 /// range sample and panel the moments sum of weight x^i, i < terms. A direction costs `terms` products
 /// however many beams there are.
@@ -71,29 +77,48 @@ class DirectionMoments {
   }
   /// Weights of directions, best in the order of their cosines.
   void add(std::span<const double> cosines, std::span<const double> weights);
+  /// The integrals over some spans, from begin to end, in closed form.
+  void add(std::span<const CosineSpan> spans, double origin);
   /// Adds to energy[(first_beam + function) * samples + sample].
   void finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const;
   /// Forgets all weights; gains stay known.
   void clear();
 
  private:
-  struct Row {
-    std::uint32_t panel = 0, sample = 0;
+  /// Moments of one panel in neighbouring samples, which a footprint meets one after the other.
+  static constexpr std::uint32_t samples_of_block = 8, blocks_of_chunk = 128;
+  struct Block {
+    std::uint32_t panel = 0, block = 0;
   };
+  /// A panel that spans begin or end in, and its place among the cosines.
+  struct Held {
+    std::uint32_t number = std::numeric_limits<std::uint32_t>::max();
+    GainPanels::Panel panel;
+    bool holds(double cosine) const { return cosine >= panel.lo && cosine < panel.hi; }
+  };
+  void hold(Held& held, double cosine);
+  void add_alike(std::span<const CosineSpan> spans, double origin);
   void select(double cosine);
+  double* row_of(std::uint32_t panel);
+  double* block(std::size_t number) const {
+    return moments_[number / blocks_of_chunk].get() +
+           number % blocks_of_chunk * (samples_of_block * GainPanels::terms);
+  }
   void grow();
 
   std::shared_ptr<GainPanels> gains_;
   std::uint32_t sample_ = std::numeric_limits<std::uint32_t>::max();
   double lo_ = std::numeric_limits<double>::infinity(), hi_ = 0, middle_ = 0, per_half_ = 0;
   double* row_ = nullptr;
+  Held begin_, end_;
   struct Recent {
-    std::uint32_t panel = std::numeric_limits<std::uint32_t>::max(), sample = 0, row = 0;
+    std::uint32_t panel = std::numeric_limits<std::uint32_t>::max(), block = 0, number = 0;
   };
   std::array<Recent, 1024> recent_;  // by panel
-  std::vector<Row> rows_;
-  std::vector<double> moments_;
-  std::vector<std::uint32_t> slots_;  // hash of panel and sample to row + 1, open addressing
+  std::vector<Block> blocks_;
+  std::vector<std::unique_ptr<double[]>>
+      moments_;                       // of blocks_of_chunk blocks each: they stay where they are
+  std::vector<std::uint32_t> slots_;  // hash of panel and block to its number + 1, open addressing
 };
 
 }  // namespace tubefoot

@@ -125,6 +125,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   const std::vector<double> corners =
       law != nullptr ? corner_ranges_m(*law, piece_.distance) : std::vector<double>();
   take_texture(texture);
+  const bool may_be_spans = arcs_may_be_spans();
 
   const std::size_t samples = borders_.size() - 1;
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
@@ -137,6 +138,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
     const double t0 = t_of(double(slab.lo)), t1 = t_of(double(slab.hi));
     if (!(t1 > t0)) continue;
     find_arcs(crossings, (t0 + t1) / 2);
+    spans_ = may_be_spans && arcs_.size() == 1;
     if (receiver_->moments)
       receiver_->moments->begin(slab.sample);
     else
@@ -285,15 +287,24 @@ void PatternIntegrator::integrate(double t0, double t1, int depth) {
   const double rho = 1 + 0.75 * (ellipse_through(middle, nearest_singularity(), half) - 1);
   int n = 1;
   while (n <= most_gauss_nodes && rho < least_rho_[n]) ++n;
-  if (n <= most_gauss_nodes) n = std::max(n, nodes_along(t0, t1, rho));
+  if (n <= most_gauss_nodes)
+    n = std::max(n, spans_ ? nodes_along_spans(t0, t1, rho) : nodes_along(t0, t1, rho));
   if (n > most_gauss_nodes && depth < deepest) {
     integrate(t0, middle, depth + 1);
     integrate(middle, t1, depth + 1);
     return;
   }
   const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
+  if (spans_ && n <= most_gauss_nodes && add_spans(t0, t1, rule)) return;
   for (std::size_t i = 0; i < rule.node.size(); ++i)
     add_circle(middle + half * rule.node[i], half * rule.weight[i]);
+}
+
+/// `stretched_by`: the farther range over the nearer one.
+int PatternIntegrator::nodes_of_law(double t0, double t1, double stretched_by, double rho) const {
+  constexpr double bent = 1.3 / 2;  // the way is not straight
+  return std::max(law_nodes_->by_angle.nodes(bent * (incidence_at(t1) - incidence_at(t0)), rho),
+                  law_nodes_->by_range.nodes(bent * std::log(stretched_by), rho));
 }
 
 /// Nodes for the change of patterns and texture as the arcs' ends, or a full circle, move. The rule for a
@@ -310,14 +321,7 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
       for (const Crossing& c : {arc.begin, arc.end}) most = std::max(most, s_at(c, t2[2]) - s_at(c, t2[0]));
     return 1.3 * most;  // the way is not straight
   };
-  int n = 1;
-  if (piece_.law != nullptr) {
-    const double turned_by = incidence_at(t1) - incidence_at(t0),
-                 stretched_by = std::log(over_r[0] / over_r[2]);
-    constexpr double bent = 1.3 / 2;  // the way is not straight
-    n = std::max(law_nodes_->by_angle.nodes(bent * turned_by, rho),
-                 law_nodes_->by_range.nodes(bent * stretched_by, rho));
-  }
+  int n = piece_.law != nullptr ? nodes_of_law(t0, t1, over_r[0] / over_r[2], rho) : 1;
   if (texture_.field != nullptr)
     n = std::max(n, texture_.count->nodes(texture_.plane.stretch * moved() / 2, rho));
   for (const Change& change : receiver_->changes) {

@@ -39,7 +39,8 @@ struct PlacedTexture {
 /// Gains are not computed at nodes but read from piecewise polynomials (gain_panels.hpp). Where the beams of
 /// a receiver are functions of one and the same cosine (a line array's), nodes are summed up as moments, and
 /// the beams are looked at once for all footprints, in finish(). Beams sent at once along that array join
-/// them.
+/// them. Then arcs need no nodes either where the angle is a smooth function of the cosine over them: their
+/// moments are known from their ends (pattern_spans.cpp).
 ///
 /// Micro-texture is one more factor at the nodes, and one more reason for nodes; polygons with texture must
 /// lie in one of its cells (texture_cells.hpp).
@@ -124,6 +125,16 @@ class PatternIntegrator {
     NodeCount by_angle, by_range;
   };
 
+  /// An only arc from t0 to t1. The cosine of an end is (level + slope sqrt(t^2 + gap)) / r.
+  struct Sweep {
+    struct End {
+      double level, slope, gap;
+      std::array<double, 3> cosine;  // at t0, in the middle, at t1
+    };
+    std::array<End, 2> end;
+    std::array<double, 3> per_r;
+  };
+
   void take_texture(const PlacedTexture& texture);
   void face(glm::dvec2 ahead, double rho, double radius);
   Receiver& receiver_of(std::uint32_t tube);
@@ -140,8 +151,12 @@ class PatternIntegrator {
   double angle_between(glm::dvec2 begin, glm::dvec2 end) const;
   void integrate(double t0, double t1, int depth);
   int nodes_along(double t0, double t1, double rho) const;
+  int nodes_of_law(double t0, double t1, double stretched_by, double rho) const;
+  int nodes_along_spans(double t0, double t1, double rho);
   int nodes_of_arc(double half, double rho, double radius) const;
   void add_circle(double t, double weight);
+  bool arcs_may_be_spans() const;
+  bool add_spans(double t0, double t1, const GaussRule& rule);
   void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
 
@@ -161,6 +176,8 @@ class PatternIntegrator {
   std::vector<LawNodes> laws_;
   const LawNodes* law_nodes_ = nullptr;  // of the law at hand
   Piece piece_{};
+  bool spans_ = false;  // the slab's only arc may be added by its ends
+  Sweep sweep_;
   Factor texture_;
   std::map<const ReflectivityField*, NodeCount> counts_;
 };

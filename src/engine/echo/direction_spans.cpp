@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Moments of stretches of directions, by the antiderivatives at their ends.
+#include <algorithm>
+
+#include "engine/echo/gain_panels.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int terms = GainPanels::terms;
+constexpr std::size_t most_at_once = 24;
+
+using Pair = double __attribute__((vector_size(16)));
+
+/// Integral of x^i (1, x, x^2) from 0 to x is x^(i + 1) reciprocal[i] (1, first[i] x, second[i] x^2).
+struct Antiderivatives {
+  std::array<double, terms> reciprocal{}, first{}, second{};
+  constexpr Antiderivatives() {
+    for (int i = 0; i < terms; ++i) {
+      reciprocal[i] = 1.0 / (i + 1);
+      first[i] = double(i + 1) / (i + 2);
+      second[i] = double(i + 1) / (i + 3);
+    }
+  }
+};
+constexpr Antiderivatives of;
+
+/// Integral of x^i x^k over a part of a panel.
+struct PartOfPanel {
+  std::array<std::array<double, terms>, 3> of{};
+  constexpr PartOfPanel(bool lower, bool upper) {
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < terms; ++i) {
+        const double half = 1.0 / (i + k + 1);
+        of[k][i] = (upper ? half : 0) + (lower ? ((i + k) % 2 == 0 ? half : -half) : 0);
+      }
+  }
+};
+constexpr PartOfPanel lower_half(true, false), upper_half(false, true), all_of_it(true, true);
+
+/// Adds the integrals of a quadratic about `origin`.
+void add_part(const GainPanels::Panel& panel, const PartOfPanel& part, const std::array<double, 3>& level,
+              double origin, double* row) {
+  const double half = 1 / panel.per_half, away = panel.middle - origin;
+  const double own0 = half * (level[0] + away * (level[1] + away * level[2])),
+               own1 = half * half * (level[1] + 2 * away * level[2]), own2 = half * half * half * level[2];
+  for (int i = 0; i < terms; ++i)
+    row[i] += own0 * part.of[0][i] + own1 * part.of[1][i] + own2 * part.of[2][i];
+}
+
+}  // namespace
+
+void DirectionMoments::hold(Held& held, double cosine) {
+  held.number = gains_->find(cosine);
+  held.panel = gains_->panel(held.number);
+}
+
+void DirectionMoments::add(std::span<const CosineSpan> spans, double origin) {
+  for (std::size_t k = 0; k < spans.size();) {
+    if (!begin_.holds(spans[k].begin)) hold(begin_, spans[k].begin);
+    if (!end_.holds(spans[k].end)) hold(end_, spans[k].end);
+    std::size_t count = 1;
+    while (k + count < spans.size() && count < most_at_once && begin_.holds(spans[k + count].begin) &&
+           end_.holds(spans[k + count].end))
+      ++count;
+    add_alike(spans.subspan(k, count), origin);
+    k += count;
+  }
+  lo_ = std::numeric_limits<double>::infinity();  // rows may have moved
+}
+
+/// Spans that begin in one panel and end in one. Antiderivatives count from the panels' middles; what lies
+/// between the middles is added at once for all of them.
+void DirectionMoments::add_alike(std::span<const CosineSpan> spans, double origin) {
+  const GainPanels::Panel &b = begin_.panel, &e = end_.panel;
+  const Pair middle{b.middle, e.middle}, per_half{b.per_half, e.per_half},
+      half = 1 / per_half, sign = Pair{-1, 1} * half, away = middle - origin;
+  std::array<Pair, most_at_once> x, level0, level1, level2, power;
+  const std::size_t count = spans.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const CosineSpan& span = spans[k];
+    x[k] = (Pair{span.begin, span.end} - middle) * per_half;
+    power[k] = x[k];
+    level0[k] = (span.level[0] + away * (span.level[1] + away * span.level[2])) * sign;
+    level1[k] = (span.level[1] + 2 * away * span.level[2]) * half * sign * x[k];
+    level2[k] = span.level[2] * half * half * sign * (x[k] * x[k]);
+  }
+  std::array<Pair, terms> moment;
+  for (int i = 0; i < terms; ++i) {
+    Pair sum{};
+    for (std::size_t k = 0; k < count; ++k) {
+      sum += power[k] * (level0[k] + of.first[i] * level1[k] + of.second[i] * level2[k]);
+      power[k] *= x[k];
+    }
+    moment[i] = sum * of.reciprocal[i];
+  }
+  double* row = row_of(begin_.number);
+  if (begin_.number == end_.number) {
+    for (int i = 0; i < terms; ++i) row[i] += moment[i][0] + moment[i][1];
+    return;
+  }
+  for (int i = 0; i < terms; ++i) row[i] += moment[i][0];
+  row = row_of(end_.number);
+  for (int i = 0; i < terms; ++i) row[i] += moment[i][1];
+  std::array<double, 3> level{};
+  for (const CosineSpan& span : spans)
+    for (std::size_t k = 0; k < level.size(); ++k) level[k] += span.level[k];
+  const bool rising = b.middle < e.middle;
+  const Held &low = rising ? begin_ : end_, &high = rising ? end_ : begin_;
+  if (!rising)
+    for (double& l : level) l = -l;
+  add_part(low.panel, upper_half, level, origin, row_of(low.number));
+  double from = low.panel.hi;
+  for (std::uint32_t number; from < high.panel.lo; from = gains_->panel(number).hi) {
+    number = gains_->find(from);
+    add_part(gains_->panel(number), all_of_it, level, origin, row_of(number));
+  }
+  add_part(high.panel, lower_half, level, origin, row_of(high.number));
+}
+
+}  // namespace tubefoot
