@@ -3,10 +3,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <libdeflate.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -29,9 +29,7 @@ struct Header {
   std::uint64_t identity_bytes = 0, identity_checksum = 0, units = 0, bytes = 0;
 };
 
-std::uint64_t checksum_of(const std::string& text) {
-  return crc32_z(crc32(0, nullptr, 0), reinterpret_cast<const unsigned char*>(text.data()), text.size());
-}
+std::uint64_t checksum_of(const std::string& text) { return libdeflate_crc32(0, text.data(), text.size()); }
 
 constexpr std::size_t alignment = 4096;
 // Linux maps a page that is read together with those about it, in windows of addresses of this size
@@ -259,17 +257,15 @@ std::span<double> PingStore::part(std::size_t sensor, std::size_t ping, int whic
 
 /// Of the energies, bounds and counts; never 0.
 std::uint64_t PingStore::checksum(std::size_t group, std::size_t ping) {
-  std::uint64_t sum = crc32(0, nullptr, 0);
-  const auto add = [&](const void* data, std::size_t bytes) {
-    sum = crc32_z(sum, static_cast<const unsigned char*>(data), bytes);
-  };
+  std::uint32_t sum = 0;
+  const auto add = [&](const void* data, std::size_t bytes) { sum = libdeflate_crc32(sum, data, bytes); };
   add(&unit(group, ping).counts, sizeof(PingCounts));
   for (const std::size_t sensor : layout_.groups[group].sensors)
     for (const int which : {0, 1}) {
       const std::span<double> values = part(sensor, ping, which);
       if (!values.empty()) add(values.data(), values.size_bytes());
     }
-  return sum | std::uint64_t{1} << 32;
+  return std::uint64_t{sum} | std::uint64_t{1} << 32;
 }
 
 void PingStore::finish(std::size_t group, std::size_t ping, const PingCounts& counts) {

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <exception>
 #include <functional>
@@ -14,12 +13,9 @@
 #include <span>
 #include <thread>
 
-namespace tubefoot {
+#include "run/kept/packed_ping.hpp"
 
-/// A ping of a group of sensors.
-struct PingUnit {
-  std::uint64_t group = 0, ping = 0;
-};
+namespace tubefoot {
 
 /// The threads of a rank that simulate pings from a small stock, while the caller's thread sees to messages.
 class PingCrew {

@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/ranks/rank_notes.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <cstring>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <type_traits>
 
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
 
 namespace tubefoot {
 namespace {
-
-static_assert(std::is_trivially_copyable_v<PingCounts>);
-
-/// Bounds, if any, follow the energies.
-constexpr int energy_and_bound = 2;
 
 template <class Value>
 void append(std::string& text, const Value* values, std::size_t count) {
@@ -39,10 +34,6 @@ class Reader {
  private:
   std::string_view rest_;
 };
-
-std::span<double> values_of(PingStore& store, std::size_t sensor, std::size_t slot, int which) {
-  return which == 0 ? store.energy(sensor, slot) : store.bound(sensor, slot);
-}
 
 }  // namespace
 
@@ -81,34 +72,19 @@ std::vector<PingUnit> units_in(std::string_view message) {
 
 std::string result_note(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
                         PingStore& store, std::size_t slot) {
-  std::string text = note(Note::result);
-  append(text, &unit, 1);
-  append(text, &counts, 1);
-  for (const std::size_t sensor : layout.groups[unit.group].sensors)
-    for (int which = 0; which < energy_and_bound; ++which) {
-      const std::span<const double> values = values_of(store, sensor, slot, which);
-      append(text, values.data(), values.size());
-    }
-  return text;
+  return note(Note::result, packed_ping(layout, unit, counts, store, slot));
 }
 
 bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store) {
-  Reader reader(message);
-  PingUnit unit;
-  PingCounts counts;
-  reader.read(&unit, 1);
-  reader.read(&counts, 1);
-  if (unit.group >= layout.groups.size() || unit.ping >= layout.groups[unit.group].pings)
-    throw std::runtime_error("a rank sent a ping of another run");
-  if (store.done(unit.group, unit.ping)) return false;
-  for (const std::size_t sensor : layout.groups[unit.group].sensors)
-    for (int which = 0; which < energy_and_bound; ++which) {
-      const std::span<double> values = values_of(store, sensor, unit.ping, which);
-      reader.read(values.data(), values.size());
-    }
-  if (reader.left() > 0) throw std::runtime_error("a rank sent a ping of another run");
-  store.finish(unit.group, unit.ping, counts);
-  return true;
+  try {
+    const std::string_view packed = message.substr(1);
+    const PingUnit unit = head_of_packed(packed, layout).unit;
+    if (store.done(unit.group, unit.ping)) return false;
+    store.finish(unit.group, unit.ping, unpack_ping(packed, layout, store));
+    return true;
+  } catch (const DamagedPing& error) {
+    throw std::runtime_error(fmt::format("a rank sent a ping that is not one of this run: {}", error.what()));
+  }
 }
 
 std::string failed_note(const std::exception& error) {

@@ -17,7 +17,7 @@ enum class Note : char {
   pings = 'p',       ///< from rank 0: units to simulate; none: there are no more
   stop = 'x',        ///< from rank 0, once to each: leave
   wanted = 'w',      ///< to rank 0: how many pings
-  result = 'r',      ///< to rank 0: a ping
+  result = 'r',      ///< to rank 0: a packed ping
   failed = 'f',      ///< to rank 0, the last but stop: an error
   done = 'd',        ///< to rank 0, the last but stop
   interrupted = 'i'  ///< in place of done: the user asked this rank to stop

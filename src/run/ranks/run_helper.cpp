@@ -27,21 +27,13 @@ using Json = nlohmann::ordered_json;
 constexpr std::chrono::seconds patience_when_interrupted{2};
 
 // Of results that wait for rank 0.
-constexpr std::size_t most_unsent = std::size_t{64} << 20;
+constexpr std::size_t most_unsent = std::size_t{8} << 20;
 
 /// However it ends, the crew's threads do not wait for room: the crew waits for them.
 struct OpenedAtExit {
   Outbox& outbox;
   ~OpenedAtExit() { outbox.open(); }
 };
-
-/// Room for one ping of one group.
-StoreLayout room_for_one(StoreLayout layout, std::size_t group) {
-  for (StoreLayout::Sensor& sensor : layout.sensors) sensor.pings = 0;
-  for (const std::size_t sensor : layout.groups[group].sensors) layout.sensors[sensor].pings = 1;
-  layout.groups = {{layout.groups[group].sensors, 1}};
-  return layout;
-}
 
 class HelpingRank {
  public:

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pings in few bytes: the same values back, and no bytes of a stranger's are taken for a ping.
+#include "run/kept/packed_ping.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <libdeflate.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+namespace tubefoot {
+namespace {
+
+StoreLayout layout(bool with_bounds) {
+  StoreLayout made;
+  made.sensors = {{5, 700}, {5, 3}, {2, 1000}, {5, 1}};
+  made.groups = {{{0, 1, 3}, 5}, {{2}, 2}};
+  made.with_bounds = with_bounds;
+  return made;
+}
+
+PingCounts counts() {
+  PingCounts made;
+  made.tubes = 12;
+  made.echo_seconds = 0.25;
+  made.refraction.largest_gap_m = 3;
+  return made;
+}
+
+/// Values of every kind in every density, and runs of zeros of every length.
+void fill(PingStore& store, std::size_t sensor, std::size_t ping, double lit, std::mt19937& random) {
+  std::uniform_real_distribution<double> some(0, 1);
+  for (const std::span<double> values : {store.energy(sensor, ping), store.bound(sensor, ping)})
+    for (double& value : values)
+      if (some(random) < lit)
+        value = some(random) < 0.02   ? -0.0
+                : some(random) < 0.02 ? std::numeric_limits<double>::infinity()
+                                      : std::exp(100 * some(random) - 80);
+}
+
+bool same(std::span<const double> a, std::span<const double> b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+TEST(PackedPings, ComeBackToTheBit) {
+  std::mt19937 random(5);
+  for (const bool with_bounds : {false, true})
+    for (const double lit : {0.0, 0.01, 0.2, 0.5, 0.9, 1.0})
+      for (const PingUnit& unit : {PingUnit{0, 3}, PingUnit{1, 1}}) {
+        const StoreLayout all = layout(with_bounds);
+        PingStore room(room_for_one(all, unit.group)), back(all);
+        for (const std::size_t sensor : all.groups[unit.group].sensors) {
+          fill(room, sensor, 0, lit, random);
+          std::ranges::fill(back.energy(sensor, unit.ping), 7.0);  // of a ping that was cut off
+        }
+        const std::string packed = packed_ping(all, unit, counts(), room, 0);
+        EXPECT_EQ(packed, packed_ping(all, unit, counts(), room, 0));
+        const PackedHead head = head_of_packed(packed, all);
+        EXPECT_EQ(head.unit.group, unit.group);
+        EXPECT_EQ(head.unit.ping, unit.ping);
+        const PingCounts taken = unpack_ping(packed, all, back);
+        const PingCounts given = counts();
+        EXPECT_EQ(std::memcmp(&taken, &given, sizeof given), 0);
+        for (const std::size_t sensor : all.groups[unit.group].sensors) {
+          EXPECT_TRUE(same(room.energy(sensor, 0), back.energy(sensor, unit.ping))) << lit;
+          EXPECT_TRUE(same(room.bound(sensor, 0), back.bound(sensor, unit.ping))) << lit;
+        }
+        EXPECT_EQ(back.energy(0, 2)[5], 0) << "a neighbour";
+      }
+}
+
+TEST(PackedPings, AreSmallWhereLittleIsLit) {
+  const StoreLayout all = layout(false);
+  PingStore room(room_for_one(all, 1));
+  for (std::size_t k = 0; k < 20; ++k) room.energy(2, 0)[k] = 1 + double(k);
+  EXPECT_LT(packed_ping(all, {1, 0}, {}, room, 0).size(), 300u);
+}
+
+TEST(PackedPings, WithAnyByteChangedOrCutAreRefused) {
+  const StoreLayout all = layout(true);
+  PingStore room(room_for_one(all, 0)), back(all);
+  std::mt19937 random(6);
+  for (const std::size_t sensor : all.groups[0].sensors) fill(room, sensor, 0, 0.1, random);
+  const std::string packed = packed_ping(all, {0, 1}, counts(), room, 0);
+  for (std::size_t at = 0; at < packed.size(); ++at) {
+    std::string damaged = packed;
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << (at % 8)));
+    EXPECT_THROW(unpack_ping(damaged, all, back), DamagedPing) << at;
+    EXPECT_THROW(unpack_ping(packed.substr(0, at), all, back), DamagedPing) << at;
+  }
+  EXPECT_THROW(unpack_ping(packed + "x", all, back), DamagedPing);
+  StoreLayout other = all;
+  other.sensors[0].cells = 699;
+  PingStore of_other(other);
+  EXPECT_THROW(unpack_ping(packed, other, of_other), DamagedPing);
+  StoreLayout shorter = all;
+  shorter.groups[0].pings = 1;
+  EXPECT_THROW(head_of_packed(packed, shorter), DamagedPing);
+}
+
+// Who writes bytes on purpose makes their sums fit: then nothing is trusted that they say.
+TEST(PackedPings, ThatWereForgedDoNoHarm) {
+  const StoreLayout all = layout(true);
+  PingStore room(room_for_one(all, 0)), back(all);
+  std::mt19937 random(7);
+  for (const std::size_t sensor : all.groups[0].sensors) fill(room, sensor, 0, 0.1, random);
+  const std::string packed = packed_ping(all, {0, 1}, counts(), room, 0);
+  int refused = 0, taken = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    std::string forged = packed;
+    PackedHead head;
+    std::memcpy(&head, forged.data(), sizeof head);
+    const auto place = [&](std::size_t end) {
+      return sizeof head + std::uniform_int_distribution<std::size_t>(0, end - 1)(random);
+    };
+    const std::size_t body = forged.size() - sizeof head;
+    for (int k = 0; k < 1 + trial % 3; ++k)  // mostly in the lengths, the counts and the runs
+      forged[place(trial % 2 == 0 ? std::min<std::size_t>(body, 200) : body)] = static_cast<char>(random());
+    if (trial % 5 == 0) forged.resize(place(body) + 1);
+    head.bytes = forged.size() - sizeof head;
+    head.values_checksum = libdeflate_crc32(0, forged.data() + sizeof head, head.bytes);
+    head.head_checksum = libdeflate_crc32(0, &head, offsetof(PackedHead, head_checksum));
+    std::memcpy(forged.data(), &head, sizeof head);
+    try {
+      unpack_ping(forged, all, back);
+      ++taken;
+    } catch (const DamagedPing&) {
+      ++refused;
+    }
+    ASSERT_EQ(back.energy(0, 0)[0], 0) << "a neighbour";
+    ASSERT_EQ(back.energy(0, 2)[0], 0) << "a neighbour";
+  }
+  EXPECT_GT(refused, 1000);
+  EXPECT_GT(taken, 10) << "else they are not forged well";
+}
+
+}  // namespace
+}  // namespace tubefoot
