@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "app/asked.hpp"
 #include "app/commands.hpp"
 #include "app/library_versions.hpp"
 #include "files/input_error.hpp"
@@ -29,11 +30,7 @@
 #include "run/ranks/rank_link.hpp"
 
 namespace tubefoot {
-namespace {
 
-constexpr int done = 0, failed = 1, wrong_input = 2;
-
-/// CLI11's own range checks let NaN through, as it is neither too small nor too large.
 CLI::Validator finite_number(double least, bool above) {
   return CLI::Validator(
       [least, above](std::string& text) -> std::string {
@@ -43,14 +40,6 @@ CLI::Validator finite_number(double least, bool above) {
         return fmt::format("'{}' is no number {} {:g}", text, above ? "above" : "of at least", least);
       },
       "NUMBER");
-}
-
-/// Of every command that reads a scene.
-template <class Options>
-void add_scene_flags(CLI::App& command, Options& options) {
-  command.add_flag("--confined", options.confined,
-                   "read nothing that lies outside of the scene file's folder, links followed");
-  command.add_flag("--quiet", options.quiet, "print results and errors only");
 }
 
 void add_common(CLI::App& command, CommonOptions& options) {
@@ -65,89 +54,14 @@ void add_common(CLI::App& command, CommonOptions& options) {
   add_scene_flags(command, options);
 }
 
+namespace {
+
+constexpr int done = 0, failed = 1, wrong_input = 2;
+
 /// Where a standard stream is closed, the first file that is opened would take its number, and its words.
 void hold_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0 && errno == EBADF && open("/dev/null", O_RDONLY) < 0) return;
-}
-
-/// What the command line asks for: the options of each command, and the one command that is called.
-struct Asked {
-  RunOptions run;
-  CheckOptions check;
-  AuditOptions audit;
-  FootprintOptions footprints;
-  CoverageOptions coverage;
-  ViewOptions view;
-  RefineOptions refine;
-  ExportOptions exported;
-  ImportSceneOptions import_scene;
-  CompareOptions compare;
-  ImportOptions import;
-  ChartOptions chart;
-  AdviseOptions advise;
-  PresetsOptions presets;
-  PackOptions pack;
-  std::function<int()> command;
-};
-
-void add_run(CLI::App& app, Asked& asked) {
-  RunOptions& run = asked.run;
-  CLI::App* command =
-      app.add_subcommand("run", "Simulate all pings of a scene and write echoes, pictures and statistics");
-  add_common(*command, run);
-  command->add_option("-o,--output", run.output, "folder to write; made whole or not at all")->required();
-  command->add_option("--sensor", run.selection.sensor, "only this sensor");
-  command->add_option("--ping,--pings", run.selection.pings,
-                      "only pings A:B of each sensor, both included, counted from 0 (default: all)");
-  command->add_option(
-      "--beam,--beams", run.selection.beams,
-      "only echoes of beams A:B, both included, or several such between commas (default: all)");
-  command
-      ->add_option_function<std::string>(
-          "--pictures",
-          [&run](const std::string& word) {
-            using Which = PictureSettings::Which;
-            run.pictures.which = word == "none" ? Which::none : word == "all" ? Which::all : Which::sequence;
-          },
-          "none; sequence: those of several pings at once; all: and of each ping, where a sonar shows such "
-          "(default: as the sensor says, else all)")
-      ->check(CLI::IsMember({"none", "sequence", "all"}));
-  command->add_flag("--animate", run.pictures.animated,
-                    "also write pings of cameras and imaging sonars one after the other, as a GIF");
-  command->add_option("--picture-bits", run.pictures.bits, "bits a colour of a PNG: 8 or 16 (default: 8)")
-      ->check(CLI::IsMember({8, 16}));
-  command->add_option("--engine", run.engine, "tube (exact) or ray (sampling)")
-      ->check(CLI::IsMember({"tube", "ray"}));
-  command
-      ->add_option("--binning", run.binning,
-                   "tube engine: cut footprints at the samples' borders (exact), or use their centroid's "
-                   "energy, spread over their ranges or not")
-      ->check(CLI::IsMember({"exact", "spread", "centroid"}));
-  command->add_option("--sampling", run.sampling, "ray engine: stratified, sobol, regular, random or column")
-      ->check(CLI::IsMember({"stratified", "sobol", "regular", "random", "column"}));
-  CLI::Option* rays = command->add_option("--rays", run.rays, "ray engine: rays per ping")
-                          ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}));
-  command->add_option("--rays-per-beam", run.rays_per_beam, "ray engine: rays per beam instead")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000'000}))
-      ->excludes(rays);
-  command->add_option("--seed", run.seed, "ray engine: seed of the sampling")->check(CLI::NonNegativeNumber);
-  command->add_flag("--reference", run.reference,
-                    "tube engine: certify every energy and write energy_bound beside it");
-  command->add_option("--tolerance", run.tolerance,
-                      "error allowed, 0.1dB (RMS of lit bins), 1e-3 or 0.1% (relative L1): picks engine and "
-                      "settings as 'advise' does; with --reference: the bound asked for (default: 1e-9)");
-  command->add_flag("--truth", run.truth,
-                    "write beside every energy whose it is, by object and material, and its mean height and "
-                    "range (docs/truth.md)");
-  command->add_flag(
-      "--resume", run.resume,
-      "go on with a run that was interrupted or killed, from '<output>.partial'; begin if there is "
-      "none");
-  command->footer(
-      "Example:\n  tubefoot run scenes/wellhead/scene.toml -o out/wellhead\n"
-      "  tubefoot run scenes/wellhead/scene.toml -o out/some --sensor sidescan --pings 100:120");
-  command->callback([&asked] { asked.command = [&asked] { return run_command(asked.run); }; });
 }
 
 void add_check(CLI::App& app, Asked& asked) {
@@ -561,8 +475,8 @@ int obeyed(int argc, char** argv) {
       "  3  a comparison found more error than was allowed");
   Asked asked;
   for (const auto add :
-       {add_run, add_check, add_audit, add_footprints, add_coverage, add_view, add_refine, add_export,
-        add_import_scene, add_compare, add_import, add_chart, add_advise, add_presets, add_pack})
+       {add_run, add_join, add_check, add_audit, add_footprints, add_coverage, add_view, add_refine,
+        add_export, add_import_scene, add_compare, add_import, add_chart, add_advise, add_presets, add_pack})
     add(app, asked);
   if (refused_first_word(app, argc, argv)) return wrong_input;
   try {

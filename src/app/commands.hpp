@@ -11,6 +11,12 @@
 
 namespace tubefoot {
 
+/// Of a run in parts: its scene, its output, and how results are written. All else is what the parts were
+/// asked for.
+struct JoinOptions : RunOptions {
+  bool keep_parts = false;
+};
+
 struct CheckOptions : CommonOptions {
   std::optional<std::filesystem::path> picture;  ///< of the scene
 };
@@ -120,6 +126,7 @@ struct PackOptions {
 // Each prints to stdout and returns the exit code. They throw InputError where the input is wrong, UsageError
 // where the command line is, and std::exception where the run fails.
 int run_command(const RunOptions& options);
+int join_command(const JoinOptions& options);
 int check_command(const CheckOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);

@@ -18,43 +18,63 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-fs::path partial_of(const fs::path& output) {
+}  // namespace
+
+fs::path beside(const fs::path& output, const std::string& suffix) {
   std::error_code ignored;
   fs::path file = fs::weakly_canonical(fs::absolute(output), ignored);
   if (!file.has_filename()) file = file.parent_path();
-  return file += ".partial";
+  return file += suffix;
 }
 
-/// Throws UsageError naming the first thing that differs between what a kept run was asked and what this one
-/// is.
-void refuse_other_request(const Json& kept, const Json& asked) {
+void refuse_other_request(const Json& kept, const Json& asked, const KeptWords& words) {
   for (const auto& [key, value] : asked.items()) {
     const Json before = kept.contains(key) ? kept.at(key) : Json();
     if (before == value) continue;
     if (key == "build")
       throw UsageError(fmt::format(
-          "the run that --resume would go on with was computed by another build of tubefoot ({}), whose "
-          "energies "
-          "may differ from this one's: go on with that build, or delete the .partial file to begin anew",
-          difference_of_builds(before, value)));
+          "{} was computed by another build of tubefoot ({}), whose energies may differ from this one's: go "
+          "on with that build, or {}",
+          words.run, difference_of_builds(before, value), words.anew));
     if (key == "scene_hash")
       throw UsageError(
-          "the scene, or a file that it names, has changed since the run that --resume would go on with: "
-          "bring it "
-          "back, or delete the .partial file to begin anew");
-    if (value.is_object() && before.is_object()) refuse_other_request(before, value);
-    throw UsageError(
-        fmt::format("the run that --resume would go on with had {} = {}, not {}: ask for the same, or delete "
-                    "the .partial file "
-                    "to begin anew",
-                    key, before.dump(), value.dump()));
+          fmt::format("the scene, or a file that it names, has changed since {}: bring it back, or {}",
+                      words.run, words.anew));
+    if (value.is_object() && before.is_object()) refuse_other_request(before, value, words);
+    throw UsageError(fmt::format("{} had {} = {}, not {}: ask for the same, or {}", words.run, key,
+                                 before.dump(), value.dump(), words.anew));
   }
 }
 
-}  // namespace
+void keep_through(const std::function<std::string()>& advice, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Interrupted&) {
+    throw std::runtime_error("interrupted: " + advice());
+  } catch (const std::bad_alloc&) {
+    throw std::runtime_error(fmt::format(
+        "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
+        "scene; {}",
+        advice()));
+  } catch (const std::runtime_error& error) {
+    if (dynamic_cast<const InputError*>(&error) != nullptr ||
+        dynamic_cast<const UsageError*>(&error) != nullptr ||
+        dynamic_cast<const UnusableStore*>(&error) != nullptr)
+      throw;
+    // What oneTBB and the standard library say where memory for a thread's stack is short.
+    const auto* system = dynamic_cast<const std::system_error*>(&error);
+    if (std::string_view(error.what()).starts_with("pthread_create") ||
+        (system != nullptr && system->code() == std::errc::resource_unavailable_try_again))
+      throw std::runtime_error(
+          fmt::format("no thread can be started ({}): too little memory (ulimit -v) or too many processes "
+                      "(ulimit -u); {}",
+                      error.what(), advice()));
+    throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
+  }
+}
 
 PartialRun::PartialRun(const fs::path& output, bool resume)
-    : file_(partial_of(output)), kept_(std::make_unique<std::optional<Json>>()) {
+    : file_(beside(output, ".partial")), kept_(std::make_unique<std::optional<Json>>()) {
   StoreSummary there;
   std::optional<Json> identity;
   const auto in_the_way = [](const std::string& what) {
@@ -122,33 +142,6 @@ std::string PartialRun::advice() const {
   }
   return fmt::format("{} of {} pings are kept in '{}'{}: run the same command with --resume to go on", done,
                      units_, file_.string(), unsure);
-}
-
-void PartialRun::keep_through(const std::function<void()>& work) const {
-  unless_interrupted([&] {
-    try {
-      work();
-    } catch (const std::bad_alloc&) {
-      throw std::runtime_error(fmt::format(
-          "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller "
-          "scene; {}",
-          advice()));
-    } catch (const std::runtime_error& error) {
-      if (dynamic_cast<const InputError*>(&error) != nullptr ||
-          dynamic_cast<const UsageError*>(&error) != nullptr ||
-          dynamic_cast<const UnusableStore*>(&error) != nullptr)
-        throw;
-      // What oneTBB and the standard library say where memory for a thread's stack is short.
-      const auto* system = dynamic_cast<const std::system_error*>(&error);
-      if (std::string_view(error.what()).starts_with("pthread_create") ||
-          (system != nullptr && system->code() == std::errc::resource_unavailable_try_again))
-        throw std::runtime_error(
-            fmt::format("no thread can be started ({}): too little memory (ulimit -v) or too many processes "
-                        "(ulimit -u); {}",
-                        error.what(), advice()));
-      throw std::runtime_error(fmt::format("{}; {}", error.what(), advice()));
-    }
-  });
 }
 
 void PartialRun::remove() {

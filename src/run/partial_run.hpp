@@ -7,12 +7,26 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "geometry/steps/stop.hpp"
 #include "run/kept/ping_store.hpp"
 #include "run/run_request.hpp"
 
 namespace tubefoot {
+
+/// A file beside a run's result, under the result's name and `suffix`.
+std::filesystem::path beside(const std::filesystem::path& output, const std::string& suffix);
+
+/// Does a piece of the work of a run that keeps its pings; who stops it, or what stops it, is told together
+/// with `advice`.
+void keep_through(const std::function<std::string()>& advice, const std::function<void()>& work);
+
+/// How to speak of a run whose pings are kept, and of what to do where they are not what is asked for.
+struct KeptWords {
+  std::string run = "the run that --resume would go on with";
+  std::string anew = "delete the .partial file to begin anew";
+};
 
 /// The pings of a run on their way to a result: the file '<output>.partial', which stays when the run is
 /// interrupted or killed, and which a later run goes on with.
@@ -42,7 +56,9 @@ class PartialRun {
     }
   }
   /// The same, and what stops it is told together with advice().
-  void keep_through(const std::function<void()>& work) const;
+  void keep_through(const std::function<void()>& work) const {
+    tubefoot::keep_through([this] { return advice(); }, work);
+  }
   /// Takes the file away: the result is complete.
   void remove();
 
@@ -53,6 +69,11 @@ class PartialRun {
   std::shared_ptr<PingStore> store_;
   std::size_t units_ = 0, kept_done_ = 0;
 };
+
+/// Throws UsageError naming the first thing that differs between what a kept run was asked and what this one
+/// is.
+void refuse_other_request(const nlohmann::ordered_json& kept, const nlohmann::ordered_json& asked,
+                          const KeptWords& words = {});
 
 /// The settings of a kept run, if it was asked what this one is. Throws UsageError naming the first thing
 /// that differs, or saying that what was kept is damaged.

@@ -72,21 +72,21 @@ PingCounts PingSimulation::run(std::size_t group, std::size_t ping, PingStore& s
   return counts;
 }
 
-void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers) {
-  const PingSimulation simulation(survey, request);
-  const StoreLayout layout = layout_of(survey, request);
-  const std::size_t left = layout.units() - store.done_units();
-  if (onlookers.watch != nullptr) onlookers.watch->total = left;
-  Progress progress("pings", left, onlookers.quiet);
+void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft& left, const OfPing& keep,
+                   const Onlookers& onlookers) {
+  std::size_t all = 0;
+  for (std::size_t g = 0; g < layout.groups.size(); ++g)
+    for (std::size_t ping = 0; ping < layout.groups[g].pings; ++ping) all += left(g, ping);
+  if (onlookers.watch != nullptr) onlookers.watch->total = all;
+  Progress progress("pings", all, onlookers.quiet);
   const auto take = [&](std::size_t g, std::size_t ping) {
-    if (store.done(g, ping) || stop_wanted()) return;
-    const auto run = [&] { store.finish(g, ping, simulation.run(g, ping, store, ping)); };
+    if (!left(g, ping) || stop_wanted()) return;
     // A thread that waits for others must not begin a second ping: each holds the ground of its shot.
     try {
       if (survey.site->ground || survey.site->is_tiled())
-        tbb::this_task_arena::isolate(run);
+        tbb::this_task_arena::isolate([&] { keep(g, ping); });
       else
-        run();
+        keep(g, ping);
     } catch (const Interrupted&) {
       return;
     }
@@ -110,6 +110,17 @@ void simulate(const Survey& survey, const RunRequest& request, PingStore& store,
         },
         tbb::simple_partitioner());
   }
+}
+
+void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers) {
+  const PingSimulation simulation(survey, request);
+  for_each_ping(
+      survey, layout_of(survey, request),
+      [&](std::size_t group, std::size_t ping) { return !store.done(group, ping); },
+      [&](std::size_t group, std::size_t ping) {
+        store.finish(group, ping, simulation.run(group, ping, store, ping));
+      },
+      onlookers);
 }
 
 SimulationStats totals(const Survey& survey, const PingStore& store, const Selection& selection) {

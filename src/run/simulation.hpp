@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,6 +71,13 @@ struct Onlookers {
   bool quiet = true;          ///< nothing on stderr
   RunWatch* watch = nullptr;  ///< may be null
 };
+
+/// Calls `keep` for each ping of `layout`, by group and ping, that is `left` to do, from all threads and in
+/// any order, near ones together. Returns early when somebody wants to stop (geometry/steps/stop.hpp).
+using OfPing = std::function<void(std::size_t group, std::size_t ping)>;
+using IsLeft = std::function<bool(std::size_t group, std::size_t ping)>;
+void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft& left, const OfPing& keep,
+                   const Onlookers& onlookers);
 
 /// Runs all pings of all sensors that `store` has not yet, as PingSimulation does. Returns early, with
 /// what was finished in the store, when somebody wants to stop (geometry/steps/stop.hpp).

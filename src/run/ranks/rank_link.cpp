@@ -32,9 +32,14 @@ bool is_later_rank() {
   return number_in("OMPI_COMM_WORLD_RANK").value_or(number_in("PMIX_RANK").value_or(0)) > 0;
 }
 
+bool is_one_of_several_ranks() {
+  const std::optional<int> size = number_in("OMPI_COMM_WORLD_SIZE");
+  return size ? *size > 1 : number_in("PMIX_RANK").has_value();
+}
+
 std::unique_ptr<RankLink> join_ranks() {
   const std::optional<int> size = number_in("OMPI_COMM_WORLD_SIZE");
-  if (size ? *size == 1 : !number_in("PMIX_RANK")) {
+  if (!is_one_of_several_ranks()) {
     if (!size && number_in("PMI_SIZE").value_or(1) > 1)
       throw UsageError(
           "started as several processes, but not by Open MPI: use its mpirun, or srun --mpi=pmix "

@@ -50,6 +50,8 @@ std::unique_ptr<RankLink> join_ranks();
 /// Whether this is not the first of several processes, by what their starter told them: known before
 /// join_ranks(), for what only one of them shall say.
 bool is_later_rank();
+/// Whether others were started together with this one.
+bool is_one_of_several_ranks();
 
 /// Threads for a rank that was given no number: its share of the machine's cores, or those it is bound to if
 /// they are fewer.

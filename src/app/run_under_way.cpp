@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/run_under_way.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "files/checked_file.hpp"
+#include "files/json_text.hpp"
+#include "files/usage_error.hpp"
+#include "geometry/steps/stop.hpp"
+#include "plan/scene_drawing.hpp"
+#include "run/console/amounts.hpp"
+#include "run/console/say.hpp"
+#include "run/console/written.hpp"
+#include "run/run_statistics.hpp"
+#include "run/run_steps.hpp"
+#include "run/truth.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// `refined`: shots had ground of their own, no finer than its tolerance asks.
+void print_reference(double tolerance, const ReferenceStats& reference, bool refined) {
+  if (reference.bins_over == 0)
+    tell("reference: every energy within {:g} of its bin, certified{}\n", tolerance,
+         refined ? ", for the facets that relief was refined into" : "");
+  else if (reference.worst_ratio == 0)  // no bound is finite
+    tell("reference: {} bins have no bound, and every other energy is 0, certified\n", reference.bins_over);
+  else if (reference.worst_ratio <= 1)  // of the bounds that are finite
+    tell("reference: {} bins have no bound; every other energy within {:g} of its bin, certified\n",
+         reference.bins_over, tolerance);
+  else
+    tell(
+        "reference: {} bins have wider bounds than {:g}; the widest is {:.3g} times what was asked, at "
+        "sensor "
+        "'{}', ping {}, beam {}, sample {}\n",
+        reference.bins_over, tolerance, reference.worst_ratio, reference.worst_sensor, reference.worst_ping,
+        reference.worst_beam, reference.worst_sample);
+}
+
+void print_tolerance(const nlohmann::ordered_json& advice) {
+  tell("tolerance {}: {}, {}; left out: {}; error about {} (measured on probe pings, not certified)\n",
+       advice.at("asked").get<std::string>(), advice.at("engine").get<std::string>(),
+       advice.at("setting").get<std::string>(), advice.at("left_out").get<std::string>(),
+       advice.at("error_text").get<std::string>());
+}
+
+void print_relief(const Site& site, const SimulationStats& stats) {
+  if (site.refines_tiles())
+    tell("relief: tiles refined once for each region of pings, in cells of {:g} m\n", site.relief.cell_m);
+  else if (site.is_tiled())
+    tell("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
+  else if (site.ground)
+    tell("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n", stats.refined_facets,
+         stats.pings, site.relief.uniform_facets, site.relief.cell_m);
+  else
+    tell("relief: {} facets, made once, in cells of {:g} m\n", site.scene.mesh.facets.size(),
+         site.relief.cell_m);
+  tell(
+      "finer relief would change a facet's energy by {:.2g} times itself (RMS), by {:.2g} times at most "
+      "(first-order estimates for the worst ping, not certified)\n",
+      stats.finer_relief_rms, stats.finer_relief_largest);
+}
+
+/// For stats.json.
+nlohmann::ordered_json whole_statistics(const RunUnderWay& run, const Survey& survey, double write_seconds) {
+  nlohmann::ordered_json json = statistics_json(survey, run.request, run.stats);
+  if (run.identity.contains("advice")) json["tolerance"] = run.identity.at("advice");
+  json["threads"] = run.threads;
+  if (run.ranks) json["ranks"] = *run.ranks;
+  if (run.parts) json["parts"] = *run.parts;
+  if (run.kept_pings > 0) json["pings_kept_from_before"] = run.kept_pings;
+  json["seconds"] = {{"load", survey.site->load_seconds},
+                     {"tree", survey.site->tree_seconds},
+                     {"simulation", run.simulation_seconds},
+                     {"visibility_of_all_pings", run.stats.visibility_seconds},
+                     {"echo_of_all_pings", run.stats.echo_seconds},
+                     {"write", write_seconds},
+                     {"total", seconds_since(run.start)}};
+  json["peak_memory_mb"] = peak_memory_mb();
+  json["warnings"] = run.warnings.all();
+  return json;
+}
+
+/// Pings a second, where this run made all of them.
+std::string pace(const RunUnderWay& run) {
+  return run.kept_pings == 0 && run.simulation_seconds > 0
+             ? fmt::format(" ({:.3g} pings a second)",
+                           static_cast<double>(run.stats.pings) / run.simulation_seconds)
+             : std::string();
+}
+
+}  // namespace
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void foresee_writing(RunUnderWay& run, const Survey& survey) {
+  const PictureSettings& pictures = run.options.pictures;
+  if (pictures.animated && pictures.which == PictureSettings::Which::none)
+    throw UsageError("--animate asks for pictures, and --pictures none for none: leave out one of them");
+  const WritingCost cost = expected_writing(survey, run.request, pictures);
+  double kept = 0;
+  for (const StoreLayout::Sensor& sensor : layout_of(survey, run.request).sensors)
+    kept += 8.0 * static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells);
+  if (run.request.reference_tolerance) kept *= 2;
+  constexpr double long_s = 10, large_bytes = 1e9;
+  const double seconds = cost.seconds_on(run.threads);
+  if (!run.options.quiet && (seconds > long_s || kept + cost.bytes > large_bytes))
+    say("writing will take about {}, and the disk {} for energies while it runs and at most about {} for the "
+        "result\n",
+        duration_text(seconds), size_text(kept), size_text(cost.bytes));
+  std::error_code unknown;
+  const std::filesystem::space_info disk = std::filesystem::space(
+      std::filesystem::absolute(run.options.output).lexically_normal().parent_path(), unknown);
+  if (unknown || static_cast<double>(disk.available) >= cost.bytes + kept) return;
+  run.warnings.add(
+      {fmt::format("the disk of '{}' has {}, and the run may need {}: ask for fewer pings "
+                   "(--pings, --sensor), or --pictures none",
+                   run.options.output.string(), size_text(static_cast<double>(disk.available)),
+                   size_text(cost.bytes + kept))});
+}
+
+std::vector<Recording> looked_back(RunUnderWay& run, const Survey& survey,
+                                   const std::shared_ptr<PingStore>& store) {
+  run.stats = totals(survey, *store, run.request.selection);
+  std::vector<Recording> recordings = recordings_of(survey, store, run.request.selection);
+  run.truths = truths_of(survey, run.request, store);
+  run.warnings.look_back(survey, run.request, run.stats, recordings);
+  return recordings;
+}
+
+std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& survey,
+                                             const std::vector<Recording>& recordings,
+                                             const std::vector<std::string>& foreseen, OutputFolder& output) {
+  const Clock::time_point start = Clock::now();
+  std::vector<std::string> warnings;
+  std::vector<std::filesystem::path> files =
+      write_result_files(output.staging(), survey, run.request, recordings, warnings,
+                         {run.options.pictures, run.options.quiet}, run.truths);
+  if (run.options.pictures.which != PictureSettings::Which::none) {
+    write_scene_picture(output.staging() / scene_picture_name, survey);
+    files.emplace_back(scene_picture_name);
+  }
+  for (const std::string& warning : warnings)
+    if (std::ranges::find(foreseen, warning) != foreseen.end())
+      run.warnings.keep({warning});
+    else
+      run.warnings.add({warning});
+  write_file(output.staging() / "stats.json",
+             text_of(whole_statistics(run, survey, seconds_since(start))) + "\n");
+  stop_if_wanted();
+  refuse_changed_input(survey.scene.description);
+  output.commit();
+  run.write_seconds = seconds_since(start);
+  files.emplace_back("stats.json");
+  return files;
+}
+
+void tell_all(const RunUnderWay& run, const Site& site, const std::vector<std::filesystem::path>& files) {
+  const SimulationStats& stats = run.stats;
+  const bool exact = run.request.engine == Engine::tube;
+  if (!run.options.quiet)
+    tell("{} pings, {} tubes, {} {} in {:.1f} s\nsimulation {:.1f} s{}, writing {:.1f} s\n", stats.pings,
+         stats.tubes, exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
+         seconds_since(run.start), run.simulation_seconds, pace(run), run.write_seconds);
+  if (!run.options.quiet && site.relief.cell_m > 0) print_relief(site, stats);
+  if (run.request.reference_tolerance)
+    print_reference(*run.request.reference_tolerance, stats.reference, site.ground != nullptr);
+  if (run.identity.contains("advice")) print_tolerance(run.identity.at("advice"));
+  for (const std::string& line : written_lines(run.options.output, files)) tell("{}\n", line);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The file of a part of a run: what was finished is kept, and nothing else is taken for a ping.
+#include "run/kept/part_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "fixtures/test_folder.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+StoreLayout layout() {
+  StoreLayout made;
+  made.sensors = {{4, 30}, {4, 3}};
+  made.groups = {{{0, 1}, 4}};
+  made.with_bounds = true;
+  return made;
+}
+
+std::string packed(std::size_t ping) {
+  PingStore room(room_for_one(layout(), 0));
+  for (const std::span<double> values : {room.energy(0, 0), room.bound(0, 0), room.energy(1, 0)})
+    for (std::size_t k = ping; k < values.size(); k += 2) values[k] = 1e-9 * double(ping + k + 1);
+  return packed_ping(layout(), {0, ping}, {}, room, 0);
+}
+
+/// A file with pings 0, 2 and 3.
+fs::path made_in(const TestFolder& folder) {
+  const fs::path path = folder / "out.part-1-of-1";
+  PartFile file(path);
+  file.begin("me");
+  for (const std::size_t ping : {2, 0, 3}) file.append(packed(ping));
+  return path;
+}
+
+/// Which pings are there, each of which must be what it was.
+std::vector<bool> there(const PartFile& file) {
+  std::vector<bool> found;
+  PingStore store(layout());
+  for (std::size_t ping = 0; ping < 4; ++ping) {
+    found.push_back(file.has({0, ping}));
+    if (!found.back()) continue;
+    const std::string bytes = file.read({0, ping});
+    EXPECT_TRUE(bytes == packed(ping));
+    unpack_ping(bytes, layout(), store);
+  }
+  return found;
+}
+
+TEST(PartFiles, AreGoneOnWith) {
+  TestFolder folder;
+  const fs::path path = made_in(folder);
+  {
+    PartFile file(path);
+    EXPECT_EQ(file.identity(), "me");
+    EXPECT_TRUE(file.has_pings());
+    file.look_through(layout());
+    EXPECT_EQ(there(file), (std::vector<bool>{true, false, true, true}));
+    EXPECT_THROW(PartFile{path}, StoreInUse);
+    file.begin("me");
+    file.append(packed(1));
+  }
+  PartFile file(path);
+  file.look_through(layout());
+  EXPECT_EQ(there(file), (std::vector<bool>{true, true, true, true}));
+}
+
+// A program can be killed, or a disk be full, at any byte.
+TEST(PartFiles, CutAnywhereKeepWhatIsWholeAndGoOn) {
+  TestFolder folder;
+  const fs::path path = made_in(folder);
+  const std::string good = bytes_of(path);
+  const std::size_t head = good.size() - packed(0).size() - packed(2).size() - packed(3).size();
+  for (std::size_t bytes = 0; bytes < good.size(); ++bytes) {
+    SCOPED_TRACE(bytes);
+    folder.write(path.filename().string(), good.substr(0, bytes));
+    if (bytes > 0 && bytes < 32) {
+      EXPECT_THROW(PartFile{path}, UnusableStore);
+      continue;
+    }
+    PartFile file(path);
+    EXPECT_EQ(file.identity().empty(), bytes < head);
+    if (!file.identity().empty()) file.look_through(layout());
+    file.begin("me");
+    file.append(packed(1));
+    file.look_through(layout());
+    const std::vector<bool> found = there(file);
+    EXPECT_TRUE(found[1]);
+    EXPECT_EQ(found[2], bytes >= head + packed(2).size());
+    EXPECT_FALSE(found[3]);
+  }
+}
+
+TEST(PartFiles, WithAnyBitTurnedHaveThePingsThatWereThereOrFewer) {
+  TestFolder folder;
+  const fs::path path = made_in(folder);
+  const std::string good = bytes_of(path);
+  std::size_t lost = 0, refused = 0;
+  for (std::size_t at = 0; at < good.size(); ++at)
+    for (const int bit : {0, 7}) {
+      SCOPED_TRACE(at);
+      std::string damaged = good;
+      damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
+      folder.write(path.filename().string(), damaged);
+      try {
+        PartFile file(path);
+        if (file.identity().empty()) continue;  // its length is that of a file that was just begun
+        EXPECT_EQ(file.identity(), "me");
+        file.look_through(layout());
+        const std::vector<bool> found = there(file);
+        EXPECT_FALSE(found[1]);
+        const auto whole = std::ranges::count(found, true);
+        EXPECT_LT(whole, 3);
+        lost += whole < 3;
+        if (whole == 2 && !found[2]) {
+          EXPECT_TRUE(file.has_damaged({0, 2}));
+        }
+      } catch (const UnusableStore&) {
+        ++refused;
+      }
+    }
+  EXPECT_GT(lost, 100u);
+  EXPECT_GT(refused, 30u);
+}
+
+TEST(PartFiles, OfAnotherScenesLengthsHaveNoPings) {
+  TestFolder folder;
+  PartFile file(made_in(folder));
+  StoreLayout other = layout();
+  other.groups[0].pings = 2;
+  file.look_through(other);
+  EXPECT_FALSE(file.has({0, 0}));
+  EXPECT_FALSE(file.has({0, 1}));
+}
+
+}  // namespace
+}  // namespace tubefoot
