@@ -31,9 +31,7 @@ struct FineInterval {
   bool may_be_zero() const { return !(lo > 0 || hi < 0); }
 
   /// The same in doubles.
-  Interval in_doubles() const {
-    return tubefoot::outwards(static_cast<double>(lo), static_cast<double>(hi));
-  }
+  Interval in_doubles() const { return tubefoot::outwards(static_cast<double>(lo), static_cast<double>(hi)); }
 };
 
 /// What is not a number becomes everything.

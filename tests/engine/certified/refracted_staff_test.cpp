@@ -134,8 +134,9 @@ std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 fr
             [&](std::size_t sample, double dy, double y, double first, double last) {
               const auto product = [&](double x) {
                 const glm::dvec3 place = GradientPath::place(x, y);
-                const double phase = scene.staff.wavenumber_rad_m * 1500 *
-                                     (BentPath(g, upper.home, place).time_s - BentPath(g, lower.home, place).time_s);
+                const double phase =
+                    scene.staff.wavenumber_rad_m * 1500 *
+                    (BentPath(g, upper.home, place).time_s - BentPath(g, lower.home, place).time_s);
                 return std::polar(std::sqrt(upper.density(x, y) * lower.density(x, y)), phase);
               };
               rows[2 * row + sample] +=
