@@ -77,9 +77,9 @@ class Gatherer {
           ends.out().apparent == nullptr)
         own_mesh_ = *ends.out().mesh;
     }
-    if (surfaces_are_known(shots_.survey(), index_))
+    if (surfaces_are_known(around.survey(), index_))
       for (const int samples :
-           samples_with_surfaces(shots_.survey(), index_, ping, std::span(view.energy_j).last(cells_)))
+           samples_with_surfaces(around.survey(), index_, ping, std::span(view.energy_j).last(cells_)))
         view.surfaces.push_back(static_cast<std::uint32_t>(samples));
     view.pings.back().shadows = static_cast<std::uint32_t>(view.shadows.corners_of.size() - shadows_before);
   }
