@@ -3,18 +3,33 @@
 
 #include <cairo.h>
 #include <librsvg/rsvg.h>
+#include <sys/mman.h>
 
 #include <cmath>
 #include <memory>
+#include <new>
 
 #include "files/checked_file.hpp"
 
 namespace tubefoot {
+namespace {
+
+/// GLib ends the program where it is refused memory, or a thread for a font. Throws std::bad_alloc where
+/// there are not the addresses that it may come to take.
+void require_room_for_fonts() {
+  constexpr std::size_t bytes = std::size_t{256} << 20;
+  void* const room = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) throw std::bad_alloc();
+  munmap(room, bytes);
+}
+
+}  // namespace
 
 void write_png_of_svg(const std::string& svg, const std::filesystem::path& file, double scale) {
   const auto fail = [&](const std::string& why) {
     throw write_error(file, "cannot draw the picture: " + why);
   };
+  require_room_for_fonts();
   GError* error = nullptr;
   const std::unique_ptr<RsvgHandle, void (*)(gpointer)> handle(
       rsvg_handle_new_from_data(reinterpret_cast<const guint8*>(svg.data()), svg.size(), &error),

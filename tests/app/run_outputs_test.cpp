@@ -107,7 +107,7 @@ TEST_F(RunOutputs, RefusesPicturesThatThereAreNot) {
 }
 
 TEST_F(RunOutputs, TellWritingBeforeMeanwhileAndAfter) {
-  write(scene(40));
+  write(scene(160));
   const Outcome checked = run_program({"check", (folder / "scene.toml").string()});
   EXPECT_THAT(checked.out,
               ContainsRegex("expected cost .* then about [0-9.]+ (s|minutes) for writing files"));
@@ -115,10 +115,10 @@ TEST_F(RunOutputs, TellWritingBeforeMeanwhileAndAfter) {
   const Outcome outcome = run({"--threads", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, ContainsRegex("writing will take about [0-9.]+ s, and the disk"));
-  const std::size_t simulated = outcome.err.find("pings 40/40");
+  const std::size_t simulated = outcome.err.find("pings 160/160");
   EXPECT_THAT(outcome.err.substr(simulated == std::string::npos ? 0 : simulated),
-              ContainsRegex("writing: pictures [0-9]+/40, [^\n]* left"))
-      << "silence while 40 pictures are written";
+              ContainsRegex("writing: pictures [0-9]+/160, [^\n]* left"))
+      << "silence while 160 pictures are written";
   EXPECT_THAT(outcome.out,
               ContainsRegex("simulation [0-9.]+ s \\([0-9.e+]+ pings a second\\), writing [0-9.]+ s"));
   EXPECT_THAT(run({"--quiet", "--pictures", "none"}).err, Not(HasSubstr("writing")));
