@@ -265,7 +265,7 @@ TEST_F(AdviseProgram, JsonHasEveryCandidate) {
   EXPECT_EQ(json["measure"], "l1_error");
   EXPECT_EQ(json["sensors"][0]["probe_pings"].size(), 3u);
   EXPECT_EQ(json["sensors"][0]["measured_pings"].size(), 3u);
-  EXPECT_EQ(json["candidates"].size(), 6u);
+  EXPECT_EQ(json["candidates"].size(), 7u);
   EXPECT_EQ(json["candidates"][0]["measured"]["error"], 0);
   EXPECT_TRUE(json["cheapest"]["holds"]);
   for (const auto& c : json["candidates"]) {

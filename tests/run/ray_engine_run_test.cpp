@@ -143,7 +143,7 @@ TEST(RayRun, CountsByPingAndByBeamExcludeEachOther) {
   refused({"--rays", "5", "--rays-per-beam", "5"}, "excludes");
   refused({"--rays-per-beam", "0"}, "--rays-per-beam");
   refused({"--rays-per-beam", "2.5"}, "--rays-per-beam");
-  refused({"--sampling", "sobol"}, "sobol");
+  refused({"--sampling", "halton"}, "halton");
   // The command line's count replaces the scene's, whichever way that one is given.
   echoes_in(folder, scene + "[run]\nengine = \"ray\"\nrays_per_beam = 7\n", {"--rays", "2000"});
   auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
