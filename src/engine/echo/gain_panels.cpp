@@ -204,8 +204,7 @@ void DirectionMoments::finish(std::size_t first_beam, std::size_t samples, std::
       const double* c = gains_->coefficients(block.panel, f);
       Pair sum{};  // of even and of odd powers
       for (int i = 0; i < terms; i += 2) sum += Pair{c[i], c[i + 1]} * Pair{moment[i], moment[i + 1]};
-      // Of gains and weights that are not negative; next to nothing may come out below 0.
-      energy[(first_beam + f) * samples + sample] += std::max(sum[0] + sum[1], 0.0);
+      energy[(first_beam + f) * samples + sample] += sum[0] + sum[1];
     }
   }
 }

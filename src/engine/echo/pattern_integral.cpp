@@ -76,6 +76,7 @@ void PatternIntegrator::settle(std::span<double> energy) {
 
 void PatternIntegrator::finish(std::span<double> energy) {
   settle(energy);
+  for (double& e : energy) e = std::max(e, 0.0);  // next to nothing may come out below it
   receivers_.clear();
   laws_.clear();
   receiver_of_tube_.assign(receiver_of_tube_.size(), 0);
