@@ -81,6 +81,30 @@ std::uint64_t direction_hash(const FacetMesh& mesh, FacetId facet) {
   return hash | 1;
 }
 
+/// By vertex, whether each facet about it has one alike there, by their `hashes`: only such a vertex lies
+/// within a plane, or on a straight border of all planes about it. What has none keeps its corners, and need
+/// not be looked at: of terrain that is nearly all.
+std::vector<char> vertices_that_may_go(const FacetMesh& mesh, std::span<const std::uint64_t> hashes) {
+  std::vector<std::uint32_t> end(mesh.vertices.size() + 1);  // of a vertex's facets, once they are put down
+  for (const Triangle& t : mesh.facets)
+    for (const VertexId v : t) ++end[v + 1];
+  std::inclusive_scan(end.begin(), end.end(), end.begin());
+  // Half of a hash is enough: whoever is taken for alike is looked at, no more.
+  std::vector<std::uint32_t> about(3 * mesh.facets.size());
+  for (std::size_t facet = 0; facet < hashes.size(); ++facet)
+    for (const VertexId v : mesh.facets[facet])
+      about[end[v]++] = hashes[facet] == 0 ? 0 : static_cast<std::uint32_t>(hashes[facet] >> 32) | 1;
+  std::vector<char> may_go(mesh.vertices.size());
+  tbb::parallel_for(std::size_t{0}, may_go.size(), [&](std::size_t v) {
+    const std::span<const std::uint32_t> facets(about.begin() + (v == 0 ? 0 : end[v - 1]),
+                                                about.begin() + end[v]);
+    may_go[v] = !facets.empty() && std::ranges::all_of(facets, [&](std::uint32_t hash) {
+      return hash != 0 && std::ranges::count(facets, hash) > 1;
+    });
+  });
+  return may_go;
+}
+
 /// Coordinates in a plane's picture, along the two axes that its normal is least along, so that its facets
 /// turn counter-clockwise.
 class PlanePicture {
@@ -198,7 +222,7 @@ class PlaneMerger {
  public:
   explicit PlaneMerger(const FacetMesh& mesh) : mesh_(mesh) {}
 
-  FacetMesh merged() {
+  std::optional<FacetMesh> merged() {
     find_planes();
     // What turns out to stay as it is keeps its corners, which may be on the borders of others.
     for (bool settled = planes_.empty(); !settled;) {
@@ -207,6 +231,7 @@ class PlaneMerger {
       for (Plane& plane : planes_)
         if (plane.merged && !merge(plane)) plane.merged = settled = false;
     }
+    if (std::ranges::none_of(planes_, &Plane::merged)) return std::nullopt;
     return result();
   }
 
@@ -217,11 +242,15 @@ class PlaneMerger {
       FacetId facet;
       auto operator<=>(const Named&) const = default;
     };
-    std::vector<Named> named(mesh_.facets.size());
-    tbb::parallel_for(std::size_t{0}, named.size(), [&](std::size_t k) {
-      const auto facet = static_cast<FacetId>(k);
-      named[k] = {direction_hash(mesh_, facet), facet};
+    std::vector<std::uint64_t> hashes(mesh_.facets.size());
+    tbb::parallel_for(std::size_t{0}, hashes.size(), [&](std::size_t facet) {
+      hashes[facet] = direction_hash(mesh_, static_cast<FacetId>(facet));
     });
+    const std::vector<char> may_go = vertices_that_may_go(mesh_, hashes);
+    std::vector<Named> named;
+    for (std::size_t facet = 0; facet < hashes.size(); ++facet)
+      if (std::ranges::any_of(mesh_.facets[facet], [&](VertexId v) { return may_go[v] != 0; }))
+        named.push_back({hashes[facet], static_cast<FacetId>(facet)});
     tbb::parallel_sort(named);
     std::vector<PlaneKey> alike;
     for (auto first = named.begin(); first != named.end();) {
@@ -337,6 +366,6 @@ class PlaneMerger {
 
 }  // namespace
 
-FacetMesh with_planes_merged(const FacetMesh& mesh) { return PlaneMerger(mesh).merged(); }
+std::optional<FacetMesh> with_planes_merged(const FacetMesh& mesh) { return PlaneMerger(mesh).merged(); }
 
 }  // namespace tubefoot

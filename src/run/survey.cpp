@@ -250,10 +250,10 @@ void merge_planes(Site& site) {
   if (site.is_tiled() || site.relief.cell_m > 0 || site.scene.water->refracts() ||
       site.scene.description.paths.scatterings > 1)
     return;
-  FacetMesh merged = with_planes_merged(site.scene.mesh);
-  if (merged.facets.size() == site.scene.mesh.facets.size()) return;
+  std::optional<FacetMesh> merged = with_planes_merged(site.scene.mesh);
+  if (!merged) return;
   site.facets_given = site.scene.mesh.facets.size();
-  site.scene.mesh = std::move(merged);
+  site.scene.mesh = std::move(*merged);
   site.tree = std::make_unique<SceneTree>(site.scene.mesh);
 }
 
