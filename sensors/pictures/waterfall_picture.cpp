@@ -6,10 +6,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "sensors/pictures/decibel_scale.hpp"
 
@@ -18,6 +20,7 @@ namespace {
 
 constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, axis_width = 72;
 constexpr int narrowest_side = 300, widest_side = 600, lowest = 240, highest = 3000;
+constexpr std::size_t sides = 2;  // port, starboard
 
 /// Cells [first, first + weights.size()) of a row of unit cells under an interval, and the part that each
 /// fills.
@@ -58,58 +61,33 @@ std::vector<double> gain_by_sample(const Recording& recording) {
   return gain;
 }
 
-/// The picture's rows, the first ping's first: of each beam and sample the mean over the pings under the row,
-/// after the gain, and of each beam how many samples may hold a surface at any of them. However long the
-/// line, this is as large as the picture.
-struct Rows {
-  std::vector<double> energy;
-  std::vector<int> surfaces;  ///< empty: not known
+/// Rows [first, end) of the picture that show the same: a ping that is as high as all of them, or, of one
+/// row, all pings under it.
+struct Strip {
+  int first = 0, end = 0;
+  CellSpan pings;
 };
 
-Rows rows_of(const Recording& recording, int rows, const Heard* heard) {
-  std::vector<double> gain = gain_by_sample(recording);
-  if (heard && heard->has_gain) std::fill(gain.begin(), gain.end(), 1.0);
-  const std::size_t cells = recording.cells(), beams = recording.sensor->beams().size();
-  const double rows_per_ping = rows / static_cast<double>(recording.pings());
-  Rows all;
-  all.energy.assign(static_cast<std::size_t>(rows) * cells, 0.0);
-  if (recording.surfaces) all.surfaces.assign(static_cast<std::size_t>(rows) * beams, 0);
-  // Rows in a row share pings: a thread takes some together, and asks for each ping once.
-  constexpr int rows_at_least = 16;
-  tbb::parallel_for(tbb::blocked_range<int>(0, rows, rows_at_least), [&](const auto& some) {
-    std::size_t asked = recording.pings();  // the ping that is known
-    std::vector<double> received;
-    std::vector<int> surfaces;
-    for (int row = some.begin(); row < some.end(); ++row) {
-      const CellSpan under = cells_under(row / rows_per_ping, (row + 1) / rows_per_ping, recording.pings());
-      double* mean = all.energy.data() + static_cast<std::size_t>(row) * cells;
-      const double weight = std::accumulate(under.weights.begin(), under.weights.end(), 0.0);
-      for (std::size_t p = 0; p < under.weights.size(); ++p) {
-        const std::size_t ping = under.first + p;
-        if (asked != ping) {
-          if (heard) received = heard->energy_of(ping);
-          if (recording.surfaces) surfaces = recording.surfaces(ping);
-          asked = ping;
-        }
-        const std::span<const double> energy =
-            heard ? std::span<const double>(received) : recording.energy_of(ping);
-        for (std::size_t k = 0; k < cells; ++k)
-          mean[k] += under.weights[p] / weight * energy[k] * gain[k % gain.size()];
-        for (std::size_t b = 0; b < surfaces.size(); ++b) {
-          int& farthest = all.surfaces[static_cast<std::size_t>(row) * beams + b];
-          farthest = std::max(farthest, surfaces[b]);
-        }
-        if (p + 1 < under.weights.size()) recording.let_go(ping);
-      }
-    }
-  });
-  return all;
+std::vector<Strip> strips_of(int rows, std::size_t pings) {
+  const double rows_per_ping = rows / static_cast<double>(pings);
+  std::vector<Strip> strips;
+  for (int row = 0; row < rows; ++row) {
+    CellSpan under = cells_under(row / rows_per_ping, (row + 1) / rows_per_ping, pings);
+    const bool of_one = under.weights.size() == 1;
+    if (of_one && !strips.empty() && strips.back().pings.weights.size() == 1 &&
+        strips.back().pings.first == under.first)
+      ++strips.back().end;
+    else
+      strips.push_back({row, row + 1, std::move(under)});
+  }
+  return strips;
 }
 
 /// Mean over the samples under a column that may hold a surface, of which there are `surfaces`, and the part
 /// of them that may not.
 struct ColumnEcho {
-  double energy_j = 0, beyond = 0;
+  double energy_j = 0;
+  float beyond = 0;
 };
 
 ColumnEcho echo_under(std::span<const double> energy, const CellSpan& samples, int surfaces) {
@@ -123,30 +101,119 @@ ColumnEcho echo_under(std::span<const double> energy, const CellSpan& samples, i
     sum += samples.weights[s] * energy[k];
     weight += samples.weights[s];
   }
-  return {weight > 0 ? sum / weight : 0, beyond / (beyond + weight)};
+  return {weight > 0 ? sum / weight : 0, weight + beyond > 0 ? float(beyond / (beyond + weight)) : 0};
 }
 
 }  // namespace
 
-Canvas draw_waterfall(const Recording& recording, const std::string& font, const Heard* heard) {
+/// What a waterfall shows: [strip][beam][column, from the track outwards], as large as the picture at most,
+/// however long the line.
+struct Waterfall::Echoes {
+  std::vector<double> energy_j;
+  std::vector<float> beyond;
+  bool ends_early = false;  ///< somewhere no sample beyond may hold a surface
+};
+
+/// Where pings, ranges and distances are on the page.
+struct Waterfall::Layout {
+  explicit Layout(const Recording& recording) {
+    const RangeSamples& samples = recording.sensor->samples();
+    far_m = samples.first_m + samples.count * samples.step_m;
+    side = std::clamp(static_cast<int>(std::ceil(far_m / samples.step_m)), narrowest_side, widest_side);
+    pixels_per_m = side / far_m;
+    spacing_m = ping_spacing_m(recording);
+    const auto pings = static_cast<double>(recording.pings());
+    const double wanted_rows = spacing_m > 0 ? pings * spacing_m * pixels_per_m : pings;
+    rows = std::clamp(static_cast<int>(std::lround(std::min(wanted_rows, 1e6))), lowest, highest);
+    stretch = rows / wanted_rows;
+    strips = strips_of(rows, recording.pings());
+    for (int x = 0; x < side; ++x)
+      columns.push_back(cells_under((x / pixels_per_m - samples.first_m) / samples.step_m,
+                                    ((x + 1) / pixels_per_m - samples.first_m) / samples.step_m,
+                                    static_cast<std::size_t>(samples.count)));
+  }
+
+  double far_m, pixels_per_m, spacing_m, stretch;
+  int side, rows;
+  std::vector<Strip> strips;
+  std::vector<CellSpan> columns;  ///< from the track outwards
+};
+
+Waterfall::Echoes Waterfall::echoes_of(const Heard* heard) const {
+  std::vector<double> gain = gain_by_sample(recording_);
+  if (heard && heard->has_gain) std::fill(gain.begin(), gain.end(), 1.0);
+  const std::size_t count = gain.size(), side = layout_->columns.size();
+  const std::vector<Strip>& strips = layout_->strips;
+  Echoes all;
+  all.energy_j.resize(strips.size() * sides * side);
+  all.beyond.resize(all.energy_j.size());
+  std::atomic<bool> ends_early = false;
+  // Strips that follow each other share pings: a thread takes some together, and asks for each ping once.
+  constexpr std::size_t strips_at_least = 16;
+  tbb::parallel_for(
+      tbb::blocked_range(std::size_t{0}, strips.size(), strips_at_least), [&](const auto& some) {
+        std::size_t asked = recording_.pings();  // the ping that is known
+        std::vector<double> received, mean;
+        std::vector<int> surfaces, farthest;
+        for (std::size_t s = some.begin(); s < some.end(); ++s) {
+          const CellSpan& under = strips[s].pings;
+          const double weight = std::accumulate(under.weights.begin(), under.weights.end(), 0.0);
+          mean.assign(sides * count, 0.0);
+          farthest.assign(sides, recording_.surfaces ? 0 : static_cast<int>(count));
+          for (std::size_t p = 0; p < under.weights.size(); ++p) {
+            const std::size_t ping = under.first + p;
+            if (asked != ping) {
+              if (heard) received = heard->energy_of(ping);
+              if (recording_.surfaces) surfaces = recording_.surfaces(ping);
+              asked = ping;
+            }
+            const std::span<const double> energy =
+                heard ? std::span<const double>(received) : recording_.energy_of(ping);
+            const double share = under.weights[p] / weight;
+            for (std::size_t beam = 0; beam < sides; ++beam) {
+              for (std::size_t k = 0; k < count; ++k)
+                mean[beam * count + k] += share * energy[beam * count + k] * gain[k];
+              if (recording_.surfaces) farthest[beam] = std::max(farthest[beam], surfaces[beam]);
+            }
+            if (p + 1 < under.weights.size()) recording_.let_go(ping);
+          }
+          for (std::size_t beam = 0; beam < sides; ++beam) {
+            if (farthest[beam] < static_cast<int>(count)) ends_early = true;
+            for (std::size_t x = 0; x < side; ++x) {
+              const ColumnEcho echo = echo_under(std::span(mean).subspan(beam * count, count),
+                                                 layout_->columns[x], farthest[beam]);
+              const std::size_t place = (s * sides + beam) * side + x;
+              all.energy_j[place] = echo.energy_j;
+              all.beyond[place] = echo.beyond;
+            }
+          }
+        }
+      });
+  all.ends_early = ends_early;
+  return all;
+}
+
+Waterfall::Waterfall(const Recording& recording, std::string font)
+    : recording_(recording),
+      font_(std::move(font)),
+      layout_(std::make_unique<Layout>(recording)),
+      ideal_(std::make_unique<Echoes>(echoes_of(nullptr))),
+      scale_(ideal_->energy_j, recording.sensor->description().signal.display_gain_db) {}
+
+Waterfall::~Waterfall() = default;
+
+Canvas Waterfall::draw(const Heard* heard) const {
+  const Recording& recording = recording_;
   const Sensor& sensor = *recording.sensor;
   const RangeSamples& samples = sensor.samples();
-  const auto pings = recording.ping_time_s.size();
-  const double far_m = samples.first_m + samples.count * samples.step_m;
-
-  const int side =
-      std::clamp(static_cast<int>(std::ceil(far_m / samples.step_m)), narrowest_side, widest_side);
-  const double pixels_per_m = side / far_m;
-  const double spacing_m = ping_spacing_m(recording);
-  const double wanted_rows =
-      spacing_m > 0 ? static_cast<double>(pings) * spacing_m * pixels_per_m : static_cast<double>(pings);
-  const int rows = std::clamp(static_cast<int>(std::lround(std::min(wanted_rows, 1e6))), lowest, highest);
+  const auto& [far_m, pixels_per_m, spacing_m, stretch, side, rows, strips, columns] = *layout_;
+  const auto pings = recording.pings();
   const double rows_per_ping = rows / static_cast<double>(pings);
-  const double stretch = rows / wanted_rows;
   const bool own_gain = heard && heard->has_gain;
-  const Rows drawn = rows_of(recording, rows, heard);
-  const DecibelScale scale(heard && !own_gain ? rows_of(recording, rows, nullptr).energy : drawn.energy,
-                           sensor.description().signal.display_gain_db);
+  const Echoes as_heard = heard ? echoes_of(heard) : Echoes();
+  const Echoes& drawn = heard ? as_heard : *ideal_;
+  const DecibelScale scale =
+      own_gain ? DecibelScale(drawn.energy_j, sensor.description().signal.display_gain_db) : scale_;
 
   const std::string title = fmt::format(
       "{}   pings {} to {}   t = {:.2f} to {:.2f} s", sensor.description().name, recording.number_of(0),
@@ -161,43 +228,33 @@ Canvas draw_waterfall(const Recording& recording, const std::string& font, const
   else
     subtitle += ", equal scales";
   if (heard) subtitle += "; " + heard->said;
-  const bool ends_early =
-      std::ranges::any_of(drawn.surfaces, [&](int surfaces) { return surfaces < samples.count; });
   const std::string footer = scale.reference_j() > 0
                                  ? fmt::format("{}; 0 dB: {} dB re 1 J at 1 m; darkest: no echo{}",
                                                own_gain ? "the sonar's own time-varied gain"
                                                         : "time-varied gain 40 log R + 2 alpha R",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1),
-                                               ends_early ? "; grey: no surface there" : "")
+                                               drawn.ends_early ? "; grey: no surface there" : "")
                                  : "no echo";
 
   const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
   const int right = middle + side;
-  const int page_width =
-      std::max({right + axis_width + DecibelScale::legend_width, margin + text_width(title, title_size, font),
-                margin + widest_text({subtitle, footer}, label_size, font)}) +
-      margin;
-  Canvas canvas(page_width, bottom + axis_height + margin + 10, palette.background, font);
+  const int page_width = std::max({right + axis_width + DecibelScale::legend_width,
+                                   margin + text_width(title, title_size, font_),
+                                   margin + widest_text({subtitle, footer}, label_size, font_)}) +
+                         margin;
+  Canvas canvas(page_width, bottom + axis_height + margin + 10, palette.background, font_);
 
-  std::vector<CellSpan> columns;  // from the track outwards
-  for (int x = 0; x < side; ++x)
-    columns.push_back(cells_under((x / pixels_per_m - samples.first_m) / samples.step_m,
-                                  ((x + 1) / pixels_per_m - samples.first_m) / samples.step_m,
-                                  static_cast<std::size_t>(samples.count)));
-  tbb::parallel_for(0, rows, [&](int row) {  // from the bottom: the first ping is the lowest
-    const auto count = static_cast<std::size_t>(samples.count);
-    for (const std::size_t beam : {0, 1}) {  // port, starboard
-      const std::size_t place = static_cast<std::size_t>(row) * 2 + beam;
-      const std::span<const double> energy = std::span(drawn.energy).subspan(place * count, count);
-      const int surfaces = drawn.surfaces.empty() ? samples.count : drawn.surfaces[place];
+  tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {  // the first ping is the lowest
+    for (std::size_t beam = 0; beam < sides; ++beam)                     // port, starboard
       for (int x = 0; x < side; ++x) {
-        const CellSpan& column = columns[static_cast<std::size_t>(x)];
-        if (column.weights.empty()) continue;
-        const ColumnEcho echo = echo_under(energy, column, surfaces);
-        canvas.blend(beam == 0 ? middle - 1 - x : middle + x, bottom - 1 - row,
-                     scale.colour(echo.energy_j, echo.beyond), column.covered);
+        const auto column = static_cast<std::size_t>(x);
+        if (columns[column].weights.empty()) continue;
+        const std::size_t place = (s * sides + beam) * columns.size() + column;
+        const Colour colour = scale.colour(drawn.energy_j[place], drawn.beyond[place]);
+        for (int row = strips[s].first; row < strips[s].end; ++row)
+          canvas.blend(beam == 0 ? middle - 1 - x : middle + x, bottom - 1 - row, colour,
+                       columns[column].covered);
       }
-    }
   });
 
   canvas.fill(left - 1, top - 1, right + 1, top, palette.grid, 0.55);

@@ -50,7 +50,7 @@ Canvas draw_echoes(const Recording& recording, std::optional<std::size_t> ping, 
   if (ping && (sides || sensor.is_across_track()))
     throw UsageError(fmt::format("sensor '{}' has no picture of one ping: its pings are drawn side by side",
                                  sensor.description().name));
-  if (sides) return draw_waterfall(recording, font);
+  if (sides) return Waterfall(recording, font).draw();
   if (sensor.is_across_track()) return echogram_of_steepest(recording, font);
   if (recording.channels() > 1) {
     std::vector<std::size_t> all(recording.pings());

@@ -103,11 +103,12 @@ std::vector<fs::path> write_two_sided_pictures(const fs::path& folder, const Rec
   const std::string stem = stem_of(*recording.sensor);
   const std::string& font = font_for(stem, warnings);
   std::vector<fs::path> files{stem + ".png", stem + ".exr"};
-  draw_waterfall(recording, font).write_png(folder / files[0], stem, settings.bits);
+  const Waterfall waterfall(recording, font);
+  waterfall.draw().write_png(folder / files[0], stem, settings.bits);
   write_two_sided_exr(folder / files[1], recording);
   if (heard) {
     files.push_back(stem + "-received.png");
-    draw_waterfall(recording, font, &*heard).write_png(folder / files.back(), stem, settings.bits);
+    waterfall.draw(&*heard).write_png(folder / files.back(), stem, settings.bits);
   }
   return files;
 }

@@ -113,8 +113,8 @@ TEST(Labels, OfWaterfallsAndPhasesStayApart) {
             expect_apart(draw_phases(made.recording, label_font()), 14, what + ", phases");
             continue;
           }
-          expect_apart(draw_waterfall(made.recording, label_font()), 16, what);
-          expect_apart(draw_waterfall(made.recording, label_font(), &heard), 16, what + ", received");
+          expect_apart(Waterfall(made.recording, label_font()).draw(), 16, what);
+          expect_apart(Waterfall(made.recording, label_font()).draw(&heard), 16, what + ", received");
         }
       }
 }

@@ -143,9 +143,9 @@ TEST(CameraPicture, FansOfAnyWidthAreDrawn) {
 /// Where one echo of a sidescan appears, without labels: 60 pings, 0.5 m apart.
 Spot waterfall_spot(std::size_t ping, std::size_t beam, std::size_t sample) {
   auto made = samples::silent(samples::sidescan(), 60);
-  const Image before = read(draw_waterfall(made.recording, ""));
+  const Image before = read(Waterfall(made.recording, "").draw());
   for (std::size_t k = 0; k < 10; ++k) made.energy(ping, beam, sample + k) = 1e-9;
-  return difference(before, read(draw_waterfall(made.recording, "")));
+  return difference(before, read(Waterfall(made.recording, "").draw()));
 }
 
 TEST(Waterfall, HasPortLeftTheLastPingOnTopAndEqualScales) {
@@ -165,10 +165,10 @@ TEST(Waterfall, HasPortLeftTheLastPingOnTopAndEqualScales) {
 TEST(Waterfall, IsDrawnForASensorAtRestAndForASinglePing) {
   auto made = samples::silent(samples::sidescan(20), 1);
   made.energy(0, 1, 10) = 1e-9;
-  EXPECT_GE(draw_waterfall(made.recording, label_font()).height(), 240);
+  EXPECT_GE(Waterfall(made.recording, label_font()).draw().height(), 240);
   auto rest = samples::silent(samples::sidescan(20), 5);
   for (Pose& pose : rest.recording.ping_pose) pose = Pose{};
-  EXPECT_GE(draw_waterfall(rest.recording, label_font()).height(), 240);
+  EXPECT_GE(Waterfall(rest.recording, label_font()).draw().height(), 240);
 }
 
 TEST(Waterfall, AveragesPingsThatShareARow) {
@@ -179,7 +179,7 @@ TEST(Waterfall, AveragesPingsThatShareARow) {
     for (const std::size_t beam : {0u, 1u})
       for (const std::size_t sample : {0u, 1u}) made.energy(ping, beam, sample) = ping % 2 ? 2e-9 : 0;
   }
-  const Image image = read(draw_waterfall(made.recording, ""));
+  const Image image = read(Waterfall(made.recording, "").draw());
   const int x = image.spec.width / 4;
   for (int y = image.spec.height / 3; y < image.spec.height / 2; ++y)
     EXPECT_NEAR(image.at(x, y, 1), image.at(x, image.spec.height / 2, 1), 0.02);
@@ -523,7 +523,7 @@ TEST(Pictures, ShowWhereABeamHasNoSurfaceAnyMore) {
   for (std::size_t ping = 0; ping < 40; ++ping) line.energy(ping, 0, 5) = line.energy(ping, 1, 5) = 1e-9;
   // Port has surfaces up to its 15th sample, starboard all along.
   line.recording.surfaces = [](std::size_t) { return std::vector<int>{15, 20}; };
-  const Image waterfall = read(draw_waterfall(line.recording, ""));
+  const Image waterfall = read(Waterfall(line.recording, "").draw());
   const int left = 28 + 72, middle = left + 300, y = waterfall.spec.height / 2;
   const auto x_of = [&](double sample) { return (0.5 + sample * 49.5 / 20) / 50 * 300; };
   expect_colour(colour_at(waterfall, middle - x_of(17.3), y), palette.beyond, "port, beyond");
