@@ -2,6 +2,7 @@
 #include "app/run_under_way.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 
@@ -139,13 +140,17 @@ std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& sur
                                              const std::vector<std::string>& foreseen, OutputFolder& output) {
   const Clock::time_point start = Clock::now();
   std::vector<std::string> warnings;
-  std::vector<std::filesystem::path> files =
-      write_result_files(output.staging(), survey, run.request, recordings, warnings,
-                         {run.options.pictures, run.options.quiet}, run.truths);
-  if (run.options.pictures.which != PictureSettings::Which::none) {
-    write_scene_picture(output.staging() / scene_picture_name, survey);
-    files.emplace_back(scene_picture_name);
-  }
+  std::vector<std::filesystem::path> files;
+  const bool draws_scene = run.options.pictures.which != PictureSettings::Which::none;
+  tbb::parallel_invoke(
+      [&] {
+        files = write_result_files(output.staging(), survey, run.request, recordings, warnings,
+                                   {run.options.pictures, run.options.quiet}, run.truths);
+      },
+      [&] {
+        if (draws_scene) write_scene_picture(output.staging() / scene_picture_name, survey);
+      });
+  if (draws_scene) files.emplace_back(scene_picture_name);
   for (const std::string& warning : warnings)
     if (std::ranges::find(foreseen, warning) != foreseen.end())
       run.warnings.keep({warning});
