@@ -201,15 +201,17 @@ void RunPart::compute(const Survey& survey, const RunRequest& request) {
   if (done_ > 0 && !quiet_) say("going on after {} finished pings\n", done_.load());
   file_.begin(file_.identity());
   const PingSimulation simulation(survey, request);
+  SparePings spare;
   for_each_ping(
       survey, layout,
       [&](std::size_t group, std::size_t ping) {
         return deal.part_of({group, ping}) == part_.number && !file_.has({group, ping});
       },
       [&](std::size_t group, std::size_t ping) {
-        PingStore room(room_for_one(layout, group));
-        const PingCounts counts = simulation.run(group, ping, room, 0);
-        file_.append(packed_ping(layout, {group, ping}, counts, room, 0));
+        file_.append(spare.with([&](PingValues& values) {
+          const PingCounts counts = simulation.run({group, ping}, values);
+          return packed_ping(layout, {group, ping}, counts, values);
+        }));
         ++done_;
       },
       {quiet_});
@@ -344,6 +346,7 @@ void RunParts::require_whole(const PartDeal& deal) const {
 
 void RunParts::unpack(const PartDeal& deal, PingStore& store, bool quiet) const {
   Progress progress("joined pings", deal.layout().units(), quiet);
+  SparePings spare;
   for (int number = 1; number <= count_; ++number) {
     const std::unique_ptr<PartFile> file = opened(number);
     file->look_through(deal.layout());
@@ -352,7 +355,10 @@ void RunParts::unpack(const PartDeal& deal, PingStore& store, bool quiet) const 
       const PingUnit& unit = units[k];
       try {
         stop_if_wanted();
-        store.finish(unit.group, unit.ping, unpack_ping(file->read(unit), deal.layout(), store));
+        spare.with([&](PingValues& values) {
+          const PingCounts counts = unpack_ping(file->read(unit), deal.layout(), values);
+          store.finish(unit.group, unit.ping, counts, values);
+        });
       } catch (const DamagedPing& error) {
         throw UsageError(
             fmt::format("{} ('{}') is damaged at {} ({}): delete it, and compute it again with "

@@ -70,19 +70,6 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
   kept.worst_sample = met.worst_sample;
 }
 
-PingSums::PingSums(const Shots& shots, const SharedShots& group, const std::vector<ChosenEchoes>& chosen,
-                   PingStore& store, std::size_t slot)
-    : chosen_(chosen), store_(store), slot_(slot) {
-  for (const std::size_t s : group.sensors) {
-    if (chosen[s].pings == 0) continue;
-    for (const std::span<double> values : {store.energy(s, slot), store.bound(s, slot)})
-      std::fill(values.begin(), values.end(), 0.0);
-    if (shots.truth() == nullptr) continue;
-    const std::span<double> truth = store.energy(place_of_truth(shots.survey(), s), slot);
-    std::fill(truth.begin(), truth.end(), 0.0);
-  }
-}
-
 void PingSums::add_truth(const Shot& shot, std::size_t s, std::size_t channel,
                          std::span<const double> values) {
   if (chosen(s).pings == 0) return;
@@ -90,7 +77,7 @@ void PingSums::add_truth(const Shot& shot, std::size_t s, std::size_t channel,
   const auto samples = static_cast<std::size_t>(shot.sensor(s).samples().count);
   const std::size_t all = chosen(s).beams.size() * samples;
   add_rows(values.first(beams.size() * samples), beams, 1, chosen(s),
-           store_.energy(place_of_truth(shot.survey(), s), slot_).subspan(channel * all, all));
+           values_.energy(place_of_truth(shot.survey(), s)).subspan(channel * all, all));
 }
 
 void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span<const double> energy) {
@@ -105,7 +92,7 @@ void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span
     sum = std::accumulate(first, first + std::ptrdiff_t(samples), sum);
   }
   counts.energy_of_order[order] += sum;
-  add_rows(energy, beams, energy.size() / cells, chosen(s), store_.energy(s, slot_));
+  add_rows(energy, beams, energy.size() / cells, chosen(s), values_.energy(s));
 }
 
 void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certified, std::size_t order) {
@@ -113,7 +100,7 @@ void PingSums::add(const Shot& shot, std::size_t s, const CertifiedEcho& certifi
   const Sensor& sensor = shot.sensor(s);
   const std::vector<std::uint32_t>& beams = sensor.beams_of_shot(shot.number());
   const std::size_t cells = beams.size() * static_cast<std::size_t>(sensor.samples().count);
-  add_rows(certified.bound, beams, certified.bound.size() / cells, chosen(s), store_.bound(s, slot_));
+  add_rows(certified.bound, beams, certified.bound.size() / cells, chosen(s), values_.bound(s));
   const auto keep = [&](const CertifiedEcho& counted) {
     PingCounts met;
     met.bins_over = counted.bins_over;

@@ -15,13 +15,11 @@ namespace tubefoot {
 /// Keeps the worse of two pings' bounds; of equals the one met first.
 void keep_worst(PingCounts& kept, const PingCounts& met);
 
-/// Where the parts of a ping's echoes are added up: energies and bounds in a store, and what was counted.
+/// Where the parts of a ping's echoes are added up: energies and bounds, and what was counted.
 class PingSums {
  public:
-  /// `slot`: the ping of the store that it becomes; what is there, of a ping that was cut off, is cleared.
-  /// `chosen`, by sensor, outlives it: what is not chosen is not kept.
-  PingSums(const Shots& shots, const SharedShots& group, const std::vector<ChosenEchoes>& chosen,
-           PingStore& store, std::size_t slot);
+  /// `values` are zero. `chosen`, by sensor, outlives it, as they do: what is not chosen is not kept.
+  PingSums(const std::vector<ChosenEchoes>& chosen, PingValues& values) : chosen_(chosen), values_(values) {}
 
   PingCounts counts;
   FinerRelief finer_relief;
@@ -48,8 +46,7 @@ class PingSums {
 
  private:
   const std::vector<ChosenEchoes>& chosen_;
-  PingStore& store_;
-  std::size_t slot_;
+  PingValues& values_;
 };
 
 }  // namespace tubefoot

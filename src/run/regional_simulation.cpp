@@ -27,8 +27,9 @@ RegionalSimulation::RegionalSimulation(const Survey& survey, const RunRequest& r
   survey.site->terrain_use->regions = plan_.regions().size();
 }
 
-PingCounts RegionalSimulation::run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) {
-  const std::size_t whole = ping + first_ping(survey_.shots[group], chosen_), number = plan_.of(group, whole);
+PingCounts RegionalSimulation::run(const PingUnit& unit, PingValues& values) {
+  const std::size_t whole = unit.ping + first_ping(survey_.shots[unit.group], chosen_);
+  const std::size_t number = plan_.of(unit.group, whole);
   const std::shared_ptr<const PingSimulation> region = cache_.get(number);
   // Who has a region's first ping loads the next one while others work.
   if (plan_.regions()[number].first_ping == whole && number + 1 < plan_.regions().size() &&
@@ -41,7 +42,7 @@ PingCounts RegionalSimulation::run(std::size_t group, std::size_t ping, PingStor
   }
   survey_.site->terrain_use->loads = cache_.loads();
   survey_.site->terrain_use->most_bytes = cache_.most_bytes_held();
-  return region->run(group, ping, store, slot);
+  return region->run(unit, values);
 }
 
 BoundedCache<PingSimulation>::Loaded RegionalSimulation::load(std::size_t number) const {

@@ -16,7 +16,7 @@ class RegionalSimulation {
   RegionalSimulation(const Survey& survey, const RunRequest& request);
 
   /// As PingSimulation::run(), from several threads. Throws InputError where a tile cannot be read.
-  PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot);
+  PingCounts run(const PingUnit& unit, PingValues& values);
 
  private:
   BoundedCache<PingSimulation>::Loaded load(std::size_t number) const;

@@ -41,7 +41,9 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
 }
 
 PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
-    : shots_(survey, request), chosen_(chosen_of(survey, request.selection)) {
+    : shots_(survey, request),
+      layout_(layout_of(survey, request)),
+      chosen_(chosen_of(survey, request.selection)) {
   require_able_to_run(survey, request);
   if (survey.site->is_tiled()) {
     by_regions_ = std::make_unique<RegionalSimulation>(survey, request);
@@ -53,16 +55,16 @@ PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
 
 PingSimulation::~PingSimulation() = default;
 
-PingCounts PingSimulation::run(std::size_t group, std::size_t ping, PingStore& store,
-                               std::size_t slot) const {
-  if (by_regions_) return by_regions_->run(group, ping, store, slot);
+PingCounts PingSimulation::run(const PingUnit& unit, PingValues& values) const {
+  if (by_regions_) return by_regions_->run(unit, values);
   const auto start = std::chrono::steady_clock::now();
-  const SharedShots& sensors = shots_.survey().shots[group];
-  PingSums sums(shots_, sensors, chosen_, store, slot);
-  ping += first_ping(sensors, chosen_);
+  const SharedShots& sensors = shots_.survey().shots[unit.group];
+  values.clear(layout_, unit.group);
+  PingSums sums(chosen_, values);
+  const std::size_t ping = unit.ping + first_ping(sensors, chosen_);
   for (std::size_t number = 0; number < shots_.survey().fleet->shots_a_ping(sensors); ++number) {
     const Shot shot = shots_.of(sensors, ping, number);
-    for (const EchoPart& part : parts_[group]) part.add(shot, sums);
+    for (const EchoPart& part : parts_[unit.group]) part.add(shot, sums);
   }
   PingCounts counts = sums.counts;
   counts.finer_relief_largest = sums.finer_relief.largest;
@@ -114,11 +116,15 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
 
 void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers) {
   const PingSimulation simulation(survey, request);
+  SparePings spare;
   for_each_ping(
       survey, layout_of(survey, request),
       [&](std::size_t group, std::size_t ping) { return !store.done(group, ping); },
       [&](std::size_t group, std::size_t ping) {
-        store.finish(group, ping, simulation.run(group, ping, store, ping));
+        spare.with([&](PingValues& values) {
+          const PingCounts counts = simulation.run({group, ping}, values);
+          store.finish(group, ping, counts, values);
+        });
       },
       onlookers);
 }

@@ -55,12 +55,13 @@ class PingSimulation {
   PingSimulation(const PingSimulation&) = delete;
   PingSimulation& operator=(const PingSimulation&) = delete;
 
-  /// Leaves the energies of a group's ping, counted among those that are asked for, in ping `slot` of a
-  /// store, for its finish().
-  PingCounts run(std::size_t group, std::size_t ping, PingStore& store, std::size_t slot) const;
+  /// Leaves the energies of a group's ping, counted among those that are asked for, in `values`, for a
+  /// store's finish().
+  PingCounts run(const PingUnit& unit, PingValues& values) const;
 
  private:
   Shots shots_;
+  StoreLayout layout_;
   std::vector<ChosenEchoes> chosen_;                ///< by sensor
   std::vector<std::vector<EchoPart>> parts_;        ///< by group
   std::unique_ptr<RegionalSimulation> by_regions_;  ///< where terrain is read by tiles; else null

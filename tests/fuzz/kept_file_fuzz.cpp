@@ -35,9 +35,11 @@ std::string good_store(std::uint32_t kind) {
   {
     PingStore store(made, file, kind == 2 ? "{" : identity().dump());
     for (const std::size_t ping : {0, 1, 3}) {
+      PingValues values;
+      values.clear(made, 0);
       for (const std::size_t sensor : {0, 1})
-        for (double& e : store.energy(sensor, ping)) e = 1e-9 * double(ping + 1);
-      store.finish(0, ping, {});
+        std::ranges::fill(values.energy(sensor), 1e-9 * double(ping + 1));
+      store.finish(0, ping, {}, values);
     }
   }
   std::ifstream stream(file, std::ios::binary);
@@ -86,9 +88,12 @@ void pings(Bytes& bytes) {
     if (partial.kept()) resumed(*partial.kept(), asked(), {});
     const auto store = partial.open(layout(), identity());
     if (store->done_units() > layout().units()) finding("more pings done than there are");
-    for (std::size_t group = 0; group < 2; ++group)
+    PingValues silent;
+    for (std::size_t group = 0; group < 2; ++group) {
+      silent.clear(layout(), group);
       for (std::size_t ping = 0; ping < layout().groups[group].pings; ++ping)
-        if (!store->done(group, ping)) store->finish(group, ping, {});
+        if (!store->done(group, ping)) store->finish(group, ping, {}, silent);
+    }
     partial.remove();
   });
 }

@@ -27,8 +27,8 @@ constexpr std::size_t least_zeros = 4;
 // LZ4 counts in int.
 constexpr std::size_t piece_bytes = std::size_t{1} << 30;
 
-std::span<double> values_of(PingStore& store, std::size_t sensor, std::size_t slot, int which) {
-  return which == 0 ? store.energy(sensor, slot) : store.bound(sensor, slot);
+auto values_of(auto& values, std::size_t sensor, int which) {
+  return which == 0 ? values.energy(sensor) : values.bound(sensor);
 }
 
 /// What comes before a ping's values, once they are no longer deflated.
@@ -165,20 +165,13 @@ std::uint32_t checksum_of(const PackedHead& head) {
 
 }  // namespace
 
-StoreLayout room_for_one(StoreLayout layout, std::size_t group) {
-  for (StoreLayout::Sensor& sensor : layout.sensors) sensor.pings = 0;
-  for (const std::size_t sensor : layout.groups[group].sensors) layout.sensors[sensor].pings = 1;
-  layout.groups = {{layout.groups[group].sensors, 1}};
-  return layout;
-}
-
 std::string packed_ping(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
-                        PingStore& store, std::size_t slot) {
+                        const PingValues& values) {
   std::vector<Run> runs;
   std::vector<double> kept;
   for (const std::size_t sensor : layout.groups[unit.group].sensors)
     for (int which = 0; which < energy_and_bound; ++which)
-      split(values_of(store, sensor, slot, which), runs, kept);
+      split(values_of(values, sensor, which), runs, kept);
   const Contents contents{counts, runs.size(), kept.size()};
   const std::size_t runs_bytes = runs.size() * sizeof(Run);
   std::string text(sizeof contents + runs_bytes + kept.size() * sizeof(double), '\0');
@@ -212,7 +205,7 @@ bool belongs_to(const PackedHead& head, std::string_view values) {
          head.values_checksum == libdeflate_crc32(0, values.data(), values.size());
 }
 
-PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingStore& store) {
+PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingValues& values) {
   const PackedHead head = head_of_packed(packed, layout);
   const std::string_view body = packed.substr(sizeof head);
   if (!belongs_to(head, body)) damaged("its values are damaged");
@@ -225,11 +218,12 @@ PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingS
       contents.runs * sizeof(Run) + contents.values * sizeof(double) != left)
     damaged("its length is another");
   const char* const runs = all.text.get() + sizeof contents;
-  const char* const values = runs + contents.runs * sizeof(Run);
+  const char* const packed_values = runs + contents.runs * sizeof(Run);
   std::size_t next = 0, taken = 0;
+  values.clear(layout, head.unit.group);
   for (const std::size_t sensor : layout.groups[head.unit.group].sensors)
     for (int which = 0; which < energy_and_bound; ++which) {
-      std::span<double> to = values_of(store, sensor, head.unit.ping, which);
+      std::span<double> to = values_of(values, sensor, which);
       while (!to.empty()) {
         Run run;
         if (next == contents.runs) damaged("it ends before its end");
@@ -237,8 +231,7 @@ PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingS
         if (run.zeros > to.size() || run.values > to.size() - run.zeros ||
             run.values > contents.values - taken || (run.zeros == 0 && run.values == 0))
           damaged("it has other values");
-        std::fill_n(to.begin(), run.zeros, 0.0);
-        unshuffle(values, contents.values, taken, to.subspan(run.zeros, run.values));
+        unshuffle(packed_values, contents.values, taken, to.subspan(run.zeros, run.values));
         taken += run.values;
         to = to.subspan(std::size_t{run.zeros} + run.values);
       }

@@ -13,11 +13,6 @@
 // of a run keep it in their files. The same bytes on any thread of the same build.
 namespace tubefoot {
 
-/// A ping of a group of sensors.
-struct PingUnit {
-  std::uint64_t group = 0, ping = 0;
-};
-
 /// Bytes that are no packed ping of this run.
 struct DamagedPing : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -30,13 +25,9 @@ struct PackedHead {
   std::uint32_t values_checksum = 0, head_checksum = 0;
 };
 
-/// Room for one ping of one group: its slot 0.
-StoreLayout room_for_one(StoreLayout layout, std::size_t group);
-
-/// A ping that is slot `slot` of a store: a PackedHead, then its counts, energies and bounds. Throws
-/// std::bad_alloc.
+/// A PackedHead, then a ping's counts, energies and bounds. Throws std::bad_alloc.
 std::string packed_ping(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
-                        PingStore& store, std::size_t slot);
+                        const PingValues& values);
 
 /// The head that some bytes begin with. Throws DamagedPing where there is none, or one of a ping that the
 /// layout has not, or of more bytes than such a ping can be packed into.
@@ -44,9 +35,8 @@ PackedHead head_of_packed(std::string_view bytes, const StoreLayout& layout);
 /// Whether packed values are those that their head belongs to.
 bool belongs_to(const PackedHead& head, std::string_view values);
 
-/// Leaves a packed ping's energies and bounds where they belong in a store of all pings, for its finish(), to
-/// which the counts go. Takes no memory beyond what such a ping has unpacked. Throws DamagedPing; what it
-/// leaves in the ping's place then is anything.
-PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingStore& store);
+/// Leaves a packed ping's energies and bounds in `values`, for a store's finish(), to which the counts go.
+/// Takes no memory beyond what such a ping has unpacked. Throws DamagedPing.
+PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingValues& values);
 
 }  // namespace tubefoot

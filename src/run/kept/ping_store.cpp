@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <numeric>
@@ -30,6 +31,18 @@ struct Header {
 };
 
 std::uint64_t checksum_of(const std::string& text) { return libdeflate_crc32(0, text.data(), text.size()); }
+
+/// Of a ping's counts, energies and bounds, as `values_of(sensor, which)` has them; never 0.
+template <class ValuesOf>
+std::uint64_t checksum_of(const StoreLayout::Group& group, const PingCounts& counts,
+                          const ValuesOf& values_of) {
+  std::uint32_t sum = libdeflate_crc32(0, &counts, sizeof counts);
+  for (const std::size_t sensor : group.sensors)
+    for (const int which : {0, 1})
+      if (const std::span<const double> values = values_of(sensor, which); !values.empty())
+        sum = libdeflate_crc32(sum, values.data(), values.size_bytes());
+  return std::uint64_t{sum} | std::uint64_t{1} << 32;
+}
 
 constexpr std::size_t alignment = 4096;
 // Linux maps a page that is read together with those about it, in windows of addresses of this size
@@ -112,12 +125,6 @@ Descriptor take_ping_file(const fs::path& path, bool make) {
     if (is_still_at(path, file)) return file;
   }
   throw StoreInUse(path);
-}
-
-std::size_t StoreLayout::units() const {
-  std::size_t all = 0;
-  for (const Group& group : groups) all += group.pings;
-  return all;
 }
 
 PingStore::PingStore(const StoreLayout& layout, fs::path path, std::size_t identity_bytes)
@@ -209,13 +216,11 @@ std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs
   for (std::size_t group = 0; group < layout.groups.size(); ++group)
     for (std::size_t ping = 0; ping < layout.groups[group].pings; ++ping) {
       Unit& unit = store->unit(group, ping);
-      if (unit.checksum == 0 || unit.checksum == store->checksum(group, ping)) continue;
-      unit = {};
-      for (const std::size_t sensor : layout.groups[group].sensors)
-        for (const int which : {0, 1}) {
-          const std::span<double> part = store->part(sensor, ping, which);
-          std::fill(part.begin(), part.end(), 0.0);
-        }
+      if (unit.checksum == 0) continue;
+      const std::uint64_t found =
+          checksum_of(layout.groups[group], unit.counts,
+                      [&](std::size_t sensor, int which) { return store->part(sensor, ping, which); });
+      if (unit.checksum != found) unit = {};
     }
   return store;
 }
@@ -242,38 +247,53 @@ std::size_t PingStore::done_units() const {
   return all;
 }
 
-std::span<double> PingStore::block(std::size_t sensor, int which) {
+std::span<double> PingStore::block(std::size_t sensor, int which) const {
   const StoreLayout::Sensor& s = layout_.sensors.at(sensor);
   if (which == 1 && !layout_.with_bounds) return {};
   const std::size_t bytes = aligned(s.pings * s.cells * sizeof(double));
   return {reinterpret_cast<double*>(data_ + first_byte_[sensor] + which * bytes), s.pings * s.cells};
 }
 
-std::span<double> PingStore::part(std::size_t sensor, std::size_t ping, int which) {
+std::span<double> PingStore::part(std::size_t sensor, std::size_t ping, int which) const {
   const std::span<double> all = block(sensor, which);
   const std::size_t cells = layout_.sensors[sensor].cells;
   return all.empty() ? all : all.subspan(ping * cells, cells);
 }
 
-/// Of the energies, bounds and counts; never 0.
-std::uint64_t PingStore::checksum(std::size_t group, std::size_t ping) {
-  std::uint32_t sum = 0;
-  const auto add = [&](const void* data, std::size_t bytes) { sum = libdeflate_crc32(sum, data, bytes); };
-  add(&unit(group, ping).counts, sizeof(PingCounts));
-  for (const std::size_t sensor : layout_.groups[group].sensors)
-    for (const int which : {0, 1}) {
-      const std::span<double> values = part(sensor, ping, which);
-      if (!values.empty()) add(values.data(), values.size_bytes());
+/// A file's by the system's call: through the mapping they would take a fault a page. All of them: a disk is
+/// slow to free what lies in many pieces. In memory, what is silent takes no pages.
+void PingStore::put(std::span<const double> values, std::span<double> place) const {
+  if (!file_) {
+    constexpr std::size_t page = alignment / sizeof(double);
+    for (std::size_t first = 0; first < values.size(); first += page) {
+      const std::span<const double> some = values.subspan(first, std::min(page, values.size() - first));
+      if (std::ranges::any_of(some, [](double value) { return std::bit_cast<std::uint64_t>(value) != 0; }))
+        std::ranges::copy(some, place.begin() + std::ptrdiff_t(first));
     }
-  return std::uint64_t{sum} | std::uint64_t{1} << 32;
+    return;
+  }
+  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+  auto at = static_cast<std::size_t>(reinterpret_cast<unsigned char*>(place.data()) - data_);
+  for (std::size_t left = values.size_bytes(); left > 0;) {
+    const ssize_t written = pwrite(file_.number(), bytes, left, static_cast<off_t>(at));
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) fail(path_, "keep a ping", written < 0 ? errno : ENOSPC);
+    bytes += written, at += std::size_t(written), left -= std::size_t(written);
+  }
 }
 
-void PingStore::finish(std::size_t group, std::size_t ping, const PingCounts& counts) {
+void PingStore::finish(std::size_t group, std::size_t ping, const PingCounts& counts,
+                       const PingValues& values) {
+  const StoreLayout::Group& kept = layout_.groups[group];
+  const auto made = [&](std::size_t sensor, int which) {
+    return which == 0 ? values.energy(sensor) : values.bound(sensor);
+  };
+  for (const std::size_t sensor : kept.sensors)
+    for (const int which : {0, 1}) put(made(sensor, which), part(sensor, ping, which));
   Unit& finished = unit(group, ping);
   finished.counts = counts;
   // A killed program's pages reach the file in any order: only the sum makes a ping count.
-  std::atomic_ref(finished.checksum).store(checksum(group, ping), std::memory_order_release);
-  for (const std::size_t sensor : layout_.groups[group].sensors) release(sensor, ping);
+  std::atomic_ref(finished.checksum).store(checksum_of(kept, counts, made), std::memory_order_release);
   // One thread at a time, and no ping waits for it: which of its pages are on the disk already does not
   // matter.
   constexpr std::chrono::seconds between_syncs{5};

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "files/descriptor.hpp"
+#include "run/kept/ping_values.hpp"
 
 namespace tubefoot {
 
@@ -44,22 +45,6 @@ struct PingCounts {
   std::array<double, 9> energy_of_order{};
   /// Of refraction, by shot: apparent facets, and those that StraighteningCounts names.
   StraighteningCounts refraction;
-};
-
-/// How much a run has to keep.
-struct StoreLayout {
-  struct Sensor {
-    std::size_t pings = 0, cells = 0;  ///< cells of a ping: beams times samples
-  };
-  /// Sensors that share their shots: a ping of all of them is finished as a whole.
-  struct Group {
-    std::vector<std::size_t> sensors;
-    std::size_t pings = 0;
-  };
-  std::vector<Sensor> sensors;
-  std::vector<Group> groups;
-  bool with_bounds = false;
-  std::size_t units() const;  ///< pings of all groups
 };
 
 /// A file of pings that cannot be gone on with.
@@ -101,16 +86,17 @@ class PingStore {
 
   bool done(std::size_t group, std::size_t ping) const { return unit(group, ping).checksum != 0; }
   std::size_t done_units() const;
-  /// Marks a ping of a group as done. Others may write other pings meanwhile. Now and then it brings what is
+  /// Keeps a ping of a group, which is done with that. From several threads. Now and then it brings what is
   /// done to the disk: throws std::runtime_error where that fails.
-  void finish(std::size_t group, std::size_t ping, const PingCounts& counts);
+  void finish(std::size_t group, std::size_t ping, const PingCounts& counts, const PingValues& values);
   const PingCounts& counts(std::size_t group, std::size_t ping) const { return unit(group, ping).counts; }
 
-  std::span<double> energy(std::size_t sensor) { return block(sensor, 0); }
-  std::span<double> energy(std::size_t sensor, std::size_t ping) { return part(sensor, ping, 0); }
+  /// [ping][channel][beam][sample].
+  std::span<const double> energy(std::size_t sensor) const { return block(sensor, 0); }
+  std::span<const double> energy(std::size_t sensor, std::size_t ping) const { return part(sensor, ping, 0); }
   /// Empty without bounds.
-  std::span<double> bound(std::size_t sensor) { return block(sensor, 1); }
-  std::span<double> bound(std::size_t sensor, std::size_t ping) { return part(sensor, ping, 1); }
+  std::span<const double> bound(std::size_t sensor) const { return block(sensor, 1); }
+  std::span<const double> bound(std::size_t sensor, std::size_t ping) const { return part(sensor, ping, 1); }
   /// Lets go of the memory of a ping that lies in a file. Its values come back when they are read.
   void release(std::size_t sensor, std::size_t ping);
   /// Brings all of a file to the disk. Throws std::runtime_error naming it.
@@ -123,9 +109,9 @@ class PingStore {
   };
   void map();
   Unit& unit(std::size_t group, std::size_t ping) const;
-  std::uint64_t checksum(std::size_t group, std::size_t ping);
-  std::span<double> block(std::size_t sensor, int which);
-  std::span<double> part(std::size_t sensor, std::size_t ping, int which);
+  std::span<double> block(std::size_t sensor, int which) const;
+  std::span<double> part(std::size_t sensor, std::size_t ping, int which) const;
+  void put(std::span<const double> values, std::span<double> place) const;
 
   explicit PingStore(const StoreLayout& layout, std::filesystem::path path, std::size_t identity_bytes);
 

@@ -71,16 +71,17 @@ std::vector<PingUnit> units_in(std::string_view message) {
 }
 
 std::string result_note(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
-                        PingStore& store, std::size_t slot) {
-  return note(Note::result, packed_ping(layout, unit, counts, store, slot));
+                        const PingValues& values) {
+  return note(Note::result, packed_ping(layout, unit, counts, values));
 }
 
-bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store) {
+bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store, PingValues& room) {
   try {
     const std::string_view packed = message.substr(1);
     const PingUnit unit = head_of_packed(packed, layout).unit;
     if (store.done(unit.group, unit.ping)) return false;
-    store.finish(unit.group, unit.ping, unpack_ping(packed, layout, store));
+    const PingCounts counts = unpack_ping(packed, layout, room);
+    store.finish(unit.group, unit.ping, counts, room);
     return true;
   } catch (const DamagedPing& error) {
     throw std::runtime_error(fmt::format("a rank sent a ping that is not one of this run: {}", error.what()));

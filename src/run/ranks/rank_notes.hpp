@@ -32,12 +32,11 @@ std::size_t count_in(std::string_view message);
 std::string pings_note(std::span<const PingUnit> units);
 std::vector<PingUnit> units_in(std::string_view message);
 
-/// A ping that is slot `slot` of a store.
 std::string result_note(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
-                        PingStore& store, std::size_t slot);
-/// Puts a ping where it belongs. Throws std::runtime_error if it is none of this run. Returns whether it is
-/// new.
-bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store);
+                        const PingValues& values);
+/// Puts a ping where it belongs, by way of `room`. Throws std::runtime_error if it is none of this run.
+/// Returns whether it is new.
+bool take_result(std::string_view message, const StoreLayout& layout, PingStore& store, PingValues& room);
 
 /// What is being thrown, for rank 0 to throw it again.
 std::string failed_note(const std::exception& error);

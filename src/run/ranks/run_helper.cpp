@@ -99,11 +99,13 @@ class HelpingRank {
   void simulate(const Survey& survey, const RunRequest& request, int threads) {
     const StoreLayout layout = layout_of(survey, request);
     const PingSimulation simulation(survey, request);
+    SparePings spare;
     Outbox outbox(most_unsent);
     PingCrew crew(threads, [&](const PingUnit& unit) {
-      PingStore room(room_for_one(layout, unit.group));
-      const PingCounts counts = simulation.run(unit.group, unit.ping, room, 0);
-      outbox.put(result_note(layout, unit, counts, room, 0));
+      outbox.put(spare.with([&](PingValues& values) {
+        const PingCounts counts = simulation.run(unit, values);
+        return result_note(layout, unit, counts, values);
+      }));
     });
     const OpenedAtExit opened{outbox};
     bool asked = false;

@@ -94,8 +94,13 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
   const PingSimulation simulation(survey, request);
   Deal deal(layout, store);
   Progress progress("pings", layout.units() - store.done_units(), quiet);
+  SparePings spare;
+  PingValues received_ping;
   PingCrew crew(threads, [&](const PingUnit& unit) {
-    store.finish(unit.group, unit.ping, simulation.run(unit.group, unit.ping, store, unit.ping));
+    spare.with([&](PingValues& values) {
+      const PingCounts counts = simulation.run(unit, values);
+      store.finish(unit.group, unit.ping, counts, values);
+    });
     progress.step();
   });
   while (!crew.finished() || !all_over()) {
@@ -107,7 +112,7 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
       const Note kind = note_of(message->bytes);
       if (kind == Note::wanted && !stopped_)
         link_->send(message->from, pings_note(deal.next(count_in(message->bytes), ranks())));
-      else if (kind == Note::result && take_result(message->bytes, layout, store))
+      else if (kind == Note::result && take_result(message->bytes, layout, store, received_ping))
         progress.step();
       note_end(*message);
     }

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <utility>
 
 namespace tubefoot {
 namespace {
@@ -31,14 +32,18 @@ PingCounts counts() {
 }
 
 /// Values of every kind in every density, and runs of zeros of every length.
-void fill(PingStore& store, std::size_t sensor, std::size_t ping, double lit, std::mt19937& random) {
+PingValues filled(const StoreLayout& layout, std::size_t group, double lit, std::mt19937& random) {
   std::uniform_real_distribution<double> some(0, 1);
-  for (const std::span<double> values : {store.energy(sensor, ping), store.bound(sensor, ping)})
-    for (double& value : values)
-      if (some(random) < lit)
-        value = some(random) < 0.02   ? -0.0
-                : some(random) < 0.02 ? std::numeric_limits<double>::infinity()
-                                      : std::exp(100 * some(random) - 80);
+  PingValues made;
+  made.clear(layout, group);
+  for (const std::size_t sensor : layout.groups[group].sensors)
+    for (const std::span<double> values : {made.energy(sensor), made.bound(sensor)})
+      for (double& value : values)
+        if (some(random) < lit)
+          value = some(random) < 0.02   ? -0.0
+                  : some(random) < 0.02 ? std::numeric_limits<double>::infinity()
+                                        : std::exp(100 * some(random) - 80);
+  return made;
 }
 
 bool same(std::span<const double> a, std::span<const double> b) {
@@ -51,13 +56,10 @@ TEST(PackedPings, ComeBackToTheBit) {
     for (const double lit : {0.0, 0.01, 0.2, 0.5, 0.9, 1.0})
       for (const PingUnit& unit : {PingUnit{0, 3}, PingUnit{1, 1}}) {
         const StoreLayout all = layout(with_bounds);
-        PingStore room(room_for_one(all, unit.group)), back(all);
-        for (const std::size_t sensor : all.groups[unit.group].sensors) {
-          fill(room, sensor, 0, lit, random);
-          std::ranges::fill(back.energy(sensor, unit.ping), 7.0);  // of a ping that was cut off
-        }
-        const std::string packed = packed_ping(all, unit, counts(), room, 0);
-        EXPECT_EQ(packed, packed_ping(all, unit, counts(), room, 0));
+        const PingValues made = filled(all, unit.group, lit, random);
+        PingValues back = filled(all, 1 - unit.group, 1, random);  // of a ping before it
+        const std::string packed = packed_ping(all, unit, counts(), made);
+        EXPECT_EQ(packed, packed_ping(all, unit, counts(), made));
         const PackedHead head = head_of_packed(packed, all);
         EXPECT_EQ(head.unit.group, unit.group);
         EXPECT_EQ(head.unit.ping, unit.ping);
@@ -65,26 +67,25 @@ TEST(PackedPings, ComeBackToTheBit) {
         const PingCounts given = counts();
         EXPECT_EQ(std::memcmp(&taken, &given, sizeof given), 0);
         for (const std::size_t sensor : all.groups[unit.group].sensors) {
-          EXPECT_TRUE(same(room.energy(sensor, 0), back.energy(sensor, unit.ping))) << lit;
-          EXPECT_TRUE(same(room.bound(sensor, 0), back.bound(sensor, unit.ping))) << lit;
+          EXPECT_TRUE(same(made.energy(sensor), std::as_const(back).energy(sensor))) << lit;
+          EXPECT_TRUE(same(made.bound(sensor), std::as_const(back).bound(sensor))) << lit;
         }
-        EXPECT_EQ(back.energy(0, 2)[5], 0) << "a neighbour";
       }
 }
 
 TEST(PackedPings, AreSmallWhereLittleIsLit) {
   const StoreLayout all = layout(false);
-  PingStore room(room_for_one(all, 1));
-  for (std::size_t k = 0; k < 20; ++k) room.energy(2, 0)[k] = 1 + double(k);
-  EXPECT_LT(packed_ping(all, {1, 0}, {}, room, 0).size(), 300u);
+  PingValues made;
+  made.clear(all, 1);
+  for (std::size_t k = 0; k < 20; ++k) made.energy(2)[k] = 1 + double(k);
+  EXPECT_LT(packed_ping(all, {1, 0}, {}, made).size(), 300u);
 }
 
 TEST(PackedPings, WithAnyByteChangedOrCutAreRefused) {
   const StoreLayout all = layout(true);
-  PingStore room(room_for_one(all, 0)), back(all);
+  PingValues back;
   std::mt19937 random(6);
-  for (const std::size_t sensor : all.groups[0].sensors) fill(room, sensor, 0, 0.1, random);
-  const std::string packed = packed_ping(all, {0, 1}, counts(), room, 0);
+  const std::string packed = packed_ping(all, {0, 1}, counts(), filled(all, 0, 0.1, random));
   for (std::size_t at = 0; at < packed.size(); ++at) {
     std::string damaged = packed;
     damaged[at] = static_cast<char>(damaged[at] ^ (1 << (at % 8)));
@@ -94,8 +95,7 @@ TEST(PackedPings, WithAnyByteChangedOrCutAreRefused) {
   EXPECT_THROW(unpack_ping(packed + "x", all, back), DamagedPing);
   StoreLayout other = all;
   other.sensors[0].cells = 699;
-  PingStore of_other(other);
-  EXPECT_THROW(unpack_ping(packed, other, of_other), DamagedPing);
+  EXPECT_THROW(unpack_ping(packed, other, back), DamagedPing);
   StoreLayout shorter = all;
   shorter.groups[0].pings = 1;
   EXPECT_THROW(head_of_packed(packed, shorter), DamagedPing);
@@ -104,10 +104,9 @@ TEST(PackedPings, WithAnyByteChangedOrCutAreRefused) {
 // Who writes bytes on purpose makes their sums fit: then nothing is trusted that they say.
 TEST(PackedPings, ThatWereForgedDoNoHarm) {
   const StoreLayout all = layout(true);
-  PingStore room(room_for_one(all, 0)), back(all);
+  PingValues back;
   std::mt19937 random(7);
-  for (const std::size_t sensor : all.groups[0].sensors) fill(room, sensor, 0, 0.1, random);
-  const std::string packed = packed_ping(all, {0, 1}, counts(), room, 0);
+  const std::string packed = packed_ping(all, {0, 1}, counts(), filled(all, 0, 0.1, random));
   int refused = 0, taken = 0;
   for (int trial = 0; trial < 20000; ++trial) {
     std::string forged = packed;
@@ -130,8 +129,6 @@ TEST(PackedPings, ThatWereForgedDoNoHarm) {
     } catch (const DamagedPing&) {
       ++refused;
     }
-    ASSERT_EQ(back.energy(0, 0)[0], 0) << "a neighbour";
-    ASSERT_EQ(back.energy(0, 2)[0], 0) << "a neighbour";
   }
   EXPECT_GT(refused, 1000);
   EXPECT_GT(taken, 10) << "else they are not forged well";

@@ -23,10 +23,11 @@ StoreLayout layout() {
 }
 
 std::string packed(std::size_t ping) {
-  PingStore room(room_for_one(layout(), 0));
-  for (const std::span<double> values : {room.energy(0, 0), room.bound(0, 0), room.energy(1, 0)})
+  PingValues made;
+  made.clear(layout(), 0);
+  for (const std::span<double> values : {made.energy(0), made.bound(0), made.energy(1)})
     for (std::size_t k = ping; k < values.size(); k += 2) values[k] = 1e-9 * double(ping + k + 1);
-  return packed_ping(layout(), {0, ping}, {}, room, 0);
+  return packed_ping(layout(), {0, ping}, {}, made);
 }
 
 /// A file with pings 0, 2 and 3.
@@ -41,13 +42,13 @@ fs::path made_in(const TestFolder& folder) {
 /// Which pings are there, each of which must be what it was.
 std::vector<bool> there(const PartFile& file) {
   std::vector<bool> found;
-  PingStore store(layout());
+  PingValues room;
   for (std::size_t ping = 0; ping < 4; ++ping) {
     found.push_back(file.has({0, ping}));
     if (!found.back()) continue;
     const std::string bytes = file.read({0, ping});
     EXPECT_TRUE(bytes == packed(ping));
-    unpack_ping(bytes, layout(), store);
+    unpack_ping(bytes, layout(), room);
   }
   return found;
 }
