@@ -4,14 +4,13 @@
 #include <fmt/format.h>
 #include <netcdf.h>
 #include <netcdf_mem.h>
-#include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <utility>
 
 #include "files/checked_file.hpp"
+#include "geometry/steps/in_order.hpp"
 
 namespace tubefoot {
 
@@ -135,21 +134,15 @@ void EchoGroup::check(int status, const char* task, const std::string& name) con
 
 void write_pings(Hdf5Chunks& file, const std::string& group, const std::vector<PingVariable>& variables,
                  std::size_t pings, std::size_t cells, const std::function<void(std::size_t)>& done) {
-  const std::size_t chunks = pings * variables.size();
-  constexpr std::size_t most_bytes_at_once = 64 << 20;
-  const std::size_t block = std::clamp<std::size_t>(most_bytes_at_once / (cells * sizeof(double)), 1, 4096);
-  for (std::size_t first = 0; first < chunks; first += block) {
-    std::vector<std::vector<unsigned char>> packed(std::min(block, chunks - first));
-    tbb::parallel_for(std::size_t{0}, packed.size(), [&](std::size_t k) {
-      packed[k] =
-          packed_chunk(variables[(first + k) % variables.size()].values((first + k) / variables.size()));
-    });
-    for (std::size_t k = 0; k < packed.size(); ++k) {
-      const std::size_t ping = (first + k) / variables.size(), variable = (first + k) % variables.size();
-      file.write(group + variables[variable].name, ping, packed[k]);
-      if (variable + 1 == variables.size()) done(ping);
-    }
-  }
+  const std::size_t of_a_ping = variables.size();
+  in_order(
+      0, pings * of_a_ping, cells * sizeof(double),
+      [&](std::size_t chunk) { return packed_chunk(variables[chunk % of_a_ping].values(chunk / of_a_ping)); },
+      [&](std::size_t chunk, const std::vector<unsigned char>& packed) {
+        const std::size_t ping = chunk / of_a_ping, variable = chunk % of_a_ping;
+        file.write(group + variables[variable].name, ping, packed);
+        if (variable + 1 == of_a_ping) done(ping);
+      });
 }
 
 }  // namespace tubefoot

@@ -62,7 +62,7 @@ def costs_of(row, lead, ranks, cluster):
     settings = row["settings"]
     launch = max(0.0, settings["2 ranks, 1 thread each"]["wall"] - settings["2 ranks, 1 thread each"]["total"])
     return Costs(load=row["load"] + (row["scene_bytes"] * ranks / DISK_BYTES_S if cluster else 0),
-                 result=message + row["store_bytes"] * (byte + link), request=message, write=row["write"],
+                 result=message + row["store_bytes"] * byte + row["sent_bytes"] * link, request=message, write=row["write"],
                  finish=row["write_fixed"],
                  launch=launch if ranks > 1 else 0)
 
@@ -108,9 +108,9 @@ def dealing_part(found, lead, figures):
         pings = numpy.array(row["pings"])
         shape.append([name, len(pings), number(1000 * pings.mean()), number(pings.std() / pings.mean(), 2),
                       number(pings.max() / pings.mean(), 2), number(correlation(pings), 2),
-                      number(row["store_bytes"] / 1000), number(1e6 * costs_of(row, lead, 2, True).result),
+                      number(row["store_bytes"] / 1000), number(row["sent_bytes"] / 1000), number(1e6 * costs_of(row, lead, 2, True).result),
                       number(row["load"]), number(1000 * row["write"])])
-    text = [table(["scene", "pings", "mean, ms", "deviation / mean", "largest / mean", "correlation of neighbours", "kB a ping",
+    text = [table(["scene", "pings", "mean, ms", "deviation / mean", "largest / mean", "correlation of neighbours", "kB a ping", "kB sent",
                    "us of rank 0 a ping", "load, s", "writing, ms a ping"], shape)]
     with concurrent.futures.ProcessPoolExecutor(2) as pool:
         predicted = dict(zip(found, pool.map(scene_predictions, found.values(), [lead] * len(found))))
@@ -155,8 +155,8 @@ def page(measured, figures):
         check_part(measured["ranks"], lead),
         "## Rank 0", "",
         "Its main thread while pings come in: it takes them, answers requests, and sleeps a millisecond when there is nothing.", "",
-        table(["bytes of a ping", "pings from others", "sleeps", "processor s"],
-              [[run["bytes"], number(run["results"]), number(run["sleeps"]), number(run["seconds"])] for run in lead["runs"]]),
+        table(["bytes of a ping", "as it is sent", "pings from others", "sleeps", "processor s"],
+              [[run["bytes"], number(run["sent"]), number(run["results"]), number(run["sleeps"]), number(run["seconds"])] for run in lead["runs"]]),
         f"That is best explained by {1e6 * lead['message']:.0f} us a ping, {1e9 * lead['byte']:.2f} ns a byte and "
         f"{1e6 * lead['sleep']:.0f} us a sleep.", "",
         f"## {PINGS} pings dealt", "",

@@ -9,7 +9,7 @@ import time
 
 import numpy
 
-from runs import SCENES, Run, with_pings
+from runs import SCENES, Run, sent_bytes, with_pings
 
 # Pings of 2 x `samples` energies: cheap ones, of two facets, for which what rank 0 does is most of what is done;
 # or dear ones, while which it mostly sleeps and looks for messages.
@@ -39,7 +39,7 @@ along_track_deg = {along}
 CHEAP_PINGS = {"cell": 0, "along": 0.5}
 DEAR_PINGS = {"cell": 1, "along": 40}
 LEAD_RANKS = 5  # most results come from others; rank 0's own wake it less often
-HEAD = 8 + 1 + 16 + 304  # of a result's message: length, letter, PingUnit, PingCounts (src/run/ranks/rank_notes.cpp)
+HEAD = 8 + 1  # of a result's message, before the packed ping: length and letter (src/run/ranks/rank_notes.cpp)
 
 
 def camera(folder, pings):
@@ -94,6 +94,7 @@ def measure(program, folder, rounds, quick=False):
         # Beside the pings themselves: touching the store's pages, sums, warnings.
         row["besides"] = least(alone, lambda r: r.seconds["simulation"] - r.pings.sum()) / len(row["pings"])
         row["store_bytes"] = alone[0].store_bytes / len(row["pings"])
+        row["sent_bytes"] = HEAD + sent_bytes(program, scene)
         row["file_bytes"] = alone[0].file_bytes / len(row["pings"])
         print(f"{name}: {len(row['pings'])} pings measured", flush=True)
     return found
@@ -139,7 +140,7 @@ class MainThread(threading.Thread):
                 sleeps = int(re.search(r"^voluntary_ctxt_switches:\s*(\d+)", (thread / "status").read_text(), re.M)[1])
             except OSError:
                 return  # it has ended
-            if any(self.folder.glob(".run.partial-*/echoes.nc")):
+            if any(self.folder.glob(".run.tubefoot-*/echoes.nc")):
                 return
             if (self.folder / "run.partial").exists():
                 self.end = numpy.array([seconds, sleeps])
@@ -148,11 +149,13 @@ class MainThread(threading.Thread):
 
 
 def lead_run(program, folder, samples, pings, kind):
-    """A run on LEAD_RANKS ranks: bytes of a result, results, seconds and sleeps of rank 0's main thread."""
+    """A run on LEAD_RANKS ranks: bytes of a ping and of its message, results, seconds and sleeps of rank 0's main
+    thread."""
     with tempfile.TemporaryDirectory(prefix="tubefoot-lead-", dir=folder) as scratch:
         scratch = pathlib.Path(scratch)
         scene = scratch / "line.toml"
         scene.write_text(LINE.format(pings=pings, interval=150 / pings, samples=samples, **kind))
+        message = HEAD + sent_bytes(program, scene)
         watch = MainThread(scratch)
         watch.start()
         # Open MPI counts the bytes that ranks send each other.
@@ -165,9 +168,8 @@ def lead_run(program, folder, samples, pings, kind):
         watch.join()
         sent = sum(int(re.search(rf"^E\t{rank}\t0\t(\d+) bytes", (scratch / f"sent.{rank}.prof").read_text(), re.M)[1])
                    for rank in range(1, LEAD_RANKS))
-    size = HEAD + 2 * samples * 8
     seconds, sleeps = (float(v) for v in watch.end - watch.begin)
-    return {"bytes": size, "results": sent / size, "seconds": seconds, "sleeps": sleeps}
+    return {"bytes": 2 * samples * 8, "sent": message, "results": sent / message, "seconds": seconds, "sleeps": sleeps}
 
 
 def lead_cost(program, folder, rounds, quick=False):

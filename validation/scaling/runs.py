@@ -54,6 +54,15 @@ def opened_when_there(file, process):
             time.sleep(0.001)
 
 
+def sent_bytes(program, scene):
+    """Of a ping, in the mean, as ranks send it to each other: what a run keeps that has one part, head included."""
+    with tempfile.TemporaryDirectory(prefix="tubefoot-scaling-") as scratch:
+        done = subprocess.run([str(program), "run", str(scene), "-o", f"{scratch}/run", "--part", "1/1", "--quiet"],
+                              check=True, capture_output=True, text=True)
+        pings = int(re.search(r"(\d+) pings", done.stdout)[1])
+        return pathlib.Path(f"{scratch}/run.part-1-of-1").stat().st_size / pings
+
+
 class Run:
     """One run: stats.json, the seconds of each ping, and the processor seconds of all its processes."""
     def __init__(self, program, scene, options=(), ranks=None):
