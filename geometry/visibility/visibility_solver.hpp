@@ -15,6 +15,7 @@
 #include "geometry/visibility/gathering.hpp"
 #include "geometry/visibility/gnomonic_frame.hpp"
 #include "geometry/visibility/layer_grid.hpp"
+#include "geometry/visibility/piece_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
 
 // The visibility algorithm, once for all arithmetics; instantiated in visibility_<arithmetic>.cpp.
@@ -320,8 +321,8 @@ class VisibilitySolver {
     if (end - begin > options_.facets_per_split && depth < deepest_split && box.is_finite() &&
         split(piece, begin, end, box, depth))
       return;
-    pieces_.assign(1, piece);
-    for (std::size_t k = begin; k < end && !pieces_.empty(); ++k) {
+    left_.begin(piece);
+    for (std::size_t k = begin; k < end && !left_.empty(); ++k) {
       stop_if_wanted();
       const auto [o, how] = list_[k];
       const FacetPlanes& planes = planes_of(o);
@@ -333,12 +334,13 @@ class VisibilitySolver {
         arithmetic_.depth(plane.plane, planes_of(receiver_).facet, planes.facet);
         halves[count++] = {&plane, 1};
       }
-      if (take_away(facets_[o], halves.data(), count) && receiver_ != nobody)
+      if (take_away({&facets_[o], halves.data(), count}) && receiver_ != nobody)
         out_->occluders.emplace_back(facets_[receiver_].cone.id, facets_[o].cone.id);
     }
-    for (const PieceRange& left : pieces_)
+    left_.each([this](PieceRange left) {
       emit(receiver_ == nobody ? out_->open : out_->pieces,
            receiver_ == nobody ? no_point : facets_[receiver_].cone.id, left);
+    });
   }
 
   bool split(PieceRange piece, std::size_t begin, std::size_t end, Bounds box, int depth) {
@@ -460,55 +462,72 @@ class VisibilitySolver {
     }
   }
 
-  /// Replaces pieces_ by what is left of them outside of the cone of the halves; true if anything was taken.
-  bool take_away(const FramedFacet& facet, const Half<A>* halves, int half_count) {
-    bool taken = false;
-    kept_.clear();
-    for (const PieceRange& piece : pieces_) taken |= take_away(piece, facet, halves, half_count);
-    pieces_.swap(kept_);
-    return taken;
+  /// Where a facet hides: its cone, on the near side of the depth plane if there is one.
+  struct Hidden {
+    const FramedFacet* facet;
+    const Half<A>* halves;
+    int count;
+  };
+
+  /// Takes what is hidden away from the pieces left; true if anything was taken.
+  bool take_away(const Hidden& hidden) {
+    unsigned cutting = 0;
+    return left_.take_away((1u << hidden.count) - 1,
+                           [&](PieceRange piece, unsigned& halves) {
+                             const bool meets = crosses(piece, hidden, halves, cutting);
+                             halves = cutting;
+                             return meets;
+                           },
+                           [&](PieceRange piece, unsigned halves, std::vector<PieceRange>& rest) {
+                             return crosses(piece, hidden, halves, cutting) &&
+                                    !set_apart(piece, hidden, cutting) && cut(piece, hidden, cutting, rest);
+                           });
   }
 
-  bool take_away(PieceRange piece, const FramedFacet& facet, const Half<A>* halves, int half_count) {
-    std::array<Half<A>, 4> cutting;
-    int cuts = 0;
-    for (int h = 0; h < half_count; ++h) {
-      const int signs = sides_of(piece, halves[h]);
-      if (!(signs & 1)) {  // wholly outside
-        kept_.push_back(piece);
-        return false;
-      }
+  /// False if one of the halves given holds nothing of the piece. Else `cutting` are those that have corners
+  /// of it on both sides, first_sides_ being those of the first: the others hold all of it.
+  bool crosses(PieceRange piece, const Hidden& hidden, unsigned halves, unsigned& cutting) {
+    cutting = 0;
+    for (int h = 0; h < hidden.count; ++h) {
+      if (!(halves >> h & 1u)) continue;
+      const int signs = sides_of(piece, hidden.halves[h]);
+      if (!(signs & 1)) return false;
       if (!(signs & 2)) continue;
-      if (cuts == 0) sides_.swap(first_sides_);
-      cutting[cuts++] = halves[h];
+      if (cutting == 0) sides_.swap(first_sides_);
+      cutting |= 1u << h;
     }
-    // Two convex cones in one half-space with disjoint interiors are set apart by an edge plane of one of
-    // them; without this test the piece would be cut up for nothing.
-    for (std::uint32_t k = 0; cuts > 0 && k < piece.count; ++k) {
-      const Half<A> edge = buffer_[piece.first + k].edge;
-      if (!any_vertex_inside(facet, edge)) {
-        kept_.push_back(piece);
-        return false;
-      }
-    }
-    const std::size_t mark = buffer_.size(), kept_mark = kept_.size();
+    return true;
+  }
+
+  /// Two convex cones in one half-space with disjoint interiors are set apart by an edge plane of one of
+  /// them: whether it is one of the piece's. Without this test it would be cut up for nothing.
+  bool set_apart(PieceRange piece, const Hidden& hidden, unsigned cutting) const {
+    for (std::uint32_t k = 0; cutting != 0 && k < piece.count; ++k)
+      if (!any_vertex_inside(*hidden.facet, buffer_[piece.first + k].edge)) return true;
+    return false;
+  }
+
+  /// Appends what is left of a piece outside of the halves that cut it; false if that is all of it.
+  bool cut(PieceRange piece, const Hidden& hidden, unsigned cutting, std::vector<PieceRange>& left) {
+    const std::size_t mark = buffer_.size();
     PieceRange rest = piece;
-    for (int h = 0; h < cuts; ++h) {
-      if (h == 0) sides_.swap(first_sides_);
-      const int signs = h == 0 ? 3 : sides_of(rest, cutting[h]);
-      if (!(signs &
-            1)) {  // they do not meet after all (set apart by a depth plane, or by the apex): undo the cuts
+    for (int h = 0; h < hidden.count; ++h) {
+      if (!(cutting >> h & 1u)) continue;
+      const bool first = rest == piece;
+      if (first) sides_.swap(first_sides_);
+      const Half<A> half = hidden.halves[h];
+      const int signs = first ? 3 : sides_of(rest, half);
+      if (!(signs & 1)) {
+        // They do not meet after all (set apart by a depth plane, or by the apex): undo the cuts.
         buffer_.resize(mark);
-        kept_.resize(kept_mark);
-        kept_.push_back(piece);
         return false;
       }
       if (!(signs & 2)) continue;
       flip_sides();
       const PieceRange outside =
-          clip(arithmetic_, buffer_, rest, Half<A>{cutting[h].plane, -cutting[h].sign}, flipped_.data());
-      if (outside.count >= 3) kept_.push_back(outside);
-      rest = clip(arithmetic_, buffer_, rest, cutting[h], sides_.data());
+          clip(arithmetic_, buffer_, rest, Half<A>{half.plane, -half.sign}, flipped_.data());
+      if (outside.count >= 3) left.push_back(outside);
+      rest = clip(arithmetic_, buffer_, rest, half, sides_.data());
     }
     return true;
   }
@@ -564,7 +583,7 @@ class VisibilitySolver {
   std::vector<Occluder> list_;
   CornerBuffer<A> buffer_;
   ReusedList<ClipPlane<A>> walls_, depth_planes_;
-  std::vector<PieceRange> pieces_, kept_;
+  PieceTree left_;  ///< of the receiver at hand
   std::vector<int> sides_, first_sides_, flipped_;
   std::vector<std::uint8_t>
       where_;  ///< per listed facet: 1 on the positive side of a split, 2 on the negative
