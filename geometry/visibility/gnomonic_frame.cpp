@@ -97,6 +97,7 @@ void FramedFacet::place(const GnomonicFrame& frame) {
     finite = finite && frame.project(as_double(cone.point[k]), range[k], corner[k]);
     if (finite) bounds.add(corner[k]);
   }
+  placed = finite;
   if (finite) {
     slack = slack_of(
         std::max({std::abs(bounds.x0), std::abs(bounds.x1), std::abs(bounds.y0), std::abs(bounds.y1)}));
@@ -126,7 +127,7 @@ int where(const FramedFacet& facet, glm::dvec2 p) {
 }
 
 bool surely_apart(const FramedFacet& a, const FramedFacet& b) {
-  if (!a.bounds.is_finite() || !b.bounds.is_finite()) return false;
+  if (!a.placed || !b.placed) return false;
   const double slack = std::max(a.slack, b.slack);
   const double extent = (a.bounds.x1 - a.bounds.x0) + (a.bounds.y1 - a.bounds.y0) +
                         (b.bounds.x1 - b.bounds.x0) + (b.bounds.y1 - b.bounds.y0);
@@ -134,7 +135,7 @@ bool surely_apart(const FramedFacet& a, const FramedFacet& b) {
 }
 
 bool surely_covers(const FramedFacet& outer, const FramedFacet& inner) {
-  if (!outer.bounds.is_finite() || !inner.bounds.is_finite() || outer.turn == 0) return false;
+  if (!outer.placed || !inner.placed || outer.turn == 0) return false;
   const double slack = std::max(outer.slack, inner.slack);
   for (int v = 0; v < 3; ++v) {
     const VertexId id = inner.cone.vertex[v];

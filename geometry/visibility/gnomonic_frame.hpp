@@ -90,6 +90,7 @@ struct FramedFacet : RangedFacet {
   Bounds bounds = Bounds::everything();
   std::array<glm::dvec2, 3> corner{};  ///< of its vertices; meaningless where bounds are infinite
   double slack = 0;                    ///< bound on the error of a coordinate of a corner
+  bool placed = false;                 ///< whether the bounds are finite
   int turn = 0;                        ///< +1 if the corners turn left, -1 right, 0 if that is uncertain
   /// Edge k in the plane: x line.x + y line.y - line.z is positive on the facet's side. If turn is not 0.
   std::array<glm::dvec3, 3> line{};

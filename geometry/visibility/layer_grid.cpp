@@ -46,6 +46,8 @@ void LayerGrid::build(const GnomonicFrame& frame, const std::vector<FramedFacet>
   cells_of_facet_.resize(facets.size());
   stamp_.assign(facets.size(), 0);
   stamp_now_ = 0;
+  apart_.assign(facets.size(), no_more);
+  aparts_.clear();
   choose_size();
   fill();
   for (int y = 0; y < rows_; ++y)
@@ -113,8 +115,10 @@ void LayerGrid::fill() {
   }
   entries_.resize(total, Entry{0, 0, no_layer, RoundedBounds(Bounds::everything())});
   rounded_.clear();
+  farthest_.resize(facets_->size());
   for (std::uint32_t f = 0; f < facets_->size(); ++f) {
     rounded_.emplace_back((*facets_)[f].bounds);
+    farthest_[f] = (*facets_)[f].farthest;
     const Entry entry{(*facets_)[f].nearest, f, no_layer, rounded_.back()};
     each_cell(f, [&](Cell& cell) { entries_[cell.end++] = entry; });
   }
@@ -128,7 +132,7 @@ bool LayerGrid::has_silhouette_in(std::uint32_t f, const Bounds& cell) const {
   const FramedFacet& facet = (*facets_)[f];
   for (int k = 0; k < 3; ++k) {
     const std::int32_t n = (*neighbours_)[f][k];
-    if (n == outside_tube || (n >= 0 && (*facets_)[n].bounds.is_finite())) continue;
+    if (n == outside_tube || (n >= 0 && (*facets_)[n].placed)) continue;
     Bounds edge = Bounds::nothing();
     edge.add(facet.corner[k]);
     edge.add(facet.corner[(k + 1) % 3]);
@@ -148,29 +152,44 @@ Bounds LayerGrid::bounds_of(int x, int y) const {
 void LayerGrid::find_layers(int x, int y) {
   Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
   if (cell.begin == cell.end || !frame_->tube().is_finite()) return;
-  const std::uint32_t count = cell.end - cell.begin;
+  const Bounds box = bounds_of(x, y);
+  // Facets that share a vertex are not all nearer than others that share it. So where all that is left is
+  // beyond all that came before, no layer reaches across; and once one of those before has closed the cell,
+  // the rest is hidden here whatever its layers are.
+  for (std::uint32_t begin = cell.begin; begin < cell.end;) {
+    double farthest = 0;
+    std::uint32_t end = begin;
+    do farthest = std::max(farthest, farthest_[entries_[end++].facet]);
+    while (end < cell.end && !(entries_[end].nearest > farthest));
+    if (find_layers(cell, box, begin, end)) return;
+    begin = end;
+  }
+}
+
+/// Of the entries [begin, end); true if one of their layers closes the cell.
+bool LayerGrid::find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, std::uint32_t end) {
+  const std::uint32_t count = end - begin;
   ++stamp_now_;
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0u);
   // A facet that reaches behind the apex has no place in the plane: it joins no layer, and where it adjoins
   // one, that one ends.
   for (std::uint32_t k = 0; k < count; ++k) {
-    const std::uint32_t f = entries_[cell.begin + k].facet;
-    if (!(*facets_)[f].bounds.is_finite()) continue;
+    const std::uint32_t f = entries_[begin + k].facet;
+    if (!(*facets_)[f].placed) continue;
     stamp_[f] = stamp_now_;
     place_[f] = k;
   }
   for (std::uint32_t k = 0; k < count; ++k) {
-    const std::uint32_t f = entries_[cell.begin + k].facet;
+    const std::uint32_t f = entries_[begin + k].facet;
     if (stamp_[f] != stamp_now_) continue;
     for (const std::int32_t n : (*neighbours_)[f])
       if (n >= 0 && stamp_[n] == stamp_now_) parent_[root(parent_, k)] = root(parent_, place_[n]);
   }
   for (std::uint32_t k = 0; k < count; ++k) parent_[k] = root(parent_, k);  // from here on, its layer
-  const Bounds box = bounds_of(x, y);
   broken_.assign(count, 0);
   for (std::uint32_t k = 0; k < count; ++k) {
-    const std::uint32_t f = entries_[cell.begin + k].facet, layer = parent_[k];
+    const std::uint32_t f = entries_[begin + k].facet, layer = parent_[k];
     if (!broken_[layer]) broken_[layer] = stamp_[f] != stamp_now_ || has_silhouette_in(f, box);
   }
 
@@ -186,13 +205,13 @@ void LayerGrid::find_layers(int x, int y) {
     certain = true;
     for (std::uint32_t k = 0; k < count && certain; ++k) {
       if (broken_[parent_[k]]) continue;
-      const int s = where((*facets_)[entries_[cell.begin + k].facet], p);
+      const int s = where((*facets_)[entries_[begin + k].facet], p);
       if (s == 0) certain = false;
       if (s > 0) covering_.push_back(k);
     }
     if (certain) break;
   }
-  if (!certain) return;
+  if (!certain) return false;
 
   for (const std::uint32_t covers : covering_) {
     const std::uint32_t layer = parent_[covers];
@@ -203,11 +222,12 @@ void LayerGrid::find_layers(int x, int y) {
     double farthest = 0;
     for (std::uint32_t k = 0; k < count; ++k)
       if (parent_[k] == layer) {
-        farthest = std::max(farthest, (*facets_)[entries_[cell.begin + k].facet].farthest);
-        if (simple) entries_[cell.begin + k].simple_layer = static_cast<std::int32_t>(layer);
+        farthest = std::max(farthest, farthest_[entries_[begin + k].facet]);
+        if (simple) entries_[begin + k].simple_layer = static_cast<std::int32_t>(layer);
       }
     cell.closed_beyond = std::min(cell.closed_beyond, farthest);
   }
+  return !covering_.empty();
 }
 
 void LayerGrid::find_hidden() {
@@ -236,12 +256,13 @@ void LayerGrid::drop_hidden() {
 }
 
 void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
-  found_.clear();
   const FramedFacet& receiver = (*facets_)[facet];
   const RoundedBounds bounds = rounded_[facet];
   const double farthest = receiver.farthest;
-  ++stamp_now_;
-  stamp_[facet] = stamp_now_;
+  const std::uint32_t now = ++stamp_now_;
+  stamp_[facet] = now;
+  for (std::uint32_t k = apart_[facet]; k != no_more; k = aparts_[k].next) stamp_[aparts_[k].facet] = now;
+  std::size_t count = 0;
   const Cells c = cells_of_facet_[facet];
   for (int y = c.y0; y <= c.y1; ++y)
     for (int x = c.x0; x <= c.x1; ++x) {
@@ -249,24 +270,37 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
       // Not hidden in this cell, the facet is one of its entries, and so of the layer.
       if (cell.is_simple_layer && !(receiver.nearest > cell.closed_beyond)) continue;
       const Entry *const begin = entries_.data() + cell.begin, *const end = entries_.data() + cell.end;
-      std::int32_t own_layer = no_layer;
+      std::int32_t own_layer = own_layer_is_none;
       if (cell.has_simple_layer)
         for (const Entry* e = begin; e != end; ++e)
-          if (e->facet == facet) own_layer = e->simple_layer;
+          if (e->facet == facet && e->simple_layer != no_layer) own_layer = e->simple_layer;
+      if (found_.size() < count + (cell.end - cell.begin)) found_.resize(count + (cell.end - cell.begin));
+      // Half of them are found: no branch would be foreseen.
       for (const Entry* e = begin; e != end && e->nearest < farthest; ++e) {
-        if (!e->bounds.meets(bounds)) continue;
+        std::uint32_t& stamp = stamp_[e->facet];
         // A simple layer does not overlap itself here.
-        if (own_layer != no_layer && e->simple_layer == own_layer) continue;
-        if (stamp_[e->facet] == stamp_now_) continue;
-        stamp_[e->facet] = stamp_now_;
-        found_.push_back({e->nearest, e->facet});
+        const bool found = e->bounds.meets(bounds) & (e->simple_layer != own_layer) & (stamp != now);
+        found_[count] = {e->nearest, e->facet};
+        stamp = found ? now : stamp;
+        count += found;
       }
     }
-  std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint32_t other = found_[k].facet;
+    if (!surely_apart(receiver, (*facets_)[other])) {
+      found_[kept++] = Found(found_[k]);
+    } else if (other > facet) {
+      aparts_.push_back({facet, apart_[other]});
+      apart_[other] = static_cast<std::uint32_t>(aparts_.size() - 1);
+    }
+  }
+  const auto last = found_.begin() + static_cast<std::ptrdiff_t>(kept);
+  std::sort(found_.begin(), last, [](const Found& a, const Found& b) {
     return a.nearest != b.nearest ? a.nearest < b.nearest : a.facet < b.facet;
   });
   out.clear();
-  for (const Found& found : found_) out.push_back(found.facet);
+  for (auto found = found_.begin(); found != last; ++found) out.push_back(found->facet);
 }
 
 }  // namespace tubefoot

@@ -34,8 +34,8 @@ class LayerGrid {
   /// Law L1 (hidden): true only if no part of the facet is seen; then it hides nothing that others do not.
   bool is_hidden(std::uint32_t facet) const { return hidden_[facet] != 0; }
 
-  /// Law L2 (occluders): fills `out` with every facet that might hide part of `facet` and is not hidden
-  /// itself, nearest first.
+  /// Law L2 (occluders): fills `out` with every facet that might hide part of `facet`, not being surely apart
+  /// from it, and is not hidden itself, nearest first.
   void occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out);
 
  private:
@@ -63,11 +63,15 @@ class LayerGrid {
     std::int32_t simple_layer;  ///< layer that covers this cell exactly once, by its root; or no_layer
     RoundedBounds bounds;       ///< of the facet, here because every pair of a cell is asked for them
   };
-  static constexpr std::int32_t no_layer = -1;
+  static constexpr std::int32_t no_layer = -1, own_layer_is_none = -2;
   struct Found {
     double nearest;
     std::uint32_t facet;
   };
+  struct Apart {
+    std::uint32_t facet, next;
+  };
+  static constexpr std::uint32_t no_more = 0xffffffffu;
 
   void choose_size();
   Cells cells_of(const Bounds& bounds) const;
@@ -75,6 +79,7 @@ class LayerGrid {
   void fill();
   bool has_silhouette_in(std::uint32_t facet, const Bounds& cell) const;
   void find_layers(int x, int y);
+  bool find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, std::uint32_t end);
   void find_hidden();
   void drop_hidden();
 
@@ -87,7 +92,12 @@ class LayerGrid {
   std::vector<Entry> entries_;
   std::vector<Cells> cells_of_facet_;   ///< by facet
   std::vector<RoundedBounds> rounded_;  ///< by facet
+  std::vector<double> farthest_;        ///< by facet
   std::vector<std::uint8_t> hidden_;
+
+  /// By facet, a list of facets that were found to be apart from it when these were looked at: first, next.
+  std::vector<std::uint32_t> apart_;
+  std::vector<Apart> aparts_;
 
   // Scratch: per facet, its place in the cell at hand; per place, layers as a union-find forest.
   std::vector<std::uint32_t> place_, stamp_;

@@ -259,8 +259,7 @@ class VisibilitySolver {
     grid_.occluder_candidates(f, candidates_);
     list_.clear();
     for (const std::uint32_t o : candidates_)
-      if (!surely_apart(facets_[f], facets_[o]))
-        if (const Hides how = hides(f, o); how != Hides::no) list_.push_back({o, how});
+      if (const Hides how = hides(f, o); how != Hides::no) list_.push_back({o, how});
     if (crowded_[f]) drop_covered();
     depth_planes_.clear();
     const auto first_occluder = static_cast<std::ptrdiff_t>(out_->occluders.size());
@@ -280,8 +279,9 @@ class VisibilitySolver {
   /// same.
   void drop_covered() {
     const auto size = [this](std::uint32_t k) {
-      const Bounds& b = facets_[list_[k].facet].bounds;
-      return b.is_finite() ? (b.x1 - b.x0) * (b.y1 - b.y0) : -1;
+      const FramedFacet& facet = facets_[list_[k].facet];
+      const Bounds& b = facet.bounds;
+      return facet.placed ? (b.x1 - b.x0) * (b.y1 - b.y0) : -1;
     };
     largest_first_.resize(list_.size());
     for (std::uint32_t k = 0; k < list_.size(); ++k) largest_first_[k] = {size(k), k};
