@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "geometry/integrals/compact_path_cut.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -36,6 +37,10 @@ double range(double height, glm::dvec2 offset) { return std::hypot(height, offse
 
 }  // namespace
 
+PathCutter::PathCutter(std::span<const double> half_path_borders_m) : borders_(half_path_borders_m) {}
+PathCutter::~PathCutter() = default;
+PathCutter::PathCutter(PathCutter&&) noexcept = default;
+
 double PathCutter::Apex::range(glm::dvec2 from_c) const {
   return std::hypot(height, from_c.x - foot.x, from_c.y - foot.y);
 }
@@ -52,6 +57,15 @@ void PathCutter::add(const PlanarPolygon& polygon, std::span<const Receiver> rec
   integrand_ = &integrand;
   work_ = work;
   out_ = out;
+  if (work.agreements > 1 || receivers.size() > 1) return add_polar(polygon, receivers);
+  stop_if_wanted();
+  if (compact_ == nullptr) compact_ = std::make_unique<CompactPathCutter>();
+  not_compact_.clear();
+  compact_->add(polygon, {receivers[0], integrand, work, borders_, out}, not_compact_);
+  for (const PlanarPolygon& part : not_compact_) add_polar(part, receivers);
+}
+
+void PathCutter::add_polar(const PlanarPolygon& polygon, std::span<const Receiver> receivers) {
   const Receiver& receiver = receivers[0];
   const double heights = polygon.distance + receiver.distance;
   // The mirrored receiver's straight line to the transmitter meets the plane in c.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <glm/vec2.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "geometry/integrals/measure.hpp"
 
 namespace tubefoot {
+
+class CompactPathCutter;
 
 /// Integrates over convex polygons cut by samples of path length, transmitter and receiver apart.
 ///
@@ -54,10 +57,16 @@ class PathCutter {
     /// How many rules in a row must agree with the one before. Across a corner of the integrand two may by
     /// chance.
     int agreements = 1;
+    /// The integrand is analytic, and over half of `resolution_rad` into the complex plane at most some e^3
+    /// times what it is here: where parts are small, the order of a rule follows from their size, and one is
+    /// enough (CompactPathCutter).
+    bool analytic = false;
   };
 
   /// Sample k holds half paths, (transmit range + receive range) / 2, of borders_m[k] .. borders_m[k+1].
-  explicit PathCutter(std::span<const double> half_path_borders_m) : borders_(half_path_borders_m) {}
+  explicit PathCutter(std::span<const double> half_path_borders_m);
+  ~PathCutter();
+  PathCutter(PathCutter&&) noexcept;
 
   /// Adds the integral of value i over polygon and sample k to out[k * work.values + i]. Both apexes must be
   /// off the plane, on the same side of it.
@@ -76,6 +85,20 @@ class PathCutter {
   /// Samples that the polygon may reach into: [first, second).
   std::pair<std::size_t, std::size_t> samples_of(const PlanarPolygon& polygon,
                                                  const Receiver& receiver) const;
+
+  /// Where all that is p + y d of a plane has the path P to two apexes: a y^2 + 2 b y + c = 0. With
+  /// r_t^2 = A + 2 B y + y^2 and r_r alike, 4 P^2 r_t^2 = (P^2 + r_t^2 - r_r^2)^2 is quadratic in y.
+  struct EllipseOnRay {
+    double a, b, c;
+    /// `rt`, `rr`: ranges of p; `bt`, `br`: d times the ways to p from the apexes' foot points.
+    EllipseOnRay(double path, double rt, double rr, double bt, double br) {
+      const double path2 = path * path, difference = (rt - rr) * (rt + rr), slope = bt - br;
+      a = 4 * (path2 - slope * slope);
+      b = 4 * path2 * bt - 2 * (path2 + difference) * slope;
+      c = -(path - rt - rr) * (path - rt + rr) * (path + rt - rr) * (path + rt + rr);
+    }
+    double discriminant() const { return b * b - a * c; }
+  };
 
  private:
   /// An edge, about c. What lies on its left is inside.
@@ -107,19 +130,6 @@ class PathCutter {
   struct Stretch {
     double enter = 0, leave = 0;
   };
-  /// Where all that is p + y d of a plane has the path P to two apexes: a y^2 + 2 b y + c = 0. With
-  /// r_t^2 = A + 2 B y + y^2 and r_r alike, 4 P^2 r_t^2 = (P^2 + r_t^2 - r_r^2)^2 is quadratic in y.
-  struct EllipseOnRay {
-    double a, b, c;
-    /// `rt`, `rr`: ranges of p; `bt`, `br`: d times the ways to p from the apexes' foot points.
-    EllipseOnRay(double path, double rt, double rr, double bt, double br) {
-      const double path2 = path * path, difference = (rt - rr) * (rt + rr), slope = bt - br;
-      a = 4 * (path2 - slope * slope);
-      b = 4 * path2 * bt - 2 * (path2 + difference) * slope;
-      c = -(path - rt - rr) * (path - rt + rr) * (path + rt - rr) * (path + rt + rr);
-    }
-    double discriminant() const { return b * b - a * c; }
-  };
   struct Cell {
     glm::dvec2 middle;
     double half;
@@ -133,6 +143,7 @@ class PathCutter {
     bool steep = false;  ///< an edge that all but runs towards c makes the distances differ too much
   };
 
+  void add_polar(const PlanarPolygon& polygon, std::span<const Receiver> receivers);
   void find_sectors(const PlanarPolygon& polygon);
   void integrate(const Sector& sector);
   double path_of(const Line& line, double along) const;
@@ -166,8 +177,10 @@ class PathCutter {
   std::vector<Line> lines_;
   std::vector<Sector> sectors_;
   std::vector<double> angles_, values_;
-  int refinements_left_ = 0;  // of a whole cell, as there may be
-  double largest_part_ = 0;   // of a whole cell, so far
+  int refinements_left_ = 0;                    // of a whole cell, as there may be
+  double largest_part_ = 0;                     // of a whole cell, so far
+  std::unique_ptr<CompactPathCutter> compact_;  // made when first asked for
+  std::vector<PlanarPolygon> not_compact_;
 };
 
 }  // namespace tubefoot

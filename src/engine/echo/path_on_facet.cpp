@@ -70,7 +70,9 @@ void lay_out(std::span<const glm::dvec3> corners_m, const PairedFacet& paired, P
     polygon.offsets.emplace_back(glm::dvec2(paired.to_plane.linear * (corner - corners_m[0])));
 }
 
-void Smoothness::take(const ScatteringLaw* law) {
+void Smoothness::take(const FacetBed& bed) {
+  textured = bed.texture != nullptr;
+  const ScatteringLaw* law = bed.scattering;
   if (law == nullptr) return;
   angle_rad = std::min(angle_rad, resolution_of([&](double y) { return law->growth(y); }));
   if (law->pieces().size() == 1 && !law->is_pointed()) return;
@@ -93,6 +95,7 @@ PathCutter::Work Smoothness::work(double tolerance) const {
   work.resolution_rad = angle_rad;
   work.tolerance = cornered ? std::max(tolerance, tolerance_with_corners) : tolerance;
   work.agreements = cornered ? 2 : 1;
+  work.analytic = !cornered && !tables && !textured;
   if (cornered || tables) work.most_refinements = most_refinements_with_tables;
   return work;
 }

@@ -93,8 +93,9 @@ struct Smoothness {
   double angle_rad = 1;   ///< as seen from either apex, over which it is smooth
   bool cornered = false;  ///< a law with corners
   bool tables = false;    ///< tabulated patterns
+  bool textured = false;  ///< a texture, analytic over its cells, but not known how far beyond
 
-  void take(const ScatteringLaw* law);
+  void take(const FacetBed& bed);
   /// Patterns that are multiplied.
   void take(const Directivity& sent, const Directivity& heard);
   PathCutter::Work work(double tolerance) const;

@@ -105,7 +105,7 @@ class StaffIntegral {
     const bool placed =
         paired_ == nullptr ? place_seen(facet, first, last) : place_paired(facet, first, last);
     smooth_ = patterns_;
-    smooth_.take(paths_[first].bed.scattering);
+    smooth_.take(paths_[first].bed);
     return placed;
   }
 

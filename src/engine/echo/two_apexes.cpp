@@ -38,7 +38,7 @@ class FacetEcho {
     path_ = path_on(sight_, number, frame, law_);
     if (is_silent(path_.bed)) return;
     smooth_ = {mirrors_angle_rad_};
-    smooth_.take(path_.bed.scattering);
+    smooth_.take(path_.bed);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SeenPart seen = sight_.part(number, facet.first_piece + k);
       if (!beams_.in_one_fan(seen.out_tube, seen.home_tube)) continue;
