@@ -27,9 +27,9 @@ constexpr Antiderivatives of;
 
 /// Integral of x^i x^k over a part of a panel.
 struct PartOfPanel {
-  std::array<std::array<double, terms>, 3> of{};
+  std::array<std::array<double, terms>, 4> of{};
   constexpr PartOfPanel(bool lower, bool upper) {
-    for (int k = 0; k < 3; ++k)
+    for (int k = 0; k < 4; ++k)
       for (int i = 0; i < terms; ++i) {
         const double half = 1.0 / (i + k + 1);
         of[k][i] = (upper ? half : 0) + (lower ? ((i + k) % 2 == 0 ? half : -half) : 0);
@@ -38,14 +38,15 @@ struct PartOfPanel {
 };
 constexpr PartOfPanel lower_half(true, false), upper_half(false, true), all_of_it(true, true);
 
-/// Adds the integrals of a quadratic about `origin`.
-void add_part(const GainPanels::Panel& panel, const PartOfPanel& part, const std::array<double, 3>& level,
-              double origin, double* row) {
-  const double half = 1 / panel.per_half, away = panel.middle - origin;
-  const double own0 = half * (level[0] + away * (level[1] + away * level[2])),
-               own1 = half * half * (level[1] + 2 * away * level[2]), own2 = half * half * half * level[2];
+/// Adds the integrals of a cubic about `origin`.
+void add_part(const GainPanels::Panel& panel, const PartOfPanel& part, const EndLevels& level, double origin,
+              double* row) {
+  const double half = 1 / panel.per_half, half2 = half * half, away = panel.middle - origin;
+  const double own0 = half * (level[0] + away * (level[1] + away * (level[2] + away * level[3]))),
+               own1 = half2 * (level[1] + away * (2 * level[2] + 3 * away * level[3])),
+               own2 = half2 * half * (level[2] + 3 * away * level[3]), own3 = half2 * half2 * level[3];
   for (int i = 0; i < terms; ++i)
-    row[i] += own0 * part.of[0][i] + own1 * part.of[1][i] + own2 * part.of[2][i];
+    row[i] += own0 * part.of[0][i] + own1 * part.of[1][i] + own2 * part.of[2][i] + own3 * part.of[3][i];
 }
 
 }  // namespace
@@ -102,9 +103,9 @@ void DirectionMoments::add_alike(std::span<const CosineSpan> spans, double origi
   for (int i = 0; i < terms; ++i) row[i] += moment[i][0];
   row = row_of(end_.number);
   for (int i = 0; i < terms; ++i) row[i] += moment[i][1];
-  std::array<double, 3> level{};
+  EndLevels level{};
   for (const CosineSpan& span : spans)
-    for (std::size_t k = 0; k < level.size(); ++k) level[k] += span.level[k];
+    for (std::size_t k = 0; k < span.level.size(); ++k) level[k] += span.level[k];
   const bool rising = b.middle < e.middle;
   const Held &low = rising ? begin_ : end_, &high = rising ? end_ : begin_;
   if (!rising)
@@ -116,6 +117,32 @@ void DirectionMoments::add_alike(std::span<const CosineSpan> spans, double origi
     add_part(gains_->panel(number), all_of_it, level, origin, row_of(number));
   }
   add_part(high.panel, lower_half, level, origin, row_of(high.number));
+}
+
+void DirectionMoments::add_across(std::uint32_t sample, std::uint32_t panel, const EndLevels& level,
+                                  double origin) {
+  double* row = moments(sample, panel) + terms;
+  const double away = gains_->panel(panel).hi - origin;
+  row[0] += level[0] + away * (level[1] + away * (level[2] + away * level[3]));
+  row[1] += level[1] + away * (2 * level[2] + 3 * away * level[3]);
+  row[2] += level[2] + 3 * away * level[3];
+  row[3] += level[3];
+}
+
+void DirectionMoments::cross_borders() {
+  for (std::size_t k = 0, blocks = blocks_.size(); k < blocks * samples_of_block; ++k) {
+    double* row = block(k / samples_of_block) + k % samples_of_block * row_size;
+    EndLevels level;
+    std::copy_n(row + terms, level.size(), level.begin());
+    if (level == EndLevels{}) continue;
+    std::fill_n(row + terms, level.size(), 0.0);
+    const Block at = blocks_[k / samples_of_block];
+    const GainPanels::Panel panel = gains_->panel(at.panel);
+    add_part(panel, upper_half, level, panel.hi, row);
+    const std::uint32_t upper = gains_->find(panel.hi);
+    add_part(gains_->panel(upper), lower_half, level, panel.hi,
+             moments(at.block * samples_of_block + std::uint32_t(k % samples_of_block), upper));
+  }
 }
 
 }  // namespace tubefoot

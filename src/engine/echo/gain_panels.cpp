@@ -155,7 +155,7 @@ void DirectionMoments::select(double cosine) {
 double* DirectionMoments::row_of(std::uint32_t k) {
   const std::uint32_t block = sample_ / samples_of_block;
   const auto row_in = [&](std::uint32_t number) {
-    return this->block(number) + sample_ % samples_of_block * terms;
+    return this->block(number) + sample_ % samples_of_block * row_size;
   };
   Recent& recent = recent_[k % recent_.size()];
   if (recent.panel == k && recent.block == block) return row_in(recent.number);
@@ -167,7 +167,7 @@ double* DirectionMoments::row_of(std::uint32_t k) {
   if (slots_[slot] == 0) {
     blocks_.push_back({k, block});
     if (blocks_.size() > moments_.size() * blocks_of_chunk)
-      moments_.push_back(std::make_unique<double[]>(blocks_of_chunk * samples_of_block * terms));
+      moments_.push_back(std::make_unique<double[]>(blocks_of_chunk * samples_of_block * row_size));
     slots_[slot] = std::uint32_t(blocks_.size());
   }
   recent = {k, block, slots_[slot] - 1};
@@ -185,7 +185,7 @@ void DirectionMoments::grow() {
 
 void DirectionMoments::clear() {
   if (blocks_.empty()) return;
-  for (std::size_t k = 0; k < blocks_.size(); ++k) std::fill_n(block(k), samples_of_block * terms, 0.0);
+  for (std::size_t k = 0; k < blocks_.size(); ++k) std::fill_n(block(k), samples_of_block * row_size, 0.0);
   blocks_.clear();
   std::fill(slots_.begin(), slots_.end(), 0u);
   recent_.fill({});
@@ -193,9 +193,10 @@ void DirectionMoments::clear() {
   lo_ = std::numeric_limits<double>::infinity();
 }
 
-void DirectionMoments::finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const {
+void DirectionMoments::finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) {
+  cross_borders();
   for (std::size_t k = 0; k < blocks_.size() * samples_of_block; ++k) {
-    const double* moment = block(k / samples_of_block) + k % samples_of_block * terms;
+    const double* moment = block(k / samples_of_block) + k % samples_of_block * row_size;
     // Nothing came from there; of the last block not even the sample need be one.
     if (std::all_of(moment, moment + terms, [](double m) { return m == 0; })) continue;
     const Block& block = blocks_[k / samples_of_block];

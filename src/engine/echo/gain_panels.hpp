@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "engine/echo/edge_lanes.hpp"
+
 namespace tubefoot {
 
 /// Gains as piecewise polynomials of a direction cosine: several functions over the same panels, so that what
@@ -79,14 +81,26 @@ class DirectionMoments {
   void add(std::span<const double> cosines, std::span<const double> weights);
   /// The integrals over some spans, from begin to end, in closed form.
   void add(std::span<const CosineSpan> spans, double origin);
+  /// Adds the integral of a cubic of the cosine from the middle of a panel to that of the next.
+  void add_across(std::uint32_t sample, std::uint32_t panel, const EndLevels& level, double origin);
+  const GainPanels::Panel& panel(std::uint32_t number) const { return gains_->panel(number); }
+  std::uint32_t find(double cosine) { return gains_->find(cosine); }
+  /// The moments of a panel in a sample, to be added to.
+  double* moments(std::uint32_t sample, std::uint32_t panel) {
+    begin(sample);
+    return row_of(panel);
+  }
   /// Adds to energy[(first_beam + function) * samples + sample].
-  void finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) const;
+  void finish(std::size_t first_beam, std::size_t samples, std::span<double> energy);
   /// Forgets all weights; gains stay known.
   void clear();
 
  private:
   /// Moments of one panel in neighbouring samples, which a footprint meets one after the other.
   static constexpr std::uint32_t samples_of_block = 8, blocks_of_chunk = 128;
+  /// Of a row: after the moments the cubic, about the panel's upper border, whose integral across that border
+  /// is still to be added.
+  static constexpr std::size_t row_size = GainPanels::terms + std::tuple_size_v<EndLevels>;
   struct Block {
     std::uint32_t panel = 0, block = 0;
   };
@@ -102,9 +116,10 @@ class DirectionMoments {
   double* row_of(std::uint32_t panel);
   double* block(std::size_t number) const {
     return moments_[number / blocks_of_chunk].get() +
-           number % blocks_of_chunk * (samples_of_block * GainPanels::terms);
+           number % blocks_of_chunk * (samples_of_block * row_size);
   }
   void grow();
+  void cross_borders();
 
   std::shared_ptr<GainPanels> gains_;
   std::uint32_t sample_ = std::numeric_limits<std::uint32_t>::max();

@@ -64,6 +64,14 @@ PatternIntegrator::PatternIntegrator(std::span<const double> borders_m, double b
       patterns_(patterns),
       receiver_of_tube_(patterns.fan_of_tube.size(), 0) {
   for (int n = 1; n <= most_gauss_nodes; ++n) least_rho_[n] = std::pow(64.0 / 15 / tolerance, 0.5 / n);
+  double longest = 0;
+  for (std::size_t k = 0; k < borders_.size(); ++k) {
+    borders2_.push_back(borders_[k] * borders_[k]);
+    if (k == 0) continue;
+    absorbed_.push_back(std::exp(-(beta_ * (borders_[k - 1] + borders_[k]))));
+    longest = std::max(longest, borders_[k] - borders_[k - 1]);
+  }
+  little_absorption_ = beta_ * longest < EdgeLanes::largest_absorption;
 }
 
 void PatternIntegrator::settle(std::span<double> energy) {
@@ -94,39 +102,51 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   piece_.factor = factor;
 
   edges_.clear();
-  ranges_.clear();
   bool inside = true;
-  RangeEnclosure from = about(std::sqrt(piece_.distance2 + glm::dot(polygon.first, polygon.first)));
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t next = i + 1 == n ? 0 : i + 1;
-    const glm::dvec2 way = polygon.offsets[next] - polygon.offsets[i];
+    const glm::dvec2 way = polygon.offsets[i + 1 == n ? 0 : i + 1] - polygon.offsets[i];
     const double length = glm::length(way);
     if (!(length > 0)) continue;
-    const glm::dvec2 start = polygon.corner(i), stop = polygon.corner(next);
+    const glm::dvec2 start = polygon.corner(i);
     Edge edge;
     edge.along = way / length;
     edge.aside = -turned(edge.along);
     edge.height = cross(start, edge.along);
+    edge.from = glm::dot(start, edge.along);
+    edge.to = glm::dot(polygon.corner(i + 1 == n ? 0 : i + 1), edge.along);
     edge.nearest2 = piece_.distance2 + edge.height * edge.height;
     inside = inside && edge.height > 0;
-    const RangeEnclosure to = about(std::sqrt(piece_.distance2 + glm::dot(stop, stop)));
-    ranges_.push_back({from, to, about(std::sqrt(edge.nearest2)), sign(glm::dot(start, edge.along)),
-                       sign(glm::dot(stop, edge.along))});
     edges_.push_back(edge);
+  }
+  piece_.foot_inside = inside;
+  take_axes(polygon, plane, frame);
+  take_texture(texture);
+  const bool may_be_spans = arcs_may_be_spans();
+  if (may_be_spans && law == nullptr && add_edges()) return;
+
+  ranges_.clear();
+  const auto corner_range = [&](std::size_t i) {
+    const glm::dvec2 corner = polygon.corner(i);
+    return about(std::sqrt(piece_.distance2 + glm::dot(corner, corner)));
+  };
+  RangeEnclosure from = corner_range(0);
+  auto edge = edges_.begin();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t next = i + 1 == n ? 0 : i + 1;
+    if (!(glm::length(polygon.offsets[next] - polygon.offsets[i]) > 0)) continue;
+    const RangeEnclosure to = corner_range(next);
+    ranges_.push_back({from, to, about(std::sqrt(edge->nearest2)), sign(edge->from), sign(edge->to)});
     from = to;
+    ++edge;
   }
   std::optional<RangeEnclosure> foot;
   if (inside) foot = about(polygon.distance);
-  piece_.foot_inside = inside;
   slabs_.cut(ranges_, foot, inside, borders_);
   if (slabs_.slabs().empty()) return;
-  take_axes(polygon, plane, frame);
   piece_.law = nullptr;
   if (law != nullptr) take_law(*law);
   const std::vector<double> corners =
       law != nullptr ? corner_ranges_m(*law, piece_.distance) : std::vector<double>();
-  take_texture(texture);
-  const bool may_be_spans = arcs_may_be_spans();
 
   const std::size_t samples = borders_.size() - 1;
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/echo/edge_lanes.hpp"
 #include "engine/echo/gain_panels.hpp"
 #include "engine/law/beam_pattern.hpp"
 #include "engine/law/facet_map.hpp"
@@ -67,6 +68,7 @@ class PatternIntegrator {
   struct Edge {
     glm::dvec2 along{0}, aside{0};  // unit: of its direction, and that turned clockwise
     double height = 0;              // p = s along + height aside
+    double from = 0, to = 0;        // s
     double nearest2 = 0;            // squared range of its line's nearest point
   };
   struct Arc {
@@ -125,6 +127,25 @@ class PatternIntegrator {
     NodeCount by_angle, by_range;
   };
 
+  /// Where a polygon's edges are summed up along themselves (pattern_edges.cpp).
+  struct EdgeWay {
+    EdgeLanes lanes;
+    double nearest = 0, farthest = 0;  // range of the polygon
+    double reach = 0;                  // of its cosines, from the middle
+    double width = 0;                  // mean of its arcs', in cosines
+    double singular = 0;               // no singularity of the integrand is as near to an edge
+    std::uint32_t first_sample = 0, end_sample = 0;
+    const DirectionMoments* of = nullptr;
+    std::vector<std::uint32_t> panels;  // numbers, in the order of cosines
+    std::vector<GainPanels::Panel> panel;
+    std::size_t at = 0;  // in panels, where the last end was
+    struct Cell {
+      std::uint32_t sample, first;
+    };
+    std::vector<Cell> cells;
+    EdgeNodes nodes;
+  };
+
   /// An only arc from t0 to t1. The cosine of an end is (level + slope sqrt(t^2 + gap)) / r.
   struct Sweep {
     struct End {
@@ -157,6 +178,12 @@ class PatternIntegrator {
   void add_circle(double t, double weight);
   bool arcs_may_be_spans() const;
   bool add_spans(double t0, double t1, const GaussRule& rule);
+  bool add_edges();
+  bool find_edge_way();
+  bool find_panels();
+  int sample_of(double range2) const;
+  void cut_edge(const Edge& edge);
+  void add_edge_nodes();
   void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
 
@@ -178,6 +205,9 @@ class PatternIntegrator {
   Piece piece_{};
   bool spans_ = false;  // the slab's only arc may be added by its ends
   Sweep sweep_;
+  EdgeWay way_;
+  std::vector<double> borders2_, absorbed_;  // squared borders; by sample: absorption in its middle
+  bool little_absorption_ = false;           // within a sample
   Factor texture_;
   std::map<const ReflectivityField*, NodeCount> counts_;
 };
