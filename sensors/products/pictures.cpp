@@ -177,7 +177,7 @@ WritingCost cost_of_fan_pictures(const Recording& recording, bool heard, const P
 
 WritingCost cost_of_two_sided_pictures(const Recording& recording, bool heard,
                                        const PictureSettings& settings) {
-  constexpr double waterfall_s = 1.5, waterfall_bytes = 1e6, exr_cell_s = 3e-8;
+  constexpr double waterfall_s = 0.5, waterfall_bytes = 1e6, exr_cell_s = 3e-8;
   if (!settings.wants(PictureSettings::Which::sequence)) return {};
   const double looks = heard ? 2 : 1;
   WritingCost cost = cost_by_cells(recording, exr_cell_s, 4);
