@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files that tubefoot keeps for itself and takes up again: pings of a run that did not end, refined beds.
+// Files that tubefoot keeps for itself and takes up again: pings of a run that did not end, refined
+// beds, parts of a run.
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,7 @@
 
 #include "files/usage_error.hpp"
 #include "fuzz.hpp"
+#include "run/kept/part_file.hpp"
 #include "run/partial_run.hpp"
 #include "run/refined_bed_file.hpp"
 #include "sensors/kinds/scene_file.hpp"
@@ -98,6 +100,55 @@ void pings(Bytes& bytes) {
   });
 }
 
+PingValues some_ping(std::size_t group, std::size_t ping) {
+  PingValues values;
+  values.clear(layout(), group);
+  for (const std::size_t sensor : layout().groups[group].sensors)
+    for (const std::span<double> some : {values.energy(sensor), values.bound(sensor)})
+      for (std::size_t k = ping; k < some.size(); k += 3) some[k] = 1e-9 * double(k + 1);
+  return values;
+}
+
+std::string good_part() {
+  const auto path = scratch_folder() / "made.part";
+  std::filesystem::remove(path);
+  {
+    PartFile file(path);
+    file.begin(identity().dump());
+    for (const PingUnit unit : {PingUnit{0, 3}, PingUnit{1, 0}, PingUnit{0, 1}})
+      file.append(packed_ping(layout(), unit, {}, some_ping(unit.group, unit.ping)));
+  }
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void part_file(Bytes& bytes) {
+  static const std::string good = good_part();
+  const auto path =
+      scratch_file("run.part-1-of-2", bytes.below(8) == 0 ? std::string(bytes.rest()) : damaged(good, bytes));
+  try {
+    PartFile file(path);
+    file.look_through(layout());
+    PingValues values;
+    for (std::size_t group = 0; group < 2; ++group)
+      for (std::size_t ping = 0; ping < layout().groups[group].pings; ++ping) {
+        if (!file.has({group, ping})) continue;
+        try {
+          unpack_ping(file.read({group, ping}), layout(), values);
+        } catch (const DamagedPing& error) {
+          check_message(error.what());
+        }
+      }
+    file.begin(identity().dump());
+    const PingUnit last{1, 1};
+    file.append(packed_ping(layout(), last, {}, some_ping(last.group, last.ping)));
+    file.look_through(layout());
+    if (!file.has(last)) finding("a ping that was just put there is not found");
+  } catch (const UnusableStore& error) {
+    check_message(error.what());
+  }
+}
+
 /// A bed of four facets with relief.
 struct Bed {
   Scene scene;
@@ -164,9 +215,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace tubefoot;
   const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
-  if (bytes.below(2) == 0)
+  const std::uint32_t kind = bytes.below(3);
+  if (kind == 0)
     fuzz::pings(bytes);
-  else
+  else if (kind == 1)
     fuzz::refined_bed(bytes);
+  else
+    fuzz::part_file(bytes);
   return 0;
 }
