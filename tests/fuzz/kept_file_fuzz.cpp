@@ -101,9 +101,10 @@ void pings(Bytes& bytes) {
 }
 
 PingValues some_ping(std::size_t group, std::size_t ping) {
+  const StoreLayout all = layout();
   PingValues values;
-  values.clear(layout(), group);
-  for (const std::size_t sensor : layout().groups[group].sensors)
+  values.clear(all, group);
+  for (const std::size_t sensor : all.groups[group].sensors)
     for (const std::span<double> some : {values.energy(sensor), values.bound(sensor)})
       for (std::size_t k = ping; k < some.size(); k += 3) some[k] = 1e-9 * double(k + 1);
   return values;
