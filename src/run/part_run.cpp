@@ -65,39 +65,34 @@ void take(const Json& json, const char* key, std::optional<Value>& value) {
   if (json.contains(key)) value = json.at(key).get<Value>();
 }
 
-/// What a command line asks of a run's energies, and back.
+void put(Json& json, const char* key, bool value) { json[key] = value; }
+void take(const Json& json, const char* key, bool& value) { value = json.at(key); }
+
+/// What a command line asks of a run's energies, by name.
+void each_word(auto& options, const auto& each) {
+  each("arithmetic", options.arithmetic);
+  each("sensor", options.selection.sensor);
+  each("pings", options.selection.pings);
+  each("beams", options.selection.beams);
+  each("engine", options.engine);
+  each("binning", options.binning);
+  each("sampling", options.sampling);
+  each("rays", options.rays);
+  each("rays_per_beam", options.rays_per_beam);
+  each("seed", options.seed);
+  each("tolerance", options.tolerance);
+  each("reference", options.reference);
+  each("truth", options.truth);
+}
+
 Json words_of(const RunOptions& options) {
   Json json = Json::object();
-  put(json, "arithmetic", options.arithmetic);
-  put(json, "sensor", options.selection.sensor);
-  put(json, "pings", options.selection.pings);
-  put(json, "beams", options.selection.beams);
-  put(json, "engine", options.engine);
-  put(json, "binning", options.binning);
-  put(json, "sampling", options.sampling);
-  put(json, "rays", options.rays);
-  put(json, "rays_per_beam", options.rays_per_beam);
-  put(json, "seed", options.seed);
-  put(json, "tolerance", options.tolerance);
-  json["reference"] = options.reference;
-  json["truth"] = options.truth;
+  each_word(options, [&](const char* key, const auto& value) { put(json, key, value); });
   return json;
 }
 
 RunOptions options_of(const Json& json, RunOptions options) {
-  take(json, "arithmetic", options.arithmetic);
-  take(json, "sensor", options.selection.sensor);
-  take(json, "pings", options.selection.pings);
-  take(json, "beams", options.selection.beams);
-  take(json, "engine", options.engine);
-  take(json, "binning", options.binning);
-  take(json, "sampling", options.sampling);
-  take(json, "rays", options.rays);
-  take(json, "rays_per_beam", options.rays_per_beam);
-  take(json, "seed", options.seed);
-  take(json, "tolerance", options.tolerance);
-  options.reference = json.at("reference");
-  options.truth = json.at("truth");
+  each_word(options, [&](const char* key, auto& value) { take(json, key, value); });
   return options;
 }
 
