@@ -12,6 +12,7 @@ namespace tubefoot {
 /// arithmetic_fixed.hpp.
 struct DoubleArithmetic {
   static constexpr bool uses_names = true;
+  static constexpr bool signs_are_exact = false;
   double tolerance = 0;
 
   struct Facet {

@@ -12,6 +12,7 @@ namespace tubefoot {
 /// any input coordinates that a double holds; here they are the grid's. Concept: arithmetic_fixed.hpp.
 struct FilteredArithmetic {
   static constexpr bool uses_names = true;
+  static constexpr bool signs_are_exact = true;
   using Interval = CGAL::Interval_nt_advanced;
   using Guard = CGAL::Protect_FPU_rounding<true>;
 

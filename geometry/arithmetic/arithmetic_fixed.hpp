@@ -24,6 +24,7 @@
 //   side(point, plane)      the same for an input point
 //   nearer(facet, point)    sign of c - n . point: +1 on the apex's side
 //   uses_names              whether zeros that follow from names alone are settled without arithmetic
+//   signs_are_exact         whether all signs are those of the exact values
 // clang-format on
 //
 // Law A1 (cyclic): side(meet(p, q), r) = side(meet(q, r), p) = side(meet(r, p), q).
@@ -43,6 +44,7 @@ namespace tubefoot {
 /// and 192-bit integers, else (depth planes only) 512-bit integers. Exact; allocates nothing.
 struct FixedArithmetic {
   static constexpr bool uses_names = true;
+  static constexpr bool signs_are_exact = true;
   static constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
   struct Facet {

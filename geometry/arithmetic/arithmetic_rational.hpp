@@ -14,6 +14,7 @@ namespace tubefoot {
 /// arithmetic_fixed.hpp.
 struct RationalArithmetic {
   static constexpr bool uses_names = false;
+  static constexpr bool signs_are_exact = true;
 
   struct Facet {
     ExactVector n;

@@ -23,22 +23,19 @@ bool edge_parts(const FramedFacet& a, const FramedFacet& b, double slack, double
     return static_cast<unsigned>(v == a.cone.vertex[0]) | static_cast<unsigned>(v == a.cone.vertex[1]) << 1 |
            static_cast<unsigned>(v == a.cone.vertex[2]) << 2;
   };
-  const std::array<unsigned, 3> same{shared(b.cone.vertex[0]), shared(b.cone.vertex[1]),
-                                     shared(b.cone.vertex[2])};
-  constexpr std::array<unsigned, 3> ends{0b011, 0b110, 0b101};
-  for (int k = 0; k < 3; ++k) {
-    const glm::dvec3& line = a.line[k];
-    // As in side_of_line, where a corner's distance from the edge's start is at most the extent; the line's
-    // constant carries the rounding of products with the coordinates, of which slack is a large multiple.
+  const unsigned same0 = shared(b.cone.vertex[0]), same1 = shared(b.cone.vertex[1]),
+                 same2 = shared(b.cone.vertex[2]);
+  const glm::dvec2 p = b.corner[0], q = b.corner[1], r = b.corner[2];
+  // As in side_of_line, where a corner's distance from the edge's start is at most the extent; the line's
+  // constant carries the rounding of products with the coordinates, of which slack is a large multiple.
+  const auto parts = [&](const glm::dvec3& line, unsigned ends) {
     const double bound = 8 * slack * (std::abs(line.x) + std::abs(line.y) + extent + slack);
-    bool apart = true;
-    for (int v = 0; v < 3; ++v) {
-      const double s = line.x * b.corner[v].x + line.y * b.corner[v].y - line.z;
-      apart = apart & ((s < -bound) | ((same[v] & ends[k]) != 0));
-    }
-    if (apart) return true;
-  }
-  return false;
+    const auto beyond = [&](glm::dvec2 corner, unsigned same) {
+      return (line.x * corner.x + line.y * corner.y - line.z < -bound) | ((same & ends) != 0);
+    };
+    return (beyond(p, same0) & beyond(q, same1) & beyond(r, same2)) != 0;
+  };
+  return parts(a.line[0], 0b011) || parts(a.line[1], 0b110) || parts(a.line[2], 0b101);
 }
 
 }  // namespace

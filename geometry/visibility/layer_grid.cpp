@@ -153,9 +153,9 @@ void LayerGrid::find_layers(int x, int y) {
   Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
   if (cell.begin == cell.end || !frame_->tube().is_finite()) return;
   const Bounds box = bounds_of(x, y);
-  // Facets that share a vertex are not all nearer than others that share it. So where all that is left is
-  // beyond all that came before, no layer reaches across; and once one of those before has closed the cell,
-  // the rest is hidden here whatever its layers are.
+  // A vertex that two facets share is no nearer than either begins and no farther than either ends. So where
+  // all that is left begins beyond all that came before, no layer reaches across; and once one of those
+  // before has closed the cell, the rest is hidden here whatever its layers are.
   for (std::uint32_t begin = cell.begin; begin < cell.end;) {
     double farthest = 0;
     std::uint32_t end = begin;
@@ -281,7 +281,7 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
         // A simple layer does not overlap itself here.
         const bool found = e->bounds.meets(bounds) & (e->simple_layer != own_layer) & (stamp != now);
         found_[count] = {e->nearest, e->facet};
-        stamp = found ? now : stamp;
+        stamp += (now - stamp) & -static_cast<std::uint32_t>(found);
         count += found;
       }
     }

@@ -472,16 +472,17 @@ class VisibilitySolver {
   /// Takes what is hidden away from the pieces left; true if anything was taken.
   bool take_away(const Hidden& hidden) {
     unsigned cutting = 0;
-    return left_.take_away((1u << hidden.count) - 1,
-                           [&](PieceRange piece, unsigned& halves) {
-                             const bool meets = crosses(piece, hidden, halves, cutting);
-                             halves = cutting;
-                             return meets;
-                           },
-                           [&](PieceRange piece, unsigned halves, std::vector<PieceRange>& rest) {
-                             return crosses(piece, hidden, halves, cutting) &&
-                                    !set_apart(piece, hidden, cutting) && cut(piece, hidden, cutting, rest);
-                           });
+    const auto meets = [&](PieceRange piece, unsigned& halves) {
+      if (!A::signs_are_exact) return true;  // rounded signs at corners do not bind what lies within
+      const bool crossed = crosses(piece, hidden, halves, cutting);
+      halves = cutting;
+      return crossed;
+    };
+    const auto cut_up = [&](PieceRange piece, unsigned halves, std::vector<PieceRange>& rest) {
+      return crosses(piece, hidden, halves, cutting) && !set_apart(piece, hidden, cutting) &&
+             cut(piece, hidden, cutting, rest);
+    };
+    return left_.take_away((1u << hidden.count) - 1, meets, cut_up);
   }
 
   /// False if one of the halves given holds nothing of the piece. Else `cutting` are those that have corners

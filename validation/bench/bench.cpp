@@ -59,8 +59,8 @@ std::vector<double> interleaved(int repeats, const std::vector<std::function<voi
 
 /// Candidates to finished pieces for a whole sector, the tree already built.
 struct View {
-  explicit View(FacetMesh m, int columns = 1)
-      : mesh(std::move(m)), tree(mesh), tubes(benchmark_sector(columns)) {}
+  explicit View(FacetMesh m, int columns = 1) : View(std::move(m), benchmark_sector(columns)) {}
+  View(FacetMesh m, TubeSet t) : mesh(std::move(m)), tree(mesh), tubes(std::move(t)) {}
   void look(Arithmetic arithmetic, double tolerance = 0) {
     VisibilityOptions options;
     options.arithmetic = arithmetic;
@@ -178,6 +178,14 @@ int main(int, char** argv) {
     const auto t =
         interleaved(7, {[&] { bare.look(Arithmetic::fixed); }, [&] { buried.look(Arithmetic::fixed); }});
     figure("hidden_tenfold", t[1] / t[0]);
+  }
+  {
+    View half(benchmark_weave(400), weave_tube()), whole(benchmark_weave(800), weave_tube());
+    const auto t =
+        interleaved(5, {[&] { half.look(Arithmetic::fixed); }, [&] { whole.look(Arithmetic::fixed); }});
+    figure("weave_ms_n800", t[1]);
+    figure("weave_growth", t[1] / t[0]);
+    figure("weave_growth_of_pieces", static_cast<double>(whole.pieces) / static_cast<double>(half.pieces));
   }
   {
     const FacetMesh mesh = benchmark_terrain(200);

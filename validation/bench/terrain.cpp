@@ -74,4 +74,39 @@ TubeSet benchmark_sector(int columns) {
   return set;
 }
 
+FacetMesh benchmark_weave(int count) {
+  FacetMesh mesh;
+  const double unit = std::ldexp(1.0, terrain_grid_exponent);
+  for (int k = 0; k < count; ++k) {
+    std::uint64_t drawn = 0;
+    const auto between = [&](double lo, double hi) {
+      const std::uint64_t h = mix(mix(std::uint64_t(k) * 0x9e3779b97f4a7c15u + 1) + ++drawn);
+      return lo + (hi - lo) * static_cast<double>(h >> 11) * 0x1p-53;
+    };
+    const double x = between(-1, 1), z = between(-1, 1), turned = between(0, 3.141592653589793),
+                 half = between(2, 4), width = between(0.02, 0.06), c = std::cos(turned),
+                 s = std::sin(turned);
+    const auto add = [&](double along, double across) {
+      mesh.vertices.push_back({static_cast<std::int32_t>(std::lround((x + along * c - across * s) * unit)),
+                               static_cast<std::int32_t>(std::lround(between(9, 11) * unit)),
+                               static_cast<std::int32_t>(std::lround((z + along * s + across * c) * unit))});
+      return static_cast<VertexId>(mesh.vertices.size() - 1);
+    };
+    const VertexId from = add(-half, 0), to = add(half, 0), beside = add(-half, width);
+    mesh.facets.push_back({from, to, beside});
+  }
+  mesh.material.assign(mesh.facets.size(), 0);
+  mesh.component.assign(mesh.facets.size(), 0);
+  return mesh;
+}
+
+TubeSet weave_tube() {
+  TubeSet set;
+  set.reach = 1e12;
+  set.rays = {{-1, 10, 1}, {1, 10, 1}, {1, 10, -1}, {-1, 10, -1}};
+  for (GridPoint& ray : set.rays) ray = {ray.x << 20, ray.y << 20, ray.z << 20};
+  set.tubes = {{0, 1, 2, 3}};
+  return set;
+}
+
 }  // namespace tubefoot

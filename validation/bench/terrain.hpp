@@ -17,4 +17,11 @@ FacetMesh benchmark_terrain(int n, int hidden_behind = 0);
 /// The sector of the benchmark: 29 x 24 degrees, tilted 14 degrees down, in `columns` tubes.
 TubeSet benchmark_sector(int columns);
 
+/// `count` slivers, 4 to 8 m long and 2 to 6 cm wide at one end, that lie across one another in all
+/// directions about 10 m ahead, from 9 to 11 m away at either end: they pass through each other.
+FacetMesh benchmark_weave(int count);
+
+/// The middle 2 m x 2 m of the weave, as one tube.
+TubeSet weave_tube();
+
 }  // namespace tubefoot
