@@ -5,8 +5,10 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "geometry/arithmetic/wide_direction.hpp"
+#include "geometry/footprints/piece_walls.hpp"
 #include "geometry/footprints/range_ring.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -42,24 +44,6 @@ LinePolygon polygon_round(const ChartCorners& corners, LineStore& store) {
     polygon.push_back(store.keep(line_between(a[0], a[1], b[0], b[1])));
   }
   return polygon;
-}
-
-/// The one plane that two corners surely share, by name.
-std::optional<PlaneName> shared_plane(const CornerName& x, const CornerName& y) {
-  const auto through = [](const CornerName& corner, PointId point) -> std::optional<PlaneName> {
-    if (corner.p.contains(point)) return corner.p;
-    if (corner.q.contains(point)) return corner.q;
-    return std::nullopt;
-  };
-  if (x.point != no_point && y.point != no_point) {
-    if (x.point == y.point) return std::nullopt;
-    return PlaneName{std::min(x.point, y.point), std::max(x.point, y.point), false};
-  }
-  if (x.point != no_point) return through(y, x.point);
-  if (y.point != no_point) return through(x, y.point);
-  const bool p = x.p == y.p || x.p == y.q, q = x.q == y.p || x.q == y.q;
-  if (p == q) return std::nullopt;
-  return p ? x.p : x.q;
 }
 
 bool is_edge_of(const std::array<VertexId, 3>& vertices, const PlaneName& plane) {
@@ -239,38 +223,13 @@ const PlaneLine* FacetRegions::edge(const NameContext& context, const TubeVisibi
   const auto corner = [&](std::uint32_t i) -> const CornerName& {
     return seen.corners[piece.first + i % piece.count];
   };
-  if (const auto plane = shared_plane(corner(k), corner(k + 1))) {
+  if (const auto plane = shared_plane(corner(k), corner(k + 1)))
     if (is_edge_of(from.seen.vertex, *plane)) return nullptr;
-    // The plane of a name has small coefficients. The piece lies on one side of it: the other corners say on
-    // which. Doubles decide where they can.
-    const WideVec normal = wide_normal(context, *plane);
-    const glm::dvec3 near(normal[0].convert_to<double>(), normal[1].convert_to<double>(),
-                          normal[2].convert_to<double>());
-    int side = 0;
-    bool mixed = false;
-    for (std::uint32_t i = 2; i < piece.count; ++i) {
-      const glm::dvec3 products = near * point_on_facet(context, corner(k + i), from.seen);
-      const double value = products.x + products.y + products.z;
-      const double size = std::abs(products.x) + std::abs(products.y) + std::abs(products.z);
-      int sign = value > 0 ? 1 : -1;
-      if (!(std::abs(value) > 1e-13 * size))
-        sign = dot(normal, wide_direction(context, corner(k + i))).sign();
-      mixed = mixed || sign * side < 0;
-      if (sign != 0) side = sign;
-    }
-    if (!mixed && side != 0) {
-      std::array<HugeInt, 3> inward;
-      for (std::size_t c = 0; c < 3; ++c) {
-        inward[c] = HugeInt(normal[c]);
-        if (side < 0) inward[c] = -inward[c];
-      }
-      PlaneLine line = PlaneLine::on_image(from.corners, from.on_chart, inward);
-      if (!line.is_none()) return store_.keep(std::move(line));
-    }
-  }
-  PlaneLine line = PlaneLine::on_image(
-      from.corners, from.on_chart,
-      wall_normal(wide_direction(context, corner(k)), wide_direction(context, corner(k + 1))));
+  const auto corners = std::span(seen.corners).subspan(piece.first, piece.count);
+  std::vector<glm::dvec3> points;
+  for (const CornerName& one : corners) points.push_back(point_on_facet(context, one, from.seen));
+  PlaneLine line =
+      PlaneLine::on_image(from.corners, from.on_chart, inward_normal(context, corners, k, points));
   return line.is_none() ? nullptr : store_.keep(std::move(line));
 }
 

@@ -2,7 +2,10 @@
 #include "geometry/footprints/plane_lines.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <optional>
+#include <type_traits>
 
 namespace tubefoot {
 namespace {
@@ -16,10 +19,15 @@ struct Scaled {
 /// Within 2^-53 + 2^-62 of the integer, relative.
 Scaled scaled(const HugeInt& x) {
   if (x == 0) return {};
-  const HugeInt magnitude = abs(x);
-  const int shift = std::max(static_cast<int>(msb(magnitude)) - 62, 0);
-  const auto top = static_cast<double>(static_cast<std::uint64_t>(HugeInt(magnitude >> shift)));
-  return {x < 0 ? -top : top, shift};
+  const auto& limbs = x.backend();
+  static_assert(std::numeric_limits<std::remove_cvref_t<decltype(*limbs.limbs())>>::digits == 64);
+  const std::size_t last = limbs.size() - 1;
+  std::uint64_t top = limbs.limbs()[last];
+  const int empty = std::countl_zero(top);
+  if (empty > 0 && last > 0) top = top << empty | limbs.limbs()[last - 1] >> (64 - empty);
+  const int shift = last > 0 ? 64 * int(last) - empty : 0;
+  const auto size = static_cast<double>(top);
+  return {limbs.sign() ? -size : size, shift};
 }
 
 double times_power(const Scaled& x, int exponent) { return std::ldexp(x.mantissa, x.exponent + exponent); }
@@ -30,6 +38,30 @@ double quotient(const HugeInt& numerator, const HugeInt& denominator) {
 }
 
 HugeInt huge(std::int64_t x) { return HugeInt(x); }
+
+HugeInt huge(Int128 x) {
+  const UInt128 magnitude = x < 0 ? -static_cast<UInt128>(x) : static_cast<UInt128>(x);
+  HugeInt value;
+  auto& limbs = value.backend();
+  limbs.resize(2, 2);
+  limbs.limbs()[0] = static_cast<std::uint64_t>(magnitude);
+  limbs.limbs()[1] = static_cast<std::uint64_t>(magnitude >> 64);
+  limbs.sign(x < 0);
+  limbs.normalize();
+  return value;
+}
+
+/// The normals of nearly all walls: those of planes through two points.
+std::optional<Vec64> narrow(const std::array<HugeInt, 3>& m) {
+  std::array<std::int64_t, 3> parts{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& limbs = m[k].backend();
+    if (limbs.size() > 1 || limbs.limbs()[0] >> 61 != 0) return std::nullopt;
+    const auto size = static_cast<std::int64_t>(limbs.limbs()[0]);
+    parts[k] = limbs.sign() ? -size : size;
+  }
+  return Vec64{parts[0], parts[1], parts[2]};
+}
 
 std::array<std::int64_t, 3> parts(const Vec64& v) { return {v.x, v.y, v.z}; }
 std::array<std::int64_t, 3> parts(GridPoint p) { return {p.x, p.y, p.z}; }
@@ -62,11 +94,6 @@ std::array<HugeInt, 3> wall_normal(const WideVec& from, const WideVec& to) {
   return m;
 }
 
-PlaneLine PlaneLine::through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
-                             const WideVec& to) {
-  return on_plane(facet, chart, wall_normal(from, to));
-}
-
 PlaneLine PlaneLine::on_plane(const FacetCone& facet, const FacetChart& chart,
                               const std::array<HugeInt, 3>& m) {
   const auto [u, v, w] = chart;
@@ -74,13 +101,19 @@ PlaneLine PlaneLine::on_plane(const FacetCone& facet, const FacetChart& chart,
   // m . x = m . V + (m_u - m_w n_u / n_w) (x - V)_u + (m_v - m_w n_v / n_w) (x - V)_v.
   const auto n = parts(facet.normal), vertex = parts(facet.point[0]);
   const std::int64_t turn = n[w] < 0 ? -1 : 1;
+  if (const auto small = narrow(m)) {
+    const auto wall = parts(*small);
+    return of(huge(turn * (Int128(wall[u]) * n[w] - Int128(wall[w]) * n[u])),
+              huge(turn * (Int128(wall[v]) * n[w] - Int128(wall[w]) * n[v])),
+              huge(turn * n[w]) * huge(dot(*small, facet.point[0])));
+  }
   const HugeInt nu = huge(turn * n[u]), nv = huge(turn * n[v]), nw = huge(turn * n[w]);
   return of(m[u] * nw - m[w] * nu, m[v] * nw - m[w] * nv,
             nw * HugeInt(m[0] * huge(vertex[0]) + m[1] * huge(vertex[1]) + m[2] * huge(vertex[2])));
 }
 
 PlaneLine PlaneLine::through_image(const FacetCone& image, const FacetCone& charted, const FacetChart& chart,
-                                   const WideVec& from, const WideVec& to) {
+                                   const std::array<HugeInt, 3>& normal) {
   ChartCorners corners;
   const auto origin = parts(charted.point[0]);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -88,7 +121,7 @@ PlaneLine PlaneLine::through_image(const FacetCone& image, const FacetCone& char
     corners[k] = {q[std::size_t(chart.u)] - origin[std::size_t(chart.u)],
                   q[std::size_t(chart.v)] - origin[std::size_t(chart.v)]};
   }
-  return on_image(image.point, corners, wall_normal(from, to));
+  return on_image(image.point, corners, normal);
 }
 
 PlaneLine PlaneLine::on_image(const std::array<GridPoint, 3>& corners, const ChartCorners& on_chart,

@@ -14,10 +14,11 @@
 // lines left unevaluated, and the only decision is the sign of a determinant of three lines.
 namespace tubefoot {
 
-/// Bits: a corner's direction has at most 314 (two depth planes of 156), a wall through two of them 630, a
-/// line's coefficients 693 and, times the facet's vertex, 727; a determinant of three lines 2117. A corner's
-/// numerators have at most 1488. Lines of an image add at most 3 bits each; on a chart of weights
-/// (coverage.hpp), of 45 bits, they have 710 and 755, a determinant 2180.
+/// Bits: a corner's direction has at most 314 (two depth planes of 156), a wall through two of them 630
+/// (nearly always it is one of their planes, and has 61 or 156), a line's coefficients 693 and, times the
+/// facet's vertex, 727; a determinant of three lines 2117. A corner's numerators have at most 1488. Lines of
+/// an image add at most 3 bits each; on a chart of weights (coverage.hpp), of 45 bits, they have 710 and 755,
+/// a determinant 2180.
 using HugeInt = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
     2304, 2304, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
 
@@ -41,9 +42,6 @@ struct PlaneLine {
   /// The same times a power of two that brings the larger of |a|, |b| to [1, 2): each within 2^-52 of itself.
   double a_near = 0, b_near = 0, c_near = 0;
 
-  /// On the inner side of the wall from one direction to the next, both from the apex of `facet`.
-  static PlaneLine through(const FacetCone& facet, const FacetChart& chart, const WideVec& from,
-                           const WideVec& to);
   /// On the inner side of the plane through the apex of `facet` with that inward normal, of 630 bits at most.
   static PlaneLine on_plane(const FacetCone& facet, const FacetChart& chart,
                             const std::array<HugeInt, 3>& normal);
@@ -58,7 +56,7 @@ struct PlaneLine {
   /// The same of a facet that is an image of `charted`, vertex by vertex: where the wall cuts the image, as a
   /// line of the chart of `charted`. Three bits more.
   static PlaneLine through_image(const FacetCone& image, const FacetCone& charted, const FacetChart& chart,
-                                 const WideVec& from, const WideVec& to);
+                                 const std::array<HugeInt, 3>& normal);
   bool is_none() const { return a == 0 && b == 0; }  ///< the two directions were the same
 };
 

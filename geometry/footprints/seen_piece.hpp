@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <span>
 #include <vector>
 
-#include "geometry/arithmetic/wide_direction.hpp"
+#include "geometry/footprints/piece_walls.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
@@ -90,10 +92,23 @@ class SeenPiece {
   const std::vector<PlaneLine>& lines() {
     if (!lines_.empty()) return lines_;
     lines_.reserve(piece_.count);
-    for (std::uint32_t k = 0; k < piece_.count; ++k)
-      lines_.push_back(line_between(wide_direction(context_, corner(k)),
-                                    wide_direction(context_, corner(k + 1 == piece_.count ? 0 : k + 1))));
+    const auto corners = std::span(seen_->corners).subspan(piece_.first, piece_.count);
+    for (std::uint32_t k = 0; k < piece_.count; ++k) {
+      const std::array<HugeInt, 3> normal = inward_normal(context_, corners, k, points_);
+      lines_.push_back(charted_ == nullptr ? PlaneLine::on_plane(*facet_, chart_, normal)
+                                           : PlaneLine::through_image(*facet_, *charted_, chart_, normal));
+    }
     return lines_;
+  }
+  /// The corner of this piece in which one of its lines turns into the next; null where they are not that.
+  const glm::dvec3* corner_between(const PlaneLine& arriving, const PlaneLine& leaving) const {
+    const std::less<const PlaneLine*> before;
+    const auto own = [&](const PlaneLine& line) {
+      return !lines_.empty() && !before(&line, &lines_.front()) && !before(&lines_.back(), &line);
+    };
+    if (!own(arriving) || !own(leaving)) return nullptr;
+    const std::size_t k = std::size_t(&leaving - lines_.data());
+    return std::size_t(&arriving - lines_.data()) == (k == 0 ? lines_.size() : k) - 1 ? &points_[k] : nullptr;
   }
   const LinePolygon& polygon() {
     if (!polygon_made_) polygon_ = line_polygon(lines());
@@ -106,10 +121,6 @@ class SeenPiece {
   FacetCone seen_as(FacetCone facet) const {
     facet.vertex = vertex_;
     return facet;
-  }
-  PlaneLine line_between(const WideVec& from, const WideVec& to) const {
-    return charted_ == nullptr ? PlaneLine::through(*facet_, chart_, from, to)
-                               : PlaneLine::through_image(*facet_, *charted_, chart_, from, to);
   }
   const CornerName& corner(std::uint32_t k) const { return seen_->corners[piece_.first + k]; }
 

@@ -137,10 +137,13 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
         for (const glm::dvec3& p : h.points()) out.corners_m.push_back(p * unit_m_ + baseline);
       } else {
         shared_by(s, h, polygon);
-        for (std::size_t k = 0; k < polygon.size(); ++k)
-          out.corners_m.push_back(meeting_point(on.from_transmitter, on.chart,
-                                                *polygon[k == 0 ? polygon.size() - 1 : k - 1], *polygon[k]) *
-                                  unit_m_);
+        for (std::size_t k = 0; k < polygon.size(); ++k) {
+          const PlaneLine &arriving = *polygon[k == 0 ? polygon.size() - 1 : k - 1], &leaving = *polygon[k];
+          const glm::dvec3* own = s.corner_between(arriving, leaving);
+          out.corners_m.push_back(
+              (own != nullptr ? *own : meeting_point(on.from_transmitter, on.chart, arriving, leaving)) *
+              unit_m_);
+        }
       }
       if (!is_finite(std::span(out.corners_m).subspan(piece.first))) out.corners_m.resize(piece.first);
       piece.count = static_cast<std::uint32_t>(out.corners_m.size()) - piece.first;
