@@ -131,34 +131,16 @@ OverFacet::OverFacet(const HeardFacets::Facet& facet, glm::dvec3 from_heard_m, d
   steepest_ = std::sqrt(glm::dot(seen_.u, seen_.u) + glm::dot(seen_.v, seen_.v));
 }
 
-double OverFacet::range(glm::dvec2 p) const {
-  return bent_ != nullptr ? glm::length(seen_.at(p)) : std::hypot(height_, glm::length(p - foot_));
-}
-
-glm::dvec2 OverFacet::slope(glm::dvec2 p, double range) const {
-  if (bent_ == nullptr) return (p - foot_) / range;
-  const glm::dvec3 at = seen_.at(p);
-  return glm::dvec2(glm::dot(at, seen_.u), glm::dot(at, seen_.v)) / range;
-}
-
-OverFacet::Met OverFacet::meet(glm::dvec2 p) const {
+OverFacet::Met OverFacet::meet_bent(glm::dvec2 p) const {
   Met met;
-  if (bent_ != nullptr) {
-    const glm::dvec3 seen = seen_.at(p);
-    met.lies_m = lies_.at(p);
-    met.range = glm::length(seen);
-    met.direction = seen / met.range;
-    const BentFacet::Ray ray = bent_->ray_to(met.lies_m);
-    met.sine = bent_->sine(seen, ray);
-    met.out = ray.out;
-    met.home = ray.home;
-    return met;
-  }
-  const glm::dvec2 away = p - foot_;
-  met.range = std::sqrt(height_ * height_ + glm::dot(away, away));
-  met.sine = height_ / met.range;
-  met.lies_m = lies_.at(away);
-  met.direction = met.lies_m / met.range;
+  const glm::dvec3 seen = seen_.at(p);
+  met.lies_m = lies_.at(p);
+  met.range = glm::length(seen);
+  met.direction = seen / met.range;
+  const BentFacet::Ray ray = bent_->ray_to(met.lies_m);
+  met.sine = bent_->sine(seen, ray);
+  met.out = ray.out;
+  met.home = ray.home;
   return met;
 }
 

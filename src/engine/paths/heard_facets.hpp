@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -73,9 +75,17 @@ class OverFacet {
 
   /// Where a place is seen, or seems to be, from here.
   const LyingPlane& seen() const { return seen_; }
-  double range(glm::dvec2 p) const;
+  double range(glm::dvec2 p) const {
+    if (bent_ != nullptr) return glm::length(seen_.at(p));
+    const glm::dvec2 away = p - foot_;
+    return std::sqrt(height_ * height_ + glm::dot(away, away));
+  }
   /// Of the range, which is known.
-  glm::dvec2 slope(glm::dvec2 p, double range) const;
+  glm::dvec2 slope(glm::dvec2 p, double range) const {
+    if (bent_ == nullptr) return (p - foot_) / range;
+    const glm::dvec3 at = seen_.at(p);
+    return glm::dvec2(glm::dot(at, seen_.u), glm::dot(at, seen_.v)) / range;
+  }
   /// No less than the range changes over a metre.
   double steepest() const { return steepest_; }
 
@@ -86,9 +96,21 @@ class OverFacet {
     glm::dvec3 lies_m{0};      ///< from here
     double out = 1, home = 1;  ///< spreading and absorption over those of the straight way
   };
-  Met meet(glm::dvec2 p) const;
+  Met meet(glm::dvec2 p) const {
+    if (bent_ != nullptr) return meet_bent(p);
+    Met met;
+    const glm::dvec2 away = p - foot_;
+    met.range = std::sqrt(height_ * height_ + glm::dot(away, away));
+    const double per_range = 1 / met.range;
+    met.sine = height_ * per_range;
+    met.lies_m = lies_.at(away);
+    met.direction = met.lies_m * per_range;
+    return met;
+  }
 
  private:
+  Met meet_bent(glm::dvec2 p) const;
+
   double height_ = 0;   // over the plane
   glm::dvec2 foot_{0};  // its foot point
   const BentFacet* bent_ = nullptr;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <tuple>
 
 #include "engine/law/density.hpp"
@@ -124,8 +125,9 @@ std::size_t PatchEcho::add(const SeenBed& bed, const Point& point, const Listene
 void PatchEcho::clip(const std::vector<glm::dvec2>& by, Polygon& polygon) {
   for (std::size_t c = 0; c < by.size() && polygon.size() > 2; ++c) {
     const glm::dvec2 a = by[c], along = by[c + 1 == by.size() ? 0 : c + 1] - a;
-    split(
-        polygon, [&](glm::dvec2 p) { return cross(along, p - a); }, nullptr, &rest_);
+    const auto inward = [&](glm::dvec2 p) { return cross(along, p - a); };
+    if (std::ranges::all_of(polygon, [&](glm::dvec2 p) { return inward(p) >= 0; })) continue;
+    split(polygon, inward, nullptr, &rest_);
     std::swap(polygon, rest_);
   }
 }
@@ -180,23 +182,40 @@ void PatchEcho::cut_into_samples(const Polygon& polygon, glm::dvec2 centre) {
     if (!product || borders_m_ > 0) return take(part, sample);
     cut_for_both(part, sample, lower_middle, lower_gradient, centre);
   };
-  double least = middle, most = middle;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const double here = middle + glm::dot(gradient, polygon[k] - centre);
-    least = k == 0 ? here : std::min(least, here);
-    most = k == 0 ? here : std::max(most, here);
+  placed_.clear();
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const glm::dvec2 p : polygon) {
+    const double here = middle + glm::dot(gradient, p - centre);
+    placed_.push_back({p, here});
+    least = std::min(least, here);
+    most = std::max(most, here);
   }
   const double first = std::floor(least), last = std::floor(most);
   if (first == last) return take_part(polygon, first);
-  rest_ = polygon;
-  for (double sample = first; sample < last && rest_.size() > 2; ++sample) {
-    split(
-        rest_, [&](glm::dvec2 p) { return middle + glm::dot(gradient, p - centre) - (sample + 1); }, &below_,
-        &above_);
+  for (double sample = first; sample < last && placed_.size() > 2; ++sample) {
+    const double border = sample + 1;
+    below_.clear();
+    left_.clear();
+    Placed from = placed_.back();
+    for (const Placed& to : placed_) {
+      if ((from.sample < border) != (to.sample < border)) {
+        const double part = (border - from.sample) / (to.sample - from.sample);
+        const glm::dvec2 between = from.at + part * (to.at - from.at);
+        below_.push_back(between);
+        left_.push_back({between, border});
+      }
+      if (to.sample < border)
+        below_.push_back(to.at);
+      else
+        left_.push_back(to);
+      from = to;
+    }
     take_part(below_, sample);
-    std::swap(rest_, above_);
+    placed_.swap(left_);
   }
-  take_part(rest_, last);
+  below_.clear();
+  for (const Placed& p : placed_) below_.push_back(p.at);
+  take_part(below_, last);
 }
 
 /// What of a sample of the upper receiver's lies in the same one of the lower's.

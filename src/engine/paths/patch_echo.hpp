@@ -106,7 +106,13 @@ class PatchEcho {
   const ReflectivityField* texture_ = nullptr;
   double mu_ = 0;
   std::vector<Polygon> levels_;
-  Polygon below_, above_, rest_, before_, both_;
+  Polygon below_, rest_, before_, both_;
+  /// A corner, and where it lies among the samples.
+  struct Placed {
+    glm::dvec2 at;
+    double sample;
+  };
+  std::vector<Placed> placed_, left_;
 };
 
 }  // namespace tubefoot
