@@ -11,7 +11,8 @@
 #include "geometry/footprints/plane_lines.hpp"
 #include "geometry/mesh/names.hpp"
 
-// The walls of a piece: planes through the apex and two neighbouring corners.
+// The walls of a piece: planes through the apex and two neighbouring corners. Heavy: include only in .cpp
+// files.
 namespace tubefoot {
 
 /// The one plane that two corners surely share, by name.
