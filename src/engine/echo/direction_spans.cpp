@@ -119,9 +119,9 @@ void DirectionMoments::add_alike(std::span<const CosineSpan> spans, double origi
   add_part(high.panel, lower_half, level, origin, row_of(high.number));
 }
 
-void DirectionMoments::add_across(std::uint32_t sample, std::uint32_t panel, const EndLevels& level,
-                                  double origin) {
-  double* row = moments(sample, panel) + terms;
+void DirectionMoments::add_across(std::uint32_t panel, double* row, const EndLevels& level,
+                                  double origin) const {
+  row += terms;
   const double away = gains_->panel(panel).hi - origin;
   row[0] += level[0] + away * (level[1] + away * (level[2] + away * level[3]));
   row[1] += level[1] + away * (2 * level[2] + 3 * away * level[3]);
@@ -131,17 +131,17 @@ void DirectionMoments::add_across(std::uint32_t sample, std::uint32_t panel, con
 
 void DirectionMoments::cross_borders() {
   for (std::size_t k = 0, blocks = blocks_.size(); k < blocks * samples_of_block; ++k) {
-    double* row = block(k / samples_of_block) + k % samples_of_block * row_size;
+    double* lower = block(k / samples_of_block) + k % samples_of_block * row_size;
     EndLevels level;
-    std::copy_n(row + terms, level.size(), level.begin());
+    std::copy_n(lower + terms, level.size(), level.begin());
     if (level == EndLevels{}) continue;
-    std::fill_n(row + terms, level.size(), 0.0);
+    std::fill_n(lower + terms, level.size(), 0.0);
     const Block at = blocks_[k / samples_of_block];
     const GainPanels::Panel panel = gains_->panel(at.panel);
-    add_part(panel, upper_half, level, panel.hi, row);
+    add_part(panel, upper_half, level, panel.hi, lower);
     const std::uint32_t upper = gains_->find(panel.hi);
     add_part(gains_->panel(upper), lower_half, level, panel.hi,
-             moments(at.block * samples_of_block + std::uint32_t(k % samples_of_block), upper));
+             row(at.block * samples_of_block + std::uint32_t(k % samples_of_block), upper));
   }
 }
 

@@ -23,10 +23,10 @@ struct EdgeNodes {
   std::array<std::vector<double>, 4> level;
   /// Of the gains: which panel a cosine is in, x = (w - middle) per_half, and levels x^k by x.
   std::vector<std::uint32_t> panel;
-  std::vector<double> middle, per_half, x;
+  std::vector<double> middle, half, per_half, x;
   std::array<std::vector<double>, 4> own;
 
-  void add(const GaussRule& rule, double at, double half, double near_m, double absorbed_there);
+  void add(const GaussRule& rule, double at, double to_either_side, double near_m, double absorbed_there);
 
  private:
   void grow();
@@ -40,6 +40,7 @@ struct EdgeLanes {
   double away = 0, steep2 = 0, distance2 = 0;      ///< on the circle of range r: |w - away / r| <= R, with
                                                    ///< R^2 = steep2 (1 - distance2 / r^2)
   double origin = 0, beta = 0, density = 0;
+  bool cubic = true;  ///< else the last level is 0
 };
 
 /// Fills cosines and levels: density share s r^-6 absorption, over the cosine's derivative by the angle about
@@ -49,7 +50,12 @@ void find_ends(const EdgeLanes& edge, EdgeNodes& nodes);
 /// Of nodes whose panels are known.
 void turn_to_panels(double origin, EdgeNodes& nodes);
 /// Adds to row[i], i < 12, the integrals of x^i and the levels of nodes [first, end), all of one panel, from
-/// its middle to their cosines.
-void add_end_moments(const EdgeNodes& nodes, std::size_t first, std::size_t end, double* row);
+/// its middle to their cosines. Without the last level unless `cubic`.
+void add_end_moments(const EdgeNodes& nodes, std::size_t first, std::size_t end, bool cubic, double* row);
+
+/// Adds to energy[f * stride + k], f < functions, k < count, the products of the 12 moments that row k begins
+/// with and the f-th of `coefficients`.
+void add_heard(const double* rows, std::size_t row_size, std::size_t count, const double* coefficients,
+               std::size_t functions, std::size_t stride, double* energy);
 
 }  // namespace tubefoot

@@ -195,18 +195,11 @@ void DirectionMoments::clear() {
 
 void DirectionMoments::finish(std::size_t first_beam, std::size_t samples, std::span<double> energy) {
   cross_borders();
-  for (std::size_t k = 0; k < blocks_.size() * samples_of_block; ++k) {
-    const double* moment = block(k / samples_of_block) + k % samples_of_block * row_size;
-    // Nothing came from there; of the last block not even the sample need be one.
-    if (std::all_of(moment, moment + terms, [](double m) { return m == 0; })) continue;
-    const Block& block = blocks_[k / samples_of_block];
-    const std::size_t sample = block.block * std::size_t(samples_of_block) + k % samples_of_block;
-    for (std::size_t f = 0; f < gains_->functions(); ++f) {
-      const double* c = gains_->coefficients(block.panel, f);
-      Pair sum{};  // of even and of odd powers
-      for (int i = 0; i < terms; i += 2) sum += Pair{c[i], c[i + 1]} * Pair{moment[i], moment[i + 1]};
-      energy[(first_beam + f) * samples + sample] += sum[0] + sum[1];
-    }
+  for (std::size_t number = 0; number < blocks_.size(); ++number) {
+    const std::size_t first = blocks_[number].block * std::size_t(samples_of_block);
+    add_heard(block(number), row_size, std::min<std::size_t>(samples_of_block, samples - first),
+              gains_->coefficients(blocks_[number].panel, 0), gains_->functions(), samples,
+              energy.data() + first_beam * samples + first);
   }
 }
 

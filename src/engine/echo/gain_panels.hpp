@@ -69,6 +69,12 @@ struct CosineSpan {
 /// however many beams there are.
 class DirectionMoments {
  public:
+  /// Moments of one panel in neighbouring samples, which a footprint meets one after the other.
+  static constexpr std::uint32_t samples_of_block = 8;
+  /// Of a row: after the moments the cubic, about the panel's upper border, whose integral across that border
+  /// is still to be added.
+  static constexpr std::size_t row_size = GainPanels::terms + std::tuple_size_v<EndLevels>;
+
   explicit DirectionMoments(std::shared_ptr<GainPanels> gains) : gains_(std::move(gains)) {}
 
   /// What follows belongs to this range sample.
@@ -82,11 +88,12 @@ class DirectionMoments {
   /// The integrals over some spans, from begin to end, in closed form.
   void add(std::span<const CosineSpan> spans, double origin);
   /// Adds the integral of a cubic of the cosine from the middle of a panel to that of the next.
-  void add_across(std::uint32_t sample, std::uint32_t panel, const EndLevels& level, double origin);
+  void add_across(std::uint32_t panel, double* row, const EndLevels& level, double origin) const;
   const GainPanels::Panel& panel(std::uint32_t number) const { return gains_->panel(number); }
   std::uint32_t find(double cosine) { return gains_->find(cosine); }
-  /// The moments of a panel in a sample, to be added to.
-  double* moments(std::uint32_t sample, std::uint32_t panel) {
+  /// The row of a panel in a sample, to be added to. Rows stay where they are until clear(); those of the
+  /// samples of a block follow each other.
+  double* row(std::uint32_t sample, std::uint32_t panel) {
     begin(sample);
     return row_of(panel);
   }
@@ -96,11 +103,7 @@ class DirectionMoments {
   void clear();
 
  private:
-  /// Moments of one panel in neighbouring samples, which a footprint meets one after the other.
-  static constexpr std::uint32_t samples_of_block = 8, blocks_of_chunk = 128;
-  /// Of a row: after the moments the cubic, about the panel's upper border, whose integral across that border
-  /// is still to be added.
-  static constexpr std::size_t row_size = GainPanels::terms + std::tuple_size_v<EndLevels>;
+  static constexpr std::uint32_t blocks_of_chunk = 128;
   struct Block {
     std::uint32_t panel = 0, block = 0;
   };

@@ -19,8 +19,8 @@ namespace {
 /// Of the tolerance: what is left out of the series.
 constexpr double share = 0.25;
 /// Mean width of a polygon in panels, below which its two sides are so alike that the rule's errors would
-/// have to be smaller than the tolerance asks for.
-constexpr double thinnest = 0.05;
+/// have to be smaller than the tolerance asks for: with one node more, and much thinner ones not at all.
+constexpr double thin = 0.05, thinnest = 5e-4;
 /// An end in the last panel has to be told to all of them.
 constexpr std::size_t most_panels = 16;
 
@@ -41,10 +41,10 @@ int PatternIntegrator::sample_of(double range2) const {
 /// no smooth function of the cosine over all of it.
 bool PatternIntegrator::add_edges() {
   if (!little_absorption_ || edges_.size() < 3 || !find_edge_way()) return false;
-  if (way_.first_sample >= way_.end_sample) return true;
+  if (way_.outside) return true;
   if (!find_panels()) return false;
-  for (const Edge& edge : edges_) {
-    cut_edge(edge);
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    cut_edge(edges_[e], edges_[e + 1 == edges_.size() ? 0 : e + 1]);
     add_edge_nodes();
   }
   return true;
@@ -72,10 +72,10 @@ bool PatternIntegrator::find_edge_way() {
   }
   if (!(least_side > 0 || most_side < 0)) return false;
   const double near = std::sqrt(near2), far = std::sqrt(far2);
-  way_.nearest = near;
-  way_.farthest = far;
-  way_.first_sample = std::uint32_t(std::max(sample_of(near2), 0));
-  way_.end_sample = std::uint32_t(std::clamp<std::ptrdiff_t>(sample_of(far2) + 1, 0, std::ssize(absorbed_)));
+  way_.outside = !(far2 > borders2_.front() && near2 < borders2_.back());
+  if (way_.outside) return true;
+  way_.nearest2 = near2;
+  for (Edge& edge : edges_) edge.sample = sample_of(edge.nearest2 + edge.from * edge.from);
   const double origin = (lowest + highest) / 2, bent = longest2 / (2 * near2);
   way_.reach = (highest - lowest) / 2 + bent;
   // R grows with range, and the level changes with it one way only.
@@ -85,8 +85,11 @@ bool PatternIntegrator::find_edge_way() {
   const double room = radius - off;
   if (!(room > 4 * way_.reach)) return false;
   const double ratio = way_.reach / room;
-  if ((ratio * ratio) * (ratio * ratio) / (1 - ratio) > share * tolerance_) return false;
-  const double steepness2 = radius2 - off * off;
+  const double fourth = (ratio * ratio) * (ratio * ratio) / (1 - ratio);
+  if (fourth > share * tolerance_) return false;
+  const double steepness2 = radius2 - off * off, per_s2 = 1 / steepness2, reach = way_.reach;
+  const double third = off * per_s2 * per_s2 * (1.5 + 2.5 * off * off * per_s2) * (reach * reach * reach);
+  way_.lanes.cubic = third + fourth > share * tolerance_;
   way_.singular = std::min(std::sqrt(near2 - piece_.distance2), steepness2 * near / 4);
   // The mean width of its arcs, in cosines.
   way_.width = area * std::sqrt(steepness2) / (far * std::max(far - near, 1e-300));
@@ -110,19 +113,24 @@ bool PatternIntegrator::find_panels() {
     way_.of = &moments;
     way_.panels.clear();
     way_.panel.clear();
+    way_.half.clear();
     for (double from = lowest; way_.panels.empty() || from <= highest; from = way_.panel.back().hi) {
       way_.panels.push_back(moments.find(from));
       way_.panel.push_back(moments.panel(way_.panels.back()));
+      way_.half.push_back(1 / way_.panel.back().per_half);
     }
   }
   way_.at = 0;
   if (way_.panels.size() > most_panels) return false;
-  if (way_.width * way_.panel.front().per_half < 2 * thinnest) return false;
+  const double width = way_.width * way_.panel.front().per_half / 2;
+  if (!(width > thinnest)) return false;
+  way_.spare = width < thin ? 1 : 0;
+  way_.rows.assign(way_.panels.size(), {});
   return true;
 }
 
 /// Cuts an edge by range samples, and each part into nodes.
-void PatternIntegrator::cut_edge(const Edge& edge) {
+void PatternIntegrator::cut_edge(const Edge& edge, const Edge& next) {
   const Axis& axis = receiver_->axes[receiver_->moments_axis];
   const Change& change = receiver_->changes.front();
   way_.cells.clear();
@@ -134,9 +142,9 @@ void PatternIntegrator::cut_edge(const Edge& edge) {
     const double per_r2 = 1 / (edge.nearest2 + s * s), per_r = std::sqrt(per_r2);
     return std::abs(way_.lanes.slope - (way_.lanes.edge_level + way_.lanes.slope * s) * s * per_r2) * per_r;
   };
-  const double near2 = way_.nearest * way_.nearest;
   const double steepest =
-      (std::max(steepness(edge.from), steepness(edge.to)) + 2 * (edge.to - edge.from) / near2) * change.scale;
+      (std::max(steepness(edge.from), steepness(edge.to)) + 2 * (edge.to - edge.from) / way_.nearest2) *
+      change.scale;
   const auto add_cell = [&](double from, double to, int sample) {
     if (sample < 0 || sample >= int(absorbed_.size()) || !(to > from)) return;
     const auto k = std::size_t(sample);
@@ -146,7 +154,7 @@ void PatternIntegrator::cut_edge(const Edge& edge) {
       const double rho = 1 + 1.5 * (way_.singular / half - 0.5);
       n = 2;
       while (n <= most_gauss_nodes && rho < least_rho_[std::size_t(n)]) ++n;
-      n = std::max(n, change.count.nodes(half * steepest, rho));
+      n = std::max(n, change.count.nodes(half * steepest, rho)) + way_.spare;
       if (n <= most_gauss_nodes || parts >= 1 << 20) break;
     }
     const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
@@ -156,9 +164,11 @@ void PatternIntegrator::cut_edge(const Edge& edge) {
       way_.nodes.add(rule, from + (2 * part + 1) * half, half, middle_m, absorbed_[k]);
   };
   // Range falls as long as s is negative.
-  int k = sample_of(edge.nearest2 + edge.from * edge.from);
-  const int last = sample_of(edge.nearest2 + edge.to * edge.to);
-  const int nearest = edge.from >= 0 ? k : edge.to <= 0 ? last : sample_of(edge.nearest2);
+  int k = edge.sample;
+  const int last = next.sample;
+  int nearest = edge.from >= 0 ? k : edge.to <= 0 ? last : std::min(k, last);
+  if (edge.from < 0 && edge.to > 0)
+    while (nearest >= 0 && edge.nearest2 < borders2_[std::size_t(nearest)]) --nearest;
   const auto s_at = [&](int border) {
     return std::sqrt(std::max(borders2_[std::size_t(border)] - edge.nearest2, 0.0));
   };
@@ -176,6 +186,14 @@ void PatternIntegrator::cut_edge(const Edge& edge) {
   add_cell(from, edge.to, k);
 }
 
+double* PatternIntegrator::row_of(std::uint32_t sample, std::size_t panel) {
+  constexpr std::uint32_t together = DirectionMoments::samples_of_block;
+  EdgeWay::Rows& rows = way_.rows[panel];
+  if (const std::uint32_t block = sample / together; rows.block != block)
+    rows = {block, receiver_->moments->row(block * together, way_.panels[panel])};
+  return rows.first + sample % together * DirectionMoments::row_size;
+}
+
 void PatternIntegrator::add_edge_nodes() {
   EdgeNodes& nodes = way_.nodes;
   if (nodes.count == 0) return;
@@ -187,6 +205,7 @@ void PatternIntegrator::add_edge_nodes() {
     while (way_.at > 0 && w < way_.panel[way_.at].lo) --way_.at;
     nodes.panel[i] = std::uint32_t(way_.at);
     nodes.middle[i] = way_.panel[way_.at].middle;
+    nodes.half[i] = way_.half[way_.at];
     nodes.per_half[i] = way_.panel[way_.at].per_half;
   }
   turn_to_panels(way_.lanes.origin, nodes);
@@ -197,13 +216,13 @@ void PatternIntegrator::add_edge_nodes() {
       const std::uint32_t at = nodes.panel[i];
       std::size_t to = i + 1;
       while (to < end && nodes.panel[to] == at) ++to;
-      add_end_moments(nodes, i, to, moments.moments(sample, way_.panels[at]));
+      add_end_moments(nodes, i, to, way_.lanes.cubic, row_of(sample, at));
       if (at > 0) {
         EndLevels sum{};
         for (std::size_t k = i; k < to; ++k)
           for (std::size_t l = 0; l < sum.size(); ++l) sum[l] += nodes.level[l][k];
         for (std::uint32_t lower = 0; lower < at; ++lower)
-          moments.add_across(sample, way_.panels[lower], sum, way_.lanes.origin);
+          moments.add_across(way_.panels[lower], row_of(sample, lower), sum, way_.lanes.origin);
       }
       i = to;
     }

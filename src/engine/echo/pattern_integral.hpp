@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -41,7 +42,9 @@ struct PlacedTexture {
 /// a receiver are functions of one and the same cosine (a line array's), nodes are summed up as moments, and
 /// the beams are looked at once for all footprints, in finish(). Beams sent at once along that array join
 /// them. Then arcs need no nodes either where the angle is a smooth function of the cosine over them: their
-/// moments are known from their ends (pattern_spans.cpp).
+/// moments are known from their ends (pattern_spans.cpp). Where it is one over all of a polygon, the law is
+/// Lambert's and absorption within a sample is small, ends are followed along edges, without slabs
+/// (pattern_edges.cpp).
 ///
 /// Micro-texture is one more factor at the nodes, and one more reason for nodes; polygons with texture must
 /// lie in one of its cells (texture_cells.hpp).
@@ -69,6 +72,7 @@ class PatternIntegrator {
     glm::dvec2 along{0}, aside{0};  // unit: of its direction, and that turned clockwise
     double height = 0;              // p = s along + height aside
     double from = 0, to = 0;        // s
+    int sample = 0;                 // where it starts
     double nearest2 = 0;            // squared range of its line's nearest point
   };
   struct Arc {
@@ -130,15 +134,22 @@ class PatternIntegrator {
   /// Where a polygon's edges are summed up along themselves (pattern_edges.cpp).
   struct EdgeWay {
     EdgeLanes lanes;
-    double nearest = 0, farthest = 0;  // range of the polygon
-    double reach = 0;                  // of its cosines, from the middle
-    double width = 0;                  // mean of its arcs', in cosines
-    double singular = 0;               // no singularity of the integrand is as near to an edge
-    std::uint32_t first_sample = 0, end_sample = 0;
+    double nearest2 = 0;   // squared range of the polygon
+    double reach = 0;      // of its cosines, from the middle
+    double width = 0;      // mean of its arcs', in cosines
+    double singular = 0;   // no singularity of the integrand is as near to an edge
+    bool outside = false;  // of all samples
+    int spare = 0;         // more nodes
     const DirectionMoments* of = nullptr;
     std::vector<std::uint32_t> panels;  // numbers, in the order of cosines
     std::vector<GainPanels::Panel> panel;
-    std::size_t at = 0;  // in panels, where the last end was
+    std::vector<double> half;  // of panels
+    struct Rows {
+      std::uint32_t block = std::numeric_limits<std::uint32_t>::max();
+      double* first = nullptr;
+    };
+    std::vector<Rows> rows;  // by panel
+    std::size_t at = 0;      // in panels, where the last end was
     struct Cell {
       std::uint32_t sample, first;
     };
@@ -182,7 +193,8 @@ class PatternIntegrator {
   bool find_edge_way();
   bool find_panels();
   int sample_of(double range2) const;
-  void cut_edge(const Edge& edge);
+  double* row_of(std::uint32_t sample, std::size_t panel);
+  void cut_edge(const Edge& edge, const Edge& next);
   void add_edge_nodes();
   void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
