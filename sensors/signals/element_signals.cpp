@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/signals/element_signals.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace tubefoot {
+namespace {
+
+bool finite(glm::dvec3 place) {
+  return std::isfinite(place.x) && std::isfinite(place.y) && std::isfinite(place.z);
+}
+
+void require(bool holds, const std::string& what) {
+  if (!holds) throw std::invalid_argument(what);
+}
+
+void check_all_but_pressure(const ElementSignals& signals) {
+  check_sampled(signals.waveform, signals.sampling);
+  require(signals.sound_speed_m_s > 0 && std::isfinite(signals.sound_speed_m_s),
+          fmt::format("the sound speed is {} m/s, must be above 0 and finite", signals.sound_speed_m_s));
+  require(signals.receivers() > 0, "the array has no receivers: give it at least one");
+  require(finite(signals.array.transmitter_m), "the transmitter's place is not finite");
+  for (std::size_t k = 0; k < signals.receivers(); ++k)
+    require(finite(signals.array.receivers_m[k]), fmt::format("the place of receiver {} is not finite", k));
+  require(signals.pings() > 0, "there are no pings: give at least one ping's start");
+  signals.motion.check_lasts(signals.sampling.end_s());
+}
+
+}  // namespace
+
+glm::dvec3 ElementArray::centre_m() const {
+  glm::dvec3 sum(0);
+  for (const glm::dvec3& place : receivers_m) sum += place;
+  return sum / static_cast<double>(receivers_m.size());
+}
+
+ElementArray line_array(std::size_t receivers, glm::dvec3 spacing_m, glm::dvec3 centre_m) {
+  ElementArray array{centre_m, {}};
+  for (std::size_t k = 0; k < receivers; ++k)
+    array.receivers_m.push_back(
+        centre_m + spacing_m * (static_cast<double>(k) - 0.5 * static_cast<double>(receivers - 1)));
+  return array;
+}
+
+ElementSignals silent_signals(const ElementArray& array, const TransmitWaveform& waveform,
+                              const SignalSampling& sampling, const VehicleMotion& motion,
+                              double sound_speed_m_s) {
+  ElementSignals signals{waveform, sampling, sound_speed_m_s, array, motion, false, {}};
+  check_all_but_pressure(signals);
+  signals.pressure.resize(signals.pings() * signals.receivers() * signals.samples());
+  return signals;
+}
+
+void check(const ElementSignals& signals) {
+  check_all_but_pressure(signals);
+  const std::size_t expected = signals.pings() * signals.receivers() * signals.samples();
+  require(signals.pressure.size() == expected,
+          fmt::format("there are {} pressures, must be {} pings x {} receivers x {} samples = {}",
+                      signals.pressure.size(), signals.pings(), signals.receivers(), signals.samples(),
+                      expected));
+}
+
+}  // namespace tubefoot
