@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/beamforming/back_projection.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <stdexcept>
+
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Complex = std::complex<double>;
+
+std::vector<double> all_weights(const std::vector<double>& asked, std::size_t count, const char* of) {
+  if (asked.empty()) return std::vector<double>(count, 1);
+  if (asked.size() != count)
+    throw std::invalid_argument(fmt::format("there are {} weights for {} {}", asked.size(), count, of));
+  return asked;
+}
+
+/// What all pixels need of a ping.
+struct PingWay {
+  PlaceOnTheWay transmitter;
+  std::vector<PlaceOnTheWay> receivers;
+  glm::dvec3 centre_m, forward;
+};
+
+class Projector {
+ public:
+  Projector(const ElementSignals& signals, const SignalInterpolator& interpolator, const BackProjection& how)
+      : signals_(signals),
+        interpolator_(interpolator),
+        spreading_undone_(how.spreading_undone),
+        ping_weights_(all_weights(how.ping_weights, signals.pings(), "pings")),
+        receiver_weights_(all_weights(how.receiver_weights, signals.receivers(), "receivers")) {
+    if (how.half_beam_rad) most_forward_ = std::sin(*how.half_beam_rad);
+    const double end_s = signals.sampling.end_s();
+    for (std::size_t ping = 0; ping < signals.pings(); ++ping) {
+      const Pose& pose = signals.motion.ping_pose(ping);
+      PingWay way{{signals.motion, ping, signals.array.transmitter_m, end_s},
+                  {},
+                  pose.position_m + pose.attitude * signals.array.centre_m(),
+                  pose.attitude * glm::dvec3(0, 1, 0)};
+      for (const glm::dvec3& place : signals.array.receivers_m)
+        way.receivers.emplace_back(signals.motion, ping, place, end_s);
+      ways_.push_back(std::move(way));
+    }
+  }
+
+  Complex pixel(glm::dvec3 point) const {
+    Complex sum = 0;
+    double weights = 0;
+    for (std::size_t ping = 0; ping < ways_.size(); ++ping) {
+      const PingWay& way = ways_[ping];
+      if (most_forward_) {
+        const glm::dvec3 there = point - way.centre_m;
+        if (std::abs(glm::dot(there, way.forward)) > *most_forward_ * glm::length(there)) continue;
+      }
+      for (std::size_t receiver = 0; receiver < way.receivers.size(); ++receiver) {
+        const double weight = ping_weights_[ping] * receiver_weights_[receiver];
+        weights += weight;
+        sum += weight * echo(ping, receiver, point);
+      }
+    }
+    return weights == 0 ? 0 : sum / weights;
+  }
+
+ private:
+  Complex echo(std::size_t ping, std::size_t receiver, glm::dvec3 point) const {
+    const SignalSampling& sampling = signals_.sampling;
+    const TwoWayPath path = path_emitted_at(signals_.waveform.duration_s / 2, ways_[ping].transmitter, point,
+                                            ways_[ping].receivers[receiver], signals_.sound_speed_m_s);
+    const double delay_s = path.delay_s();
+    const Complex heard =
+        interpolator_.at(signals_.channel(ping, receiver), (delay_s - sampling.first_s) * sampling.rate_hz);
+    if (heard == 0.0) return 0;
+    const double gain = spreading_undone_ ? path.out_m * path.home_m : 1;
+    return heard * std::polar(gain, -2 * std::numbers::pi * sampling.baseband_hz * delay_s);
+  }
+
+  const ElementSignals& signals_;
+  const SignalInterpolator& interpolator_;
+  bool spreading_undone_;
+  std::vector<double> ping_weights_, receiver_weights_;
+  std::optional<double> most_forward_;
+  std::vector<PingWay> ways_;
+};
+
+}  // namespace
+
+std::vector<Complex> back_projected(const ElementSignals& signals, const PixelPlane& plane,
+                                    const SignalInterpolator& interpolator, const BackProjection& how) {
+  check(signals);
+  if (plane.columns == 0 || plane.rows == 0)
+    throw std::invalid_argument(
+        fmt::format("a picture of {} x {} pixels: must be at least 1 x 1", plane.columns, plane.rows));
+  const Projector projector(signals, interpolator, how);
+  std::vector<Complex> picture(plane.columns * plane.rows);
+  tbb::parallel_for(std::size_t{0}, picture.size(), [&](std::size_t k) {
+    if (k % plane.columns == 0) stop_if_wanted();
+    picture[k] = projector.pixel(plane.at(k % plane.columns, k / plane.columns));
+  });
+  return picture;
+}
+
+}  // namespace tubefoot
