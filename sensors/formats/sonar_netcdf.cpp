@@ -52,7 +52,10 @@ glm::dvec3 forward_starboard_down(glm::dvec3 p, double heading_deg) {
 class SonarNetcdfFile::State {
  public:
   State(const std::filesystem::path& file, const SonarNetcdfHeader& header)
-      : stream_(file), beams_(header.beams), layout_(define_sonar_netcdf(stream_, header)) {
+      : stream_(file),
+        beams_(header.beams),
+        of_signals_(header.complex_beams),
+        layout_(define_sonar_netcdf(stream_, header)) {
     pending_.resize(layout_.columns.size());
     stream_.flush();
     // A batch opens at most one more chunk of every variable.
@@ -60,7 +63,7 @@ class SonarNetcdfFile::State {
     for (const SonarNetcdfColumn& column : layout_.columns)
       chunks_bytes_ += SonarNetcdfLayout::chunk_pings * column.per_ping * widest_value;
     chunks_bytes_ +=
-        SonarNetcdfLayout::chunk_pings * (layout_.times.size() * widest_value + beams_ * list_reference);
+        SonarNetcdfLayout::chunk_pings * (layout_.times.size() * widest_value + 2 * beams_ * list_reference);
   }
 
   void add(const SonarNetcdfPing& ping) {
@@ -68,9 +71,13 @@ class SonarNetcdfFile::State {
     last_time_ns_ = ping.unix_time_ns;
     for (std::size_t k = 0; k < pending_.size(); ++k) layout_.columns[k].append(ping, pending_[k]);
     times_.push_back(static_cast<unsigned long long>(ping.unix_time_ns));
-    for (const std::vector<float>& beam : ping.backscatter_db) {
-      samples_.push_back(beam);
-      samples_bytes_ += beam.size() * sizeof(float);
+    for (const std::vector<float>& beam : ping.backscatter_db) keep(beam, samples_);
+    for (const std::vector<std::complex<float>>& beam : ping.backscatter) {
+      std::vector<float> real, imaginary;
+      for (const std::complex<float> value : beam)
+        real.push_back(value.real()), imaginary.push_back(value.imag());
+      keep(std::move(real), samples_);
+      keep(std::move(imaginary), imaginary_);
     }
     ++pings_;
     if (times_.size() >= SonarNetcdfLayout::chunk_pings || samples_bytes_ >= batch_bytes) write();
@@ -90,7 +97,9 @@ class SonarNetcdfFile::State {
       fits(count == beams_, fmt::format("{} {} for {} beams", count, what, beams_));
     };
     as_many(ping.across_angle_deg.size(), "beam angles");
-    as_many(ping.backscatter_db.size(), "time series");
+    as_many(of_signals_ ? ping.backscatter.size() : ping.backscatter_db.size(), "time series");
+    fits((of_signals_ ? ping.backscatter_db.size() : ping.backscatter.size()) == 0,
+         of_signals_ ? "has levels in a file of complex beams" : "has complex beams in a file of levels");
     as_many(ping.detections.size(), "detections");
     fits(ping.unix_time_ns >= 0, "its time is before 1970");
     fits(pings_ == 0 || ping.unix_time_ns > last_time_ns_, "its time is not after the one before");
@@ -104,14 +113,16 @@ class SonarNetcdfFile::State {
     if (times_.empty()) return;
     // A list of its own takes a head and is rounded up; short ones share blocks that they may fill by half.
     constexpr std::size_t list_head = 64;
-    stream_.reserve(2 * (samples_bytes_ + samples_.size() * list_head) + 2 * chunks_bytes_);
+    stream_.reserve(2 * (samples_bytes_ + (samples_.size() + imaginary_.size()) * list_head) +
+                    2 * chunks_bytes_);
     const std::size_t count = times_.size(), first = written_;
     for (const SonarNetcdfLayout::Place& place : layout_.times)
       stream_.check(nc_put_vara_ulonglong(place.group, place.variable, &first, &count, times_.data()),
                     "write the times");
     for (std::size_t k = 0; k < pending_.size(); ++k) write(layout_.columns[k], pending_[k]);
-    write_backscatter();
-    lists_ += samples_.size();
+    write_lists(layout_.backscatter, "backscatter_r", samples_);
+    if (layout_.imaginary) write_lists(*layout_.imaginary, "backscatter_i", imaginary_);
+    lists_ += samples_.size() + imaginary_.size();
     if (lists_ >= lists_per_opening) {
       stream_.reopen();
       layout_.find_groups(stream_);
@@ -122,6 +133,7 @@ class SonarNetcdfFile::State {
     written_ += count;
     times_.clear();
     samples_.clear();
+    imaginary_.clear();
     samples_bytes_ = 0;
     for (auto& values : pending_) values.clear();
   }
@@ -140,24 +152,30 @@ class SonarNetcdfFile::State {
     stream_.check(status, fmt::format("write variable '{}'", column.name));
   }
 
-  void write_backscatter() {
+  void keep(std::vector<float> beam, std::vector<std::vector<float>>& with) {
+    samples_bytes_ += beam.size() * sizeof(float);
+    with.push_back(std::move(beam));
+  }
+
+  void write_lists(const SonarNetcdfLayout::Place& place, const char* name,
+                   std::vector<std::vector<float>>& values) const {
     std::vector<nc_vlen_t> lists;
-    lists.reserve(samples_.size());
-    for (std::vector<float>& samples : samples_) lists.push_back({samples.size(), samples.data()});
+    lists.reserve(values.size());
+    for (std::vector<float>& samples : values) lists.push_back({samples.size(), samples.data()});
     const std::array<std::size_t, 3> start{written_, 0, 0}, count{times_.size(), beams_, 1};
-    stream_.check(nc_put_vara(layout_.backscatter.group, layout_.backscatter.variable, start.data(),
-                              count.data(), lists.data()),
-                  "write variable 'backscatter_r'");
+    stream_.check(nc_put_vara(place.group, place.variable, start.data(), count.data(), lists.data()),
+                  fmt::format("write variable '{}'", name));
   }
 
   NetcdfStream stream_;
   std::size_t beams_;
+  bool of_signals_;
   SonarNetcdfLayout layout_;
   std::size_t lists_ = 0, chunks_bytes_ = 0, written_ = 0, pings_ = 0, samples_bytes_ = 0;
   std::int64_t last_time_ns_ = 0;
   std::vector<std::vector<double>> pending_;  ///< per column
   std::vector<unsigned long long> times_;
-  std::vector<std::vector<float>> samples_;
+  std::vector<std::vector<float>> samples_, imaginary_;  ///< of all beams of those pings, one after another
 };
 
 SonarNetcdfFile::SonarNetcdfFile(const std::filesystem::path& file, const SonarNetcdfHeader& header) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
@@ -41,6 +42,11 @@ struct SonarNetcdfHeader {
   glm::dvec3 transducer_rotation_deg{0};
   double water_level_m = 0;  ///< nominal water level below the reference point (negative under water)
   bool beams_stabilised = false;
+  /// Beams are complex signals (SonarNetcdfPing::backscatter), not levels: conversion equation type 1, with a
+  /// transmit power that makes 10 log |backscatter|^2 + 40 log r + 2 alpha r the target strength.
+  bool complex_beams = false;
+  /// Of a chirp; 0: a pulse of frequency_hz.
+  double chirp_start_hz = 0, chirp_stop_hz = 0;
 };
 
 /// What a beam found of the bed.
@@ -71,7 +77,10 @@ struct SonarNetcdfPing {
   double blanking_interval_s = 0;        ///< two-way travel time of sample 0
   std::vector<double> across_angle_deg;  ///< per beam, from the platform's down axis, starboard positive
   /// Per beam: levels in dB, free of spreading and absorption or not as header.summary says. -inf: no echo.
-  std::vector<std::vector<float>> backscatter_db;
+  std::vector<std::vector<float>> backscatter_db{};
+  /// The same of complex beams, which leave the levels empty: matched filtered, for a pulse of energy 1 J/sr
+  /// at 1 m; time factor e^{-i omega t}.
+  std::vector<std::vector<std::complex<float>>> backscatter{};
   std::vector<SonarDetection> detections;  ///< per beam
 };
 

@@ -18,7 +18,8 @@ void SonarNetcdfBuilder::beam_group(const NetcdfGroup& sonar) {
   beam_group_ = sonar.group("Beam_group1");
   const NetcdfGroup& group = beam_group_;
   group.attribute("beam_mode", "vertical");
-  group.code_attribute("conversion_equation_type", conversion_, conversion_type_5);
+  group.code_attribute("conversion_equation_type", conversion_,
+                       header_.complex_beams ? conversion_type_1 : conversion_type_5);
   for (const char* sensor : {"MRU", "position", "gyro", "heading", "depth"})
     group.attribute(NC_GLOBAL, fmt::format("preferred_{}", sensor).c_str(), NC_INT, {0});
   const nc_type sample = group.float_list("sample_t");
@@ -26,38 +27,50 @@ void SonarNetcdfBuilder::beam_group(const NetcdfGroup& sonar) {
   group.float_list("pulse_t");
   ping_ = group.dimension("ping_time", NC_UNLIMITED);
   beam_ = group.dimension("beam", header_.beams);
-  const int subbeam = group.dimension("subbeam", 1);
+  subbeam_ = group.dimension("subbeam", 1);
   tx_beam_ = group.dimension("tx_beam", 1);
-  const int frequency = group.dimension("frequency", 1);
+  frequency_ = group.dimension("frequency", 1);
 
   std::vector<std::string> names;
   for (std::size_t k = 0; k < header_.beams; ++k) names.push_back(std::to_string(k));
   group.put_text("beam", beam_, "Beam name", names);
   group.put({"beam_type", beam_type_, {beam_}, nullptr, "Type of beam"}, Values(header_.beams, 0));
-  group.put({"frequency", NC_FLOAT, {frequency}, "Hz", "Acoustic frequency", "sound_frequency", 0.0},
+  group.put({"frequency", NC_FLOAT, {frequency_}, "Hz", "Acoustic frequency", "sound_frequency", 0.0},
             {header_.frequency_hz});
   group.put({"receive_transducer_index", NC_INT, {beam_}, nullptr, "Receive transducer index", nullptr, 0},
             Values(header_.beams, 0));
   time(group, "ping_time", ping_, "Time-stamp of each ping");
 
-  layout_.backscatter = {
-      group.id(),
-      group.define(
-          {"backscatter_r", sample, {ping_, beam_, subbeam}, "dB", "Backscatter level per beam and sample"},
-          SonarNetcdfLayout::chunk_pings)};
+  backscatter(group, sample);
+  navigation(group);
+  beam_geometry(group);
+  transmission(group);
+}
+
+void SonarNetcdfBuilder::backscatter(const NetcdfGroup& group, nc_type sample) {
+  const auto lists = [&](const char* name, const char* units, const char* long_name) {
+    return SonarNetcdfLayout::Place{group.id(),
+                                    group.define({name, sample, {ping_, beam_, subbeam_}, units, long_name},
+                                                 SonarNetcdfLayout::chunk_pings)};
+  };
+  if (header_.complex_beams) {
+    layout_.backscatter = lists("backscatter_r", "W^(1/2)", "Backscatter per beam and sample (real part)");
+    layout_.imaginary = lists("backscatter_i", "W^(1/2)", "Backscatter per beam and sample (imaginary part)");
+  } else {
+    layout_.backscatter = lists("backscatter_r", "dB", "Backscatter level per beam and sample");
+  }
   each_beam(
       group,
       {"sample_count",
        NC_INT,
-       {ping_, beam_, subbeam},
+       {ping_, beam_, subbeam_},
        "1",
        "Number of samples in each beam, per ping",
        nullptr,
        0},
-      [](const Ping& p, std::size_t beam) { return static_cast<double>(p.backscatter_db[beam].size()); });
-  navigation(group);
-  beam_geometry(group);
-  transmission(group);
+      [of_signals = header_.complex_beams](const Ping& p, std::size_t beam) {
+        return static_cast<double>(of_signals ? p.backscatter[beam].size() : p.backscatter_db[beam].size());
+      });
 }
 
 void SonarNetcdfBuilder::navigation(const NetcdfGroup& g) {
@@ -353,7 +366,7 @@ void SonarNetcdfBuilder::transmission(const NetcdfGroup& g) {
               "Start frequency in transmitted pulse",
               "sound_frequency",
               0.0},
-             header_.frequency_hz);
+             header_.chirp_start_hz > 0 ? header_.chirp_start_hz : header_.frequency_hz);
   every_ping(g,
              {"transmit_frequency_stop",
               NC_FLOAT,
@@ -362,8 +375,11 @@ void SonarNetcdfBuilder::transmission(const NetcdfGroup& g) {
               "Stop frequency in transmitted pulse",
               "sound_frequency",
               0.0},
-             header_.frequency_hz);
-  every_ping(g, {"transmit_type", transmit_, {ping_, tx_beam_}, nullptr, "Type of transmitted pulse"}, 0);
+             header_.chirp_stop_hz > 0 ? header_.chirp_stop_hz : header_.frequency_hz);
+  constexpr double continuous_wave = 0, linear_chirp = 1;
+  every_ping(g, {"transmit_type", transmit_, {ping_, tx_beam_}, nullptr, "Type of transmitted pulse"},
+             header_.chirp_start_hz > 0 ? linear_chirp : continuous_wave);
+  if (header_.complex_beams) complex_calibration(g);
   if (header_.source_level_db)
     every_ping(g,
                {"transmit_source_level",
@@ -381,6 +397,22 @@ void SonarNetcdfBuilder::transmission(const NetcdfGroup& g) {
              0);
   g.attribute(last_, "flag_meanings", "no_non_quantitative_processing");
   g.attribute(last_, "flag_values", NC_SHORT, {0});
+}
+
+/// What makes equation type 1, TS = 10 log P + 40 log r + 2 alpha r - 10 log(Pt lambda^2 / 16 pi^2) - G, that
+/// of a pulse of 1 J/sr at 1 m: the last two terms are 0.
+void SonarNetcdfBuilder::complex_calibration(const NetcdfGroup& g) {
+  const double turns = 4 * std::numbers::pi * header_.frequency_hz / header_.sound_speed_m_s;
+  every_ping(g,
+             {"transmit_power",
+              NC_FLOAT,
+              {ping_, tx_beam_},
+              "W",
+              "Transmit power: nominal, so that equation type 1 has no other calibration",
+              nullptr,
+              0.0},
+             turns * turns);
+  every_beam(g, {"transducer_gain", NC_FLOAT, {ping_, beam_, frequency_}, "dB", "Gain of transducer"}, 0);
 }
 
 }  // namespace tubefoot

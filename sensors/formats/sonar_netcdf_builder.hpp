@@ -13,6 +13,8 @@ namespace tubefoot {
 
 /// The conversion equation of levels in dB, with nothing left to convert.
 inline constexpr signed char conversion_type_5 = 5;
+/// Of complex signals whose squared modulus is proportional to the received power.
+inline constexpr signed char conversion_type_1 = 1;
 
 /// From 0 up to 360.
 inline double sonar_full_circle(double angle_deg) {
@@ -74,7 +76,9 @@ class SonarNetcdfBuilder {
   void beam_group(const NetcdfGroup& sonar);
   void navigation(const NetcdfGroup& beams);
   void beam_geometry(const NetcdfGroup& beams);
+  void backscatter(const NetcdfGroup& beams, nc_type sample);
   void transmission(const NetcdfGroup& beams);
+  void complex_calibration(const NetcdfGroup& beams);
   void bathymetry();
 
   NetcdfGroup root_;
@@ -82,7 +86,7 @@ class SonarNetcdfBuilder {
   SonarNetcdfLayout layout_;
   int last_ = 0;
   NetcdfGroup beam_group_ = root_;
-  int ping_ = 0, beam_ = 0, tx_beam_ = 0;
+  int ping_ = 0, beam_ = 0, tx_beam_ = 0, frequency_ = 0, subbeam_ = 0;
   nc_type stabilisation_ = 0, conversion_ = 0, transmit_ = 0, beam_type_ = 0;
 };
 

@@ -231,6 +231,7 @@ void SonarNetcdfLayout::find_groups(const NetcdfStream& stream) {
   for (SonarNetcdfColumn& column : columns) column.group = now.at(column.group);
   for (Place& place : times) place.group = now.at(place.group);
   backscatter.group = now.at(backscatter.group);
+  if (imaginary) imaginary->group = now.at(imaginary->group);
 }
 
 SonarNetcdfLayout define_sonar_netcdf(const NetcdfStream& stream, const SonarNetcdfHeader& header) {

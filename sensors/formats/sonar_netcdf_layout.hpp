@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct SonarNetcdfLayout {
   std::map<std::string, int> groups;  ///< id by full name
   std::vector<Place> times;           ///< the ping's time, uint64 ns
   Place backscatter;                  ///< (ping, beam, subbeam) of float lists
+  std::optional<Place> imaginary{};   ///< the same of complex beams' other part
 };
 
 /// Defines all groups, types, dimensions and variables of the convention and writes those that pings do not

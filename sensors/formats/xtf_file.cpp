@@ -2,10 +2,11 @@
 // Offsets are those of X41's structures; the number before each name is where it lies.
 #include "sensors/formats/xtf_file.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "sensors/formats/packet_moment.hpp"
 
 namespace tubefoot {
 namespace {
@@ -24,41 +25,8 @@ constexpr std::size_t ping_header_size = 256, ping_channel_size = 64, block = 64
 constexpr double knots = 3600.0 / 1852.0;  // in one m/s
 constexpr double full_scale_volts = 5;
 
-/// A moment as XTF writes it, cut to whole microseconds.
-struct Moment {
-  std::uint32_t epoch_s = 0, microseconds = 0;
-  std::int64_t since_1970_ms = 0;
-  std::uint16_t year = 0, day_of_year = 0;
-  std::uint8_t month = 0, day = 0, hour = 0, minute = 0, second = 0;
-};
-
-Moment moment(double unix_time_s, const FieldCheck& check) {
-  constexpr double end_s = 4294967295;  // the epoch fields are 32 bits wide
-  check.within("time [s since 1970]", unix_time_s, 0, end_s);
-  using namespace std::chrono;
-  const auto since_1970 = microseconds(std::llround(unix_time_s * 1e6));
-  const sys_time<microseconds> time(since_1970);
-  const auto midnight = floor<days>(time);
-  const year_month_day date(midnight);
-  const hh_mm_ss clock(time - midnight);
-
-  Moment result;
-  result.epoch_s = static_cast<std::uint32_t>(floor<seconds>(since_1970).count());
-  result.microseconds = static_cast<std::uint32_t>(clock.subseconds().count());
-  result.since_1970_ms = floor<milliseconds>(since_1970).count();
-  result.year = static_cast<std::uint16_t>(int(date.year()));
-  result.month = static_cast<std::uint8_t>(unsigned(date.month()));
-  result.day = static_cast<std::uint8_t>(unsigned(date.day()));
-  result.day_of_year =
-      static_cast<std::uint16_t>((midnight - sys_days(date.year() / January / 1)).count() + 1);
-  result.hour = static_cast<std::uint8_t>(clock.hours().count());
-  result.minute = static_cast<std::uint8_t>(clock.minutes().count());
-  result.second = static_cast<std::uint8_t>(clock.seconds().count());
-  return result;
-}
-
 /// Year to second, in the order that all packets have them.
-void put_date(PacketBytes& packet, std::size_t offset, const Moment& time) {
+void put_date(PacketBytes& packet, std::size_t offset, const PacketMoment& time) {
   packet.put<std::uint16_t>(offset, time.year);
   packet.put<std::uint8_t>(offset + 2, time.month);
   packet.put<std::uint8_t>(offset + 3, time.day);
@@ -68,7 +36,7 @@ void put_date(PacketBytes& packet, std::size_t offset, const Moment& time) {
 }
 
 /// Hour to hundredth of a second.
-void put_clock(PacketBytes& packet, std::size_t offset, const Moment& time) {
+void put_clock(PacketBytes& packet, std::size_t offset, const PacketMoment& time) {
   packet.put<std::uint8_t>(offset, time.hour);
   packet.put<std::uint8_t>(offset + 1, time.minute);
   packet.put<std::uint8_t>(offset + 2, time.second);
@@ -224,7 +192,7 @@ void XtfFile::add_soundings(const XtfPlace& place, std::span<const XtfSounding> 
 
 void XtfFile::add_attitude(const XtfAttitude& attitude) {
   const FieldCheck check = this->check("attitude", attitude.unix_time_s);
-  const Moment time = moment(attitude.unix_time_s, check);
+  const PacketMoment time = moment(attitude.unix_time_s, check);
   check_attitude(attitude.heading_deg, attitude.pitch_deg, attitude.roll_deg, check);
   PacketBytes packet = started(kAttitude, block);
   packet.put<std::uint32_t>(22, time.microseconds);
@@ -241,7 +209,7 @@ void XtfFile::add_attitude(const XtfAttitude& attitude) {
 
 void XtfFile::add_navigation(const XtfFix& fix) {
   const FieldCheck check = this->check("navigation", fix.unix_time_s);
-  const Moment time = moment(fix.unix_time_s, check);
+  const PacketMoment time = moment(fix.unix_time_s, check);
   check_position(fix.x, fix.y, check);
   PacketBytes packet = started(kNavigation, block);
   put_date(packet, 14, time);
@@ -291,7 +259,7 @@ std::uint32_t XtfFile::tag_ms(std::int64_t since_1970_ms) {
 }
 
 void XtfFile::put_place(PacketBytes& packet, const XtfPlace& place, const FieldCheck& check) {
-  const Moment time = moment(place.unix_time_s, check);
+  const PacketMoment time = moment(place.unix_time_s, check);
   check_position(place.x, place.y, check);
   check_attitude(place.heading_deg, place.pitch_deg, place.roll_deg, check);
   check.within("speed [m/s]", place.speed_m_s, 0, 1e4);

@@ -165,7 +165,8 @@ EchoContents read_contents(const NetcdfInput& file, const EchoGroupInput& root, 
             fmt::format("two groups have sensor_name '{}': give each its own", contents.sensors[k].name));
   }
   if (contents.sensors.empty())
-    file.fail(fmt::format("has no variable 'energy', neither in its root nor in a group ({})", layout));
+    file.fail(fmt::format("has no variable 'energy', neither in its root nor in a group ({} has the layout)",
+                          file.page()));
   return contents;
 }
 

@@ -28,7 +28,11 @@
 // variable.
 namespace tubefoot {
 
-inline constexpr const char* layout = "docs/echo-file.md has the layout";
+/// What a file is expected to be, and the page that says how it is laid out.
+struct ExpectedNetcdf {
+  const char* what = "an echo file (echoes.nc)";
+  const char* page = "docs/echo-file.md";
+};
 inline constexpr std::size_t longest_text = 1 << 16;
 
 /// Nothing where it is more than a number can be.
@@ -42,10 +46,11 @@ inline std::optional<std::uintmax_t> product(std::span<const std::size_t> factor
 /// A netCDF file open for reading, after all that can be wrong with it has been looked at. Throws InputError.
 class NetcdfInput {
  public:
-  explicit NetcdfInput(const std::filesystem::path& path) : path_(path) {
+  explicit NetcdfInput(const std::filesystem::path& path, ExpectedNetcdf expected = {})
+      : path_(path), expected_(expected) {
     std::error_code error;
     if (!std::filesystem::exists(path, error)) fail("there is no such file");
-    const InputFile input(path, {path.string()}, "an echo file (echoes.nc)");
+    const InputFile input(path, {path.string()}, expected.what);
     bytes_ = input.size();
     const FileFormat format = format_of(path);
     if (format == FileFormat::netcdf_classic) {
@@ -74,6 +79,7 @@ class NetcdfInput {
   int id() const { return id_; }
   std::uintmax_t bytes() const { return bytes_; }
   const std::filesystem::path& path() const { return path_; }
+  const char* page() const { return expected_.page; }
 
   [[noreturn]] void fail(const std::string& message) const { throw InputError({path_.string()}, message); }
   void check(int status, const std::string& task) const {
@@ -84,6 +90,7 @@ class NetcdfInput {
 
  private:
   std::filesystem::path path_;
+  ExpectedNetcdf expected_;
   int id_ = -1;
   std::uintmax_t bytes_ = 0;
 };
@@ -164,6 +171,16 @@ class EchoGroupInput {
   std::vector<double> values(const char* name, const std::vector<std::string>& dimensions,
                              std::span<const std::string_view> units,
                              std::vector<std::size_t>* lengths = nullptr) const {
+    const std::vector<std::size_t> shape = checked_shape(name, dimensions, units);
+    if (lengths) *lengths = shape;
+    std::vector<double> result(*product(shape));
+    read_into(name, dimensions, result);
+    return result;
+  }
+
+  /// How many values there are along each dimension, after all that can be wrong before they are read.
+  std::vector<std::size_t> checked_shape(const char* name, const std::vector<std::string>& dimensions,
+                                         std::span<const std::string_view> units) const {
     const auto variable = find(name);
     if (!variable)
       fail(name, fmt::format("is missing; expected ({}) in {}", fmt::join(dimensions, ", "), units.front()));
@@ -171,12 +188,17 @@ class EchoGroupInput {
     check_type(name, *variable);
     check_unit(name, *variable, units);
     const std::vector<std::size_t> shape = shape_of(*variable);
-    const std::size_t count = checked_count(name, *variable, shape);
-    if (lengths) *lengths = shape;
-    std::vector<double> result(count);
-    read_slabs(name, *variable, shape, result);
-    check_written(name, *variable, dimensions, shape, result);
-    return result;
+    checked_count(name, *variable, shape);
+    return shape;
+  }
+
+  /// All values of a variable of that shape.
+  void read_into(const char* name, const std::vector<std::string>& dimensions,
+                 std::span<double> values) const {
+    const int variable = *find(name);
+    const std::vector<std::size_t> shape = shape_of(variable);
+    read_slabs(name, variable, shape, values);
+    check_written(name, variable, dimensions, shape, values);
   }
 
   /// Throws unless `good` holds for every value; `expected` says what that is.
@@ -192,7 +214,7 @@ class EchoGroupInput {
   }
 
   [[noreturn]] void fail(const char* name, const std::string& message) const {
-    file_.fail(fmt::format("variable '{}{}' {} ({})", prefix_, name, message, layout));
+    file_.fail(fmt::format("variable '{}{}' {} ({} has the layout)", prefix_, name, message, file_.page()));
   }
 
  private:
@@ -313,7 +335,7 @@ class EchoGroupInput {
   /// Not all at once, so that who wants to stop is not kept waiting; whole chunks at a time, which would
   /// otherwise be unpacked again and again.
   void read_slabs(const char* name, int variable, const std::vector<std::size_t>& shape,
-                  std::vector<double>& values) const {
+                  std::span<double> values) const {
     constexpr std::size_t most_values = std::size_t{1} << 22;
     const std::size_t row = values.size() / shape[0],
                       chunk_rows = std::max<std::size_t>(1, chunk_of(variable)[0]);
@@ -350,7 +372,7 @@ class EchoGroupInput {
 
   /// netCDF gives values that nobody wrote a value of their own.
   void check_written(const char* name, int variable, const std::vector<std::string>& dimensions,
-                     const std::vector<std::size_t>& shape, const std::vector<double>& values) const {
+                     const std::vector<std::size_t>& shape, std::span<const double> values) const {
     double fill = NC_FILL_DOUBLE;
     std::size_t length = 0;
     if (const int status = nc_inq_attlen(id_, variable, "_FillValue", &length); status != NC_ENOTATT) {

@@ -64,7 +64,7 @@ void Hdf5Chunks::write(const std::string& variable, std::size_t ping, std::span<
   if (!opened)
     opened = std::make_unique<Hdf5Handle>(H5Dopen2(*file_, variable.c_str(), H5P_DEFAULT), H5Dclose);
   constexpr std::uint32_t all_filters = 0;
-  const hsize_t begin[] = {ping, 0, 0};
+  const hsize_t begin[H5S_MAX_RANK] = {ping};  // as many as the variable has dimensions are read
   if (*opened < 0 ||
       H5Dwrite_chunk(*opened, H5P_DEFAULT, all_filters, begin, packed.size(), packed.data()) < 0)
     throw write_error(path_, fmt::format("cannot write ping {} of variable '{}'", ping, variable));

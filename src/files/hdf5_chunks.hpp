@@ -30,8 +30,8 @@ class Hdf5Chunks {
   Hdf5Chunks(const Hdf5Chunks&) = delete;
   Hdf5Chunks& operator=(const Hdf5Chunks&) = delete;
 
-  /// Of the variable of this full name ("/camera/energy"), shuffled and deflated, three-dimensional: the
-  /// chunk that begins at [ping][0][0].
+  /// Of the variable of this full name ("/camera/energy"), shuffled and deflated: the chunk that begins at
+  /// [ping][0][0]...
   void write(const std::string& variable, std::size_t ping, std::span<const unsigned char> packed);
   void close();
 

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// signals.nc, as docs/files-signals.md describes it.
+#include "sensors/formats/signals_netcdf.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+
+#include "files/limits.hpp"
+#include "files/memory_at_hand.hpp"
+#include "geometry/steps/steps.hpp"
+#include "sensors/formats/echo_netcdf.hpp"
+#include "sensors/recordings/netcdf_group.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+constexpr std::string_view ones[] = {"1"}, metres[] = {"m"}, seconds[] = {"s"}, pressures[] = {"W^(1/2)"};
+constexpr const char *our_factor = "exp(-i omega t)", *other_factor = "exp(+i omega t)";
+
+/// Complex numbers lie in memory as pairs of reals.
+std::span<const double> pairs(std::span<const std::complex<double>> values) {
+  return {reinterpret_cast<const double*>(values.data()), 2 * values.size()};
+}
+
+void define(EchoGroup& root, const ElementSignals& signals) {
+  const SignalSampling& sampling = signals.sampling;
+  root.attribute("source_energy", "1 J/sr at 1 m");
+  root.attribute("time_factor", our_factor);
+  root.attribute("baseband_frequency", sampling.baseband_hz);
+  root.attribute("sample_rate", sampling.rate_hz);
+  root.attribute("sound_speed_m_s", signals.sound_speed_m_s);
+  root.attribute("matched_filtered", signals.matched_filtered ? 1.0 : 0.0);
+  root.attribute("stop_and_hop", signals.motion.stop_and_hop() ? 1.0 : 0.0);
+  root.attribute("waveform_start_frequency", signals.waveform.start_hz);
+  root.attribute("waveform_stop_frequency", signals.waveform.stop_hz);
+  root.attribute("waveform_duration", signals.waveform.duration_s);
+  root.attribute("waveform_taper", signals.waveform.taper);
+
+  const std::vector<Trajectory::Sample>& track = signals.motion.track();
+  const int ping = root.dimension("ping", signals.pings());
+  const int receiver = root.dimension("receiver", signals.receivers());
+  const int sample = root.dimension("sample", signals.samples());
+  const int part = root.dimension("complex", 2);
+  const int xyz = root.dimension("xyz", 3), wxyz = root.dimension("wxyz", 4);
+  const int knot = root.dimension("track", track.size());
+
+  const int pressure =
+      root.define("pressure", {ping, receiver, sample, part}, "W^(1/2)",
+                  "complex baseband pressure, real and imaginary part; its squared modulus over time is "
+                  "energy, for a pulse of 1 J/sr at 1 m");
+  root.attribute(pressure, "coordinates", "ping_start_time sample_time");
+  root.chunk(pressure, "pressure", {1, signals.receivers(), signals.samples(), 2});
+
+  std::vector<double> times;
+  for (std::size_t k = 0; k < signals.samples(); ++k) times.push_back(sampling.time_s(k));
+  root.variable("sample_time", {sample}, "s", "time of the sample after the ping's start", times);
+  root.variable("ping_start_time", {ping}, "s", "start of the transmission on the scene's clock",
+                signals.motion.ping_start_s());
+
+  const glm::dvec3& out = signals.array.transmitter_m;
+  root.variable("transmitter_position", {xyz}, "m",
+                "place of the transmitter on the vehicle: starboard, forward, up", {out.x, out.y, out.z});
+  std::vector<double> places;
+  for (const glm::dvec3& p : signals.array.receivers_m) places.insert(places.end(), {p.x, p.y, p.z});
+  root.variable("receiver_position", {receiver, xyz}, "m",
+                "places of the receivers on the vehicle: starboard, forward, up", places);
+
+  const auto poses = [&](const std::string& of, int dimension, const std::string& when,
+                         const std::vector<Pose>& all) {
+    std::vector<double> positions, attitudes;
+    for (const auto& [p, q] : all) {
+      positions.insert(positions.end(), {p.x, p.y, p.z});
+      attitudes.insert(attitudes.end(), {q.w, q.x, q.y, q.z});
+    }
+    root.variable(of + "_position", {dimension, xyz}, "m",
+                  "position of the vehicle " + when + ": east, north, up", positions);
+    root.variable(
+        of + "_attitude", {dimension, wxyz}, "1",
+        "quaternion w, x, y, z that turns the vehicle's axes (x starboard, y forward, z up) into the "
+        "local frame, " +
+            when,
+        attitudes);
+  };
+  std::vector<Pose> at_pings, at_knots;
+  std::vector<double> knot_times;
+  for (std::size_t k = 0; k < signals.pings(); ++k) at_pings.push_back(signals.motion.ping_pose(k));
+  for (const auto& [time_s, pose] : track) at_knots.push_back(pose), knot_times.push_back(time_s);
+  poses("ping", ping, "at the ping's start", at_pings);
+  root.variable("track_time", {knot}, "s",
+                "times of the track on the scene's clock; between them positions are linear, attitudes turn "
+                "evenly",
+                knot_times);
+  poses("track", knot, "at the track's times", at_knots);
+  root.write();
+}
+
+class SignalsInput {
+ public:
+  explicit SignalsInput(const fs::path& path)
+      : file_(path, {"a file of element signals (signals.nc)", "docs/files-signals.md"}),
+        root_(file_, file_.id(), ""),
+        attributes_(root_.attributes()) {}
+
+  ElementSignals read() const {
+    const double speed = number("sound_speed_m_s", "m/s");
+    const TransmitWaveform waveform{number("waveform_start_frequency", "Hz"),
+                                    number("waveform_stop_frequency", "Hz"), number("waveform_duration", "s"),
+                                    number("waveform_taper", "a share of the duration")};
+    const Words along{"ping", "receiver", "sample", "complex"};
+    const std::vector<std::size_t> shape = root_.checked_shape("pressure", along, pressures);
+    if (shape[3] != 2)
+      root_.fail("pressure",
+                 fmt::format("has {} values along 'complex', expected 2: real and imaginary part", shape[3]));
+    try {
+      ElementSignals signals{waveform,         sampling(shape[2]),       speed, array(shape[1]),
+                             motion(shape[0]), flag("matched_filtered"), {}};
+      require_memory(16.0 * static_cast<double>(shape[0] * shape[1] * shape[2]), {file_.path().string()},
+                     "its signals", "use a machine with more, or a file of fewer pings");
+      signals.pressure.resize(shape[0] * shape[1] * shape[2]);
+      const std::span<double> values(reinterpret_cast<double*>(signals.pressure.data()),
+                                     2 * signals.pressure.size());
+      root_.read_into("pressure", along, values);
+      for (std::size_t k = 0; k < values.size(); ++k)
+        if (!std::isfinite(values[k]))
+          root_.fail("pressure", fmt::format("holds {} at ping {}; expected finite numbers", values[k],
+                                             k / (values.size() / shape[0])));
+      if (conjugate())
+        for (std::complex<double>& value : signals.pressure) value = std::conj(value);
+      check(signals);
+      return signals;
+    } catch (const std::invalid_argument& error) {
+      file_.fail(error.what());
+    }
+  }
+
+ private:
+  std::optional<double> found(const char* name) const {
+    for (const EchoAttribute& attribute : attributes_)
+      if (attribute.name == name)
+        if (const auto* value = std::get_if<double>(&attribute.value)) return *value;
+    return std::nullopt;
+  }
+  double number(const char* name, const char* unit) const {
+    const std::optional<double> value = found(name);
+    if (!value)
+      file_.fail(
+          fmt::format("attribute '{}' is missing or no number; expected {} (docs/files-signals.md has "
+                      "the layout)",
+                      name, unit));
+    return *value;
+  }
+  bool flag(const char* name) const {
+    const double value = number(name, "0 or 1");
+    if (value != 0 && value != 1)
+      file_.fail(fmt::format("attribute '{}' is {}, expected 0 or 1", name, value));
+    return value == 1;
+  }
+  bool conjugate() const {
+    const std::string factor = root_.text("time_factor");
+    if (factor != our_factor && factor != other_factor)
+      file_.fail(
+          fmt::format("attribute 'time_factor' is '{}', expected '{}' or '{}': say which sign the "
+                      "phases have",
+                      factor, our_factor, other_factor));
+    return factor == other_factor;
+  }
+
+  /// Finite values of an expected number.
+  std::vector<double> values(const char* name, const Words& along, std::span<const std::string_view> units,
+                             std::optional<std::size_t> expected) const {
+    std::vector<std::size_t> shape;
+    std::vector<double> all = root_.values(name, along, units, &shape);
+    if (expected && all.size() != *expected)
+      root_.fail(name, fmt::format("has {} values, expected {}", all.size(), *expected));
+    root_.require(
+        name, along, shape, all, [](double v) { return std::isfinite(v); }, "a finite number");
+    return all;
+  }
+
+  SignalSampling sampling(std::size_t samples) const {
+    SignalSampling sampling{number("baseband_frequency", "Hz"), number("sample_rate", "Hz"), 0, samples};
+    const std::vector<double> times = values("sample_time", {"sample"}, seconds, samples);
+    sampling.first_s = times[0];
+    constexpr double rounding = 1e-3;  // of a sample
+    for (std::size_t k = 0; k < samples; ++k)
+      if (!(std::abs(times[k] - sampling.time_s(k)) * sampling.rate_hz < rounding))
+        root_.fail("sample_time",
+                   fmt::format("is {} at sample {}; by 'sample_rate' it must be {}: write samples that are "
+                               "evenly spaced",
+                               times[k], k, sampling.time_s(k)));
+    return sampling;
+  }
+
+  ElementArray array(std::size_t receivers) const {
+    const std::vector<double> out = values("transmitter_position", {"xyz"}, metres, 3),
+                              home = values("receiver_position", {"receiver", "xyz"}, metres, 3 * receivers);
+    ElementArray array{{out[0], out[1], out[2]}, {}};
+    for (std::size_t k = 0; k < home.size(); k += 3)
+      array.receivers_m.emplace_back(home[k], home[k + 1], home[k + 2]);
+    return array;
+  }
+
+  VehicleMotion motion(std::size_t pings) const {
+    const std::vector<double> starts = values("ping_start_time", {"ping"}, seconds, pings);
+    // A file without a track has the poses of pings, between which the vehicle goes straight on.
+    const bool tracked = root_.has("track_time");
+    const std::string of = tracked ? "track" : "ping";
+    const std::vector<double> times =
+        tracked ? values("track_time", {"track"}, seconds, std::nullopt) : starts;
+    const std::vector<double> positions =
+        values((of + "_position").c_str(), {of, "xyz"}, metres, 3 * times.size());
+    const std::vector<double> attitudes =
+        values((of + "_attitude").c_str(), {of, "wxyz"}, ones, 4 * times.size());
+    std::vector<Trajectory::Sample> track;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      const double *p = &positions[3 * k], *q = &attitudes[4 * k];
+      const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+      if (!(std::abs(length - 1) < 1e-6))
+        root_.fail((of + "_attitude").c_str(),
+                   fmt::format("has the length {} at {} {}, expected 1", length, of, k));
+      track.push_back({times[k], {{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}}});
+    }
+    return {std::move(track), starts, flag("stop_and_hop")};
+  }
+
+  NetcdfInput file_;
+  EchoGroupInput root_;
+  std::vector<EchoAttribute> attributes_;
+};
+
+}  // namespace
+
+void write_signals(const fs::path& path, const ElementSignals& signals, const Provenance& provenance,
+                   std::size_t most_bytes_in_memory) {
+  check(signals);
+  const std::size_t per_ping = 2 * signals.receivers() * signals.samples(),
+                    bytes = signals.pressure.size() * sizeof(std::complex<double>);
+  if (per_ping * sizeof(double) > static_cast<std::size_t>(limits::block_bytes))
+    throw std::invalid_argument(fmt::format(
+        "{}: a ping of {} receivers x {} samples is more than 512 MB: write fewer of one or the other",
+        path.string(), signals.receivers(), signals.samples()));
+  constexpr std::size_t columns = 16;
+  EchoNetcdf file(
+      path, bytes <= most_bytes_in_memory,
+      columns * sizeof(double) *
+          (signals.pings() + signals.receivers() + signals.samples() + signals.motion.track().size()));
+  EchoGroup root = file.root();
+  root.attribute("Conventions", "tubefoot-signals-1.0");
+  for (const auto& [name, value] : attributes_of(provenance))
+    if (std::string_view(name) != "Conventions")  // which is of echoes
+      std::visit([&](const auto& v) { root.attribute(name, v); }, value);
+  define(root, signals);
+  Steps steps("pings of signals.nc", signals.pings());
+  const std::vector<PingVariable> variables{
+      {"pressure", [&](std::size_t ping) {
+         return pairs(std::span(signals.pressure)).subspan(ping * per_ping, per_ping);
+       }}};
+  write_pings(file.chunks(bytes), "/", variables, signals.pings(), per_ping,
+              [&](std::size_t) { steps.done(); });
+  file.close();
+}
+
+ElementSignals read_signals(const fs::path& path) { return SignalsInput(path).read(); }
+
+}  // namespace tubefoot
