@@ -13,5 +13,6 @@ void bind_picture(pybind11::module_& module);
 void bind_coverage(pybind11::module_& module);
 void bind_study(pybind11::module_& module);
 void bind_footprints(pybind11::module_& module);
+void bind_signals(pybind11::module_& module);
 
 }  // namespace tubefoot::python

@@ -45,4 +45,5 @@ PYBIND11_MODULE(_native, module) {
   tubefoot::python::bind_coverage(module);
   tubefoot::python::bind_study(module);
   tubefoot::python::bind_footprints(module);
+  tubefoot::python::bind_signals(module);
 }

@@ -48,7 +48,7 @@ def test_everything_public_has_hints_and_says_what_it_does(name, function):
 
 def test_arrays_say_shape_and_unit():
     for cls in (tubefoot.Shot, tubefoot.History, tubefoot.SensorResult, tubefoot.Footprints, tubefoot.Coverage,
-                tubefoot.Picture):
+                tubefoot.Picture, tubefoot.Signals):
         for member, value in vars(cls).items():
             if isinstance(value, property) and "ndarray" in value.fget.__annotations__["return"]:
                 assert re.match(r"\([\w, +]*\) (float64|int64|uint8|uint16|uint32|uint64|complex128|text)", value.__doc__), member

@@ -19,12 +19,14 @@ from ._history import History, Shot, history, shot
 from ._picture import Picture
 from ._result import Result, SensorResult, open, reference, run
 from ._scene import Scene, load
+from ._signals import Signals, Waveform, point_signals, signals, window_weights
 from ._study import advise, chart, compare
 
 __version__: str = _native.version
 
 __all__ = [
     "Coverage", "Engine", "Footprints", "History", "InputError", "Picture", "Result", "Scene", "SceneWarning",
-    "SensorResult", "Shot", "SilenceWarning", "UsageError", "advise", "chart", "compare", "coverage", "engine",
-    "footprints", "history", "load", "open", "reference", "run", "sensor", "shot",
+    "SensorResult", "Shot", "Signals", "SilenceWarning", "UsageError", "Waveform", "advise", "chart", "compare", "coverage",
+    "engine", "footprints", "history", "load", "open", "point_signals", "reference", "run", "sensor", "shot", "signals",
+    "window_weights",
 ]
