@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Integrals of e^{i phase} over polygons: closed forms, laws, and the series against the quotient.
+#include "geometry/integrals/polygon_transform.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <random>
+
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "geometry/integrals/gauss_rules.hpp"
+
+namespace tubefoot {
+namespace {
+
+using test::Polygon2;
+using Complex = std::complex<double>;
+
+std::vector<glm::dvec2> offsets(const Polygon2& polygon) {
+  std::vector<glm::dvec2> result;
+  for (const glm::dvec2& p : polygon) result.push_back(p - polygon[0]);
+  return result;
+}
+
+Complex transform(const Polygon2& polygon, glm::dvec2 q) {
+  return phasor(glm::dot(q, polygon[0])) * polygon_transform(offsets(polygon), q);
+}
+
+double sinc(double x) { return x == 0 ? 1 : std::sin(x) / x; }
+
+/// By Gauss's rule in each direction of a triangle: for phases that change by a few radians.
+Complex by_quadrature(double a, double b, double c) {
+  const GaussRule& rule = gauss_rule(24);
+  Complex sum = 0;
+  for (std::size_t i = 0; i < 24; ++i)
+    for (std::size_t j = 0; j < 24; ++j) {
+      const double s = (1 + rule.node[i]) / 2, t = (1 + rule.node[j]) / 2;
+      sum += rule.weight[i] * rule.weight[j] / 2 * s * phasor(a + s * (b - a) + s * t * (c - b));
+    }
+  return sum;
+}
+
+// Small phases and large ones, equal ones and nearly equal ones.
+TEST(MeanPhasor, IsTheMeanForAllPhases) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> exponent(-9, 1), sign(-1, 1);
+  for (int k = 0; k < 20000; ++k) {
+    const auto phase = [&] { return sign(random) * std::pow(10, exponent(random)); };
+    const double a = phase(), b = k % 3 == 0 ? a + 1e-9 * sign(random) : phase(),
+                 c = k % 7 == 0 ? b : phase();
+    ASSERT_LT(std::abs(mean_phasor(a, b, c) - by_quadrature(a, b, c)), 3e-15) << a << " " << b << " " << c;
+    ASSERT_EQ(mean_phasor(a, a, a), phasor((a + a + a) / 3));
+  }
+}
+
+// Where the series hands over to the quotient both are right.
+TEST(MeanPhasor, SeriesMeetsQuotient) {
+  for (const double largest : {1.4999, 1.5001, 2.999, 3.001})
+    for (double part = -0.5; part <= 0.5; part += 0.01) {
+      const double a = largest, b = -largest * (0.5 + part), c = -largest * (0.5 - part);
+      ASSERT_LT(std::abs(mean_phasor(a, b, c) - by_quadrature(a, b, c)), 2e-15);
+    }
+}
+
+TEST(PolygonTransform, RectangleIsAProductOfSincs) {
+  const double a = 0.10, b = 0.06;
+  const Polygon2 rectangle{{-a / 2, -b / 2}, {a / 2, -b / 2}, {a / 2, b / 2}, {-a / 2, b / 2}};
+  for (double qx = 0; qx < 3000; qx = qx == 0 ? 1e-6 : 3 * qx)
+    for (double qy = 0; qy < 3000; qy = qy == 0 ? 1e-6 : 3 * qy)
+      ASSERT_LT(std::abs(transform(rectangle, {qx, qy}) - a * b * sinc(qx * a / 2) * sinc(qy * b / 2)),
+                2e-15 * a * b)
+          << qx << " " << qy;
+}
+
+// Values of the signals sheet, two corners of the wave vector.
+TEST(PolygonTransform, TriangleInSpaceHasTheSheetsDigits) {
+  const double k = 2 * std::numbers::pi * 100e3 / 1500;
+  const std::vector<glm::dvec3> triangle{{0, 0, 0}, {.09, .01, 0}, {.02, .07, .03}};
+  const glm::dvec3 normal = glm::normalize(glm::cross(triangle[1], triangle[2]));
+  const auto check = [&](glm::dvec3 to_sonar, Complex transform, Complex rigid) {
+    const Complex got = polygon_transform(triangle, normal, -2 * k * to_sonar);
+    EXPECT_LT(std::abs(got - transform), 2e-19);
+    EXPECT_LT(std::abs(Complex(0, k / (2 * std::numbers::pi)) * glm::dot(-to_sonar, normal) * got - rigid),
+              1e-17);
+  };
+  check(glm::dvec3(3, 4, 12) / 13.0, {-4.23329346106459e-6, -6.69441802932713e-6},
+        {-3.25434199600731e-4, 2.05792118619016e-4});
+  check(glm::dvec3(2, -1, 2) / 3.0, {-2.36032206912852e-5, -1.88870794050198e-5},
+        {-9.74238424535869e-4, 1.21750769651228e-3});
+}
+
+// Laws Q1 and Q2.
+TEST(PolygonTransform, PartsAddUpAndShiftsTurnThePhase) {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int k = 0; k < 3000; ++k) {
+    const double thin = std::pow(10, -8 * unit(random) * (k % 2));
+    const Polygon2 polygon = test::random_convex(random, {3, -2}, 1, thin);
+    const double size = std::pow(10, -6 + 9 * unit(random)), turn = 7 * unit(random);
+    const glm::dvec2 q = size * glm::dvec2(std::cos(turn), std::sin(turn));
+    // A corner to a point of a far edge: two convex parts.
+    const std::size_t n = polygon.size(), far = 1 + static_cast<std::size_t>(unit(random) * double(n - 2));
+    const double t = unit(random);
+    const glm::dvec2 cut = polygon[far] + t * (polygon[far + 1] - polygon[far]);
+    Polygon2 one(polygon.begin(), polygon.begin() + long(far) + 1), other{polygon[0], cut};
+    one.push_back(cut);
+    other.insert(other.end(), polygon.begin() + long(far) + 1, polygon.end());
+    double area = 0;
+    for (std::size_t i = 2; i < n; ++i) {
+      const glm::dvec2 a = polygon[i - 1] - polygon[0], b = polygon[i] - polygon[0];
+      area += std::abs(a.x * b.y - a.y * b.x) / 2;
+    }
+    // The cut's place is rounded: by so much of the phase, and of a needle's area.
+    const double slack = area * (1e-14 + 5e-15 * size) + 3e-15;
+    EXPECT_LT(std::abs(transform(polygon, q) - transform(one, q) - transform(other, q)), slack);
+    const glm::dvec2 by{0.5, -0.25};
+    EXPECT_LT(
+        std::abs(transform(test::shifted(polygon, by), q) - phasor(glm::dot(q, by)) * transform(polygon, q)),
+        slack);
+    const Polygon2 turned(polygon.rbegin(), polygon.rend());
+    EXPECT_LT(std::abs(transform(turned, q) + transform(polygon, q)), slack);
+  }
+}
+
+}  // namespace
+}  // namespace tubefoot
