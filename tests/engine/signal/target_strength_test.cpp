@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Target strengths against closed forms of Kirchhoff's integral, and against what spheres truly return.
+#include "engine/signal/target_strength.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/math/special_functions/bessel.hpp>
+#include <boost/math/special_functions/legendre.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "scene/meshes/primitives.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+
+std::vector<Complex> lengths(const ComponentMesh& mesh, glm::dvec3 towards, std::span<const double> k,
+                             const SmoothSurface& surface = {}) {
+  return backscattering_lengths(far_view(mesh.points_m, mesh.triangles, towards), mesh.points_m,
+                                mesh.triangles, towards, surface, k);
+}
+Complex length(const ComponentMesh& mesh, glm::dvec3 towards, double k, const SmoothSurface& surface = {}) {
+  return lengths(mesh, towards, std::span(&k, 1), surface)[0];
+}
+
+ComponentMesh sphere(double chord_error) { return sphere_facets({1.0}, chord_error, {}); }
+
+/// |(1 + 2ika) e^{-2ika} - 1| / (4ka), radius 1.
+double kirchhoff_sphere(double k) {
+  return std::abs(Complex(1, 2 * k) * Complex(std::cos(2 * k), -std::sin(2 * k)) - 1.0) / (4 * k);
+}
+
+/// What a sphere returns: sum (-1)^n (2n + 1) b_n / (ik), b_n = -j_n' / h_n' (rigid) or -j_n / h_n (soft);
+/// Anderson 1950, Jech et al. 2015.
+double true_sphere(double ka, bool rigid) {
+  Complex sum = 0;
+  for (unsigned n = 0; n < 2 * ka + 30; ++n) {
+    const auto function = [&](unsigned order) {
+      return Complex(boost::math::sph_bessel(order, ka), boost::math::sph_neumann(order, ka));
+    };
+    // f' = n f_n / x - f_(n+1)
+    const Complex h = rigid ? double(n) / ka * function(n) - function(n + 1) : function(n);
+    sum += (n % 2 == 0 ? 1.0 : -1.0) * (2.0 * n + 1) * h.real() / h;
+  }
+  return std::abs(sum) / ka;
+}
+
+double struve_1(double x) {  // its series; loses digits of e^x
+  long double term = 2.0L * x * x / (3 * std::numbers::pi_v<long double>), sum = 0;
+  for (int n = 0; std::abs(term) > 1e-20L; ++n) {
+    sum += term;
+    term *= -static_cast<long double>(x) * x / ((2.0L * n + 3) * (2.0L * n + 5));
+  }
+  return static_cast<double>(sum);
+}
+
+double db(double ratio) { return 20 * std::log10(std::abs(ratio)); }
+
+// Law O5: a convex body has half its surface's projection, whatever the direction.
+TEST(FarView, PartsMakeTheSilhouette) {
+  const ComponentMesh box = box_facets({{1, 2, 3}}, {});
+  for (const glm::dvec3 raw : {glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0), glm::dvec3(3, 4, 12),
+                               glm::dvec3(-1, 2, -2), glm::dvec3(1e-7, 0, -1)}) {
+    const glm::dvec3 w = glm::normalize(raw);
+    const FarView view = far_view(box.points_m, box.triangles, w);
+    const double silhouette = 6 * std::abs(w.x) + 3 * std::abs(w.y) + 2 * std::abs(w.z);
+    EXPECT_NEAR(view.area_m2(), silhouette, 2e-7);
+    // No corner is farther than the box's own.
+    for (const double towards_m : view.towards_m)
+      EXPECT_LE(std::abs(towards_m), glm::length(glm::dvec3(1, 2, 3)) / 2 + 1e-7);
+  }
+}
+
+TEST(FarView, RefusesWhatHasNoSize) {
+  const std::vector<glm::dvec3> same(3, glm::dvec3(1)), wrong{{0, 0, 0}, {1, 0, 0}, {0, NAN, 0}};
+  const std::vector<std::array<std::uint32_t, 3>> one{{0, 1, 2}};
+  EXPECT_THROW(far_view(same, one, {0, 0, 1}), std::invalid_argument);
+  EXPECT_ANY_THROW(far_view(wrong, one, {0, 0, 1}));
+  EXPECT_TRUE(far_view({}, {}, {0, 0, 1}).parts.empty());
+}
+
+// The signals sheet's rectangle, to the grid's unit.
+TEST(TargetStrength, RectangleHasTheSheetsDigits) {
+  const double k = 2 * pi * 100e3 / 1500;
+  ComponentMesh plate;
+  plate.points_m = {{-.05, -.03, 0}, {.05, -.03, 0}, {.05, .03, 0}, {-.05, .03, 0}};
+  plate.triangles = {{0, 1, 2}, {0, 2, 3}};
+  EXPECT_LT(std::abs(length(plate, {0, 0, 1}, k) - Complex(0, -0.4)), 1e-7);
+  const glm::dvec3 five{std::sin(pi / 36), 0, std::cos(pi / 36)};
+  EXPECT_LT(std::abs(length(plate, five, k) - Complex(0, 0.0532057710108715)), 2e-7);
+  EXPECT_NEAR(target_strength_db(length(plate, five, k)), -25.48082518, 1e-4);
+  const double t = pi / 9, p = pi / 6;
+  const glm::dvec3 twenty{std::sin(t) * std::cos(p), std::sin(t) * std::sin(p), std::cos(t)};
+  EXPECT_LT(std::abs(length(plate, twenty, k) - Complex(0, -0.00102316471765103)), 1e-7);
+  EXPECT_LT(std::abs(length(plate, {0, 0, 1}, k, {.reflection = -1}) - Complex(0, 0.4)), 1e-7);
+  const double change = 2 * k * 1e-3;
+  EXPECT_LT(std::abs(length(plate, {0, 0, 1}, k, {.roughness_m = 1e-3}) -
+                     Complex(0, -0.4) * std::exp(-change * change / 2)),
+            1e-7);
+  // From behind it is the same; moved, the phase is another.
+  EXPECT_LT(std::abs(length(plate, {0, 0, -1}, k) - Complex(0, -0.4)), 1e-7);
+  for (glm::dvec3& point : plate.points_m) point.z += 0.01;
+  EXPECT_LT(std::abs(length(plate, {0, 0, 1}, k) -
+                     Complex(0, -0.4) * Complex(std::cos(0.02 * k), -std::sin(0.02 * k))),
+            1e-6);
+}
+
+// On axis k a^2 / 2, off axis with 2 J_1(x) / x, x = 2 k a sin theta.
+TEST(TargetStrength, DiscHasItsClosedForm) {
+  ComponentMesh disc;
+  const std::uint32_t n = 3000;
+  disc.points_m.emplace_back(0, 0, 0);
+  // Corners outside of the circle: of the same area.
+  const double radius = 0.3 * std::sqrt(2 * pi / n / std::sin(2 * pi / n));
+  for (std::uint32_t i = 0; i < n; ++i) {
+    disc.points_m.emplace_back(radius * std::cos(2 * pi * i / n), radius * std::sin(2 * pi * i / n), 0);
+    disc.triangles.push_back({0, 1 + i, 1 + (i + 1) % n});
+  }
+  for (const double theta : {0.0, 0.05, 0.4, 1.2}) {
+    const double k = 60, x = 2 * k * 0.3 * std::sin(theta);
+    const double shape = x == 0 ? 1 : 2 * boost::math::cyl_bessel_j(1, x) / x;
+    EXPECT_NEAR(length(disc, {std::sin(theta), 0, std::cos(theta)}, k).imag(),
+                -k * 0.09 / 2 * std::cos(theta) * shape, 1e-5);
+  }
+}
+
+// The sphere's closed form, and that it is what facets go to; then where Kirchhoff ends: the true sphere.
+TEST(TargetStrength, SphereGoesToItsClosedFormAndNearTheTrueOne) {
+  // The signals sheet.
+  EXPECT_NEAR(kirchhoff_sphere(5), 0.535160175, 1e-9);
+  EXPECT_NEAR(kirchhoff_sphere(20), 0.491128297, 1e-9);
+  EXPECT_NEAR(true_sphere(5, true), 0.519904767, 1e-9);
+  EXPECT_NEAR(true_sphere(5, false), 0.510580174, 1e-9);
+  EXPECT_NEAR(true_sphere(20, true), 0.487155553, 1e-9);
+  EXPECT_NEAR(true_sphere(20, false), 0.500766628, 1e-9);
+  const std::vector<double> k{5, 20};
+  const glm::dvec3 towards = glm::normalize(glm::dvec3(0.3, 0.5, 0.8));
+  const std::vector<Complex> coarse = lengths(sphere(4e-3), towards, k),
+                             fine = lengths(sphere(4e-4), towards, k);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double off = db(std::abs(fine[i]) / kirchhoff_sphere(k[i]));
+    EXPECT_LT(std::abs(off), 0.05) << k[i];
+    EXPECT_LT(std::abs(off), 0.4 * std::abs(db(std::abs(coarse[i]) / kirchhoff_sphere(k[i]))) + 0.005);
+  }
+  // Kirchhoff itself is off by 0.25 dB at ka 5, by 0.07 at 20, far more below 1.
+  EXPECT_NEAR(db(kirchhoff_sphere(5) / true_sphere(5, true)), 0.251, 1e-3);
+  EXPECT_NEAR(db(kirchhoff_sphere(20) / true_sphere(20, true)), 0.071, 1e-3);
+  EXPECT_GT(db(kirchhoff_sphere(0.2) / true_sphere(0.2, true)), 9);
+}
+
+// |f| / L = (ka / 2 pi) |2 - pi H_1(2ka) - i pi J_1(2ka)|.
+TEST(TargetStrength, CylinderBroadsideHasItsClosedForm) {
+  const auto closed = [](double ka) {
+    return ka / (2 * pi) *
+           std::abs(Complex(2 - pi * struve_1(2 * ka), -pi * boost::math::cyl_bessel_j(1, 2 * ka)));
+  };
+  EXPECT_NEAR(closed(5), 0.647222006, 1e-9);
+  EXPECT_NEAR(closed(20), 1.261537882, 1e-4);  // the series has no more digits there
+  const ComponentMesh mesh = cylinder_facets({1.0, 2.5}, 5e-5, {});
+  const double extent = 2.5;
+  const std::vector<double> k{5, 20};
+  const std::vector<Complex> got = lengths(mesh, {1, 0, 0}, k);
+  EXPECT_NEAR(std::abs(got[0]) / extent, 0.647222006, 1e-3);
+  EXPECT_NEAR(std::abs(got[1]) / extent, 1.261537882, 3e-3);
+}
+
+// A plate in front of another hides the part behind it: the sum of what is seen, with the phases of both.
+TEST(TargetStrength, HiddenPartsReturnNothing) {
+  ComponentMesh plates;
+  const auto add = [&](double half, double z) {
+    const auto n = static_cast<std::uint32_t>(plates.points_m.size());
+    for (const glm::dvec2 p : {glm::dvec2(-1, -1), glm::dvec2(1, -1), glm::dvec2(1, 1), glm::dvec2(-1, 1)})
+      plates.points_m.emplace_back(half * p.x, half * p.y, z);
+    plates.triangles.push_back({n, n + 1, n + 2});
+    plates.triangles.push_back({n, n + 2, n + 3});
+  };
+  add(1, 0);
+  add(0.5, 0.3);
+  const double k = 7;
+  const Complex front = Complex(std::cos(0.6 * k), -std::sin(0.6 * k));
+  EXPECT_LT(std::abs(length(plates, {0, 0, 1}, k) - Complex(0, -k / (2 * pi)) * (3.0 + front)), 1e-6);
+  // From below the larger one hides all of the smaller one.
+  EXPECT_LT(std::abs(length(plates, {0, 0, -1}, k) - Complex(0, -k / (2 * pi)) * 4.0), 1e-6);
+}
+
+}  // namespace
+}  // namespace tubefoot
