@@ -17,6 +17,7 @@ struct Asked {
   AuditOptions audit;
   FootprintOptions footprints;
   CoverageOptions coverage;
+  StrengthOptions strength;
   ViewOptions view;
   RefineOptions refine;
   ExportOptions exported;

@@ -131,6 +131,45 @@ void add_coverage(CLI::App& app, Asked& asked) {
   command->callback([&asked] { asked.command = [&asked] { return coverage_command(asked.coverage); }; });
 }
 
+void add_strength(CLI::App& app, Asked& asked) {
+  StrengthOptions& strength = asked.strength;
+  CLI::App* command = app.add_subcommand(
+      "strength", "Compute the target strength of a mesh over directions and frequencies (docs/signals.md)");
+  command->add_option("MESH", strength.mesh, "mesh file, as scenes take them: .obj, .ply, .stl, .off, ...")
+      ->required();
+  command
+      ->add_option("--frequency,--frequencies", strength.frequencies,
+                   "FIRST:LAST:STEP or numbers between commas, in Hz, kHz or MHz: 38kHz,120kHz")
+      ->required();
+  command->add_option(
+      "--azimuth,--azimuths", strength.azimuths,
+      "of the sonar, FIRST:LAST:STEP or numbers, degrees from x towards y (default: 0:359:1)");
+  command->add_option("--elevation,--elevations", strength.elevations,
+                      "of the sonar, likewise, towards z (default: 0)");
+  command->add_option("--sound-speed", strength.sound_speed, "of the water, m/s (default: 1500)")
+      ->check(finite_number(0, true));
+  command->add_option("--reflection", strength.reflection,
+                      "of the surface: rigid, soft, a number from -1 to 1, or fluid:DENSITY:SPEED[:LOSS] "
+                      "(default: rigid)");
+  command->add_option("--roughness", strength.roughness_m, "standard deviation of its height, m (default: 0)")
+      ->check(finite_number(0, false));
+  command
+      ->add_option("--unit", strength.unit_m, "metres of the mesh's unit (default: as the file says, else 1)")
+      ->check(finite_number(0, true));
+  command
+      ->add_option("--up", strength.up, "the mesh's axis that becomes z (default: as the file says, else z)")
+      ->check(CLI::IsMember({"x", "y", "z"}));
+  command
+      ->add_option("-o,--output", strength.output,
+                   "file: .csv, .nc (netCDF) or .png; else a folder for all three")
+      ->required();
+  command->add_option("--threads", strength.threads, "threads to use (default: all cores)")
+      ->check(CLI::Range(1, 4096));
+  command->add_flag("--quiet", strength.quiet, "print results and errors only");
+  command->footer("Example:\n  tubefoot strength mine.stl --unit 1e-3 --frequency 38kHz,120kHz -o out/mine");
+  command->callback([&asked] { asked.command = [&asked] { return strength_command(asked.strength); }; });
+}
+
 void add_view(CLI::App& app, Asked& asked) {
   ViewOptions& view = asked.view;
   CLI::App* command = app.add_subcommand(
@@ -474,9 +513,9 @@ int obeyed(int argc, char** argv) {
       "Exit status:\n  0  done\n  1  the run failed\n  2  the input or the command line is wrong\n"
       "  3  a comparison found more error than was allowed");
   Asked asked;
-  for (const auto add :
-       {add_run, add_join, add_check, add_audit, add_footprints, add_coverage, add_view, add_refine,
-        add_export, add_import_scene, add_compare, add_import, add_chart, add_advise, add_presets, add_pack})
+  for (const auto add : {add_run, add_join, add_check, add_audit, add_footprints, add_coverage, add_strength,
+                         add_view, add_refine, add_export, add_import_scene, add_compare, add_import,
+                         add_chart, add_advise, add_presets, add_pack})
     add(app, asked);
   if (refused_first_word(app, argc, argv)) return wrong_input;
   try {

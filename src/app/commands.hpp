@@ -42,6 +42,17 @@ struct CoverageOptions : CommonOptions {
   std::optional<std::filesystem::path> picture;
 };
 
+/// Of a mesh by itself. Ranges as angles_of() and frequencies_of() read them.
+struct StrengthOptions {
+  std::filesystem::path mesh, output;
+  std::string azimuths = "0:359:1", elevations = "0", frequencies, reflection = "rigid";
+  double sound_speed = 1500, roughness_m = 0;
+  std::optional<double> unit_m;
+  std::optional<std::string> up;
+  std::optional<int> threads;
+  bool quiet = false;
+};
+
 /// `scene` is a scene file or a folder that a run wrote.
 struct ViewOptions : CommonOptions {
   std::optional<std::filesystem::path> moved_scene;  ///< where the scene of a result folder is now
@@ -131,6 +142,7 @@ int check_command(const CheckOptions& options);
 int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
 int coverage_command(const CoverageOptions& options);
+int strength_command(const StrengthOptions& options);
 
 int view_command(const ViewOptions& options);
 int refine_command(const RefineOptions& options);

@@ -122,12 +122,16 @@ std::string to_svg(const Diagram& diagram) {
   for (std::size_t s = 0; s < diagram.series.size(); ++s) {
     const PlotSeries& series = diagram.series[s];
     const std::string colour = series_colour(s);
+    // A line of many points is a line: dots would hide it, but for those that are drawn where they are not.
+    constexpr std::size_t most_dots = 100;
+    const bool dotted = !series.joined || series.points.size() <= most_dots;
     std::string path, dots;
     for (const auto& [px, py] : series.points) {
       const double value = raised(py);
       if (!x.shows(px) || !y.shows(value)) continue;
       const double cx = x.at(px), cy = y.at(value);
       path += fmt::format("{}{:.1f},{:.1f}", path.empty() ? "" : " ", cx, cy);
+      if (!dotted && !(py < value)) continue;
       dots += fmt::format(
           "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" stroke=\"{}\" "
           "stroke-width=\"1.5\"/>\n",

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "files/usage_error.hpp"
+#include "run/console/say.hpp"
+#include "run/settings.hpp"
+#include "strength/strength_output.hpp"
+#include "strength/strength_request.hpp"
+
+namespace tubefoot {
+namespace {
+
+StrengthRequest request_of(const StrengthOptions& options) {
+  StrengthRequest request{angles_of(options.azimuths, "--azimuth"),
+                          angles_of(options.elevations, "--elevation"),
+                          frequencies_of(options.frequencies),
+                          options.sound_speed,
+                          surface_of(options.reflection, options.roughness_m),
+                          options.reflection};
+  if (request.elevations_deg.front() < -90 || request.elevations_deg.back() > 90)
+    throw UsageError(
+        fmt::format("--elevation '{}': elevations are from -90 to 90 degrees", options.elevations));
+  if (options.roughness_m > 0) request.surface_name += fmt::format(", {:g} m rough", options.roughness_m);
+  constexpr double most_cells = 5e7;
+  const double cells = static_cast<double>(request.azimuths_deg.size()) *
+                       static_cast<double>(request.elevations_deg.size()) *
+                       static_cast<double>(request.frequencies_hz.size());
+  if (cells > most_cells)
+    throw UsageError(
+        fmt::format("{:g} target strengths are asked for, more than {:g}: widen the steps of "
+                    "--azimuth, --elevation or --frequency",
+                    cells, most_cells));
+  return request;
+}
+
+}  // namespace
+
+int strength_command(const StrengthOptions& options) {
+  const StrengthRequest request = request_of(options);
+  StrengthOutput output(options.output, {options.mesh});
+  const ThreadLimit limit(options.threads.value_or(0));
+  const ComponentMesh mesh = strength_mesh(options.mesh, options.unit_m, options.up);
+  std::vector<std::string> warnings = mesh.warnings;
+  for (const std::string& warning : warnings_of(mesh, request.frequencies_hz.back(), request.sound_speed))
+    warnings.push_back(options.mesh.string() + ": " + warning);
+  print_warnings(warnings, options.quiet);
+  const StrengthTable table = strength_of(mesh, options.mesh.filename().string(), request, options.quiet);
+  output.write(table);
+
+  const auto [weakest, strongest] = spread_db(table);
+  tell("facets         {}\n", mesh.triangles.size());
+  tell("directions     {}\n", table.directions());
+  tell("frequencies    {}\n", request.frequencies_hz.size());
+  tell("strength       {:.2f} to {:.2f} dB re 1 m2\n", weakest, strongest);
+  tell("wrote {}\n", options.output.string());
+  return 0;
+}
+
+}  // namespace tubefoot

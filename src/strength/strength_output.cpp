@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "strength/strength_output.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "engine/signal/target_strength.hpp"
+#include "files/checked_file.hpp"
+#include "files/usage_error.hpp"
+#include "sensors/formats/netcdf_stream.hpp"
+
+namespace tubefoot {
+
+namespace fs = std::filesystem;
+
+StrengthOutput::StrengthOutput(const fs::path& place, const Inputs& inputs)
+    : ending_(place.extension().string()) {
+  const bool file = ending_ == ".csv" || ending_ == ".nc" || ending_ == ".png";
+  if (!file && !ending_.empty() && !fs::is_directory(place))
+    throw UsageError(fmt::format("'{}': the ending chooses the format: .csv, .nc, .png, or none for a folder",
+                                 place.string()));
+  if (file)
+    file_.emplace(place, inputs);
+  else
+    folder_.emplace(place, inputs);
+}
+
+void StrengthOutput::write(const StrengthTable& table) {
+  if (folder_) {
+    write_file(folder_->staging() / "strength.csv", to_csv(table));
+    write_netcdf(table, folder_->staging() / "strength.nc");
+    write_picture(table, folder_->staging() / "strength.png");
+    folder_->commit();
+    return;
+  }
+  if (ending_ == ".csv")
+    write_file(file_->path(), to_csv(table));
+  else if (ending_ == ".nc")
+    write_netcdf(table, file_->path());
+  else
+    write_picture(table, file_->path());
+  file_->commit();
+}
+
+std::string to_csv(const StrengthTable& table) {
+  std::string text =
+      "elevation_deg,azimuth_deg,frequency_hz,target_strength_db,length_re_m,length_im_m,silhouette_m2\n";
+  const StrengthRequest& request = table.request;
+  for (std::size_t e = 0; e < request.elevations_deg.size(); ++e)
+    for (std::size_t a = 0; a < request.azimuths_deg.size(); ++a)
+      for (std::size_t f = 0; f < request.frequencies_hz.size(); ++f) {
+        const std::complex<double> length = table.at(e, a, f);
+        fmt::format_to(std::back_inserter(text), "{:.10g},{:.10g},{:.10g},{:.6f},{:.9e},{:.9e},{:.9e}\n",
+                       request.elevations_deg[e], request.azimuths_deg[a], request.frequencies_hz[f],
+                       target_strength_db(length), length.real(), length.imag(),
+                       table.silhouette_m2[e * request.azimuths_deg.size() + a]);
+      }
+  return text;
+}
+
+void write_netcdf(const StrengthTable& table, const fs::path& file) {
+  NetcdfStream stream(file);
+  stream.reserve(table.length_m.size() * 24 + table.silhouette_m2.size() * 8);
+  const NetcdfGroup group(stream, stream.id());
+  const StrengthRequest& request = table.request;
+  group.attribute("Conventions", "CF-1.8");
+  group.attribute("title", "Target strength of " + table.mesh_name);
+  group.attribute("source", "tubefoot: Kirchhoff approximation over the exactly visible surface, far field");
+  group.attribute("surface", request.surface_name);
+  group.attribute("directions_are",
+                  "from the mesh to the sonar: azimuth from x towards y, elevation towards z");
+  group.attribute("phase_convention", "exp(-i omega t); r and phases from the mesh's origin");
+  group.attribute(NC_GLOBAL, "sound_speed_m_s", NC_DOUBLE, {request.sound_speed});
+  group.attribute(NC_GLOBAL, "roughness_m", NC_DOUBLE, {request.surface.roughness_m});
+  const int elevation = group.dimension("elevation", request.elevations_deg.size()),
+            azimuth = group.dimension("azimuth", request.azimuths_deg.size()),
+            frequency = group.dimension("frequency", request.frequencies_hz.size());
+  group.put({"elevation", NC_DOUBLE, {elevation}, "degree", "elevation of the sonar"},
+            request.elevations_deg);
+  group.put({"azimuth", NC_DOUBLE, {azimuth}, "degree", "azimuth of the sonar"}, request.azimuths_deg);
+  group.put({"frequency", NC_DOUBLE, {frequency}, "Hz", "frequency"}, request.frequencies_hz);
+  std::vector<double> strength, real, imaginary;
+  for (const std::complex<double>& length : table.length_m) {
+    strength.push_back(target_strength_db(length));
+    real.push_back(length.real());
+    imaginary.push_back(length.imag());
+  }
+  const std::vector<int> all{elevation, azimuth, frequency};
+  group.put({"target_strength", NC_DOUBLE, all, "dB", "target strength re 1 m2"}, strength);
+  group.put({"length_re", NC_DOUBLE, all, "m", "backscattering length, real part"}, real);
+  group.put({"length_im", NC_DOUBLE, all, "m", "backscattering length, imaginary part"}, imaginary);
+  group.put({"silhouette", NC_DOUBLE, {elevation, azimuth}, "m2", "area across the line of sight"},
+            table.silhouette_m2);
+  stream.finish();
+}
+
+}  // namespace tubefoot

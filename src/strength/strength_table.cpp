@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "strength/strength_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "engine/sight/far_view.hpp"
+#include "engine/signal/target_strength.hpp"
+#include "geometry/steps/in_order.hpp"
+#include "run/console/progress.hpp"
+#include "scene/meshes/mesh_file.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// An edge, and the facets on it: formats without shared vertices repeat them, so corners go by place.
+struct EdgeOfFacet {
+  std::array<std::uint32_t, 2> ends;  ///< the smaller first
+  std::uint32_t facet, opposite;      ///< the corner across
+};
+
+std::vector<std::uint32_t> first_of_same_place(const std::vector<glm::dvec3>& points) {
+  std::vector<std::uint32_t> order(points.size()), first(points.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const glm::dvec3 &p = points[a], &q = points[b];
+    return std::array{p.x, p.y, p.z} < std::array{q.x, q.y, q.z};
+  };
+  std::stable_sort(order.begin(), order.end(), less);
+  for (std::size_t k = 0; k < order.size(); ++k)
+    first[order[k]] = k > 0 && points[order[k]] == points[order[k - 1]] ? first[order[k - 1]] : order[k];
+  return first;
+}
+
+std::vector<EdgeOfFacet> edges_of(const ComponentMesh& mesh) {
+  const std::vector<std::uint32_t> place = first_of_same_place(mesh.points_m);
+  std::vector<EdgeOfFacet> edges;
+  for (std::uint32_t facet = 0; facet < mesh.triangles.size(); ++facet)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::array<std::uint32_t, 3>& t = mesh.triangles[facet];
+      const std::uint32_t a = place[t[k]], b = place[t[(k + 1) % 3]];
+      if (a != b) edges.push_back({{std::min(a, b), std::max(a, b)}, facet, t[(k + 2) % 3]});
+    }
+  std::stable_sort(edges.begin(), edges.end(),
+                   [](const EdgeOfFacet& a, const EdgeOfFacet& b) { return a.ends < b.ends; });
+  return edges;
+}
+
+/// How far the surface that two facets of an edge may stand for is off them: chords of a circle that turn by
+/// an angle over a length stand off it by angle times length over 8, and triangles by up to twice that. 0
+/// where they meet at an edge that is one, or lie in a plane.
+struct Coarse {
+  double off_m = 0, edge_m = 0;
+};
+Coarse coarseness(const ComponentMesh& mesh, const EdgeOfFacet& one, const EdgeOfFacet& other) {
+  constexpr double sharp_rad = 0.61, flat_rad = 1e-6;  // 35 degrees
+  const glm::dvec3 a = mesh.points_m[one.ends[0]], along = mesh.points_m[one.ends[1]] - a;
+  const double length = glm::length(along);
+  const auto height = [&](std::uint32_t corner) {
+    const glm::dvec3 to = mesh.points_m[corner] - a;
+    return to - glm::dot(to, along) / (length * length) * along;
+  };
+  const glm::dvec3 h = height(one.opposite), g = height(other.opposite);
+  if (!(glm::length(h) > 0) || !(glm::length(g) > 0)) return {};
+  const double angle = std::atan2(glm::length(glm::cross(h, g)), -glm::dot(h, g));
+  if (angle > sharp_rad || angle < flat_rad) return {};
+  return {angle * (glm::length(h) + glm::length(g)) / 2 / 4, length};
+}
+
+}  // namespace
+
+ComponentMesh strength_mesh(const std::filesystem::path& file, std::optional<double> unit_m,
+                            const std::optional<std::string>& up) {
+  return read_mesh_file(file, {up, unit_m});
+}
+
+std::pair<double, double> spread_db(const StrengthTable& table) {
+  double weakest = std::numeric_limits<double>::infinity(), strongest = -weakest;
+  for (const std::complex<double>& length : table.length_m) {
+    weakest = std::min(weakest, target_strength_db(length));
+    strongest = std::max(strongest, target_strength_db(length));
+  }
+  return {weakest, strongest};
+}
+
+std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_frequency_hz,
+                                     double sound_speed) {
+  const std::vector<EdgeOfFacet> edges = edges_of(mesh);
+  std::size_t all = 0, open = 0, crowded = 0;
+  Coarse worst;
+  for (std::size_t k = 0; k < edges.size();) {
+    std::size_t end = k + 1;
+    while (end < edges.size() && edges[end].ends == edges[k].ends) ++end;
+    ++all;
+    if (end - k == 1) ++open;
+    if (end - k > 2) ++crowded;
+    if (end - k == 2)
+      if (const Coarse coarse = coarseness(mesh, edges[k], edges[k + 1]); coarse.off_m > worst.off_m)
+        worst = coarse;
+    k = end;
+  }
+  std::vector<std::string> warnings;
+  if (open > 0)
+    warnings.push_back(fmt::format(
+        "the mesh is open: {} of its {} edges have one facet only. Both sides of a facet reflect, "
+        "so what is seen through the opening counts; close it, if the body is",
+        open, all));
+  if (crowded > 0)
+    warnings.push_back(fmt::format(
+        "{} of the mesh's {} edges have more than two facets: of what lies in one place, one facet counts",
+        crowded, all));
+  constexpr double good = 1.0 / 50;  // a phase of a quarter of a radian, there and back
+  const double wavelength = sound_speed / highest_frequency_hz;
+  if (worst.off_m > good * wavelength)
+    warnings.push_back(fmt::format(
+        "facets that meet at small angles stand off the curved surface that they may stand for by up to "
+        "{:.3g} "
+        "mm, {:.2g} of the wavelength at {:g} Hz ({:.3g} mm): what is written is the strength of the facets. "
+        "For 1/50 of a wavelength, edges should be about {:.2g} times as long ({:.3g} mm where they are "
+        "{:.3g})",
+        1e3 * worst.off_m, worst.off_m / wavelength, highest_frequency_hz, 1e3 * wavelength,
+        std::sqrt(good * wavelength / worst.off_m),
+        1e3 * worst.edge_m * std::sqrt(good * wavelength / worst.off_m), 1e3 * worst.edge_m));
+  return warnings;
+}
+
+StrengthTable strength_of(const ComponentMesh& mesh, const std::string& name, const StrengthRequest& request,
+                          bool quiet) {
+  StrengthTable table{request, name, {}, {}};
+  std::vector<double> wave_numbers;
+  for (const double hertz : request.frequencies_hz)
+    wave_numbers.push_back(2 * std::numbers::pi * hertz / request.sound_speed);
+  struct Seen {
+    std::vector<std::complex<double>> length_m;
+    double silhouette_m2;
+  };
+  Progress progress("directions", table.directions(), quiet);
+  const std::size_t azimuths = request.azimuths_deg.size();
+  in_order(
+      0, table.directions(), mesh.triangles.size() * 400 + wave_numbers.size() * 16,
+      [&](std::size_t direction) {
+        const glm::dvec3 towards = sonar_direction(request.azimuths_deg[direction % azimuths],
+                                                   request.elevations_deg[direction / azimuths]);
+        const FarView view = far_view(mesh.points_m, mesh.triangles, towards);
+        return Seen{backscattering_lengths(view, mesh.points_m, mesh.triangles, towards, request.surface,
+                                           wave_numbers),
+                    view.area_m2()};
+      },
+      [&](std::size_t, const Seen& seen) {
+        table.length_m.insert(table.length_m.end(), seen.length_m.begin(), seen.length_m.end());
+        table.silhouette_m2.push_back(seen.silhouette_m2);
+        progress.step();
+      });
+  return table;
+}
+
+}  // namespace tubefoot

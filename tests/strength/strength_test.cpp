@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The command `strength`: its words, its files, its warnings.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netcdf.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "files/usage_error.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/test_folder.hpp"
+#include "scene/meshes/primitives.hpp"
+#include "strength/strength_output.hpp"
+#include "strength/strength_request.hpp"
+#include "strength/strength_table.hpp"
+
+namespace tubefoot {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const StrengthRequest request{{0, 45, 90}, {-10, 10}, {1e4, 2e4, 4e4}, 1500, {}, "rigid"};
+
+std::string refusal(const std::function<void()>& task) {
+  try {
+    task();
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(StrengthRequest, RangesAndLists) {
+  EXPECT_THAT(angles_of("0:90:30", "--azimuth"), ElementsAre(0, 30, 60, 90));
+  EXPECT_THAT(angles_of("-1:1", "--azimuth"), ElementsAre(-1, 0, 1));
+  EXPECT_THAT(angles_of("5", "--azimuth"), ElementsAre(5));
+  EXPECT_EQ(angles_of("0:360:0.1", "--azimuth").size(), 3601U);
+  EXPECT_THAT(frequencies_of("38kHz,0.12MHz,200e3,300000Hz"), ElementsAre(38e3, 120e3, 200e3, 300e3));
+  EXPECT_THAT(frequencies_of("10kHz:30kHz:10kHz"), ElementsAre(10e3, 20e3, 30e3));
+}
+
+TEST(StrengthRequest, SaysWhatIsWrong) {
+  for (const char* wrong : {"", "a", "1,,2", "2,1", "1,1", "0:10:0", "0:10:-1", "10:0:1", "1:2:3:4",
+                            "0:1e9:1e-3", "nan", "inf", "1e999"})
+    EXPECT_THAT(refusal([&] { angles_of(wrong, "--azimuth"); }),
+                AllOf(HasSubstr("--azimuth"), HasSubstr("expected FIRST:LAST:STEP")))
+        << wrong;
+  for (const char* wrong : {"0", "-5", "38khz", "kHz", "1kHz:2kHz", "0:10:1"})
+    EXPECT_THAT(refusal([&] { frequencies_of(wrong); }), AllOf(HasSubstr("--frequency"), HasSubstr("Hz")))
+        << wrong;
+  for (const char* wrong :
+       {"", "hard", "2", "-1.5", "nan", "fluid", "fluid:2", "fluid:0:1", "fluid:2:1:-1", "fluid:2:1:1:1"})
+    EXPECT_THAT(refusal([&] { surface_of(wrong, 0); }), HasSubstr("expected rigid, soft")) << wrong;
+  EXPECT_EQ(surface_of("soft", 0).reflection, -1.0);
+  EXPECT_EQ(surface_of("0.5", 0.01).reflection, 0.5);
+  EXPECT_EQ(surface_of("0.5", 0.01).roughness_m, 0.01);
+  EXPECT_EQ(surface_of("fluid:2:1.1", 0).fluid->density_ratio, 2);
+}
+
+TEST(StrengthWarnings, OpenCrowdedAndCoarse) {
+  ComponentMesh sphere = sphere_facets({0.5}, 5e-3, {});
+  EXPECT_THAT(warnings_of(sphere, 1e3, 1500), IsEmpty());
+  EXPECT_THAT(warnings_of(sphere, 100e3, 1500), ElementsAre(HasSubstr("stand off the curved surface")));
+  EXPECT_THAT(warnings_of(box_facets({{1, 1, 1}}, {}), 1e6, 1500), IsEmpty());
+  sphere.triangles.pop_back();
+  EXPECT_THAT(warnings_of(sphere, 1e3, 1500), ElementsAre(HasSubstr("the mesh is open: 3 of its")));
+  ComponentMesh box = box_facets({{1, 1, 1}}, {});
+  box.triangles.push_back(box.triangles[0]);
+  EXPECT_THAT(warnings_of(box, 1e3, 1500), ElementsAre(HasSubstr("have more than two facets")));
+  // Formats that repeat corners for each facet are no different.
+  ComponentMesh soup;
+  for (const auto& t : box_facets({{1, 1, 1}}, {}).triangles) {
+    const auto n = static_cast<std::uint32_t>(soup.points_m.size());
+    for (const std::uint32_t corner : t) soup.points_m.push_back(box.points_m[corner]);
+    soup.triangles.push_back({n, n + 1, n + 2});
+  }
+  EXPECT_THAT(warnings_of(soup, 1e6, 1500), IsEmpty());
+}
+
+// Each direction and frequency has its own number, in both files.
+TEST(StrengthFiles, HoldTheTable) {
+  const TestFolder folder;
+  const StrengthTable table = strength_of(box_facets({{1, 2, 3}}, {}), "box.obj", request, true);
+  ASSERT_EQ(table.length_m.size(), 18U);
+  EXPECT_NEAR(table.silhouette_m2[0], std::cos(std::acos(-1) / 18) * 6 + std::sin(std::acos(-1) / 18) * 2,
+              1e-6);
+  std::istringstream lines(to_csv(table));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(
+      line,
+      "elevation_deg,azimuth_deg,frequency_hz,target_strength_db,length_re_m,length_im_m,silhouette_m2");
+  std::size_t rows = 0;
+  for (; std::getline(lines, line); ++rows) {
+    double e = 0, a = 0, f = 0, db = 0, re = 0, im = 0, area = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &e, &a, &f, &db, &re, &im, &area), 7);
+    EXPECT_EQ(e, request.elevations_deg[rows / 9]);
+    EXPECT_EQ(a, request.azimuths_deg[rows / 3 % 3]);
+    EXPECT_EQ(f, request.frequencies_hz[rows % 3]);
+    EXPECT_NEAR(db, 10 * std::log10(re * re + im * im), 1e-5);
+    EXPECT_NEAR(re, table.length_m[rows].real(), 1e-8);
+  }
+  EXPECT_EQ(rows, 18U);
+  const std::filesystem::path file = folder / "strength.nc";
+  write_netcdf(table, file);
+  int id = 0, variable = 0;
+  ASSERT_EQ(nc_open(file.c_str(), NC_NOWRITE, &id), NC_NOERR);
+  ASSERT_EQ(nc_inq_varid(id, "length_im", &variable), NC_NOERR);
+  std::vector<double> imaginary(18);
+  ASSERT_EQ(nc_get_var_double(id, variable, imaginary.data()), NC_NOERR);
+  for (std::size_t k = 0; k < 18; ++k) EXPECT_EQ(imaginary[k], table.length_m[k].imag());
+  nc_close(id);
+  write_picture(table, folder / "map.png");
+  EXPECT_GT(std::filesystem::file_size(folder / "map.png"), 1000U);
+}
+
+TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
+  const TestFolder folder;
+  const std::filesystem::path mesh = folder / "plate.obj";
+  std::ofstream(mesh) << "v -0.05 -0.03 0\nv 0.05 -0.03 0\nv 0.05 0.03 0\nv -0.05 0.03 0\nf 1 2 3 4\n";
+  const auto run = [&](const std::string& rest) {
+    std::vector<std::string> arguments{"strength", mesh.string()};
+    std::istringstream words(rest);
+    for (std::string word; words >> word;) arguments.push_back(word);
+    return run_program(arguments);
+  };
+  const auto good = run("--frequency 100kHz --elevation 90 --azimuth 0 -o " + (folder / "out").string());
+  EXPECT_EQ(good.exit_code, 0) << good.err;
+  EXPECT_THAT(good.out, HasSubstr("strength       -7.96 to -7.96 dB re 1 m2"));
+  EXPECT_THAT(good.err, HasSubstr("the mesh is open"));
+  for (const char* name : {"strength.csv", "strength.nc", "strength.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
+  // In millimetres it is a millionth of the area.
+  const auto small =
+      run("--frequency 100kHz --elevation 90 --azimuth 0 --unit 1e-3 -o " + (folder / "small.csv").string());
+  EXPECT_THAT(small.out, HasSubstr("-127.96"));
+  EXPECT_EQ(run("--frequency 100kHz --elevation 91 -o " + (folder / "x.csv").string()).exit_code, 2);
+  EXPECT_EQ(run("--frequency 100kHz -o " + (folder / "x.txt").string()).exit_code, 2);
+  EXPECT_EQ(run("--frequency 100kHz -o " + mesh.string()).exit_code, 2);
+  EXPECT_EQ(run("-o " + (folder / "x.csv").string()).exit_code, 2);
+  EXPECT_EQ(run("--frequency 1:1e5:1 --azimuth 0:359:0.1 -o " + (folder / "x.csv").string()).exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "x.csv"));
+}
+
+}  // namespace
+}  // namespace tubefoot
