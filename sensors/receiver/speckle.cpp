@@ -2,17 +2,11 @@
 #include "sensors/receiver/speckle.hpp"
 
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numbers>
 
 namespace tubefoot {
 namespace {
-
-// All in double (long double differs between machines); a quantile below the smallest double is 0.
-using Quietly = boost::math::policies::policy<
-    boost::math::policies::promote_double<false>,
-    boost::math::policies::underflow_error<boost::math::policies::ignore_error>>;
 
 /// Mean energy of a steady echo in complex Gaussian noise over the looks, each with its own noise.
 double echo_in_noise(const SampleRandom& random, int looks, double echo_j, double noise_j) {
@@ -38,8 +32,7 @@ double mean_of_exponentials(const SampleRandom& random, int looks) {
 }
 
 double gamma_texture(const SampleRandom& random, double shape) {
-  const double uniform = random.uniform_pair(Purpose::texture)[0];
-  return boost::math::gamma_p_inv(shape, uniform, Quietly()) / shape;
+  return gamma_quantile(random.uniform_pair(Purpose::texture)[0], shape);
 }
 
 double received_energy(const SampleRandom& random, const Speckle& speckle, double mean_j, double noise_j) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "sensors/receiver/counter_random.hpp"
+#include "engine/law/counter_random.hpp"
 
 namespace tubefoot {
 

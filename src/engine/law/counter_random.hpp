@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <complex>
 #include <cstdint>
+#include <numbers>
 
 namespace tubefoot {
 
@@ -12,10 +15,19 @@ std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
 /// What a random number is for. Numbers of different purposes are independent of each other.
-enum class Purpose : std::uint32_t { speckle = 0, texture = 1, noise = 2, phase = 3 };
+enum class Purpose : std::uint32_t {
+  speckle = 0,
+  texture = 1,
+  noise = 2,
+  phase = 3,
+  ground_place = 4,    ///< where in a cell of the ground its scatterer lies
+  ground = 5,          ///< the field there
+  ground_texture = 6,  ///< and how strong it is
+  drawn = 7            ///< of signals drawn by their covariances
+};
 
-/// The random numbers of one range sample: a function of the seed and the place alone, whatever else was
-/// drawn before, by whom and in which order.
+/// The random numbers of one range sample, or of one cell of a lattice in space (its three numbers): a
+/// function of the seed and the place alone, whatever else was drawn before, by whom and in which order.
 class SampleRandom {
  public:
   SampleRandom(std::uint64_t seed, std::uint32_t ping, std::uint32_t beam, std::uint32_t sample)
@@ -32,5 +44,15 @@ class SampleRandom {
   std::array<std::uint32_t, 2> key_;
   std::uint32_t ping_, beam_, sample_;
 };
+
+/// A circular complex normal deviate of mean 0 and E|z|^2 = 1 (Box-Muller).
+inline std::complex<double> circular_normal(const std::array<double, 2>& uniform) {
+  return std::polar(std::sqrt(-std::log(uniform[0])), 2 * std::numbers::pi * uniform[1]);
+}
+
+/// The value that a gamma variate of unit mean and variance 1 / shape does not exceed with this probability.
+double gamma_quantile(double probability, double shape);
+/// A normal one of mean 0 and variance 1.
+double normal_quantile(double probability);
 
 }  // namespace tubefoot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/receiver/counter_random.hpp"
+#include "engine/law/counter_random.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sensors/receiver/counter_random.hpp"
+#include "engine/law/counter_random.hpp"
+
+#include <boost/math/special_functions/erf.hpp>
+#include <boost/math/special_functions/gamma.hpp>
 
 namespace tubefoot {
+namespace {
+
+// All in double (long double differs between machines); a quantile below the smallest double is 0.
+using Quietly = boost::math::policies::policy<
+    boost::math::policies::promote_double<false>,
+    boost::math::policies::underflow_error<boost::math::policies::ignore_error>>;
+
+}  // namespace
 
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key) {
@@ -29,6 +40,14 @@ std::array<double, 2> SampleRandom::uniform_pair(Purpose purpose, std::uint32_t 
     return (static_cast<double>(bits) + 0.5) * 0x1p-52;
   };
   return {uniform(words[1], words[0]), uniform(words[3], words[2])};
+}
+
+double gamma_quantile(double probability, double shape) {
+  return boost::math::gamma_p_inv(shape, probability, Quietly()) / shape;
+}
+
+double normal_quantile(double probability) {
+  return -std::numbers::sqrt2 * boost::math::erfc_inv(2 * probability, Quietly());
 }
 
 }  // namespace tubefoot
