@@ -53,29 +53,46 @@ double PathCutter::Line::along_of(glm::dvec2 direction) const {
 
 void PathCutter::add(const PlanarPolygon& polygon, std::span<const Receiver> receivers,
                      const Integrand& integrand, const Work& work, std::span<double> out) {
+  if (receivers.size() < 2) return add(polygon, receivers[0], integrand, work, out, nullptr);
+  add(polygon, receivers[0], SecondWay{{polygon.distance, glm::dvec2(0)}, receivers[1]}, integrand, work,
+      out);
+}
+
+void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, const SecondWay& second,
+                     const Integrand& integrand, const Work& work, std::span<double> out) {
+  add(polygon, receiver, integrand, work, out, &second);
+}
+
+void PathCutter::add(const PlanarPolygon& polygon, const Receiver& receiver, const Integrand& integrand,
+                     const Work& work, std::span<double> out, const SecondWay* second) {
   if (polygon.offsets.size() < 3 || borders_.size() < 2) return;
   integrand_ = &integrand;
   work_ = work;
   out_ = out;
-  if (work.agreements > 1 || receivers.size() > 1) return add_polar(polygon, receivers);
+  if (work.agreements > 1 || second != nullptr) return add_polar(polygon, receiver, second);
   stop_if_wanted();
   if (compact_ == nullptr) compact_ = std::make_unique<CompactPathCutter>();
   not_compact_.clear();
-  compact_->add(polygon, {receivers[0], integrand, work, borders_, out}, not_compact_);
-  for (const PlanarPolygon& part : not_compact_) add_polar(part, receivers);
+  compact_->add(polygon, {receiver, integrand, work, borders_, out}, not_compact_);
+  for (const PlanarPolygon& part : not_compact_) add_polar(part, receiver, nullptr);
 }
 
-void PathCutter::add_polar(const PlanarPolygon& polygon, std::span<const Receiver> receivers) {
-  const Receiver& receiver = receivers[0];
+void PathCutter::add_polar(const PlanarPolygon& polygon, const Receiver& receiver, const SecondWay* second) {
   const double heights = polygon.distance + receiver.distance;
   // The mirrored receiver's straight line to the transmitter meets the plane in c.
   c_ = receiver.foot * (polygon.distance / heights);
   transmit_ = {polygon.distance, -c_};
   receive_ = {receiver.distance, receiver.foot * (receiver.distance / heights)};
   second_.reset();
-  if (receivers.size() > 1) {
-    second_ = Apex{receivers[1].distance, receivers[1].foot - c_};
-    second_shortest_ = range(polygon.distance + receivers[1].distance, receivers[1].foot);
+  if (second != nullptr) {
+    second_ = Apex{second->receive.distance, second->receive.foot - c_};
+    second_transmit_ = {second->transmit.distance, second->transmit.foot - c_};
+    common_transmitter_ =
+        second_transmit_.height == transmit_.height && second->transmit.foot == glm::dvec2(0);
+    second_shortest_ = range(second->transmit.distance + second->receive.distance,
+                             second->receive.foot - second->transmit.foot);
+    second_later_ = 2 * second->later_m;
+    second_transmit_range_ = range(second_transmit_.height, second_transmit_.foot);
   }
   transmit_range_ = range(transmit_.height, transmit_.foot);
   receive_range_ = range(receive_.height, receive_.foot);
@@ -227,10 +244,10 @@ double PathCutter::shortest_path(const Line& line, double from, double to) const
 }
 
 /// Angles, from the sector's middle, of the points of a line whose path to a receiver has that length.
-void PathCutter::add_crossings(const Line& line, double path, const Apex& receive, const Sector& sector,
-                               std::vector<double>& angles) const {
-  const EllipseOnRay on(path, transmit_.range(line.from), receive.range(line.from),
-                        glm::dot(line.from - transmit_.foot, line.along),
+void PathCutter::add_crossings(const Line& line, double path, const Apex& transmit, const Apex& receive,
+                               const Sector& sector, std::vector<double>& angles) const {
+  const EllipseOnRay on(path, transmit.range(line.from), receive.range(line.from),
+                        glm::dot(line.from - transmit.foot, line.along),
                         glm::dot(line.from - receive.foot, line.along));
   const double discriminant = on.discriminant();
   if (!(discriminant > 0) || !(on.a > 0)) return;
@@ -285,13 +302,20 @@ void PathCutter::integrate(const Sector& sector) {
     const double from = 2 * borders_[k], to = 2 * borders_[k + 1];
     angles_.assign({-sector.half, sector.half});
     for (const double path : {from, to}) {
-      add_crossings(*sector.far, path, receive_, sector, angles_);
-      if (sector.near != nullptr) add_crossings(*sector.near, path, receive_, sector, angles_);
+      add_crossings(*sector.far, path, transmit_, receive_, sector, angles_);
+      if (sector.near != nullptr) add_crossings(*sector.near, path, transmit_, receive_, sector, angles_);
       if (!second_) continue;
-      add_crossings(*sector.far, path, *second_, sector, angles_);
-      if (sector.near != nullptr) add_crossings(*sector.near, path, *second_, sector, angles_);
-      for (const double other : {from, to}) add_meetings(path, other, sector, angles_);
-      add_tangents(path, sector, angles_);
+      const double later = path + second_later_;
+      add_crossings(*sector.far, later, second_transmit_, *second_, sector, angles_);
+      if (sector.near != nullptr)
+        add_crossings(*sector.near, later, second_transmit_, *second_, sector, angles_);
+      for (const double other : {from, to}) {
+        if (common_transmitter_)
+          add_meetings(path, other + second_later_, sector, angles_);
+        else
+          add_meetings_found(path, other + second_later_, sector, angles_);
+      }
+      add_tangents(later, sector, angles_);
     }
     std::sort(angles_.begin(), angles_.end());
     for (std::size_t i = 0; i + 1 < angles_.size(); ++i) {
@@ -305,7 +329,8 @@ void PathCutter::integrate(const Sector& sector) {
         near = {sector.near, 0};
       if (distance({sector.far, 0}, cell.middle) < distance(far, cell.middle)) far = {sector.far, 0};
       const std::span<double> out = out_.subspan(k * work_.values, work_.values);
-      second_ ? integrate_both(near, far, from, to, cell, out) : integrate_whole(near, far, cell, out);
+      second_ ? integrate_both(near, far, from + second_later_, to + second_later_, cell, out)
+              : integrate_whole(near, far, cell, out);
     }
   }
 }
@@ -335,7 +360,9 @@ PathCutter::Extent PathCutter::extent_of(const Curve& near, const Curve& far, co
     return std::max(height, range(height, centre - foot) - arc - ray);
   };
   double away = std::min(nearest(transmit_.height, transmit_.foot), nearest(receive_.height, receive_.foot));
-  if (work_.from_second) away = std::min(away, nearest(second_->height, second_->foot));
+  if (work_.from_second)
+    away = std::min({away, nearest(second_->height, second_->foot),
+                     nearest(second_transmit_.height, second_transmit_.foot)});
   return {arc / away, ray / away, steep && cell.half > least_steep_half};
 }
 

@@ -27,7 +27,9 @@ class CompactPathCutter;
 ///
 /// With a second receiver, the parts are cut that lie in the same sample of both. Its ellipses have a focus
 /// in common with those of the first: two of them meet on a straight line (docs/sensors.md). A ray from c
-/// meets each of them in one stretch, which begins at c but for ellipses so small that c is outside.
+/// meets each of them in one stretch, which begins at c but for ellipses so small that c is outside. Where
+/// the second way has a transmitter of its own, ellipses meet where a search along the first one finds it
+/// (docs/signals.md).
 ///
 /// Law P1 (ellipses): the samples of a plane are differences of ellipses, in closed form.
 /// Law P2 (whole): the samples of a polygon add up to the integral over it, needles included.
@@ -39,6 +41,12 @@ class PathCutter {
   struct Receiver {
     double distance = 0;
     glm::dvec2 foot{0};
+  };
+  /// Another way whose samples are to be cut with those of the first: its sample k holds half paths from
+  /// `later_m` beyond the borders of the first one's. Its transmitter need not be that of the first.
+  struct SecondWay {
+    Receiver transmit, receive;
+    double later_m = 0;
   };
   /// Fills values of the integrand at a point of the plane, given its distances from transmitter and
   /// receiver. values[0] must not be negative: errors are measured by it.
@@ -78,6 +86,9 @@ class PathCutter {
   /// first one.
   void add(const PlanarPolygon& polygon, std::span<const Receiver> receivers, const Integrand& integrand,
            const Work& work, std::span<double> out);
+  /// Sample k holds what lies in sample k of both ways.
+  void add(const PlanarPolygon& polygon, const Receiver& receiver, const SecondWay& second,
+           const Integrand& integrand, const Work& work, std::span<double> out);
 
   /// The shortest and the longest half path by way of a point of the polygon, both apexes off the plane and
   /// on the same side of it.
@@ -143,15 +154,19 @@ class PathCutter {
     bool steep = false;  ///< an edge that all but runs towards c makes the distances differ too much
   };
 
-  void add_polar(const PlanarPolygon& polygon, std::span<const Receiver> receivers);
+  void add(const PlanarPolygon& polygon, const Receiver& receiver, const Integrand& integrand,
+           const Work& work, std::span<double> out, const SecondWay* second);
+  void add_polar(const PlanarPolygon& polygon, const Receiver& receiver, const SecondWay* second);
   void find_sectors(const PlanarPolygon& polygon);
   void integrate(const Sector& sector);
   double path_of(const Line& line, double along) const;
   double shortest_path(const Line& line, double from, double to) const;
-  void add_crossings(const Line& line, double path, const Apex& receive, const Sector& sector,
-                     std::vector<double>& angles) const;
+  void add_crossings(const Line& line, double path, const Apex& transmit, const Apex& receive,
+                     const Sector& sector, std::vector<double>& angles) const;
   void add_meetings(double first_path, double second_path, const Sector& sector,
                     std::vector<double>& angles) const;
+  void add_meetings_found(double first_path, double second_path, const Sector& sector,
+                          std::vector<double>& angles) const;
   void add_tangents(double second_path, const Sector& sector, std::vector<double>& angles) const;
   std::optional<Stretch> in_second(double path, glm::dvec2 direction) const;
   double distance(const Curve& curve, glm::dvec2 direction) const;
@@ -171,6 +186,10 @@ class PathCutter {
   glm::dvec2 c_{0};  // in the polygon's coordinates
   Apex transmit_, receive_;
   std::optional<Apex> second_;
+  Apex second_transmit_;            // the first one's, or another
+  bool common_transmitter_ = true;  // of both ways
+  double second_later_ = 0;         // of its paths
+  double second_transmit_range_ = 0;
   double transmit_range_ = 0, receive_range_ = 0;  // of c
   double shortest_ = 0;                            // path, at c
   double second_shortest_ = 0;                     // to the second receiver

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where a second receiver hears a point in the same sample.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -29,14 +31,66 @@ void PathCutter::add_meetings(double first_path, double second_path, const Secto
   chord.along = glm::dvec2(-normal.y, normal.x) / std::sqrt(size2);
   chord.length = 4 * reach;
   chord.from = middle - 2 * reach * chord.along;
-  add_crossings(chord, first_path, receive_, sector, angles);
+  add_crossings(chord, first_path, transmit_, receive_, sector, angles);
+}
+
+/// The same for ways that have no apex in common, whose ellipses have no such chord: sign changes along the
+/// first ellipse, and, where a difference comes near to 0 between two places and turns, its extremum.
+void PathCutter::add_meetings_found(double first_path, double second_path, const Sector& sector,
+                                    std::vector<double>& angles) const {
+  if (!(first_path > shortest_) || !(second_path > second_shortest_)) return;
+  constexpr int places = 32, most_steps = 200;
+  constexpr double golden = 0.38196601125010515;
+  const auto further = [&](double angle) {
+    const glm::dvec2 direction{sector.middle.x * std::cos(angle) - sector.middle.y * std::sin(angle),
+                               sector.middle.x * std::sin(angle) + sector.middle.y * std::cos(angle)};
+    const glm::dvec2 p = distance(Curve{nullptr, first_path}, direction) * direction;
+    return second_transmit_.range(p) + second_->range(p) - second_path;
+  };
+  const auto bisect = [&](double a, double at_a, double b) {
+    for (int k = 0; k < most_steps; ++k) {
+      const double middle = a + (b - a) / 2;
+      if (!(middle > a && middle < b)) break;
+      const double at = further(middle);
+      if ((at < 0) == (at_a < 0))
+        a = middle;
+      else
+        b = middle;
+    }
+    angles.push_back(b);
+  };
+  std::array<double, places + 1> angle, value;
+  for (int k = 0; k <= places; ++k) {
+    angle[std::size_t(k)] = sector.half * (2.0 * k / places - 1);
+    value[std::size_t(k)] = further(angle[std::size_t(k)]);
+  }
+  for (std::size_t k = 0; k < places; ++k) {
+    if ((value[k] < 0) != (value[k + 1] < 0)) {
+      bisect(angle[k], value[k], angle[k + 1]);
+      continue;
+    }
+    if (k == 0 || (value[k - 1] < 0) != (value[k] < 0)) continue;
+    const double sign = value[k] < 0 ? -1 : 1;
+    if (!(sign * value[k] <= sign * value[k - 1] && sign * value[k] <= sign * value[k + 1])) continue;
+    double a = angle[k - 1], b = angle[k + 1];
+    for (int step = 0; step < 60; ++step) {
+      const double x = a + golden * (b - a), y = b - golden * (b - a), at_x = further(x), at_y = further(y);
+      const double turning = sign * at_x < sign * at_y ? x : y;
+      if (std::min(sign * at_x, sign * at_y) < 0) {
+        bisect(angle[k - 1], value[k - 1], turning);
+        bisect(turning, -sign, angle[k + 1]);
+        break;
+      }
+      (turning == x ? b : a) = turning == x ? y : x;
+    }
+  }
 }
 
 /// Angles at which a ray from c only touches an ellipse of the second receiver that does not hold c: the
 /// discriminant (v.d)^2 - a c with a = 4 (P^2 - (m.d)^2) is 0, quadratic in the tangent of the angle.
 void PathCutter::add_tangents(double path, const Sector& sector, std::vector<double>& angles) const {
-  const glm::dvec2 t = -transmit_.foot, r = -second_->foot;
-  const double rt = transmit_range_, rr = second_->range({0, 0});
+  const glm::dvec2 t = -second_transmit_.foot, r = -second_->foot;
+  const double rt = second_transmit_range_, rr = second_->range({0, 0});
   const double c = EllipseOnRay(path, rt, rr, 0, 0).c;
   if (!(c > 0)) return;
   const glm::dvec2 m = t - r, aside{-sector.middle.y, sector.middle.x};
@@ -56,8 +110,8 @@ void PathCutter::add_tangents(double path, const Sector& sector, std::vector<dou
 std::optional<PathCutter::Stretch> PathCutter::in_second(double path, glm::dvec2 direction) const {
   // Apexes may be farther from each other than that: the equation is then one of a hyperbola.
   if (!(path > second_shortest_)) return std::nullopt;
-  const EllipseOnRay on(path, transmit_range_, second_->range({0, 0}), -glm::dot(transmit_.foot, direction),
-                        -glm::dot(second_->foot, direction));
+  const EllipseOnRay on(path, second_transmit_range_, second_->range({0, 0}),
+                        -glm::dot(second_transmit_.foot, direction), -glm::dot(second_->foot, direction));
   if (!(on.a > 0)) return std::nullopt;
   const double root = std::sqrt(std::max(on.discriminant(), 0.0));
   if (on.c < 0) return Stretch{0, on.b > 0 ? -on.c / (on.b + root) : (root - on.b) / on.a};
