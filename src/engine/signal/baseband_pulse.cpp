@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/baseband_pulse.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+#include <stdexcept>
+
+namespace tubefoot {
+
+BasebandPulse gaussian_pulse(double sigma_s, double left_out) {
+  if (!(sigma_s > 0 && left_out > 0 && left_out < 1))
+    throw std::invalid_argument(fmt::format(
+        "a Gaussian pulse needs a length above 0 and a part below 1 that is left out, not {} s and {}",
+        sigma_s, left_out));
+  const double reach = std::sqrt(-2 * std::log(left_out)),
+               peak = 1 / std::sqrt(sigma_s * std::sqrt(std::numbers::pi));
+  return {[=](double t) { return std::complex<double>(peak * std::exp(-t * t / (2 * sigma_s * sigma_s))); },
+          -reach * sigma_s, reach * sigma_s, reach / (std::numbers::pi * sigma_s)};
+}
+
+void check(const BasebandPulse& pulse, const SignalTimes& times) {
+  if (!pulse.envelope || !(pulse.end_s > pulse.begin_s) || !(pulse.bandwidth_hz > 0) ||
+      !std::isfinite(pulse.end_s - pulse.begin_s) || !std::isfinite(pulse.bandwidth_hz))
+    throw std::invalid_argument(fmt::format(
+        "a pulse needs an envelope, an end after its begin and a bandwidth above 0, not {} s to {} "
+        "s and {} Hz",
+        pulse.begin_s, pulse.end_s, pulse.bandwidth_hz));
+  if (times.count < 1 || !(times.rate_hz > 0) || !std::isfinite(times.rate_hz) ||
+      !std::isfinite(times.first_s))
+    throw std::invalid_argument(
+        fmt::format("a receiver needs a sampling rate above 0 and one sample or more, not {} Hz and {}",
+                    times.rate_hz, times.count));
+  if (pulse.bandwidth_hz > times.rate_hz)
+    throw std::invalid_argument(
+        fmt::format("a bandwidth of {} Hz does not fit into {} complex samples a second: sample faster, or "
+                    "filter the pulse",
+                    pulse.bandwidth_hz, times.rate_hz));
+}
+
+PulseTable::PulseTable(const BasebandPulse& pulse, const SignalTimes& times)
+    : times_(times),
+      begin_s_(pulse.begin_s),
+      length_(std::size_t(std::ceil((pulse.end_s - pulse.begin_s) * times.rate_hz)) + 1) {
+  const auto rows = std::size_t(fractions) + 1;
+  rows_.resize((rows + 1) * length_);
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::size_t p = 0; p < length_; ++p)
+      rows_[row * length_ + p] =
+          pulse.at(pulse.begin_s + (double(p) + double(row) / fractions) / times.rate_hz);
+}
+
+}  // namespace tubefoot

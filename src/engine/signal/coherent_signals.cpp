@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/coherent_signals.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "engine/echo/quadratures.hpp"
+#include "engine/signal/bed_scatterers.hpp"
+#include "engine/signal/chebyshev_moments.hpp"
+#include "geometry/steps/in_order.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+/// What a task takes: part of the summation's order.
+constexpr std::size_t scatterers_per_task = 4096, patches_per_task = 64;
+
+void check(const CoherentReceiver& receiver, const EchoLaw& law) {
+  check(receiver.pulse, receiver.times);
+  check(law);
+  if (receiver.channels.empty()) throw std::invalid_argument("signals need a channel or more");
+  if (!(receiver.carrier_hz > 0 && receiver.sound_speed_m_s > 0))
+    throw std::invalid_argument(
+        fmt::format("signals need a carrier and a sound speed above 0, not {} Hz and {} m/s",
+                    receiver.carrier_hz, receiver.sound_speed_m_s));
+}
+
+double wavenumber(const CoherentReceiver& receiver) {
+  return 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
+}
+
+/// The middle of places: of the box that holds them.
+glm::dvec3 middle_of(const CoherentReceiver& receiver, glm::dvec3 SignalChannel::*end) {
+  glm::dvec3 low = receiver.channels[0].*end, high = low;
+  for (const SignalChannel& channel : receiver.channels) {
+    low = glm::min(low, channel.*end);
+    high = glm::max(high, channel.*end);
+  }
+  return (low + high) / 2.0;
+}
+
+/// `products`: of two channels; else of single ones, less the phase of a way to the middle of all ends.
+SignalExtent extent_of(const CoherentReceiver& receiver, bool products) {
+  SignalExtent extent;
+  extent.products = products;
+  extent.wavenumber_rad_m = wavenumber(receiver);
+  extent.band_rad_m = 2 * pi * receiver.pulse.bandwidth_hz / receiver.sound_speed_m_s * (products ? 1 : 0.5);
+  double sent = 0, heard = 0;
+  if (!products) {
+    extent.transmit_m.push_back(middle_of(receiver, &SignalChannel::transmit_m));
+    extent.receive_m.push_back(middle_of(receiver, &SignalChannel::receive_m));
+  }
+  const auto add = [](std::vector<glm::dvec3>& places, glm::dvec3 place) {
+    if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
+  };
+  for (const SignalChannel& channel : receiver.channels) {
+    add(extent.transmit_m, channel.transmit_m);
+    add(extent.receive_m, channel.receive_m);
+    sent = std::max(sent, amplitude_wavenumber(channel.transmit));
+    heard = std::max(heard, amplitude_wavenumber(channel.receive));
+  }
+  extent.pattern_rad = (sent + heard) * (products ? 2 : 1);
+  return extent;
+}
+
+/// All channels on the patch at hand.
+class ChannelsOnPatch {
+ public:
+  ChannelsOnPatch(const SeenPatches& seen, const CoherentReceiver& receiver, const EchoLaw& law)
+      : seen_(seen), receiver_(receiver), law_(law), wavenumber_(wavenumber(receiver)) {}
+
+  /// False where nothing comes back from.
+  bool look_at(const SeenPatch& patch) {
+    on_.clear();
+    bool any = false;
+    for (const SignalChannel& channel : receiver_.channels) {
+      on_.emplace_back(channel, seen_, patch, law_);
+      any = any || on_.back().faces();
+    }
+    bed_ = on_.front().path().bed;
+    return any && !is_silent(bed_);
+  }
+  const FacetBed& bed() const { return bed_; }
+
+  /// Calls take(channel, amplitude with its phase, delay) for each that faces the patch.
+  template <class Take>
+  void hear(glm::dvec3 place_m, std::complex<double> strength, double less_m, const Take& take) const {
+    for (std::size_t c = 0; c < on_.size(); ++c) {
+      if (!on_[c].faces()) continue;
+      const ChannelOnPatch::Heard heard = on_[c].at(place_m);
+      take(c, std::polar(heard.amplitude, wavenumber_ * (heard.path_m - less_m)) * strength,
+           heard.path_m / receiver_.sound_speed_m_s);
+    }
+  }
+
+ private:
+  const SeenPatches& seen_;
+  const CoherentReceiver& receiver_;
+  const EchoLaw& law_;
+  double wavenumber_;
+  std::vector<ChannelOnPatch> on_;
+  FacetBed bed_;
+};
+
+using Values = std::vector<std::complex<double>>;
+
+void add_up(Values& all, const Values& part) {
+  for (std::size_t k = 0; k < part.size(); ++k) all[k] += part[k];
+}
+
+ElementSignals silence(const CoherentReceiver& receiver) {
+  ElementSignals signals{receiver.channels.size(), receiver.times.count, {}};
+  signals.value.assign(signals.channels * signals.samples, 0);
+  return signals;
+}
+
+/// Cuts work into tasks and adds up what they make, in order.
+template <class Make>
+void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& make) {
+  in_order(
+      0, (count + per_task - 1) / per_task, 16 * all.size(),
+      [&](std::size_t task) {
+        Values part(all.size());
+        make(task * per_task, std::min((task + 1) * per_task, count), part);
+        return part;
+      },
+      [&](std::size_t, const Values& part) { add_up(all, part); });
+}
+
+}  // namespace
+
+ElementSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+                               const EchoLaw& law, const GroundField& field, double tolerance) {
+  check(receiver, law);
+  check(field);
+  const PulseTable table(receiver.pulse, receiver.times);
+  const SignalExtent extent = extent_of(receiver, false);
+  const ChebyshevNodes nodes(tolerance);
+  const SmoothPieces pieces(extent, nodes.most_change());
+  const glm::dvec3 out = extent.transmit_m[0] - patches.origin_m,
+                   home = extent.receive_m[0] - patches.origin_m;
+  const double k = wavenumber(receiver);
+  const double first_m = (receiver.times.first_s - receiver.pulse.end_s) * receiver.sound_speed_m_s,
+               last_m = (receiver.times.time_s(receiver.times.count) - receiver.pulse.begin_s) *
+                        receiver.sound_speed_m_s;
+  ElementSignals signals = silence(receiver);
+  in_tasks(patches.patches.size(), patches_per_task, signals.value,
+           [&](std::size_t begin, std::size_t end, Values& part) {
+             ChannelsOnPatch channels(patches, receiver, law);
+             ChebyshevMoments moments(nodes);
+             std::vector<SmoothPieces::Chunk> chunks;
+             std::vector<glm::dvec3> corners;
+             for (std::size_t number = begin; number < end; ++number) {
+               stop_if_wanted();
+               const SeenPatch& patch = patches.patches[number];
+               if (!channels.look_at(patch)) continue;
+               chunks.clear();
+               pieces.cut(patches, patch, chunks);
+               for (const SmoothPieces::Chunk& chunk : chunks) {
+                 if (!moments.begin(chunk, out, home, extent, first_m, last_m)) continue;
+                 corners.clear();
+                 for (const glm::dvec2 p : chunk.polygon) corners.push_back(patches.origin_m + chunk.at(p));
+                 field.for_scatterers(corners, patch.normal, [&](glm::dvec3 place, std::complex<double> z) {
+                   const glm::dvec3 at = place - patches.origin_m;
+                   if (channels.bed().texture != nullptr)
+                     z *= std::sqrt(channels.bed().texture->factor(place));
+                   moments.add(at,
+                               z * std::polar(1.0, k * (glm::distance(at, out) + glm::distance(at, home))));
+                 });
+                 moments.tell([&](glm::dvec3 at, std::complex<double> strength) {
+                   channels.hear(at, strength, glm::distance(at, out) + glm::distance(at, home),
+                                 [&](std::size_t c, std::complex<double> amplitude, double delay) {
+                                   table.add(amplitude, delay, &part[c * receiver.times.count]);
+                                 });
+                 });
+               }
+             }
+           });
+  return signals;
+}
+
+ElementSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
+                             std::uint64_t seed, std::uint32_t ping, double tolerance) {
+  check(receiver, law);
+  const PulseTable table(receiver.pulse, receiver.times);
+  const std::vector<BedScatterer> bed = bed_scatterers(patches, extent_of(receiver, true), tolerance);
+  ElementSignals signals = silence(receiver);
+  in_tasks(bed.size(), scatterers_per_task, signals.value,
+           [&](std::size_t begin, std::size_t end, Values& part) {
+             ChannelsOnPatch channels(patches, receiver, law);
+             std::optional<std::uint32_t> patch;
+             bool heard = false;
+             for (std::size_t n = begin; n < end; ++n) {
+               if (patch != bed[n].patch) heard = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
+               if (!heard) continue;
+               const SampleRandom random(seed, ping, std::uint32_t(std::uint64_t(n) >> 32), std::uint32_t(n));
+               const std::complex<double> z =
+                   std::sqrt(bed[n].weight_m2 * texture_at(channels.bed(), patches, bed[n].place_m)) *
+                   circular_normal(random.uniform_pair(Purpose::drawn));
+               channels.hear(bed[n].place_m, z, 0,
+                             [&](std::size_t c, std::complex<double> amplitude, double delay) {
+                               table.add(amplitude, delay, &part[c * receiver.times.count]);
+                             });
+             }
+           });
+  return signals;
+}
+
+CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentReceiver& receiver,
+                                    std::span<const SignalSample> samples, const EchoLaw& law,
+                                    double tolerance) {
+  check(receiver, law);
+  std::vector<std::vector<std::pair<double, std::size_t>>> of_channel(receiver.channels.size());
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    if (samples[n].channel >= receiver.channels.size() || samples[n].sample >= receiver.times.count)
+      throw std::invalid_argument(
+          fmt::format("there is no sample {} of channel {}: channels are {}, samples {}", samples[n].sample,
+                      samples[n].channel, receiver.channels.size(), receiver.times.count));
+    of_channel[samples[n].channel].emplace_back(receiver.times.time_s(samples[n].sample), n);
+  }
+  const std::vector<BedScatterer> bed = bed_scatterers(patches, extent_of(receiver, true), tolerance);
+  CovarianceMatrix matrix{samples.size(), Values(samples.size() * samples.size())};
+  in_tasks(bed.size(), scatterers_per_task, matrix.value,
+           [&](std::size_t begin, std::size_t end, Values& part) {
+             ChannelsOnPatch channels(patches, receiver, law);
+             std::optional<std::uint32_t> patch;
+             bool heard = false;
+             std::vector<std::pair<std::size_t, std::complex<double>>> h;
+             for (std::size_t n = begin; n < end; ++n) {
+               if (patch != bed[n].patch) heard = channels.look_at(patches.patches[*(patch = bed[n].patch)]);
+               if (!heard) continue;
+               const double strength = bed[n].weight_m2 * texture_at(channels.bed(), patches, bed[n].place_m);
+               h.clear();
+               channels.hear(bed[n].place_m, std::sqrt(strength), 0,
+                             [&](std::size_t c, std::complex<double> amplitude, double delay) {
+                               for (const auto& [time, row] : of_channel[c])
+                                 if (const std::complex<double> g = receiver.pulse.at(time - delay); g != 0.0)
+                                   h.emplace_back(row, amplitude * g);
+                             });
+               for (const auto& [row, a] : h)
+                 for (const auto& [column, b] : h)
+                   if (column <= row) part[row * samples.size() + column] += a * std::conj(b);
+             }
+           });
+  for (std::size_t row = 0; row < samples.size(); ++row) {
+    matrix.at(row, row) = matrix.at(row, row).real();
+    for (std::size_t column = 0; column < row; ++column)
+      matrix.at(column, row) = std::conj(matrix.at(row, column));
+  }
+  return matrix;
+}
+
+std::vector<std::complex<double>> drawn_samples(const LowRankFactor& factor, std::uint64_t seed,
+                                                std::uint32_t draw) {
+  std::vector<std::complex<double>> z;
+  for (std::size_t k = 0; k < factor.rank; ++k)
+    z.push_back(
+        circular_normal(SampleRandom(seed, draw, 0xffffffff, std::uint32_t(k)).uniform_pair(Purpose::drawn)));
+  return factor.times(z);
+}
+
+}  // namespace tubefoot

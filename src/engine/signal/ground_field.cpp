@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/ground_field.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace tubefoot {
+
+double GroundField::texture_of(glm::dvec3 cell) const {
+  if (texture == GroundTexture::none) return 1;
+  const double uniform =
+      SampleRandom(seed, std::uint32_t(std::int64_t(cell.z)), std::uint32_t(std::int64_t(cell.y)),
+                   std::uint32_t(std::int64_t(cell.x)))
+          .uniform_pair(Purpose::ground_texture)[0];
+  if (texture == GroundTexture::gamma) return gamma_quantile(uniform, shape);
+  const double log_variance = std::log1p(1 / shape);
+  return std::exp(std::sqrt(log_variance) * normal_quantile(uniform) - log_variance / 2);
+}
+
+double ground_spacing_m(double bandwidth_hz, double wavelength_m, double sound_speed_m_s,
+                        double look_angles_rad, double grazing_cosine) {
+  if (!(bandwidth_hz > 0 && wavelength_m > 0 && sound_speed_m_s > 0 && look_angles_rad > 0 &&
+        grazing_cosine > 0))
+    throw std::invalid_argument(fmt::format(
+        "the density of a ground field needs a bandwidth, a wavelength, a sound speed, look angles "
+        "and a cosine above 0, not {} Hz, {} m, {} m/s, {} rad and {}",
+        bandwidth_hz, wavelength_m, sound_speed_m_s, look_angles_rad, grazing_cosine));
+  const double per_m2 =
+      2 * bandwidth_hz * grazing_cosine / sound_speed_m_s * (2 * look_angles_rad / wavelength_m);
+  // No plane has a cosine below 1 / sqrt 3 with the axis that it faces most, but for the weights of ties.
+  constexpr double least_cosine = 0.57;
+  return std::sqrt(least_cosine / per_m2);
+}
+
+void check(const GroundField& field) {
+  const auto wrong = [](double value) { return !(value > 0 && std::isfinite(value)); };
+  if (wrong(field.spacing_m))
+    throw std::invalid_argument(
+        fmt::format("a ground field's spacing must be above 0 and finite, not {} m", field.spacing_m));
+  if (field.texture != GroundTexture::none && (wrong(field.shape) || wrong(field.texture_cell_m)))
+    throw std::invalid_argument(
+        fmt::format("a ground field's texture needs a shape and cells above 0 and finite, not {} and {} m",
+                    field.shape, field.texture_cell_m));
+}
+
+void check_reach(const GroundField& field, glm::dvec3 place_m) {
+  const double farthest =
+      0x1p31 * std::min(field.spacing_m,
+                        field.texture == GroundTexture::none ? field.spacing_m : field.texture_cell_m);
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(std::abs(place_m[axis]) < farthest))
+      throw std::invalid_argument(fmt::format(
+          "a ground field with a spacing of {} m reaches {} m from the frame's origin, not to {} m: take a "
+          "wider spacing or a nearer origin",
+          field.spacing_m, farthest, place_m[axis]));
+}
+
+}  // namespace tubefoot

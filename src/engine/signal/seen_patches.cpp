@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/seen_patches.hpp"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <stdexcept>
+
+#include "geometry/integrals/convex_clip.hpp"
+#include "geometry/integrals/measure.hpp"
+#include "geometry/steps/stop.hpp"
+
+namespace tubefoot {
+namespace {
+
+/// Boxes of two polygons that do not meet: most of those of one facet.
+bool apart(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, glm::dvec3 b_further) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto ends = [axis](std::span<const glm::dvec3> corners) {
+      double lo = corners[0][axis], hi = lo;
+      for (const glm::dvec3& c : corners) {
+        lo = std::min(lo, c[axis]);
+        hi = std::max(hi, c[axis]);
+      }
+      return std::pair(lo, hi);
+    };
+    const auto [a_lo, a_hi] = ends(a);
+    const auto [b_lo, b_hi] = ends(b);
+    if (a_hi < b_lo + b_further[axis] || b_hi + b_further[axis] < a_lo) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+double SeenPatches::area_m2() const {
+  double sum = 0;
+  PlanarPolygon polygon;
+  for (const SeenPatch& patch : patches) {
+    const FacetPlane plane{patch.normal, patch.distance_m};
+    polygon.assign(corners(patch), plane, PlaneFrame(plane));
+    sum += area(polygon);
+  }
+  return sum;
+}
+
+SeenPatches seen_patches(const Sight& sight, const EchoLaw& law) {
+  const Path& path = law.path;
+  if (!path.out.facet_map.empty() || !path.facet_factor.empty())
+    throw std::invalid_argument(
+        "signals need a bed that is seen where it lies: in refracting water ways to other places are others");
+  if (path.over_mirrors() || path.home || path.out.to_true != glm::dmat3(1))
+    throw std::invalid_argument("signals know straight ways only, none over mirrors");
+  if (!sight.hits().empty() || !sight.shared_hits().empty())
+    throw std::invalid_argument("signals come from visible polygons: what rays met are points");
+  SeenPatches seen;
+  seen.origin_m = path.out.apex_m;
+  for (std::size_t number = sight.first(); number < sight.end(); ++number) {
+    if (sight.paired(number) != nullptr)
+      throw std::invalid_argument("signals need a bed that both ends see where it lies, without refraction");
+    const SeenFacet facet = sight[number];
+    for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
+      const SeenPart part = sight.part(number, facet.first_piece + k);
+      if (part.corners_m.size() < 3) continue;
+      seen.patches.push_back({facet.facet, facet.plane.normal, facet.plane.distance_m,
+                              std::uint32_t(seen.corners_m.size()), std::uint32_t(part.corners_m.size()),
+                              part.out_tube, part.home_tube});
+      seen.corners_m.insert(seen.corners_m.end(), part.corners_m.begin(), part.corners_m.end());
+    }
+  }
+  return seen;
+}
+
+SeenPatches common_patches(const SeenPatches& first, const SeenPatches& second) {
+  std::vector<std::uint32_t> by_facet(second.patches.size());
+  std::iota(by_facet.begin(), by_facet.end(), 0u);
+  std::stable_sort(by_facet.begin(), by_facet.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return second.patches[a].facet < second.patches[b].facet;
+  });
+  const glm::dvec3 further = second.origin_m - first.origin_m;
+  SeenPatches common;
+  common.origin_m = first.origin_m;
+  PlanarPolygon polygon, other;
+  std::vector<glm::dvec3> moved;
+  for (const SeenPatch& patch : first.patches) {
+    stop_if_wanted();
+    const FacetPlane plane{patch.normal, patch.distance_m};
+    const PlaneFrame frame(plane);
+    for (auto k = std::lower_bound(
+             by_facet.begin(), by_facet.end(), patch.facet,
+             [&](std::uint32_t number, FacetId facet) { return second.patches[number].facet < facet; });
+         k != by_facet.end() && second.patches[*k].facet == patch.facet; ++k) {
+      const SeenPatch& its = second.patches[*k];
+      const auto corners = second.corners(its);
+      if (!(glm::dot(its.normal, patch.normal) > 0) || apart(first.corners(patch), corners, further))
+        continue;
+      moved.assign(corners.begin(), corners.end());
+      for (glm::dvec3& corner : moved) corner += further;
+      polygon.assign(first.corners(patch), plane, frame);
+      other.assign(moved, plane, frame);
+      if (!clip_convex(polygon, other)) continue;
+      SeenPatch both = patch;
+      both.first_corner = std::uint32_t(common.corners_m.size());
+      both.corner_count = std::uint32_t(polygon.offsets.size());
+      for (std::size_t i = 0; i < polygon.offsets.size(); ++i) {
+        const glm::dvec2 p = polygon.corner(i);
+        common.corners_m.push_back(p.x * frame.u + p.y * frame.v - plane.distance_m * plane.normal);
+      }
+      common.patches.push_back(both);
+    }
+  }
+  return common;
+}
+
+}  // namespace tubefoot

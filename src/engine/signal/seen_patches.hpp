@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "engine/law/echo_law.hpp"
+#include "engine/sight/sight.hpp"
+
+namespace tubefoot {
+
+/// A convex visible polygon of the bed, where it lies.
+struct SeenPatch {
+  FacetId facet = 0;
+  glm::dvec3 normal{0, 0, 1};  ///< unit, towards the side that is seen
+  double distance_m = 0;       ///< of the origin from the plane, positive on that side
+  std::uint32_t first_corner = 0, corner_count = 0;
+  std::uint32_t out_tube = 0, home_tube = 0;
+};
+
+/// What one or several signals come from: polygons with disjoint interiors.
+struct SeenPatches {
+  glm::dvec3 origin_m{0};  ///< local frame; corners are relative to it
+  std::vector<SeenPatch> patches;
+  std::vector<glm::dvec3> corners_m;
+
+  std::span<const glm::dvec3> corners(const SeenPatch& patch) const {
+    return std::span(corners_m).subspan(patch.first_corner, patch.corner_count);
+  }
+  double area_m2() const;
+};
+
+/// All that a sight has; its origin is the apex of the law's way out. Throws std::invalid_argument for a bed
+/// that is seen elsewhere than it lies (refracting water), for ways over mirrors, and for what rays met: none
+/// of them has polygons whose points have straight ways to any channel.
+SeenPatches seen_patches(const Sight& sight, const EchoLaw& law);
+
+/// What two sights share: the intersections of their polygons on each facet, in doubles. Origin and tubes are
+/// those of the first one. Facets have the same numbers in both.
+SeenPatches common_patches(const SeenPatches& first, const SeenPatches& second);
+
+}  // namespace tubefoot

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/signal_channel.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/bessel.hpp>
+#include <numbers>
+
+namespace tubefoot {
+
+double amplitude_pattern(const Directivity& pattern, glm::dvec3 direction) {
+  const double cosine = glm::dot(direction, pattern.axis), size = std::sqrt(pattern.gain_at(cosine));
+  // All in double (long double differs between machines).
+  using Double = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+  switch (pattern.kind) {
+    case Directivity::Kind::line: {
+      const double x = pattern.size * (std::clamp(cosine, -1.0, 1.0) - pattern.centre);
+      return x != 0 && std::sin(std::numbers::pi * x) / x < 0 ? -size : size;
+    }
+    case Directivity::Kind::piston: {
+      const double w = std::clamp(cosine, -1.0, 1.0), x = pattern.size * std::sqrt(1 - w * w);
+      return boost::math::cyl_bessel_j(1, x, Double()) < 0 ? -size : size;
+    }
+    case Directivity::Kind::uniform:
+    case Directivity::Kind::gaussian:
+    case Directivity::Kind::table:
+      break;
+  }
+  return size;
+}
+
+ChannelOnPatch::ChannelOnPatch(const SignalChannel& channel, const SeenPatches& seen, const SeenPatch& patch,
+                               const EchoLaw& law)
+    : channel_(&channel),
+      transmit_m_(channel.transmit_m - seen.origin_m),
+      receive_m_(channel.receive_m - seen.origin_m),
+      transmit_{patch.normal, patch.distance_m + glm::dot(patch.normal, transmit_m_)},
+      receive_distance_m_(patch.distance_m + glm::dot(patch.normal, receive_m_)),
+      frame_(transmit_),
+      path_(transmit_, frame_, receive_m_ - transmit_m_, receive_distance_m_, patch.facet, law),
+      weighed_(channel.transmit.kind != Directivity::Kind::uniform ||
+               channel.receive.kind != Directivity::Kind::uniform) {}
+
+}  // namespace tubefoot

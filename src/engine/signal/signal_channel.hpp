@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "engine/echo/path_on_facet.hpp"
+#include "engine/law/beam_pattern.hpp"
+#include "engine/signal/seen_patches.hpp"
+
+// Signals are analytic with the time factor e^{-i omega t}; a way of length L has the phase e^{+ikL}.
+namespace tubefoot {
+
+/// One transmission as one receiver hears it: an element, a beam, a ping, or one of each.
+struct SignalChannel {
+  glm::dvec3 transmit_m{0}, receive_m{0};  ///< local frame
+  Directivity transmit{}, receive{};       ///< power patterns; amplitudes have the signs of side lobes
+};
+
+/// The amplitude pattern whose square is the power pattern: real, 1 on the axis, alternating in sign from
+/// lobe to lobe for a line array and a piston.
+double amplitude_pattern(const Directivity& pattern, glm::dvec3 direction);
+
+/// A channel on the plane of one patch.
+class ChannelOnPatch {
+ public:
+  ChannelOnPatch(const SignalChannel& channel, const SeenPatches& seen, const SeenPatch& patch,
+                 const EchoLaw& law);
+
+  /// Both ends are on the side that is seen; else the channel hears nothing of the patch.
+  bool faces() const { return transmit_.distance_m > 0 && receive_distance_m_ > 0; }
+
+  struct Heard {
+    double path_m = 0;     ///< out and home
+    double amplitude = 0;  ///< its square is the energy of a square metre of even bed, J for 1 J/sr at 1 m
+  };
+  /// `place_m`: on the patch's plane, relative to the patches' origin.
+  Heard at(glm::dvec3 place_m) const {
+    const glm::dvec3 there = place_m - transmit_m_, back = place_m - receive_m_;
+    const double out = glm::length(there), home = glm::length(back);
+    double amplitude = std::sqrt(path_.density_at(out, home));
+    if (weighed_)
+      amplitude *= amplitude_pattern(channel_->transmit, there / out) *
+                   amplitude_pattern(channel_->receive, back / home);
+    return {out + home, amplitude};
+  }
+
+  const PathOnFacet& path() const { return path_; }
+  /// As the transmitter sees it.
+  const FacetPlane& plane() const { return transmit_; }
+  const PlaneFrame& frame() const { return frame_; }
+  /// Relative to the patches' origin.
+  glm::dvec3 transmit_m() const { return transmit_m_; }
+  glm::dvec3 receive_m() const { return receive_m_; }
+  const SignalChannel& channel() const { return *channel_; }
+  bool weighed() const { return weighed_; }
+
+ private:
+  const SignalChannel* channel_;
+  glm::dvec3 transmit_m_, receive_m_;
+  FacetPlane transmit_;
+  double receive_distance_m_;
+  PlaneFrame frame_;
+  PathOnFacet path_;
+  bool weighed_;
+};
+
+/// The texture of a patch at a place relative to the patches' origin; 1: even.
+inline double texture_at(const FacetBed& bed, const SeenPatches& seen, glm::dvec3 place_m) {
+  return bed.texture == nullptr ? 1 : bed.texture->factor(seen.origin_m + place_m);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/coherent_signals.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <numbers>
+#include <random>
+
+#include "engine/signal/bed_scatterers.hpp"
+#include "fixtures/world/histories.hpp"
+#include "fixtures/world/signal_scenes.hpp"
+#include "geometry/integrals/gauss_rules.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Complex = std::complex<double>;
+using test::SignalView;
+
+constexpr double pi = std::numbers::pi, sound_speed = 1500;
+
+/// Four elements across, a displaced one, all with one transmitter.
+CoherentReceiver receiver_at(glm::dvec3 place_m, double carrier_hz = 30e3, double sigma_s = 1e-4) {
+  CoherentReceiver receiver;
+  for (const double x : {-0.06, -0.02, 0.02, 0.06})
+    receiver.channels.push_back({place_m, place_m + glm::dvec3(x, 0, 0)});
+  receiver.pulse = gaussian_pulse(sigma_s);
+  receiver.times = {5.0e-3, 25e3, 80};
+  receiver.carrier_hz = carrier_hz;
+  receiver.sound_speed_m_s = sound_speed;
+  return receiver;
+}
+
+TEST(GaussRule, ItsErrorIsBounded) {
+  for (int n = 1; n <= 8; ++n)
+    for (const double change : {0.1, 1.0, 3.0}) {
+      const GaussRule& rule = gauss_rule(n);
+      double sum = 0;
+      for (std::size_t k = 0; k < rule.node.size(); ++k)
+        sum += rule.weight[k] * std::cos(change * rule.node[k]) / 2;
+      EXPECT_LE(std::abs(sum - std::sin(change) / change), gauss_error(n, change) + 1e-15)
+          << n << ' ' << change;
+      EXPECT_GE(std::abs(sum - std::sin(change) / change) * 4 + 1e-15,
+                gauss_error(n, change) * std::exp(-change))
+          << n << ' ' << change;
+    }
+}
+
+// Law Y1.
+TEST(SmoothPieces, PhasesChangeByLessThanTheirBounds) {
+  const unsigned seed = 8;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> share(-1, 1);
+  double tightest = 0;
+  for (const test::SignalScene& scene : test::signal_scenes()) {
+    const SignalView view(scene, {0.0, 0.0, 0.0});
+    const SeenPatches seen = view.patches();
+    SignalExtent extent;
+    for (int k = 0; k < 4; ++k) {
+      extent.transmit_m.push_back(0.2 * glm::dvec3(share(random), share(random), share(random)));
+      extent.receive_m.push_back(0.2 * glm::dvec3(share(random), share(random), share(random)));
+    }
+    extent.wavenumber_rad_m = 300;
+    extent.band_rad_m = 20;
+    std::vector<SmoothPieces::Chunk> chunks;
+    for (const SeenPatch& patch : seen.patches) SmoothPieces(extent, 1.5).cut(seen, patch, chunks);
+    for (const SmoothPieces::Chunk& chunk : chunks) {
+      ASSERT_LE(chunk.change_u, 1.5 + 1e-9);
+      ASSERT_LE(chunk.change_v, 1.5 + 1e-9);
+      const int i = int(std::abs(share(random)) * chunk.count_u),
+                j = int(std::abs(share(random)) * chunk.count_v);
+      const glm::dvec3 middle = chunk.middle_m(i, j), at = middle +
+                                                           share(random) * chunk.size_m.x / 2 * chunk.u +
+                                                           share(random) * chunk.size_m.y / 2 * chunk.v;
+      const auto way = [&](glm::dvec3 p, std::size_t a) {
+        return glm::distance(p, extent.transmit_m[a]) + glm::distance(p, extent.receive_m[3 - a]);
+      };
+      const double most = chunk.change_u + chunk.change_v;
+      for (std::size_t a = 0; a < 4; ++a) {
+        for (std::size_t b = 0; b < a; ++b) {
+          const double phase = 300 * std::abs((way(at, a) - way(at, b)) - (way(middle, a) - way(middle, b)));
+          ASSERT_LE(phase, most);
+          tightest = std::max(tightest, phase / most);
+        }
+        ASSERT_LE(20 * std::abs(way(at, a) - way(middle, a)), most);
+      }
+    }
+  }
+  EXPECT_GT(tightest, 0.1);
+}
+
+// Law Y2.
+TEST(BedScatterers, TheirWeightsAreThePatchesAreas) {
+  for (const test::SignalScene& scene : test::signal_scenes()) {
+    const SignalView view(scene, {0.0, 0.0, 0.0});
+    const SeenPatches seen = view.patches();
+    SignalExtent extent;
+    extent.transmit_m = extent.receive_m = {glm::dvec3(-0.1), glm::dvec3(0.1)};
+    for (const double k : {0.0, 100.0, 400.0}) {
+      extent.wavenumber_rad_m = k;
+      extent.band_rad_m = k / 5;
+      double sum = 0;
+      for (const BedScatterer& s : bed_scatterers(seen, extent, 1e-6)) {
+        sum += s.weight_m2;
+        const SeenPatch& patch = seen.patches[s.patch];
+        ASSERT_NEAR(glm::dot(s.place_m, patch.normal), -patch.distance_m, 1e-12);
+      }
+      EXPECT_NEAR(sum, seen.area_m2(), 1e-11 * seen.area_m2()) << scene.name;
+    }
+  }
+}
+
+TEST(SignalCovariances, OverAllTimeTheyAreEnergies) {
+  // The integral of E|y|^2 over time is that of sigma A^2 dA: what all range samples have together.
+  const test::SignalScene scene = test::signal_scenes()[1];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  CoherentReceiver receiver = receiver_at(view.apex_m);
+  receiver.channels = {{view.apex_m, view.apex_m}};
+  receiver.times = {0, 25e3, 600};
+  std::vector<SignalSample> samples;
+  for (std::uint32_t k = 0; k < receiver.times.count; ++k) samples.push_back({0, k});
+  const CovarianceMatrix r = signal_covariances(view.patches(), receiver, samples, view.law, 1e-8);
+  double sum = 0;
+  for (std::size_t k = 0; k < samples.size(); ++k) sum += r.at(k, k).real() / receiver.times.rate_hz;
+  const std::vector<std::uint32_t> beams(view.history.tubes.tubes.size(), 0);
+  const double energy = test::total(integrate_echo(view.history, {1, beams}, {1, 20, 1}, view.law));
+  EXPECT_NEAR(sum, energy, 1e-7 * energy);
+}
+
+// Law Y3.
+TEST(SignalCovariances, AreHermitianPositiveAndAsExactAsAsked) {
+  for (const test::SignalScene& scene : test::signal_scenes()) {
+    const SignalView view(scene, {0.0, 0.0, 0.0});
+    CoherentReceiver receiver = receiver_at(view.apex_m);
+    // Another ping from elsewhere, of which nothing is hidden that the first one sees.
+    receiver.channels.push_back(
+        {view.apex_m + glm::dvec3(0.1, 0, 0.02), view.apex_m + glm::dvec3(0.1, 0.03, 0)});
+    receiver.channels.back().receive = {Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
+    std::vector<SignalSample> samples;
+    for (std::uint32_t c = 0; c < 5; ++c)
+      for (std::uint32_t k = 5; k < 40; k += 5) samples.push_back({c, k});
+    const SeenPatches seen = view.patches();
+    const CovarianceMatrix fine = signal_covariances(seen, receiver, samples, view.law, 1e-11);
+    double loudest = 0;
+    for (std::size_t k = 0; k < samples.size(); ++k) loudest = std::max(loudest, fine.at(k, k).real());
+    ASSERT_GT(loudest, 0);
+    for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
+      const CovarianceMatrix r = signal_covariances(seen, receiver, samples, view.law, tolerance);
+      double worst = 0;
+      for (std::size_t a = 0; a < samples.size(); ++a)
+        for (std::size_t b = 0; b < samples.size(); ++b) {
+          worst = std::max(worst, std::abs(r.at(a, b) - fine.at(a, b)));
+          ASSERT_EQ(r.at(a, b), std::conj(r.at(b, a)));
+        }
+      EXPECT_LT(worst, 3 * tolerance * loudest) << scene.name << ' ' << tolerance;
+      EXPECT_LE(low_rank_factor(r, 1e-10).rest, 1e-10) << scene.name;  // throws if it is not semi-definite
+    }
+  }
+}
+
+TEST(LowRankFactor, GivesBackTheMatrixAndRefusesOthers) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> gauss;
+  constexpr std::size_t n = 20, rank = 6;
+  std::vector<Complex> l(n * rank);
+  for (Complex& v : l) v = {gauss(random), gauss(random)};
+  CovarianceMatrix r{n, std::vector<Complex>(n * n)};
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b)
+      for (std::size_t k = 0; k < rank; ++k) r.at(a, b) += l[a * rank + k] * std::conj(l[b * rank + k]);
+  const LowRankFactor factor = low_rank_factor(r);
+  EXPECT_EQ(factor.rank, rank);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b) {
+      Complex sum = 0;
+      for (std::size_t k = 0; k < factor.rank; ++k)
+        sum += factor.column[k * n + a] * std::conj(factor.column[k * n + b]);
+      EXPECT_LT(std::abs(sum - r.at(a, b)), 1e-12 * r.at(a, a).real() + 1e-11);
+    }
+  CovarianceMatrix none{2, {1, 2, 2, 1}};
+  EXPECT_THROW(low_rank_factor(none), std::invalid_argument);
+}
+
+// 16 elements at 2 wavelengths see +-0.2 rad: 30 wavelengths times 0.4 are 12.
+TEST(LowRankFactor, AnArraysRankIsItsSpaceBandwidthProduct) {
+  const double wavelength = 0.01, range = 20;
+  SeenPatches sector;  // a strip across under the sonar
+  const double half = range * std::tan(0.2);
+  sector.corners_m = {
+      {-half, 0.01, -range}, {half, 0.01, -range}, {half, -0.01, -range}, {-half, -0.01, -range}};
+  sector.patches = {{0, {0, 0, 1}, range, 0, 4, 0, 0}};
+  const std::vector<double> mu{0.1};
+  const std::vector<std::uint16_t> material{0};
+  CoherentReceiver receiver;
+  for (int k = 0; k < 16; ++k) receiver.channels.push_back({{}, {2 * wavelength * (k - 7.5), 0, 0}});
+  receiver.pulse = gaussian_pulse(1e-3);  // much longer than the strip is deep
+  receiver.times = {2 * range / sound_speed, 20e3, 1};
+  receiver.carrier_hz = sound_speed / wavelength;
+  std::vector<SignalSample> samples;
+  for (std::uint32_t c = 0; c < 16; ++c) samples.push_back({c, 0});
+  const LowRankFactor factor =
+      low_rank_factor(signal_covariances(sector, receiver, samples, {mu, material}, 1e-8), 1e-2);
+  EXPECT_GE(factor.rank, 12u);
+  EXPECT_LE(factor.rank, 14u);
+}
+
+/// The direct sum over the field's scatterers.
+ElementSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceiver& receiver,
+                                  const EchoLaw& law, const GroundField& field) {
+  ElementSignals all{receiver.channels.size(), receiver.times.count, {}};
+  all.value.assign(all.channels * all.samples, 0);
+  const double k = 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
+  for (const SeenPatch& patch : seen.patches) {
+    std::vector<glm::dvec3> corners;
+    for (const glm::dvec3& c : seen.corners(patch)) corners.push_back(c + seen.origin_m);
+    field.for_scatterers(corners, patch.normal, [&](glm::dvec3 place, Complex z) {
+      for (std::size_t c = 0; c < all.channels; ++c) {
+        const ChannelOnPatch::Heard heard =
+            ChannelOnPatch(receiver.channels[c], seen, patch, law).at(place - seen.origin_m);
+        for (std::size_t n = 0; n < all.samples; ++n)
+          all.value[c * all.samples + n] +=
+              z * std::polar(heard.amplitude, k * heard.path_m) *
+              receiver.pulse.at(receiver.times.time_s(n) - heard.path_m / receiver.sound_speed_m_s);
+      }
+    });
+  }
+  return all;
+}
+
+double loudest_of(const ElementSignals& signals) {
+  double most = 0;
+  for (const Complex& v : signals.value) most = std::max(most, std::abs(v));
+  return most;
+}
+double worst_of(const ElementSignals& a, const ElementSignals& b) {
+  double worst = 0;
+  for (std::size_t k = 0; k < a.value.size(); ++k) worst = std::max(worst, std::abs(a.value[k] - b.value[k]));
+  return worst;
+}
+
+TEST(ElementSignals, AreTheSumOverAllScatterersOfTheField) {
+  for (const std::size_t number : {0u, 1u, 4u}) {
+    const test::SignalScene scene = test::signal_scenes()[number];
+    const SignalView view(scene, {0.0, 0.0, 0.0});
+    CoherentReceiver receiver = receiver_at(view.apex_m);
+    receiver.times.count = 50;
+    receiver.channels[1].receive = {Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
+    const GroundField field{7, 0.04};
+    EchoLaw law = view.law;
+    law.absorption_db_per_m = 0.1;
+    const SeenPatches seen = view.patches();
+    const ElementSignals direct = by_every_scatterer(seen, receiver, law, field);
+    const double loudest = loudest_of(direct);
+    ASSERT_GT(loudest, 0);
+    double before = 1;
+    for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+      const double worst = worst_of(element_signals(seen, receiver, law, field, tolerance), direct);
+      EXPECT_LT(worst, 3 * std::max(tolerance, 1e-6) * loudest) << scene.name << ' ' << tolerance;
+      EXPECT_LT(worst, before);
+      before = std::max(worst, 1e-6 * loudest);
+    }
+  }
+}
+
+TEST(ElementSignals, TheSamePoseHasTheSameBitsForAnyThreads) {
+  const test::SignalScene scene = test::signal_scenes()[1];
+  const SignalView view(scene, {0.0, 0.0, 0.0}), again(scene, {0.0, 0.0, 0.0});
+  const CoherentReceiver receiver = receiver_at(view.apex_m);
+  const GroundField field{9, 0.02};
+  const ElementSignals one = element_signals(view.patches(), receiver, view.law, field);
+  const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(one.value, element_signals(again.patches(), receiver, again.law, field).value);
+  GroundField other = field;
+  other.seed = 10;
+  const ElementSignals two = element_signals(view.patches(), receiver, view.law, other);
+  EXPECT_GT(worst_of(one, two), 0.1 * loudest_of(one));
+  EXPECT_EQ(drawn_signals(view.patches(), receiver, view.law, 1, 0).value,
+            drawn_signals(again.patches(), receiver, again.law, 1, 0).value);
+}
+
+/// Covariances of draws against those expected, in units of their own statistical errors.
+class DrawnCovariances {
+ public:
+  explicit DrawnCovariances(std::size_t size) : size_(size), sum_(size * size) {}
+  void add(const std::vector<Complex>& y) {
+    ++draws_;
+    for (std::size_t a = 0; a < size_; ++a)
+      for (std::size_t b = 0; b < size_; ++b) sum_[a * size_ + b] += y[a] * std::conj(y[b]);
+  }
+  /// The largest |difference| over sqrt(R_aa R_bb / draws).
+  double worst(const CovarianceMatrix& expected, double least_share) const {
+    double loudest = 0, most = 0;
+    for (std::size_t a = 0; a < size_; ++a) loudest = std::max(loudest, expected.at(a, a).real());
+    for (std::size_t a = 0; a < size_; ++a)
+      for (std::size_t b = 0; b < size_; ++b) {
+        const double size = std::sqrt(expected.at(a, a).real() * expected.at(b, b).real());
+        if (size < least_share * loudest) continue;
+        most = std::max(most, std::abs(sum_[a * size_ + b] / double(draws_) - expected.at(a, b)) / size *
+                                  std::sqrt(double(draws_)));
+      }
+    return most;
+  }
+
+ private:
+  std::size_t size_;
+  std::vector<Complex> sum_;
+  int draws_ = 0;
+};
+
+// Three routes to one covariance: the field of the ground, rules with amplitudes of their own, and R = L L^H.
+TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
+  const std::uint64_t seed = 20261124;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  const test::SignalScene scene = test::signal_scenes()[1];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  CoherentReceiver receiver = receiver_at(view.apex_m);
+  receiver.times = {5.6e-3, 4e3 * 10, 8};
+  std::vector<SignalSample> samples;
+  for (std::uint32_t c = 0; c < 4; ++c)
+    for (std::uint32_t k = 0; k < 8; k += 2) samples.push_back({c, k});
+  const SeenPatches seen = view.patches();
+  const CovarianceMatrix expected = signal_covariances(seen, receiver, samples, view.law, 1e-8);
+  const LowRankFactor factor = low_rank_factor(expected, 1e-10);
+  constexpr int draws = 250;
+  DrawnCovariances by_field(samples.size()), by_rule(samples.size()), by_factor(samples.size());
+  const auto picked = [&](const ElementSignals& signals) {
+    std::vector<Complex> y;
+    for (const SignalSample& s : samples) y.push_back(signals.at(s.channel, s.sample));
+    return y;
+  };
+  const double spacing = 0.06;
+  for (int n = 0; n < draws; ++n) {
+    by_field.add(picked(element_signals(seen, receiver, view.law, {seed + std::uint64_t(n), spacing}, 1e-3)));
+    by_rule.add(picked(drawn_signals(seen, receiver, view.law, seed, std::uint32_t(n), 1e-3)));
+    by_factor.add(drawn_samples(factor, seed, std::uint32_t(n)));
+  }
+  // |difference|^2 draws / (R_aa R_bb) is exponential with mean 1 (a = b: chi squared of 1): 256 of them.
+  EXPECT_LT(by_field.worst(expected, 1e-3), 5.5);
+  EXPECT_LT(by_rule.worst(expected, 1e-3), 5.5);
+  EXPECT_LT(by_factor.worst(expected, 1e-3), 5.5);
+  EXPECT_GT(by_field.worst(expected, 1e-3), 1);
+}
+
+// Another pose has the coherence that covariances say, of what both see.
+TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
+  const std::uint64_t seed = 77;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  const test::SignalScene scene = test::signal_scenes()[0];
+  const SignalView here(scene, {0.0, 0.0, 0.0}), there(scene, {0.03, 0.0, 0.01});
+  const auto pose = [&](const SignalView& view) {
+    CoherentReceiver receiver = receiver_at(view.apex_m);
+    receiver.channels = {{view.apex_m, view.apex_m}};
+    receiver.times = {6.0e-3, 30e3, 36};
+    return receiver;
+  };
+  const CoherentReceiver a = pose(here), b = pose(there);
+  CoherentReceiver both = a;
+  both.channels.push_back(b.channels[0]);
+  const SeenPatches seen_here = here.patches(), seen_there = there.patches();
+  const SeenPatches common = common_patches(seen_here, seen_there);
+  EXPECT_LT(common.area_m2(), seen_here.area_m2());
+  EXPECT_GT(common.area_m2(), 0.9 * seen_here.area_m2());
+  constexpr int draws = 400;
+  std::vector<SignalSample> all;
+  for (std::uint32_t c = 0; c < 2; ++c)
+    for (std::uint32_t k = 0; k < 36; k += 9) all.push_back({c, k});
+  CovarianceMatrix expected = signal_covariances(common, both, all, here.law, 1e-8);
+  const auto own = [&](const SeenPatches& seen, const CoherentReceiver& receiver, std::size_t first) {
+    std::vector<SignalSample> samples;
+    for (std::uint32_t k = 0; k < 36; k += 9) samples.push_back({0, k});
+    const CovarianceMatrix r = signal_covariances(seen, receiver, samples, here.law, 1e-8);
+    for (std::size_t x = 0; x < 4; ++x)
+      for (std::size_t y = 0; y < 4; ++y) expected.at(first + x, first + y) = r.at(x, y);
+  };
+  own(seen_here, a, 0);
+  own(seen_there, b, 4);
+  DrawnCovariances drawn(8);
+  for (int n = 0; n < draws; ++n) {
+    const GroundField field{seed + std::uint64_t(n), 0.06};
+    const ElementSignals y = element_signals(seen_here, a, here.law, field, 1e-3),
+                         z = element_signals(seen_there, b, there.law, field, 1e-3);
+    std::vector<Complex> row;
+    for (std::size_t k = 0; k < 36; k += 9) row.push_back(y.at(0, k));
+    for (std::size_t k = 0; k < 36; k += 9) row.push_back(z.at(0, k));
+    drawn.add(row);
+  }
+  EXPECT_LT(drawn.worst(expected, 1e-3), 5);
+  // The poses are neither the same nor strangers.
+  const double coherence =
+      std::abs(expected.at(0, 4)) / std::sqrt(expected.at(0, 0).real() * expected.at(4, 4).real());
+  EXPECT_GT(coherence, 0.3);
+  EXPECT_LT(coherence, 0.95);
+}
+
+TEST(ElementSignals, RefuseWhatIsNone) {
+  const test::SignalScene scene = test::signal_scenes()[0];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  const SeenPatches seen = view.patches();
+  const GroundField field;
+  const auto refuses = [&](const auto& change) {
+    CoherentReceiver receiver = receiver_at(view.apex_m);
+    GroundField its = field;
+    change(receiver, its);
+    EXPECT_THROW(element_signals(seen, receiver, view.law, its), std::invalid_argument);
+  };
+  refuses([](CoherentReceiver& r, GroundField&) { r.channels.clear(); });
+  refuses([](CoherentReceiver& r, GroundField&) { r.carrier_hz = 0; });
+  refuses([](CoherentReceiver& r, GroundField&) { r.sound_speed_m_s = -1; });
+  refuses([](CoherentReceiver& r, GroundField&) { r.times.count = 0; });
+  refuses([](CoherentReceiver& r, GroundField&) { r.times.rate_hz = r.pulse.bandwidth_hz / 2; });
+  refuses([](CoherentReceiver& r, GroundField&) { r.pulse.envelope = nullptr; });
+  refuses([](CoherentReceiver&, GroundField& f) { f.spacing_m = 0; });
+  refuses([](CoherentReceiver&, GroundField& f) { f.spacing_m = 1e-10; });
+  refuses([](CoherentReceiver&, GroundField& f) {
+    f.texture = GroundTexture::gamma;
+    f.shape = -1;
+  });
+  const std::vector<SignalSample> beyond{{9, 0}};
+  EXPECT_THROW(signal_covariances(seen, receiver_at(view.apex_m), beyond, view.law), std::invalid_argument);
+  EXPECT_THROW(signal_covariances(seen, receiver_at(view.apex_m), {}, view.law, 2), std::invalid_argument);
+  EXPECT_THROW(gaussian_pulse(0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/gated_covariance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <numbers>
+#include <random>
+
+#include "engine/echo/staff_echo.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/histories.hpp"
+#include "fixtures/world/signal_scenes.hpp"
+
+namespace tubefoot {
+namespace {
+
+using boost::math::quadrature::gauss_kronrod;
+using Complex = std::complex<double>;
+using test::Polygon2;
+using test::SignalView;
+
+constexpr double pi = std::numbers::pi;
+const std::vector<double> one_mu{0.1};
+const std::vector<std::uint16_t> one_material{0};
+
+EchoLaw even_law() { return {one_mu, one_material}; }
+
+/// A polygon on the plane z = -height, in (x, y).
+SeenPatches on_bed(double height, const Polygon2& polygon) {
+  SeenPatches seen;
+  for (const glm::dvec2 p : polygon) seen.corners_m.push_back({p, -height});
+  std::reverse(seen.corners_m.begin(), seen.corners_m.end());  // clockwise from above
+  seen.patches = {{0, {0, 0, 1}, height, 0, std::uint32_t(polygon.size()), 0, 0}};
+  return seen;
+}
+
+Polygon2 rectangle(double x0, double x1, double y0, double y1) {
+  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+}
+
+TEST(GatedCovariance, OneChannelWithItselfIsTodaysEnergy) {
+  for (const test::SignalScene& scene : test::signal_scenes()) {
+    const SignalView view(scene, {0.0, 0.0, 0.0});
+    const RangeSamples samples{3, 0.2, 20};
+    const std::vector<std::uint32_t> beams(view.history.tubes.tubes.size(), 0);
+    EchoLaw law = view.law;
+    law.absorption_db_per_m = 0.2;
+    const Echo echo = integrate_echo(view.history, {1, beams}, samples, law);
+    const SignalChannel channel{view.apex_m, view.apex_m};
+    const SampleCovariances own =
+        gated_covariances(view.patches(), channel, channel, samples, 100, law, 1e-14);
+    ASSERT_GT(test::total(echo), 0);
+    for (int k = 0; k < samples.count; ++k) {
+      EXPECT_NEAR(own.at(k, k).real(), echo.at(0, k), 1e-12 * echo.at(0, k)) << scene.name << ' ' << k;
+      EXPECT_EQ(own.at(k, k).imag(), 0);
+      EXPECT_EQ(own.at(k, k + 1), 0.0);
+    }
+    // So is the limit of two channels.
+    const SignalChannel other{view.apex_m, view.apex_m + glm::dvec3(1e-13, 0, 0)};
+    const SampleCovariances both =
+        gated_covariances(view.patches(), channel, other, samples, 100, law, 1e-13);
+    for (int k = 0; k < samples.count; ++k)
+      EXPECT_NEAR(std::abs(both.at(k, k)), echo.at(0, k), 1e-10 * echo.at(0, k)) << scene.name << ' ' << k;
+  }
+}
+
+TEST(GatedCovariance, WithPatternsItIsTodaysEnergyToo) {
+  const test::SignalScene scene = test::signal_scenes()[1];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  const RangeSamples samples{3, 0.2, 20};
+  SignalChannel channel{view.apex_m, view.apex_m};
+  channel.transmit = {Directivity::Kind::line, {1, 0, 0}, false, 0, 4};
+  channel.receive = {Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0, 1, -0.8)), true, 0, 0.6};
+  const std::size_t tubes = view.history.tubes.tubes.size();
+  const std::vector<std::uint32_t> beams(tubes, 0);
+  const BeamPatterns patterns = patterns_of_fan({{channel.transmit}, {channel.receive}, {}, {}}, 0, tubes);
+  EchoLaw law = view.law;
+  law.patterns = &patterns;
+  law.pattern_tolerance = 1e-12;
+  const Echo echo = integrate_echo(view.history, {1, beams}, samples, law);
+  const SampleCovariances own = gated_covariances(view.patches(), channel, channel, samples, 100, law, 1e-13);
+  double loudest = 0;
+  for (int k = 0; k < samples.count; ++k) loudest = std::max(loudest, echo.at(0, k));
+  for (int k = 0; k < samples.count; ++k)
+    EXPECT_NEAR(own.at(k, k).real(), echo.at(0, k), 1e-11 * loudest) << k;
+}
+
+TEST(GatedCovariance, ReceiversOfAStaffAreItsEcho) {
+  const Fringe staff{{std::sin(0.4), 0, std::cos(0.4)}, 0.3, 2 * pi * 30e3 / 1500};
+  const RangeSamples samples{6, 0.1, 40};
+  const Polygon2 polygon{{3, -2}, {8, -1}, {7, 3}, {4, 2}};
+  StaffHistory history;
+  history.transmit.tubes = history.upper.tubes = history.lower.tubes = {Tube{}};
+  const SeenPatches seen = on_bed(5, polygon);
+  SharedFacet facet{0, 0, 1, {0, 0, 1}, 5, 5};
+  history.by_upper.corners_m = seen.corners_m;
+  history.by_upper.pieces = {{0, 0, 0, 4}};
+  history.by_upper.facets = {facet};
+  history.by_lower = history.by_upper;
+  const BeamPatterns patterns{{Directivity()}, {Directivity()}, {0}, {{0, 1}}, {staff}};
+  EchoLaw law = even_law();
+  law.patterns = &patterns;
+  const StaffEcho echo = integrate_staff_echo(history, staff, 0, 0, samples, law);
+  const glm::dvec3 end = staff.baseline_m / 2 * staff.axis;
+  const SampleCovariances both = gated_covariances(seen, {glm::dvec3(0), end}, {glm::dvec3(0), -end}, samples,
+                                                   staff.wavenumber_rad_m, law);
+  for (int k = 0; k < samples.count; ++k) {
+    const auto n = std::size_t(k);
+    const Complex expected(echo.cross_real_j[n], echo.cross_imag_j[n]);
+    EXPECT_LT(std::abs(both.at(k, k) - expected), 1e-8 * echo.upper_j[n] + 1e-18) << k;
+  }
+}
+
+// A flat bed 10 m below, a staff tilted by 30 degrees with the transmitter at its lower end, 250 kHz, the
+// sample of 75 mm from 30 m on.
+TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
+  const double step = 0.075, baseline = 0.06, range = 30, k = 2 * pi * 250e3 / 1500;
+  const SeenPatches strip = on_bed(10, rectangle(5, 40, -5e-4, 5e-4));
+  const EchoLaw law = even_law();
+  const glm::dvec3 staff = baseline * glm::dvec3(0.5, 0, std::sqrt(0.75));
+  const auto coherence = [&](glm::dvec3 one_end, glm::dvec3 other_end, double first_m) {
+    const RangeSamples samples{first_m, step, 1};
+    const SignalChannel one{{}, one_end}, other{{}, other_end};
+    const double size = std::sqrt(gated_covariances(strip, one, one, samples, k, law).at(0, 0).real() *
+                                  gated_covariances(strip, other, other, samples, k, law).at(0, 0).real());
+    return std::abs(gated_covariances(strip, one, other, samples, k, law).at(0, 0)) / size;
+  };
+  // The spread of phases alone: what gates shift out of one sample is in its neighbours.
+  const RangeSamples three{range - step, step, 3};
+  const auto all = [&](double wavenumber) {
+    const SampleCovariances r = gated_covariances(strip, {{}, staff}, {}, three, wavenumber, law);
+    return std::abs(r.at(1, 0) + r.at(1, 1) + r.at(1, 2));
+  };
+  EXPECT_NEAR(all(k) / all(0), 0.999875684, 2e-8);
+  EXPECT_NEAR(coherence(staff, {}, range), 0.927009, 3e-6);
+  // With the transmitter in the staff's middle and the sample about 30 m: docs/sensors.md.
+  EXPECT_NEAR(coherence(staff / 2.0, -staff / 2.0, range - step / 2), 0.926810, 2e-6);
+  // The closed form, for which energy is even over a sample.
+  const auto delta = [&](double r) { return baseline * std::sin(std::asin(10 / r) - pi / 6); };
+  const double kappa = k * std::abs(delta(range + step / 2) - delta(range - step / 2)) / step,
+               shift = std::abs(delta(range)) / 2;
+  EXPECT_NEAR(coherence(staff / 2.0, -staff / 2.0, range - step / 2),
+              std::sin((step - shift) * kappa / 2) / (step * kappa / 2), 5e-6);
+}
+
+// Van Cittert and Zernike: a footprint a wide at range r, elements D apart.
+TEST(GatedCovariance, AnEvenFootprintsCoherenceIsASinc) {
+  const double a = 0.5, r = 20, apart = 0.02, k = 2 * pi * 455e3 / 1500;
+  const auto sinc = [](double x) { return std::sin(x) / x; };
+  EXPECT_NEAR(sinc(k * apart * a / (2 * r)), 0.962589148, 5e-10);
+  // One element over the footprint's middle, the other beside it.
+  const auto further = [&](double x) { return std::hypot(r, x) - std::hypot(r, x - apart); };
+  const auto mean = [&](const auto& f) {
+    return gauss_kronrod<double, 61>::integrate([&](double x) { return f(x); }, -a / 2, a / 2, 8, 1e-13) / a;
+  };
+  EXPECT_NEAR(std::hypot(mean([&](double x) { return std::cos(k * further(x)); }),
+                         mean([&](double x) { return std::sin(k * further(x)); })),
+              0.962592637, 5e-10);
+  // A thin strip under the sonar, with what ranges and grazing angles make of its amplitudes.
+  const SeenPatches strip = on_bed(r, rectangle(-a / 2, a / 2, -1e-5, 1e-5));
+  const SignalChannel over{}, beside{{}, {apart, 0, 0}};
+  const RangeSamples whole{19, 3, 1};
+  const EchoLaw law = even_law();
+  const double one = gated_covariances(strip, over, over, whole, k, law).at(0, 0).real(),
+               other = gated_covariances(strip, beside, beside, whole, k, law).at(0, 0).real(),
+               both = std::abs(gated_covariances(strip, over, beside, whole, k, law).at(0, 0)),
+               size = std::sqrt(one * other);
+  const auto weight = [&](double x, double power,
+                          double of_other) {  // of the ranges, transmitter over the middle
+    return std::pow(std::hypot(r, x), power) * std::pow(std::hypot(r, x - apart), of_other);
+  };
+  const double expected =
+      std::hypot(mean([&](double x) { return weight(x, -4.5, -1.5) * std::cos(k * further(x)); }),
+                 mean([&](double x) { return weight(x, -4.5, -1.5) * std::sin(k * further(x)); })) /
+      std::sqrt(mean([&](double x) { return weight(x, -6, 0); }) *
+                mean([&](double x) { return weight(x, -3, -3); }));
+  EXPECT_NEAR(both / size, expected, 1e-9);
+  EXPECT_NEAR(both / size, 0.962592637, 1e-5);  // amplitudes fall off towards the ends
+  // First zero at lambda r / a.
+  const double zero = 2 * pi / k * r / a;
+  const SignalChannel far_left{{}, {-zero / 2, 0, 0}}, far_right{{}, {zero / 2, 0, 0}};
+  EXPECT_LT(std::abs(gated_covariances(strip, far_left, far_right, whole, k, law).at(0, 0)) / size, 2e-4);
+}
+
+TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
+  // Apertures of L on both sides, both displaced by D along themselves: B3(2 D / L) / B3(0).
+  const auto b3 = [](double x) {
+    x = std::abs(x);
+    return x < 1 ? 2.0 / 3 - x * x + x * x * x / 2 : x < 2 ? std::pow(2 - x, 3) / 6 : 0;
+  };
+  EXPECT_EQ(b3(0.25) / b3(0), 0.91796875);
+  EXPECT_EQ(b3(1) / b3(0), 0.25);
+  const double wavelength = 0.01, k = 2 * pi / wavelength, r = 1000;
+  const RangeSamples whole{r / 2, r, 1};
+  const EchoLaw law = even_law();
+  const auto strip_for = [&](double length) {  // six side lobes
+    const double half = 7 * wavelength / length * r;
+    return on_bed(r, rectangle(-half, half, -1e-5, 1e-5));
+  };
+  for (const double length : {0.2, 0.4}) {
+    const SeenPatches strip = strip_for(length);
+    const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, length / wavelength};
+    const auto channel = [&](double x) { return SignalChannel{{x, 0, 0}, {x, 0, 0}, line, line}; };
+    const double size = gated_covariances(strip, channel(0), channel(0), whole, k, law, 1e-7).at(0, 0).real();
+    for (const double share : {0.125, 0.5}) {
+      const double d = share * length;
+      const Complex both =
+          gated_covariances(strip, channel(-d / 2), channel(d / 2), whole, k, law, 1e-7).at(0, 0);
+      EXPECT_NEAR(both.real() / size, b3(2 * share) / b3(0), 0.15 * std::pow(wavelength / length, 2))
+          << length << ' ' << share;
+      EXPECT_LT(std::abs(both.imag()), 1e-5 * size);
+    }
+  }
+  // The pattern on one side only: a triangle.
+  const double length = 0.4;
+  const SeenPatches strip = strip_for(length / 2);  // side lobes fall off as their square only
+  const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, length / wavelength};
+  const auto channel = [&](double x) { return SignalChannel{{x, 0, 0}, {x, 0, 0}, line, {}}; };
+  const double size = gated_covariances(strip, channel(0), channel(0), whole, k, law, 1e-7).at(0, 0).real();
+  const Complex both = gated_covariances(strip, channel(-0.05), channel(0.05), whole, k, law, 1e-7).at(0, 0);
+  EXPECT_NEAR(both.real() / size, 1 - 2 * 0.1 / length, 8e-3);
+}
+
+/// Sums over a lattice of points: the definition.
+TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> share(-0.5, 0.5);
+  for (int trial = 0; trial < 6; ++trial) {
+    const double height = 2 + share(random);
+    const Polygon2 polygon = test::random_convex(random, {share(random) * 3, share(random) * 3}, 1.5, 0.9);
+    if (polygon.size() < 3) continue;
+    const SeenPatches seen = on_bed(height, polygon);
+    const auto near = [&] { return glm::dvec3(share(random), share(random), share(random)); };
+    const SignalChannel a{near(), near()}, b{near(), near()};
+    const RangeSamples samples{1.5, 0.11, 25};
+    const double k = 30;
+    const EchoLaw law = even_law();
+    const SampleCovariances both = gated_covariances(seen, a, b, samples, k, law),
+                            swapped = gated_covariances(seen, b, a, samples, k, law);
+    ASSERT_GT(both.reach, 0);
+    std::vector<Complex> sum(both.value.size());
+    glm::dvec2 low = polygon[0], high = low;
+    for (const glm::dvec2 p : polygon) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    constexpr int n = 1500;
+    const glm::dvec2 cell = (high - low) / double(n);
+    for (int x = 0; x < n; ++x)
+      for (int y = 0; y < n; ++y) {
+        const glm::dvec2 p = low + cell * glm::dvec2(x + 0.5, y + 0.5);
+        bool inside = true;
+        for (std::size_t i = 0; i < polygon.size() && inside; ++i) {
+          const glm::dvec2 c = polygon[i], d = polygon[(i + 1) % polygon.size()];
+          inside = (d.x - c.x) * (p.y - c.y) - (d.y - c.y) * (p.x - c.x) >= 0;
+        }
+        if (!inside) continue;
+        const glm::dvec3 at(p, -height);
+        const auto heard = [&](const SignalChannel& c) {
+          const double out = glm::distance(at, c.transmit_m), home = glm::distance(at, c.receive_m);
+          const double energy =
+              0.1 * (height + c.transmit_m.z) * (height + c.receive_m.z) / std::pow(out * home, 3);
+          return std::pair(out + home, std::sqrt(energy));
+        };
+        const auto [la, aa] = heard(a);
+        const auto [lb, ab] = heard(b);
+        const double ka = std::floor((la / 2 - samples.first_m) / samples.step_m),
+                     kb = std::floor((lb / 2 - samples.first_m) / samples.step_m);
+        if (ka < 0 || kb < 0 || ka >= samples.count || kb >= samples.count) continue;
+        ASSERT_LE(std::abs(ka - kb), both.reach);
+        sum[std::size_t((2 * both.reach + 1) * int(ka) + int(kb - ka) + both.reach)] +=
+            std::polar(aa * ab * cell.x * cell.y, k * (la - lb));
+      }
+    double loudest = 0;
+    for (const Complex& s : sum) loudest = std::max(loudest, std::abs(s));
+    ASSERT_GT(loudest, 0);
+    for (int i = 0; i < samples.count; ++i)
+      for (int j = std::max(i - both.reach, 0); j <= std::min(i + both.reach, samples.count - 1); ++j) {
+        const Complex expected = sum[std::size_t((2 * both.reach + 1) * i + j - i + both.reach)];
+        EXPECT_LT(std::abs(both.at(i, j) - expected), 5e-3 * loudest) << trial << ' ' << i << ' ' << j;
+        // Law: Hermitian.
+        EXPECT_LT(std::abs(both.at(i, j) - std::conj(swapped.at(j, i))), 1e-8 * loudest) << trial;
+      }
+  }
+}
+
+/// Polygons in parts, samples in parts, tubes in parts: the sums stand.
+TEST(GatedCovariance, PartsAddUp) {
+  const test::SignalScene scene = test::signal_scenes()[0];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  const SeenPatches seen = view.patches();
+  const SignalChannel a{view.apex_m, view.apex_m + glm::dvec3(0.05, 0, 0)},
+      b{view.apex_m + glm::dvec3(0.02, 0.01, 0), view.apex_m - glm::dvec3(0.05, 0, 0)};
+  const RangeSamples samples{3, 0.3, 14};
+  const double k = 80;
+  const SampleCovariances all = gated_covariances(seen, a, b, samples, k, view.law);
+  std::vector<Complex> by_tube(all.value.size()), halves(all.value.size());
+  for (std::uint32_t tube = 0; tube < 6; ++tube) {
+    SeenPatches part = seen;
+    std::erase_if(part.patches, [&](const SeenPatch& p) { return p.home_tube != tube; });
+    const SampleCovariances own = gated_covariances(part, a, b, samples, k, view.law);
+    for (std::size_t n = 0; n < own.value.size(); ++n) by_tube[n] += own.value[n];
+  }
+  for (const int half : {0, 1}) {
+    SeenPatches part;
+    part.origin_m = seen.origin_m;
+    for (const SeenPatch& patch : seen.patches) {
+      const auto corners = seen.corners(patch);
+      const std::size_t n = corners.size();
+      const glm::dvec3 p = (corners[0] + corners[1]) / 2.0,
+                       q = (corners[n / 2] + corners[(n / 2 + 1) % n]) / 2.0;
+      SeenPatch one = patch;
+      one.first_corner = std::uint32_t(part.corners_m.size());
+      if (half == 0) {
+        part.corners_m.push_back(p);
+        for (std::size_t i = 1; i <= n / 2; ++i) part.corners_m.push_back(corners[i]);
+        part.corners_m.push_back(q);
+      } else {
+        part.corners_m.push_back(q);
+        for (std::size_t i = n / 2 + 1; i <= n; ++i) part.corners_m.push_back(corners[i % n]);
+        part.corners_m.push_back(p);
+      }
+      one.corner_count = std::uint32_t(part.corners_m.size()) - one.first_corner;
+      part.patches.push_back(one);
+    }
+    const SampleCovariances own = gated_covariances(part, a, b, samples, k, view.law);
+    for (std::size_t n = 0; n < own.value.size(); ++n) halves[n] += own.value[n];
+  }
+  double loudest = 0;
+  for (const Complex& v : all.value) loudest = std::max(loudest, std::abs(v));
+  for (std::size_t n = 0; n < all.value.size(); ++n) {
+    EXPECT_LT(std::abs(by_tube[n] - all.value[n]), 1e-13 * loudest) << n;
+    EXPECT_LT(std::abs(halves[n] - all.value[n]), 1e-9 * loudest) << n;
+  }
+}
+
+TEST(GatedCovariance, RefusesWhatIsNone) {
+  const SeenPatches bed = on_bed(5, rectangle(-1, 1, -1, 1));
+  const EchoLaw law = even_law();
+  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 0, 3}, 1, law), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 0}, 1, law), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, -1, law), std::invalid_argument);
+  EXPECT_THROW(gated_covariances(bed, {}, {}, {1, 1, 3}, 1, law, 0), std::invalid_argument);
+  const BistaticHistory apart = test::piece_on(test::flat_bed(5), rectangle(-1, 1, -1, 1), {0, 0, 1});
+  EXPECT_EQ(seen_patches(apart, law).patches.size(), 1u);
+  EchoLaw by_mirror = law;
+  by_mirror.path.out.loss.factor = 0.5;
+  EXPECT_THROW(seen_patches(apart, by_mirror), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tubefoot

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/signal/ground_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+#include <vector>
+
+#include "engine/signal/smooth_pieces.hpp"
+#include "fixtures/statistics.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Complex = std::complex<double>;
+using Places = std::map<std::array<double, 3>, Complex>;
+
+Places places_of(const GroundField& field, const std::vector<glm::dvec3>& corners, glm::dvec3 normal) {
+  Places all;
+  field.for_scatterers(corners, normal, [&](glm::dvec3 p, Complex z) {
+    EXPECT_TRUE(all.insert({{p.x, p.y, p.z}, z}).second);
+  });
+  return all;
+}
+
+struct Plate {
+  const char* name;
+  glm::dvec3 corner, u, v;
+  std::vector<glm::dvec3> corners() const { return {corner, corner + u, corner + u + v, corner + v}; }
+  glm::dvec3 normal() const { return glm::normalize(glm::cross(u, v)); }
+  double area() const { return glm::length(glm::cross(u, v)); }
+};
+
+const std::vector<Plate> plates{
+    {"flat", {0.31, 0.2, -3}, {1.1, 0.13, 0}, {-0.2, 1, 0}},
+    {"a slope of 30 degrees", {0.31, 0.2, -3}, {1.1, 0, 0}, {0, 1, std::sqrt(1.0 / 3)}},
+    {"the steepest slope by plan", {-0.3, 0.2, -3}, {1.1, 0, 1.1}, {0.3, 1, 1}},
+    {"a wall", {0.31, 0.2, -3}, {1.1, 0.4, 0}, {0, 0, 1}},
+    {"a wall along y", {0.31, 0.2, -3}, {0, 1, 0}, {0, 0.1, 1.2}},
+    {"an overhang", {0.31, 0.2, -3}, {0, 1, 0}, {-1, 0, 0.5}},
+};
+
+// Law Y4.
+TEST(GroundField, ASquareMetreHasVarianceOneOnEverySlopeAndWall) {
+  const std::uint64_t seed = 11;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  constexpr int draws = 4000;
+  for (const Plate& plate : plates)
+    for (const double spacing : {0.05, 0.3, 1.5}) {  // even where a plate has no cell of its own
+      double areas = 0, square = 0, many = 0;
+      Complex sum = 0, twice = 0;
+      const glm::dvec3 q(14, -9, 5);
+      for (int n = 0; n < draws / (spacing < 0.1 ? 4 : 1); ++n) {
+        Complex y = 0;
+        double own = 0;
+        GroundField{seed + std::uint64_t(n), spacing}.for_scatterers(
+            plate.corners(), plate.normal(), [&](glm::dvec3 p, Complex z) {
+              y += z * std::polar(1.0, glm::dot(q, p));
+              own += std::norm(z);
+            });
+        areas += own;
+        square += own * own;
+        sum += y;
+        twice += y * y;
+        many += std::norm(y);
+      }
+      const int n = draws / (spacing < 0.1 ? 4 : 1);
+      const double error = std::sqrt((square / n - areas / n * areas / n) / n);
+      EXPECT_NEAR(areas / n, plate.area(), 5 * error) << plate.name << ' ' << spacing;
+      const double per_draw = std::sqrt(2.0 / n) * (1 + 2 * spacing);
+      EXPECT_NEAR(many / n / plate.area(), 1, 5 * per_draw) << plate.name << ' ' << spacing;
+      // Circular: neither a mean nor E[y y].
+      EXPECT_LT(std::abs(sum) / n, 5 * std::sqrt(plate.area() / n)) << plate.name;
+      EXPECT_LT(std::abs(twice) / n, 7 * plate.area() * per_draw) << plate.name;
+    }
+}
+
+// Law Y5.
+TEST(GroundField, DoesNotDependOnFacetsOrOnWhoCutsThem) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> share(0.2, 0.8);
+  for (const Plate& plate : plates) {
+    const GroundField field{5, 0.03};
+    const Places whole = places_of(field, plate.corners(), plate.normal());
+    ASSERT_GT(whole.size(), 500u);
+    EXPECT_EQ(whole, places_of(field, plate.corners(), plate.normal()));
+    // The other turn, from the other side: the same ground.
+    auto reversed = plate.corners();
+    std::reverse(reversed.begin(), reversed.end());
+    EXPECT_EQ(whole.size(), places_of(field, reversed, -plate.normal()).size());
+    // Four triangles about a point within.
+    const glm::dvec3 middle = plate.corner + share(random) * plate.u + share(random) * plate.v;
+    Places parts;
+    const auto corners = plate.corners();
+    for (std::size_t k = 0; k < 4; ++k)
+      for (const auto& [place, z] :
+           places_of(field, {corners[k], corners[(k + 1) % 4], middle}, plate.normal()))
+        EXPECT_TRUE(parts.insert({place, z}).second) << "twice on an edge";
+    ASSERT_EQ(parts.size(), whole.size()) << plate.name;
+    for (auto a = whole.cbegin(), b = parts.cbegin(); a != whole.end(); ++a, ++b) {
+      for (std::size_t axis = 0; axis < 3; ++axis) ASSERT_NEAR(a->first[axis], b->first[axis], 1e-13);
+      ASSERT_EQ(a->second, b->second) << plate.name;
+    }
+  }
+}
+
+TEST(GroundField, LayersAndSeedsAreStrangers) {
+  const GroundField field{5, 0.05};
+  const Plate& low = plates[0];
+  Plate high = low;
+  high.corner.z += 0.5;
+  const Places below = places_of(field, low.corners(), low.normal()),
+               above = places_of(field, high.corners(), high.normal());
+  ASSERT_EQ(below.size(), above.size());
+  Complex product = 0;
+  double power = 0;
+  for (auto a = below.cbegin(), b = above.cbegin(); a != below.end(); ++a, ++b) {
+    product += a->second * std::conj(b->second);
+    power += std::norm(a->second);
+  }
+  EXPECT_LT(std::abs(product) / power, 5 / std::sqrt(double(below.size())));
+  EXPECT_NE(places_of({6, 0.05}, low.corners(), low.normal()).begin()->second, below.begin()->second);
+}
+
+TEST(GroundField, DensityIsWhatTheSheetAsksFor) {
+  const double b = 20e3, wavelength = 0.02, c = 1500, look = 0.5;
+  const double spacing = ground_spacing_m(b, wavelength, c, look);
+  const double per_m2 = 2 * b / c * (2 * look / wavelength);
+  for (const Plate& plate : plates) {
+    const double count = double(places_of({1, spacing}, plate.corners(), plate.normal()).size());
+    EXPECT_GT(count / plate.area(), 0.9 * per_m2) << plate.name;
+    EXPECT_LT(count / plate.area(), 2 * per_m2) << plate.name;
+  }
+  EXPECT_THROW(ground_spacing_m(0, 1, 1, 1), std::invalid_argument);
+}
+
+// Of a resolution cell within one cell of texture: E[I^2] / E[I]^2 = 2 (1 + 1 / shape), and the texture's own
+// moments; of one that holds many, less.
+TEST(GroundField, TexturesHaveTheirMoments) {
+  const std::uint64_t seed = 31;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  for (const GroundTexture texture : {GroundTexture::none, GroundTexture::gamma, GroundTexture::log_normal})
+    for (const double shape : {2.0, 5.0}) {
+      std::vector<double> factors, intensities;
+      constexpr int draws = 6000;
+      for (int n = 0; n < draws; ++n) {
+        const GroundField field{seed + std::uint64_t(n) * 7919, 0.02, texture, shape, 10};
+        factors.push_back(field.texture_at({1, 2, 3}));
+        Complex y = 0;
+        field.for_scatterers(std::vector<glm::dvec3>{{1, 1, -3}, {1.1, 1, -3}, {1.1, 1.1, -3}, {1, 1.1, -3}},
+                             {0, 0, 1}, [&](glm::dvec3, Complex z) { y += z; });
+        intensities.push_back(std::norm(y));
+      }
+      const double variance = texture == GroundTexture::none ? 0 : 1 / shape;
+      EXPECT_NEAR(statistics::mean(factors), 1, 5 * std::sqrt(variance / draws) + 1e-15);
+      EXPECT_NEAR(statistics::variance(factors), variance, 0.25 * variance + 1e-15);
+      // 25 cells: places alone make 1 / 25 of it or less.
+      EXPECT_NEAR(statistics::scintillation(intensities), 2 * (1 + variance), 0.35)
+          << int(texture) << ' ' << shape;
+      EXPECT_NEAR(statistics::mean(intensities), 0.01, 0.01 * 5 * std::sqrt((1 + 2 * variance) / draws));
+    }
+}
+
+TEST(GroundField, RefusesWhatIsNone) {
+  EXPECT_THROW(check(GroundField{1, 0}), std::invalid_argument);
+  EXPECT_THROW(check(GroundField{1, HUGE_VAL}), std::invalid_argument);
+  EXPECT_THROW(check(GroundField{1, 1, GroundTexture::gamma, 0}), std::invalid_argument);
+  EXPECT_THROW(check(GroundField{1, 1, GroundTexture::log_normal, 1, -1}), std::invalid_argument);
+  EXPECT_THROW(check_reach(GroundField{1, 1e-6}, {3000, 0, 0}), std::invalid_argument);
+  EXPECT_NO_THROW(check_reach(GroundField{1, 1e-3}, {3000, 0, 0}));
+}
+
+}  // namespace
+}  // namespace tubefoot
