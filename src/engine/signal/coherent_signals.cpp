@@ -114,8 +114,8 @@ void add_up(Values& all, const Values& part) {
   for (std::size_t k = 0; k < part.size(); ++k) all[k] += part[k];
 }
 
-ElementSignals silence(const CoherentReceiver& receiver) {
-  ElementSignals signals{receiver.channels.size(), receiver.times.count, {}};
+ChannelSignals silence(const CoherentReceiver& receiver) {
+  ChannelSignals signals{receiver.channels.size(), receiver.times.count, {}};
   signals.value.assign(signals.channels * signals.samples, 0);
   return signals;
 }
@@ -135,7 +135,7 @@ void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& 
 
 }  // namespace
 
-ElementSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
                                const EchoLaw& law, const GroundField& field, double tolerance) {
   check(receiver, law);
   check(field);
@@ -149,35 +149,42 @@ ElementSignals element_signals(const SeenPatches& patches, const CoherentReceive
   const double first_m = (receiver.times.first_s - receiver.pulse.end_s) * receiver.sound_speed_m_s,
                last_m = (receiver.times.time_s(receiver.times.count) - receiver.pulse.begin_s) *
                         receiver.sound_speed_m_s;
-  ElementSignals signals = silence(receiver);
+  ChannelSignals signals = silence(receiver);
   in_tasks(patches.patches.size(), patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              ChannelsOnPatch channels(patches, receiver, law);
              ChebyshevMoments moments(nodes);
+             const auto hear = [&](std::size_t c, std::complex<double> amplitude, double delay) {
+               table.add(amplitude, delay, &part[c * receiver.times.count]);
+             };
              std::vector<SmoothPieces::Chunk> chunks;
              std::vector<glm::dvec3> corners;
              for (std::size_t number = begin; number < end; ++number) {
                stop_if_wanted();
                const SeenPatch& patch = patches.patches[number];
                if (!channels.look_at(patch)) continue;
+               const double scatterer_m2 = field.area_m2(patch.normal);
                chunks.clear();
                pieces.cut(patches, patch, chunks);
                for (const SmoothPieces::Chunk& chunk : chunks) {
                  if (!moments.begin(chunk, out, home, extent, first_m, last_m)) continue;
                  corners.clear();
                  for (const glm::dvec2 p : chunk.polygon) corners.push_back(patches.origin_m + chunk.at(p));
+                 // Few scatterers cost less each by itself than as nodes.
+                 const bool few = area_of(chunk.polygon) / scatterer_m2 < double(moments.nodes());
                  field.for_scatterers(corners, patch.normal, [&](glm::dvec3 place, std::complex<double> z) {
                    const glm::dvec3 at = place - patches.origin_m;
                    if (channels.bed().texture != nullptr)
                      z *= std::sqrt(channels.bed().texture->factor(place));
-                   moments.add(at,
-                               z * std::polar(1.0, k * (glm::distance(at, out) + glm::distance(at, home))));
+                   if (few)
+                     channels.hear(at, z, 0, hear);
+                   else
+                     moments.add(at,
+                                 z * std::polar(1.0, k * (glm::distance(at, out) + glm::distance(at, home))));
                  });
+                 if (few) continue;
                  moments.tell([&](glm::dvec3 at, std::complex<double> strength) {
-                   channels.hear(at, strength, glm::distance(at, out) + glm::distance(at, home),
-                                 [&](std::size_t c, std::complex<double> amplitude, double delay) {
-                                   table.add(amplitude, delay, &part[c * receiver.times.count]);
-                                 });
+                   channels.hear(at, strength, glm::distance(at, out) + glm::distance(at, home), hear);
                  });
                }
              }
@@ -185,12 +192,12 @@ ElementSignals element_signals(const SeenPatches& patches, const CoherentReceive
   return signals;
 }
 
-ElementSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
+ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
                              std::uint64_t seed, std::uint32_t ping, double tolerance) {
   check(receiver, law);
   const PulseTable table(receiver.pulse, receiver.times);
   const std::vector<BedScatterer> bed = bed_scatterers(patches, extent_of(receiver, true), tolerance);
-  ElementSignals signals = silence(receiver);
+  ChannelSignals signals = silence(receiver);
   in_tasks(bed.size(), scatterers_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              ChannelsOnPatch channels(patches, receiver, law);

@@ -26,7 +26,7 @@ struct CoherentReceiver {
 };
 
 /// Complex samples, channel by channel.
-struct ElementSignals {
+struct ChannelSignals {
   std::size_t channels = 0, samples = 0;
   std::vector<std::complex<double>> value;
 
@@ -43,12 +43,12 @@ struct ElementSignals {
 /// pieces of the bed on which channels are polynomials but for a phase that all have, so that a scatterer
 /// costs the same for any number of channels and samples. A scatterer's own echo is right to about
 /// `tolerance` of its size. The same bits for any number of threads.
-ElementSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
+ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
                                const EchoLaw& law, const GroundField& field, double tolerance = 1e-4);
 
 /// Channels with the same covariances, of a bed that nobody sees twice: from nodes of Gauss rules, each with
 /// a random amplitude of its own. Far fewer are needed than a field has scatterers. `ping` tells draws apart.
-ElementSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
+ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
                              std::uint64_t seed, std::uint32_t ping, double tolerance = 1e-4);
 
 /// One sample of one channel.

@@ -15,6 +15,13 @@
 
 namespace tubefoot {
 
+/// The axis that a plane faces most. Weights keep planes of 45 degrees off the tie, which rounding would
+/// decide.
+inline int lattice_axis(glm::dvec3 normal) {
+  const glm::dvec3 size = glm::abs(normal) * glm::dvec3(1, 1.0137, 1.0291);
+  return size.z >= size.x && size.z >= size.y ? 2 : size.y >= size.x ? 1 : 0;
+}
+
 /// Modulation of the bed's cross-section: a positive field of mean 1, even over cells of the ground.
 enum class GroundTexture {
   none,
@@ -47,6 +54,10 @@ struct GroundField {
   template <class Take>
   void for_scatterers(std::span<const glm::dvec3> corners_m, glm::dvec3 normal, const Take& take) const;
 
+  /// That a scatterer stands for on a plane.
+  double area_m2(glm::dvec3 normal) const {
+    return spacing_m * spacing_m / std::abs(normal[lattice_axis(normal)]);
+  }
   double texture_at(glm::dvec3 place_m) const { return texture_of(texture_cell(place_m)); }
 
  private:
@@ -67,13 +78,6 @@ void check(const GroundField& field);
 /// For places so far away that lattices of 2^31 cells do not reach them.
 void check_reach(const GroundField& field, glm::dvec3 place_m);
 
-/// The axis that a plane faces most. Weights keep planes of 45 degrees off the tie, which rounding would
-/// decide.
-inline int lattice_axis(glm::dvec3 normal) {
-  const glm::dvec3 size = glm::abs(normal) * glm::dvec3(1, 1.0137, 1.0291);
-  return size.z >= size.x && size.z >= size.y ? 2 : size.y >= size.x ? 1 : 0;
-}
-
 template <class Take>
 void GroundField::for_scatterers(std::span<const glm::dvec3> corners_m, glm::dvec3 normal,
                                  const Take& take) const {
@@ -86,7 +90,7 @@ void GroundField::for_scatterers(std::span<const glm::dvec3> corners_m, glm::dve
     high_y = std::max(high_y, c[y]);
     check_reach(*this, c);
   }
-  const double per_m = 1 / spacing_m, root_area = spacing_m / std::sqrt(std::abs(normal[up]));
+  const double per_m = 1 / spacing_m, root_area = std::sqrt(area_m2(normal));
   // The polygon turns as its normal faces.
   double turn = 0;
   for (std::size_t k = 2; k < corners_m.size(); ++k) {

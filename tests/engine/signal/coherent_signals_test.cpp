@@ -207,9 +207,9 @@ TEST(LowRankFactor, AnArraysRankIsItsSpaceBandwidthProduct) {
 }
 
 /// The direct sum over the field's scatterers.
-ElementSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceiver& receiver,
+ChannelSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceiver& receiver,
                                   const EchoLaw& law, const GroundField& field) {
-  ElementSignals all{receiver.channels.size(), receiver.times.count, {}};
+  ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
   const double k = 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
   for (const SeenPatch& patch : seen.patches) {
@@ -229,12 +229,12 @@ ElementSignals by_every_scatterer(const SeenPatches& seen, const CoherentReceive
   return all;
 }
 
-double loudest_of(const ElementSignals& signals) {
+double loudest_of(const ChannelSignals& signals) {
   double most = 0;
   for (const Complex& v : signals.value) most = std::max(most, std::abs(v));
   return most;
 }
-double worst_of(const ElementSignals& a, const ElementSignals& b) {
+double worst_of(const ChannelSignals& a, const ChannelSignals& b) {
   double worst = 0;
   for (std::size_t k = 0; k < a.value.size(); ++k) worst = std::max(worst, std::abs(a.value[k] - b.value[k]));
   return worst;
@@ -247,11 +247,11 @@ TEST(ElementSignals, AreTheSumOverAllScatterersOfTheField) {
     CoherentReceiver receiver = receiver_at(view.apex_m);
     receiver.times.count = 50;
     receiver.channels[1].receive = {Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
-    const GroundField field{7, 0.04};
+    const GroundField field{7, 0.015};
     EchoLaw law = view.law;
     law.absorption_db_per_m = 0.1;
     const SeenPatches seen = view.patches();
-    const ElementSignals direct = by_every_scatterer(seen, receiver, law, field);
+    const ChannelSignals direct = by_every_scatterer(seen, receiver, law, field);
     const double loudest = loudest_of(direct);
     ASSERT_GT(loudest, 0);
     double before = 1;
@@ -269,12 +269,12 @@ TEST(ElementSignals, TheSamePoseHasTheSameBitsForAnyThreads) {
   const SignalView view(scene, {0.0, 0.0, 0.0}), again(scene, {0.0, 0.0, 0.0});
   const CoherentReceiver receiver = receiver_at(view.apex_m);
   const GroundField field{9, 0.02};
-  const ElementSignals one = element_signals(view.patches(), receiver, view.law, field);
+  const ChannelSignals one = element_signals(view.patches(), receiver, view.law, field);
   const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(one.value, element_signals(again.patches(), receiver, again.law, field).value);
   GroundField other = field;
   other.seed = 10;
-  const ElementSignals two = element_signals(view.patches(), receiver, view.law, other);
+  const ChannelSignals two = element_signals(view.patches(), receiver, view.law, other);
   EXPECT_GT(worst_of(one, two), 0.1 * loudest_of(one));
   EXPECT_EQ(drawn_signals(view.patches(), receiver, view.law, 1, 0).value,
             drawn_signals(again.patches(), receiver, again.law, 1, 0).value);
@@ -325,7 +325,7 @@ TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
   const LowRankFactor factor = low_rank_factor(expected, 1e-10);
   constexpr int draws = 250;
   DrawnCovariances by_field(samples.size()), by_rule(samples.size()), by_factor(samples.size());
-  const auto picked = [&](const ElementSignals& signals) {
+  const auto picked = [&](const ChannelSignals& signals) {
     std::vector<Complex> y;
     for (const SignalSample& s : samples) y.push_back(signals.at(s.channel, s.sample));
     return y;
@@ -379,7 +379,7 @@ TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
   DrawnCovariances drawn(8);
   for (int n = 0; n < draws; ++n) {
     const GroundField field{seed + std::uint64_t(n), 0.06};
-    const ElementSignals y = element_signals(seen_here, a, here.law, field, 1e-3),
+    const ChannelSignals y = element_signals(seen_here, a, here.law, field, 1e-3),
                          z = element_signals(seen_there, b, there.law, field, 1e-3);
     std::vector<Complex> row;
     for (std::size_t k = 0; k < 36; k += 9) row.push_back(y.at(0, k));
