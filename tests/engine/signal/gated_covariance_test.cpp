@@ -8,6 +8,7 @@
 #include <random>
 
 #include "engine/echo/staff_echo.hpp"
+#include "engine/law/perlin_reflectivity.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 #include "fixtures/world/signal_scenes.hpp"
@@ -84,6 +85,36 @@ TEST(GatedCovariance, WithPatternsItIsTodaysEnergyToo) {
   for (int k = 0; k < samples.count; ++k) loudest = std::max(loudest, echo.at(0, k));
   for (int k = 0; k < samples.count; ++k)
     EXPECT_NEAR(own.at(k, k).real(), echo.at(0, k), 1e-11 * loudest) << k;
+}
+
+TEST(GatedCovariance, BetweenTwoApexesItIsTodaysEnergyWithLawsAndTextures) {
+  const test::SignalScene scene = test::signal_scenes()[1];
+  const SignalView view(scene, {0.0, 0.0, 0.0}), other(scene, {0.25, 0.0, 0.125});
+  const SceneTree tree(scene.mesh);
+  const BistaticHistory history = trace_bistatic(scene.mesh, tree, test::signal_grid().unit_m(), {},
+                                                 view.history.tubes, other.history.tubes);
+  const std::vector<std::shared_ptr<const ScatteringLaw>> laws{
+      nullptr, std::make_shared<const ScatteringLaw>(ScatteringLaw::gsab({0.1, 0.2, 0.02, 2, 0.01, 0.4}))};
+  const std::vector<std::shared_ptr<const ReflectivityField>> textures{
+      std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{}), nullptr};
+  EchoLaw law = view.law;
+  law.absorption_db_per_m = 0.1;
+  const RangeSamples samples{3, 0.2, 20};
+  const std::vector<std::uint32_t> beams(other.history.tubes.tubes.size(), 0);
+  const auto check = [&](double tolerance) {
+    const Echo echo = integrate_echo(history, {1, beams}, samples, law, Quadrature(Binning::exact, 1e-13));
+    const SignalChannel channel{view.apex_m, other.apex_m};
+    const SampleCovariances own =
+        gated_covariances(seen_patches(history, law), channel, channel, samples, 100, law, 1e-13);
+    ASSERT_GT(test::total(echo), 0);
+    for (int k = 0; k < samples.count; ++k)
+      EXPECT_NEAR(own.at(k, k).real(), echo.at(0, k), tolerance * echo.at(0, k)) << k;
+  };
+  check(1e-12);
+  law.scattering = laws;
+  check(1e-12);
+  law.reflectivity = textures;
+  check(1e-12);
 }
 
 TEST(GatedCovariance, ReceiversOfAStaffAreItsEcho) {
