@@ -160,6 +160,38 @@ TEST(SignalCovariances, AreHermitianPositiveAndAsExactAsAsked) {
   }
 }
 
+TEST(SignalCovariances, OfPolygonsInPartsAddUp) {
+  const test::SignalScene scene = test::signal_scenes()[4];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  const CoherentReceiver receiver = receiver_at(view.apex_m);
+  std::vector<SignalSample> samples;
+  for (std::uint32_t c = 0; c < 4; ++c)
+    for (std::uint32_t k = 5; k < 40; k += 7) samples.push_back({c, k});
+  const SeenPatches seen = view.patches();
+  SeenPatches fans = seen;  // triangles about a point within each polygon
+  fans.patches.clear();
+  fans.corners_m.clear();
+  for (const SeenPatch& patch : seen.patches) {
+    const auto corners = seen.corners(patch);
+    glm::dvec3 middle(0);
+    for (const glm::dvec3& c : corners) middle += c / double(corners.size());
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      SeenPatch part = patch;
+      part.first_corner = std::uint32_t(fans.corners_m.size());
+      part.corner_count = 3;
+      for (const glm::dvec3& c : {corners[k], corners[(k + 1) % corners.size()], middle})
+        fans.corners_m.push_back(c);
+      fans.patches.push_back(part);
+    }
+  }
+  const CovarianceMatrix whole = signal_covariances(seen, receiver, samples, view.law, 1e-9),
+                         parts = signal_covariances(fans, receiver, samples, view.law, 1e-9);
+  double loudest = 0;
+  for (std::size_t k = 0; k < samples.size(); ++k) loudest = std::max(loudest, whole.at(k, k).real());
+  for (std::size_t k = 0; k < whole.value.size(); ++k)
+    EXPECT_LT(std::abs(whole.value[k] - parts.value[k]), 3e-9 * loudest);
+}
+
 TEST(LowRankFactor, GivesBackTheMatrixAndRefusesOthers) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> gauss;

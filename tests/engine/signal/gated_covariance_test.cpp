@@ -270,7 +270,9 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
     const double k = 30;
     const EchoLaw law = even_law();
     const SampleCovariances both = gated_covariances(seen, a, b, samples, k, law),
-                            swapped = gated_covariances(seen, b, a, samples, k, law);
+                            swapped = gated_covariances(seen, b, a, samples, k, law),
+                            turned = gated_covariances(seen, {a.receive_m, a.transmit_m},
+                                                       {b.receive_m, b.transmit_m}, samples, k, law);
     ASSERT_GT(both.reach, 0);
     std::vector<Complex> sum(both.value.size());
     glm::dvec2 low = polygon[0], high = low;
@@ -314,6 +316,8 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
         EXPECT_LT(std::abs(both.at(i, j) - expected), 5e-3 * loudest) << trial << ' ' << i << ' ' << j;
         // Law: Hermitian.
         EXPECT_LT(std::abs(both.at(i, j) - std::conj(swapped.at(j, i))), 1e-8 * loudest) << trial;
+        // Law: reciprocal.
+        EXPECT_LT(std::abs(both.at(i, j) - turned.at(i, j)), 1e-8 * loudest) << trial;
       }
   }
 }
