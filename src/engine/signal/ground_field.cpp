@@ -29,7 +29,7 @@ double ground_spacing_m(double bandwidth_hz, double wavelength_m, double sound_s
   const double per_m2 =
       2 * bandwidth_hz * grazing_cosine / sound_speed_m_s * (2 * look_angles_rad / wavelength_m);
   // No plane has a cosine below 1 / sqrt 3 with the axis that it faces most, but for the weights of ties.
-  constexpr double least_cosine = 0.57;
+  constexpr double least_cosine = 0.5689;
   return std::sqrt(least_cosine / per_m2);
 }
 

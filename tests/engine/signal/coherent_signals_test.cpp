@@ -426,6 +426,25 @@ TEST(ElementSignals, AnotherPoseSeesTheSameGround) {
   EXPECT_LT(coherence, 0.95);
 }
 
+TEST(ElementSignals, OfNothingAreSilence) {
+  const CoherentReceiver receiver = receiver_at({0, 0, 0});
+  const std::vector<SignalSample> samples{{0, 1}, {3, 2}};
+  for (const Complex& v : element_signals({}, receiver, {}, {}).value) EXPECT_EQ(v, 0.0);
+  for (const Complex& v : drawn_signals({}, receiver, {}, 1, 0).value) EXPECT_EQ(v, 0.0);
+  for (const Complex& v : signal_covariances({}, receiver, samples, {}).value) EXPECT_EQ(v, 0.0);
+  // So they are where nobody listens yet, and behind a plate.
+  const test::SignalScene scene = test::signal_scenes()[0];
+  const SignalView view(scene, {0.0, 0.0, 0.0});
+  CoherentReceiver early = receiver_at(view.apex_m);
+  early.times = {0, 25e3, 20};
+  for (const Complex& v : element_signals(view.patches(), early, view.law, {1, 0.02}).value)
+    EXPECT_EQ(v, 0.0);
+  const CoherentReceiver below = receiver_at({0, 4.5, -20});
+  SeenPatches bed = view.patches();
+  std::erase_if(bed.patches, [](const SeenPatch& patch) { return patch.normal.z < 0.9; });
+  for (const Complex& v : element_signals(bed, below, view.law, {1, 0.05}).value) EXPECT_EQ(v, 0.0);
+}
+
 TEST(ElementSignals, RefuseWhatIsNone) {
   const test::SignalScene scene = test::signal_scenes()[0];
   const SignalView view(scene, {0.0, 0.0, 0.0});

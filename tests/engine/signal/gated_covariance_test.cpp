@@ -322,6 +322,22 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
   }
 }
 
+// Transmitter and receiver in each other's place: all ellipses of the one are ellipses of the other.
+TEST(GatedCovariance, OfAPathAndTheSamePathBackIsItsEnergy) {
+  const SeenPatches seen = on_bed(3, {{-1, 0.5}, {2, 1}, {1.5, 3}, {-0.5, 2.5}});
+  const glm::dvec3 here(0.2, -0.1, 0.3), there(-0.4, 0.3, -0.2);
+  const RangeSamples samples{2.5, 0.13, 20};
+  const EchoLaw law = even_law();
+  const SampleCovariances both = gated_covariances(seen, {here, there}, {there, here}, samples, 200, law),
+                          own = gated_covariances(seen, {here, there}, {here, there}, samples, 200, law);
+  double all = 0;
+  for (int k = 0; k < samples.count; ++k) all += own.at(k, k).real();
+  ASSERT_GT(all, 0);
+  for (int k = 0; k < samples.count; ++k)
+    for (int j = std::max(k - both.reach, 0); j <= std::min(k + both.reach, samples.count - 1); ++j)
+      EXPECT_LT(std::abs(both.at(k, j) - own.at(k, j)), 1e-9 * all) << k << ' ' << j;
+}
+
 /// Polygons in parts, samples in parts, tubes in parts: the sums stand.
 TEST(GatedCovariance, PartsAddUp) {
   const test::SignalScene scene = test::signal_scenes()[0];
