@@ -19,6 +19,29 @@ BasebandPulse gaussian_pulse(double sigma_s, double left_out) {
           -reach * sigma_s, reach * sigma_s, reach / (std::numbers::pi * sigma_s)};
 }
 
+double weighed_bandwidth_hz(const BasebandPulse& pulse, int order) {
+  constexpr int frequencies = 128;
+  // Four times as often as the band asks for: what is beyond comes back nowhere near it.
+  const double half = pulse.bandwidth_hz / 2, interval = 1 / (4 * pulse.bandwidth_hz);
+  const int count = int(std::ceil((pulse.end_s - pulse.begin_s) / interval)) + 1;
+  std::vector<std::complex<double>> values;
+  for (int k = 0; k < count; ++k) values.push_back(pulse.at(pulse.begin_s + k * interval));
+  double sum = 0, weighed = 0;
+  for (int n = 0; n < frequencies; ++n) {
+    const double share = (2 * n + 1.0) / frequencies - 1,
+                 turn = 2 * std::numbers::pi * share * half * interval;
+    std::complex<double> amplitude = 0, phase = 1;
+    const std::complex<double> step = std::polar(1.0, turn);
+    for (const std::complex<double>& value : values) {
+      amplitude += value * phase;
+      phase *= step;
+    }
+    sum += std::abs(amplitude);
+    weighed += std::abs(amplitude) * std::pow(std::abs(share), order);
+  }
+  return sum > 0 ? 2 * half * std::pow(weighed / sum, 1.0 / order) : pulse.bandwidth_hz;
+}
+
 void check(const BasebandPulse& pulse, const SignalTimes& times) {
   if (!pulse.envelope || !(pulse.end_s > pulse.begin_s) || !(pulse.bandwidth_hz > 0) ||
       !std::isfinite(pulse.end_s - pulse.begin_s) || !std::isfinite(pulse.bandwidth_hz))

@@ -27,6 +27,11 @@ struct BasebandPulse {
 /// exp(-t^2 / (2 sigma^2)), of energy 1, cut off in time and in frequency where it is `left_out` of its peak.
 BasebandPulse gaussian_pulse(double sigma_s, double left_out = 1e-9);
 
+/// The band within which a pulse's frequencies are, weighed by their amplitudes: twice the mean, of order
+/// `order`, of |f|, (integral |G| |f|^order df / integral |G| df)^(1 / order) over the bandwidth, which is
+/// not above it.
+double weighed_bandwidth_hz(const BasebandPulse& pulse, int order);
+
 /// When a receiver samples.
 struct SignalTimes {
   double first_s = 0, rate_hz = 0;  ///< complex samples a second

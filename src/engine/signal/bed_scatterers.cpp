@@ -13,11 +13,9 @@
 namespace tubefoot {
 namespace {
 
-constexpr int most_nodes = 8;
-
 int nodes_for(double change_rad, double tolerance) {
   int nodes = 1;
-  while (nodes < most_nodes && gauss_error(nodes, change_rad) > tolerance) ++nodes;
+  while (nodes < most_rule_nodes && gauss_error(nodes, change_rad) > tolerance) ++nodes;
   return nodes;
 }
 
@@ -38,7 +36,7 @@ std::vector<BedScatterer> bed_scatterers(const SeenPatches& seen, const SignalEx
   if (extent.transmit_m.empty() || extent.receive_m.empty())
     throw std::invalid_argument("signals need a transmitter and a receiver or more");
   double most_change = 0.25;
-  while (gauss_error(most_nodes, most_change * 1.05) <= tolerance) most_change *= 1.05;
+  while (gauss_error(most_rule_nodes, most_change * 1.05) <= tolerance) most_change *= 1.05;
   const SmoothPieces pieces(extent, most_change);
   std::vector<BedScatterer> all;
   std::vector<SmoothPieces::Chunk> chunks;

@@ -8,6 +8,9 @@
 
 namespace tubefoot {
 
+/// Of a rule along an axis of a piece.
+constexpr int most_rule_nodes = 8;
+
 /// A point that stands for a piece of the bed.
 struct BedScatterer {
   glm::dvec3 place_m{0};  ///< relative to the patches' origin

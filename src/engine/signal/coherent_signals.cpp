@@ -50,7 +50,13 @@ SignalExtent extent_of(const CoherentReceiver& receiver, bool products) {
   SignalExtent extent;
   extent.products = products;
   extent.wavenumber_rad_m = wavenumber(receiver);
-  extent.band_rad_m = 2 * pi * receiver.pulse.bandwidth_hz / receiver.sound_speed_m_s * (products ? 1 : 0.5);
+  // n nodes leave 2 E|K / 2|^n / n! over the pulse's frequencies, n at most ChebyshevNodes::most; rules of
+  // Gauss, whose order is twice their nodes, as E|K|^2n over differences of two. By Minkowski's inequality
+  // means of lower orders are below that of the highest, and those of differences below twice the
+  // frequency's.
+  extent.band_rad_m = 2 * pi / receiver.sound_speed_m_s *
+                      (products ? weighed_bandwidth_hz(receiver.pulse, 2 * most_rule_nodes)
+                                : weighed_bandwidth_hz(receiver.pulse, ChebyshevNodes::most) / 2);
   double sent = 0, heard = 0;
   if (!products) {
     extent.transmit_m.push_back(middle_of(receiver, &SignalChannel::transmit_m));

@@ -37,7 +37,8 @@ struct ChannelSignals {
 
 // Each throws std::invalid_argument that says what is wrong and what to do: no channel, a pulse that the
 // samples do not hold, a carrier or a sound speed that is not above 0, a field that is none. `tolerance`: of
-// covariances, about, relative to what they would be without interference.
+// covariances, about, relative to what they would be without interference and with all of a pulse's
+// frequencies in phase (of a chirp: after its matched filter).
 
 /// Channels by a field that belongs to the ground. The field's scatterers are summed up as moments over
 /// pieces of the bed on which channels are polynomials but for a phase that all have, so that a scatterer

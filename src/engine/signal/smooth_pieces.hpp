@@ -19,7 +19,7 @@ struct SignalExtent {
   /// Of products of any two channels; else of single ones less the phase of the first ends.
   bool products = true;
   double wavenumber_rad_m = 0;  ///< of the carrier
-  double band_rad_m = 0;        ///< 2 pi / sound speed times the bandwidth, of single ones half of that
+  double band_rad_m = 0;        ///< by which ways count: 2 pi / sound speed times a bandwidth
   double pattern_rad = 0;       ///< sum over the factors of amplitude_wavenumber()
 };
 

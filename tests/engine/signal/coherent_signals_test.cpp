@@ -47,6 +47,18 @@ TEST(GaussRule, ItsErrorIsBounded) {
     }
 }
 
+TEST(BasebandPulse, ItsWeighedBandIsThatOfItsSpectrum) {
+  // A Gaussian's frequencies are Gaussian: E|x|^12 = 10395.
+  const double sigma_s = 1e-4;
+  const double wide = weighed_bandwidth_hz(gaussian_pulse(sigma_s), 12);
+  EXPECT_NEAR(wide, 2 * std::pow(10395, 1.0 / 12) / (2 * pi * sigma_s), 1e-3 * wide);
+  EXPECT_LT(wide, 0.5 * gaussian_pulse(sigma_s).bandwidth_hz);
+  // A rectangular spectrum: (integral of x^12)^(1/12) of its half.
+  const BasebandPulse even{[](double t) { return t == 0 ? 1 : std::sin(pi * 1e4 * t) / (pi * 1e4 * t); },
+                           -0.05, 0.05, 1e4};
+  EXPECT_NEAR(weighed_bandwidth_hz(even, 12), 1e4 * std::pow(13, -1.0 / 12), 100);
+}
+
 // Law Y1.
 TEST(SmoothPieces, PhasesChangeByLessThanTheirBounds) {
   const unsigned seed = 8;
