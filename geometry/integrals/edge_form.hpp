@@ -10,7 +10,7 @@
 #include "geometry/integrals/path_cut.hpp"
 
 // Surface integrals of waves that go from an apex to a plane and from there to an apex, as integrals along a
-// polygon's edges. docs/signals.md has the derivation.
+// polygon's edges. docs/smooth-surfaces.md has the derivation.
 namespace tubefoot {
 
 /// The angle, about the apex's foot point, of the circle of slant range `range_m` that lies in the polygon:

@@ -9,7 +9,7 @@
 #include "geometry/integrals/measure.hpp"
 
 // Integrals of e^{i phase} over segments, triangles and polygons on which the phase is an affine function of
-// place: what a smooth polygon returns to far away. docs/signals.md
+// place: what a smooth polygon returns to far away. docs/smooth-surfaces.md
 namespace tubefoot {
 
 /// e^{i phase}; phases in radians.

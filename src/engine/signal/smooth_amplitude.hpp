@@ -13,7 +13,7 @@
 #include "geometry/integrals/path_cut.hpp"
 
 // Coherent echoes of smooth polygons in the Kirchhoff approximation: pressure of a wave e^{ikr}/r that is
-// sent, over a surface that reflects all of it (R = 1). docs/signals.md
+// sent, over a surface that reflects all of it (R = 1). docs/smooth-surfaces.md
 namespace tubefoot {
 
 /// A polygon's echo as if waves were plane on it, and how far that is from the Kirchhoff integral, proven.

@@ -11,7 +11,7 @@
 #include "engine/sight/far_view.hpp"
 #include "engine/signal/smooth_surface.hpp"
 
-// What a body returns to where sound came from, both far away. docs/signals.md
+// What a body returns to where sound came from, both far away. docs/smooth-surfaces.md
 namespace tubefoot {
 
 /// Backscattering lengths f [m] in the Kirchhoff approximation, one for each wave number [rad/m]: the

@@ -157,7 +157,7 @@ TEST(TargetStrength, SphereGoesToItsClosedFormAndNearTheTrueOne) {
 TEST(TargetStrength, JechsBenchmark) {
   struct Row {
     double khz, rigid_sphere, soft_sphere, soft_cylinder;
-    double rigid_off, soft_off, cylinder_off;  ///< Kirchhoff's error, as docs/signals.md has it
+    double rigid_off, soft_off, cylinder_off;  ///< Kirchhoff's error, as docs/smooth-surfaces.md has it
   };
   const ComponentMesh ball = sphere_facets({0.01}, 4e-6, {}), rod = cylinder_facets({0.01, 0.07}, 2e-6, {});
   for (const Row& row :
