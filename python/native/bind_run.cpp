@@ -77,7 +77,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   const ThreadLimit limit(description.run.threads);
 
   auto result = std::make_shared<NativeResult>();
-  result->survey = open_survey(description, facets_for(request));
+  result->survey = open_survey(description, facets_for(request), request.coarseness);
   const Survey& survey = *result->survey;
   RunWarnings warnings([&](const std::string& warning, bool is_silence) { told.add(warning, is_silence); });
   warnings.foresee(survey, request);
@@ -143,6 +143,7 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   asked.reference = option<bool>(options, "reference").value_or(false);
   asked.truth = option<bool>(options, "truth").value_or(false);
   asked.tolerance = option<std::string>(options, "tolerance");
+  asked.coarsen = option<std::string>(options, "coarsen");
   const auto engine = own_name ? own_engine(*own_name, own) : nullptr;
   RunWatch watch;
   std::shared_ptr<NativeResult> result;

@@ -371,7 +371,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         threads: Optional[int] = None, arithmetic: Optional[str] = None, binning: Optional[str] = None,
         sampling: Optional[str] = None, rays: Optional[int] = None, rays_per_beam: Optional[int] = None,
         seed: Optional[int] = None, sensor: Optional[str] = None, pings: Union[int, str, None] = None,
-        beams: Union[int, str, None] = None, truth: bool = False, output: Optional[PathLike] = None,
+        beams: Union[int, str, None] = None, coarsen: float = 0, truth: bool = False, output: Optional[PathLike] = None,
         progress: Optional[Progress] = None) -> Result:
     """Simulates all pings of a scene, as ``tubefoot run`` does, into memory.
 
@@ -392,6 +392,8 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         pings: only these of each sensor: one, or ``"A:B"``, both included, counted from 0. Their energies are the
             whole run's.
         beams: only these of each sensor, as ``pings``, or several such between commas.
+        coarsen: lets facets become fewer where no point of them moves by more than this part of what the scene's sonars
+            tell apart there, 0 (not at all) to 1; ``stats["coarsening"]`` tells the bounds.
         truth: also whose each energy is, and its mean height and range (:attr:`SensorResult.truth`).
         output: folder to write as well, as ``tubefoot run -o`` does: whole or not at all.
         progress: called now and then with the pings finished and all pings; what it raises ends the run.
@@ -411,6 +413,8 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
                     beams=None if beams is None else str(beams))
     if tolerance is not None:
         options["tolerance"] = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
+    if coarsen:
+        options["coarsen"] = repr(float(coarsen))
     if output is not None and not os.fspath(output):
         raise UsageError("output: the name of a folder is empty")
     own = own_engine(engine)

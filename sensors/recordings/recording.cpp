@@ -65,6 +65,7 @@ std::vector<NamedAttribute> attributes_of(const Provenance& provenance) {
       {"arithmetic", provenance.arithmetic}, {"version", provenance.version}};
   if (provenance.reference_tolerance)
     attributes.push_back({"reference_tolerance", *provenance.reference_tolerance});
+  if (provenance.coarseness > 0) attributes.push_back({"coarsened", provenance.coarseness});
   if (!provenance.start_utc.empty()) attributes.push_back({"start_utc", provenance.start_utc});
   if (!provenance.frame.is_georeferenced()) return attributes;
   const LocalFrame::Map map = provenance.frame.map();

@@ -84,6 +84,7 @@ struct Provenance {
   std::string title, scene_hash, engine, arithmetic, version;
   std::optional<double> reference_tolerance{};  ///< of a reference run
   std::string start_utc{};                      ///< date and time of the scene's time 0; empty: not said
+  double coarseness = 0;                        ///< that facets were coarsened to; 0: they were not
   LocalFrame frame{};                           ///< where the scene lies on Earth, if it says so
 };
 

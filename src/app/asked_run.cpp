@@ -60,6 +60,10 @@ void add_run(CLI::App& app, Asked& asked) {
   command->add_option("--tolerance", run.tolerance,
                       "error allowed, 0.1dB (RMS of lit bins), 1e-3 or 0.1% (relative L1): picks engine and "
                       "settings as 'advise' does; with --reference: the bound asked for (default: 1e-9)");
+  command->add_option("--coarsen", run.coarsen,
+                      "let facets become fewer and larger where no point of them moves by more than this "
+                      "part of what the scene's sonars tell apart there, 0 to 1 (default: 0, not at all; "
+                      "docs/coarse.md)");
   command->add_flag("--truth", run.truth,
                     "write beside every energy whose it is, by object and material, and its mean height and "
                     "range (docs/truth.md)");

@@ -29,7 +29,7 @@ int join_command(const JoinOptions& join) {
   PartialRun partial(options.output, false);
   const ThreadLimit limit(description.run.threads);
   run.threads = limit.threads();
-  const auto survey = open_survey(description, facets_for(run.request));
+  const auto survey = open_survey(description, facets_for(run.request), run.request.coarseness);
   refuse_changed_input(description);
   const PartDeal deal(*survey, layout_of(*survey, run.request), parts.count());
   parts.require_whole(deal);

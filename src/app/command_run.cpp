@@ -107,7 +107,7 @@ int run_part(const RunOptions& options) {
   keep_through([&] { return part.advice(); },
                [&] {
                  const ThreadLimit limit(description.run.threads);
-                 const auto survey = open_survey(description, facets_for(request));
+                 const auto survey = open_survey(description, facets_for(request), request.coarseness);
                  refuse_changed_input(description);
                  RunWarnings warnings(
                      [&](const std::string& warning, bool) { print_warnings({warning}, options.quiet); });
@@ -143,7 +143,7 @@ int run_command(const RunOptions& options) {
   const ThreadLimit limit(threads);
   run.threads = limit.threads();
   const auto survey =
-      partial.unless_interrupted([&] { return open_survey(description, facets_for(run.request)); });
+      partial.unless_interrupted([&] { return open_survey(description, facets_for(run.request), run.request.coarseness); });
   refuse_changed_input(description);
   run.warnings.foresee(*survey, run.request);
   const std::vector<std::string> left_out = files_left_out(*survey, run.request.selection);

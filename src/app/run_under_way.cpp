@@ -5,6 +5,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <glm/trigonometric.hpp>
 
 #include "files/checked_file.hpp"
 #include "files/json_text.hpp"
@@ -64,6 +65,15 @@ void print_relief(const Site& site, const SimulationStats& stats) {
       "finer relief would change a facet's energy by {:.2g} times itself (RMS), by {:.2g} times at most "
       "(first-order estimates for the worst ping, not certified)\n",
       stats.finer_relief_rms, stats.finer_relief_largest);
+}
+
+void print_coarsening(const SiteCoarsening& coarse) {
+  tell(
+      "coarsened: {} facets for {}; no point moved by more than {:.3g} mm, {:.3g} of what the sonars tell "
+      "apart "
+      "there, nor turned by more than {:.3g} degrees (bounds)\n",
+      coarse.facets, coarse.facets_before, 1000 * coarse.largest_move_m, coarse.largest_share,
+      glm::degrees(coarse.largest_turn_rad));
 }
 
 /// For stats.json.
@@ -173,6 +183,7 @@ void tell_all(const RunUnderWay& run, const Site& site, const std::vector<std::f
     tell("{} pings, {} tubes, {} {} in {:.1f} s\nsimulation {:.1f} s{}, writing {:.1f} s\n", stats.pings,
          stats.tubes, exact ? stats.footprints : stats.hits, exact ? "footprints" : "ray hits",
          seconds_since(run.start), run.simulation_seconds, pace(run), run.write_seconds);
+  if (!run.options.quiet && site.coarsening) print_coarsening(*site.coarsening);
   if (!run.options.quiet && site.relief.cell_m > 0) print_relief(site, stats);
   if (run.request.reference_tolerance)
     print_reference(*run.request.reference_tolerance, stats.reference, site.ground != nullptr);

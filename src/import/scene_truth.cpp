@@ -14,7 +14,7 @@ WholeEchoFile truth_of_scene(SceneDescription description, const std::optional<s
                              std::size_t pings, const std::filesystem::path& folder) {
   RunRequest request = requested({}, description);
   request.selection.sensor = sensor;
-  const auto survey = open_survey(description, facets_for(request));
+  const auto survey = open_survey(description, facets_for(request), request.coarseness);
   std::size_t most = 0;
   for (const SensorPings& one : survey->sensors)
     if (!sensor || one.sensor->description().name == *sensor) most = std::max(most, one.poses.size());

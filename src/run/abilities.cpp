@@ -22,6 +22,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "receiver apart",
                                                        "two receivers",
                                                        "tiles",
+                                                       "relief",
                                                        "relief each shot",
                                                        "scattering law",
                                                        "micro-texture",
@@ -34,6 +35,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "rays",
                                                        "an engine of one's own",
                                                        "--truth",
+                                                       "--coarsen",
                                                        "audit",
                                                        "coverage",
                                                        "view",
@@ -72,6 +74,45 @@ constexpr auto table = std::to_array<Refusal>({
      {},
      "a sum of energies does not tell its parts, and such an engine gives no more than the sum: ask a "
      "built-in engine for the truth"},
+    {refraction,
+     coarsening,
+     {},
+     "rays that bend are traced facet by facet, as fine as these are: leave out --coarsen, or give profile = "
+     "\"constant\""},
+    {two_receivers,
+     coarsening,
+     {},
+     "phases tell apart far less than a sample of range or a beam, which facets are coarsened by: leave out "
+     "--coarsen"},
+    {tiles,
+     coarsening,
+     {},
+     "what is coarsened is coarsened whole, and tiles come by and by: leave out --coarsen, or give load = "
+     "\"whole\""},
+    {relief,
+     coarsening,
+     {},
+     "facets that relief was refined into are those that its law asks for: leave out --coarsen, or make "
+     "cell_m larger"},
+    {scatterings,
+     coarsening,
+     {},
+     "sound that scatters on comes from facets as from points: leave out --coarsen, or give scatterings = 1"},
+    {reference, coarsening, {}, "that is of the facets as they are given: leave out --coarsen"},
+    {fast_binning,
+     coarsening,
+     {},
+     "that takes a footprint for its centroid, which larger facets are worse for: leave out --coarsen, or "
+     "--binning"},
+    {own_engine,
+     coarsening,
+     {},
+     "such an engine is asked about the facets as they are given: leave out --coarsen"},
+    {trial,
+     coarsening,
+     {},
+     "settings are held against the facets as they are given: leave out --coarsen, or find the settings "
+     "without it first"},
 });
 
 /// A feature that is there, where the scene asks for it, and the beginning of a sentence about it.
@@ -106,6 +147,9 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
          fmt::format("material '{}' mirrors where it is not level", d.materials[*material].name)});
   if (d.paths.scatterings > 1)
     found.push_back({scatterings, d.paths.place, "[paths] asks for several scatterings"});
+  if (survey.site->is_tiled()) found.push_back({tiles, d.terrains.front().place, "terrain is read by tiles"});
+  if (survey.site->relief.cell_m > 0)
+    found.push_back({relief, d.refinement.place, "[relief] refines facets"});
   if (survey.site->ground)
     found.push_back({relief_each_shot, d.refinement.place, "[relief] is refined anew for each shot"});
   const auto add_material = [&](Feature feature, const auto& list, const char* what) {
@@ -178,6 +222,7 @@ std::vector<Feature> asked_by(const RunRequest& request) {
   }
   if (request.reference_tolerance) asked.push_back(reference);
   if (request.truth) asked.push_back(truth);
+  if (request.coarseness > 0) asked.push_back(coarsening);
   return asked;
 }
 
@@ -198,6 +243,7 @@ void require_able(const RunRequest& request, Feature asked) {
     all = asked_by(request);
   else if (request.visibility.arithmetic == Arithmetic::plain_double)
     all.push_back(double_arithmetic);
+  if (asked == trial && request.coarseness > 0) all.push_back(coarsening);
   require(refused(std::vector<Found>{}, all));
 }
 

@@ -25,6 +25,7 @@ enum class Feature : unsigned char {
   receiver_apart,    ///< from its transmitter
   two_receivers,     ///< one above the other, for phases
   tiles,             ///< terrain of which only parts are in memory
+  relief,            ///< that facets are refined by, once or for each shot
   relief_each_shot,  ///< relief that is refined anew for each shot
   scattering_law,    ///< another than Lambert's
   micro_texture,
@@ -38,6 +39,7 @@ enum class Feature : unsigned char {
   rays,
   own_engine,
   truth,
+  coarsening,
   // commands
   audit,
   coverage,

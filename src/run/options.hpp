@@ -39,6 +39,7 @@ struct RunOptions : CommonOptions {
   std::optional<std::string> sampling;
   std::optional<std::int64_t> rays, rays_per_beam;
   std::optional<std::uint64_t> seed;
+  std::optional<std::string> coarsen;  ///< RunRequest::coarseness
   bool reference = false;
   bool truth = false;
   bool resume = false;

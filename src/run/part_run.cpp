@@ -81,6 +81,7 @@ void each_word(auto& options, const auto& each) {
   each("rays_per_beam", options.rays_per_beam);
   each("seed", options.seed);
   each("tolerance", options.tolerance);
+  each("coarsen", options.coarsen);
   each("reference", options.reference);
   each("truth", options.truth);
 }

@@ -30,7 +30,8 @@ struct RunRequest {
   std::optional<Tolerance> tolerance;             ///< picks the settings above
   Selection selection{};                          ///< what is kept of the scene's echoes
   std::shared_ptr<const OwnEngine> own_engine{};  ///< in place of a built-in one
-  bool truth = false;  ///< also whose each energy is, and where it comes from (truth.hpp)
+  double coarseness = 0;  ///< facets are coarsened to this tolerance (coarsening.hpp); 0: they are not
+  bool truth = false;     ///< also whose each energy is, and where it comes from (truth.hpp)
 };
 
 /// Of the words of [run]. Throws UsageError for words that mean nothing.

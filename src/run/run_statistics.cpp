@@ -3,7 +3,11 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <cmath>
+#include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 
 #include "engine/ground/ground.hpp"
@@ -12,6 +16,38 @@
 #include "run/run_steps.hpp"
 
 namespace tubefoot {
+
+namespace {
+
+/// cos^2 (45 deg - turn) is (1 + sin(2 turn)) cos^2 45 deg.
+double change_at_45_deg(double turn_rad) { return std::sin(2 * std::min(turn_rad, std::numbers::pi / 4)); }
+
+nlohmann::ordered_json coarsening_json(const SiteCoarsening& coarse) {
+  return {{"tolerance", coarse.tolerance},
+          {"facets_before", coarse.facets_before},
+          {"facets", coarse.facets},
+          {"largest_move",
+           {{"of", "a point of the surface; bounds the distance of the two surfaces both ways"},
+            {"is", "a bound, to rounding"},
+            {"m", coarse.largest_move_m},
+            {"of_what_is_told_apart", coarse.largest_share},
+            {"samples_of_range", coarse.largest_share}}},
+          {"turn",
+           {{"of", "the normal at a point of the surface; rms: of all that was turned, by area"},
+            {"is", "bounds, to rounding"},
+            {"largest_deg", glm::degrees(coarse.largest_turn_rad)},
+            {"rms_deg", glm::degrees(coarse.rms_turn_rad)}}},
+          {"change_of_energy",
+           {{"of", "what a point returns by Lambert's law at 45 degrees of incidence, relative"},
+            {"is",
+             "bounds from the turns, point by point; neighbours' turns cancel, so that energies of "
+             "bins change by less: measured, not certified (docs/coarse.md)"},
+            {"largest", change_at_45_deg(coarse.largest_turn_rad)},
+            {"rms", change_at_45_deg(coarse.rms_turn_rad)}}},
+          {"seconds", coarse.seconds}};
+}
+
+}  // namespace
 
 nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& request,
                                        const SimulationStats& stats) {
@@ -78,6 +114,7 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
     json["facets"] = scene.mesh.facets.size();
     if (site.facets_given > 0) json["facets_before_planes_were_merged"] = site.facets_given;
   }
+  if (site.coarsening) json["coarsening"] = coarsening_json(*site.coarsening);
   json["pings"] = stats.pings;
   json["tubes"] = stats.tubes;
   json["candidates"] = stats.candidates;

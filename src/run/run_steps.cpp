@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "files/utc.hpp"
 #include "geometry/steps/stop.hpp"
@@ -30,6 +31,18 @@ double bound_asked_for(const std::optional<std::string>& text) {
     throw UsageError(
         fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{}'", *text));
   return bound;
+}
+
+/// 0 to 1. Throws UsageError.
+double coarseness_asked_for(const std::string& text) {
+  double coarseness = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), coarseness);
+  if (error != std::errc() || end != text.data() + text.size() || !(coarseness >= 0 && coarseness <= 1))
+    throw UsageError(
+        fmt::format("--coarsen '{}': expected how far facets may move, as a part of what a sonar tells apart "
+                    "there: 0 (not at all) to 1; 0.1 is a tenth",
+                    shown(text)));
+  return coarseness;
 }
 
 void refuse_what_the_tolerance_picks(const RunOptions& options) {
@@ -96,10 +109,12 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
   if (options.seed) description.run.seed = *options.seed;
   RunRequest request = request_of(description.run);
   request.truth = options.truth;
+  if (options.coarsen) request.coarseness = coarseness_asked_for(*options.coarsen);
   request.selection = options.selection;
   if (!options.tolerance || options.reference) refuse_unused_settings(options, request.engine);
   if (options.tolerance && !options.reference) {
     refuse_what_the_tolerance_picks(options);
+    require_able(request, Feature::trial);
     request.tolerance = asked_tolerance(*options.tolerance);
     // One dial: the ground is refined no further, and no less, unless the scene says how far.
     if (!description.refinement.tolerance)
@@ -156,8 +171,9 @@ Provenance provenance_of(const Scene& scene, const RunRequest& request) {
                                       : request.engine == Engine::tube
                                           ? name_of(request.visibility.arithmetic)
                                           : "float";
-  return {description.title, description.sha256,          engine_name(request),      std::string(arithmetic),
-          TUBEFOOT_VERSION,  request.reference_tolerance, description.run.start_utc, scene.frame};
+  return {description.title,         description.sha256, engine_name(request),
+          std::string(arithmetic),   TUBEFOOT_VERSION,   request.reference_tolerance,
+          description.run.start_utc, request.coarseness, scene.frame};
 }
 
 std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection) {

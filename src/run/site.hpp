@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "geometry/search/scene_tree.hpp"
@@ -30,6 +31,18 @@ struct SiteRelief {
   std::shared_ptr<const RefinedBedFile> file;  ///< that they come from; null: they are made
 };
 
+/// What was made of a site's facets that no sonar tells apart (coarsening.hpp). Bounds of the map from the
+/// facets given onto those there are.
+struct SiteCoarsening {
+  double tolerance = 0;  ///< asked for, of what is told apart
+  std::size_t facets_before = 0, facets = 0;
+  double largest_move_m = 0;    ///< of a point
+  double largest_share = 0;     ///< of what is told apart where it is moved
+  double largest_turn_rad = 0;  ///< of the direction that a point of the surface faces
+  double rms_turn_rad = 0;      ///< of what was turned at all, by area
+  double seconds = 0;
+};
+
 /// What was loaded of terrain that is read by tiles.
 struct TerrainUse {
   std::atomic<std::size_t> regions{0}, loads{0};  ///< regions that pings are grouped into; loaded, also again
@@ -51,7 +64,8 @@ struct Site {
   std::unique_ptr<const SceneTree> tree;
   bool is_cut = false;           ///< by the sea surface, above which no facet is
   std::size_t facets_given = 0;  ///< before planes were merged; 0: they were not
-  double lowest_m = 0;           ///< of the scene, where water refracts: rays do not turn below
+  std::optional<SiteCoarsening> coarsening;
+  double lowest_m = 0;  ///< of the scene, where water refracts: rays do not turn below
   double load_seconds = 0, tree_seconds = 0;
   std::shared_ptr<TerrainUse> terrain_use;  ///< null without tiles
   // Of what survey_with_tiles() makes:

@@ -21,6 +21,7 @@
 #include "geometry/search/vertical_line.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/mirror.hpp"
+#include "run/coarsening.hpp"
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
 #include "run/shot_ground.hpp"
@@ -278,7 +279,8 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
 
 }  // namespace
 
-std::unique_ptr<const Survey> open_survey(const SceneDescription& description, Facets facets) {
+std::unique_ptr<const Survey> open_survey(const SceneDescription& description, Facets facets,
+                                          double coarseness) {
   const auto load_start = std::chrono::steady_clock::now();
   const auto site = std::make_shared<Site>(load_scene(description));
   if (site->is_tiled()) site->terrain_use = std::make_shared<TerrainUse>();
@@ -293,6 +295,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
         pings_of(*site, description.sensors[s], site->scene.trajectories[site->scene.sensor_trajectory[s]]));
   check_places(*site, *fleet);
   if (facets == Facets::merged) merge_planes(*site);
+  if (facets == Facets::merged && coarseness > 0) coarsen(*site, *fleet, coarseness);
   cut_at_surface(*site);
   put_into_water(*site, *fleet);
   check_paths(site->scene, *fleet);

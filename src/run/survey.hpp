@@ -29,10 +29,11 @@ enum class Facets {
 };
 
 /// Loads the scene, builds the tree, lays out the pings. `arithmetic` and `threads` are the caller's
-/// business. Throws InputError: also where a sensor lies below the seabed. Adds warnings to the scene's
+/// business. `coarseness`: of merged facets, the tolerance that they are coarsened to (coarsening.hpp); 0:
+/// not at all. Throws InputError: also where a sensor lies below the seabed. Adds warnings to the scene's
 /// report.
 std::unique_ptr<const Survey> open_survey(const SceneDescription& description,
-                                          Facets facets = Facets::as_given);
+                                          Facets facets = Facets::as_given, double coarseness = 0);
 
 /// The same pings on a site whose mesh has some tiles, too. Throws InputError for a raster that can no longer
 /// be read.

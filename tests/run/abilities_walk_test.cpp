@@ -35,6 +35,7 @@ const std::vector<Asked> of_runs{{Feature::reference, {"run", "--reference", "--
                                  {Feature::double_arithmetic, {"run", "--arithmetic", "double"}},
                                  {Feature::fast_binning, {"run", "--binning", "centroid"}},
                                  {Feature::truth, {"run", "--truth"}},
+                                 {Feature::coarsening, {"run", "--coarsen", "1e-2"}},
                                  {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "30000"}}};
 const std::vector<Asked> of_commands{
     {Feature::audit, {"audit"}},
@@ -71,6 +72,7 @@ struct AbilitiesWalk : testing::Test {
 
   void walk(std::set<Feature> features, const std::vector<std::string>& words) {
     if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);  // paths as they are
+    if (features.contains(Feature::relief_each_shot)) features.insert(Feature::relief);
     SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene_with(features, size)));
     const auto output = folder / fmt::format("out{}", ++runs);
     const Outcome outcome = tried(features, words, output);
@@ -111,7 +113,8 @@ struct AbilitiesWalk : testing::Test {
       const std::vector<double> here = file.values("/", "energy");
       ASSERT_EQ(here.size(), sure.size());
       const double sum = std::reduce(here.begin(), here.end());
-      if (features.contains(Feature::rays) || features.contains(Feature::fast_binning)) {
+      if (features.contains(Feature::rays) || features.contains(Feature::fast_binning) ||
+          features.contains(Feature::coarsening)) {
         EXPECT_NEAR(sum, total, 0.02 * total);
       } else if (features.contains(Feature::double_arithmetic)) {
         // Slivers that windows of mirrors cut along facets' edges may be lost to plain doubles.

@@ -65,7 +65,7 @@ class HelpingRank {
     request = request_of(told.at("run"), std::move(request));
     const ThreadLimit limit(description.run.threads > 0 ? description.run.threads
                                                         : threads_of_rank(link_.local_ranks()));
-    const auto survey = open_survey(description, facets_for(request));
+    const auto survey = open_survey(description, facets_for(request), request.coarseness);
     simulate(*survey, request, limit.threads());
   }
 
