@@ -20,8 +20,8 @@ struct CoarseMesh {
 /// The same surface in fewer facets, within limits: vertices go one by one, each onto a neighbour, cheapest
 /// first, as long as no point of the surface is moved by more than `most_move` of the facet that it was on
 /// (grid units; facets with 0 keep their corners), nor turned by more than `most_turn_rad`. Those that stay
-/// keep their place and their id; facets keep their order. Vertices on borders of sheets, of components and of materials stay, and so
-/// do those whose facets are no disk. docs/coarse.md
+/// keep their place and their id; facets keep their order. Vertices on borders of sheets, of components and
+/// of materials stay, and so do those whose facets are no disk (docs/coarse.md).
 /// Law N4 (one to one): each step maps the disk about a vertex, along a direction in which both are seen
 ///   spread out, one to one onto the disk that takes its place, and leaves its border; so does what the steps
 ///   add up to, from the mesh onto the coarse one. `move` bounds how far that moves points, thus the distance

@@ -142,8 +142,8 @@ int run_command(const RunOptions& options) {
   }
   const ThreadLimit limit(threads);
   run.threads = limit.threads();
-  const auto survey =
-      partial.unless_interrupted([&] { return open_survey(description, facets_for(run.request), run.request.coarseness); });
+  const auto survey = partial.unless_interrupted(
+      [&] { return open_survey(description, facets_for(run.request), run.request.coarseness); });
   refuse_changed_input(description);
   run.warnings.foresee(*survey, run.request);
   const std::vector<std::string> left_out = files_left_out(*survey, run.request.selection);
