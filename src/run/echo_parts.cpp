@@ -446,22 +446,31 @@ std::vector<bool> wanted_tubes(const Shot& shot, const PingSums& sums) {
   return wanted;
 }
 
-History traced(const Shot& shot, PingSums& sums) {
-  std::size_t candidates = 0;
-  History history =
-      shot.trace(&candidates, shot.request().binning != Binning::exact, wanted_tubes(shot, sums));
-  sums.counts.candidates += candidates;
-  return history;
+/// The cycles of a camera that stands still light the same tubes from the same place: what is seen of the
+/// ground that they share is looked for once.
+const History& traced(const Shot& shot, PingSums& sums) {
+  std::vector<bool> wanted = wanted_tubes(shot, sums);
+  const bool same = sums.seen && !shot.site().has_ground_a_shot() && sums.seen->wanted == wanted &&
+                    sums.seen->history.tubes == shot.tubes();
+  if (!same) {
+    sums.seen.reset();
+    PingSums::Seen seen;
+    seen.history = shot.trace(&seen.candidates, shot.request().binning != Binning::exact, wanted);
+    seen.wanted = std::move(wanted);
+    sums.seen = std::move(seen);
+  }
+  sums.counts.candidates += sums.seen->candidates;
+  return sums.seen->history;
 }
 
 void add_measured(const Shot& shot, PingSums& sums) {
-  const History history = traced(shot, sums);
+  const History& history = traced(shot, sums);
   add_history(shot, history, sums,
               [&](std::size_t s, const EchoLaw&, const Echo& echo) { sums.add(shot, s, 1, echo.energy); });
 }
 
 void add_certified(const Shot& shot, PingSums& sums) {
-  const History history = traced(shot, sums);
+  const History& history = traced(shot, sums);
   const RunRequest& request = shot.request();
   add_history(shot, history, sums, [&](std::size_t s, const EchoLaw& law, const Echo& echo) {
     const Sensor& sensor = shot.sensor(s);

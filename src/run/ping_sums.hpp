@@ -3,7 +3,9 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "engine/certified/reference.hpp"
 #include "engine/echo/finer_relief.hpp"
@@ -41,6 +43,14 @@ class PingSums {
     work();
     counts.echo_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
+
+  /// What the last shot saw of the ground that all shots share, for one that looks through the same tubes.
+  struct Seen {
+    History history;
+    std::size_t candidates = 0;
+    std::vector<bool> wanted;
+  };
+  std::optional<Seen> seen;
 
   const ChosenEchoes& chosen(std::size_t sensor) const { return chosen_[sensor]; }
 

@@ -79,5 +79,28 @@ TEST(SharedHistory, OtherTubesOrPosesAreTracedAnew) {
   }
 }
 
+// The cycles of one frame: where the camera has not moved in between, the second looks through the first
+// one's tubes at what that saw.
+TEST(SharedHistory, CyclesThatFireFromOnePlaceAreWhatEachIsAlone) {
+  const TestFolder folder;
+  const auto frame = [&](double first_s, double interval_s) {
+    const std::string lobes =
+        "receive_margin_deg = 1\ntransmit_pattern = \"line\"\ntransmit_aperture_m = 0.1\n"
+        "receive_pattern = \"line\"\nreceive_aperture_m = 0.1\ncycles = 2\n";
+    std::string text = camera("frame", near_window + lobes);
+    text.replace(text.find("pings = 2"), 9, "pings = 1");
+    return echoes_in(folder,
+                     std::string(scenery) + text +
+                         fmt::format("first_ping_s = {}\ncycle_interval_s = {}\n", first_s, interval_s));
+  };
+  const Echoes moving = frame(0.5, 0.25), before = frame(0.5, 0), after = frame(0.75, 0);
+  ASSERT_EQ(moving.beams, 6u);
+  EXPECT_GT(moving.total(), 0);
+  EXPECT_NE(before.energy, after.energy);
+  for (std::size_t beam = 0; beam < moving.beams; ++beam)
+    for (std::size_t k = 0; k < moving.samples; ++k)
+      ASSERT_EQ(moving.at(0, beam, k), (beam % 2 == 0 ? before : after).at(0, beam, k)) << beam << ' ' << k;
+}
+
 }  // namespace
 }  // namespace tubefoot

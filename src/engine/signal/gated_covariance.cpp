@@ -80,7 +80,7 @@ class GatedIntegral {
   void add(const PlanarPolygon& polygon, const ChannelOnPatch& a, const ChannelOnPatch& b) {
     stop_if_wanted();
     Smoothness smooth = patterns_;
-    smooth.take(a.path().bed.scattering);
+    smooth.take(a.path().bed);
     PathCutter::Work work = smooth.work(tolerance_);
     work.values = values();
     work.resolution_rad = std::min(work.resolution_rad, fringe_rad_);
