@@ -45,12 +45,12 @@ struct ChannelSignals {
 /// costs the same for any number of channels and samples. A scatterer's own echo is right to about
 /// `tolerance` of its size. The same bits for any number of threads.
 ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
-                               const EchoLaw& law, const GroundField& field, double tolerance = 1e-4);
+                               const EchoLaw& law, const GroundField& field, double tolerance = 1e-3);
 
 /// Channels with the same covariances, of a bed that nobody sees twice: from nodes of Gauss rules, each with
 /// a random amplitude of its own. Far fewer are needed than a field has scatterers. `ping` tells draws apart.
 ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver& receiver, const EchoLaw& law,
-                             std::uint64_t seed, std::uint32_t ping, double tolerance = 1e-4);
+                             std::uint64_t seed, std::uint32_t ping, double tolerance = 1e-3);
 
 /// One sample of one channel.
 struct SignalSample {
