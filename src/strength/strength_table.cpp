@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
@@ -13,6 +14,7 @@
 
 #include "engine/sight/far_view.hpp"
 #include "engine/signal/target_strength.hpp"
+#include "files/input_error.hpp"
 #include "geometry/steps/in_order.hpp"
 #include "run/console/progress.hpp"
 #include "scene/meshes/mesh_file.hpp"
@@ -53,6 +55,17 @@ std::vector<EdgeOfFacet> edges_of(const ComponentMesh& mesh) {
   return edges;
 }
 
+/// Half the diagonal of the box that holds the mesh.
+double radius_of(const ComponentMesh& mesh) {
+  if (mesh.points_m.empty()) return 0;
+  glm::dvec3 lo = mesh.points_m[0], hi = lo;
+  for (const glm::dvec3& p : mesh.points_m) {
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  return glm::length(hi - lo) / 2;
+}
+
 /// How far the surface that two facets of an edge may stand for is off them: chords of a circle that turn by
 /// an angle over a length stand off it by angle times length over 8, and triangles by up to twice that. 0
 /// where they meet at an edge that is one, or lie in a plane.
@@ -78,7 +91,13 @@ Coarse coarseness(const ComponentMesh& mesh, const EdgeOfFacet& one, const EdgeO
 
 ComponentMesh strength_mesh(const std::filesystem::path& file, std::optional<double> unit_m,
                             const std::optional<std::string>& up) {
-  return read_mesh_file(file, {up, unit_m});
+  NamedMesh mesh = read_mesh_file(file, {up, unit_m});
+  const double radius = radius_of(mesh);
+  if (!(radius > 0) || !std::isfinite(radius))
+    throw InputError({file.string(), 0, 0},
+                     radius > 0 ? "the mesh is too large for numbers: look at its unit"
+                                : "all points of the mesh lie in one place: there is nothing to look at");
+  return mesh;
 }
 
 std::pair<double, double> spread_db(const StrengthTable& table) {
@@ -128,6 +147,13 @@ std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_f
         1e3 * worst.off_m, worst.off_m / wavelength, highest_frequency_hz, 1e3 * wavelength,
         std::sqrt(good * wavelength / worst.off_m),
         1e3 * worst.edge_m * std::sqrt(good * wavelength / worst.off_m), 1e3 * worst.edge_m));
+  const double phase = 4 * std::numbers::pi / wavelength * radius_of(mesh) * FarView::vertex_error;
+  constexpr double worth_telling_rad = 0.01;
+  if (phase > worth_telling_rad)
+    warnings.push_back(fmt::format(
+        "the mesh is {:.3g} wavelengths across at {:g} Hz: its vertices are put on a grid for each "
+        "direction, and phases are off by up to {:.2g} rad",
+        2 * radius_of(mesh) / wavelength, highest_frequency_hz, phase));
   return warnings;
 }
 

@@ -72,6 +72,8 @@ TEST(StrengthWarnings, OpenCrowdedAndCoarse) {
   ComponentMesh box = box_facets({{1, 1, 1}}, {});
   box.triangles.push_back(box.triangles[0]);
   EXPECT_THAT(warnings_of(box, 1e3, 1500), ElementsAre(HasSubstr("have more than two facets")));
+  EXPECT_THAT(warnings_of(box_facets({{100, 10, 10}}, {}), 10e6, 1500),
+              ElementsAre(HasSubstr("phases are off")));
   // Formats that repeat corners for each facet are no different.
   ComponentMesh soup;
   for (const auto& t : box_facets({{1, 1, 1}}, {}).triangles) {
@@ -144,6 +146,11 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   EXPECT_EQ(run("--frequency 100kHz -o " + mesh.string()).exit_code, 2);
   EXPECT_EQ(run("-o " + (folder / "x.csv").string()).exit_code, 2);
   EXPECT_EQ(run("--frequency 1:1e5:1 --azimuth 0:359:0.1 -o " + (folder / "x.csv").string()).exit_code, 2);
+  const std::filesystem::path point = folder.write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
+  const auto none =
+      run_program({"strength", point.string(), "--frequency", "1kHz", "-o", (folder / "x.csv").string()});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("point.obj"));
   EXPECT_FALSE(std::filesystem::exists(folder / "x.csv"));
 }
 
