@@ -134,7 +134,8 @@ void add_coverage(CLI::App& app, Asked& asked) {
 void add_strength(CLI::App& app, Asked& asked) {
   StrengthOptions& strength = asked.strength;
   CLI::App* command = app.add_subcommand(
-      "strength", "Compute the target strength of a mesh over directions and frequencies (docs/smooth-surfaces.md)");
+      "strength",
+      "Compute the target strength of a mesh over directions and frequencies (docs/smooth-surfaces.md)");
   command->add_option("MESH", strength.mesh, "mesh file, as scenes take them: .obj, .ply, .stl, .off, ...")
       ->required();
   command
