@@ -14,7 +14,7 @@ namespace tubefoot::atlas {
 /// constructed corners are points at `arm_m` from the apex along their direction, as far away as the scene
 /// is.
 struct AbsoluteDouble {
-  static constexpr bool uses_names = true;
+  static constexpr bool uses_names = true, signs_are_exact = false;
   double tolerance = 0;
   glm::dvec3 apex_m{0};
   double unit_m = 1, arm_m = 10;
