@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/integrals/gauss_rules.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -256,6 +257,7 @@ void CompactPathCutter::integrate(const Cell& cell) {
 }
 
 void CompactPathCutter::halve(const Cell& cell, bool along) {
+  stop_if_wanted();
   Cell a = cell;
   ++a.refinements;
   Cell b = a;

@@ -46,7 +46,7 @@ class Coarsener {
     }
     std::size_t seen = 0;
     while (!waiting_.empty()) {
-      if (++seen % 1024 == 0) stop_if_wanted();
+      if (++seen % 16 == 0) stop_if_wanted();
       const Waiting next = waiting_.top();
       waiting_.pop();
       if (next.stamp == stamps_[next.vertex]) take_away(next.vertex);

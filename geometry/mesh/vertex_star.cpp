@@ -27,7 +27,7 @@ bool turns_left(const glm::dvec2& a, const glm::dvec2& b) {
 
 /// A convex polygon of few corners.
 struct Polygon {
-  std::array<glm::dvec2, 8> corner;
+  std::array<glm::dvec2, 12> corner;  // six, but for rounding of slivers
   unsigned corners = 0;
 
   void add(const glm::dvec2& x) { corner[corners++] = x; }
@@ -35,7 +35,7 @@ struct Polygon {
   /// What of it is on the left of the way from a to b.
   Polygon left_of(const glm::dvec2& a, const glm::dvec2& b) const {
     Polygon left;
-    std::array<double, 8> side;
+    std::array<double, 12> side;
     for (unsigned k = 0; k < corners; ++k) side[k] = cross(b - a, corner[k] - a);
     for (unsigned k = 0; k < corners; ++k) {
       const unsigned next = k + 1 < corners ? k + 1 : 0;

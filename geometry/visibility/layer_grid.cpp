@@ -286,11 +286,13 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
       }
     }
   std::size_t kept = 0;
+  constexpr std::size_t most_aparts_a_facet = 64;  // of slivers side by side all boxes meet
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t other = found_[k].facet;
     if (!surely_apart(receiver, (*facets_)[other])) {
       found_[kept++] = Found(found_[k]);
-    } else if (other > facet) {
+    } else if (other > facet && aparts_.size() < most_aparts_a_facet * facets_->size()) {
+      // Who is not in the list is asked again.
       aparts_.push_back({facet, apart_[other]});
       apart_[other] = static_cast<std::uint32_t>(aparts_.size() - 1);
     }

@@ -99,6 +99,10 @@ std::vector<Complex> back_projected(const ElementSignals& signals, const PixelPl
   if (plane.columns == 0 || plane.rows == 0)
     throw std::invalid_argument(
         fmt::format("a picture of {} x {} pixels: must be at least 1 x 1", plane.columns, plane.rows));
+  if (plane.columns > (std::size_t{1} << 31) / plane.rows)
+    throw std::invalid_argument(
+        fmt::format("a picture of {} x {} pixels: must have 2^31 at most", plane.columns, plane.rows));
+  interpolator.check_holds(signals.waveform, signals.sampling);
   const Projector projector(signals, interpolator, how);
   std::vector<Complex> picture(plane.columns * plane.rows);
   tbb::parallel_for(std::size_t{0}, picture.size(), [&](std::size_t k) {

@@ -97,6 +97,7 @@ std::vector<glm::dvec3> forward_fan(const std::vector<double>& angles_rad, doubl
 std::vector<Complex> delay_and_sum(const ElementSignals& signals, std::size_t ping, const BeamSteering& asked,
                                    const SignalInterpolator& interpolator) {
   const BeamSteering steering = normalised(signals, ping, asked);
+  interpolator.check_holds(signals.waveform, signals.sampling);
   std::vector<Complex> beams(steering.directions.size() * signals.samples());
   tbb::parallel_for(std::size_t{0}, steering.directions.size(), [&](std::size_t beam) {
     stop_if_wanted();
@@ -121,6 +122,11 @@ std::vector<Complex> phase_and_sum(const ElementSignals& signals, std::size_t pi
   for (std::size_t beam = 0; beam < steering.directions.size(); ++beam)
     for (std::size_t receiver = 0; receiver < signals.receivers(); ++receiver)
       longest_s = std::max(longest_s, std::abs(far_delay_s(signals, steering, beam, receiver)));
+  require(
+      longest_s * sampling.rate_hz <= static_cast<double>(signals.samples()),
+      fmt::format("a receiver hears a beam {:.3g} s sooner or later than the array's place, longer than the "
+                  "record: place the receivers nearer to each other",
+                  longest_s));
   // Behind the record as many zeros as anything moves: nothing comes round from the other end.
   const SignalTransform transform(signals.samples() +
                                   static_cast<std::size_t>(std::ceil(longest_s * sampling.rate_hz)));

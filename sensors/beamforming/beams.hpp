@@ -42,7 +42,8 @@ std::vector<std::complex<double>> phase_and_sum(const ElementSignals& signals, s
                                                 const BeamSteering& steering);
 
 /// Energies [J], [beam][sample]: of each range sample the sum of |y|^2 over the times 2 r / c that are in it,
-/// each for 1 / sampling rate. What pictures, detection and files of energies take.
+/// each for 1 / sampling rate. What pictures, detection and files of energies take. Of signals that
+/// are matched filtered they are in proportion to energies, and in no unit: a filter keeps peaks, not sums.
 std::vector<double> beam_energies(const std::vector<std::complex<double>>& beams,
                                   const SignalSampling& sampling, double sound_speed_m_s,
                                   const RangeSamples& samples);

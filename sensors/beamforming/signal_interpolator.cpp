@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -122,6 +123,16 @@ void SignalInterpolator::add_shifted(std::span<const Complex> signal, double shi
     }
     out[static_cast<std::size_t>(k)] += factor * Complex(real, imaginary);
   }
+}
+
+void SignalInterpolator::check_holds(const TransmitWaveform& waveform, const SignalSampling& sampling) const {
+  const double farthest_hz = std::max(std::abs(waveform.start_hz - sampling.baseband_hz),
+                                      std::abs(waveform.stop_hz - sampling.baseband_hz));
+  if (farthest_hz <= band_ * sampling.rate_hz / 2) return;
+  throw std::invalid_argument(fmt::format(
+      "the waveform goes {} Hz from the baseband frequency, and values between samples are of {:g} of "
+      "half the sampling rate, {} Hz: sample at {:g} Hz or more, or ask for a wider band",
+      farthest_hz, band_, band_ * sampling.rate_hz / 2, 2 * farthest_hz / band_));
 }
 
 }  // namespace tubefoot

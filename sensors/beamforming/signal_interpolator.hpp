@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "sensors/signals/transmit_waveform.hpp"
+
 namespace tubefoot {
 
 /// Values of a sampled signal between its samples: a sinc under Kaiser's window, cut off at half the sampling
@@ -16,6 +18,10 @@ class SignalInterpolator {
   /// their largest modulus for one frequency, 1e-9 <= error < 0.5. Throws std::invalid_argument for others,
   /// and for more than 512 taps.
   explicit SignalInterpolator(double band = 0.8, double error = 1e-5);
+
+  /// Throws std::invalid_argument, saying what to do, for a sweep beyond its band: the error would be
+  /// another.
+  void check_holds(const TransmitWaveform& waveform, const SignalSampling& sampling) const;
 
   std::size_t taps() const { return taps_; }
   double band() const { return band_; }

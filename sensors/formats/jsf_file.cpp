@@ -111,8 +111,8 @@ class Message {
     constexpr double binary_angle = 32768.0 / 180;
     if (!std::isnan(ping_.heading_deg)) {
       check_.within("heading [deg]", ping_.heading_deg, 0, 360);
-      put<std::uint16_t>(
-          172, check_.integer<std::uint16_t>("heading [deg]", std::fmod(ping_.heading_deg, 360), 100));
+      const int hundredths = check_.integer<std::uint16_t>("heading [deg]", ping_.heading_deg, 100);
+      put<std::uint16_t>(172, static_cast<std::uint16_t>(hundredths % 36000));
       valid(heading);
     }
     if (!std::isnan(ping_.pitch_deg) && !std::isnan(ping_.roll_deg)) {

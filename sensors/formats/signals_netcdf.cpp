@@ -51,10 +51,13 @@ void define(EchoGroup& root, const ElementSignals& signals) {
   const int xyz = root.dimension("xyz", 3), wxyz = root.dimension("wxyz", 4);
   const int knot = root.dimension("track", track.size());
 
-  const int pressure =
-      root.define("pressure", {ping, receiver, sample, part}, "W^(1/2)",
-                  "complex baseband pressure, real and imaginary part; its squared modulus over time is "
-                  "energy, for a pulse of 1 J/sr at 1 m");
+  const int pressure = root.define(
+      "pressure", {ping, receiver, sample, part}, "W^(1/2)",
+      signals.matched_filtered
+          ? "complex baseband pressure after a matched filter, real and imaginary part: an echo "
+            "peaks at its delay"
+          : "complex baseband pressure, real and imaginary part; its squared modulus over time is "
+            "energy, for a pulse of 1 J/sr at 1 m");
   root.attribute(pressure, "coordinates", "ping_start_time sample_time");
   root.chunk(pressure, "pressure", {1, signals.receivers(), signals.samples(), 2});
 
@@ -118,6 +121,7 @@ class SignalsInput {
     if (shape[3] != 2)
       root_.fail("pressure",
                  fmt::format("has {} values along 'complex', expected 2: real and imaginary part", shape[3]));
+    require_memory_for_ways();
     try {
       ElementSignals signals{waveform,         sampling(shape[2]),       speed, array(shape[1]),
                              motion(shape[0]), flag("matched_filtered"), {}};
@@ -172,6 +176,23 @@ class SignalsInput {
     return factor == other_factor;
   }
 
+  /// Whose poses are the way: a file without a track has those of pings, between which the vehicle goes
+  /// straight on.
+  std::string way() const { return root_.has("track_time") ? "track" : "ping"; }
+
+  /// Of all but the pressures, which are asked for once their number is known to be right.
+  void require_memory_for_ways() const {
+    double bytes = 0;
+    for (const char* name : {"sample_time", "ping_start_time", "receiver_position"})
+      if (root_.has(name)) bytes += root_.bytes_of(name);
+    const std::string of = way();
+    for (const char* what : {"_time", "_position", "_attitude"})
+      if (root_.has((of + what).c_str())) bytes += root_.bytes_of((of + what).c_str());
+    constexpr double copies = 3;
+    require_memory(copies * bytes, {file_.path().string()}, "its places and times",
+                   "use a machine with more, or a file of fewer pings");
+  }
+
   /// Finite values of an expected number.
   std::vector<double> values(const char* name, const Words& along, std::span<const std::string_view> units,
                              std::optional<std::size_t> expected) const {
@@ -209,11 +230,9 @@ class SignalsInput {
 
   VehicleMotion motion(std::size_t pings) const {
     const std::vector<double> starts = values("ping_start_time", {"ping"}, seconds, pings);
-    // A file without a track has the poses of pings, between which the vehicle goes straight on.
-    const bool tracked = root_.has("track_time");
-    const std::string of = tracked ? "track" : "ping";
+    const std::string of = way();
     const std::vector<double> times =
-        tracked ? values("track_time", {"track"}, seconds, std::nullopt) : starts;
+        of == "track" ? values("track_time", {"track"}, seconds, std::nullopt) : starts;
     const std::vector<double> positions =
         values((of + "_position").c_str(), {of, "xyz"}, metres, 3 * times.size());
     const std::vector<double> attitudes =

@@ -17,6 +17,18 @@ void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
+/// How many pressures there are to be.
+std::size_t pressures_of(const ElementSignals& signals) {
+  constexpr double most = 0x1p31;  // 32 GB
+  const double all = static_cast<double>(signals.pings()) * static_cast<double>(signals.receivers()) *
+                     static_cast<double>(signals.samples());
+  require(all <= most,
+          fmt::format("{} pings x {} receivers x {} samples are {:.3g} pressures, must be 2^31 at "
+                      "most: take fewer pings at a time",
+                      signals.pings(), signals.receivers(), signals.samples(), all));
+  return signals.pings() * signals.receivers() * signals.samples();
+}
+
 void check_all_but_pressure(const ElementSignals& signals) {
   check_sampled(signals.waveform, signals.sampling);
   require(signals.sound_speed_m_s > 0 && std::isfinite(signals.sound_speed_m_s),
@@ -50,13 +62,13 @@ ElementSignals silent_signals(const ElementArray& array, const TransmitWaveform&
                               double sound_speed_m_s) {
   ElementSignals signals{waveform, sampling, sound_speed_m_s, array, motion, false, {}};
   check_all_but_pressure(signals);
-  signals.pressure.resize(signals.pings() * signals.receivers() * signals.samples());
+  signals.pressure.resize(pressures_of(signals));
   return signals;
 }
 
 void check(const ElementSignals& signals) {
   check_all_but_pressure(signals);
-  const std::size_t expected = signals.pings() * signals.receivers() * signals.samples();
+  const std::size_t expected = pressures_of(signals);
   require(signals.pressure.size() == expected,
           fmt::format("there are {} pressures, must be {} pings x {} receivers x {} samples = {}",
                       signals.pressure.size(), signals.pings(), signals.receivers(), signals.samples(),

@@ -10,12 +10,15 @@ namespace {
 using Complex = std::complex<double>;
 using Long = std::complex<long double>;
 
+std::size_t power_of_two(std::size_t length) {
+  if (length > std::size_t{1} << 26)  // 2 GB
+    throw std::invalid_argument("a spectrum has at most 2^26 samples: take shorter records");
+  return std::bit_ceil(length == 0 ? std::size_t{1} : length);
+}
+
 }  // namespace
 
-SignalTransform::SignalTransform(std::size_t length)
-    : length_(std::bit_ceil(length == 0 ? std::size_t{1} : length)), transforms_(length_) {
-  if (length_ > std::size_t{1} << 30) throw std::invalid_argument("a spectrum has at most 2^30 samples");
-}
+SignalTransform::SignalTransform(std::size_t length) : length_(power_of_two(length)), transforms_(length_) {}
 
 std::vector<Complex> SignalTransform::spectrum(std::span<const Complex> signal) const {
   if (signal.size() > length_) throw std::invalid_argument("the signal is longer than its spectrum");

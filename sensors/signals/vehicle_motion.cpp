@@ -13,21 +13,23 @@ namespace {
 
 // At a hundredth of sound's speed eight steps reach the last bit; no vehicle needs more than a few.
 constexpr int most_steps = 64;
-// Steps that small are of rounding, and may go on for ever.
-constexpr double rounding = 1e-14;
+// Steps so small, or so small beside the first, are of the rounding of places and clocks, and may go on for
+// ever.
+constexpr double rounding_s = 1e-11, rounding_of_first = 1e-3;
 
 /// The time t of time = from + sign |place(t) - point| / c.
 template <class Place>
 double time_at(double from_s, double sign, const Place& place, glm::dvec3 point_m, double sound_speed_m_s) {
   double time_s = from_s + sign * glm::distance(place.at(from_s), point_m) / sound_speed_m_s;
-  double change_s = HUGE_VAL;
+  double change_s = HUGE_VAL, first_change_s = 0;
   for (int step = 0; step < most_steps; ++step) {
     const double next_s = from_s + sign * glm::distance(place.at(time_s), point_m) / sound_speed_m_s;
     const double moved_s = std::abs(next_s - time_s);
     time_s = next_s;
     if (moved_s == 0) return time_s;
+    if (step == 0) first_change_s = moved_s;
     if (step > 3 && moved_s >= change_s) {
-      if (moved_s < rounding * std::abs(time_s)) return time_s;
+      if (moved_s < std::max(rounding_s, rounding_of_first * first_change_s)) return time_s;
       break;
     }
     change_s = moved_s;
@@ -46,6 +48,16 @@ VehicleMotion::VehicleMotion(std::vector<Trajectory::Sample> track, std::vector<
       track_(samples_),
       ping_start_s_(std::move(ping_start_s)),
       stop_and_hop_(stop_and_hop) {
+  constexpr double off_one = 1e-6;
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    const Pose& pose = samples_[k].pose;
+    const double length = glm::length(pose.attitude), way = glm::length(pose.position_m);
+    if (!std::isfinite(way) || !(std::abs(length - 1) < off_one))
+      throw std::invalid_argument(fmt::format(
+          "pose {} of the track has a place {} m away and an attitude of length {}: places must be "
+          "finite and quaternions of length 1",
+          k, way, length));
+  }
   for (std::size_t ping = 0; ping < ping_start_s_.size(); ++ping) {
     const double start_s = ping_start_s_[ping];
     if (!std::isfinite(start_s) || (ping > 0 && !(start_s > ping_start_s_[ping - 1])))

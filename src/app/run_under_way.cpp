@@ -9,6 +9,7 @@
 
 #include "files/checked_file.hpp"
 #include "files/json_text.hpp"
+#include "files/memory_at_hand.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
 #include "plan/scene_drawing.hpp"
@@ -152,14 +153,21 @@ std::vector<std::filesystem::path> write_all(RunUnderWay& run, const Survey& sur
   std::vector<std::string> warnings;
   std::vector<std::filesystem::path> files;
   const bool draws_scene = run.options.pictures.which != PictureSettings::Which::none;
-  tbb::parallel_invoke(
-      [&] {
-        files = write_result_files(output.staging(), survey, run.request, recordings, warnings,
-                                   {run.options.pictures, run.options.quiet}, run.truths);
-      },
-      [&] {
-        if (draws_scene) write_scene_picture(output.staging() / scene_picture_name, survey);
-      });
+  const auto write_results = [&] {
+    files = write_result_files(output.staging(), survey, run.request, recordings, warnings,
+                               {run.options.pictures, run.options.quiet}, run.truths);
+  };
+  const auto draw_scene = [&] { write_scene_picture(output.staging() / scene_picture_name, survey); };
+  // librsvg ends the program where memory ends: beside others it is let only where there is plenty.
+  constexpr double plenty_bytes = 2e9;
+  if (!draws_scene) {
+    write_results();
+  } else if (memory_at_hand() > plenty_bytes) {
+    tbb::parallel_invoke(write_results, draw_scene);
+  } else {
+    write_results();
+    draw_scene();
+  }
   if (draws_scene) files.emplace_back(scene_picture_name);
   for (const std::string& warning : warnings)
     if (std::ranges::find(foreseen, warning) != foreseen.end())

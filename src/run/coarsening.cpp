@@ -74,7 +74,9 @@ struct Looks {
 
   /// On facets whose nearest point is no nearer than that.
   double told_apart_at(double distance) const {
-    return distance > reach ? std::numeric_limits<double>::infinity() : std::min(sample, beam_rad * distance);
+    // No facet comes halfway to a sonar.
+    return distance > reach ? std::numeric_limits<double>::infinity()
+                            : std::min({sample, beam_rad * distance, distance / 2});
   }
 };
 

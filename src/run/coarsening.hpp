@@ -14,8 +14,8 @@ std::vector<double> told_apart(const Site& site, const Fleet& fleet);
 
 /// In place of the site's facets: fewer, of which no point is moved by more than `tolerance` times what is
 /// told apart there, nor turned by more than the square root of the tolerance in radians. What comes near
-/// another component or material, in space or by a border, stays where it is. Not on sites whose facets
-/// are to be told apart later (abilities.hpp): they stay as they are.
+/// another component or material, in space or by a border, moves half the way there at most. Not on sites
+/// whose facets are to be told apart later (abilities.hpp): they stay as they are.
 void coarsen(Site& site, const Fleet& fleet, double tolerance);
 
 }  // namespace tubefoot

@@ -37,7 +37,7 @@ std::optional<double> frequency(std::string_view text) {
   for (const auto& [unit, factor] : {std::pair{"MHz", 1e6}, {"kHz", 1e3}, {"Hz", 1.0}}) {
     if (!text.ends_with(unit)) continue;
     const std::optional<double> value = number(text.substr(0, text.size() - std::string_view(unit).size()));
-    return value ? std::optional(*value * factor) : std::nullopt;
+    return value && std::isfinite(*value * factor) ? std::optional(*value * factor) : std::nullopt;
   }
   return number(text);
 }
@@ -64,7 +64,7 @@ std::vector<double> values_of(const std::string& text, const std::string& what, 
     if (!(by > 0)) fail("its step is not above 0");
     if (last < first) fail("it ends before it begins");
     const double count = std::floor((last - first) / by * (1 + 1e-12) + 1e-9) + 1;
-    if (count > static_cast<double>(most_values))
+    if (!(count <= static_cast<double>(most_values)))
       fail(fmt::format("it has more than {} values", most_values));
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
       values.push_back(first + static_cast<double>(k) * by);

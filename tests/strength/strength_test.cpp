@@ -50,7 +50,8 @@ TEST(StrengthRequest, SaysWhatIsWrong) {
     EXPECT_THAT(refusal([&] { angles_of(wrong, "--azimuth"); }),
                 AllOf(HasSubstr("--azimuth"), HasSubstr("expected FIRST:LAST:STEP")))
         << wrong;
-  for (const char* wrong : {"0", "-5", "38khz", "kHz", "1kHz:2kHz", "0:10:1"})
+  for (const char* wrong :
+       {"0", "-5", "38khz", "kHz", "1kHz:2kHz", "0:10:1", "1e305MHz", "1e305MHz:1e305MHz:1Hz"})
     EXPECT_THAT(refusal([&] { frequencies_of(wrong); }), AllOf(HasSubstr("--frequency"), HasSubstr("Hz")))
         << wrong;
   for (const char* wrong :

@@ -114,7 +114,8 @@ bool PatternIntegrator::find_panels() {
     way_.panels.clear();
     way_.panel.clear();
     way_.half.clear();
-    for (double from = lowest; way_.panels.empty() || from <= highest; from = way_.panel.back().hi) {
+    for (double from = lowest; way_.panels.empty() || (from <= highest && way_.panels.size() <= most_panels);
+         from = way_.panel.back().hi) {
       way_.panels.push_back(moments.find(from));
       way_.panel.push_back(moments.panel(way_.panels.back()));
       way_.half.push_back(1 / way_.panel.back().per_half);

@@ -87,6 +87,7 @@ void PatternIntegrator::finish(std::span<double> energy) {
   for (double& e : energy) e = std::max(e, 0.0);  // next to nothing may come out below it
   receivers_.clear();
   laws_.clear();
+  way_.panels.clear();  // of receivers that are no more
   receiver_of_tube_.assign(receiver_of_tube_.size(), 0);
 }
 

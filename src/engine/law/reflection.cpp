@@ -25,6 +25,7 @@ std::complex<double> reflection_coefficient(const FluidSediment& bed, double gra
   const std::complex<double> slowness = std::complex<double>(1, bed.loss) / bed.speed_ratio;
   const std::complex<double> p = principal_root(slowness * slowness - cosine * cosine);
   const std::complex<double> across = bed.density_ratio * sine;
+  if (across + p == 0.0) return -1;  // along a bed of the water's own speed
   return (across - p) / (across + p);
 }
 

@@ -263,6 +263,7 @@ std::span<double> PingStore::part(std::size_t sensor, std::size_t ping, int whic
 /// A file's by the system's call: through the mapping they would take a fault a page. All of them: a disk is
 /// slow to free what lies in many pieces. In memory, what is silent takes no pages.
 void PingStore::put(std::span<const double> values, std::span<double> place) const {
+  if (values.empty()) return;
   if (!file_) {
     constexpr std::size_t page = alignment / sizeof(double);
     for (std::size_t first = 0; first < values.size(); first += page) {

@@ -66,6 +66,8 @@ TEST(Reflection, NeverReturnsMoreThanComesInAndAllOfItAtGrazing) {
     ASSERT_GE(energy, 0);
     ASSERT_NEAR(reflection_coefficient(bed, 0).real(), -1, 1e-12);
   }
+  // Along a fluid that is as fast as water, too.
+  EXPECT_EQ(reflection_coefficient({1.2, 1, 0}, 0), -1.0);
   // Beyond the critical angle a bed without loss reflects all; at the angle of intromission nothing.
   const FluidSediment sand = fluid_sediment(1.9, 1.1, 0);
   const double critical = std::acos(1 / 1.1);

@@ -189,6 +189,29 @@ TEST(PointSignals, AddUp) {
   for (std::size_t k = 0; k < both.size(); ++k) EXPECT_EQ(both[k], first[k] + second[k]);
 }
 
+// Places of 5000 km and clocks of 1970 are rounded by more than a last step moves; none is as fast as sound.
+TEST(PointSignals, OfMovingVehiclesAreFoundWhereverFrameAndClockBegin) {
+  const auto waveform = continuous_wave_pulse(100e3, 1e-3);
+  const SignalSampling sampling{100e3, 10e3, 0, 4000};
+  const ElementArray array = line_array(3, {0.1, 0.03, 0});
+  for (const double start_s : {0.0, 1.7e9})
+    for (const double far_m : {0.0, 1e5, 5e6})
+      for (const double turn : {0.0, 0.2})
+        for (const double speed : {1e-9, 0.01, 2.0, -15.0}) {
+          const glm::dvec3 from(far_m, far_m / 3, -5);
+          const std::vector<Trajectory::Sample> track{
+              {start_s - 1, {from, {1, 0, 0, 0}}},
+              {start_s + 9,
+               {from + glm::dvec3(0.3 * speed, 10 * speed, 0), attitude_from_angles(turn, 0, 0)}}};
+          const VehicleMotion motion(track, {start_s + 3}, false);
+          const auto signals =
+              point_signals({{from + glm::dvec3(12, 200, -3), 1}}, array, waveform, sampling, motion, c);
+          double energy = 0;
+          for (const Complex& value : signals.pressure) energy += std::norm(value);
+          EXPECT_GT(energy, 0) << start_s << ' ' << far_m << ' ' << turn << ' ' << speed;
+        }
+}
+
 TEST(PointSignals, RefuseWhatMakesNone) {
   const auto waveform = continuous_wave_pulse(100e3, 1e-3);
   const SignalSampling sampling{100e3, 10e3, 0, 100};
@@ -216,6 +239,15 @@ TEST(PointSignals, RefuseWhatMakesNone) {
   expect_refused([&] { of({}, array, VehicleMotion(second, {0.995}, false), c); },
                  "the last ping needs poses until 1.005 s, the track ends at 1 s: lengthen the trajectory");
   EXPECT_NO_THROW(of({}, array, VehicleMotion(second, {0.995}, true), c));
+  expect_refused([&] { VehicleMotion({{0, {{0, 0, 0}, {1, 0, 0, 1}}}}, {0}); }, "quaternions of length 1");
+  expect_refused([&] { VehicleMotion({{0, {{NAN, 0, 0}, {1, 0, 0, 0}}}}, {0}); }, "places must be finite");
+  ElementArray many;
+  many.receivers_m.resize(4);
+  expect_refused(
+      [&] {
+        silent_signals(many, waveform, {100e3, 10e3, 0, std::size_t{1} << 62}, at_rest(), c);
+      },
+      "take fewer pings at a time");
   const std::vector<Trajectory::Sample> fast{{0, {}}, {1, {{0, 1600, 0}, {1, 0, 0, 0}}}};
   expect_refused(
       [&] {
