@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "files/memory_at_hand.hpp"
 #include "files/usage_error.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
@@ -44,7 +45,14 @@ int strength_command(const StrengthOptions& options) {
   std::vector<std::string> warnings = mesh.warnings;
   for (const std::string& warning : warnings_of(mesh, request.frequencies_hz.back(), request.sound_speed))
     warnings.push_back(options.mesh.string() + ": " + warning);
+  if (const auto small = too_small_for(mesh, request.frequencies_hz.front(), request.sound_speed))
+    warnings.push_back(options.mesh.string() + ": " + *small);
   print_warnings(warnings, options.quiet);
+  constexpr double bytes_a_cell = 160;  // numbers, and their text
+  require_memory(bytes_a_cell * static_cast<double>(request.azimuths_deg.size()) *
+                     static_cast<double>(request.elevations_deg.size()) *
+                     static_cast<double>(request.frequencies_hz.size()),
+                 {options.mesh.string()}, "so many target strengths", "widen the steps of the ranges");
   const StrengthTable table = strength_of(mesh, options.mesh.filename().string(), request, options.quiet);
   output.write(table);
 

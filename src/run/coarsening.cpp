@@ -168,9 +168,6 @@ std::vector<double> told_apart(const Site& site, const Fleet& fleet) {
 }
 
 void coarsen(Site& site, const Fleet& fleet, double tolerance) {
-  if (site.is_tiled() || site.relief.cell_m > 0 || site.scene.water->refracts() ||
-      site.scene.description.paths.scatterings > 1)
-    return;
   const auto start = std::chrono::steady_clock::now();
   constexpr double taken_a_facet = 250;
   require_memory(taken_a_facet * static_cast<double>(site.scene.mesh.facets.size()),

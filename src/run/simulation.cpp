@@ -121,10 +121,7 @@ void simulate(const Survey& survey, const RunRequest& request, PingStore& store,
       survey, layout_of(survey, request),
       [&](std::size_t group, std::size_t ping) { return !store.done(group, ping); },
       [&](std::size_t group, std::size_t ping) {
-        spare.with([&](PingValues& values) {
-          const PingCounts counts = simulation.run({group, ping}, values);
-          store.finish(group, ping, counts, values);
-        });
+        simulation.run_into(store, {group, ping}, spare);
       },
       onlookers);
 }

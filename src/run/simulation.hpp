@@ -58,6 +58,13 @@ class PingSimulation {
   /// Leaves the energies of a group's ping, counted among those that are asked for, in `values`, for a
   /// store's finish().
   PingCounts run(const PingUnit& unit, PingValues& values) const;
+  /// The same into a store, which is done with the ping then.
+  void run_into(PingStore& store, const PingUnit& unit, SparePings& spare) const {
+    spare.with([&](PingValues& values) {
+      const PingCounts counts = run(unit, values);
+      store.finish(unit.group, unit.ping, counts, values);
+    });
+  }
 
  private:
   Shots shots_;

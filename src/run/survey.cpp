@@ -244,13 +244,14 @@ void cut_at_surface(Site& site) {
     site.tree = std::make_unique<SceneTree>(site.scene.mesh);
 }
 
-/// After check_places(), which names what a sensor lies on. Not where facets are to be told apart later, or
-/// their size matters: relief has parents of them, tiles numbers, water bends within them, and sound that
-/// scatters again comes from them as from points.
+/// Whether facets are told apart later, or their size matters: relief has parents of them, tiles numbers,
+/// water bends within them, and sound that scatters again comes from them as from points.
+bool keeps_its_facets(const Site& site) {
+  return site.is_tiled() || site.relief.cell_m > 0 || site.scene.water->refracts() ||
+         site.scene.description.paths.scatterings > 1;
+}
+
 void merge_planes(Site& site) {
-  if (site.is_tiled() || site.relief.cell_m > 0 || site.scene.water->refracts() ||
-      site.scene.description.paths.scatterings > 1)
-    return;
   std::optional<FacetMesh> merged = with_planes_merged(site.scene.mesh);
   if (!merged) return;
   site.facets_given = site.scene.mesh.facets.size();
@@ -294,8 +295,11 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
     fleet->sensors.push_back(
         pings_of(*site, description.sensors[s], site->scene.trajectories[site->scene.sensor_trajectory[s]]));
   check_places(*site, *fleet);
-  if (facets == Facets::merged) merge_planes(*site);
-  if (facets == Facets::merged && coarseness > 0) coarsen(*site, *fleet, coarseness);
+  // After the look at places, which names what a sensor lies on.
+  if (facets == Facets::merged && !keeps_its_facets(*site)) {
+    merge_planes(*site);
+    if (coarseness > 0) coarsen(*site, *fleet, coarseness);
+  }
   cut_at_surface(*site);
   put_into_water(*site, *fleet);
   check_paths(site->scene, *fleet);

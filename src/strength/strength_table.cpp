@@ -109,6 +109,17 @@ std::pair<double, double> spread_db(const StrengthTable& table) {
   return {weakest, strongest};
 }
 
+std::optional<std::string> too_small_for(const ComponentMesh& mesh, double lowest_frequency_hz,
+                                         double sound_speed) {
+  const double across = 2 * radius_of(mesh) * lowest_frequency_hz / sound_speed;
+  if (across >= 1) return std::nullopt;
+  return fmt::format(
+      "the mesh is {:.2g} wavelengths across at {:g} Hz: Kirchhoff's approximation is no model of bodies of "
+      "less "
+      "than about one (docs/smooth-surfaces.md)",
+      across, lowest_frequency_hz);
+}
+
 std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_frequency_hz,
                                      double sound_speed) {
   const std::vector<EdgeOfFacet> edges = edges_of(mesh);

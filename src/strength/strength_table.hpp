@@ -40,6 +40,10 @@ struct StrengthTable {
 ComponentMesh strength_mesh(const std::filesystem::path& file, std::optional<double> unit_m,
                             const std::optional<std::string>& up);
 
+/// Of a body that is smaller than a wavelength, for which Kirchhoff's approximation is no model
+/// (docs/smooth-surfaces.md, "Where Kirchhoff ends").
+std::optional<std::string> too_small_for(const ComponentMesh& mesh, double lowest_frequency_hz,
+                                         double sound_speed);
 /// What the user should know of a mesh whose facets reflect: where it is open, and whether facets stand for
 /// a curved surface that they are too coarse for at the highest frequency.
 std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_frequency_hz,

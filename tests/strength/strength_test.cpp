@@ -66,6 +66,9 @@ TEST(StrengthRequest, SaysWhatIsWrong) {
 TEST(StrengthWarnings, OpenCrowdedAndCoarse) {
   ComponentMesh sphere = sphere_facets({0.5}, 5e-3, {});
   EXPECT_THAT(warnings_of(sphere, 1e3, 1500), IsEmpty());
+  EXPECT_THAT(too_small_for(box_facets({{1, 1, 1}}, {}), 500, 1500).value_or(""),
+              HasSubstr("0.58 wavelengths across at 500 Hz"));
+  EXPECT_FALSE(too_small_for(box_facets({{1, 1, 1}}, {}), 1000, 1500));
   EXPECT_THAT(warnings_of(sphere, 100e3, 1500), ElementsAre(HasSubstr("stand off the curved surface")));
   EXPECT_THAT(warnings_of(box_facets({{1, 1, 1}}, {}), 1e6, 1500), IsEmpty());
   sphere.triangles.pop_back();

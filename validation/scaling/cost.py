@@ -39,11 +39,15 @@ range_max_m = 25
 pings = 3
 {more}
 """
-# Facets that no ping sees: behind the sonar, or behind a wall that closes the fan.
+# Facets that no ping sees: behind the sonar, or behind a wall that closes the fan. Rough ones: those of a plane
+# would be merged.
 BEHIND = """
 [[terrain]]
 name = "unseen"
-kind = "flat"
+kind = "fractal"
+rms_height_m = 0.05
+hurst = 0.7
+seed = 6
 width_m = {side}
 length_m = {side}
 centre_m = [0, {middle}, 0]

@@ -157,8 +157,8 @@ def page(measured, figures):
         "Its main thread while pings come in: it takes them, answers requests, and sleeps a millisecond when there is nothing.", "",
         table(["bytes of a ping", "as it is sent", "pings from others", "sleeps", "processor s"],
               [[run["bytes"], number(run["sent"]), number(run["results"]), number(run["sleeps"]), number(run["seconds"])] for run in lead["runs"]]),
-        f"That is best explained by {1e6 * lead['message']:.0f} us a ping, {1e9 * lead['byte']:.2f} ns a byte and "
-        f"{1e6 * lead['sleep']:.0f} us a sleep.", "",
+        f"That is best explained by {1e3 * lead['once']:.0f} ms a run, {1e6 * lead['message']:.0f} us a ping, "
+        f"{1e9 * lead['byte']:.2f} ns a byte and {1e6 * lead['sleep']:.0f} us a sleep.", "",
         f"## {PINGS} pings dealt", "",
         f"A thread a rank. Pings: blocks of {BLOCK} neighbours drawn from the measured ones (seed {SEED}). Assumed, not measured: a",
         f"link of {LINK_BYTES_S / 1e9:g} GB/s to rank 0, {DISK_BYTES_S / 1e9:g} GB/s of a shared disk while all ranks load.", "",

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs on one and two ranks, and what rank 0 spends on each ping that another one computed."""
+import itertools
 import pathlib
 import re
 import subprocess
@@ -173,15 +174,28 @@ def lead_run(program, folder, samples, pings, kind):
 
 
 def lead_cost(program, folder, rounds, quick=False):
-    """{"runs": [...], "message", "byte", "sleep": seconds each}: what best explains the cheapest runs' seconds."""
+    """{"runs": [...], "once", "message", "byte", "sleep": seconds each}: what best explains the cheapest runs'
+    seconds. `once` is what a run begins and ends with."""
     runs = []
-    for samples, pings, kind in ((64, 500, DEAR_PINGS), (64, 6000, CHEAP_PINGS), (1024, 4000, CHEAP_PINGS),
-                                 (8192, 1500, CHEAP_PINGS), (65536, 300, CHEAP_PINGS)):
+    for samples, pings, kind in ((64, 1000, DEAR_PINGS), (64, 24000, CHEAP_PINGS), (1024, 16000, CHEAP_PINGS),
+                                 (8192, 6000, CHEAP_PINGS), (65536, 900, CHEAP_PINGS)):
         tries = [lead_run(program, folder, samples, pings // (5 if quick else 1), kind) for _ in range(rounds)]
         runs.append(min(tries, key=lambda run: run["seconds"] / run["results"]))
         print("rank 0:", runs[-1], flush=True)
-    # Least squares of relative errors.
-    rows = numpy.array([[r["results"], r["results"] * r["bytes"], r["sleeps"]] for r in runs])
-    seconds = numpy.array([r["seconds"] for r in runs])
-    found = numpy.linalg.lstsq(rows / seconds[:, None], numpy.ones(len(runs)), rcond=None)[0]
-    return {"runs": runs, **dict(zip(("message", "byte", "sleep"), map(float, found)))}
+    rows = numpy.array([[1, r["results"], r["results"] * r["bytes"], r["sleeps"]] for r in runs])
+    found = least_squares_from_0(rows, numpy.array([r["seconds"] for r in runs]))
+    return {"runs": runs, **dict(zip(("once", "message", "byte", "sleep"), map(float, found)))}
+
+
+def least_squares_from_0(rows, seconds):
+    """Least squares of relative errors, no number below 0: of few unknowns, all choices of those that are not 0."""
+    relative, best = rows / seconds[:, None], None
+    for wanted in itertools.product((False, True), repeat=rows.shape[1]):
+        if not any(wanted):
+            continue
+        found = numpy.zeros(rows.shape[1])
+        found[list(wanted)] = numpy.linalg.lstsq(relative[:, wanted], numpy.ones(len(seconds)), rcond=None)[0]
+        error = numpy.square(relative @ found - 1).sum()
+        if (found >= 0).all() and (best is None or error < best[0]):
+            best = error, found
+    return best[1]

@@ -2,6 +2,7 @@
 // Moments of stretches of directions, by the antiderivatives at their ends.
 #include <algorithm>
 
+#include "engine/echo/antiderivatives.hpp"
 #include "engine/echo/gain_panels.hpp"
 
 namespace tubefoot {
@@ -12,18 +13,7 @@ constexpr std::size_t most_at_once = 24;
 
 using Pair = double __attribute__((vector_size(16)));
 
-/// Integral of x^i (1, x, x^2) from 0 to x is x^(i + 1) reciprocal[i] (1, first[i] x, second[i] x^2).
-struct Antiderivatives {
-  std::array<double, terms> reciprocal{}, first{}, second{};
-  constexpr Antiderivatives() {
-    for (int i = 0; i < terms; ++i) {
-      reciprocal[i] = 1.0 / (i + 1);
-      first[i] = double(i + 1) / (i + 2);
-      second[i] = double(i + 1) / (i + 3);
-    }
-  }
-};
-constexpr Antiderivatives of;
+constexpr Antiderivatives<terms> of;
 
 /// Integral of x^i x^k over a part of a panel.
 struct PartOfPanel {
@@ -67,7 +57,6 @@ void DirectionMoments::add(std::span<const CosineSpan> spans, double origin) {
     add_alike(spans.subspan(k, count), origin);
     k += count;
   }
-  lo_ = std::numeric_limits<double>::infinity();  // rows may have moved
 }
 
 /// Spans that begin in one panel and end in one. Antiderivatives count from the panels' middles; what lies

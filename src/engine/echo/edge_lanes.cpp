@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "engine/echo/antiderivatives.hpp"
 #include "geometry/numbers/vector_clones.hpp"
 
 namespace tubefoot {
@@ -17,19 +18,7 @@ using FourThere = double __attribute__((vector_size(32), aligned(8), may_alias))
 const FourThere* fours(const double* numbers) { return reinterpret_cast<const FourThere*>(numbers); }
 FourThere* fours(double* numbers) { return reinterpret_cast<FourThere*>(numbers); }
 
-/// Integral of x^i x^k from 0 to x is x^(i + k + 1) / (i + k + 1): by i, over that of k = 0.
-struct Antiderivatives {
-  std::array<double, 12> reciprocal{}, first{}, second{}, third{};
-  constexpr Antiderivatives() {
-    for (int i = 0; i < 12; ++i) {
-      reciprocal[i] = 1.0 / (i + 1);
-      first[i] = double(i + 1) / (i + 2);
-      second[i] = double(i + 1) / (i + 3);
-      third[i] = double(i + 1) / (i + 4);
-    }
-  }
-};
-constexpr Antiderivatives of;
+constexpr Antiderivatives<12> of;
 
 TUBEFOOT_VECTOR_CLONES
 void ends_of(const EdgeLanes& given, std::size_t count, const double* __restrict s,

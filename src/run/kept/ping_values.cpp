@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/kept/ping_values.hpp"
 
+#include <exception>
+
 namespace tubefoot {
 
 std::size_t StoreLayout::units() const {
@@ -28,9 +30,13 @@ PingValues SparePings::take() {
   return values;
 }
 
-void SparePings::give_back(PingValues values) {
-  const std::lock_guard lock(mutex_);
-  spare_.push_back(std::move(values));
+void SparePings::give_back(PingValues& values) noexcept {
+  try {
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(values));
+  } catch (const std::exception&) {
+    // Then the next ping takes memory anew.
+  }
 }
 
 }  // namespace tubefoot

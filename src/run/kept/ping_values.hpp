@@ -85,10 +85,10 @@ class SparePings {
   struct Lent {
     SparePings& of;
     PingValues values;
-    ~Lent() { of.give_back(std::move(values)); }
+    ~Lent() { of.give_back(values); }
   };
   PingValues take();
-  void give_back(PingValues values);
+  void give_back(PingValues& values) noexcept;
 
   std::mutex mutex_;
   std::vector<PingValues> spare_;

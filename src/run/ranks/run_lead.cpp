@@ -97,10 +97,7 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
   SparePings spare;
   PingValues received_ping;
   PingCrew crew(threads, [&](const PingUnit& unit) {
-    spare.with([&](PingValues& values) {
-      const PingCounts counts = simulation.run(unit, values);
-      store.finish(unit.group, unit.ping, counts, values);
-    });
+    simulation.run_into(store, unit, spare);
     progress.step();
   });
   while (!crew.finished() || !all_over()) {

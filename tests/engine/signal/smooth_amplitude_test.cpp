@@ -17,17 +17,10 @@
 namespace tubefoot {
 namespace {
 
+using test::planar;
 using test::Polygon2;
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi, k_100khz = 2 * pi * 100e3 / 1500;
-
-PlanarPolygon planar(const Polygon2& corners, double height) {
-  PlanarPolygon polygon;
-  polygon.distance = height;
-  polygon.first = corners[0];
-  for (const glm::dvec2& p : corners) polygon.offsets.push_back(p - corners[0]);
-  return polygon;
-}
 
 Complex amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& home, double k, double tolerance,
                   const SmoothSurface& surface = {}) {

@@ -13,15 +13,8 @@
 namespace tubefoot {
 namespace {
 
+using test::planar;
 using test::Polygon2;
-
-PlanarPolygon planar(const Polygon2& corners, double height) {
-  PlanarPolygon polygon;
-  polygon.distance = height;
-  polygon.first = corners[0];
-  for (const glm::dvec2& p : corners) polygon.offsets.push_back(p - corners[0]);
-  return polygon;
-}
 
 std::vector<double> even(double first, double step, int count) {
   std::vector<double> borders;

@@ -17,6 +17,7 @@
 namespace tubefoot {
 namespace {
 
+using test::planar;
 using test::Polygon2;
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi, k_100khz = 2 * pi * 100e3 / 1500;
@@ -25,14 +26,6 @@ struct Ends {
   double out_height, home_height;
   glm::dvec2 home_foot{0};
 };
-
-PlanarPolygon planar(const Polygon2& corners, double height) {
-  PlanarPolygon polygon;
-  polygon.distance = height;
-  polygon.first = corners[0];
-  for (const glm::dvec2& p : corners) polygon.offsets.push_back(p - corners[0]);
-  return polygon;
-}
 
 Complex edges(const Polygon2& corners, const Ends& ends, double k) {
   Complex sum = 0;

@@ -15,6 +15,7 @@
 namespace tubefoot {
 namespace {
 
+using test::planar;
 using test::Polygon2;
 
 constexpr double pi = std::numbers::pi;
@@ -30,14 +31,6 @@ struct Apexes {
   }
   double shortest() const { return std::hypot(transmit_height + receive_height, glm::length(receive_foot)); }
 };
-
-PlanarPolygon planar(const Polygon2& corners, double height) {
-  PlanarPolygon polygon;
-  polygon.distance = height;
-  polygon.first = corners[0];
-  for (const glm::dvec2& p : corners) polygon.offsets.push_back(p - corners[0]);
-  return polygon;
-}
 
 std::vector<double> areas(const Polygon2& corners, const Apexes& apexes, const std::vector<double>& borders) {
   std::vector<double> out(borders.size() - 1, 0);

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "run/ping_sums.hpp"
+#include "run/shot.hpp"
+
+namespace tubefoot {
+
+/// The part of a shot's echoes that comes over mirrors and by second scatterings, by order, of all sensors of
+/// the shot that have such paths. Throws InputError at the sensor's place for too many images.
+void add_paths(const Shot& shot, PingSums& sums);
+
+}  // namespace tubefoot

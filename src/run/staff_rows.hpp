@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/certified/staff_reference.hpp"
+#include "run/ping_sums.hpp"
+#include "run/shot.hpp"
+
+namespace tubefoot {
+
+/// The four channels of a staff: [channel][beam][sample], a beam a fan. With a reference, their bounds, too.
+class StaffRows {
+ public:
+  StaffRows(const Shot& shot, std::size_t s)
+      : samples_(static_cast<std::size_t>(shot.sensor(s).samples().count)),
+        beams_(static_cast<std::size_t>(shot.beams(s))),
+        all_{{int(4 * beams_), int(samples_), std::vector<double>(4 * beams_ * samples_)}, {}} {}
+  void set(std::size_t fan, const StaffEcho& echo) { set(fan, rows_of(echo).energy, all_.echo.energy); }
+  void set(std::size_t fan, const CertifiedEcho& found) {
+    all_.bound.resize(all_.echo.energy.size());
+    set(fan, found.echo.energy, all_.echo.energy);
+    set(fan, found.bound, all_.bound);
+    all_.bins_over += found.bins_over;
+    if (!(found.worst_ratio > all_.worst_ratio)) return;
+    all_.worst_ratio = found.worst_ratio;
+    all_.worst_beam = int(fan);  // of whichever channel
+    all_.worst_sample = found.worst_sample;
+  }
+  void add_to(PingSums& sums, const Shot& shot, std::size_t s, std::size_t order) const {
+    if (all_.bound.empty()) return sums.add(shot, s, order, all_.echo.energy);
+    sums.add(shot, s, all_, order);
+  }
+
+ private:
+  /// `channels`: [channel][sample].
+  void set(std::size_t fan, std::span<const double> channels, std::vector<double>& all) const {
+    for (std::size_t channel = 0; channel < 4; ++channel)
+      std::ranges::copy(channels.subspan(channel * samples_, samples_),
+                        all.begin() + std::ptrdiff_t((channel * beams_ + fan) * samples_));
+  }
+
+  std::size_t samples_, beams_;
+  CertifiedEcho all_;
+};
+
+}  // namespace tubefoot
