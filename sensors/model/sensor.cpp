@@ -131,7 +131,8 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s, s
 
 double Sensor::reach(const WorldGrid& grid) const {
   // Half a path is no shorter than the range from the transmitter less a quarter of the baseline.
-  return (samples_.first_m + samples_.count * samples_.step_m + staff_.baseline_m / 2) / grid.unit_m();
+  const double apart_m = signals_ ? signals_->farthest_element_m() : staff_.baseline_m / 2;
+  return (samples_.first_m + samples_.count * samples_.step_m + apart_m) / grid.unit_m();
 }
 
 namespace {

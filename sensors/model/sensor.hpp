@@ -12,6 +12,7 @@
 #include "geometry/tubes/tube.hpp"
 #include "scene/description/sensor_description.hpp"
 #include "scene/trajectory.hpp"
+#include "sensors/signals/signal_model.hpp"
 
 namespace tubefoot {
 
@@ -43,6 +44,8 @@ class Sensor {
   };
   const Staff& staff() const { return staff_; }
   bool has_staff() const { return staff_.baseline_m > 0; }
+  /// How its elements send and hear, with phase; null: it keeps energies alone.
+  const SignalModel* signals() const { return signals_ ? &*signals_ : nullptr; }
   /// Whether the fan of beams is spread across the track and looks down, else in the sensor's horizontal
   /// plane: what pictures of it have to know.
   bool is_across_track() const { return across_track_; }
@@ -117,6 +120,7 @@ class Sensor {
   std::vector<BeamAxis> beams_;
   RangeSamples samples_;
   Staff staff_;
+  std::optional<SignalModel> signals_;
   bool across_track_ = false;
   std::vector<Shot> shots_;
 

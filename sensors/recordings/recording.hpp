@@ -22,6 +22,8 @@ struct PingSpan {
   std::size_t first = 0, end = 0;
 };
 
+struct SignalRecording;
+
 /// All pings of one sensor, as they are written. The energies lie elsewhere, in memory or in a file.
 struct Recording {
   const Sensor* sensor = nullptr;
@@ -47,6 +49,8 @@ struct Recording {
   /// them the scene has nothing in the beam, and what is dark there is no shadow: pictures show it in a
   /// colour of its own. Thread-safe; empty where that is not known.
   std::function<std::vector<int>(std::size_t ping)> surfaces{};
+  /// What its elements receive, with phase (signal_recording.hpp); null for sensors without.
+  std::shared_ptr<const SignalRecording> signals{};
 
   std::size_t pings() const { return ping_time_s.size(); }
   /// What a ping is called, in files and pictures, and by what draws its noise.

@@ -21,6 +21,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "mirrors, further paths",
                                                        "receiver apart",
                                                        "two receivers",
+                                                       "signals",
                                                        "tiles",
                                                        "relief",
                                                        "relief each shot",
@@ -69,6 +70,30 @@ constexpr auto table = std::to_array<Refusal>({
     {reference, fast_binning, {}, "that integrates footprints: it needs --binning exact"},
     {reference, rays, {}, "that measures footprints: it needs --engine tube"},
     {reference, own_engine, {}, "that measures footprints: it needs --engine tube"},
+    {refraction,
+     signals,
+     {},
+     "phases over rays that bend are not known: leave the array out, or give profile = \"constant\""},
+    {mirrors,
+     signals,
+     {},
+     "signals know straight ways only: leave out the mirrors ([paths], 'specular_loss_db') or the array"},
+    {signals,
+     tiles,
+     {},
+     "signals are made of the whole ground at once, and tiles come by and by: leave the array out, or give "
+     "load = \"whole\""},
+    {signals, rays, {}, "signals come from visible polygons: leave the array out, or give --engine tube"},
+    {signals,
+     own_engine,
+     {},
+     "signals come from visible polygons, which such an engine does not tell: leave the "
+     "array out, or ask a built-in engine"},
+    {signals,
+     coarsening,
+     {},
+     "phases tell apart far less than a sample of range or a beam, which facets are coarsened by: leave out "
+     "--coarsen"},
     {truth,
      own_engine,
      {},
@@ -140,6 +165,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
       add(mirrors, "has paths over mirrors or two scatterings");
     if (sensor.has_receiver_apart()) add(receiver_apart, "has its receiver apart");
     if (sensor.has_staff()) add(two_receivers, "has two receivers");
+    if (sensor.signals() != nullptr) add(signals, "records signals");
   }
   if (const auto material = material_of_inclined_mirrors(scene))
     found.push_back(

@@ -24,6 +24,7 @@ enum class Feature : unsigned char {
   mirrors,           ///< paths over mirrors, and of two scatterings
   receiver_apart,    ///< from its transmitter
   two_receivers,     ///< one above the other, for phases
+  signals,           ///< of elements, with phase
   tiles,             ///< terrain of which only parts are in memory
   relief,            ///< that facets are refined by, once or for each shot
   relief_each_shot,  ///< relief that is refined anew for each shot

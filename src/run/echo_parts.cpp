@@ -15,6 +15,7 @@
 #include "run/refraction.hpp"
 #include "run/shot_images.hpp"
 #include "run/shot_rays.hpp"
+#include "run/signals.hpp"
 #include "run/staff_rows.hpp"
 #include "run/truth_parts.hpp"
 
@@ -239,31 +240,16 @@ std::vector<bool> wanted_tubes(const Shot& shot, const PingSums& sums) {
   return wanted;
 }
 
-/// The cycles of a camera that stands still light the same tubes from the same place: what is seen of the
-/// ground that they share is looked for once.
-const History& traced(const Shot& shot, PingSums& sums) {
-  std::vector<bool> wanted = wanted_tubes(shot, sums);
-  const bool same = sums.seen && !shot.site().has_ground_a_shot() && sums.seen->wanted == wanted &&
-                    sums.seen->history.tubes == shot.tubes();
-  if (!same) {
-    sums.seen.reset();
-    PingSums::Seen seen;
-    seen.history = shot.trace(&seen.candidates, shot.request().binning != Binning::exact, wanted);
-    seen.wanted = std::move(wanted);
-    sums.seen = std::move(seen);
-  }
-  sums.counts.candidates += sums.seen->candidates;
-  return sums.seen->history;
-}
-
 void add_measured(const Shot& shot, PingSums& sums) {
   const History& history = traced(shot, sums);
+  sums.counts.candidates += sums.seen->candidates;
   add_history(shot, history, sums,
               [&](std::size_t s, const EchoLaw&, const Echo& echo) { sums.add(shot, s, 1, echo.energy); });
 }
 
 void add_certified(const Shot& shot, PingSums& sums) {
   const History& history = traced(shot, sums);
+  sums.counts.candidates += sums.seen->candidates;
   const RunRequest& request = shot.request();
   add_history(shot, history, sums, [&](std::size_t s, const EchoLaw& law, const Echo& echo) {
     const Sensor& sensor = shot.sensor(s);
@@ -308,7 +294,7 @@ struct Asked {
   bool own_engine, mirrors;
   bool direct;      ///< the way to a facet and straight back, by a built-in engine
   bool one_ground;  ///< that, on the shot's one ground
-  bool certified, refracted, apart, staffs, others, rays;
+  bool certified, refracted, apart, staffs, others, rays, signals;
 };
 
 Asked asked_of(const Shots& shots, const SharedShots& group) {
@@ -331,6 +317,8 @@ Asked asked_of(const Shots& shots, const SharedShots& group) {
   asked.staffs = apart && std::ranges::any_of(group.sensors, has_staff);
   asked.others = !(apart && std::ranges::all_of(group.sensors, has_staff));
   asked.rays = request.engine == Engine::ray;
+  asked.signals =
+      std::ranges::any_of(group.sensors, [&](std::size_t s) { return sensor(s).signals() != nullptr; });
   return asked;
 }
 
@@ -360,9 +348,24 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.one_ground && !a.apart && a.others && !a.rays && !a.certified; }},
     {{"out along one ray and home along another", add_crossed_ways},
      [](A a) { return a.one_ground && !a.apart && a.refracted; }},
+    {{"signals of elements", add_signals}, [](A a) { return a.signals && a.one_ground; }},
 });
 
 }  // namespace
+
+const History& traced(const Shot& shot, PingSums& sums) {
+  std::vector<bool> wanted = wanted_tubes(shot, sums);
+  const bool same = sums.seen && !shot.site().has_ground_a_shot() && sums.seen->wanted == wanted &&
+                    sums.seen->history.tubes == shot.tubes();
+  if (!same) {
+    sums.seen.reset();
+    PingSums::Seen seen;
+    seen.history = shot.trace(&seen.candidates, shot.request().binning != Binning::exact, wanted);
+    seen.wanted = std::move(wanted);
+    sums.seen = std::move(seen);
+  }
+  return sums.seen->history;
+}
 
 std::vector<EchoPart> echo_parts(const Shots& shots, const SharedShots& group) {
   const Asked asked = asked_of(shots, group);

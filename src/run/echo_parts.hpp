@@ -19,4 +19,9 @@ struct EchoPart {
 /// alone, by what the scene has and what is asked for.
 std::vector<EchoPart> echo_parts(const Shots& shots, const SharedShots& group);
 
+/// What a shot's tubes see of its one ground. The cycles of a camera that stands still light the same tubes
+/// from the same place: what is seen of the ground that they share is looked for once, as it is for several
+/// parts of one shot.
+const History& traced(const Shot& shot, PingSums& sums);
+
 }  // namespace tubefoot

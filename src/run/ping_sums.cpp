@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "engine/certified/staff_reference.hpp"
+#include "run/signals.hpp"
 #include "run/truth.hpp"
 
 namespace tubefoot {
@@ -78,6 +79,11 @@ void PingSums::add_truth(const Shot& shot, std::size_t s, std::size_t channel,
   const std::size_t all = chosen(s).beams.size() * samples;
   add_rows(values.first(beams.size() * samples), beams, 1, chosen(s),
            values_.energy(place_of_truth(shot.survey(), s)).subspan(channel * all, all));
+}
+
+void PingSums::add_signals(const Shot& shot, std::size_t s, std::span<const double> values) {
+  const std::span<double> kept = values_.energy(place_of_signals(shot.survey(), s));
+  std::transform(values.begin(), values.end(), kept.begin(), kept.begin(), std::plus<>());
 }
 
 void PingSums::add(const Shot& shot, std::size_t s, std::size_t order, std::span<const double> energy) {

@@ -34,6 +34,8 @@ class PingSums {
   /// To a channel of the truth of what a sensor hears (Truth::channels()): [beam of the shot][sample], and
   /// more channels, which are not read.
   void add_truth(const Shot& shot, std::size_t sensor, std::size_t channel, std::span<const double> values);
+  /// To the signals of what its elements record: [receiver][sample][real, imaginary].
+  void add_signals(const Shot& shot, std::size_t sensor, std::span<const double> values);
   /// What finer relief than the facets that are seen would change of it.
   void add_finer_relief(const Shot& shot, const Sight& sight, const FacetMesh& mesh, double sample_m);
   /// Does a part of the work whose seconds are the echo's, not those of what is seen.

@@ -13,6 +13,7 @@
 #include "run/abilities.hpp"
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"
+#include "run/signals.hpp"
 #include "run/surfaces.hpp"
 #include "run/truth.hpp"
 
@@ -36,6 +37,7 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
       kept.pings = chosen[s].pings;  // the same of all, as their pings are
     }
   }
+  add_signals(layout, survey, chosen);
   if (request.truth) add_truth(layout, survey, chosen);
   return layout;
 }
@@ -189,6 +191,7 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
             store->energy(s).subspan(ping * static_cast<std::size_t>(sensor.channels()) * cells, cells));
       };
   }
+  attach_signals(recordings, survey, chosen, store);
   return recordings;
 }
 

@@ -259,6 +259,25 @@ void merge_planes(Site& site) {
   site.tree = std::make_unique<SceneTree>(site.scene.mesh);
 }
 
+/// What signals ask of the scene.
+void check_signals(const Scene& scene, const SensorPings& pings, const SignalModel& model,
+                   const Trajectory& trajectory) {
+  const SensorDescription& description = pings.sensor->description();
+  try {
+    check_wavelength(model.waveform, pings.sound_speed_m_s, scene.grid.unit_m());
+  } catch (const std::invalid_argument& error) {
+    throw InputError(description.place, fmt::format("sensor '{}': {}", description.name, error.what()));
+  }
+  const double end_s = pings.times_s.back() + model.sampling.end_s();
+  if (!model.stop_and_hop && !trajectory.is_fixed() && !trajectory.holds(end_s))
+    throw InputError(
+        description.place,
+        fmt::format(
+            "sensor '{}' moves while it listens (stop_and_hop = false): its last sample is of {:.9g} s, "
+            "after its trajectory ends at {:.9g} s: ask for fewer pings or a longer trajectory",
+            description.name, end_s, trajectory.end_s()));
+}
+
 SensorPings pings_of(Site& site, const SensorDescription& description, const Trajectory& trajectory) {
   SensorPings pings;
   pings.sound_speed_m_s = sound_speed_at(site.scene, description, trajectory);
@@ -273,6 +292,8 @@ SensorPings pings_of(Site& site, const SensorDescription& description, const Tra
   pings.times_s = times.times_s();
   pings.line_starts = times.line_starts();
   place_shots(pings, trajectory);
+  if (const SignalModel* model = pings.sensor->signals())
+    check_signals(site.scene, pings, *model, trajectory);
   warn_of_rounding(*pings.sensor, site.scene.report.warnings);
   warn_of_aperture(pings, site.scene.report.warnings);
   return pings;

@@ -11,6 +11,7 @@
 
 #include "engine/law/layered_reflectivity.hpp"
 #include "run/paths.hpp"
+#include "run/signals.hpp"
 
 namespace tubefoot {
 namespace {
@@ -219,7 +220,7 @@ OwnedBed::OwnedBed(const Shot& shot, const FacetMesh& mesh) {
 }
 
 std::size_t place_of_truth(const Survey& survey, std::size_t sensor) {
-  return survey.sensors.size() + sensor;
+  return survey.sensors.size() + places_of_signals(survey) + sensor;
 }
 
 void add_truth(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen) {
@@ -231,7 +232,8 @@ void add_truth(StoreLayout& layout, const Survey& survey, const std::vector<Chos
   }
   for (StoreLayout::Group& group : layout.groups) {
     const std::vector<std::size_t> sensors = group.sensors;
-    for (const std::size_t s : sensors) group.sensors.push_back(place_of_truth(survey, s));
+    for (const std::size_t s : sensors)
+      if (s < survey.sensors.size()) group.sensors.push_back(place_of_truth(survey, s));
   }
 }
 

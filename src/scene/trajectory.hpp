@@ -38,6 +38,7 @@ class Trajectory {
   double end_s() const { return samples_.back().time_s; }
   bool is_fixed() const { return samples_.size() == 1; }
   const std::vector<Line>& lines() const { return lines_; }
+  const std::vector<Sample>& samples() const { return samples_; }
   /// Whether there is a pose at a time; times of pings may miss the ends by rounding.
   bool holds(double time_s) const;
   /// Pose at a time within [begin, end] (any time if fixed). Throws std::out_of_range outside.

@@ -42,6 +42,43 @@ double weighed_bandwidth_hz(const BasebandPulse& pulse, int order) {
   return sum > 0 ? 2 * half * std::pow(weighed / sum, 1.0 / order) : pulse.bandwidth_hz;
 }
 
+double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double tolerance) {
+  constexpr double farthest = 8;   // in halves of the bandwidth
+  constexpr int a_bandwidth = 64;  // frequencies, or as many as lobes
+  constexpr double margin = 1.25;  // what lies beyond comes back outside of what is looked at
+  const double half = pulse.bandwidth_hz / 2, reach_hz = farthest * half,
+               interval_s = 1 / (2 * margin * reach_hz), length_s = pulse.end_s - pulse.begin_s;
+  const int count = int(std::ceil(length_s / interval_s)) + 1,
+            frequencies = int(farthest) * std::max(a_bandwidth, int(std::ceil(length_s * half)));
+  std::vector<std::complex<double>> values;
+  for (int k = 0; k < count; ++k) values.push_back(pulse.at(pulse.begin_s + k * interval_s));
+  std::vector<double> energies;  // of f and -f
+  double all = 0;
+  for (int n = 0; n < frequencies; ++n) {
+    const double turn = 2 * std::numbers::pi * (n + 0.5) / frequencies * reach_hz * interval_s;
+    const std::complex<double> step = std::polar(1.0, turn);
+    std::complex<double> above = 0, below = 0, phase = 1;
+    for (const std::complex<double>& value : values) {
+      above += value * phase;
+      below += value * std::conj(phase);
+      phase *= step;
+    }
+    energies.push_back(std::norm(above) + std::norm(below));
+    all += energies.back();
+  }
+  if (!(all > 0)) return pulse.bandwidth_hz;
+  const double most = 4 / (tolerance * tolerance);
+  const auto resolves = [&](double share) {  // a band of that share of the reach
+    double sum = 0;
+    for (int n = 0; n < frequencies; ++n)
+      sum += energies[std::size_t(n)] * std::min(std::pow((n + 0.5) / frequencies / share, 2 * order), most);
+    return sum <= all;
+  };
+  double low = 0, high = 1;
+  for (int halving = 0; halving < 12; ++halving) (resolves((low + high) / 2) ? high : low) = (low + high) / 2;
+  return 2 * reach_hz * high;
+}
+
 void check(const BasebandPulse& pulse, const SignalTimes& times) {
   if (!pulse.envelope || !(pulse.end_s > pulse.begin_s) || !(pulse.bandwidth_hz > 0) ||
       !std::isfinite(pulse.end_s - pulse.begin_s) || !std::isfinite(pulse.bandwidth_hz))

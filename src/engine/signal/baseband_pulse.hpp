@@ -32,6 +32,12 @@ BasebandPulse gaussian_pulse(double sigma_s, double left_out = 1e-9);
 /// not above it.
 double weighed_bandwidth_hz(const BasebandPulse& pulse, int order);
 
+/// The band B for which e(f) = min(tolerance |2 f / B|^order, 2), what interpolation of that order leaves of
+/// a frequency f, comes to the tolerance: integral |G|^2 e^2 df = tolerance^2 integral |G|^2 df. Flanks that
+/// are shorter than the bandwidth tells have tails beyond it, which are looked for as far as eight times as
+/// far.
+double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double tolerance);
+
 /// When a receiver samples.
 struct SignalTimes {
   double first_s = 0, rate_hz = 0;  ///< complex samples a second

@@ -46,17 +46,16 @@ glm::dvec3 middle_of(const CoherentReceiver& receiver, glm::dvec3 SignalChannel:
 }
 
 /// `products`: of two channels; else of single ones, less the phase of a way to the middle of all ends.
-SignalExtent extent_of(const CoherentReceiver& receiver, bool products) {
+SignalExtent extent_of(const CoherentReceiver& receiver, bool products, double tolerance) {
   SignalExtent extent;
   extent.products = products;
   extent.wavenumber_rad_m = wavenumber(receiver);
-  // n nodes leave 2 E|K / 2|^n / n! over the pulse's frequencies, n at most ChebyshevNodes::most; rules of
-  // Gauss, whose order is twice their nodes, as E|K|^2n over differences of two. By Minkowski's inequality
-  // means of lower orders are below that of the highest, and those of differences below twice the
-  // frequency's.
+  // n nodes leave 2 |K / 2|^n / n! of a frequency, n at most ChebyshevNodes::most; rules of Gauss, whose
+  // order is twice their nodes, E|K|^2n over differences of two. By Minkowski's inequality means of lower
+  // orders are below that of the highest, and those of differences below twice the frequency's.
   extent.band_rad_m = 2 * pi / receiver.sound_speed_m_s *
                       (products ? weighed_bandwidth_hz(receiver.pulse, 2 * most_rule_nodes)
-                                : weighed_bandwidth_hz(receiver.pulse, ChebyshevNodes::most) / 2);
+                                : resolved_bandwidth_hz(receiver.pulse, ChebyshevNodes::most, tolerance) / 2);
   double sent = 0, heard = 0;
   if (!products) {
     extent.transmit_m.push_back(middle_of(receiver, &SignalChannel::transmit_m));
@@ -146,7 +145,7 @@ ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceive
   check(receiver, law);
   check(field);
   const PulseTable table(receiver.pulse, receiver.times);
-  const SignalExtent extent = extent_of(receiver, false);
+  const SignalExtent extent = extent_of(receiver, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   const SmoothPieces pieces(extent, nodes.most_change());
   const glm::dvec3 out = extent.transmit_m[0] - patches.origin_m,
@@ -202,7 +201,8 @@ ChannelSignals drawn_signals(const SeenPatches& patches, const CoherentReceiver&
                              std::uint64_t seed, std::uint32_t ping, double tolerance) {
   check(receiver, law);
   const PulseTable table(receiver.pulse, receiver.times);
-  const std::vector<BedScatterer> bed = bed_scatterers(patches, extent_of(receiver, true), tolerance);
+  const std::vector<BedScatterer> bed =
+      bed_scatterers(patches, extent_of(receiver, true, tolerance), tolerance);
   ChannelSignals signals = silence(receiver);
   in_tasks(bed.size(), scatterers_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
@@ -237,7 +237,8 @@ CovarianceMatrix signal_covariances(const SeenPatches& patches, const CoherentRe
                       samples[n].channel, receiver.channels.size(), receiver.times.count));
     of_channel[samples[n].channel].emplace_back(receiver.times.time_s(samples[n].sample), n);
   }
-  const std::vector<BedScatterer> bed = bed_scatterers(patches, extent_of(receiver, true), tolerance);
+  const std::vector<BedScatterer> bed =
+      bed_scatterers(patches, extent_of(receiver, true, tolerance), tolerance);
   CovarianceMatrix matrix{samples.size(), Values(samples.size() * samples.size())};
   in_tasks(bed.size(), scatterers_per_task, matrix.value,
            [&](std::size_t begin, std::size_t end, Values& part) {

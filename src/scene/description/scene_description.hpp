@@ -12,6 +12,7 @@
 #include "scene/description/paths_description.hpp"
 #include "scene/description/refinement_description.hpp"
 #include "scene/description/run_description.hpp"
+#include "scene/description/scatterers_description.hpp"
 #include "scene/description/sensor_description.hpp"
 #include "scene/description/terrain_description.hpp"
 #include "scene/description/trajectory_description.hpp"
@@ -42,6 +43,7 @@ struct SceneDescription {
   std::vector<TrajectoryDescription> trajectories;
   std::vector<SensorDescription> sensors;
   RefinementDescription refinement;
+  ScatterersDescription scatterers;
   RunDescription run;
 };
 

@@ -191,6 +191,7 @@ struct SceneEntries {
   std::vector<Entry<TrajectoryDescription>> trajectories;
   std::vector<Entry<SensorDescription>> sensors;
   std::vector<Entry<RefinementDescription>> refinement;
+  std::vector<Entry<ScatterersDescription>> scatterers;
   std::vector<Entry<RunDescription>> run;
 };
 
@@ -214,6 +215,7 @@ SceneEntries read_entries(const toml::table& root, const TomlSection<SensorDescr
       {"trajectory", into(trajectory_section(), all.trajectories)},
       {"sensors", into(sensors, all.sensors)},
       {"relief", into(refinement_section(), all.refinement)},
+      {"scatterers", into(scatterers_section(), all.scatterers)},
       {"run", into(run_section(), all.run)},
   };
   for (const TomlEntry& entry : entries_in_file_order(root, source)) {
@@ -349,6 +351,7 @@ std::vector<SceneKey> scene_file_keys(const SensorSections& kinds) {
   append_keys(sensor_section(kinds), keys);
   append_keys(refinement_section(), keys);
   append_keys(paths_section(), keys);
+  append_keys(scatterers_section(), keys);
   append_keys(run_section(), keys);
   return keys;
 }
@@ -380,6 +383,7 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file, 
   scene.refinement = only(all.refinement, file);
   if (!all.refinement.empty()) scene.refinement.file_place = all.refinement.front().table.place_of("file");
   if (auto& bed = scene.refinement.file) bed = (file.parent_path() / *bed).string();
+  scene.scatterers = only(all.scatterers, file);
   scene.run = only(all.run, file);
 
   scene.confined = confined;

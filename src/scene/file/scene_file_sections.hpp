@@ -26,6 +26,7 @@ const TomlSection<TrajectoryDescription>& trajectory_section();
 /// With the keys of those kinds.
 TomlSection<SensorDescription> sensor_section(const SensorSections& kinds);
 const TomlSection<RefinementDescription>& refinement_section();
+const TomlSection<ScatterersDescription>& scatterers_section();
 const TomlSection<RunDescription>& run_section();
 
 }  // namespace tubefoot

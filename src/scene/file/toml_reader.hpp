@@ -198,6 +198,11 @@ struct TomlType<std::vector<T>> {
     return array_text(elements);
   }
 };
+template <class T, std::size_t n>
+struct TomlType<std::vector<std::array<T, n>>> {
+  static std::string name() { return "lists of " + TomlType<std::array<T, n>>::name(); }
+  static std::string text(const std::vector<std::array<T, n>>&) { return "none"; }
+};
 template <class T>
 struct TomlType<std::optional<T>> {
   static std::string name() { return TomlType<T>::name(); }

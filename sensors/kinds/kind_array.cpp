@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/kinds/kind_array.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "scene/file/sensor_ranges.hpp"
+#include "scene/file/toml_reader.hpp"
+#include "sensors/model/angles.hpp"
+#include "sensors/products/array_files.hpp"
+#include "sensors/recordings/sensor_kind.hpp"
+
+namespace tubefoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+TransmitWaveform waveform_of(const SensorDescription& sensor) {
+  const auto& own = sensor.kind.as<ArrayDescription>();
+  constexpr double hz = 1000, s = 1e-6;
+  return linear_chirp(hz * (own.frequency_khz - own.bandwidth_khz / 2),
+                      hz * (own.frequency_khz + own.bandwidth_khz / 2),
+                      s * sensor.signal.pulse_length_us.value_or(0), own.pulse_taper);
+}
+
+/// Complex samples a second.
+double sampling_hz(const SensorDescription& sensor) {
+  const auto& own = sensor.kind.as<ArrayDescription>();
+  if (own.sampling_frequency_khz) return 1000 * *own.sampling_frequency_khz;
+  constexpr double room = 1.25;  // for interpolation between samples
+  const FrequencyBand band = band_of(waveform_of(sensor));
+  return room * (band.high_hz - band.low_hz);
+}
+
+SignalSampling sampling_of(const SensorDescription& sensor) {
+  const auto& own = sensor.kind.as<ArrayDescription>();
+  return {1000 * own.baseband_khz.value_or(own.frequency_khz), sampling_hz(sensor),
+          2 * own.range_min_m / own.sound_speed_m_s, static_cast<std::size_t>(own.samples)};
+}
+
+/// A sonar of one transmitter and many receivers, as its elements record it. What tubes and energies know of
+/// it is one beam: the sector that it lights. Its range samples are those times of the signals' samples.
+class Array : public Sensor {
+ public:
+  /// Throws std::invalid_argument for what makes no sonar, and for a description that no water has been at
+  /// (SensorKind::in_water()).
+  explicit Array(const SensorDescription& description);
+
+ private:
+  Shot shot() const;
+};
+
+Array::Array(const SensorDescription& description) : Sensor(description) {
+  const auto& own = description.kind.as<ArrayDescription>();
+  require(own.sound_speed_m_s > 0 && own.samples >= 1, description, "samples", own.samples,
+          "what in_water() makes of the ranges");
+  require(own.horizontal_deg > 0 && own.horizontal_deg < 180, description, "horizontal_deg",
+          own.horizontal_deg, "above 0 and below 180");
+  require(own.vertical_deg > 0 && own.vertical_deg < 180, description, "vertical_deg", own.vertical_deg,
+          "above 0 and below 180");
+  frequency_khz_ = own.frequency_khz;
+  samples_ = {own.range_min_m, (own.range_max_m - own.range_min_m) / own.samples, own.samples};
+  beams_.push_back({0, 0, radians(own.horizontal_deg), radians(own.vertical_deg)});
+  SignalModel& model = signals_.emplace();
+  for (const auto& [x, y, z] : own.receivers_m) model.array.receivers_m.emplace_back(x, y, z);
+  model.waveform = waveform_of(description);
+  model.sampling = sampling_of(description);
+  model.stop_and_hop = own.stop_and_hop;
+  model.own_sights = own.own_sights;
+  model.tolerance = own.signal_tolerance;
+  check_sampled(model.waveform, model.sampling);
+  shots_.push_back(shot());
+}
+
+Sensor::Shot Array::shot() const {
+  const BeamAxis& beam = beams_.front();
+  const double half_width_rad = beam.azimuth_width_rad / 2, half_height_rad = beam.elevation_width_rad / 2,
+               tolerance = description_.cone_tolerance;
+  const int slices = slices_for(2 * half_width_rad, tolerance);
+  const double corner_rad = height_of_corners(half_height_rad, 2 * half_width_rad / slices, tolerance);
+  // Two rows above 90 degrees: no tube comes close to a half space, where its rays would say nothing.
+  const int rows = half_height_rad > radians(45) ? 2 : 1;
+  Shot made;
+  made.beams = {0};
+  made.sectors.push_back({even_edges(-half_width_rad, half_width_rad, slices),
+                          even_edges(-corner_rad, corner_rad, rows),
+                          glm::dmat3(forward_axis, starboard_axis, up_axis)});
+  made.beam_of_tube.assign(static_cast<std::size_t>(slices * rows), 0);
+  made.fans.push_back(
+      {0, 1, static_cast<std::uint32_t>(slices * rows), forward_axis, starboard_axis, up_axis});
+  return made;
+}
+
+bool has(const std::vector<std::string>& names, std::string_view name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+/// Keys that only some products read.
+void check_products(const ArrayDescription& own, const TomlTable& table) {
+  const auto needs = [&](std::initializer_list<const char*> keys, const std::vector<const char*>& any,
+                         const char* list) {
+    if (std::ranges::any_of(any, [&](const char* name) { return has(own.products, name); })) return;
+    for (const char* key : keys)
+      if (table.has(key))
+        throw InputError(
+            table.place_of(key),
+            fmt::format("'{}' is read for products = [\"{}\"]{} alone: add that, or remove the key", key,
+                        fmt::join(any, "\"] or [\""), list));
+  };
+  needs({"beams", "beams_deg", "beams_depression_deg"}, {"fan", "multibeam", "sidescan"}, "");
+  needs({"beams_plane"}, {"fan"}, "");
+  needs({"sides"}, {"sidescan"}, "");
+  needs({"picture_m", "picture_up_m", "pixel_m", "half_beam_deg", "ping_window"}, {"aperture"}, "");
+  needs({"upper", "lower", "looks_range", "looks_pings"}, {"interferogram"}, "");
+  if (has(own.products, "aperture") && !own.picture_m)
+    throw InputError(
+        table.place_of("products"),
+        "\"aperture\" needs 'picture_m', the part of the ground that it shows: [east, north, east, "
+        "north] of two corners");
+  if (own.picture_m &&
+      !((*own.picture_m)[2] > (*own.picture_m)[0] && (*own.picture_m)[3] > (*own.picture_m)[1]))
+    throw InputError(table.place_of("picture_m"),
+                     "'picture_m' is [east, north, east, north], the lower of each first");
+  if (has(own.products, "interferogram") && (own.upper.empty() || own.lower.empty()))
+    throw InputError(
+        table.place_of("products"),
+        "\"interferogram\" needs 'upper' and 'lower', the numbers of the receivers of two groups");
+  if (has(own.formats, "jsf") && !has(own.products, "sidescan"))
+    throw InputError(table.place_of("formats"),
+                     "\"jsf\" is of a sidescan's beams: add products = [\"sidescan\"]");
+  if (has(own.formats, "sonar_netcdf") && !has(own.products, "fan") && !has(own.products, "multibeam"))
+    throw InputError(table.place_of("formats"),
+                     "\"sonar_netcdf\" is of a fan's beams: add products = [\"fan\"] or [\"multibeam\"]");
+}
+
+constexpr std::size_t most_receivers = 4096;
+
+class ArrayKind : public SensorKind {
+ public:
+  ArrayKind() : SensorKind("array") {}
+
+  void add_keys(TomlSection<SensorDescription>& section) const override {
+    using A = ArrayDescription;
+    constexpr ValueRange kilohertz{.lo = 0, .hi = 10000}, above_0{.lo = 0, .hi = 10000, .lo_excluded = true},
+        share{.lo = 0, .hi = 1}, place{.lo = -1000, .hi = 1000}, anywhere{.lo = -1e7, .hi = 1e7},
+        element{.lo = 0, .hi = most_receivers - 1}, looks{.lo = 1, .hi = 1024};
+    const std::vector<std::string> windows{"uniform", "hann", "hamming", "taylor", "chebyshev"},
+        smooth_windows{"uniform", "hann", "hamming", "taylor"};
+    section.kind<A>(
+        "kind", name(),
+        {field("frequency_khz", &A::frequency_khz, {.ranges = {frequency}}),
+         field("bandwidth_khz", &A::bandwidth_khz, {.ranges = {kilohertz}}),
+         field("pulse_taper", &A::pulse_taper, {.ranges = {share}}),
+         field("sampling_frequency_khz", &A::sampling_frequency_khz,
+               {.ranges = {above_0}, .default_value = "1.25 times the pulse's band"}),
+         field("baseband_khz", &A::baseband_khz, {.ranges = {above_0}, .default_value = "as frequency_khz"}),
+         field("range_min_m", &A::range_min_m, {.ranges = {range_start}}),
+         field("range_max_m", &A::range_max_m, {.ranges = {sonar_range}}),
+         field("horizontal_deg", &A::horizontal_deg, {.ranges = {sector(180, true)}}),
+         field("vertical_deg", &A::vertical_deg, {.ranges = {sector(170, false)}}),
+         field("receivers", &A::receivers, {.ranges = {{.lo = 1, .hi = most_receivers}}}),
+         field("receiver_spacing_m", &A::receiver_spacing_m,
+               {.ranges = {place}, .default_value = "half a wavelength to starboard"}),
+         field("receivers_m", &A::receivers_m, {.ranges = {place}}),
+         field("stop_and_hop", &A::stop_and_hop),
+         field("own_sights", &A::own_sights),
+         field("signal_tolerance", &A::signal_tolerance, {.ranges = {{.lo = 1e-8, .hi = 0.1}}}),
+         field("products", &A::products,
+               {.choices = {"fan", "sidescan", "multibeam", "aperture", "interferogram"}}),
+         field("formats", &A::formats, {.choices = {"jsf", "sonar_netcdf"}}),
+         field("beams", &A::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
+         field("beams_deg", &A::beams_deg, {.ranges = {sector(180, true)}}),
+         field("beams_depression_deg", &A::beams_depression_deg, {.ranges = {pitch}}),
+         field("beams_plane", &A::beams_plane, {.choices = {"forward", "across_track"}}),
+         field("sides", &A::sides, {.choices = {"port", "starboard", "both"}}),
+         field("beam_window", &A::beam_window, {.choices = windows}),
+         field("range_window", &A::range_window, {.choices = smooth_windows}),
+         field("ping_window", &A::ping_window, {.choices = windows}),
+         field("picture_m", &A::picture_m, {.ranges = {anywhere}}),
+         field("picture_up_m", &A::picture_up_m, {.ranges = {anywhere}}),
+         field("pixel_m", &A::pixel_m, {.ranges = {{.lo = 1e-4, .hi = 1000}}}),
+         field("half_beam_deg", &A::half_beam_deg, {.ranges = {{.lo = 0, .hi = 90, .lo_excluded = true}}}),
+         field("upper", &A::upper, {.ranges = {element}}),
+         field("lower", &A::lower, {.ranges = {element}}),
+         field("looks_range", &A::looks_range, {.ranges = {looks}}),
+         field("looks_pings", &A::looks_pings, {.ranges = {looks}})});
+  }
+  void check(const SensorDescription& sensor, const TomlTable& table) const override {
+    const auto& own = sensor.kind.as<ArrayDescription>();
+    check_ranges(own.range_min_m, own.range_max_m, table);
+    if (!sensor.signal.pulse_length_us)
+      throw InputError(
+          table.place_of("kind"),
+          "kind = \"array\" records the pulse that is sent: say how long it is, 'pulse_length_us'");
+    for (const char* key : {"receivers", "receiver_spacing_m"})
+      if (!own.receivers_m.empty() && table.has(key))
+        throw InputError(
+            table.place_of(key),
+            fmt::format("'receivers_m' says where the receivers are: remove '{}', or the list", key));
+    if (sensor.look_at_m && (sensor.receiver_arm_m || !own.stop_and_hop))
+      throw InputError(
+          table.place_of("look_at_m"),
+          "an array that is turned to look at something has one place, and stands still while it "
+          "listens: remove 'look_at_m', or 'receiver_arm_m' and stop_and_hop = false");
+    if (own.receivers_m.size() > most_receivers)
+      throw InputError(table.place_of("receivers_m"),
+                       fmt::format("'receivers_m' has {} places, must be {} at most", own.receivers_m.size(),
+                                   most_receivers));
+    if (own.bandwidth_khz >= 2 * own.frequency_khz)
+      throw InputError(place_of_pair(table, "frequency_khz", "bandwidth_khz"),
+                       fmt::format("'bandwidth_khz' ({}) about 'frequency_khz' ({}) begins below 0: make it "
+                                   "narrower, or the frequency higher",
+                                   own.bandwidth_khz, own.frequency_khz));
+    try {
+      tubefoot::check(waveform_of(sensor));
+    } catch (const std::invalid_argument& error) {
+      throw InputError(table.place_of("pulse_length_us"), error.what());
+    }
+    check_products(own, table);
+  }
+  bool looks_ahead() const override { return true; }
+  SensorFigures figures(const SensorDescription& sensor) const override {
+    const auto& own = sensor.kind.as<ArrayDescription>();
+    SensorFigures figures;
+    figures.frequency_khz = own.frequency_khz;
+    constexpr double about_m_s = 1500;
+    figures.sample_m =
+        (own.sound_speed_m_s > 0 ? own.sound_speed_m_s : about_m_s) / (2 * sampling_hz(sensor));
+    figures.samples = static_cast<std::int64_t>((own.range_max_m - own.range_min_m) / figures.sample_m);
+    figures.beam_deg = std::min(own.horizontal_deg, own.vertical_deg);
+    figures.farthest_m = own.range_max_m;
+    return figures;
+  }
+
+  /// Samples are as long as the speed of sound makes them, as many whole ones as the ranges hold.
+  SensorDescription in_water(SensorDescription sensor, double sound_speed_m_s,
+                             std::vector<std::string>*) const override {
+    auto& own = sensor.kind.edit<ArrayDescription>();
+    own.sound_speed_m_s = sound_speed_m_s;
+    const double rate_hz = sampling_hz(sensor), step_m = sound_speed_m_s / (2 * rate_hz),
+                 whole = std::floor((own.range_max_m - own.range_min_m) / step_m * (1 + 1e-12));
+    constexpr double most = 65536;
+    const auto fail = [&](const std::string& what) {
+      throw InputError(sensor.place, fmt::format("sensor '{}': {}", sensor.name, what));
+    };
+    if (!(whole >= 1 && whole <= most))
+      fail(
+          fmt::format("at {:.6g} complex samples a second and {:.1f} m/s a sample is {:.4g} m long, and "
+                      "range_min_m to range_max_m hold {:.0f} of them: choose 1 to {:.0f}",
+                      rate_hz, sound_speed_m_s, step_m, whole, most));
+    own.samples = static_cast<int>(whole);
+    own.range_max_m = own.range_min_m + whole * step_m;
+    if (own.receivers_m.empty()) {
+      const double wavelength_m = sound_speed_m_s / (1000 * own.frequency_khz);
+      const auto [x, y, z] = own.receiver_spacing_m.value_or(std::array{wavelength_m / 2, 0.0, 0.0});
+      for (const glm::dvec3 place :
+           line_array(static_cast<std::size_t>(own.receivers), {x, y, z}).receivers_m)
+        own.receivers_m.push_back({place.x, place.y, place.z});
+    }
+    for (const std::vector<int>& group : {own.upper, own.lower})
+      for (const int number : group)
+        if (static_cast<std::size_t>(number) >= own.receivers_m.size())
+          fail(fmt::format("receiver {} of an interferogram's group is not there: they are 0 to {}", number,
+                           own.receivers_m.size() - 1));
+    try {
+      check_sampled(waveform_of(sensor), sampling_of(sensor));
+    } catch (const std::invalid_argument& error) {
+      fail(error.what());
+    }
+    return sensor;
+  }
+  std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
+    return std::make_unique<Array>(sensor);
+  }
+
+  std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
+                                       const RunContext& run,
+                                       std::vector<std::string>& warnings) const override {
+    return write_array_files(folder, recording, run, products_of(recording.sensor->description()), warnings);
+  }
+  WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
+    return cost_of_array_files(recording, run, products_of(recording.sensor->description()));
+  }
+
+ private:
+  static SignalProducts products_of(const SensorDescription& sensor);
+};
+
+ApertureWindow window_named(const std::string& name) {
+  using Law = ApertureWindow::Law;
+  ApertureWindow window;
+  window.law = name == "hann"        ? Law::hann
+               : name == "hamming"   ? Law::hamming
+               : name == "taylor"    ? Law::taylor
+               : name == "chebyshev" ? Law::chebyshev
+                                     : Law::uniform;
+  return window;
+}
+
+SignalProducts ArrayKind::products_of(const SensorDescription& sensor) {
+  const auto& own = sensor.kind.as<ArrayDescription>();
+  const ApertureWindow window = window_named(own.beam_window);
+  const double depression_rad = radians(own.beams_depression_deg);
+  SignalProducts products;
+  products.name = sensor.name;
+  products.range_window = window_named(own.range_window);
+  if (has(own.products, "fan"))
+    products.fan =
+        SignalFan{own.beams_plane == "forward" ? SignalFan::Plane::forward : SignalFan::Plane::across_track,
+                  static_cast<std::size_t>(own.beams), radians(own.beams_deg), depression_rad, window};
+  if (has(own.products, "sidescan"))
+    products.sidescan = SignalSidescan{own.sides == "port"        ? SignalSidescan::Sides::port
+                                       : own.sides == "starboard" ? SignalSidescan::Sides::starboard
+                                                                  : SignalSidescan::Sides::both,
+                                       depression_rad, window};
+  if (has(own.products, "multibeam")) {
+    products.multibeam.emplace();
+    products.multibeam->fan = {SignalFan::Plane::across_track, static_cast<std::size_t>(own.beams),
+                               radians(own.beams_deg), 0, window};
+  }
+  if (has(own.products, "aperture")) {
+    const auto& [west, south, east, north] = *own.picture_m;
+    SignalAperture& aperture = products.aperture.emplace();
+    aperture.plane = {{west + own.pixel_m / 2, south + own.pixel_m / 2, own.picture_up_m},
+                      {own.pixel_m, 0, 0},
+                      {0, own.pixel_m, 0},
+                      static_cast<std::size_t>(std::max(1.0, std::round((east - west) / own.pixel_m))),
+                      static_cast<std::size_t>(std::max(1.0, std::round((north - south) / own.pixel_m)))};
+    aperture.ping_window = window_named(own.ping_window);
+    aperture.receiver_window = window;
+    if (own.half_beam_deg) aperture.half_beam_rad = radians(*own.half_beam_deg);
+  }
+  if (has(own.products, "interferogram")) {
+    SignalInterferogram& interferogram = products.interferogram.emplace();
+    interferogram.upper.assign(own.upper.begin(), own.upper.end());
+    interferogram.lower.assign(own.lower.begin(), own.lower.end());
+    interferogram.looks_range = static_cast<std::size_t>(own.looks_range);
+    interferogram.looks_pings = static_cast<std::size_t>(own.looks_pings);
+    if (own.sides == "port") interferogram.direction = -starboard_axis;
+  }
+  products.jsf = has(own.formats, "jsf");
+  products.sonar_netcdf = has(own.formats, "sonar_netcdf");
+  return products;
+}
+
+}  // namespace
+
+const SensorSection& ArrayDescription::kind() {
+  static const ArrayKind kind;
+  return kind;
+}
+const SensorSection& array_kind() { return ArrayDescription::kind(); }
+
+}  // namespace tubefoot

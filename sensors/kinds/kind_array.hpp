@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/description/sensor_section.hpp"
+
+namespace tubefoot {
+
+/// Elements anywhere on a vehicle that record signals with phase, and what beams and pictures become of them.
+/// The pulse is as long as pulse_length_us says.
+struct ArrayDescription {
+  double frequency_khz = 100;                    ///< in the middle of the pulse's band
+  double bandwidth_khz = 0;                      ///< swept from below to above; 0: a pulse of one frequency
+  double pulse_taper = 0.1;                      ///< share of the pulse in both its raised-cosine flanks
+  std::optional<double> sampling_frequency_khz;  ///< complex samples; else 1.25 times the pulse's band
+  std::optional<double> baseband_khz;            ///< else frequency_khz
+  double range_min_m = 0.5, range_max_m = 50;
+  double horizontal_deg = 60, vertical_deg = 20;  ///< sector that is lit and heard
+  int receivers = 32;
+  /// From one to the next, on the sensor's axes; else half a wavelength to starboard.
+  std::optional<std::array<double, 3>> receiver_spacing_m;
+  std::vector<std::array<double, 3>> receivers_m;  ///< instead of both: each place, on the sensor's axes
+  bool stop_and_hop = true;
+  bool own_sights = false;  ///< each receiver sees for itself
+  double signal_tolerance = 1e-3;
+
+  std::vector<std::string> products;  ///< fan | sidescan | multibeam | aperture | interferogram
+  std::vector<std::string> formats;   ///< jsf | sonar_netcdf
+  int beams = 96;
+  double beams_deg = 90;  ///< between the outermost axes
+  double beams_depression_deg = 0;
+  std::string beams_plane = "forward";  ///< forward | across_track
+  std::string sides = "starboard";      ///< port | starboard | both
+  std::string beam_window = "hann", range_window = "hann", ping_window = "hann";
+  std::optional<std::array<double, 4>> picture_m;  ///< of an aperture's: east and north, from and to
+  double picture_up_m = 0, pixel_m = 0.05;
+  std::optional<double>
+      half_beam_deg;              ///< of an aperture: pings that see a pixel further off abeam are left out
+  std::vector<int> upper, lower;  ///< groups of an interferogram
+  int looks_range = 4, looks_pings = 4;
+
+  // What the water makes of these (SensorKind::in_water):
+  int samples = 0;
+  double sound_speed_m_s = 0;
+
+  static const SensorSection& kind();
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/array_files.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "files/memory_at_hand.hpp"
+#include "sensors/recordings/navigation.hpp"
+#include "sensors/recordings/signal_recording.hpp"
+
+namespace tubefoot {
+namespace {
+
+SignalCounts counts_of(const Recording& recording) {
+  const SignalModel& model = *recording.sensor->signals();
+  return {recording.pings(), model.array.receivers_m.size(), model.sampling.samples};
+}
+
+double bytes_of(const SignalCounts& counts) {
+  return 16.0 * static_cast<double>(counts.pings) * static_cast<double>(counts.receivers) *
+         static_cast<double>(counts.samples);
+}
+
+}  // namespace
+
+ElementSignals element_signals_of(const Recording& recording) {
+  const Sensor& sensor = *recording.sensor;
+  const SignalModel& model = *sensor.signals();
+  const SignalRecording& recorded = *recording.signals;
+  const SensorDescription& description = sensor.description();
+  const auto place_on = [](const std::array<double, 3>& arm) { return glm::dvec3(arm[0], arm[1], arm[2]); };
+  const glm::dvec3 transmitter_m = place_on(description.lever_arm_m),
+                   receivers_m = place_on(description.receiver_arm_m.value_or(description.lever_arm_m));
+  // One that is turned to look at something carries itself.
+  const bool turned = description.look_at_m.has_value();
+  const glm::dquat mounting = sensor.mounting();
+  ElementArray array;
+  array.transmitter_m = (turned ? glm::dvec3(0) : transmitter_m) + mounting * model.array.transmitter_m;
+  for (const glm::dvec3 place : model.array.receivers_m)
+    array.receivers_m.push_back((turned ? glm::dvec3(0) : receivers_m) + mounting * place);
+  ElementSignals signals = silent_signals(
+      array, model.waveform, model.sampling,
+      VehicleMotion(recorded.track, recording.ping_time_s, model.stop_and_hop), recording.sound_speed_m_s);
+  const std::size_t values = 2 * signals.receivers() * signals.samples();
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    stop_if_wanted();
+    const std::span<const double> from = recorded.values.subspan(ping * values, values);
+    for (std::size_t k = 0; k < values / 2; ++k)
+      signals.pressure[ping * values / 2 + k] = {from[2 * k], from[2 * k + 1]};
+    if (recorded.release) recorded.release(ping);
+  }
+  return signals;
+}
+
+std::vector<std::filesystem::path> write_array_files(const std::filesystem::path& folder,
+                                                     const Recording& recording, const RunContext& run,
+                                                     SignalProducts products,
+                                                     std::vector<std::string>& warnings) {
+  const SensorDescription& description = recording.sensor->description();
+  if (!recording.signals) {
+    warnings.push_back(fmt::format(
+        "'{}': energies alone do not tell phases: there are no files of its signals", description.name));
+    return {};
+  }
+  const SignalCounts counts = counts_of(recording);
+  require_memory(
+      2 * bytes_of(counts) + memory_of_signal_files(products, counts), description.place,
+      fmt::format("the files of {} pings' signals of {} receivers", counts.pings, counts.receivers),
+      "ask for fewer pings at a time (--pings), or leave out products");
+  products.ping_numbers = recording.ping_numbers;
+  if (run.frame.is_georeferenced()) products.fixes = navigation(recording, run, 0, recording.pings());
+  try {
+    return write_signal_files(folder, element_signals_of(recording), products, run, warnings);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(description.place, fmt::format("sensor '{}': {}", description.name, error.what()));
+  }
+}
+
+WritingCost cost_of_array_files(const Recording& recording, const RunContext& run,
+                                const SignalProducts& products) {
+  return cost_of_signal_files(products, counts_of(recording), run.pictures);
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "scene/trajectory.hpp"
+
+namespace tubefoot {
+
+/// What the elements of a recording's sensor receive, with phase: what signals.nc and beams are made of.
+struct SignalRecording {
+  /// [ping][receiver][sample][real, imaginary], W^1/2 for a source of 1 J/sr at 1 m; complex baseband as the
+  /// sensor's SignalModel samples it. They lie elsewhere, in memory or in a file.
+  std::span<const double> values{};
+  std::function<void(std::size_t ping)> release{};
+  /// Where the sensor's carrier is at any time of the pings; of a sensor that is turned to look at something,
+  /// where it is itself.
+  std::vector<Trajectory::Sample> track{};
+};
+
+}  // namespace tubefoot

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/signals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "run/echo_parts.hpp"
+#include "sensors/recordings/signal_recording.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+const SignalModel* model_of(const Survey& survey, std::size_t s) {
+  return survey.sensors[s].sensor->signals();
+}
+
+std::size_t values_of(const SignalModel& model) {
+  return 2 * model.array.receivers_m.size() * model.sampling.samples;
+}
+
+/// About the middle of the waveform's band, where its bandwidth is least.
+double carrier_hz(const SignalModel& model) { return model.waveform.centre_hz(); }
+
+CoherentReceiver receiver_of(const Shot& shot, std::size_t s) {
+  const SignalModel& model = *shot.sensor(s).signals();
+  const FrequencyBand band = band_of(model.waveform);
+  CoherentReceiver receiver;
+  receiver.channels = signal_channels(shot, s);
+  receiver.pulse = {[waveform = model.waveform, carrier = carrier_hz(model)](double time_s) {
+                      return baseband_at(waveform, carrier, time_s);
+                    },
+                    0, model.waveform.duration_s, band.high_hz - band.low_hz};
+  receiver.times = {model.sampling.first_s, model.sampling.rate_hz, model.sampling.samples};
+  receiver.carrier_hz = carrier_hz(model);
+  receiver.sound_speed_m_s = shot.survey().sensors[s].sound_speed_m_s;
+  return receiver;
+}
+
+/// What a sensor's elements record, [receiver][sample][real, imaginary]: about the frequency that the sonar
+/// mixes with.
+std::vector<double> recorded(const ChannelSignals& signals, const SignalModel& model) {
+  std::vector<double> values;
+  values.reserve(2 * signals.value.size());
+  const double shift_hz = model.sampling.baseband_hz - carrier_hz(model);
+  for (std::size_t channel = 0; channel < signals.channels; ++channel)
+    for (std::size_t k = 0; k < signals.samples; ++k) {
+      std::complex<double> value = signals.at(channel, k);
+      if (shift_hz != 0) value *= std::polar(1.0, 2 * pi * shift_hz * model.sampling.time_s(k));
+      values.insert(values.end(), {value.real(), value.imag()});
+    }
+  return values;
+}
+
+}  // namespace
+
+std::size_t place_of_signals(const Survey& survey, std::size_t sensor) {
+  return survey.sensors.size() + sensor;
+}
+
+std::size_t places_of_signals(const Survey& survey) {
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s)
+    if (model_of(survey, s) != nullptr) return survey.sensors.size();
+  return 0;
+}
+
+void add_signals(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen) {
+  if (places_of_signals(survey) == 0) return;
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    const SignalModel* model = model_of(survey, s);
+    layout.sensors.push_back(
+        {model != nullptr ? chosen[s].pings : 0, model != nullptr ? values_of(*model) : 0});
+  }
+  for (StoreLayout::Group& group : layout.groups) {
+    const std::vector<std::size_t> sensors = group.sensors;
+    for (const std::size_t s : sensors)
+      if (model_of(survey, s) != nullptr) group.sensors.push_back(place_of_signals(survey, s));
+  }
+}
+
+GroundField ground_field_of(const Survey& survey) {
+  const ScatterersDescription& asked = survey.scene.description.scatterers;
+  GroundField field;
+  field.seed = survey.scene.description.run.seed;
+  field.texture = asked.texture == "gamma"        ? GroundTexture::gamma
+                  : asked.texture == "log_normal" ? GroundTexture::log_normal
+                                                  : GroundTexture::none;
+  field.shape = asked.texture_shape;
+  field.texture_cell_m = asked.texture_cell_m;
+  field.spacing_m = asked.spacing_m.value_or(HUGE_VAL);
+  for (std::size_t s = 0; s < survey.sensors.size() && !asked.spacing_m; ++s) {
+    const SignalModel* model = model_of(survey, s);
+    if (model == nullptr) continue;
+    const Sensor& sensor = *survey.sensors[s].sensor;
+    const double c = survey.sensors[s].sound_speed_m_s;
+    const FrequencyBand band = band_of(model->waveform);
+    field.spacing_m =
+        std::min(field.spacing_m, ground_spacing_m(band.high_hz - band.low_hz, c / carrier_hz(*model), c,
+                                                   sensor.beams().front().azimuth_width_rad));
+  }
+  return field;
+}
+
+std::vector<SignalChannel> signal_channels(const Shot& shot, std::size_t s) {
+  const Sensor& sensor = shot.sensor(s);
+  const SensorPings& pings = shot.survey().sensors[s];
+  const ElementArray& array = sensor.signals()->array;
+  const Pose& sent = pings.shot_pose(shot.ping(), shot.number());
+  const Pose& heard = pings.receiver_pose(shot.ping(), shot.number());
+  SignalChannel channel;
+  channel.transmit_m = sent.position_m + sent.attitude * array.transmitter_m;
+  if (sensor.has_patterns()) {
+    const BeamPatterns patterns = sensor.patterns(sent, pings.sound_speed_m_s, shot.number());
+    if (!patterns.transmit.front().beams.empty()) channel.transmit = patterns.transmit.front().beams.front();
+    channel.receive = patterns.receive.front();
+  }
+  std::vector<SignalChannel> channels;
+  for (const glm::dvec3 place : array.receivers_m) {
+    channel.receive_m = heard.position_m + heard.attitude * place;
+    channels.push_back(channel);
+  }
+  return channels;
+}
+
+void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
+                    const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store) {
+  std::size_t number = 0;
+  for (std::size_t s = 0; s < chosen.size(); ++s) {
+    if (chosen[s].pings == 0) continue;
+    Recording& recording = recordings.at(number++);
+    if (model_of(survey, s) == nullptr) continue;
+    const auto signals = std::make_shared<SignalRecording>();
+    const std::size_t place = place_of_signals(survey, s);
+    signals->values = store->energy(place);
+    signals->release = [store, place](std::size_t ping) { store->release(place, ping); };
+    if (recording.sensor->description().look_at_m)
+      for (std::size_t ping = 0; ping < recording.pings(); ++ping)
+        signals->track.push_back({recording.ping_time_s[ping], recording.ping_pose[ping]});
+    else
+      signals->track = survey.scene.trajectories[survey.scene.sensor_trajectory[s]].samples();
+    recording.signals = signals;
+  }
+}
+
+namespace {
+
+/// How the elements of a sensor hear a shot.
+class ShotSignals {
+ public:
+  ShotSignals(const Shot& shot, std::size_t s)
+      : shot_(shot),
+        sensor_(s),
+        model_(*shot.sensor(s).signals()),
+        law_(shot, shot.ground(), s),
+        receiver_(receiver_of(shot, s)),
+        field_(ground_field_of(shot.survey())) {}
+
+  /// What all receivers hear of one sight.
+  ChannelSignals of(const Sight& sight) const { return of(sight, receiver_); }
+  /// What each hears of its own.
+  ChannelSignals of_own_sights() const {
+    ChannelSignals all{receiver_.channels.size(), receiver_.times.count, {}};
+    CoherentReceiver one = receiver_;
+    for (const SignalChannel& channel : receiver_.channels) {
+      one.channels = {channel};
+      const ChannelSignals its = of(seen_with(channel.receive_m), one);
+      all.value.insert(all.value.end(), its.value.begin(), its.value.end());
+    }
+    return all;
+  }
+
+ private:
+  ChannelSignals of(const Sight& sight, const CoherentReceiver& receiver) const {
+    return element_signals(seen_patches(sight, law_.law), receiver, law_.law, field_, model_.tolerance);
+  }
+  BistaticHistory seen_with(glm::dvec3 receiver_m) const {
+    const Scene& scene = shot_.scene();
+    Pose pose = shot_.receiver_pose();
+    pose.position_m = receiver_m;
+    return trace_bistatic(shot_.ground().mesh(), shot_.ground().tree(), scene.grid.unit_m(),
+                          shot_.request().visibility, shot_.tubes_of(sensor_),
+                          shot_.sensor(sensor_).tubes(pose, scene.grid, shot_.number()));
+  }
+
+  const Shot& shot_;
+  std::size_t sensor_;
+  const SignalModel& model_;
+  SensorLaw law_;
+  CoherentReceiver receiver_;
+  GroundField field_;
+};
+
+}  // namespace
+
+void add_signals(const Shot& shot, PingSums& sums) {
+  for (const std::size_t s : shot.group().sensors) {
+    const SignalModel* model = shot.sensor(s).signals();
+    if (model == nullptr || sums.chosen(s).pings == 0) continue;
+    const ShotSignals heard(shot, s);
+    const auto add = [&](const ChannelSignals& signals) {
+      sums.add_signals(shot, s, recorded(signals, *model));
+    };
+    if (model->own_sights) {
+      sums.as_echo([&] { add(heard.of_own_sights()); });
+    } else if (shot.has_receiver_apart()) {
+      const BistaticHistory history = shot.trace_both();
+      sums.as_echo([&] { add(heard.of(history)); });
+    } else {
+      const History& history = traced(shot, sums);
+      sums.as_echo([&] { add(heard.of(history)); });
+    }
+  }
+}
+
+}  // namespace tubefoot

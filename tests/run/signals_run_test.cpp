@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the elements of an array record of a scene, held against sums over the ground's scatterers that know
+// no polygons, and against the energies of the same run.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "engine/signal/ground_field.hpp"
+#include "files/input_error.hpp"
+#include "fixtures/program.hpp"
+#include "fixtures/scene_texts.hpp"
+#include "run/signals.hpp"
+#include "run/simulation.hpp"
+#include "run/survey.hpp"
+#include "sensors/kinds/scene_file.hpp"
+#include "sensors/products/array_files.hpp"
+#include "sensors/recordings/signal_recording.hpp"
+#include "sensors/signals/point_signals.hpp"
+
+namespace tubefoot {
+namespace {
+
+using std::numbers::pi;
+using testing::HasSubstr;
+using Complex = std::complex<double>;
+
+constexpr double sound_speed = 1500;
+
+/// Rigged so that all of a small bed is seen, 6 m below and ahead.
+std::string scene(const std::string& sensor, const std::string& more = "", double extent_m = 1.5) {
+  return fmt::format(
+      "[water]\nsound_speed_m_s = 1500\nabsorption_db_per_km = 0\n"
+      "[[materials]]\nname = \"sand\"\nlambert_db = -20\n"
+      "[[terrain]]\nkind = \"flat\"\ncentre_m = [0.3, 6, -6]\nwidth_m = {}\nlength_m = {}\n{}"
+      "[[sensors]]\nname = \"sonar\"\nkind = \"array\"\ntilt_deg = 45\nfrequency_khz = 30\n"
+      "bandwidth_khz = 6\npulse_length_us = 500\npulse_taper = 0.4\nrange_min_m = 6.5\nrange_max_m = 11\n"
+      "horizontal_deg = 50\nvertical_deg = 50\n{}",
+      extent_m, extent_m, more, sensor);
+}
+const std::string at_rest = "[trajectory]\nkind = \"fixed\"\n";
+
+struct SignalsRun : testing::Test {
+  TestFolder folder;
+  std::unique_ptr<const Survey> survey;
+  std::vector<Recording> recordings;
+
+  ElementSignals signals_of(const std::string& text, std::size_t sensor = 0) {
+    const SceneDescription description = read_scene_file(folder.write("scene.toml", text));
+    RunRequest request = request_of(description.run);
+    survey = open_survey(description, facets_for_signals);
+    SimulationStats stats;
+    recordings = simulate(*survey, request, stats);
+    return element_signals_of(recordings.at(sensor));
+  }
+  static constexpr Facets facets_for_signals = Facets::merged;
+};
+
+double largest(const ElementSignals& signals) {
+  double most = 0;
+  for (const Complex& value : signals.pressure) most = std::max(most, std::abs(value));
+  return most;
+}
+
+double largest_difference(const ElementSignals& a, const ElementSignals& b) {
+  double most = 0;
+  EXPECT_EQ(a.pressure.size(), b.pressure.size());
+  for (std::size_t k = 0; k < a.pressure.size(); ++k)
+    most = std::max(most, std::abs(a.pressure[k] - b.pressure[k]));
+  return most;
+}
+
+/// All scatterers of a level square of Lambert's law that nothing hides, as points: out and home along
+/// straight lines, a(x) = sqrt(mu sin sin) / (r s) in amplitude.
+ElementSignals of_points(const ElementSignals& like, const GroundField& field, glm::dvec3 middle_m,
+                         double half_m) {
+  ElementSignals sum = like;
+  std::fill(sum.pressure.begin(), sum.pressure.end(), 0);
+  const double mu = std::pow(10, -2);
+  const std::vector<glm::dvec3> corners{
+      middle_m + glm::dvec3(-half_m, -half_m, 0), middle_m + glm::dvec3(half_m, -half_m, 0),
+      middle_m + glm::dvec3(half_m, half_m, 0), middle_m + glm::dvec3(-half_m, half_m, 0)};
+  std::vector<std::pair<glm::dvec3, Complex>> scatterers;
+  field.for_scatterers(corners, {0, 0, 1},
+                       [&](glm::dvec3 place, Complex z) { scatterers.emplace_back(place, z); });
+  EXPECT_GT(scatterers.size(), 50u);
+  for (std::size_t ping = 0; ping < like.pings(); ++ping) {
+    const Pose pose = like.motion.ping_pose(ping);
+    const glm::dvec3 sent = pose.position_m + pose.attitude * like.array.transmitter_m;
+    for (std::size_t e = 0; e < like.receivers(); ++e) {
+      const glm::dvec3 heard = pose.position_m + pose.attitude * like.array.receivers_m[e];
+      for (const auto& [place, z] : scatterers) {
+        const double r = glm::distance(place, sent), s = glm::distance(place, heard),
+                     tau = (r + s) / like.sound_speed_m_s;
+        const Complex amplitude = z * std::sqrt(mu * (sent.z - place.z) / r * (heard.z - place.z) / s) /
+                                  (r * s) * std::polar(1.0, 2 * pi * like.sampling.baseband_hz * tau);
+        for (std::size_t k = 0; k < like.samples(); ++k)
+          sum.channel(ping, e)[k] += amplitude * baseband_at(like.waveform, like.sampling.baseband_hz,
+                                                             like.sampling.time_s(k) - tau);
+      }
+    }
+  }
+  return sum;
+}
+
+// From the scene file to what the elements record, with motion from ping to ping, elements off the middle, a
+// mounting and a frequency that is mixed with beside the band's middle.
+TEST_F(SignalsRun, AreThoseOfTheGroundsScatterers) {
+  const ElementSignals signals = signals_of(scene(
+      "baseband_khz = 30.5\nsampling_frequency_khz = 20\nsignal_tolerance = 1e-6\nlever_arm_m = [0.1, 0.2, "
+      "0.3]\n"
+      "receivers_m = [[0, 0, 0], [0.4, 0, -0.1], [-0.2, 0.3, 0]]\npings = 2\nping_interval_s = 1\n",
+      "[trajectory]\nkind = \"line\"\nstart_m = [0.1, -0.3, 0]\nend_m = [0.2, 0.7, 0.2]\nspeed_m_s = 0.5\n"));
+  ASSERT_EQ(signals.pings(), 2u);
+  ASSERT_EQ(signals.receivers(), 3u);
+  const ElementSignals points = of_points(signals, ground_field_of(*survey), {0.3, 6, -6}, 0.75);
+  ASSERT_GT(largest(points), 0);
+  EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
+  EXPECT_NEAR(glm::distance(signals.motion.ping_pose(1).position_m, signals.motion.ping_pose(0).position_m),
+              0.5, 1e-9);
+}
+
+// The mean of |signal|^2 over many grounds is the energy, with what a box hides taken away.
+TEST_F(SignalsRun, HaveTheEnergiesOfTheSameSight) {
+  const std::string box =
+      "[[objects]]\nname = \"box\"\nshape = \"box\"\nsize_m = [0.5, 0.2, 0.6]\nposition_m = [0.2, 5.8, "
+      "-5.7]\n";
+  constexpr int grounds = 60;
+  std::vector<double> mean, energy;
+  for (int seed = 1; seed <= grounds; ++seed) {
+    const ElementSignals signals =
+        signals_of(scene("receivers = 1\n", at_rest + box + fmt::format("[run]\nseed = {}\n", seed), 3));
+    mean.resize(signals.samples());
+    for (std::size_t k = 0; k < signals.samples(); ++k)
+      mean[k] += std::norm(signals.channel(0, 0)[k]) / signals.sampling.rate_hz / grounds;
+    energy.assign(recordings[0].energy.begin(), recordings[0].energy.end());
+  }
+  ASSERT_EQ(mean.size(), energy.size());
+  double all = 0, expected = 0;
+  for (std::size_t k = 0; k < mean.size(); ++k) {
+    all += mean[k];
+    expected += energy[k];
+  }
+  // A few dozen cells of resolution, each exponential, over 60 grounds.
+  EXPECT_NEAR(all / expected, 1, 0.1);
+}
+
+TEST_F(SignalsRun, AreTheGroundsForEveryoneAndEveryThread) {
+  const std::string two =
+      scene("receivers = 3\n", at_rest) +
+      "[[sensors]]\nname = \"other\"\nkind = \"array\"\ntilt_deg = 45\nfrequency_khz = 30\nbandwidth_khz = "
+      "6\n"
+      "pulse_length_us = 500\npulse_taper = 0.4\nrange_min_m = 6.5\nrange_max_m = 11\nhorizontal_deg = 52\n"
+      "vertical_deg = 52\nreceivers = 3\n[scatterers]\nspacing_m = 0.006\n";
+  const ElementSignals first = signals_of(two), second = element_signals_of(recordings.at(1)),
+                       again = signals_of(two + "[run]\nthreads = 1\n");
+  // Another sector, the same ground: to the tolerance of either.
+  EXPECT_LE(largest_difference(first, second), 2e-3 * largest(first));
+  EXPECT_EQ(first.pressure, again.pressure);
+  EXPECT_GT(largest_difference(first, signals_of(two + "[run]\nseed = 2\n")), 0.3 * largest(first));
+}
+
+TEST_F(SignalsRun, OfAReceiverApartAreThoseOfTheGroundsScatterers) {
+  const ElementSignals signals = signals_of(scene(
+      "receiver_arm_m = [1, 0.5, 0.2]\nreceivers_m = [[0, 0, 0], [0.1, 0, 0]]\nsignal_tolerance = 1e-6\n",
+      at_rest));
+  EXPECT_NEAR(signals.array.receivers_m[1].x, 1.1, 1e-12);
+  const ElementSignals points = of_points(signals, ground_field_of(*survey), {0.3, 6, -6}, 0.75);
+  EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
+}
+
+// What each of far elements sees for itself is what a receiver sees that is apart, and another than what the
+// transmitter sees: a wall stands between them.
+TEST_F(SignalsRun, OfOwnSightsAreThoseOfReceiversApart) {
+  const std::string wall =
+      "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [0.1, 1, 1.2]\nposition_m = [0.3, 5.8, "
+      "-5.5]\n";
+  const auto only = [&](const std::string& sensor) { return signals_of(scene(sensor, at_rest + wall, 3)); };
+  const std::string fine = "signal_tolerance = 1e-6\n";
+  const ElementSignals own =
+                           only("own_sights = true\nreceivers_m = [[-1, 0.2, 0.1], [1.5, 0, 0.2]]\n" + fine),
+                       shared = only("receivers_m = [[-1, 0.2, 0.1], [1.5, 0, 0.2]]\n" + fine);
+  // The arms are on the vehicle's axes, 45 degrees off the sensor's.
+  const glm::dvec3 places[] = {own.array.receivers_m[0], own.array.receivers_m[1]};
+  for (std::size_t e = 0; e < 2; ++e) {
+    const ElementSignals apart =
+        only(fmt::format("receiver_arm_m = [{:.17g}, {:.17g}, {:.17g}]\nreceivers = 1\n{}", places[e].x,
+                         places[e].y, places[e].z, fine));
+    for (std::size_t k = 0; k < own.samples(); ++k)
+      ASSERT_NEAR(std::abs(own.channel(0, e)[k] - apart.channel(0, 0)[k]), 0, 1e-5 * largest(own)) << k;
+  }
+  EXPECT_GT(largest_difference(own, shared), 0.05 * largest(own));
+}
+
+TEST_F(SignalsRun, OfOneThatIsTurnedToLook) {
+  const ElementSignals signals = signals_of(
+      replaced(scene("look_at_m = [0.3, 6, -6]\nreceivers = 2\nsignal_tolerance = 1e-6\n", at_rest),
+               "tilt_deg = 45\n", ""));
+  const ElementSignals points = of_points(signals, ground_field_of(*survey), {0.3, 6, -6}, 0.75);
+  EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
+}
+
+struct SignalRefusals : testing::Test {
+  TestFolder folder;
+  std::string said(const std::string& text) {
+    const Outcome outcome = run_program({"check", folder.write("scene.toml", text).string()});
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    return outcome.err;
+  }
+};
+
+TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
+  EXPECT_THAT(said(replaced(scene("", at_rest), "pulse_length_us = 500\n", "")),
+              HasSubstr("pulse_length_us"));
+  EXPECT_THAT(said(scene("sampling_frequency_khz = 5\n", at_rest)), HasSubstr("sample at"));
+  EXPECT_THAT(said(replaced(scene("", at_rest), "pulse_length_us = 500\n", "pulse_length_us = 20000\n")),
+              HasSubstr("longer than"));
+  EXPECT_THAT(said(scene("receivers = 2\nreceivers_m = [[0, 0, 0]]\n", at_rest)),
+              HasSubstr("remove 'receivers'"));
+  EXPECT_THAT(said(scene("products = [\"aperture\"]\n", at_rest)), HasSubstr("'picture_m'"));
+  EXPECT_THAT(said(scene("pixel_m = 0.1\n", at_rest)), HasSubstr("'pixel_m'"));
+  EXPECT_THAT(said(scene("formats = [\"jsf\"]\n", at_rest)), HasSubstr("sidescan"));
+  EXPECT_THAT(said(scene("products = [\"interferogram\"]\nupper = [0]\nlower = [40]\n", at_rest)),
+              HasSubstr("receiver 40"));
+  EXPECT_THAT(said(replaced(scene("", at_rest + "[run]\ngrid_exponent = 4\n"), "frequency_khz = 30\n",
+                            "frequency_khz = 300\n")),
+              HasSubstr("wavelength"));
+  EXPECT_THAT(
+      said(scene("stop_and_hop = false\npings = 2\nping_interval_s = 0.5\n",
+                 "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [1, 0, 0]\nspeed_m_s = 2\n")),
+      HasSubstr("last sample"));
+}
+
+}  // namespace
+}  // namespace tubefoot
