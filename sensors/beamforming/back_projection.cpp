@@ -36,6 +36,7 @@ class Projector {
       : signals_(signals),
         interpolator_(interpolator),
         spreading_undone_(how.spreading_undone),
+        nearest_abeam_only_(how.nearest_abeam_only),
         ping_weights_(all_weights(how.ping_weights, signals.pings(), "pings")),
         receiver_weights_(all_weights(how.receiver_weights, signals.receivers(), "receivers")) {
     if (how.half_beam_rad) most_forward_ = std::sin(*how.half_beam_rad);
@@ -53,15 +54,38 @@ class Projector {
   }
 
   Complex pixel(glm::dvec3 point) const {
+    if (nearest_abeam_only_) {
+      const std::optional<std::size_t> ping = nearest_abeam(point);
+      return ping ? of_pings(*ping, *ping + 1, point) : 0;
+    }
+    return of_pings(0, ways_.size(), point);
+  }
+
+ private:
+  /// Of what a ping is away from a point, the part forward of it: sine of the angle from abeam.
+  double forward_of(std::size_t ping, glm::dvec3 point) const {
+    const glm::dvec3 there = point - ways_[ping].centre_m;
+    const double length = glm::length(there);
+    return length > 0 ? std::abs(glm::dot(there, ways_[ping].forward)) / length : 0;
+  }
+
+  std::optional<std::size_t> nearest_abeam(glm::dvec3 point) const {
+    std::optional<std::size_t> nearest;
+    double least = most_forward_.value_or(1);
+    for (std::size_t ping = 0; ping < ways_.size(); ++ping)
+      if (const double own = forward_of(ping, point); nearest ? own < least : own <= least) {
+        nearest = ping;
+        least = own;
+      }
+    return nearest;
+  }
+
+  Complex of_pings(std::size_t first, std::size_t end, glm::dvec3 point) const {
     Complex sum = 0;
     double weights = 0;
-    for (std::size_t ping = 0; ping < ways_.size(); ++ping) {
-      const PingWay& way = ways_[ping];
-      if (most_forward_) {
-        const glm::dvec3 there = point - way.centre_m;
-        if (std::abs(glm::dot(there, way.forward)) > *most_forward_ * glm::length(there)) continue;
-      }
-      for (std::size_t receiver = 0; receiver < way.receivers.size(); ++receiver) {
+    for (std::size_t ping = first; ping < end; ++ping) {
+      if (most_forward_ && forward_of(ping, point) > *most_forward_) continue;
+      for (std::size_t receiver = 0; receiver < ways_[ping].receivers.size(); ++receiver) {
         const double weight = ping_weights_[ping] * receiver_weights_[receiver];
         weights += weight;
         sum += weight * echo(ping, receiver, point);
@@ -70,7 +94,6 @@ class Projector {
     return weights == 0 ? 0 : sum / weights;
   }
 
- private:
   Complex echo(std::size_t ping, std::size_t receiver, glm::dvec3 point) const {
     const SignalSampling& sampling = signals_.sampling;
     const TwoWayPath path = path_emitted_at(signals_.waveform.duration_s / 2, ways_[ping].transmitter, point,
@@ -85,7 +108,7 @@ class Projector {
 
   const ElementSignals& signals_;
   const SignalInterpolator& interpolator_;
-  bool spreading_undone_;
+  bool spreading_undone_, nearest_abeam_only_;
   std::vector<double> ping_weights_, receiver_weights_;
   std::optional<double> most_forward_;
   std::vector<PingWay> ways_;

@@ -28,6 +28,9 @@ struct BackProjection {
   /// the receivers: the cosine to the vehicle's forward axis is at most the sine of it. Unset: of all.
   std::optional<double> half_beam_rad{};
   bool spreading_undone = true;  ///< by out times home: a point has its strength f
+  /// A real aperture: a pixel is made of one ping, of those the one that it lies nearest to abeam of (the
+  /// first of equal ones). That is what a sidescan's lines make of this place.
+  bool nearest_abeam_only = false;
 };
 
 /// I(x) = sum over pings p and receivers e of w_p w_e s_pe(tau) e^{-i omega_b tau} / sum of the weights,

@@ -23,6 +23,8 @@ void check(std::span<const double> energies_j, const RangeSamples& samples, cons
     refuse(fmt::format("samples of {} m from {} m are none", samples.step_m, samples.first_m));
   if (samples.count < 0 || energies_j.size() != static_cast<std::size_t>(samples.count))
     refuse(fmt::format("{} energies for {} samples", energies_j.size(), samples.count));
+  if (rule.method == DetectionMethod::split_beam)
+    refuse("a split beam needs phases, and energies have none: take energy_centroid");
   if (!(rule.relative_db <= 0))
     refuse(fmt::format("the relative threshold is {} dB, must be 0 or less", rule.relative_db));
   if (!(rule.absolute_j >= 0))
@@ -193,6 +195,8 @@ const char* name_of(DetectionMethod method) {
       return "energy_centroid";
     case DetectionMethod::maximum:
       return "maximum";
+    case DetectionMethod::split_beam:
+      return "split_beam";
   }
   throw std::invalid_argument("no detection method");
 }
@@ -246,6 +250,8 @@ std::optional<Detection> detect_bottom(std::span<const double> energies_j, const
       detection.energy_j = gate.energy(gate.largest);
       break;
     }
+    case DetectionMethod::split_beam:  // refused above
+      break;
   }
   // Whatever of its echo the method looks at: at the gate's border it goes on outside. There samples may fade
   // as they do within it.

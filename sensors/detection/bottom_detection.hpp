@@ -16,6 +16,8 @@ enum class DetectionMethod {
   first_return,     ///< the middle of the first sample that counts
   energy_centroid,  ///< the mean range of the samples of one echo that count, weighed by energy
   maximum,          ///< the top of the parabola through the largest sample and its neighbours
+  split_beam,       ///< where the phase between a beam's halves is zero: of signals (split_beam_zero), not of
+                    ///< energies
 };
 
 /// Name as in scene files and in tables of soundings: "first_return", "energy_centroid", "maximum".

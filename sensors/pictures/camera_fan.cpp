@@ -26,11 +26,19 @@ float line_coverage(double distance_pixels) {
 }  // namespace
 
 CameraFan::CameraFan(const Sensor& sensor, double widest, double highest)
-    : borders_rad_(borders_of(sensor.beams())),
-      near_m_(sensor.samples().first_m),
-      far_m_(sensor.samples().first_m + sensor.samples().count * sensor.samples().step_m),
-      step_m_(sensor.samples().step_m),
-      samples_(sensor.samples().count) {
+    : CameraFan(sensor.samples(), borders_of(sensor.beams()), widest, highest) {}
+
+CameraFan::CameraFan(const std::vector<double>& azimuths_rad, const RangeSamples& samples, double widest,
+                     double highest)
+    : CameraFan(samples, borders_between(azimuths_rad), widest, highest) {}
+
+CameraFan::CameraFan(const RangeSamples& samples, std::vector<double> borders_rad, double widest,
+                     double highest)
+    : borders_rad_(std::move(borders_rad)),
+      near_m_(samples.first_m),
+      far_m_(samples.first_m + samples.count * samples.step_m),
+      step_m_(samples.step_m),
+      samples_(samples.count) {
   double left_m = far_m_, right_m = -far_m_, low_m = far_m_, high_m = -far_m_;
   constexpr int steps = 720;
   for (int k = 0; k <= steps; ++k) {

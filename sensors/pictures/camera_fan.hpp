@@ -16,6 +16,9 @@ class CameraFan {
  public:
   /// At most so many pixels wide and high.
   CameraFan(const Sensor& sensor, double widest, double highest);
+  /// Of beams with these axes, in order; of one beam there is no fan.
+  CameraFan(const std::vector<double>& azimuths_rad, const RangeSamples& samples, double widest,
+            double highest);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -47,6 +50,8 @@ class CameraFan {
   int samples_;
   double pixels_per_m_ = 0, apex_x_ = 0, apex_y_ = 0;
   int width_ = 0, height_ = 0;
+
+  CameraFan(const RangeSamples& samples, std::vector<double> borders_rad, double widest, double highest);
 
   friend class CameraPixels;
 };

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "sensors/pictures/camera_fan.hpp"
 #include "sensors/pictures/canvas.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
+#include "sensors/pictures/fan_page.hpp"
 #include "sensors/recordings/heard.hpp"
 #include "sensors/recordings/recording.hpp"
 
@@ -34,9 +34,7 @@ class CameraFrames {
   const Recording& recording_;
   std::string font_;
   std::optional<DecibelScale> scale_;
-  CameraFan fan_;
-  CameraPixels pixels_;
-  std::vector<CameraFan::Lines> lines_;  ///< of the same pixels
+  FanPage page_;
 };
 
 /// One of them.

@@ -6,25 +6,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sensors/detection/staff_soundings.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
+#include "sensors/pictures/phase_colour.hpp"
 #include "sensors/pictures/pixel_span.hpp"
 
 namespace tubefoot {
 namespace {
 
 constexpr int margin = 28, header_height = 2 * margin + 44, axis_height = 62, axis_width = 72;
-
-/// Round the circle of hues once per turn.
-Colour colour_of(double phase_rad, double brightness) {
-  const auto component = [&](int k) {
-    const double turn = phase_rad - k * 2 * std::numbers::pi / 3;
-    return static_cast<float>(brightness * (0.5 + 0.45 * std::cos(turn)));
-  };
-  return {component(0), component(1), component(2)};
-}
 
 Colour colour_under(const Recording& recording, PixelSpan pings, PixelSpan samples, std::size_t beam,
                     const InterferometricNoise* noise) {
@@ -38,20 +29,7 @@ Colour colour_under(const Recording& recording, PixelSpan pings, PixelSpan sampl
       sum.cross_j += own.cross_j;
     }
   const std::optional<double> phase = sum.phase_rad();
-  return phase ? colour_of(*phase, sum.coherence()) : colour_of(0, 0);
-}
-
-void draw_legend(Canvas& canvas, int x, int y0, int y1) {
-  const int bar = 20, top = y0 + 2 * label_size, bottom = y1 - 2 * label_size;
-  canvas.text(x, y0 + label_size / 2, "phase", label_size, palette.ink);
-  for (int y = top; y < bottom; ++y)
-    canvas.fill(x, y, x + bar, y + 1,
-                colour_of(std::numbers::pi * (1 - 2 * (y - top + 0.5) / (bottom - top)), 1));
-  for (const int degrees : {-180, -90, 0, 90, 180}) {
-    const int y = top + (180 - degrees) * (bottom - top - 1) / 360;
-    canvas.fill(x + bar + 1, y, x + bar + 6, y + 1, palette.faint_ink);
-    canvas.label(x + bar + 11, y, fmt::format("{}\u00b0", degrees), label_size, palette.ink);
-  }
+  return phase ? phase_colour(*phase, sum.coherence()) : phase_colour(0, 0);
 }
 
 }  // namespace
@@ -89,7 +67,7 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   canvas.text(middle, bottom + 42, "slant range (m)", label_size, palette.ink, Anchor::centre);
   canvas.text(middle + side, bottom + 42, "starboard", label_size, palette.ink, Anchor::right);
   canvas.text(left - 12, top - 22, "ping", label_size, palette.ink, Anchor::right);
-  draw_legend(canvas, middle + side + margin, top, top + std::min(rows, 400));
+  draw_phase_legend(canvas, middle + side + margin, top, top + std::min(rows, 400));
   const double near_m = samples.first_m, far_m = samples.first_m + samples.count * samples.step_m;
   const double step_m = tick_step(far_m - near_m, 5);
   for (const double range : ticks(near_m, far_m, step_m)) {

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/pictures/fan_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sensors/model/angles.hpp"
+
+namespace tubefoot {
+namespace {
+
+constexpr int margin = 28, header_height = 2 * margin + 44, footer_height = 44;
+constexpr int angle_label_gap = 20, range_label_gap = 12, range_label_width = 60;
+
+/// Distance of the angle lines: what divides a circle well, at most eight parts, labels 50 pixels apart or
+/// more.
+double angle_step_deg(const CameraFan& fan) {
+  const double extent_rad = fan.extent_rad();
+  const double parts = std::clamp(std::floor(extent_rad * fan.far_m() * fan.pixels_per_m() / 50), 1.0, 8.0);
+  for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0})
+    if (degrees(extent_rad) <= parts * step) return step;
+  return 45;
+}
+
+/// Distance of the range arcs: at most six parts, with room for their labels along the starboard edge.
+double range_step_m(const CameraFan& fan) {
+  const double steepness = std::abs(std::cos(fan.last_azimuth_rad()));
+  const double gap = steepness > 0.4 ? 26 / steepness : 65;  // below each other, or side by side
+  const double extent_m = fan.far_m() - fan.near_m();
+  return tick_step(extent_m,
+                   static_cast<int>(std::clamp(std::floor(extent_m * fan.pixels_per_m() / gap), 1.0, 6.0)));
+}
+
+}  // namespace
+
+FanPage::FanPage(CameraFan fan, Towards towards)
+    : fan_(std::move(fan)), downwards_(towards == Towards::down), pixels_(fan_) {
+  constexpr int around = CameraPixels::around;
+  const double range_step = range_step_m(fan_), angle_step = radians(angle_step_deg(fan_));
+  for (int y = -around; y < fan_.height() + around; ++y)
+    for (int x = -around; x < fan_.width() + around; ++x)
+      lines_.push_back(fan_.lines_at(x + 0.5, y + 0.5, range_step, angle_step));
+}
+
+/// Metres along the starboard edge, degrees along the far arc.
+void FanPage::draw_labels(Canvas& canvas, int left, int top) const {
+  const CameraFan& fan = fan_;
+  const double range_step = range_step_m(fan), angle_step = angle_step_deg(fan);
+  const double edge = fan.last_azimuth_rad();
+  const bool level = std::abs(std::cos(edge)) <= 0.4;  // beside the edge, not on it
+  for (const double range : ticks(fan.near_m(), fan.far_m(), range_step)) {
+    const double pixels = range * fan.pixels_per_m();
+    const int x = left + static_cast<int>(std::lround(fan.x(edge, pixels))),
+              y = top + row_of(static_cast<int>(std::lround(fan.y(edge, pixels))));
+    canvas.label(level ? x : x + range_label_gap, level ? y + 22 : y + 5,
+                 tick_label(range, range_step) + " m", label_size, palette.ink,
+                 level ? Anchor::centre : Anchor::left);
+  }
+  for (const double angle :
+       ticks(degrees(fan.first_azimuth_rad()), degrees(fan.last_azimuth_rad()), angle_step)) {
+    if (angle < -180 + angle_step / 2) continue;  // straight astern is labelled once, as +180
+    const double azimuth = radians(angle), pixels = fan.far_m() * fan.pixels_per_m() + angle_label_gap;
+    canvas.label(left + static_cast<int>(std::lround(fan.x(azimuth, pixels))),
+                 top + row_of(static_cast<int>(std::lround(fan.y(azimuth, pixels)))),
+                 tick_label(angle, angle_step) + "\u00b0", label_size, palette.ink, Anchor::centre);
+  }
+}
+
+Canvas FanPage::draw(const Texts& texts, const PingEchoes& echoes, const DecibelScale& scale,
+                     const std::string& font) const {
+  const CameraFan& fan = fan_;
+  // The fan, its labels and the legend side by side; short fans leave room for the title.
+  const int drawing_height = std::max(fan.height(), 200);  // room for the legend
+  const int content = fan.width() + 2 * range_label_width + DecibelScale::legend_width;
+  const int width = 2 * margin + std::max({content, text_width(texts.title, title_size, font),
+                                           text_width(texts.subtitle, label_size, font),
+                                           text_width(texts.footer, label_size, font)});
+  const int fan_left = margin + range_label_width + (width - 2 * margin - content) / 2;
+  Canvas canvas(width, header_height + drawing_height + footer_height + margin, palette.background, font);
+
+  constexpr int around = CameraPixels::around;
+  FanColours colours(pixels_, echoes, scale);
+  auto lines = lines_.begin();
+  for (int y = -around; y < fan.height() + around; ++y)
+    for (int x = -around; x < fan.width() + around; ++x, ++lines) {
+      const FanColours::Pixel pixel = colours.at(x, y);
+      const int column = fan_left + x, row = header_height + row_of(y);
+      if (pixel.coverage > 0) {
+        canvas.blend(column, row, pixel.colour, pixel.coverage);
+        if (lines->grid > 0) canvas.blend(column, row, palette.grid, 0.28 * lines->grid * pixel.coverage);
+      }
+      if (lines->outline > 0) canvas.blend(column, row, palette.grid, 0.55 * lines->outline);
+    }
+
+  canvas.text(margin, margin, texts.title, title_size, palette.ink);
+  canvas.text(margin, margin + 30, texts.subtitle, label_size, palette.faint_ink);
+  canvas.text(margin, canvas.height() - margin, texts.footer, label_size, palette.faint_ink);
+  const int legend_bottom = header_height + drawing_height;
+  scale.draw_legend(canvas, width - margin - DecibelScale::legend_width + 20,
+                    std::max(header_height, legend_bottom - 400), legend_bottom);
+  draw_labels(canvas, fan_left, header_height);
+  return canvas;
+}
+
+}  // namespace tubefoot

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "sensors/pictures/canvas.hpp"
+
+namespace tubefoot {
+
+/// Round the circle of hues once per turn; brightness 0 to 1.
+Colour phase_colour(double phase_rad, double brightness);
+
+/// A bar of the hues with their degrees, in the pixels [x, x + DecibelScale::legend_width) x [y0, y1).
+void draw_phase_legend(Canvas& canvas, int x, int y0, int y1);
+
+}  // namespace tubefoot

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sensors/products/signal_products.hpp"
+#include "sensors/recordings/run_context.hpp"
+#include "sensors/recordings/writing_cost.hpp"
+
+namespace tubefoot {
+
+/// Writes what people make of signals with phase (docs/files-signals.md), and returns the files' names,
+/// relative to `folder`, which exists:
+/// - <name>-signals.nc, always;
+/// - <name>-signals.png: levels and phases of the elements;
+/// - <name>-fan.png: beams of a ping by range and angle;
+/// - <name>-sidescan.png: a waterfall of beams abeam, and <name>.jsf of them;
+/// - <name>-beams.png, <name>-soundings.csv and .gpkg: of a fan across the track;
+/// - <name>-aperture.png: a synthetic aperture and the real one, on one map;
+/// - <name>-interferogram.png: phases and coherence of two groups of receivers;
+/// - <name>-sonar.nc: complex beams as SONAR-netCDF4.
+/// Pings are compressed one by one, but for a synthetic aperture, which has all of them. Of signals that are
+/// silent there are no pictures, and `warnings` says so. Throws std::invalid_argument as check() of both
+/// does, std::runtime_error naming the file and what failed.
+std::vector<std::filesystem::path> write_signal_files(const std::filesystem::path& folder,
+                                                      const ElementSignals& signals,
+                                                      const SignalProducts& products, const RunContext& run,
+                                                      std::vector<std::string>& warnings);
+
+/// What that takes, about.
+WritingCost cost_of_signal_files(const SignalProducts& products, const SignalCounts& counts,
+                                 const PictureSettings& settings);
+/// Most bytes of memory that it takes beside the signals themselves.
+double memory_of_signal_files(const SignalProducts& products, const SignalCounts& counts);
+
+}  // namespace tubefoot

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sensors/products/signal_products.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <stdexcept>
+
+#include "sensors/beamforming/beams.hpp"
+#include "sensors/model/angles.hpp"
+
+namespace tubefoot {
+namespace {
+
+using std::numbers::pi;
+
+void require(bool holds, const std::string& what) {
+  if (!holds) throw std::invalid_argument(what);
+}
+
+void check(const SignalFan& fan, const char* of, const ElementArray& array) {
+  constexpr std::size_t most_beams = 4096;
+  require(fan.beams >= 2 && fan.beams <= most_beams,
+          fmt::format("the {} has {} beams: must be 2 to {}", of, fan.beams, most_beams));
+  const bool across = fan.plane == SignalFan::Plane::across_track;
+  require(fan.opening_rad > 0 && fan.opening_rad <= pi,
+          fmt::format("the {} opens by {:g} degrees: must be above 0 and at most 180", of,
+                      degrees(fan.opening_rad)));
+  require(!across || fan.depression_rad == 0,
+          fmt::format("the {} is across the track and points straight down: it has no depression", of));
+  require(std::abs(fan.depression_rad) < pi / 2,
+          fmt::format("the {} points {:g} degrees down: must be between -90 and 90", of,
+                      degrees(fan.depression_rad)));
+  weights_along(array, starboard_axis, fan.window);
+}
+
+/// Whether an array hears port and starboard alike: elements on a line forward do.
+bool knows_sides(const ElementArray& array) {
+  constexpr double least_m = 1e-6;
+  const auto away = [](glm::dvec3 a) { return glm::length(glm::dvec3(a.x, 0, a.z)); };
+  return std::ranges::any_of(array.receivers_m,
+                             [&](glm::dvec3 place) { return away(place - array.receivers_m[0]) > least_m; });
+}
+
+void check(const SignalSidescan& sidescan, const ElementArray& array) {
+  require(std::abs(sidescan.depression_rad) < pi / 2,
+          fmt::format("the sidescan's beams point {:g} degrees down: must be between -90 and 90",
+                      degrees(sidescan.depression_rad)));
+  require(sidescan.sides != SignalSidescan::Sides::both || knows_sides(array),
+          "a sidescan to both sides needs receivers that tell port from starboard: these lie on a line "
+          "forward; ask for one side, or give the array elements beside or above each other");
+  weights_along(array, forward_axis, sidescan.window);
+}
+
+void check(const SignalMultibeam& multibeam, const ElementArray& array) {
+  check(multibeam.fan, "multibeam", array);
+  require(multibeam.fan.plane == SignalFan::Plane::across_track,
+          "the multibeam's fan looks forward: soundings need one across the track");
+  if (!multibeam.split_beam) return;
+  const auto [first, last] =
+      std::ranges::minmax(array.receivers_m, {}, [](const glm::dvec3& place) { return place.x; });
+  require(
+      array.receivers_m.size() >= 2 && last.x > first.x,
+      fmt::format("a split beam needs two halves of an array, and the {} receiver{} not extend across the "
+                  "track: place more of them to starboard of each other, or detect by amplitude alone",
+                  array.receivers_m.size(), array.receivers_m.size() == 1 ? " does" : "s do"));
+}
+
+void check(const SignalAperture& aperture, const ElementArray& array, std::size_t pings) {
+  constexpr std::size_t most = std::size_t{1} << 22;
+  const PixelPlane& plane = aperture.plane;
+  require(plane.columns >= 2 && plane.rows >= 2,
+          fmt::format("the aperture's picture has {} x {} pixels: must have 2 x 2 or more", plane.columns,
+                      plane.rows));
+  require(plane.columns <= most / plane.rows,
+          fmt::format("the aperture's picture has {} x {} pixels, {} are the most: take larger pixels, or "
+                      "a smaller piece of the plane",
+                      plane.columns, plane.rows, most));
+  const double column_m = glm::length(plane.column_step_m), row_m = glm::length(plane.row_step_m);
+  require(column_m > 0 && row_m > 0 && std::isfinite(column_m) && std::isfinite(row_m),
+          fmt::format("the aperture's pixels are {:g} x {:g} m: must be above 0", column_m, row_m));
+  require(pings >= 2, "a synthetic aperture needs two pings or more: there is one");
+  require(!aperture.half_beam_rad || (*aperture.half_beam_rad > 0 && *aperture.half_beam_rad <= pi / 2),
+          "the aperture's half beam must be above 0 and at most 90 degrees");
+  window_weights(aperture.ping_window, pings);
+  weights_along(array, forward_axis, aperture.receiver_window);
+}
+
+void check(const SignalInterferogram& interferogram, const SignalCounts& counts) {
+  for (const auto& [group, name] :
+       {std::pair{&interferogram.upper, "upper"}, std::pair{&interferogram.lower, "lower"}}) {
+    require(!group->empty(), fmt::format("the interferogram has no {} receivers: name at least one", name));
+    for (const std::size_t receiver : *group)
+      require(receiver < counts.receivers,
+              fmt::format("the interferogram's {} receiver {} is not there: they count from 0 to {}", name,
+                          receiver, counts.receivers - 1));
+  }
+  require(
+      interferogram.upper != interferogram.lower,
+      "the interferogram's upper and lower receivers are the same: their phase is 0 everywhere; name others");
+  const double length = glm::length(interferogram.direction);
+  require(length > 0 && std::isfinite(length), "the interferogram's direction has no length above 0");
+  require(
+      interferogram.looks_range >= 1 && interferogram.looks_range <= counts.samples &&
+          interferogram.looks_pings >= 1 && interferogram.looks_pings <= counts.pings,
+      fmt::format("an interferogram of {} samples and {} pings a cell, of {} and {}: must be 1 or more and "
+                  "not beyond what is there",
+                  interferogram.looks_range, interferogram.looks_pings, counts.samples, counts.pings));
+}
+
+}  // namespace
+
+std::vector<double> SignalFan::angles_rad() const {
+  std::vector<double> angles;
+  for (std::size_t k = 0; k < beams; ++k)
+    angles.push_back(opening_rad *
+                     (beams > 1 ? static_cast<double>(k) / static_cast<double>(beams - 1) - 0.5 : 0.0));
+  return angles;
+}
+
+std::vector<glm::dvec3> SignalFan::directions() const {
+  return plane == Plane::across_track ? across_track_fan(angles_rad())
+                                      : forward_fan(angles_rad(), depression_rad);
+}
+
+std::vector<double> weights_along(const ElementArray& array, glm::dvec3 axis, const ApertureWindow& window) {
+  if (window.law == ApertureWindow::Law::uniform) return {};
+  const std::size_t count = array.receivers_m.size();
+  std::vector<double> places;
+  for (const glm::dvec3& receiver : array.receivers_m) places.push_back(glm::dot(receiver, axis));
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return places[k]; });
+  const double first = places[order.front()], extent = places[order.back()] - first;
+  require(extent > 0,
+          "a window other than uniform weighs receivers along an axis on which these do not extend: "
+          "take a uniform one, or place receivers along it");
+  const double step = extent / static_cast<double>(count - 1);
+  std::vector<double> weights(count);
+  if (window.law == ApertureWindow::Law::chebyshev) {
+    const std::vector<double> even = window_weights(window, count);
+    for (std::size_t k = 0; k < count; ++k) {
+      require(std::abs(places[order[k]] - first - static_cast<double>(k) * step) < 1e-3 * step,
+              "Chebyshev's window is of evenly spaced elements, and the receivers are not: take Taylor's");
+      weights[order[k]] = even[k];
+    }
+    return weights;
+  }
+  // Each at the middle of its share: the aperture is a spacing longer than the distance of the outermost.
+  for (std::size_t k = 0; k < count; ++k)
+    weights[k] = window_at(window, (places[k] - first - extent / 2) / (extent + step));
+  return weights;
+}
+
+SignalInterpolator interpolator_for(const TransmitWaveform& waveform, const SignalSampling& sampling,
+                                    double error) {
+  constexpr double least = 0.5, most = 0.95;
+  const FrequencyBand band = band_of(waveform);
+  const double widest_hz =
+      std::max(std::abs(band.low_hz - sampling.baseband_hz), std::abs(band.high_hz - sampling.baseband_hz));
+  return SignalInterpolator(std::clamp(2 * widest_hz / sampling.rate_hz, least, most), error);
+}
+
+void check(const SignalProducts& products, const ElementArray& array, const SignalCounts& counts) {
+  require(!products.name.empty() && products.name != "." && products.name != ".." &&
+              products.name.find('/') == std::string::npos,
+          fmt::format("'{}' cannot be the name of files", products.name));
+  require(!array.receivers_m.empty() && counts.receivers == array.receivers_m.size() && counts.pings > 0 &&
+              counts.samples > 0,
+          "products of signals need pings, receivers and samples");
+  require(products.picture_ping < counts.pings,
+          fmt::format("ping {} is to be drawn, there are {}", products.picture_ping, counts.pings));
+  require(products.ping_numbers.empty() || products.ping_numbers.size() == counts.pings,
+          fmt::format("there are {} numbers for {} pings", products.ping_numbers.size(), counts.pings));
+  require(products.fixes.empty() || products.fixes.size() == counts.pings,
+          fmt::format("there are {} places on Earth for {} pings", products.fixes.size(), counts.pings));
+  if (products.fan) check(*products.fan, "fan", array);
+  if (products.sidescan) check(*products.sidescan, array);
+  if (products.multibeam) check(*products.multibeam, array);
+  if (products.aperture) check(*products.aperture, array, counts.pings);
+  if (products.interferogram) check(*products.interferogram, counts);
+  require(!products.jsf || products.sidescan,
+          "a JSF file is of a sidescan's beams: ask for a sidescan as well");
+  require(
+      !products.sonar_netcdf || products.multibeam ||
+          (products.fan && products.fan->plane == SignalFan::Plane::across_track),
+      "a SONAR-netCDF4 file of complex beams is of a fan across the track: ask for one, or for a multibeam");
+}
+
+}  // namespace tubefoot
