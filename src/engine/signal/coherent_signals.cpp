@@ -21,16 +21,6 @@ constexpr double pi = std::numbers::pi;
 /// What a task takes: part of the summation's order.
 constexpr std::size_t scatterers_per_task = 4096, patches_per_task = 64;
 
-void check(const CoherentReceiver& receiver, const EchoLaw& law) {
-  check(receiver.pulse, receiver.times);
-  check(law);
-  if (receiver.channels.empty()) throw std::invalid_argument("signals need a channel or more");
-  if (!(receiver.carrier_hz > 0 && receiver.sound_speed_m_s > 0))
-    throw std::invalid_argument(
-        fmt::format("signals need a carrier and a sound speed above 0, not {} Hz and {} m/s",
-                    receiver.carrier_hz, receiver.sound_speed_m_s));
-}
-
 double wavenumber(const CoherentReceiver& receiver) {
   return 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
 }
@@ -139,6 +129,16 @@ void in_tasks(std::size_t count, std::size_t per_task, Values& all, const Make& 
 }
 
 }  // namespace
+
+void check(const CoherentReceiver& receiver, const EchoLaw& law) {
+  check(receiver.pulse, receiver.times);
+  check(law);
+  if (receiver.channels.empty()) throw std::invalid_argument("signals need a channel or more");
+  if (!(receiver.carrier_hz > 0 && receiver.sound_speed_m_s > 0))
+    throw std::invalid_argument(
+        fmt::format("signals need a carrier and a sound speed above 0, not {} Hz and {} m/s",
+                    receiver.carrier_hz, receiver.sound_speed_m_s));
+}
 
 ChannelSignals element_signals(const SeenPatches& patches, const CoherentReceiver& receiver,
                                const EchoLaw& law, const GroundField& field, double tolerance) {

@@ -35,6 +35,9 @@ struct ChannelSignals {
   }
 };
 
+/// Throws std::invalid_argument that says what is wrong and what to do.
+void check(const CoherentReceiver& receiver, const EchoLaw& law);
+
 // Each throws std::invalid_argument that says what is wrong and what to do: no channel, a pulse that the
 // samples do not hold, a carrier or a sound speed that is not above 0, a field that is none. `tolerance`: of
 // covariances, about, relative to what they would be without interference and with all of a pulse's

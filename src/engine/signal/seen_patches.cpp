@@ -71,6 +71,19 @@ SeenPatches seen_patches(const Sight& sight, const EchoLaw& law) {
   return seen;
 }
 
+SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth) {
+  SplitPatches split;
+  split.smooth.origin_m = split.rough.origin_m = patches.origin_m;
+  for (const SeenPatch& patch : patches.patches) {
+    SeenPatches& part = is_smooth(patch.facet) ? split.smooth : split.rough;
+    const auto corners = patches.corners(patch);
+    part.patches.push_back(patch);
+    part.patches.back().first_corner = std::uint32_t(part.corners_m.size());
+    part.corners_m.insert(part.corners_m.end(), corners.begin(), corners.end());
+  }
+  return split;
+}
+
 SeenPatches common_patches(const SeenPatches& first, const SeenPatches& second) {
   std::vector<std::uint32_t> by_facet(second.patches.size());
   std::iota(by_facet.begin(), by_facet.end(), 0u);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -36,6 +37,13 @@ struct SeenPatches {
 /// that is seen elsewhere than it lies (refracting water), for ways over mirrors, and for what rays met: none
 /// of them has polygons whose points have straight ways to any channel.
 SeenPatches seen_patches(const Sight& sight, const EchoLaw& law);
+
+/// Patches of smooth facets and those of rough ones, which return signals of their own.
+struct SplitPatches {
+  SeenPatches smooth, rough;
+};
+/// Each patch goes to one of both, in the order in which they are.
+SplitPatches split_patches(const SeenPatches& patches, const std::function<bool(FacetId)>& is_smooth);
 
 /// What two sights share: the intersections of their polygons on each facet, in doubles. Origin and tubes are
 /// those of the first one. Facets have the same numbers in both.

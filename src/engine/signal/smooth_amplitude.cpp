@@ -68,13 +68,17 @@ FarAmplitude far_amplitude(const PlanarPolygon& polygon, const PathCutter::Recei
   return result;
 }
 
+glm::dvec2 place_of_shortest_path(const PlanarPolygon& polygon, const PathCutter::Receiver& home) {
+  const glm::dvec2 shortest = home.foot * (polygon.distance / (polygon.distance + home.distance));
+  PlanarPolygon about = polygon;
+  about.first -= shortest;
+  return polygon.first + nearest_point(about).offset;
+}
+
 double mean_sine(const PlanarPolygon& polygon, const PathCutter::Receiver& home) {
   const double h = polygon.distance, g = home.distance;
   if (!(h + g > 0)) return 0;
-  const glm::dvec2 shortest = home.foot * (h / (h + g));
-  PlanarPolygon about = polygon;
-  about.first -= shortest;
-  const glm::dvec2 place = polygon.first + nearest_point(about).offset;
+  const glm::dvec2 place = place_of_shortest_path(polygon, home);
   return (h / range(h, place) + g / range(g, place - home.foot)) / 2;
 }
 

@@ -61,8 +61,9 @@ class SmoothAmplitude {
   Count count_;
 };
 
-/// The sine that SmoothSurface::factor takes, at the polygon's point nearest to the plane's place of shortest
-/// path.
+/// The polygon's point nearest to the plane's place of shortest path, about the foot point of the way out.
+glm::dvec2 place_of_shortest_path(const PlanarPolygon& polygon, const PathCutter::Receiver& home);
+/// The sine that SmoothSurface::factor takes, there.
 double mean_sine(const PlanarPolygon& polygon, const PathCutter::Receiver& home);
 
 /// A transmitted pulse: pressure over time at 1 m, complex (analytic, or at baseband with its carrier).

@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What channels receive of smooth facets: pulses along the edges, the image, a sphere, and laws.
+#include "engine/signal/smooth_signals.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "engine/sight/tube_engine.hpp"
+#include "engine/signal/chebyshev_pulses.hpp"
+#include "engine/signal/smooth_amplitude.hpp"
+#include "fixtures/geometry/layered_scenes.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
+#include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/tubes/tube.hpp"
+
+namespace tubefoot {
+namespace {
+
+using Complex = std::complex<double>;
+using test::Polygon2;
+constexpr double pi = std::numbers::pi, sound_speed = 1500;
+
+/// Adds a polygon of a plane that the patches' origin sees, as test::on_plane() has it.
+void add_patch(SeenPatches& seen, FacetId facet, const FacetPlane& plane, const Polygon2& polygon) {
+  SeenPatch patch{facet, plane.normal, plane.distance_m};
+  patch.first_corner = std::uint32_t(seen.corners_m.size());
+  patch.corner_count = std::uint32_t(polygon.size());
+  for (const glm::dvec3& corner : test::on_plane(plane, polygon)) seen.corners_m.push_back(corner);
+  seen.patches.push_back(patch);
+}
+
+SeenPatches patches_of(const FacetPlane& plane, const Polygon2& polygon) {
+  SeenPatches seen;
+  add_patch(seen, 0, plane, polygon);
+  return seen;
+}
+
+CoherentReceiver receiver_of(const std::vector<SignalChannel>& channels, double sigma_s = 5e-5,
+                             double carrier_hz = 100e3) {
+  CoherentReceiver receiver;
+  receiver.channels = channels;
+  receiver.pulse = gaussian_pulse(sigma_s, 1e-6);
+  receiver.times = {0, 1.05 * receiver.pulse.bandwidth_hz, 1000};
+  receiver.carrier_hz = carrier_hz;
+  receiver.sound_speed_m_s = sound_speed;
+  return receiver;
+}
+
+/// Times that hold all echoes of patches, for the first channel.
+void listen(CoherentReceiver& receiver, const SeenPatches& seen) {
+  double shortest = 1e9, longest = 0;
+  for (const SignalChannel& channel : receiver.channels)
+    for (const glm::dvec3& corner : seen.corners_m) {
+      const double path = glm::distance(corner + seen.origin_m, channel.transmit_m) +
+                          glm::distance(corner + seen.origin_m, channel.receive_m);
+      shortest = std::min(shortest, path);
+      longest = std::max(longest, path);
+    }
+  const double first = shortest * 0.8 / sound_speed + receiver.pulse.begin_s;
+  receiver.times.first_s = first;
+  receiver.times.count =
+      std::size_t((longest / sound_speed + receiver.pulse.end_s - first) * receiver.times.rate_hz) + 2;
+}
+
+const SmoothSurface rigid;
+const SmoothSurface* all_rigid(FacetId) { return &rigid; }
+
+PlanarPolygon polygon_of(const SeenPatches& seen, const SeenPatch& patch, const SignalChannel& channel,
+                         PathCutter::Receiver& home) {
+  const glm::dvec3 transmit = channel.transmit_m - seen.origin_m, receive = channel.receive_m - seen.origin_m;
+  const FacetPlane plane{patch.normal, patch.distance_m + glm::dot(patch.normal, transmit)};
+  const PlaneFrame frame(plane);
+  home = {patch.distance_m + glm::dot(patch.normal, receive), frame.project(receive - transmit)};
+  std::vector<glm::dvec3> corners;
+  for (const glm::dvec3& corner : seen.corners(patch)) corners.push_back(corner - transmit);
+  PlanarPolygon polygon;
+  polygon.assign(corners, plane, frame);
+  return polygon;
+}
+
+/// By add_pulse_echo(), rigid, of the first channel. `wave`: entire, of the pulse at the carrier.
+std::vector<Complex> by_edges(const SeenPatches& seen, const CoherentReceiver& receiver,
+                              const TransmittedPulse& wave) {
+  std::vector<double> times;
+  for (std::size_t k = 0; k < receiver.times.count; ++k) times.push_back(receiver.times.time_s(k));
+  std::vector<Complex> sum(times.size());
+  for (const SeenPatch& patch : seen.patches) {
+    PathCutter::Receiver home;
+    const PlanarPolygon polygon = polygon_of(seen, patch, receiver.channels[0], home);
+    add_pulse_echo(polygon, home, wave, receiver.sound_speed_m_s, times, sum);
+  }
+  for (std::size_t k = 0; k < times.size(); ++k) sum[k] *= phasor(2 * pi * receiver.carrier_hz * times[k]);
+  return sum;
+}
+
+/// exp(-t^2 (1 / 2 sigma^2 + i pi sweep)) of energy 1.
+TransmittedPulse gaussian_wave(double sigma_s, double carrier_hz, double sweep_hz_s = 0) {
+  const double omega = 2 * pi * carrier_hz;
+  const Complex bend(1 / (2 * sigma_s * sigma_s), pi * sweep_hz_s);
+  return {[=](double t) {
+            return std::exp(-t * t * bend - Complex(0, omega * t)) / std::sqrt(sigma_s * std::sqrt(pi));
+          },
+          omega + 8 * (1 / sigma_s + 2 * pi * std::abs(sweep_hz_s) * sigma_s)};
+}
+
+double most_of(const SeenPatches& seen, const CoherentReceiver& receiver) {
+  double sum = 0;
+  for (const SeenPatch& patch : seen.patches) {
+    PathCutter::Receiver home;
+    const PlanarPolygon polygon = polygon_of(seen, patch, receiver.channels[0], home);
+    sum += far_amplitude(polygon, home, 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s).most;
+  }
+  return sum;
+}
+
+double largest_difference(const ChannelSignals& signals, std::span<const Complex> other) {
+  double worst = 0;
+  for (std::size_t k = 0; k < signals.samples; ++k)
+    worst = std::max(worst, std::abs(signals.at(0, k) - other[k]));
+  return worst;
+}
+
+double peak_of(const ChannelSignals& signals) {
+  double most = 0;
+  for (const Complex& value : signals.value) most = std::max(most, std::abs(value));
+  return most;
+}
+
+// Law Q8, near and far, with one apex and two, of polygons that need one node and that must be cut.
+TEST(SmoothSignals, AreThePulseAlongTheEdges) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const EchoLaw law;
+  for (int n = 0; n < 8; ++n) {
+    const double size = std::pow(10, -2.3 + 2.3 * unit(random)),
+                 height = 0.7 + (n % 3 == 0 ? 20 : 3) * unit(random),
+                 sigma = std::pow(10, -4.8 + unit(random));
+    const FacetPlane plane = test::random_plane(random, height);
+    const SeenPatches seen = patches_of(
+        plane,
+        test::random_convex(random, {2 * unit(random) - 1, 2 * unit(random) - 1}, size, size * unit(random)));
+    const glm::dvec3 apart =
+        n % 2 == 0 ? glm::dvec3(0) : 0.3 * glm::dvec3(unit(random), unit(random), unit(random));
+    CoherentReceiver receiver = receiver_of({{glm::dvec3(0), apart}}, sigma);
+    listen(receiver, seen);
+    const std::vector<Complex> exact = by_edges(seen, receiver, gaussian_wave(sigma, receiver.carrier_hz));
+    const double most = most_of(seen, receiver) * std::abs(receiver.pulse.at(0));
+    for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+      const ChannelSignals signals = smooth_signals(seen, receiver, law, all_rigid, tolerance);
+      const double off = largest_difference(signals, exact);
+      EXPECT_LE(off, (tolerance + 3e-6) * most) << size << ' ' << height;
+      // What interferes away has no error either.
+      EXPECT_LE(off, (4 * tolerance + 2e-5) * peak_of(signals)) << size << ' ' << height;
+    }
+  }
+}
+
+// The edges come later than the image.
+TEST(SmoothSignals, OfALargePlaneAreItsImage) {
+  const double height = 1.5, sigma = 3e-5;
+  const SeenPatches seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
+  SmoothSurface surface{.reflection = {-0.6, 0.2}};
+  for (const glm::dvec3 home : {glm::dvec3(0), glm::dvec3(0.4, 0.1, -0.5)}) {
+    CoherentReceiver receiver = receiver_of({{glm::dvec3(0), home}}, sigma);
+    const double image = std::hypot(2 * height + home.z, home.x, home.y);
+    receiver.times.first_s = 1.2e-3 + receiver.pulse.begin_s;
+    receiver.times.count = std::size_t(1.8e-3 * receiver.times.rate_hz);
+    const double k = 2 * pi * receiver.carrier_hz / sound_speed;
+    EchoLaw law;
+    law.absorption_db_per_m = 0.05;
+    for (const double tolerance : {1e-2, 1e-3}) {
+      const ChannelSignals signals = smooth_signals(
+          seen, receiver, law, [&](FacetId) { return &surface; }, tolerance);
+      double worst = 0;
+      for (std::size_t n = 0; n < signals.samples; ++n)
+        worst =
+            std::max(worst, std::abs(signals.at(0, n) -
+                                     surface.reflection * std::pow(10, -0.05 * image / 20) / image *
+                                         phasor(k * image) *
+                                         receiver.pulse.at(receiver.times.time_s(n) - image / sound_speed)));
+      EXPECT_LT(worst, tolerance * peak_of(signals)) << tolerance;
+    }
+  }
+}
+
+/// What a pulse that is longer than a body makes of the amplitude at the carrier.
+Complex at_carrier(const ChannelSignals& signals, const CoherentReceiver& receiver, std::size_t channel = 0) {
+  Complex heard = 0, sent = 0;
+  for (std::size_t k = 0; k < signals.samples; ++k) heard += signals.at(channel, k);
+  const int many = 20000;
+  for (int k = 0; k <= many; ++k)
+    sent += receiver.pulse.at(receiver.pulse.begin_s +
+                              (receiver.pulse.end_s - receiver.pulse.begin_s) * k / many);
+  sent *= (receiver.pulse.end_s - receiver.pulse.begin_s) / many;
+  return heard / receiver.times.rate_hz / sent;
+}
+
+// ka 20: Kirchhoff's sphere has |f| = 0.491128297 a, its facets somewhat more or less.
+TEST(SmoothSignals, OfASphereOfManyFacetsAreItsTargetStrength) {
+  const WorldGrid grid(20, glm::dvec3(0));
+  const double radius = 0.1, range = 30;
+  const glm::dvec3 centre(0.3, range, -0.2);
+  FacetMesh ball;
+  test::add_sphere(ball, grid.snap(centre), radius / grid.unit_m(), 4);
+  ball.material.resize(ball.facets.size(), 0);
+  ball.component.resize(ball.facets.size(), 0);
+  const SceneTree tree(ball);
+  TubeSet tubes{grid.snap(glm::dvec3(0)), {}, {}, 1e9};
+  AngularGrid angles{{-0.05, 0.0, 0.05},
+                     {-0.05, 0.05},
+                     glm::dmat3(glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1))};
+  append_tubes(tubes, angles);
+  const History history = TubeEngine(ball, tree, grid.unit_m(), {}).trace(tubes);
+  EchoLaw law;
+  law.path.out.apex_m = grid.to_metres(tubes.apex);
+  const SeenPatches seen = seen_patches(history, law);
+  const double k = 20 / radius;
+  CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}}, 4e-4, k * sound_speed / (2 * pi));
+  listen(receiver, seen);
+  const Complex heard = at_carrier(smooth_signals(seen, receiver, law, all_rigid), receiver);
+  EXPECT_NEAR(20 * std::log10(std::abs(heard) * glm::dot(centre, centre) / (0.491128297 * radius)), 0, 0.25);
+  SmoothAmplitude amplitudes(std::span(&k, 1), 0);
+  Complex sum = 0;
+  amplitudes.add(history, all_rigid, std::span(&sum, 1));
+  EXPECT_LT(std::abs(heard - sum), 1e-3 * std::abs(sum));
+}
+
+// Law Q7.
+TEST(SmoothSignals, OfPolygonsInPartsAddUp) {
+  const FacetPlane plane{glm::normalize(glm::dvec3(0.2, -0.3, 1)), 2};
+  const Polygon2 polygon{{-0.2, -0.1}, {0.5, -0.3}, {0.7, 0.4}, {0.1, 0.6}};
+  const SeenPatches whole = patches_of(plane, polygon);
+  SeenPatches parts;
+  for (std::size_t k = 0; k < 4; ++k)
+    add_patch(parts, FacetId(k), plane, {polygon[k], polygon[(k + 1) % 4], {0.21, 0.13}});
+  CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0.1, 0, 0.2)}});
+  listen(receiver, whole);
+  const EchoLaw law;
+  for (const double tolerance : {1e-4, 1e-8}) {
+    const ChannelSignals one = smooth_signals(whole, receiver, law, all_rigid, tolerance),
+                         sum = smooth_signals(parts, receiver, law, all_rigid, tolerance);
+    EXPECT_LT(largest_difference(sum, one.value), (10 * tolerance + 3e-6) * peak_of(one)) << tolerance;
+  }
+}
+
+// Law Q5.
+TEST(SmoothSignals, EndsMayBeExchanged) {
+  SeenPatches seen =
+      patches_of({glm::normalize(glm::dvec3(0.2, -0.3, 1)), 2}, {{-0.2, -0.1}, {0.5, -0.3}, {0.7, 0.4}});
+  add_patch(seen, 1, test::flat_bed(3), {{1, 1}, {1.02, 1}, {1.01, 1.03}});
+  const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 1.5};
+  const glm::dvec3 a(0.1, 0.2, 0.3), b(-0.3, 0.1, -0.1);
+  CoherentReceiver receiver = receiver_of({{a, b, line, {}}, {b, a, {}, line}});
+  listen(receiver, seen);
+  EchoLaw law;
+  law.absorption_db_per_m = 0.1;
+  const SmoothSurface bottom{.fluid = fluid_sediment(1.8, 1.1, 0.5), .roughness_m = 1e-3};
+  const ChannelSignals signals = smooth_signals(
+      seen, receiver, law, [&](FacetId) { return &bottom; }, 1e-7);
+  double worst = 0;
+  for (std::size_t k = 0; k < signals.samples; ++k)
+    worst = std::max(worst, std::abs(signals.at(0, k) - signals.at(1, k)));
+  EXPECT_GT(peak_of(signals), 0);
+  EXPECT_LT(worst, 1e-6 * peak_of(signals));
+}
+
+TEST(SmoothSignals, HaveTheSameBitsForAnyNumberOfThreads) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  SeenPatches seen;
+  for (FacetId n = 0; n < 600; ++n)
+    add_patch(seen, n, test::random_plane(random, 3 + unit(random)),
+              test::random_convex(random, {unit(random), unit(random)}, 0.1, 0.05));
+  CoherentReceiver receiver = receiver_of({});
+  for (int k = 0; k < 5; ++k) receiver.channels.push_back({glm::dvec3(0), {0.02 * k, 0, 0}});
+  listen(receiver, seen);
+  const auto of = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return smooth_signals(seen, receiver, {}, all_rigid, 1e-3).value;
+  };
+  const std::vector<Complex> one = of(1);
+  EXPECT_EQ(of(4), one);
+  EXPECT_EQ(of(3), one);
+}
+
+// A sweep as it is sent, against the edges; and its matched filter finds the plate where it is.
+TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
+  const double sigma = 3e-4, sweep = 1.5e7, height = 3;
+  const SeenPatches seen = patches_of(test::flat_bed(height), {{0.6, -0.4}, {1.1, -0.3}, {0.8, 0.5}});
+  CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0.1)}}, sigma);
+  const TransmittedPulse wave = gaussian_wave(sigma, receiver.carrier_hz, sweep);
+  receiver.pulse.envelope = [=, carrier = receiver.carrier_hz](double t) {
+    return wave.pressure(t) * phasor(2 * pi * carrier * t);
+  };
+  receiver.pulse.bandwidth_hz = 2 * std::hypot(sweep * sigma, 1 / (2 * pi * sigma)) * 5.3;
+  receiver.times.rate_hz = 1.05 * receiver.pulse.bandwidth_hz;
+  listen(receiver, seen);
+  const ChannelSignals signals = smooth_signals(seen, receiver, {}, all_rigid, 1e-5);
+  EXPECT_LT(largest_difference(signals, by_edges(seen, receiver, wave)), 5e-5 * peak_of(signals));
+
+  const double far = 20;
+  const SeenPatches plate =
+      patches_of(test::flat_bed(far), {{-.05, -.03}, {.05, -.03}, {.05, .03}, {-.05, .03}});
+  receiver.channels = {{glm::dvec3(0), glm::dvec3(0)}};
+  listen(receiver, plate);
+  const ChannelSignals echo = smooth_signals(plate, receiver, {}, all_rigid);
+  const auto compressed = [&](double delay_s) {
+    Complex sum = 0;
+    for (std::size_t k = 0; k < echo.samples; ++k)
+      sum += echo.at(0, k) * std::conj(receiver.pulse.at(receiver.times.time_s(k) - delay_s)) /
+             receiver.times.rate_hz;
+    return sum;
+  };
+  const double delay = 2 * far / sound_speed, step = 1 / receiver.times.rate_hz;
+  // |f| = A / lambda = 0.4 m; the quadratic phase over the plate takes 1 % of it.
+  EXPECT_NEAR(std::abs(compressed(delay)), 0.4 / (far * far), 0.02 * 0.4 / (far * far));
+  EXPECT_GT(std::abs(compressed(delay)), std::abs(compressed(delay + step / 4)));
+  EXPECT_GT(std::abs(compressed(delay)), std::abs(compressed(delay - step / 4)));
+}
+
+TEST(SmoothSignals, OfRoughFacetsAreSilent) {
+  SeenPatches seen = patches_of(test::flat_bed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
+  add_patch(seen, 1, test::flat_bed(2), {{-1, -1}, {-0.7, -1}, {-0.9, -0.7}});
+  CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}});
+  listen(receiver, seen);
+  const ChannelSignals none =
+      smooth_signals(seen, receiver, {}, [](FacetId) { return static_cast<const SmoothSurface*>(nullptr); });
+  EXPECT_EQ(peak_of(none), 0);
+  EXPECT_EQ(none.value.size(), receiver.times.count);
+  const auto second = [](FacetId facet) { return facet == 1 ? &rigid : nullptr; };
+  const SplitPatches split = split_patches(seen, [&](FacetId facet) { return second(facet) != nullptr; });
+  ASSERT_EQ(split.smooth.patches.size(), 1u);
+  ASSERT_EQ(split.rough.patches.size(), 1u);
+  EXPECT_EQ(split.smooth.patches[0].facet, 1u);
+  EXPECT_NEAR(split.smooth.area_m2() + split.rough.area_m2(), seen.area_m2(), 1e-15);
+  EXPECT_EQ(smooth_signals(split.smooth, receiver, {}, all_rigid).value,
+            smooth_signals(seen, receiver, {}, second).value);
+  // From behind nothing is seen.
+  receiver.channels[0].receive_m = {0, 0, -10};
+  EXPECT_EQ(peak_of(smooth_signals(seen, receiver, {}, all_rigid)), 0);
+}
+
+// A pattern is that of the place of reflection, and pieces as small as patterns ask for leave little of
+// borders.
+TEST(SmoothSignals, PatternsWeighTheImage) {
+  const double height = 1.5;
+  const SeenPatches seen = patches_of(test::flat_bed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
+  const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
+  const glm::dvec3 home(0.6, 0.3, 0);
+  CoherentReceiver receiver = receiver_of({{glm::dvec3(0), home, line, {}}}, 3e-5);
+  const double image = std::hypot(2 * height, home.x, home.y), k = 2 * pi * receiver.carrier_hz / sound_speed;
+  receiver.times.first_s = 1.2e-3 + receiver.pulse.begin_s;
+  receiver.times.count = std::size_t(1.8e-3 * receiver.times.rate_hz);
+  const ChannelSignals signals = smooth_signals(seen, receiver, {}, all_rigid, 1e-4);
+  const double pattern = amplitude_pattern(line, glm::dvec3(home.x / 2, home.y / 2, -height) / (image / 2));
+  double worst = 0;
+  for (std::size_t n = 0; n < signals.samples; ++n)
+    worst = std::max(worst, std::abs(signals.at(0, n) -
+                                     pattern / image * phasor(k * image) *
+                                         receiver.pulse.at(receiver.times.time_s(n) - image / sound_speed)));
+  EXPECT_LT(worst, 0.015 * std::abs(receiver.pulse.at(0)) / image);
+  EXPECT_NEAR(peak_of(signals), pattern * std::abs(receiver.pulse.at(0)) / image, 0.02 * peak_of(signals));
+}
+
+TEST(SmoothSignals, RefuseWhatIsNone) {
+  const SeenPatches seen = patches_of(test::flat_bed(3), {{1, 1}, {1.5, 1}, {1.3, 1.7}});
+  CoherentReceiver receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}});
+  for (const double tolerance : {0.0, -1e-3, 0.5, double(NAN)})
+    EXPECT_THROW(smooth_signals(seen, receiver, {}, all_rigid, tolerance), std::invalid_argument);
+  receiver.carrier_hz = receiver.pulse.bandwidth_hz / 2;
+  EXPECT_THROW(smooth_signals(seen, receiver, {}, all_rigid), std::invalid_argument);
+  receiver.carrier_hz *= 1.01;
+  EXPECT_NO_THROW(smooth_signals(seen, receiver, {}, all_rigid));
+  receiver.channels.clear();
+  EXPECT_THROW(smooth_signals(seen, receiver, {}, all_rigid), std::invalid_argument);
+}
+
+// A Gaussian's are its derivatives: T_1 = x, T_2 = 2 x^2 - 1, x = 2 f / B to i d/dt / pi B.
+TEST(ChebyshevPulses, AreDerivatives) {
+  const double sigma = 1e-4;
+  const BasebandPulse pulse = gaussian_pulse(sigma);
+  const ChebyshevPulses pulses(pulse, {0, 2e5, 10}, 4, 1e-9);
+  const double peak = pulse.at(0).real(), scale = 1 / (pi * pulse.bandwidth_hz);
+  for (double t = -4.03 * sigma; t < 4 * sigma; t += 0.37 * sigma) {
+    const double g = peak * std::exp(-t * t / (2 * sigma * sigma)), first = -t / (sigma * sigma) * g,
+                 second = (t * t / (sigma * sigma) - 1) / (sigma * sigma) * g;
+    EXPECT_LT(std::abs(pulses.filtered(0).at(t) - g), 1e-12 * peak);
+    EXPECT_LT(std::abs(pulses.filtered(1).at(t) - Complex(0, scale * first)), 1e-6 * peak) << t / sigma;
+    EXPECT_LT(std::abs(pulses.filtered(2).at(t) - Complex(-2 * scale * scale * second - g)), 1e-6 * peak)
+        << t / sigma;
+  }
+}
+
+}  // namespace
+}  // namespace tubefoot
