@@ -330,7 +330,6 @@ SignalProducts ArrayKind::products_of(const SensorDescription& sensor) {
                       static_cast<std::size_t>(std::max(1.0, std::round((east - west) / own.pixel_m))),
                       static_cast<std::size_t>(std::max(1.0, std::round((north - south) / own.pixel_m)))};
     aperture.ping_window = window_named(own.ping_window);
-    aperture.receiver_window = window;
     if (own.half_beam_deg) aperture.half_beam_rad = radians(*own.half_beam_deg);
   }
   if (has(own.products, "interferogram")) {

@@ -20,6 +20,7 @@
 #include "run/run_steps.hpp"
 #include "run/settings.hpp"
 #include "run/shot.hpp"
+#include "run/signals.hpp"
 #include "run/silence.hpp"
 #include "run/simulation.hpp"
 #include "run/standing.hpp"
@@ -170,6 +171,7 @@ void probe(const Shots& shots, const SharedShots& group, std::size_t ping, Probe
       for (std::uint32_t fan = 0; fan < law.patterns.fringes.size(); ++fan)
         shot.echo(shot.trace_staff(s, fan, law.patterns.fringes[fan]), s, fan, law);
       if (!shot.sensor(s).has_staff()) shot.echo(history, s, law.law);
+      if (shot.sensor(s).signals() != nullptr) signals_heard(shot, s, history);
     }
   }
   sum.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

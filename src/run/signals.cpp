@@ -195,23 +195,20 @@ class ShotSignals {
 
 }  // namespace
 
+ChannelSignals signals_heard(const Shot& shot, std::size_t s, const History& history) {
+  const ShotSignals heard(shot, s);
+  if (shot.sensor(s).signals()->own_sights) return heard.of_own_sights();
+  return shot.has_receiver_apart() ? heard.of(shot.trace_both()) : heard.of(history);
+}
+
 void add_signals(const Shot& shot, PingSums& sums) {
   for (const std::size_t s : shot.group().sensors) {
     const SignalModel* model = shot.sensor(s).signals();
     if (model == nullptr || sums.chosen(s).pings == 0) continue;
-    const ShotSignals heard(shot, s);
-    const auto add = [&](const ChannelSignals& signals) {
-      sums.add_signals(shot, s, recorded(signals, *model));
-    };
-    if (model->own_sights) {
-      sums.as_echo([&] { add(heard.of_own_sights()); });
-    } else if (shot.has_receiver_apart()) {
-      const BistaticHistory history = shot.trace_both();
-      sums.as_echo([&] { add(heard.of(history)); });
-    } else {
-      const History& history = traced(shot, sums);
-      sums.as_echo([&] { add(heard.of(history)); });
-    }
+    const bool sees_again = model->own_sights || shot.has_receiver_apart();
+    const History nothing{};
+    const History& history = sees_again ? nothing : traced(shot, sums);
+    sums.as_echo([&] { sums.add_signals(shot, s, recorded(signals_heard(shot, s, history), *model)); });
   }
 }
 
